@@ -1,0 +1,62 @@
+#pragma once
+#include "base/error.h"
+#include <mpi.h>
+#include <string>
+#include <vector>
+
+namespace signorini {
+
+inline int rank(MPI_Comm comm) {
+  int r = 0;
+  MPI_Comm_rank(comm, &r);
+  return r;
+}
+
+/// Rank 0's text on every rank. Collective.
+inline std::string broadcast(MPI_Comm comm, std::string text) {
+  auto size = static_cast<long>(text.size());
+  MPI_Bcast(&size, 1, MPI_LONG, 0, comm);
+  text.resize(static_cast<std::size_t>(size));
+  MPI_Bcast(text.data(), static_cast<int>(size), MPI_CHAR, 0, comm);
+  return text;
+}
+
+/// Runs `work` on rank 0; a UserError there is thrown on every rank, so that none waits for the others. Collective.
+template <class Work>
+void on_root(MPI_Comm comm, Work&& work) {
+  std::string problem;
+  if (rank(comm) == 0) {
+    try {
+      work();
+    } catch (const UserError& error) {
+      problem = error.what();
+    }
+  }
+  problem = broadcast(comm, problem);
+  if (!problem.empty())
+    throw UserError(problem);
+}
+
+/// Runs `work` on every rank; a UserError on any rank is thrown on every rank (the lowest rank's text). Collective.
+template <class Work>
+void together(MPI_Comm comm, Work&& work) {
+  std::string problem;
+  try {
+    work();
+  } catch (const UserError& error) {
+    problem = error.what();
+  }
+  int size = 1;
+  MPI_Comm_size(comm, &size);
+  int mine = problem.empty() ? size : rank(comm), first = mine;
+  MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, comm);
+  if (first == size)
+    return;
+  auto length = static_cast<long>(problem.size());
+  MPI_Bcast(&length, 1, MPI_LONG, first, comm);
+  problem.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(problem.data(), static_cast<int>(length), MPI_CHAR, first, comm);
+  throw UserError(problem);
+}
+
+} // namespace signorini

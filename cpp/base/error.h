@@ -1,0 +1,24 @@
+#pragma once
+#include <exception>
+#include <stdexcept>
+
+namespace signorini {
+
+/// The scene, the mesh, an option or the output folder is wrong: exit status 2.
+/// The text is one sentence: what, where, found, allowed.
+class UserError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A solver failed: exit status 3. The text names the step, the reason and the residual.
+class SolverFailure : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// The user asked to stop while a sweep was under way: what is complete is written, exit status 130.
+class Interrupted : public std::exception {
+public:
+  [[nodiscard]] const char* what() const noexcept override { return "interrupted"; }
+};
+
+} // namespace signorini

@@ -1,0 +1,96 @@
+#include "base/petsc.h"
+#include "base/error.h"
+#include <fmt/format.h>
+#include <string>
+
+namespace signorini::petsc {
+namespace {
+
+std::string& first_message() {
+  static std::string text;
+  return text;
+}
+
+PetscErrorCode keep_message(MPI_Comm, int, const char*, const char*, PetscErrorCode ierr, PetscErrorType type,
+                            const char* message, void*) {
+  if (type == PETSC_ERROR_INITIAL)
+    first_message() = message ? message : "";
+  return ierr;
+}
+
+} // namespace
+
+void check(PetscErrorCode ierr, std::source_location where) {
+  if (ierr == PETSC_SUCCESS)
+    return;
+  const char* kind = nullptr;
+  (void)PetscErrorMessage(ierr, &kind, nullptr);
+  std::string detail = std::exchange(first_message(), {});
+  throw SolverFailure(fmt::format("PETSc failed in {}: {}{}{}", where.function_name(),
+                                  kind ? kind : fmt::format("error {}", static_cast<int>(ierr)),
+                                  detail.empty() ? "" : ": ", detail));
+}
+
+void keep_error_messages() { check(PetscPushErrorHandler(keep_message, nullptr)); }
+
+Vector zero_like(Vec x) {
+  Vector y;
+  check(VecDuplicate(x, y.put()));
+  check(VecZeroEntries(y));
+  return y;
+}
+
+Vector copy(Vec x) {
+  Vector y;
+  check(VecDuplicate(x, y.put()));
+  check(VecCopy(x, y));
+  return y;
+}
+
+Series zero_series(Vec x, std::size_t count) {
+  Series series;
+  series.reserve(count);
+  for (std::size_t i = 0; i < count; ++i)
+    series.push_back(zero_like(x));
+  return series;
+}
+
+ReadArray::ReadArray(Vec x) : x_(x) {
+  PetscInt n = 0;
+  check(VecGetLocalSize(x, &n));
+  check(VecGetArrayRead(x, &data_));
+  size_ = static_cast<std::size_t>(n);
+}
+
+ReadArray::~ReadArray() { (void)VecRestoreArrayRead(x_, &data_); }
+
+WriteArray::WriteArray(Vec x) : x_(x) {
+  PetscInt n = 0;
+  check(VecGetLocalSize(x, &n));
+  check(VecGetArray(x, &data_));
+  size_ = static_cast<std::size_t>(n);
+}
+
+WriteArray::~WriteArray() { (void)VecRestoreArray(x_, &data_); }
+
+double dot(Vec x, Vec y) {
+  PetscScalar value = 0;
+  check(VecDot(x, y, &value));
+  return value;
+}
+
+MPI_Comm comm(PetscObject object) {
+  MPI_Comm c = MPI_COMM_NULL;
+  check(PetscObjectGetComm(object, &c));
+  return c;
+}
+
+void default_option(const char* name, const char* key, const char* value) {
+  const std::string option = fmt::format("-{}_{}", name, key);
+  PetscBool set = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, nullptr, option.c_str(), &set));
+  if (!set)
+    check(PetscOptionsSetValue(nullptr, option.c_str(), value));
+}
+
+} // namespace signorini::petsc

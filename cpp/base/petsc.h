@@ -1,0 +1,105 @@
+#pragma once
+#include <petscsnes.h>
+#include <source_location>
+#include <span>
+#include <utility>
+#include <vector>
+
+/// PETSc objects with C++ lifetimes.
+namespace signorini::petsc {
+
+/// Throws SolverFailure with PETSc's own message if `ierr` is an error.
+void check(PetscErrorCode ierr, std::source_location where = std::source_location::current());
+
+/// Makes PETSc keep its error messages for check() instead of printing a traceback.
+void keep_error_messages();
+
+/// Sole owner of one PETSc object; converts to the PETSc handle wherever one is expected.
+template <class T, PetscErrorCode (*destroy)(T*)>
+class Handle {
+public:
+  Handle() = default;
+  explicit Handle(T object) : object_(object) {}
+  Handle(Handle&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(object_, other.object_);
+    return *this;
+  }
+  ~Handle() { destroy(&object_); }
+
+  operator T() const { return object_; }
+
+  /// Address for a PETSc function that creates an object; what was held is destroyed first.
+  T* put() {
+    destroy(&object_);
+    return &object_;
+  }
+
+private:
+  T object_ = nullptr;
+};
+
+using Vector = Handle<Vec, VecDestroy>;
+using Matrix = Handle<Mat, MatDestroy>;
+using LinearSolver = Handle<KSP, KSPDestroy>;
+using NonlinearSolver = Handle<SNES, SNESDestroy>;
+using IndexSet = Handle<IS, ISDestroy>;
+
+/// A vector of the same layout, entries zero. Collective.
+Vector zero_like(Vec x);
+
+/// A vector of the same layout and entries. Collective.
+Vector copy(Vec x);
+
+/// A series of vectors, one per time step.
+using Series = std::vector<Vector>;
+
+/// `count` zero vectors of the layout of `x`. Collective.
+Series zero_series(Vec x, std::size_t count);
+
+/// The owned entries of a vector for reading, as long as this object lives.
+class ReadArray {
+public:
+  explicit ReadArray(Vec x);
+  ~ReadArray();
+  ReadArray(const ReadArray&) = delete;
+  ReadArray& operator=(const ReadArray&) = delete;
+  operator std::span<const double>() const { return {data_, size_}; }
+  double operator[](std::size_t i) const { return data_[i]; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+private:
+  Vec x_;
+  const PetscScalar* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// The owned entries of a vector for writing, as long as this object lives.
+class WriteArray {
+public:
+  explicit WriteArray(Vec x);
+  ~WriteArray();
+  WriteArray(const WriteArray&) = delete;
+  WriteArray& operator=(const WriteArray&) = delete;
+  operator std::span<double>() const { return {data_, size_}; }
+  double& operator[](std::size_t i) const { return data_[i]; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+private:
+  Vec x_;
+  PetscScalar* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// x·y. Collective.
+double dot(Vec x, Vec y);
+
+/// The MPI communicator of a PETSc object.
+MPI_Comm comm(PetscObject object);
+inline MPI_Comm comm(Vec x) { return comm(reinterpret_cast<PetscObject>(x)); }
+inline MPI_Comm comm(Mat x) { return comm(reinterpret_cast<PetscObject>(x)); }
+
+/// The options prefixed `name_` belong to one solver; sets `-name_key value` unless the user has.
+void default_option(const char* name, const char* key, const char* value);
+
+} // namespace signorini::petsc

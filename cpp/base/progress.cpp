@@ -1,0 +1,53 @@
+#include "base/progress.h"
+#include <cmath>
+#include <cstdio>
+#include <fmt/format.h>
+
+namespace signorini {
+namespace {
+
+std::string duration(double seconds) {
+  const auto s = static_cast<long>(std::ceil(seconds));
+  return s < 60 ? fmt::format("{} s", s) : fmt::format("{} min {:02} s", s / 60, s % 60);
+}
+
+} // namespace
+
+void Console::line(const std::string& text) const {
+  if (speaks_)
+    fmt::print("{}\n", text), std::fflush(stdout);
+}
+
+Progress::Progress(const Console& console, std::string label, std::size_t total)
+    : console_(console), label_(std::move(label)), total_(total) {}
+
+Progress::~Progress() {
+  if (drawn_)
+    fmt::print(stderr, "\r\033[K"), std::fflush(stderr);
+}
+
+void Progress::update(std::size_t done, const std::string& note) {
+  if (!console_.speaks() || total_ == 0)
+    return;
+  const auto now = Clock::now();
+  const double seconds = std::chrono::duration<double>(now - start_).count();
+  const double left = done > 0 ? seconds * static_cast<double>(total_ - done) / static_cast<double>(done) : 0;
+  if (console_.terminal()) {
+    if (done < total_ && now - last_ < std::chrono::milliseconds(100))
+      return;
+    last_ = now;
+    constexpr std::size_t width = 28;
+    const std::size_t filled = width * done / total_;
+    fmt::print(stderr, "\r\033[K{} [{}{}] {}/{}  {} left  {}", label_, std::string(filled, '#'),
+               std::string(width - filled, '.'), done, total_, duration(left), note);
+    std::fflush(stderr);
+    drawn_ = true;
+  } else if (const std::size_t tenth = 10 * done / total_; tenth > tenth_) {
+    tenth_ = tenth;
+    // Runs of less than a few seconds need no account of their progress.
+    if (seconds > 3 || left > 3)
+      console_.line(fmt::format("{} {}/{}  {} left  {}", label_, done, total_, duration(left), note));
+  }
+}
+
+} // namespace signorini

@@ -1,0 +1,265 @@
+#include "check.h"
+#include "base/error.h"
+#include "forward/balance.h"
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace signorini {
+using petsc::check;
+
+namespace {
+
+struct Row {
+  std::string name, measured, allowed;
+  bool holds;
+};
+
+/// A smooth field over the body and time, the same on any number of ranks; `which` picks one of several.
+control::Control wave(const control::ControlSpace& controls, int which) {
+  control::Control u = controls.zero();
+  const fem::Space& space = controls.space();
+  const double unit = 2 * M_PI / space.mesh().diameter();
+  for (int k = 1; k <= controls.steps(); ++k) {
+    const petsc::WriteArray values(u.at(k));
+    const double t = 2 * M_PI * k / controls.steps();
+    for (int node = 0; node < space.owned_nodes(); ++node) {
+      const double* x = &space.points()[static_cast<std::size_t>(3 * node)];
+      for (int c = 0; c < space.dim(); ++c)
+        values[static_cast<std::size_t>(node * space.dim() + c)] =
+            std::cos(unit * ((1 + c) * x[0] + 2 * x[1] - x[2]) + (1 + which) * t + which + 0.7 * c);
+    }
+  }
+  return u;
+}
+
+/// Where derivatives are taken: the scene's [check] control, else half of the reference control (at the reference itself
+/// the tracking error and with it the adjoint vanish), else the first guess.
+control::Control check_point(const Problem& problem, const ControlProblem& control_problem, std::string& description) {
+  const scene::Scene& scene = problem.scene;
+  if (scene.check.control) {
+    description = "the control of [check]";
+    return control_problem.controls.interpolate(*scene.check.control, "check.control");
+  }
+  if (control_problem.reference) {
+    description = "half of the reference control";
+    control::Control u = *control_problem.reference;
+    u.scale(0.5);
+    return u;
+  }
+  description = "the first guess";
+  return control_problem.first_guess(scene);
+}
+
+bool same_sets(const forward::Trajectory& a, const forward::Trajectory& b) {
+  for (int k = 1; k <= a.steps; ++k)
+    if (a.contact[static_cast<std::size_t>(k)].active() != b.contact[static_cast<std::size_t>(k)].active())
+      return false;
+  return true;
+}
+
+std::string shown(double value) { return fmt::format("{:.2e}", value); }
+
+Row below(const std::string& name, double value, double limit) {
+  return {name, shown(value), "<= " + fmt::format("{:.0e}", limit), value <= limit};
+}
+
+/// Least-squares slope of log r over log ε.
+double order(const std::vector<std::pair<double, double>>& points) {
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  for (const auto& [epsilon, remainder] : points) {
+    const double a = std::log(epsilon), b = std::log(remainder);
+    n += 1, x += a, y += b, xx += a * a, xy += a * b;
+  }
+  return (n * xy - x * y) / (n * xx - x * x);
+}
+
+class DerivativeCheck {
+public:
+  DerivativeCheck(control::ReducedProblem& problem, const control::Control& u, const Console& console)
+      : problem_(problem), controls_(problem.controls()), u_(u), d_(wave(controls_, 0)), console_(console) {
+    // A direction as long as the control itself makes ε a relative size.
+    const double size = controls_.norm(u);
+    d_.scale((size > 0 ? size : 1) / controls_.norm(d_));
+    settle(u_);
+  }
+
+  void run(std::vector<Row>& rows) {
+    rows.push_back(below("transpose identity <S'd, w> = <d, S'*w>", transpose_defect(), 1e-12));
+    taylor(rows);
+    hessian(rows);
+    settle(u_);
+  }
+
+private:
+  void settle(const control::Control& u) {
+    objective_ = problem_.value(u);
+    problem_.accept();
+  }
+
+  [[nodiscard]] control::Control moved(double epsilon) const {
+    control::Control u = u_;
+    u.add(epsilon, d_);
+    return u;
+  }
+
+  double transpose_defect() {
+    const petsc::Series dy = problem_.linearised(d_);
+    const control::Control shape = wave(controls_, 1);
+    petsc::Series w = petsc::zero_series(dy.front(), dy.size());
+    double forward = 0;
+    for (int k = 1; k <= controls_.steps(); ++k) {
+      Vec dual = w[static_cast<std::size_t>(k) - 1];
+      problem_.objective().add_second_derivative(k, shape.at(k), dual);
+      forward += petsc::dot(dual, dy[static_cast<std::size_t>(k) - 1]);
+    }
+    const control::Control back =
+        problem_.adjoint([&](int k, Vec ybar) { check(VecAXPY(ybar, 1, w[static_cast<std::size_t>(k) - 1])); });
+    const double backward = controls_.product(back, d_);
+    return std::abs(forward - backward) / std::max(std::abs(forward), std::abs(backward));
+  }
+
+  void taylor(std::vector<Row>& rows) {
+    const control::Control g = problem_.l2_gradient();
+    const double slope = controls_.product(g, d_);
+    // Rounding of J, accumulated over the steps, hides remainders below this.
+    const double floor = 100 * std::numeric_limits<double>::epsilon() * std::abs(objective_) *
+                         std::sqrt(static_cast<double>(controls_.steps()));
+    console_.line("Taylor remainders |J(u + eps d) - J(u) - eps <g, d>|, |d| = |u|:\n"
+                  "       eps    remainder   order  active sets");
+    std::vector<std::pair<double, double>> usable;
+    double last = 0;
+    constexpr int sizes = 8;
+    for (int j = 0; j < sizes; ++j) {
+      const double epsilon = std::pow(10, -2 - 0.5 * j);
+      const double remainder = std::abs(problem_.value(moved(epsilon)) - objective_ - epsilon * slope);
+      const bool kept = same_sets(problem_.trajectory(), problem_.trial_trajectory());
+      console_.line(fmt::format("  {:8.1e}   {:10.3e}  {:>6}  {}{}", epsilon, remainder,
+                                j > 0 ? fmt::format("{:.2f}", std::log(last / remainder) / std::log(std::sqrt(10))) : "",
+                                kept ? "kept" : "changed", remainder > floor ? "" : ", rounding"));
+      last = remainder;
+      if (kept && remainder > floor)
+        usable.emplace_back(epsilon, remainder);
+      if (kept && kept_size_ == 0 && same_sets_at(-epsilon))
+        kept_size_ = epsilon;
+    }
+    if (usable.size() < 3)
+      rows.push_back({"Taylor order", fmt::format("{} usable sizes", usable.size()),
+                      "3 sizes that keep the active sets", false});
+    else if (const double p = order(usable); true)
+      rows.push_back({"Taylor order", fmt::format("{:.3f}", p), "2.00 +- 0.05", std::abs(p - 2) <= 0.05});
+  }
+
+  bool same_sets_at(double epsilon) {
+    problem_.value(moved(epsilon));
+    return same_sets(problem_.trajectory(), problem_.trial_trajectory());
+  }
+
+  void hessian(std::vector<Row>& rows) {
+    const std::string name = "Hessian product against differences of gradients";
+    if (kept_size_ == 0) {
+      rows.push_back({name, "no size keeps the active sets", "<= 1e-06", false});
+      return;
+    }
+    control::Control h = problem_.hessian_product(d_);
+    const double size = controls_.norm(h);
+    settle(moved(kept_size_));
+    h.add(-1 / (2 * kept_size_), problem_.l2_gradient());
+    settle(moved(-kept_size_));
+    h.add(1 / (2 * kept_size_), problem_.l2_gradient());
+    rows.push_back(below(name, controls_.norm(h) / size, 1e-6));
+  }
+
+  control::ReducedProblem& problem_;
+  const control::ControlSpace& controls_;
+  const control::Control& u_;
+  control::Control d_;
+  const Console& console_;
+  double objective_ = 0;
+  double kept_size_ = 0; ///< the largest size that keeps the active sets on both sides
+};
+
+/// Energy law, momentum, complementarity of a whole trajectory.
+void invariants(const Problem& problem, const forward::AddLoad& load, const forward::Trajectory& trajectory,
+                std::vector<Row>& rows) {
+  const std::vector<forward::StepBalance> steps = forward::balance(problem.stepper, load, trajectory);
+  double energy = 0, energy_defect = 0, momentum_defect = 0, contact_work = 0;
+  for (const forward::StepBalance& b : steps) {
+    energy = std::max(energy, b.kinetic_energy + b.elastic_energy);
+    energy_defect = std::max(energy_defect, std::abs(b.energy_residual));
+    contact_work = std::max(contact_work, b.contact_work);
+    if (b.momentum_scale > 0)
+      momentum_defect = std::max(
+          momentum_defect,
+          std::hypot(b.momentum_residual[0], b.momentum_residual[1], b.momentum_residual[2]) / b.momentum_scale);
+  }
+  rows.push_back({"the body moved (largest energy)", shown(energy), "> 0", energy > 0});
+  if (!(energy > 0))
+    return;
+  rows.push_back(below("energy law, residual / largest energy", energy_defect / energy, 1e-10));
+  rows.push_back(below("momentum law, residual / forces", momentum_defect, 1e-10));
+  const contact::Constraints* constraints = problem.stepper.constraints();
+  if (!constraints)
+    return;
+  int contact_steps = 0, weak = 0, largest = 0;
+  double penetration = 0, adhesion = 0, force = 0, product = 0;
+  for (int k = 1; k <= trajectory.steps; ++k) {
+    const contact::ContactState& state = trajectory.contact[static_cast<std::size_t>(k)];
+    const int strong = state.count(contact::Status::strong);
+    contact_steps += strong > 0;
+    weak += state.count(contact::Status::weak);
+    largest = std::max(largest, strong);
+    for (std::size_t i = 0; i < state.lambda.size(); ++i) {
+      penetration = std::max(penetration, -state.gap[i]);
+      adhesion = std::max(adhesion, -state.lambda[i]);
+      force = std::max(force, state.lambda[i]);
+      product = std::max(product, std::abs(state.lambda[i] * state.gap[i]));
+    }
+  }
+  const double length = problem.mesh.diameter();
+  rows.push_back({"contact occurred",
+                  contact_steps > 0 ? fmt::format("{} steps, at most {} nodes, {} weak in all", contact_steps, largest, weak)
+                                    : "never: this checks nothing of contact",
+                  "in one step at least", contact_steps > 0});
+  if (contact_steps == 0)
+    return;
+  rows.push_back(below("complementarity: penetration / diameter", penetration / length, 1e-10));
+  rows.push_back(below("complementarity: adhesion / largest force", adhesion / force, 1e-10));
+  rows.push_back(below("complementarity: force x gap / (largest force x diameter)", product / (force * length), 1e-10));
+  rows.push_back(below("contact never does work, work / largest energy", contact_work / energy, 1e-10));
+}
+
+} // namespace
+
+bool check_scene(const Problem& problem, const Console& console) {
+  const scene::Scene& scene = problem.scene;
+  std::vector<Row> rows;
+  if (!scene.contact)
+    console.line("The scene has no contact: what follows checks a linear problem.");
+  if (scene.objective) {
+    ControlProblem control_problem(problem, console);
+    std::string where;
+    const control::Control u = check_point(problem, control_problem, where);
+    console.line(fmt::format("Derivatives at {}.", where));
+    DerivativeCheck(control_problem.reduced, u, console).run(rows);
+    invariants(problem, control_problem.reduced.load(), control_problem.reduced.trajectory(), rows);
+  } else {
+    console.line("The scene has no objective: there are no derivatives to check.");
+    forward::Trajectory trajectory(problem.initial.y, problem.steps());
+    forward::simulate(problem.stepper, problem.initial, problem.load(), trajectory);
+    if (trajectory.steps < problem.steps())
+      throw Interrupted();
+    invariants(problem, problem.load(), trajectory, rows);
+  }
+  console.line(fmt::format("{:<6}{:<58}{:<44}{}", "", "check", "measured", "allowed"));
+  bool all = true;
+  for (const Row& row : rows) {
+    console.line(fmt::format("{:<6}{:<58}{:<44}{}", row.holds ? "ok" : "FAIL", row.name, row.measured, row.allowed));
+    all = all && row.holds;
+  }
+  console.line(all ? (scene.contact ? "All checks hold, contact included." : "All checks hold; contact was not checked.")
+                   : "A check failed.");
+  return all;
+}
+
+} // namespace signorini

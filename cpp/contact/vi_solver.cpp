@@ -1,0 +1,81 @@
+#include "contact/vi_solver.h"
+#include "base/error.h"
+#include <fmt/format.h>
+
+namespace signorini::contact {
+using petsc::check;
+
+Complementarity::Complementarity(const Constraints& constraints, Mat D)
+    : gap_tolerance_(constraints.gap_tolerance()) {
+  petsc::Vector diagonal;
+  check(MatCreateVecs(D, diagonal.put(), nullptr));
+  check(MatGetDiagonal(D, diagonal));
+  // 1/(NᵀDN)_ii ≤ (NᵀD⁻¹N)_ii: a force below this one moves its node by less than the gap tolerance. Components of ν
+  // enter squared, so that the diagonal of D suffices.
+  const std::size_t m = static_cast<std::size_t>(constraints.count());
+  std::vector<double> stiffness(m, 0.0);
+  PetscInt begin = 0, end = 0;
+  check(VecGetOwnershipRange(diagonal, &begin, &end));
+  {
+    const petsc::ReadArray d(diagonal);
+    const auto dim = static_cast<std::size_t>(constraints.dim());
+    for (std::size_t i = 0; i < m; ++i)
+      if (const PetscInt first = constraints.first_dofs()[i]; first >= begin && first < end)
+        for (std::size_t c = 0; c < dim; ++c) {
+          const double nu = constraints.normals()[i * dim + c];
+          stiffness[i] += nu * nu * d[static_cast<std::size_t>(first - begin) + c];
+        }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, stiffness.data(), static_cast<int>(m), MPI_DOUBLE, MPI_SUM, petsc::comm(D));
+  for (double k : stiffness)
+    zero_force_.push_back(gap_tolerance_ * k);
+}
+
+void Complementarity::classify(ContactState& state) const {
+  double penetration = 0, adhesion = 0;
+  state.status.assign(state.lambda.size(), Status::open);
+  for (std::size_t i = 0; i < state.lambda.size(); ++i) {
+    penetration = std::max(penetration, -state.gap[i]);
+    adhesion = std::max(adhesion, -state.lambda[i]);
+    if (state.lambda[i] > zero_force_[i])
+      state.status[i] = Status::strong;
+    else if (state.gap[i] <= gap_tolerance_)
+      state.status[i] = Status::weak;
+  }
+  if (!holds(state.lambda, state.gap))
+    throw SolverFailure(fmt::format("the contact solution is not complementary: penetration {:.3e} m (allowed "
+                                    "{:.3e} m), adhesion {:.3e}, {} strong and {} weak of {} candidates",
+                                    penetration, gap_tolerance_, adhesion, state.count(Status::strong),
+                                    state.count(Status::weak), state.lambda.size()));
+}
+
+bool Complementarity::holds(std::span<const double> lambda, std::span<const double> gap) const {
+  for (std::size_t i = 0; i < lambda.size(); ++i)
+    if (!(gap[i] >= -gap_tolerance_ && lambda[i] >= -zero_force_[i] &&
+          (lambda[i] <= zero_force_[i] || gap[i] <= gap_tolerance_)))
+      return false;
+  return true;
+}
+
+int solve_vi(SNES snes, Vec x, Vec start, const char* what) {
+  check(VecCopy(x, start));
+  int iterations = 0;
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  PetscReal residual = 0;
+  for (const SNESType type : {SNESVINEWTONRSLS, SNESVINEWTONSSLS}) {
+    check(SNESSetType(snes, type));
+    check(VecCopy(start, x));
+    check(SNESSolve(snes, nullptr, x));
+    check(SNESGetConvergedReason(snes, &reason));
+    check(SNESGetFunctionNorm(snes, &residual));
+    PetscInt its = 0;
+    check(SNESGetIterationNumber(snes, &its));
+    iterations += static_cast<int>(its);
+    if (reason > 0)
+      return iterations;
+  }
+  throw SolverFailure(fmt::format("the {} VI did not converge: {}, scaled residual {:.3e} after {} iterations", what,
+                                  SNESConvergedReasons[reason], residual, iterations));
+}
+
+} // namespace signorini::contact

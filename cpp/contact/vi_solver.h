@@ -1,0 +1,38 @@
+#pragma once
+#include "contact/constraints.h"
+#include "contact/contact_state.h"
+
+namespace signorini::contact {
+
+/// Solver of one contact step: minimise ½ y·Dy − r·y over g(y) ≥ 0 (4.22).
+class ViSolver {
+public:
+  virtual ~ViSolver() = default;
+
+  /// Solves for `y`, which holds the previous step's displacement on entry; `previous` is the previous step's contact, from
+  /// which the search starts. Collective. Throws SolverFailure with reason and residual.
+  virtual ContactState solve(Vec r, const ContactState& previous, Vec y) const = 0;
+};
+
+/// Tells candidates apart as open, weak and strong, and throws SolverFailure unless the state is complementary to within
+/// the gap tolerance: a force counts as zero if it moves its node by less than that.
+class Complementarity {
+public:
+  /// Collective.
+  Complementarity(const Constraints& constraints, Mat D);
+
+  void classify(ContactState& state) const;
+
+  /// Whether g ≥ 0 and λ ≥ 0 to within the tolerance.
+  [[nodiscard]] bool holds(std::span<const double> lambda, std::span<const double> gap) const;
+
+private:
+  double gap_tolerance_;
+  std::vector<double> zero_force_;
+};
+
+/// Applies PETSc's VI solver, reduced-space Newton first and the semismooth one where that does not converge; returns the
+/// number of Newton steps. `start` keeps the first guess for the second attempt. Throws SolverFailure, naming `what`.
+int solve_vi(SNES snes, Vec x, Vec start, const char* what);
+
+} // namespace signorini::contact

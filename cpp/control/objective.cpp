@@ -1,0 +1,47 @@
+#include "control/objective.h"
+#include <cmath>
+
+namespace signorini::control {
+using petsc::check;
+
+Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, forward::Scheme scheme,
+                     petsc::Series desired, double alpha, double gamma)
+    : W_(operators.W), scheme_(scheme), desired_(std::move(desired)), alpha_(alpha), gamma_(gamma), controls_(controls),
+      error_(controls.space().vector()), work_(controls.space().vector()) {}
+
+double Objective::tracking_weight(int k) const {
+  return k == 0 || k == controls_.steps() ? scheme_.tau / 2 : scheme_.tau;
+}
+
+double Objective::terminal_weight(int k) const { return k == controls_.steps() ? 2 * gamma_ : 0; }
+
+double Objective::squared_distance(int k, Vec y) const {
+  check(VecWAXPY(error_, -1, desired_[static_cast<std::size_t>(k)], y));
+  check(MatMult(W_, error_, work_));
+  return petsc::dot(error_, work_);
+}
+
+double Objective::distance(int k, Vec y) const { return std::sqrt(squared_distance(k, y)); }
+
+Value Objective::value(const forward::Trajectory& trajectory, const Control& u) const {
+  Value value;
+  for (int k = 0; k <= controls_.steps(); ++k) {
+    const double squared = squared_distance(k, trajectory.y[static_cast<std::size_t>(k)]);
+    value.tracking += tracking_weight(k) / 2 * squared;
+    value.terminal += terminal_weight(k) / 2 * squared;
+  }
+  value.control_cost = alpha_ / 2 * controls_.product(u, u);
+  return value;
+}
+
+void Objective::add_derivative(int k, Vec y, Vec out) const {
+  check(VecWAXPY(error_, -1, desired_[static_cast<std::size_t>(k)], y));
+  add_second_derivative(k, error_, out);
+}
+
+void Objective::add_second_derivative(int k, Vec delta, Vec out) const {
+  check(MatMult(W_, delta, work_));
+  check(VecAXPY(out, tracking_weight(k) + terminal_weight(k), work_));
+}
+
+} // namespace signorini::control

@@ -1,0 +1,94 @@
+#include "control/reduced_problem.h"
+#include "base/error.h"
+#include <utility>
+
+namespace signorini::control {
+using petsc::check;
+
+ReducedProblem::ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls, const Objective& objective,
+                               const forward::Initial& initial, forward::AddLoad add_load, Timers& timers)
+    : stepper_(stepper), controls_(controls), objective_(objective), initial_(initial), add_load_(std::move(add_load)),
+      timers_(timers), current_{controls.zero(), forward::Trajectory(initial.y, controls.steps()), {}},
+      trial_{controls.zero(), forward::Trajectory(initial.y, controls.steps()), {}},
+      p_(petsc::zero_series(initial.y, static_cast<std::size_t>(controls.steps()))) {}
+
+forward::AddLoad ReducedProblem::load() const {
+  return [this](int k, Vec out) {
+    add_load_(k, out);
+    controls_.add_load(current_.u, k, out);
+  };
+}
+
+double ReducedProblem::value(const Control& u) {
+  trial_.u = u;
+  {
+    const auto timer = timers_.time("forward");
+    forward::simulate(
+        stepper_, initial_,
+        [&](int k, Vec out) {
+          add_load_(k, out);
+          controls_.add_load(trial_.u, k, out);
+        },
+        trial_.trajectory);
+  }
+  if (trial_.trajectory.steps < controls_.steps())
+    throw Interrupted();
+  ++sweeps_.forward;
+  const auto timer = timers_.time("objective");
+  trial_.value = objective_.value(trial_.trajectory, trial_.u);
+  return trial_.value.total();
+}
+
+void ReducedProblem::accept() { std::swap(current_, trial_); }
+
+Control ReducedProblem::adjoint(const std::function<void(int k, Vec ybar)>& add_dual) {
+  const auto timer = timers_.time("adjoint");
+  Control g = controls_.zero();
+  // The load's dual is (τ²/2) p and the load s W u_k; τ of the product is divided out: (τ s/2) p.
+  const double weight = stepper_.scheme().impulse() / stepper_.scheme().tau * controls_.scale();
+  adjoint::sweep(stepper_, current_.trajectory, add_dual, [&](int k, Vec p) {
+    check(VecAXPY(g.at(k), weight, p));
+    check(VecCopy(p, p_[static_cast<std::size_t>(k) - 1]));
+  });
+  ++sweeps_.adjoint;
+  return g;
+}
+
+Control ReducedProblem::l2_gradient() {
+  Control g = adjoint([&](int k, Vec ybar) {
+    objective_.add_derivative(k, current_.trajectory.y[static_cast<std::size_t>(k)], ybar);
+  });
+  g.add(objective_.alpha(), current_.u);
+  return g;
+}
+
+Control ReducedProblem::gradient() {
+  Control g = l2_gradient();
+  controls_.to_metric(g);
+  return g;
+}
+
+petsc::Series ReducedProblem::linearised(const Control& d) {
+  const auto timer = timers_.time("linearised");
+  const std::size_t n = static_cast<std::size_t>(controls_.steps());
+  petsc::Series dy = petsc::zero_series(initial_.y, n);
+  petsc::Vector y0 = petsc::zero_like(initial_.y), v0 = petsc::zero_like(initial_.y), v1 = petsc::zero_like(initial_.y),
+                load = petsc::zero_like(initial_.y);
+  for (std::size_t k = 1; k <= n; ++k) {
+    check(VecZeroEntries(load));
+    controls_.add_load(d, static_cast<int>(k), load);
+    stepper_.linearised_step(k == 1 ? Vec(y0) : Vec(dy[k - 2]), v0, load, current_.trajectory.contact[k], dy[k - 1], v1);
+    std::swap(v0, v1);
+  }
+  return dy;
+}
+
+Control ReducedProblem::hessian_product(const Control& d) {
+  const petsc::Series dy = linearised(d);
+  Control h = adjoint(
+      [&](int k, Vec ybar) { objective_.add_second_derivative(k, dy[static_cast<std::size_t>(k) - 1], ybar); });
+  h.add(objective_.alpha(), d);
+  return h;
+}
+
+} // namespace signorini::control

@@ -1,0 +1,81 @@
+#pragma once
+#include "adjoint/sweep.h"
+#include "base/progress.h"
+#include "base/timers.h"
+#include "control/objective.h"
+#include "forward/simulate.h"
+
+namespace signorini::control {
+
+/// u ↦ J(S(u), u) with S the solution operator of the contact problem: value, gradient, Hessian product. The problem keeps
+/// the trajectory of the current control and that of a trial; a rejected trial changes nothing. All members collective.
+class ReducedProblem {
+public:
+  using Vector = Control;
+
+  /// What the sweeps cost so far.
+  struct Sweeps {
+    int forward = 0, adjoint = 0;
+  };
+
+  /// The references must outlive this object. `add_load` is the load without the control.
+  ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls, const Objective& objective,
+                 const forward::Initial& initial, forward::AddLoad add_load, Timers& timers);
+
+  /// J(u) by a forward sweep; u becomes the trial. Throws Interrupted, SolverFailure.
+  double value(const Control& u);
+
+  /// The trial becomes the current control.
+  void accept();
+
+  /// The gradient at the current control, as Riesz representative in L2(0,T; L2) by one adjoint sweep:
+  /// g_k = α u_k + (τ s/2) p_k.
+  Control l2_gradient();
+
+  /// The gradient as Riesz representative in the optimizer's metric.
+  Control gradient();
+
+  /// Hessian product H d at the current control, active sets frozen, as Riesz representative in L2(0,T; L2): one
+  /// linearised and one adjoint sweep.
+  Control hessian_product(const Control& d);
+
+  /// S'(u) d: the linearised states δy_1…δy_N at the current control, active sets frozen.
+  petsc::Series linearised(const Control& d);
+
+  /// S'(u)* w for duals w_1…w_N of the states, as Riesz representative in L2(0,T; L2).
+  Control adjoint(const std::function<void(int k, Vec ybar)>& add_dual);
+
+  [[nodiscard]] double inner(const Control& u, const Control& w) const { return controls_.metric(u, w); }
+  void project(Control& u) const { controls_.project(u); }
+
+  [[nodiscard]] const Control& control() const { return current_.u; }
+  [[nodiscard]] const Value& value() const { return current_.value; }
+  [[nodiscard]] const forward::Trajectory& trajectory() const { return current_.trajectory; }
+  [[nodiscard]] const forward::Trajectory& trial_trajectory() const { return trial_.trajectory; }
+  /// p_1…p_N of the last gradient.
+  [[nodiscard]] const petsc::Series& adjoint_states() const { return p_; }
+  [[nodiscard]] Sweeps sweeps() const { return sweeps_; }
+  /// Load with the current control.
+  [[nodiscard]] forward::AddLoad load() const;
+  [[nodiscard]] const ControlSpace& controls() const { return controls_; }
+  [[nodiscard]] const Objective& objective() const { return objective_; }
+
+private:
+  struct Point {
+    Control u;
+    forward::Trajectory trajectory;
+    Value value;
+  };
+
+  const forward::Stepper& stepper_;
+  const ControlSpace& controls_;
+  const Objective& objective_;
+  const forward::Initial& initial_;
+  forward::AddLoad add_load_;
+  Timers& timers_;
+  Point current_, trial_;
+  petsc::Series p_;
+  Sweeps sweeps_;
+};
+
+} // namespace signorini::control

@@ -1,0 +1,43 @@
+#pragma once
+#include "fem/forms.h"
+#include <optional>
+
+namespace signorini::fem {
+
+/// The dofs that a clamp holds at zero.
+class Clamped {
+public:
+  /// Collective. Throws UserError if a group is missing.
+  Clamped(const Space& space, const std::vector<scene::Clamp>& clamps);
+
+  /// Owned nodes that are clamped, ascending local numbers.
+  [[nodiscard]] const std::vector<int>& nodes() const { return nodes_; }
+  [[nodiscard]] bool contains(int node) const;
+
+  /// Sets the clamped entries of a vector of V to zero.
+  void clear(Vec x) const;
+
+  /// Decouples the clamped dofs of a symmetric matrix: their rows and columns zero but for the diagonal. Collective.
+  void decouple(Mat matrix) const;
+
+private:
+  std::vector<int> nodes_;
+  int dim_;
+  PetscInt first_dof_;
+};
+
+/// The matrices of the body, no boundary condition applied; method.md section 1.
+struct Operators {
+  petsc::Matrix W;                ///< L2
+  petsc::Matrix M;                ///< m, kg
+  petsc::Matrix A;                ///< a
+  std::optional<petsc::Matrix> B; ///< b; absent in an elastic body
+};
+
+/// Collective.
+Operators assemble_operators(const Space& space, const scene::Material& material);
+
+/// The operator D of every step, from the form d (d_elastic without viscosity). Collective.
+petsc::Matrix assemble_step_operator(const Space& space, const scene::Material& material, double tau);
+
+} // namespace signorini::fem

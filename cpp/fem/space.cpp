@@ -1,0 +1,56 @@
+#include "fem/space.h"
+#include "base/collective.h"
+#include <basix/finite-element.h>
+#include <dolfinx/fem/DirichletBC.h>
+#include <dolfinx/fem/FunctionSpace.h>
+#include <dolfinx/fem/utils.h>
+#include <dolfinx/mesh/Mesh.h>
+
+namespace signorini::fem {
+
+std::shared_ptr<dolfinx::fem::FunctionSpace<double>> lagrange(const mesh::Mesh& mesh, int degree) {
+  const auto cell = dolfinx::mesh::cell_type_to_basix_type(mesh.dolfinx()->topology()->cell_type());
+  // The variant must be that of basix.ufl.element in forms/: dolfinx compares the elements' hashes.
+  const auto element = basix::create_element<double>(
+      basix::element::family::P, cell, degree, basix::element::lagrange_variant::gll_warped,
+      basix::element::dpc_variant::unset, false);
+  return std::make_shared<dolfinx::fem::FunctionSpace<double>>(dolfinx::fem::create_functionspace(
+      mesh.dolfinx(), element, {static_cast<std::size_t>(mesh.dim())}));
+}
+
+Space::Space(const mesh::Mesh& mesh, int degree) : mesh_(&mesh), degree_(degree), V_(lagrange(mesh, degree)) {
+  const auto map = V_->dofmap()->index_map;
+  owned_nodes_ = map->size_local();
+  first_dof_ = static_cast<PetscInt>(map->local_range()[0] * dim());
+  dofs_ = static_cast<PetscInt>(map->size_global() * dim());
+  points_ = V_->tabulate_dof_coordinates(false);
+  points_.resize(3 * static_cast<std::size_t>(owned_nodes_));
+}
+
+petsc::Vector Space::vector() const {
+  petsc::Vector x;
+  petsc::check(VecCreate(comm(), x.put()));
+  petsc::check(VecSetSizes(x, owned_nodes_ * dim(), dofs_));
+  petsc::check(VecSetBlockSize(x, dim()));
+  petsc::check(VecSetType(x, VECSTANDARD));
+  petsc::check(VecZeroEntries(x));
+  return x;
+}
+
+std::vector<int> Space::nodes_on(const std::string& group, const std::string& key) const {
+  const auto topology = mesh_->dolfinx()->topology();
+  std::vector<std::int32_t> nodes = dolfinx::fem::locate_dofs_topological(
+      *topology, *V_->dofmap(), topology->dim() - 1, mesh_->facets(group, key), true);
+  std::erase_if(nodes, [&](std::int32_t node) { return node >= owned_nodes_; });
+  return {nodes.begin(), nodes.end()};
+}
+
+void Space::interpolate(const scene::Field& field, double t, Vec out) const {
+  together(comm(), [&] {
+    const petsc::WriteArray values(out);
+    for (int node = 0; node < owned_nodes_; ++node)
+      field.evaluate(&points_[3 * static_cast<std::size_t>(node)], t, &values[static_cast<std::size_t>(node * dim())]);
+  });
+}
+
+} // namespace signorini::fem

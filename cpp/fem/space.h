@@ -1,0 +1,60 @@
+#pragma once
+#include "base/petsc.h"
+#include "mesh/mesh.h"
+#include "scene/expression.h"
+#include <concepts>
+#include <memory>
+#include <vector>
+
+namespace dolfinx::fem {
+template <std::floating_point T>
+class FunctionSpace;
+}
+
+namespace signorini::fem {
+
+/// V: continuous vector Lagrange functions of degree 1 or 2 on the mesh. Vectors of V hold the owned nodes' components,
+/// node by node; the values at the nodes are the coefficients.
+class Space {
+public:
+  /// Collective. `mesh` must outlive the space.
+  Space(const mesh::Mesh& mesh, int degree);
+
+  [[nodiscard]] int dim() const { return mesh_->dim(); }
+  [[nodiscard]] int degree() const { return degree_; }
+  [[nodiscard]] const mesh::Mesh& mesh() const { return *mesh_; }
+  [[nodiscard]] MPI_Comm comm() const { return mesh_->comm(); }
+
+  /// Nodes that this rank owns; its dofs are (owned_nodes × dim).
+  [[nodiscard]] int owned_nodes() const { return owned_nodes_; }
+  /// Number of this rank's first dof among all.
+  [[nodiscard]] PetscInt first_dof() const { return first_dof_; }
+  /// Dofs on all ranks.
+  [[nodiscard]] PetscInt dofs() const { return dofs_; }
+  /// Coordinates of the owned nodes, (owned_nodes × 3), m.
+  [[nodiscard]] const std::vector<double>& points() const { return points_; }
+
+  /// A zero vector of V. Collective.
+  [[nodiscard]] petsc::Vector vector() const;
+
+  /// Owned nodes on a boundary group, ascending local numbers. Collective. Throws UserError naming `key`.
+  [[nodiscard]] std::vector<int> nodes_on(const std::string& group, const std::string& key) const;
+
+  /// Nodal interpolation of a field at time t. Collective. Throws UserError on every rank if a value is not finite.
+  void interpolate(const scene::Field& field, double t, Vec out) const;
+
+  [[nodiscard]] std::shared_ptr<dolfinx::fem::FunctionSpace<double>> dolfinx() const { return V_; }
+
+private:
+  const mesh::Mesh* mesh_;
+  int degree_;
+  int owned_nodes_ = 0;
+  PetscInt first_dof_ = 0, dofs_ = 0;
+  std::vector<double> points_;
+  std::shared_ptr<dolfinx::fem::FunctionSpace<double>> V_;
+};
+
+/// The vector Lagrange space of `degree` on the same mesh, as dolfinx has it: for output. Collective.
+std::shared_ptr<dolfinx::fem::FunctionSpace<double>> lagrange(const mesh::Mesh& mesh, int degree);
+
+} // namespace signorini::fem

@@ -1,0 +1,60 @@
+#include "forward/simulate.h"
+#include "base/error.h"
+#include "base/signals.h"
+#include <cmath>
+#include <fmt/format.h>
+
+namespace signorini::forward {
+using petsc::check;
+
+namespace {
+
+void require_clamped(const Stepper& stepper, Vec x, const char* key) {
+  petsc::Vector rest = petsc::copy(x);
+  stepper.clamped().clear(rest);
+  check(VecAYPX(rest, -1, x));
+  PetscReal moved = 0;
+  check(VecNorm(rest, NORM_INFINITY, &moved));
+  if (moved > 0)
+    throw UserError(fmt::format("{}: found {} on a clamp, allowed is 0 there: a clamp holds still", key, moved));
+}
+
+} // namespace
+
+Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
+    : y(stepper.space().vector()), v(stepper.space().vector()) {
+  if (scene.displacement)
+    stepper.space().interpolate({*scene.displacement, "initial.displacement", false}, 0, y);
+  if (scene.velocity)
+    stepper.space().interpolate({*scene.velocity, "initial.velocity", false}, 0, v);
+  require_clamped(stepper, y, "initial.displacement");
+  require_clamped(stepper, v, "initial.velocity");
+  if (stepper.constraints())
+    stepper.constraints()->require_outside(y);
+}
+
+void simulate(const Stepper& stepper, const Initial& initial, const AddLoad& add_load, Trajectory& trajectory,
+              const std::function<void(int k)>& after_step) {
+  check(VecCopy(initial.y, trajectory.y[0]));
+  check(VecCopy(initial.v, trajectory.v[0]));
+  trajectory.contact[0] = {};
+  trajectory.steps = 0;
+  petsc::Vector load = petsc::zero_like(initial.y);
+  for (int k = 1; k <= trajectory.capacity(); ++k) {
+    if (stop_requested(stepper.space().comm()))
+      return;
+    try {
+      check(VecZeroEntries(load));
+      add_load(k, load);
+      trajectory.contact[k] = stepper.step(trajectory.y[k - 1], trajectory.v[k - 1], load, trajectory.contact[k - 1],
+                                           trajectory.y[k], trajectory.v[k]);
+    } catch (const SolverFailure& failure) {
+      throw SolverFailure(fmt::format("step {} (t = {} s): {}", k, stepper.scheme().time(k), failure.what()));
+    }
+    trajectory.steps = k;
+    if (after_step)
+      after_step(k);
+  }
+}
+
+} // namespace signorini::forward

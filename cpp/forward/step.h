@@ -1,0 +1,63 @@
+#pragma once
+#include "base/linear_solver.h"
+#include "contact/condensation.h"
+#include "contact/vi_solver.h"
+#include "fem/operators.h"
+#include "forward/scheme.h"
+#include <memory>
+#include <optional>
+
+namespace signorini::forward {
+
+/// Everything that one time step needs and that no step changes: the operators, D factorised once, and, where the scene
+/// has contact, the constraints and their solver.
+class Stepper {
+public:
+  /// Which contact objects a run needs.
+  struct Needs {
+    bool sliding = false; ///< linearised or transposed steps
+  };
+
+  /// Assembles and factorises. Collective. The references must outlive this object. Throws UserError, SolverFailure.
+  Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene, Needs needs);
+
+  Stepper(const Stepper&) = delete; // its parts refer to each other
+  Stepper& operator=(const Stepper&) = delete;
+
+  [[nodiscard]] const Scheme& scheme() const { return scheme_; }
+  [[nodiscard]] const fem::Space& space() const { return space_; }
+  [[nodiscard]] const fem::Operators& operators() const { return operators_; }
+  [[nodiscard]] const fem::Clamped& clamped() const { return clamped_; }
+  [[nodiscard]] const Factorisation& factorisation() const { return *factorisation_; }
+  /// Null without contact.
+  [[nodiscard]] const contact::Constraints* constraints() const { return constraints_ ? &*constraints_ : nullptr; }
+
+  /// One step from (y0, v0) under the load f_k + s W u_k (N) to (y1, v1); `previous` is the contact at y0. Collective.
+  contact::ContactState step(Vec y0, Vec v0, Vec load, const contact::ContactState& previous, Vec y1, Vec v1) const;
+
+  /// The step's linearisation on the active set of `contact`: (δy0, δv0, δload) → (δy1, δv1). Collective.
+  void linearised_step(Vec y0, Vec v0, Vec load, const contact::ContactState& contact, Vec y1, Vec v1) const;
+
+  /// The transpose of linearised_step: from duals (ȳ, v̄) at its end to duals at its start, in place, and the adjoint
+  /// state `p`; the load's dual is impulse() p. Collective.
+  void transposed_step(const contact::ContactState& contact, Vec ybar, Vec vbar, Vec p) const;
+
+private:
+  void right_hand_side(Vec y0, Vec v0, Vec load) const;
+  void velocity(Vec y0, Vec v0, Vec y1, Vec v1) const;
+  void solve_sliding(const contact::ContactState& contact, Vec p) const;
+
+  const fem::Space& space_;
+  const fem::Operators& operators_;
+  Scheme scheme_;
+  fem::Clamped clamped_;
+  petsc::Matrix R_, D_;
+  petsc::Vector r_, work_;
+  std::optional<Factorisation> factorisation_;
+  std::optional<contact::Constraints> constraints_;
+  std::optional<contact::Complementarity> complementarity_;
+  std::optional<contact::Condensation> condensation_;
+  std::unique_ptr<contact::ViSolver> vi_;
+};
+
+} // namespace signorini::forward

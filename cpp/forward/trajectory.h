@@ -1,0 +1,23 @@
+#pragma once
+#include "base/petsc.h"
+#include "contact/contact_state.h"
+#include <vector>
+
+namespace signorini::forward {
+
+/// States and contact at t_0…t_N; entry 0 is the initial state, whose contact is empty.
+struct Trajectory {
+  petsc::Series y, v; ///< N + 1 vectors of V: displacement (m), velocity (m/s)
+  std::vector<contact::ContactState> contact;
+  int steps = 0; ///< done so far: entries 0…steps are valid
+
+  /// Room for `count` steps. Collective.
+  Trajectory(Vec layout, int count)
+      : y(petsc::zero_series(layout, static_cast<std::size_t>(count) + 1)),
+        v(petsc::zero_series(layout, static_cast<std::size_t>(count) + 1)),
+        contact(static_cast<std::size_t>(count) + 1) {}
+
+  [[nodiscard]] int capacity() const { return static_cast<int>(y.size()) - 1; }
+};
+
+} // namespace signorini::forward

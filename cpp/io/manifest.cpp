@@ -1,0 +1,64 @@
+#include "io/manifest.h"
+#include "version.h"
+#include <chrono>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <gmsh.h>
+#include <nlohmann/json.hpp>
+#include <petscversion.h>
+#include <unistd.h>
+
+namespace signorini::io {
+
+std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
+  return {{"viscosity", scene.material.viscosity.has_value()},
+          {"clamp", !scene.clamps.empty()},
+          {"contact", scene.contact.has_value()},
+          {"body load", scene.load.has_value()},
+          {"initial displacement", scene.initial.displacement.has_value()},
+          {"initial velocity", scene.initial.velocity.has_value()},
+          {"control", scene.control.has_value()},
+          {"control bounds", scene.control && (scene.control->lower || scene.control->upper)},
+          {"objective", scene.objective.has_value()}};
+}
+
+std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& timers) {
+  using nlohmann::ordered_json;
+  char host[256] = "";
+  gethostname(host, sizeof host - 1);
+  ordered_json json;
+  json["program"] = "signorini";
+  json["verb"] = m.verb;
+  json["scene"] = scene.name;
+  json["stop_reason"] = m.stop_reason;
+  json["finished"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
+  json["versions"] = {{"signorini", SIGNORINI_VERSION},
+                      {"dolfinx", DOLFINX_VERSION},
+                      {"petsc", fmt::format("{}.{}.{}", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR)},
+                      {"gmsh", GMSH_API_VERSION}};
+  json["host"] = {{"name", host}, {"ranks", m.ranks}};
+  json["unknowns"] = m.unknowns;
+  json["free_unknowns"] = m.free_unknowns;
+  json["cells"] = m.cells;
+  json["candidates"] = m.candidates;
+  json["steps"] = {{"asked", scene.time.steps}, {"done", m.steps_done}};
+  json["factorisation"] = m.factorisation;
+  for (const auto& [name, on] : effects(scene))
+    json["effects"][name] = on;
+  if (m.objective)
+    json["objective"] = {{"value", m.objective->total()},
+                         {"tracking", m.objective->tracking},
+                         {"terminal", m.objective->terminal},
+                         {"control_cost", m.objective->control_cost}};
+  if (m.iterations)
+    json["optimizer"] = {{"iterations", *m.iterations},
+                         {"forward_sweeps", m.forward_sweeps.value_or(0)},
+                         {"adjoint_sweeps", m.adjoint_sweeps.value_or(0)},
+                         {"metric", scene.control->lower || scene.control->upper ? "lumped L2" : "L2"}};
+  for (const auto& [phase, entry] : timers.entries())
+    json["timings"][phase] = {{"seconds", entry.seconds}, {"calls", entry.calls}};
+  json["peak_memory_bytes"] = m.peak_memory;
+  return json.dump(2) + "\n";
+}
+
+} // namespace signorini::io

@@ -1,0 +1,31 @@
+#pragma once
+#include "base/timers.h"
+#include "control/objective.h"
+#include "scene/scene.h"
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace signorini::io {
+
+/// What run.json tells of a run.
+struct Manifest {
+  std::string verb;
+  std::string stop_reason;
+  int ranks = 1;
+  long unknowns = 0, free_unknowns = 0, cells = 0;
+  int candidates = 0;
+  int steps_done = 0;
+  std::string factorisation; ///< package
+  double peak_memory = 0;    ///< bytes, summed over the ranks
+  std::optional<control::Value> objective;
+  std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
+};
+
+/// run.json.
+std::string to_json(const Manifest& manifest, const scene::Scene& scene, const Timers& timers);
+
+/// The scene's effects by name, on or off.
+std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene);
+
+} // namespace signorini::io

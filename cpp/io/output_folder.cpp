@@ -1,0 +1,65 @@
+#include "io/output_folder.h"
+#include "base/collective.h"
+#include <array>
+#include <fmt/format.h>
+#include <fstream>
+#include <vector>
+
+namespace signorini::io {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The fixed names of a run's files, data before the files that refer to them.
+constexpr std::array file_names{"state.h5",   "control.h5",   "adjoint.h5",   "state.xdmf", "control.xdmf",
+                                "adjoint.xdmf", "steps.csv", "contact.csv", "history.csv", "scene.toml",
+                                "run.json"};
+
+} // namespace
+
+OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder) : comm_(comm), folder_(fs::absolute(folder)) {
+  std::string staging;
+  on_root(comm, [&] {
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    staging = (folder_ / ".unfinished-XXXXXX").string();
+    if (error || !mkdtemp(staging.data()))
+      throw UserError(fmt::format("--out: {} cannot be written ({}), allowed is a folder that can", folder.string(),
+                                  error ? error.message() : std::generic_category().message(errno)));
+  });
+  staging_ = broadcast(comm, staging);
+}
+
+OutputFolder::~OutputFolder() {
+  std::error_code ignored; // a destructor has nobody to tell
+  if (rank(comm_) == 0)
+    fs::remove_all(staging_, ignored);
+}
+
+void OutputFolder::write(const std::string& name, const std::string& text) const {
+  on_root(comm_, [&] {
+    std::ofstream out(staged(name), std::ios::binary);
+    out << text;
+    out.close();
+    if (!out)
+      throw UserError(fmt::format("{}: cannot be written ({})", (folder_ / name).string(),
+                                  std::generic_category().message(errno)));
+  });
+}
+
+void OutputFolder::publish() {
+  MPI_Barrier(comm_); // all ranks have closed their files
+  on_root(comm_, [&] {
+    for (const char* name : file_names) {
+      std::error_code error;
+      if (fs::exists(staged(name)))
+        fs::rename(staged(name), folder_ / name, error);
+      else
+        fs::remove(folder_ / name, error);
+      if (error)
+        throw UserError(fmt::format("{}: cannot be replaced ({})", (folder_ / name).string(), error.message()));
+    }
+  });
+}
+
+} // namespace signorini::io

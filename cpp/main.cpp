@@ -1,0 +1,112 @@
+#include "base/error.h"
+#include "base/petsc.h"
+#include "run.h"
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <thread>
+#include <unistd.h>
+
+namespace {
+
+using signorini::Request;
+
+constexpr int wrong_input = 2, solver_failed = 3, interrupted = 130;
+
+/// Parses the command line; returns an exit status if there is nothing to run.
+std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, bool& quiet) {
+  CLI::App app("Optimal control of dynamic contact with exact discrete gradients.", "signorini");
+  app.require_subcommand(1);
+  app.footer("Options after -- go to PETSc. Exit status: 0 done; 1 a check failed; 2 the scene, the mesh or an option is\n"
+             "wrong; 3 a solver failed; 130 interrupted.");
+  bool resume = false;
+  const auto verb = [&](const char* name, const char* text) {
+    CLI::App* sub = app.add_subcommand(name, text);
+    sub->add_option("scene", request.scene, "scene file (TOML)")->required();
+    sub->add_option("--out", request.out, "folder for the results (default results/<scene name>)");
+    sub->add_option("--set", request.overrides, "key.path=value, overrides the scene; may be repeated")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    sub->add_flag("--quiet", quiet, "say nothing but errors");
+    sub->add_flag("--resume", resume, "go on from a checkpoint (not available yet)");
+    sub->callback([&request, name] { request.verb = name; });
+  };
+  verb("simulate", "forward run only");
+  verb("optimize", "forward, adjoint, update, until the stopping criterion");
+  verb("check", "derivative ladder and discrete invariants of this scene");
+  verb("info", "effects, unknowns, candidates, steps, memory and time; runs nothing");
+  verb("study", "what accuracy costs in time (not available yet)");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) { // --help
+    if (speaks)
+      app.exit(success);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    throw signorini::UserError(fmt::format("command line: {}; see signorini --help", error.what()));
+  }
+  if (request.verb == "study")
+    throw signorini::UserError("study: not available yet; available: simulate, optimize, check, info");
+  if (resume)
+    throw signorini::UserError("--resume: not available yet; leave it out");
+  return std::nullopt;
+}
+
+/// A failure that this rank saw and others may not have: say it once and end them all.
+[[noreturn]] void abort_all(int rank, const std::string& text) {
+  // Where every rank fails alike rank 0 speaks and ends the others while they wait.
+  if (rank != 0)
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+  fmt::print(stderr, "signorini: {}\n", text);
+  MPI_Abort(MPI_COMM_WORLD, solver_failed);
+  std::abort();
+}
+
+int guarded(int argc, char** argv, int rank, int ranks) {
+  try {
+    Request request;
+    bool quiet = false;
+    if (const auto status = parse(argc, argv, rank == 0, request, quiet))
+      return *status;
+    const bool speaks = rank == 0 && !quiet;
+    return signorini::run(request, signorini::Console(speaks, speaks && isatty(STDERR_FILENO)));
+  } catch (const signorini::UserError& error) { // thrown on every rank alike
+    if (rank == 0)
+      fmt::print(stderr, "signorini: {}\n", error.what());
+    return wrong_input;
+  } catch (const signorini::Interrupted&) {
+    if (rank == 0)
+      fmt::print(stderr, "signorini: interrupted before there was anything to write\n");
+    return interrupted;
+  } catch (const std::exception& error) {
+    if (ranks > 1)
+      abort_all(rank, error.what());
+    fmt::print(stderr, "signorini: {}\n", error.what());
+    return solver_failed;
+  }
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  // What stands behind -- is PETSc's.
+  char** const dashes = std::find_if(argv, argv + argc, [](const char* a) { return std::string_view(a) == "--"; });
+  const int own = static_cast<int>(dashes - argv);
+  std::vector<char*> petsc_arguments{argv[0]};
+  if (own < argc)
+    petsc_arguments.insert(petsc_arguments.end(), dashes + 1, argv + argc);
+  int petsc_count = static_cast<int>(petsc_arguments.size());
+  petsc_arguments.push_back(nullptr);
+  char** petsc_values = petsc_arguments.data();
+  if (PetscInitialize(&petsc_count, &petsc_values, nullptr, nullptr) != PETSC_SUCCESS)
+    return solver_failed;
+  spdlog::set_level(spdlog::level::warn); // the libraries speak of trouble only
+  signorini::petsc::keep_error_messages();
+  int rank = 0, ranks = 1;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  const int status = guarded(own, argv, rank, ranks);
+  return PetscFinalize() == PETSC_SUCCESS ? status : solver_failed;
+}

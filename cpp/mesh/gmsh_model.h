@@ -1,0 +1,25 @@
+#pragma once
+#include "scene/scene.h"
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace signorini::mesh {
+
+/// A mesh of straight simplices as gmsh has it: plain numbers, no distribution.
+struct RawMesh {
+  int dim = 0;
+  std::vector<double> points;        ///< (nodes × 3), m; only nodes that a cell uses
+  std::vector<std::int64_t> cells;   ///< (cells × (dim + 1)), rows into points
+  std::map<std::string, std::vector<std::int64_t>> facets; ///< boundary group → (facets × dim), rows into points
+  std::map<std::string, int> other_groups; ///< groups of another dimension → that dimension
+};
+
+/// Reads a .msh, or meshes a .geo at its size. Not collective: call it on one rank.
+/// Throws UserError for a file that cannot be read, a wrong dimension, element type or orientation, and cells
+/// without a physical group.
+RawMesh read_gmsh(const scene::Mesh& mesh);
+
+} // namespace signorini::mesh

@@ -1,0 +1,55 @@
+#pragma once
+#include "scene/scene.h"
+#include <concepts>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mpi.h>
+#include <string>
+#include <vector>
+
+namespace dolfinx::mesh {
+template <std::floating_point T>
+class Mesh;
+}
+
+namespace signorini::mesh {
+
+/// A distributed mesh of straight simplices with named boundary groups.
+class Mesh {
+public:
+  /// Reads a .geo or .msh on rank 0 and distributes it. Collective; throws UserError on every rank alike.
+  Mesh(MPI_Comm comm, const scene::Mesh& mesh);
+
+  /// Space dimension.
+  [[nodiscard]] int dim() const { return dim_; }
+
+  /// Diagonal of the bounding box, m: the length against which gaps are small.
+  [[nodiscard]] double diameter() const { return diameter_; }
+
+  /// Number of cells on all ranks.
+  [[nodiscard]] std::int64_t cells() const { return cells_; }
+
+  /// This rank's facets of a boundary group, local indices. Throws UserError, naming the scene's `key`, if there is
+  /// no such group or it is empty; the same on every rank.
+  [[nodiscard]] const std::vector<std::int32_t>& facets(const std::string& group, const std::string& key) const;
+
+  [[nodiscard]] std::shared_ptr<dolfinx::mesh::Mesh<double>> dolfinx() const { return mesh_; }
+  [[nodiscard]] MPI_Comm comm() const { return comm_; }
+
+private:
+  MPI_Comm comm_;
+  std::string file_;
+  int dim_ = 0;
+  double diameter_ = 0;
+  std::int64_t cells_ = 0;
+  std::shared_ptr<dolfinx::mesh::Mesh<double>> mesh_;
+  struct Group {
+    std::vector<std::int32_t> facets; ///< on this rank
+    std::int64_t elements = 0;        ///< in the file
+  };
+  std::map<std::string, Group> groups_;
+  std::map<std::string, int> other_groups_; ///< name → dimension
+};
+
+} // namespace signorini::mesh

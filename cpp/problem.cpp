@@ -1,0 +1,90 @@
+#include "problem.h"
+#include "base/error.h"
+#include <fmt/format.h>
+
+namespace signorini {
+using petsc::check;
+
+namespace {
+
+template <class Make>
+auto timed(Timers& timers, const char* phase, Make&& make) {
+  const auto timer = timers.time(phase);
+  return make();
+}
+
+mesh::Mesh read_mesh(MPI_Comm comm, const scene::Scene& scene) {
+  mesh::Mesh mesh(comm, scene.mesh);
+  scene::require_dimension(scene, mesh.dim());
+  return mesh;
+}
+
+petsc::Series desired_states(const Problem& problem, const control::ControlSpace& controls,
+                             const std::optional<control::Control>& reference, const Console& console) {
+  petsc::Series desired = petsc::zero_series(problem.initial.y, static_cast<std::size_t>(problem.steps()) + 1);
+  if (reference) {
+    const auto timer = problem.timers.time("desired state");
+    forward::Trajectory trajectory(problem.initial.y, problem.steps());
+    Progress progress(console, "desired state", static_cast<std::size_t>(problem.steps()));
+    forward::simulate(
+        problem.stepper, problem.initial,
+        [&](int k, Vec out) {
+          problem.load()(k, out);
+          controls.add_load(*reference, k, out);
+        },
+        trajectory, [&](int k) { progress.update(static_cast<std::size_t>(k)); });
+    if (trajectory.steps < problem.steps())
+      throw Interrupted();
+    return std::move(trajectory.y);
+  }
+  const auto& given = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
+  const scene::Field field(given.displacement, "objective.desired.displacement", true);
+  for (int k = 0; k <= problem.steps(); ++k)
+    problem.space.interpolate(field, problem.stepper.scheme().time(k), desired[static_cast<std::size_t>(k)]);
+  return desired;
+}
+
+std::optional<control::Control> reference_control(const scene::Scene& scene, const control::ControlSpace& controls) {
+  if (const auto* desired = std::get_if<scene::DesiredControl>(&scene.objective->desired))
+    return controls.interpolate(desired->control, "objective.desired.control");
+  return std::nullopt;
+}
+
+} // namespace
+
+Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs needs, Timers& t)
+    : scene(s), timers(t), mesh(timed(t, "mesh", [&] { return read_mesh(comm, s); })), space(mesh, s.mesh.degree),
+      operators(timed(t, "assembly", [&] { return fem::assemble_operators(space, s.material); })),
+      stepper(timed(t, "factorisation and condensation",
+                    [&] { return forward::Stepper(space, operators, s, needs); })),
+      initial(stepper, s.initial) {
+  if (s.load)
+    body_load.emplace(space, operators, *s.load, stepper.scheme());
+}
+
+forward::AddLoad Problem::load() const {
+  return [this](int k, Vec out) {
+    if (body_load)
+      body_load->add(k, out);
+  };
+}
+
+long Problem::free_dofs() const {
+  long clamped = static_cast<long>(stepper.clamped().nodes().size()) * space.dim();
+  MPI_Allreduce(MPI_IN_PLACE, &clamped, 1, MPI_LONG, MPI_SUM, space.comm());
+  return static_cast<long>(space.dofs()) - clamped;
+}
+
+ControlProblem::ControlProblem(const Problem& problem, const Console& console)
+    : controls(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(), *problem.scene.control),
+      reference(reference_control(problem.scene, controls)),
+      objective(controls, problem.operators, problem.stepper.scheme(),
+                desired_states(problem, controls, reference, console), problem.scene.objective->alpha,
+                problem.scene.objective->gamma),
+      reduced(problem.stepper, controls, objective, problem.initial, problem.load(), problem.timers) {}
+
+control::Control ControlProblem::first_guess(const scene::Scene& scene) const {
+  return scene.control->initial ? controls.interpolate(*scene.control->initial, "control.initial") : controls.zero();
+}
+
+} // namespace signorini

@@ -1,0 +1,48 @@
+#pragma once
+#include "base/progress.h"
+#include "control/reduced_problem.h"
+#include <optional>
+
+namespace signorini {
+
+/// A scene made ready to simulate: the modules by value, in the order in which they depend on each other.
+struct Problem {
+  /// Collective. Throws UserError, SolverFailure.
+  Problem(MPI_Comm comm, const scene::Scene& scene, forward::Stepper::Needs needs, Timers& timers);
+  Problem(const Problem&) = delete;
+  Problem& operator=(const Problem&) = delete;
+
+  const scene::Scene& scene;
+  Timers& timers;
+  mesh::Mesh mesh;
+  fem::Space space;
+  fem::Operators operators;
+  forward::Stepper stepper;
+  forward::Initial initial;
+  std::optional<forward::BodyLoad> body_load;
+
+  /// The load without a control.
+  [[nodiscard]] forward::AddLoad load() const;
+  [[nodiscard]] int steps() const { return scene.time.steps; }
+  /// Unknowns that no clamp holds, on all ranks. Collective.
+  [[nodiscard]] long free_dofs() const;
+};
+
+/// The scene's control and objective on top of it.
+struct ControlProblem {
+  /// Computes the desired states, for which a reference control is simulated. Collective. Throws UserError, SolverFailure,
+  /// Interrupted.
+  ControlProblem(const Problem& problem, const Console& console);
+  ControlProblem(const ControlProblem&) = delete;
+  ControlProblem& operator=(const ControlProblem&) = delete;
+
+  control::ControlSpace controls;
+  std::optional<control::Control> reference; ///< the control whose state is desired, if the scene names one
+  control::Objective objective;
+  control::ReducedProblem reduced;
+
+  /// The scene's first guess.
+  [[nodiscard]] control::Control first_guess(const scene::Scene& scene) const;
+};
+
+} // namespace signorini

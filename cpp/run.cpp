@@ -1,0 +1,289 @@
+#include "run.h"
+#include "base/error.h"
+#include "base/signals.h"
+#include "check.h"
+#include "io/fields.h"
+#include "io/manifest.h"
+#include "io/output_folder.h"
+#include "io/tables.h"
+#include "optimize/projected_gradient.h"
+#include "problem.h"
+#include <chrono>
+#include <fmt/format.h>
+
+namespace signorini {
+namespace {
+
+constexpr int done = 0, interrupted = 130;
+
+MPI_Comm world() { return MPI_COMM_WORLD; }
+
+std::string headline(const Problem& problem) {
+  int ranks = 1;
+  MPI_Comm_size(world(), &ranks);
+  std::string on;
+  for (const auto& [name, active] : io::effects(problem.scene))
+    if (active)
+      on += (on.empty() ? "" : ", ") + name;
+  return fmt::format("{}: {} free unknowns, {} contact candidates, {} steps of {} s, {} rank{}\neffects: {}",
+                     problem.scene.name, problem.free_dofs(),
+                     problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0, problem.steps(),
+                     problem.scene.time.step, ranks, ranks == 1 ? "" : "s", on.empty() ? "none" : on);
+}
+
+io::Manifest manifest(const Problem& problem, const std::string& verb, const std::string& stop_reason, int steps_done) {
+  io::Manifest m;
+  m.verb = verb;
+  m.stop_reason = stop_reason;
+  MPI_Comm_size(world(), &m.ranks);
+  m.unknowns = static_cast<long>(problem.space.dofs());
+  m.free_unknowns = problem.free_dofs();
+  m.cells = static_cast<long>(problem.mesh.cells());
+  m.candidates = problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0;
+  m.steps_done = steps_done;
+  m.factorisation = problem.stepper.factorisation().package();
+  m.peak_memory = peak_memory();
+  MPI_Allreduce(MPI_IN_PLACE, &m.peak_memory, 1, MPI_DOUBLE, MPI_SUM, world());
+  return m;
+}
+
+/// Steps whose fields are stored: every n-th and the last.
+std::vector<int> stored_steps(int first, int last, int every) {
+  std::vector<int> steps;
+  for (int k = 0; k <= last; k += every)
+    if (k >= first)
+      steps.push_back(k);
+  if (last >= first && (steps.empty() || steps.back() != last))
+    steps.push_back(last);
+  return steps;
+}
+
+std::vector<double> times_of(const std::vector<int>& steps, const forward::Scheme& scheme) {
+  std::vector<double> times;
+  for (int k : steps)
+    times.push_back(scheme.time(k));
+  return times;
+}
+
+/// `values[k − first]` of the given steps.
+template <class At>
+std::vector<Vec> pick(const std::vector<int>& steps, At&& at) {
+  std::vector<Vec> values;
+  for (int k : steps)
+    values.push_back(at(k));
+  return values;
+}
+
+/// steps.csv, contact.csv and state.xdmf.
+void write_motion(const io::OutputFolder& folder, const Problem& problem, const forward::AddLoad& load,
+                  const forward::Trajectory& trajectory) {
+  const auto timer = problem.timers.time("output");
+  const forward::Scheme& scheme = problem.stepper.scheme();
+  const std::vector<int> stored = stored_steps(0, trajectory.steps, problem.scene.output.every);
+  folder.write("scene.toml", scene::echo(problem.scene));
+  folder.write("steps.csv", io::steps_table(forward::balance(problem.stepper, load, trajectory), trajectory.contact,
+                                            scheme, problem.space.dim()));
+  if (const contact::Constraints* constraints = problem.stepper.constraints()) {
+    std::vector<double> gap(static_cast<std::size_t>(constraints->count()));
+    constraints->gap(trajectory.y[0], gap);
+    folder.write("contact.csv", io::contact_table(stored, trajectory.contact, *constraints, gap, scheme));
+  }
+  io::write_fields(problem.space, folder.staged("state.xdmf"), times_of(stored, scheme),
+                   {{"displacement", pick(stored, [&](int k) -> Vec { return trajectory.y[k]; })},
+                    {"velocity", pick(stored, [&](int k) -> Vec { return trajectory.v[k]; })}});
+}
+
+int finish(io::OutputFolder& folder, const Console& console, bool complete) {
+  folder.publish();
+  console.line(fmt::format("{}results in {}", complete ? "" : "interrupted; ", folder.path().string()));
+  return complete ? done : interrupted;
+}
+
+int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, const Console& console) {
+  io::OutputFolder folder(world(), out);
+  Timers timers;
+  const Problem problem(world(), scene, {.sliding = false}, timers);
+  console.line(headline(problem));
+
+  std::optional<control::ControlSpace> controls;
+  std::optional<control::Control> u;
+  if (scene.control && scene.control->initial) {
+    controls.emplace(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(), *scene.control);
+    u = controls->interpolate(*scene.control->initial, "control.initial");
+    controls->project(*u);
+  }
+  const forward::AddLoad load = [&](int k, Vec force) {
+    problem.load()(k, force);
+    if (u)
+      controls->add_load(*u, k, force);
+  };
+  forward::Trajectory trajectory(problem.initial.y, problem.steps());
+  {
+    const auto timer = timers.time("forward");
+    Progress progress(console, "steps", static_cast<std::size_t>(problem.steps()));
+    forward::simulate(problem.stepper, problem.initial, load, trajectory,
+                      [&](int k) { progress.update(static_cast<std::size_t>(k)); });
+  }
+  const bool complete = trajectory.steps == problem.steps();
+  write_motion(folder, problem, load, trajectory);
+  folder.write("run.json", io::to_json(manifest(problem, "simulate", complete ? "end of time" : "interrupted",
+                                                trajectory.steps),
+                                       scene, timers));
+  console.line(fmt::format("{} steps in {:.2f} s", trajectory.steps, timers.entries().at("forward").seconds));
+  return finish(folder, console, complete);
+}
+
+/// Collects history.csv and reports progress.
+class History {
+public:
+  History(const ControlProblem& problem, const scene::Optimizer& options, const Console& console)
+      : problem_(problem), progress_(console, "iterations", static_cast<std::size_t>(options.max_iterations)) {}
+
+  void operator()(const optimize::Iteration& iteration) {
+    const control::ReducedProblem& reduced = problem_.reduced;
+    const control::Value& value = reduced.value();
+    io::HistoryRow row{iteration.number, value.total(), value.tracking, value.terminal, value.control_cost,
+                       iteration.gradient_norm, iteration.step_length, reduced.sweeps().forward,
+                       reduced.sweeps().adjoint, std::chrono::duration<double>(Clock::now() - start_).count()};
+    if (problem_.reference) {
+      control::Control difference = reduced.control();
+      difference.add(-1, *problem_.reference);
+      row.relative_distance_to_reference =
+          problem_.controls.norm(difference) / problem_.controls.norm(*problem_.reference);
+    }
+    rows_.push_back(row);
+    progress_.update(static_cast<std::size_t>(iteration.number),
+                     fmt::format("J = {:.6e}  |g| = {:.2e}", row.objective, row.gradient_norm));
+  }
+
+  [[nodiscard]] const std::vector<io::HistoryRow>& rows() const { return rows_; }
+
+private:
+  using Clock = std::chrono::steady_clock;
+  const ControlProblem& problem_;
+  Progress progress_;
+  Clock::time_point start_ = Clock::now();
+  std::vector<io::HistoryRow> rows_;
+};
+
+/// control.xdmf and adjoint.xdmf.
+void write_control(const io::OutputFolder& folder, const Problem& problem, const control::ReducedProblem& reduced) {
+  const auto timer = problem.timers.time("output");
+  const std::vector<int> stored = stored_steps(1, problem.steps(), problem.scene.output.every);
+  const std::vector<double> times = times_of(stored, problem.stepper.scheme());
+  io::write_fields(problem.space, folder.staged("control.xdmf"), times,
+                   {{"control", pick(stored, [&](int k) { return reduced.control().at(k); })}});
+  io::write_fields(problem.space, folder.staged("adjoint.xdmf"), times,
+                   {{"adjoint", pick(stored, [&](int k) -> Vec { return reduced.adjoint_states()[k - 1]; })}});
+}
+
+int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, const Console& console) {
+  if (!scene.objective)
+    throw UserError(fmt::format("{}: optimize needs the tables [control] and [objective], and the scene has {}",
+                                scene.file.string(), scene.control ? "no objective" : "neither"));
+  io::OutputFolder folder(world(), out);
+  Timers timers;
+  const Problem problem(world(), scene, {.sliding = true}, timers);
+  console.line(headline(problem));
+  ControlProblem control_problem(problem, console);
+  control::ReducedProblem& reduced = control_problem.reduced;
+
+  // The control cost alone has curvature α, so a first step with ω = α is rather too long than too short.
+  const optimize::Options options{.max_iterations = scene.optimizer.max_iterations,
+                                  .tolerance = scene.optimizer.tolerance,
+                                  .first_weight = scene.objective->alpha > 0 ? scene.objective->alpha : 1.0};
+  optimize::Stop stop{};
+  std::vector<io::HistoryRow> rows;
+  {
+    History history(control_problem, scene.optimizer, console);
+    stop = optimize::projected_gradient(reduced, control_problem.first_guess(scene), options, history);
+    rows = history.rows();
+  }
+  if (rows.empty()) // interrupted before the first guess was evaluated: there is nothing to write
+    throw Interrupted();
+
+  folder.write("history.csv", io::history_table(rows));
+  write_motion(folder, problem, reduced.load(), reduced.trajectory());
+  write_control(folder, problem, reduced);
+  io::Manifest m = manifest(problem, "optimize", optimize::name(stop), reduced.trajectory().steps);
+  m.objective = reduced.value();
+  m.iterations = rows.back().iteration;
+  m.forward_sweeps = reduced.sweeps().forward;
+  m.adjoint_sweeps = reduced.sweeps().adjoint;
+  folder.write("run.json", io::to_json(m, scene, timers));
+  console.line(fmt::format("stopped: {}\nJ {:.6e} -> {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e}), |g| "
+                           "{:.2e} -> {:.2e}\n{} iterations, {} forward and {} adjoint sweeps in {:.1f} s",
+                           optimize::name(stop), rows.front().objective, m.objective->total(), m.objective->tracking,
+                           m.objective->terminal, m.objective->control_cost, rows.front().gradient_norm,
+                           rows.back().gradient_norm, rows.back().iteration, *m.forward_sweeps, *m.adjoint_sweeps,
+                           rows.back().seconds));
+  return finish(folder, console, stop != optimize::Stop::interrupted);
+}
+
+int check(const scene::Scene& scene, const Console& console) {
+  Timers timers;
+  const Problem problem(world(), scene, {.sliding = scene.objective.has_value()}, timers);
+  console.line(headline(problem));
+  return check_scene(problem, console) ? done : 1;
+}
+
+/// Seconds of one call, the best of three.
+template <class Call>
+double seconds(Call&& call) {
+  double best = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    call();
+    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  return best;
+}
+
+int info(const scene::Scene& scene, const Console& console) {
+  Timers timers;
+  const Problem problem(world(), scene, {.sliding = scene.objective.has_value()}, timers);
+  console.line(headline(problem));
+  for (const auto& [name, on] : io::effects(scene))
+    console.line(fmt::format("  {:<22}{}", name, on ? "on" : "off"));
+  petsc::Vector x = problem.space.vector(), y = problem.space.vector();
+  const double solve = seconds([&] { problem.stepper.factorisation().solve(x, y); });
+  const double product = seconds([&] { petsc::check(MatMult(problem.operators.M, x, y)); });
+  const double bytes = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs()) * (problem.steps() + 1);
+  // One trajectory holds y and v; optimize keeps the current and the trial one, the desired states, and the controls u of
+  // the iterate, current, trial, gradient and step, and p.
+  const double vectors = scene.objective ? 2 * 2 + 1 + 6 + (scene.objective ? 1 : 0) : 2;
+  double setup = 0;
+  for (const auto& [phase, entry] : timers.entries())
+    setup += entry.seconds;
+  const double contact_solves = scene.contact ? 2 : 1; // in a step with contact; one without
+  const double sweep = problem.steps() * (contact_solves * solve + (scene.control ? 3 : 2) * product);
+  console.line(fmt::format("unknowns: {} ({} free), cells: {}, candidates: {}, steps: {}", problem.space.dofs(),
+                           problem.free_dofs(), problem.mesh.cells(),
+                           problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0,
+                           problem.steps()));
+  console.line(fmt::format("setup: {:.2f} s, {:.0f} MB by now; states{} will add {:.0f} MB", setup, peak_memory() / 1e6,
+                           scene.objective ? " and controls" : "", vectors * bytes / 1e6));
+  console.line(fmt::format("a forward sweep: at most about {:.2g} s ({:.2g} ms per solve with D by {}, {:.2g} ms per "
+                           "product){}",
+                           sweep, 1e3 * solve, problem.stepper.factorisation().package(), 1e3 * product,
+                           scene.objective ? fmt::format("; an optimizer's iteration, with its gradient: {:.2g} s", 2 * sweep)
+                                           : ""));
+  return done;
+}
+
+} // namespace
+
+int run(const Request& request, const Console& console) {
+  const scene::Scene scene = scene::parse(request.scene, request.overrides);
+  const std::filesystem::path out = request.out.empty() ? std::filesystem::path("results") / scene.name : request.out;
+  catch_stop_signals();
+  if (request.verb == "simulate")
+    return simulate_scene(scene, out, console);
+  if (request.verb == "optimize")
+    return optimize_scene(scene, out, console);
+  if (request.verb == "check")
+    return check(scene, console);
+  return info(scene, console);
+}
+
+} // namespace signorini

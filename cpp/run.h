@@ -1,0 +1,20 @@
+#pragma once
+#include "base/progress.h"
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace signorini {
+
+/// What the command line asks for.
+struct Request {
+  std::string verb; ///< simulate, optimize, check or info
+  std::filesystem::path scene;
+  std::filesystem::path out; ///< empty: results/<scene name>
+  std::vector<std::string> overrides;
+};
+
+/// Does it, on MPI_COMM_WORLD, and returns the exit status. Collective. Throws UserError, SolverFailure, Interrupted.
+int run(const Request& request, const Console& console);
+
+} // namespace signorini

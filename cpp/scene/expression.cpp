@@ -1,0 +1,63 @@
+#include "scene/expression.h"
+#include "base/error.h"
+#include <cmath>
+#include <fmt/format.h>
+#include <muParser.h>
+#include <numbers>
+
+namespace signorini::scene {
+
+struct Field::Impl {
+  Components text;
+  std::string key;
+  std::array<double, 4> variables{};
+  std::vector<mu::Parser> parsers;
+  bool depends_on_time = false;
+};
+
+Field::Field(Components components, const std::string& key, bool time) : impl_(std::make_unique<Impl>()) {
+  impl_->text = std::move(components);
+  impl_->key = key;
+  impl_->parsers.reserve(impl_->text.size());
+  for (const std::string& text : impl_->text) {
+    mu::Parser& parser = impl_->parsers.emplace_back();
+    parser.ClearConst();
+    parser.DefineConst("pi", std::numbers::pi);
+    parser.DefineConst("e", std::numbers::e);
+    parser.DefineVar("x", &impl_->variables[0]);
+    parser.DefineVar("y", &impl_->variables[1]);
+    parser.DefineVar("z", &impl_->variables[2]);
+    if (time)
+      parser.DefineVar("t", &impl_->variables[3]);
+    try {
+      parser.SetExpr(text);
+      parser.Eval();
+      impl_->depends_on_time |= parser.GetUsedVar().contains("t");
+    } catch (const mu::ParserError& error) {
+      throw UserError(fmt::format("{}: the expression \"{}\" is wrong at position {}: {}; allowed are the "
+                                  "variables {}, the constants pi and e, and muParser's functions",
+                                  key, text, error.GetPos(), error.GetMsg(),
+                                  time ? "x, y, z, t" : "x, y, z"));
+    }
+  }
+}
+
+Field::~Field() = default;
+Field::Field(Field&&) noexcept = default;
+Field& Field::operator=(Field&&) noexcept = default;
+
+std::size_t Field::size() const { return impl_->text.size(); }
+bool Field::depends_on_time() const { return impl_->depends_on_time; }
+
+void Field::evaluate(const double* x, double t, double* values) const {
+  impl_->variables = {x[0], x[1], x[2], t};
+  for (std::size_t i = 0; i < impl_->parsers.size(); ++i) {
+    values[i] = impl_->parsers[i].Eval();
+    if (!std::isfinite(values[i]))
+      throw UserError(fmt::format("{}: the expression \"{}\" is {} at x = {}, y = {}, z = {}, t = {}; it must "
+                                  "be finite in the whole body at all times",
+                                  impl_->key, impl_->text[i], values[i], x[0], x[1], x[2], t));
+  }
+}
+
+} // namespace signorini::scene

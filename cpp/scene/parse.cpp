@@ -1,0 +1,307 @@
+#include "base/error.h"
+#include "scene/reader.h"
+#include <cmath>
+#include <fmt/format.h>
+#include <fstream>
+#include <sstream>
+
+namespace signorini::scene {
+namespace {
+
+const Limits positive_length{.least = 0, .open = true, .unit = "m"};
+const Limits positive_time{.least = 0, .open = true, .unit = "s"};
+
+/// Sets one `key.path=value` in the table; the value is TOML, or a plain text.
+void set(toml::table& root, const std::string& assignment, const std::filesystem::path& file) {
+  const auto equals = assignment.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw UserError(fmt::format("--set: found \"{}\", allowed is key.path=value, such as mesh.size=0.25", assignment));
+  const std::string path = assignment.substr(0, equals), value = assignment.substr(equals + 1);
+  toml::table parsed;
+  try {
+    parsed = toml::parse("value = " + value);
+  } catch (const toml::parse_error&) {
+    parsed.insert("value", value);
+  }
+  toml::table* table = &root;
+  std::istringstream keys(path);
+  std::string key, next;
+  std::getline(keys, key, '.');
+  while (std::getline(keys, next, '.')) {
+    toml::node* child = table->get(key);
+    if (!child)
+      child = &table->insert(key, toml::table{}).first->second;
+    if (toml::array* array = child->as_array()) {
+      std::size_t index = array->size();
+      if (next.empty() || next.find_first_not_of("0123456789") != std::string::npos ||
+          (index = std::stoul(next.substr(0, 6))) >= array->size() || !array->get(index)->is_table() ||
+          !std::getline(keys, next, '.'))
+        throw UserError(fmt::format("--set {}: \"{}\" of {} is a list of {} tables, name one by its number "
+                                    "and one of its keys, such as {}.0.on=...",
+                                    assignment, key, file.string(), array->size(), key));
+      child = array->get(index);
+    }
+    table = child->as_table();
+    if (!table)
+      throw UserError(fmt::format("--set {}: \"{}\" is not a table", assignment, key));
+    key = next;
+  }
+  if (key.empty())
+    throw UserError(fmt::format("--set {}: the key ends in a dot", assignment));
+  table->insert_or_assign(key, *parsed.get("value"));
+}
+
+Mesh mesh(Reader in, const std::filesystem::path& file) {
+  Mesh mesh;
+  const std::filesystem::path given = in.text("file");
+  mesh.file = std::filesystem::weakly_canonical(given.is_absolute() ? given : file.parent_path() / given);
+  const std::string extension = mesh.file.extension().string();
+  if (extension != ".geo" && extension != ".msh")
+    in.fail("file", fmt::format("found \"{}\", allowed are files that end in .geo or .msh", given.string()));
+  if (in.has("size")) {
+    if (extension == ".msh")
+      in.fail("size", "has no effect on a .msh, which is meshed already; allowed with a .geo");
+    mesh.size = in.number("size", positive_length);
+  }
+  mesh.degree = in.integer("degree", 1, 2, mesh.degree);
+  in.finish();
+  return mesh;
+}
+
+Time time(Reader in) {
+  Time time;
+  time.end = in.number("end", positive_time);
+  time.step = in.number("step", positive_time);
+  time.scheme = in.choice("scheme", {"contact-implicit"}, time.scheme, {"contact-stabilized"});
+  const double steps = std::round(time.end / time.step);
+  constexpr double most = 1e8;
+  if (!(steps >= 1 && steps <= most))
+    in.fail("step", fmt::format("found {} s, which makes {} steps to time.end = {} s, allowed are 1 to {:.0f}",
+                                time.step, time.end / time.step, time.end, most));
+  // Decimal fractions such as 7.5e-3 / 5e-5 divide to within a few units in the last place.
+  if (std::abs(steps * time.step - time.end) > 1e-9 * time.end)
+    in.fail("end", fmt::format("found {} s, which is {} steps of {} s, allowed are whole multiples of "
+                               "time.step, such as {} s",
+                               time.end, time.end / time.step, time.step, steps * time.step));
+  time.steps = static_cast<int>(steps);
+  in.finish();
+  return time;
+}
+
+Material material(Reader in) {
+  Material material;
+  in.not_available("on");
+  material.density = in.number("density", {.least = 0, .open = true, .unit = "kg/m³"});
+  material.young = in.number("young", {.least = 0, .open = true, .unit = "Pa"});
+  material.poisson = in.number("poisson", {.least = -1, .greatest = 0.5, .open = true});
+  if (in.has("viscosity")) {
+    Reader viscosity = in.table("viscosity");
+    const Limits limits{.least = 0, .unit = "Pa s"};
+    material.viscosity = Viscosity{viscosity.number("bulk", limits), viscosity.number("shear", limits)};
+    viscosity.finish();
+  }
+  in.finish();
+  return material;
+}
+
+Clamp clamp(Reader in) {
+  Clamp clamp{in.text("on")};
+  if (in.has("value"))
+    for (const std::string& component : in.expressions("value", true))
+      if (component.find_first_not_of("0.") != std::string::npos)
+        in.fail("value", "prescribed motion is not available yet; leave it out for a clamp that holds still");
+  in.not_available("components");
+  in.finish();
+  return clamp;
+}
+
+Contact contact(Reader in) {
+  Contact contact;
+  contact.on = in.text("on");
+  in.choice("mass", {"consistent"}, "consistent", {"massless"});
+  Reader obstacle = in.table("obstacle");
+  obstacle.text("shape");
+  obstacle.choice("shape", {"half-space"}, "");
+  contact.obstacle.point = obstacle.numbers("point", {.unit = "m"});
+  contact.obstacle.normal = obstacle.numbers("normal", {});
+  double length = 0;
+  for (double n : contact.obstacle.normal)
+    length = std::hypot(length, n);
+  if (!(length > 0))
+    obstacle.fail("normal", "found a vector of length zero, allowed is any other: it points out of the obstacle");
+  if (contact.obstacle.normal.size() != contact.obstacle.point.size())
+    obstacle.fail("normal", fmt::format("found {} components where point has {}",
+                                        contact.obstacle.normal.size(), contact.obstacle.point.size()));
+  obstacle.finish();
+  in.finish();
+  return contact;
+}
+
+Control control(Reader in) {
+  Control control;
+  control.scale = in.number("scale", {.least = 0, .open = true, .unit = "N/m² (of the body, N/m³)"});
+  if (in.has("initial"))
+    control.initial = in.expressions("initial", true);
+  if (in.has("lower"))
+    control.lower = in.number_or_numbers("lower", {});
+  if (in.has("upper"))
+    control.upper = in.number_or_numbers("upper", {});
+  if (control.lower && control.upper)
+    for (std::size_t i = 0; i < std::max(control.lower->size(), control.upper->size()); ++i) {
+      const double lower = control.lower->size() == 1 ? control.lower->front() : control.lower->at(i);
+      const double upper = control.upper->size() == 1 ? control.upper->front() : control.upper->at(i);
+      if (!(lower <= upper))
+        in.fail("lower", fmt::format("found {} above control.upper = {}", lower, upper));
+    }
+  for (const char* key : {"on", "constant_in_time", "space", "components"})
+    in.not_available(key);
+  in.finish();
+  return control;
+}
+
+Objective objective(Reader in) {
+  Objective objective;
+  Reader desired = in.table("desired");
+  const bool by_control = desired.has("control"), by_displacement = desired.has("displacement");
+  if (by_control == by_displacement)
+    in.fail("desired", fmt::format("found {}, allowed is one of control, displacement",
+                                   by_control ? "both control and displacement" : "neither"));
+  if (by_control)
+    objective.desired = DesiredControl{desired.expressions("control", true)};
+  else
+    objective.desired = DesiredDisplacement{desired.expressions("displacement", true)};
+  desired.finish();
+  objective.alpha = in.number("alpha", {.least = 0, .unit = "weight"});
+  objective.gamma = in.number("gamma", {.least = 0, .unit = "weight, s"}, objective.gamma);
+  in.finish();
+  return objective;
+}
+
+Optimizer optimizer(Reader in) {
+  Optimizer optimizer;
+  optimizer.method = in.choice("method", {"projected-gradient"}, optimizer.method, {"lbfgs", "newton-cg"});
+  optimizer.max_iterations = in.integer("max_iterations", 0, 1'000'000, optimizer.max_iterations);
+  optimizer.tolerance = in.number("tolerance", {.least = 0, .greatest = 1}, optimizer.tolerance);
+  in.finish();
+  return optimizer;
+}
+
+Solver solver(Reader in) {
+  Solver solver;
+  solver.vi = in.choice("vi", {"condensed", "full"}, solver.vi);
+  solver.linear = in.choice("linear", {"auto", "direct"}, solver.linear, {"iterative"});
+  in.not_available("memory");
+  in.finish();
+  return solver;
+}
+
+toml::table read(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in || std::filesystem::is_directory(file))
+    throw UserError(fmt::format("{}: the scene file cannot be read; allowed is the path of a TOML file",
+                                file.string()));
+  try {
+    return toml::parse(in, file.string());
+  } catch (const toml::parse_error& error) {
+    throw UserError(fmt::format("{}:{}: not valid TOML: {}", file.string(), error.source().begin.line,
+                                error.description()));
+  }
+}
+
+} // namespace
+
+Scene parse(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  toml::table root = read(file);
+  for (const std::string& assignment : overrides)
+    set(root, assignment, file);
+  Reader in(root, "", file);
+  Scene scene;
+  scene.file = std::filesystem::absolute(file);
+  scene.name = file.stem().string();
+  in.not_available("run");
+  if (in.has("material") && root.get("material")->is_array())
+    in.fail("material", "several materials are not available yet; allowed is one table headed [material]");
+  scene.mesh = mesh(in.table("mesh"), scene.file);
+  scene.time = time(in.table("time"));
+  scene.material = material(in.table("material"));
+  for (Reader& table : in.tables("clamp"))
+    scene.clamps.push_back(clamp(table));
+  if (in.has("contact"))
+    scene.contact = contact(in.table("contact"));
+  if (in.has("load")) {
+    Reader load = in.table("load");
+    load.not_available("traction");
+    scene.load = Load{load.expressions("body", true)};
+    load.finish();
+  }
+  if (in.has("initial")) {
+    Reader initial = in.table("initial");
+    if (initial.has("displacement"))
+      scene.initial.displacement = initial.expressions("displacement", false);
+    if (initial.has("velocity"))
+      scene.initial.velocity = initial.expressions("velocity", false);
+    initial.finish();
+  }
+  if (in.has("control"))
+    scene.control = control(in.table("control"));
+  if (in.has("objective")) {
+    if (!scene.control)
+      in.fail("objective", "needs a control to act on; add a table [control] or leave the objective out");
+    scene.objective = objective(in.table("objective"));
+  }
+  if (in.has("optimizer"))
+    scene.optimizer = optimizer(in.table("optimizer"));
+  if (in.has("solver"))
+    scene.solver = solver(in.table("solver"));
+  if (in.has("check")) {
+    Reader check = in.table("check");
+    if (!scene.control)
+      in.fail("check", "takes derivatives by a control; add a table [control] or leave it out");
+    scene.check.control = check.expressions("control", true);
+    check.finish();
+  }
+  if (in.has("output")) {
+    Reader output = in.table("output");
+    scene.output.every = output.integer("every", 1, 100'000'000, scene.output.every);
+    output.finish();
+  }
+  in.finish();
+  return scene;
+}
+
+void require_dimension(const Scene& scene, int dim) {
+  const auto require = [&](std::size_t size, const char* key, bool one_allowed = false) {
+    if (size != static_cast<std::size_t>(dim) && !(one_allowed && size == 1))
+      throw UserError(fmt::format("{}: {}: found {} components, allowed are {}: the mesh is {}-dimensional",
+                                  scene.file.string(), key, size, dim, dim));
+  };
+  if (scene.contact) {
+    require(scene.contact->obstacle.point.size(), "contact.obstacle.point");
+    require(scene.contact->obstacle.normal.size(), "contact.obstacle.normal");
+  }
+  if (scene.load)
+    require(scene.load->body.size(), "load.body");
+  if (scene.initial.displacement)
+    require(scene.initial.displacement->size(), "initial.displacement");
+  if (scene.initial.velocity)
+    require(scene.initial.velocity->size(), "initial.velocity");
+  if (scene.control) {
+    if (scene.control->initial)
+      require(scene.control->initial->size(), "control.initial");
+    if (scene.control->lower)
+      require(scene.control->lower->size(), "control.lower", true);
+    if (scene.control->upper)
+      require(scene.control->upper->size(), "control.upper", true);
+  }
+  if (scene.objective) {
+    if (const auto* desired = std::get_if<DesiredControl>(&scene.objective->desired))
+      require(desired->control.size(), "objective.desired.control");
+    else
+      require(std::get<DesiredDisplacement>(scene.objective->desired).displacement.size(),
+              "objective.desired.displacement");
+  }
+  if (scene.check.control)
+    require(scene.check.control->size(), "check.control");
+}
+
+} // namespace signorini::scene

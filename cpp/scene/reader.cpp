@@ -1,0 +1,217 @@
+#include "scene/reader.h"
+#include "base/error.h"
+#include "scene/expression.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <numeric>
+#include <sstream>
+
+namespace signorini::scene {
+namespace {
+
+std::size_t edits(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t change = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({change, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string shown(const toml::node& node) {
+  std::ostringstream out;
+  node.visit([&](const auto& n) { out << n; });
+  std::string text = out.str();
+  return text.size() > 60 ? text.substr(0, 57) + "..." : text;
+}
+
+} // namespace
+
+std::string nearest(std::string_view found, const std::vector<std::string>& valid) {
+  std::string best;
+  std::size_t least = std::max<std::size_t>(2, found.size() / 2) + 1;
+  for (const std::string& name : valid)
+    if (const std::size_t d = edits(found, name); d < least)
+      least = d, best = name;
+  return best;
+}
+
+std::string list(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
+
+bool Limits::contain(double value) const {
+  return std::isfinite(value) &&
+         (open ? value > least && value < greatest : value >= least && value <= greatest);
+}
+
+std::string Limits::text() const {
+  std::string range;
+  if (std::isfinite(least))
+    range += fmt::format(" {} {}", open ? "greater than" : "of at least", least);
+  if (std::isfinite(greatest))
+    range += fmt::format("{} {} {}", range.empty() ? "" : " and", open ? "less than" : "at most", greatest);
+  return fmt::format("a number{} ({})", range, unit);
+}
+
+std::string Reader::full(const std::string& key) const {
+  return path_.empty() ? key : key.empty() ? path_ : path_ + "." + key;
+}
+
+void Reader::fail(const std::string& key, const std::string& problem) const {
+  const toml::node* found = key.empty() ? nullptr : table_.get(key);
+  const auto line = (found ? found->source() : table_.source()).begin.line;
+  throw UserError(line > 0 ? fmt::format("{}:{}: {}: {}", file_.string(), line, full(key), problem)
+                           : fmt::format("{}: {}: {}", file_.string(), full(key), problem));
+}
+
+bool Reader::has(const std::string& key) {
+  known_.insert(key);
+  return table_.contains(key);
+}
+
+const toml::node& Reader::node(const std::string& key) {
+  known_.insert(key);
+  const toml::node* found = table_.get(key);
+  if (!found) {
+    // A misspelt key explains a missing one better than its absence.
+    for (const auto& [other, value] : table_)
+      if (const std::string name{other.str()}; !known_.contains(name) && edits(name, key) <= 2)
+        fail(name, fmt::format("unknown key; did you mean \"{}\"?", key));
+    fail(key, "missing, and required");
+  }
+  return *found;
+}
+
+double Reader::to_number(const toml::node& node, const std::string& key, const Limits& limits) const {
+  const auto value = node.value<double>();
+  if (!value || !node.is_number())
+    fail(key, fmt::format("found {}, allowed is {}", shown(node), limits.text()));
+  if (!limits.contain(*value))
+    fail(key, fmt::format("found {}, allowed is {}", shown(node), limits.text()));
+  return *value;
+}
+
+double Reader::number(const std::string& key, const Limits& limits) {
+  return to_number(node(key), key, limits);
+}
+
+double Reader::number(const std::string& key, const Limits& limits, double fallback) {
+  return has(key) ? number(key, limits) : fallback;
+}
+
+int Reader::integer(const std::string& key, int least, int greatest, int fallback) {
+  if (!has(key))
+    return fallback;
+  const auto value = node(key).as_integer();
+  if (!value || value->get() < least || value->get() > greatest)
+    fail(key, fmt::format("found {}, allowed is a whole number from {} to {}", shown(node(key)), least,
+                          greatest));
+  return static_cast<int>(value->get());
+}
+
+std::string Reader::text(const std::string& key) {
+  const auto value = node(key).as_string();
+  if (!value || value->get().empty())
+    fail(key, fmt::format("found {}, allowed is a text that is not empty", shown(node(key))));
+  return value->get();
+}
+
+std::string Reader::choice(const std::string& key, const std::vector<std::string>& allowed,
+                           const std::string& fallback, const std::vector<std::string>& later) {
+  if (!has(key))
+    return fallback;
+  const std::string value = text(key);
+  if (std::ranges::find(later, value) != later.end())
+    fail(key, fmt::format("\"{}\" is not available yet; available: {}", value, list(allowed)));
+  if (std::ranges::find(allowed, value) == allowed.end()) {
+    const std::string near = nearest(value, allowed);
+    fail(key, fmt::format("found \"{}\"{}, allowed: {}", value,
+                          near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), list(allowed)));
+  }
+  return value;
+}
+
+std::vector<double> Reader::numbers(const std::string& key, const Limits& limits) {
+  const toml::array* array = node(key).as_array();
+  if (!array || array->size() < 2 || array->size() > 3)
+    fail(key, fmt::format("found {}, allowed is an array of one number per space dimension ({})",
+                          shown(node(key)), limits.unit));
+  std::vector<double> values;
+  for (const toml::node& entry : *array)
+    values.push_back(to_number(entry, key, limits));
+  return values;
+}
+
+std::vector<double> Reader::number_or_numbers(const std::string& key, const Limits& limits) {
+  if (node(key).is_array())
+    return numbers(key, limits);
+  return {number(key, limits)};
+}
+
+Components Reader::expressions(const std::string& key, bool time) {
+  const toml::array* array = node(key).as_array();
+  const std::string allowed = fmt::format("an array of one expression per space dimension, such as [\"0\", "
+                                          "\"-9.81\"]");
+  if (!array || array->size() < 2 || array->size() > 3)
+    fail(key, fmt::format("found {}, allowed is {}", shown(node(key)), allowed));
+  Components components;
+  for (const toml::node& entry : *array) {
+    if (const auto* string = entry.as_string())
+      components.push_back(string->get());
+    else if (entry.is_number())
+      components.push_back(shown(entry));
+    else
+      fail(key, fmt::format("found {}, allowed is {}", shown(entry), allowed));
+  }
+  try {
+    Field(components, full(key), time);
+  } catch (const UserError& error) {
+    const std::string what = error.what();
+    fail(key, what.substr(full(key).size() + 2));
+  }
+  return components;
+}
+
+Reader Reader::table(const std::string& key) {
+  const toml::table* table = node(key).as_table();
+  if (!table)
+    fail(key, fmt::format("found {}, allowed is a table", shown(node(key))));
+  return {*table, full(key), file_};
+}
+
+std::vector<Reader> Reader::tables(const std::string& key) {
+  std::vector<Reader> readers;
+  if (!has(key))
+    return readers;
+  const toml::array* array = node(key).as_array();
+  if (!array || !array->is_homogeneous<toml::table>())
+    fail(key, fmt::format("allowed are tables headed [[{}]]", full(key)));
+  for (std::size_t i = 0; i < array->size(); ++i)
+    readers.emplace_back(*array->get(i)->as_table(), fmt::format("{}[{}]", full(key), i), file_);
+  return readers;
+}
+
+void Reader::not_available(const std::string& key) {
+  if (has(key))
+    fail(key, "not available yet; leave it out");
+}
+
+void Reader::finish() const {
+  for (const auto& [key, value] : table_) {
+    const std::string name{key.str()};
+    if (known_.contains(name))
+      continue;
+    const std::vector<std::string> names(known_.begin(), known_.end());
+    const std::string near = nearest(name, names);
+    fail(name, fmt::format("unknown key{}; allowed here: {}",
+                           near.empty() ? "" : fmt::format(", did you mean \"{}\"?", near), list(names)));
+  }
+}
+
+} // namespace signorini::scene

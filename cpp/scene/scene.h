@@ -1,0 +1,130 @@
+#pragma once
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+/// What a scene file says, validated, in SI units, every default filled in. An absent optional is an absent effect.
+namespace signorini::scene {
+
+/// Components of a vector field as expressions, one per space dimension.
+using Components = std::vector<std::string>;
+
+struct Mesh {
+  std::filesystem::path file; ///< .geo or .msh, absolute
+  std::optional<double> size; ///< element size for a .geo, m; absent: the sizes that the .geo itself sets
+  int degree = 1;             ///< Lagrange degree of the displacement
+};
+
+struct Time {
+  double end = 0;  ///< s
+  double step = 0; ///< s
+  int steps = 0;   ///< end / step
+  std::string scheme = "contact-implicit";
+};
+
+struct Viscosity {
+  double bulk = 0;  ///< κ, Pa s
+  double shear = 0; ///< η, Pa s
+};
+
+struct Material {
+  double density = 0; ///< ρ, kg/m³
+  double young = 0;   ///< E, Pa
+  double poisson = 0; ///< ν
+  std::optional<Viscosity> viscosity;
+};
+
+struct Clamp {
+  std::string on; ///< physical group
+};
+
+struct HalfSpace {
+  std::vector<double> point;  ///< a point of the boundary plane, m
+  std::vector<double> normal; ///< out of the obstacle, any length but zero
+};
+
+struct Contact {
+  std::string on; ///< physical group of the contact candidates
+  HalfSpace obstacle;
+};
+
+struct Load {
+  Components body; ///< N/m³ in 3D and plane strain, of x, y, z, t
+};
+
+struct Initial {
+  std::optional<Components> displacement; ///< m, of x, y, z
+  std::optional<Components> velocity;     ///< m/s, of x, y, z
+};
+
+struct Control {
+  double scale = 1;                         ///< s, N/m³ per unit of control
+  std::optional<Components> initial;        ///< first guess, of x, y, z, t; absent: zero
+  std::optional<std::vector<double>> lower; ///< one number or one per component
+  std::optional<std::vector<double>> upper;
+};
+
+struct DesiredControl {
+  Components control; ///< reference control, of x, y, z, t: its state is the desired one
+};
+struct DesiredDisplacement {
+  Components displacement; ///< m, of x, y, z, t
+};
+
+struct Objective {
+  std::variant<DesiredControl, DesiredDisplacement> desired;
+  double alpha = 0; ///< weight of the control cost
+  double gamma = 0; ///< weight of the terminal term
+};
+
+struct Optimizer {
+  std::string method = "projected-gradient";
+  int max_iterations = 1000;
+  double tolerance = 1e-6; ///< of the gradient norm, relative to the first guess's
+};
+
+struct Solver {
+  std::string vi = "condensed";
+  std::string linear = "auto";
+};
+
+struct Check {
+  std::optional<Components> control; ///< where `check` takes derivatives, of x, y, z, t
+};
+
+struct Output {
+  int every = 1; ///< steps between stored fields
+};
+
+struct Scene {
+  std::filesystem::path file;
+  std::string name;
+  Mesh mesh;
+  Time time;
+  Material material;
+  std::vector<Clamp> clamps;
+  std::optional<Contact> contact;
+  std::optional<Load> load;
+  Initial initial;
+  std::optional<Control> control;
+  std::optional<Objective> objective;
+  Optimizer optimizer;
+  Solver solver;
+  Check check;
+  Output output;
+};
+
+/// Reads and validates a scene file; `overrides` are the texts `key.path=value` of --set.
+/// Throws UserError naming file, line, key, what was found and what is allowed.
+Scene parse(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+/// Throws UserError unless every vector of the scene has `dim` components.
+void require_dimension(const Scene& scene, int dim);
+
+/// The scene as TOML with every default written out; parse() reads it back to the same scene.
+std::string echo(const Scene& scene);
+
+} // namespace signorini::scene

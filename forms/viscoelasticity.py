@@ -1,0 +1,55 @@
+"""The bilinear forms of a linearly viscoelastic body (Kelvin-Voigt), small strain.
+
+Notation: displacement y, velocity v, test function phi in V, the continuous vector Lagrange
+functions; eps(y) = sym grad y. In two dimensions the body is in plane strain: eps has no
+out-of-plane component, the tensors below are its in-plane parts.
+
+    L2(y, phi) = int y . phi                                                  W
+    m (y, phi) = int rho y . phi                                              M
+    a (y, phi) = int [lambda tr eps(y) I + 2 mu eps(y)] : eps(phi)            A
+    b (v, phi) = int [(kappa - 2 eta/3) tr eps(v) I + 2 eta eps(v)] : eps(phi)  B
+    d = m + tau/2 b + tau^2/4 a      the symmetric, coercive operator of a step  D
+    d_elastic = m + tau^2/4 a        the same for a body without viscosity
+
+The build compiles this page for every cell and degree it is asked for (signorini_add_forms in
+forms/CMakeLists.txt) and again whenever it is edited. The names of the forms and of the
+constants are those that cpp/fem/forms.cpp asks for.
+"""
+
+import basix.ufl
+import ufl
+
+
+def forms(cell: str, degree: int) -> dict[str, object]:
+    """The forms on `cell` ("triangle", "tetrahedron") for Lagrange functions of `degree`."""
+    dim = {"triangle": 2, "tetrahedron": 3}[cell]
+    domain = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(dim,)))
+    V = ufl.FunctionSpace(domain, basix.ufl.element("Lagrange", cell, degree, shape=(dim,)))
+    y, phi = ufl.TrialFunction(V), ufl.TestFunction(V)
+
+    rho = ufl.Constant(domain)  # density, kg/m^3
+    young = ufl.Constant(domain)  # Young's modulus E, Pa
+    poisson = ufl.Constant(domain)  # Poisson's ratio nu
+    kappa = ufl.Constant(domain)  # bulk viscosity, Pa s
+    eta = ufl.Constant(domain)  # shear viscosity, Pa s
+    tau = ufl.Constant(domain)  # time step, s
+
+    lmbda = young * poisson / ((1 + poisson) * (1 - 2 * poisson))
+    mu = young / (2 * (1 + poisson))
+
+    def eps(w):
+        return ufl.sym(ufl.grad(w))
+
+    def isotropic(first, second, w):
+        return first * ufl.tr(eps(w)) * ufl.Identity(dim) + 2 * second * eps(w)
+
+    L2 = ufl.inner(y, phi) * ufl.dx
+    m = rho * ufl.inner(y, phi) * ufl.dx
+    a = ufl.inner(isotropic(lmbda, mu, y), eps(phi)) * ufl.dx
+    b = ufl.inner(isotropic(kappa - 2 * eta / 3, eta, y), eps(phi)) * ufl.dx
+    d_elastic = m + tau**2 / 4 * a
+    d = d_elastic + tau / 2 * b
+
+    return dict(rho=rho, young=young, poisson=poisson, kappa=kappa, eta=eta, tau=tau,
+                L2=L2, m=m, a=a, b=b, d=d, d_elastic=d_elastic,
+                forms=[L2, m, a, b, d, d_elastic])  # fmt: skip
