@@ -33,8 +33,8 @@ control::Control wave(const control::ControlSpace& controls, int which) {
   return u;
 }
 
-/// Where derivatives are taken: the scene's [check] control, else half of the reference control (at the reference itself
-/// the tracking error and with it the adjoint vanish), else the first guess.
+/// Where derivatives are taken: the scene's [check] control, else near the reference control (at the reference itself the
+/// tracking error and with it the adjoint vanish), else the first guess.
 control::Control check_point(const Problem& problem, const ControlProblem& control_problem, std::string& description) {
   const scene::Scene& scene = problem.scene;
   if (scene.check.control) {
@@ -42,9 +42,10 @@ control::Control check_point(const Problem& problem, const ControlProblem& contr
     return control_problem.controls.interpolate(*scene.check.control, "check.control");
   }
   if (control_problem.reference) {
-    description = "half of the reference control";
+    description = "the reference control, disturbed by a fifth of its size";
     control::Control u = *control_problem.reference;
-    u.scale(0.5);
+    const control::Control disturbance = wave(control_problem.controls, 2);
+    u.add(0.2 * control_problem.controls.norm(u) / control_problem.controls.norm(disturbance), disturbance);
     return u;
   }
   description = "the first guess";
