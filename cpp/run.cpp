@@ -74,15 +74,18 @@ std::vector<Vec> pick(const std::vector<int>& steps, At&& at) {
   return values;
 }
 
-/// steps.csv, contact.csv and state.xdmf.
+/// scene.toml, steps.csv, contact.csv and state.xdmf.
 void write_motion(const io::OutputFolder& folder, const Problem& problem, const forward::AddLoad& load,
-                  const forward::Trajectory& trajectory) {
+                  const forward::Trajectory& trajectory, const control::Objective* objective) {
   const auto timer = problem.timers.time("output");
   const forward::Scheme& scheme = problem.stepper.scheme();
   const std::vector<int> stored = stored_steps(0, trajectory.steps, problem.scene.output.every);
   folder.write("scene.toml", scene::echo(problem.scene));
+  std::vector<double> tracking_error;
+  for (int k = 0; objective && k <= trajectory.steps; ++k)
+    tracking_error.push_back(objective->distance(k, trajectory.y[k]));
   folder.write("steps.csv", io::steps_table(forward::balance(problem.stepper, load, trajectory), trajectory.contact,
-                                            scheme, problem.space.dim()));
+                                            tracking_error, scheme, problem.space.dim()));
   if (const contact::Constraints* constraints = problem.stepper.constraints()) {
     std::vector<double> gap(static_cast<std::size_t>(constraints->count()));
     constraints->gap(trajectory.y[0], gap);
@@ -125,7 +128,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
                       [&](int k) { progress.update(static_cast<std::size_t>(k)); });
   }
   const bool complete = trajectory.steps == problem.steps();
-  write_motion(folder, problem, load, trajectory);
+  write_motion(folder, problem, load, trajectory, nullptr);
   folder.write("run.json", io::to_json(manifest(problem, "simulate", complete ? "end of time" : "interrupted",
                                                 trajectory.steps),
                                        scene, timers));
@@ -203,7 +206,7 @@ int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, 
     throw Interrupted();
 
   folder.write("history.csv", io::history_table(rows));
-  write_motion(folder, problem, reduced.load(), reduced.trajectory());
+  write_motion(folder, problem, reduced.load(), reduced.trajectory(), &control_problem.objective);
   write_control(folder, problem, reduced);
   io::Manifest m = manifest(problem, "optimize", optimize::name(stop), reduced.trajectory().steps);
   m.objective = reduced.value();
@@ -251,7 +254,7 @@ int info(const scene::Scene& scene, const Console& console) {
   const double bytes = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs()) * (problem.steps() + 1);
   // One trajectory holds y and v; optimize keeps the current and the trial one, the desired states, and the controls u of
   // the iterate, current, trial, gradient and step, and p.
-  const double vectors = scene.objective ? 2 * 2 + 1 + 6 + (scene.objective ? 1 : 0) : 2;
+  const double vectors = scene.objective ? 2 * 2 + 1 + 6 + 1 : 2;
   double setup = 0;
   for (const auto& [phase, entry] : timers.entries())
     setup += entry.seconds;

@@ -11,12 +11,13 @@ constexpr const char* axes[] = {"x", "y", "z"};
 } // namespace
 
 std::string steps_table(const std::vector<forward::StepBalance>& balance, const std::vector<contact::ContactState>& contact,
-                        const forward::Scheme& scheme, int dim) {
+                        const std::vector<double>& tracking_error, const forward::Scheme& scheme, int dim) {
   std::string text = "step,time,kinetic_energy,elastic_energy,viscous_dissipation,external_work,contact_work,"
                      "energy_residual,";
   for (int c = 0; c < dim; ++c)
     text += fmt::format("contact_force_{},", axes[c]);
-  text += "active,weak,min_gap,vi_iterations\n";
+  text += tracking_error.empty() ? "active,weak,min_gap,vi_iterations\n"
+                                 : "active,weak,min_gap,vi_iterations,tracking_error\n";
   auto out = std::back_inserter(text);
   for (std::size_t k = 0; k < balance.size(); ++k) {
     const forward::StepBalance& b = balance[k];
@@ -27,9 +28,12 @@ std::string steps_table(const std::vector<forward::StepBalance>& balance, const 
     for (int c = 0; c < dim; ++c)
       fmt::format_to(out, "{:.17g},", b.contact_force[static_cast<std::size_t>(c)]);
     const int weak = state.count(contact::Status::weak);
-    fmt::format_to(out, "{},{},{},{}\n", state.count(contact::Status::strong) + weak, weak,
+    fmt::format_to(out, "{},{},{},{}", state.count(contact::Status::strong) + weak, weak,
                    state.gap.empty() ? "nan" : fmt::format("{:.17g}", std::ranges::min(state.gap)),
                    state.vi_iterations);
+    if (!tracking_error.empty())
+      fmt::format_to(out, ",{:.17g}", tracking_error[k]);
+    text += '\n';
   }
   return text;
 }

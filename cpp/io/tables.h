@@ -9,9 +9,10 @@
 /// The CSV files of a run, as text.
 namespace signorini::io {
 
-/// steps.csv: one row per time step, row 0 the initial state.
+/// steps.csv: one row per time step, row 0 the initial state. `tracking_error` holds ‖y_k − y_d,k‖ in L2 (m², in 3D m^5/2),
+/// or nothing if the run has no objective: then the column is left out.
 std::string steps_table(const std::vector<forward::StepBalance>& balance, const std::vector<contact::ContactState>& contact,
-                        const forward::Scheme& scheme, int dim);
+                        const std::vector<double>& tracking_error, const forward::Scheme& scheme, int dim);
 
 /// contact.csv: one row per stored step and candidate. `initial_gap` belongs to step 0.
 std::string contact_table(const std::vector<int>& steps, const std::vector<contact::ContactState>& contact,
