@@ -76,12 +76,12 @@ Time time(Reader in) {
   const double steps = std::round(time.end / time.step);
   constexpr double most = 1e8;
   if (!(steps >= 1 && steps <= most))
-    in.fail("step", fmt::format("found {} s, which makes {} steps to time.end = {} s, allowed are 1 to {:.0f}",
+    in.fail("step", fmt::format("found {:.10g} s, which makes {:.10g} steps to time.end = {:.10g} s, allowed are 1 to {:.0f}",
                                 time.step, time.end / time.step, time.end, most));
   // Decimal fractions such as 7.5e-3 / 5e-5 divide to within a few units in the last place.
   if (std::abs(steps * time.step - time.end) > 1e-9 * time.end)
-    in.fail("end", fmt::format("found {} s, which is {} steps of {} s, allowed are whole multiples of "
-                               "time.step, such as {} s",
+    in.fail("end", fmt::format("found {:.10g} s, which is {:.10g} steps of {:.10g} s, allowed are whole "
+                               "multiples of time.step, such as {:.10g} s",
                                time.end, time.end / time.step, time.step, steps * time.step));
   time.steps = static_cast<int>(steps);
   in.finish();

@@ -1,0 +1,269 @@
+"""Film of the deformed body on its obstacle: colours show the displacement, arrows the contact forces.
+
+Displacements below 2 % of the body's size are enlarged; the gap to the obstacle is then enlarged with them, so
+that contact looks like contact, and the picture says by how much. Writes a GIF, and an .mp4 where ffmpeg is present.
+"""
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection, PolyCollection, TriMesh
+from matplotlib.figure import Figure
+from matplotlib.quiver import Quiver
+from matplotlib.text import Text
+from matplotlib.tri import Triangulation
+from PIL import Image
+
+import style
+from command_line import run_alone
+from run_folder import Contact, HalfSpace, Mesh, RunFolder, Unreadable, nearest
+
+MOST_FRAMES = 76  # 75 intervals
+FRAME_MILLISECONDS = 80  # a GIF counts in hundredths of a second
+DOTS_PER_INCH = 100  # on the screen; 640 dots wide
+SMALL = 0.02  # displacements below this part of the body's size are enlarged …
+VISIBLE = 0.05  # … to about this part
+ARROW = 0.18  # longest arrow, as a part of the body's size
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """What is drawn of contact, with the forces' points (frames × nodes × 2, m) and sizes (frames × nodes, N/m)."""
+
+    half_space: HalfSpace
+    points: np.ndarray
+    forces: np.ndarray
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What the film shows: displacements (frames × nodes × 2, m) at times (s), drawn `enlarged` times as large."""
+
+    mesh: Mesh
+    times: np.ndarray
+    displacement: np.ndarray
+    enlarged: float
+    obstacle: Obstacle | None
+
+    def position(self, frame: int) -> np.ndarray:
+        """Where the mesh's nodes are drawn, nodes × 2, m."""
+        return self.mesh.points + self.enlarged * self.displacement[frame]
+
+
+def draw(run: RunFolder) -> list[Path]:
+    """Writes animation.gif and animation.mp4; returns the paths of those written."""
+    run.require_plane()
+    frames = list(render(read_motion(run)))
+    name = run.path / "figures" / "animation.gif"
+    paths = [write_gif(frames, name)]
+    if shutil.which("ffmpeg"):
+        paths.append(write_mp4(frames, name.with_suffix(".mp4")))
+    return paths
+
+
+def read_motion(run: RunFolder) -> Motion:
+    """The stored steps, thinned out evenly to the number of frames."""
+    series = run.field("state.xdmf", "displacement")
+    stride = max(1, -(-(len(series.times) - 1) // (MOST_FRAMES - 1)))
+    shown = range(0, len(series.times), stride)
+    displacement = np.stack([series.at(i) for i in shown])
+    enlarged = enlargement(displacement, series.mesh.size)
+    times = series.times[shown]
+    obstacle = read_obstacle(run, series.mesh, times, displacement, enlarged, stride) if run.has_contact else None
+    return Motion(series.mesh, times, displacement, enlarged, obstacle)
+
+
+def enlargement(displacement: np.ndarray, size: float) -> float:
+    """How many times as large displacements are drawn: 1 unless they are too small to see; size of the body in m."""
+    largest = np.linalg.norm(displacement, axis=2).max()
+    return 1.0 if largest == 0 or largest >= SMALL * size else round_down(VISIBLE * size / largest)
+
+
+def round_down(value: float) -> float:
+    """The largest of …, 1, 2, 5, 10, 20, 50, … that is not above the value."""
+    power = 10 ** np.floor(np.log10(value))
+    return float(max(digit for digit in (1, 2, 5) if digit * power <= value) * power)
+
+
+def read_obstacle(run: RunFolder, mesh: Mesh, times: np.ndarray, displacement: np.ndarray, enlarged: float,
+                  stride: int) -> Obstacle:
+    """The obstacle as it is drawn, and the forces that belong to the frames."""
+    contact, obstacle = run.contact, run.obstacle
+    # The gap grows with the displacements: the node nearest to the plane meets it when it does in truth.
+    gap = obstacle.height(contact.points).min()
+    drawn = HalfSpace(obstacle.point + (1 - enlarged) * gap * obstacle.normal, obstacle.normal)
+    points = contact.points + enlarged * follow(mesh.points, contact.points, displacement)
+    return Obstacle(drawn, points, frame_forces(contact, times, stride))
+
+
+def follow(nodes: np.ndarray, points: np.ndarray, displacement: np.ndarray) -> np.ndarray:
+    """Displacement of points on the boundary (frames × points × 2, m).
+
+    Linear between the two nearest nodes of the mesh: exact at the nodes and on straight edges between them, where
+    elements of second degree have candidates for contact too.
+    """
+    distance = np.linalg.norm(points[:, None] - nodes[None], axis=2)
+    pair = np.argsort(distance, axis=1)[:, :2]
+    near, far = np.take_along_axis(distance, pair, axis=1).T
+    weight = (far / (near + far))[None, :, None]
+    return weight * displacement[:, pair[:, 0]] + (1 - weight) * displacement[:, pair[:, 1]]
+
+
+def frame_forces(contact: Contact, times: np.ndarray, stride: int) -> np.ndarray:
+    """Nodal forces (frames × nodes, N/m): the mean over the steps since the last frame.
+
+    At least two steps: the force of a single one alternates from step to step, and only the mean means something.
+    """
+    last = [nearest(contact.times, time) for time in times]
+    first = [max(1, index - max(stride, 2) + 1) for index in last]
+    return np.stack([contact.force[min(i, j): j + 1].mean(axis=0) for i, j in zip(first, last)])
+
+
+def render(motion: Motion) -> Iterator[Image.Image]:
+    """The frames, one after another; what does not move is drawn once."""
+    figure, axes = scenery(motion)
+    canvas = FigureCanvasAgg(figure)
+    body, outline = add_body(axes, motion)
+    arrows = add_arrows(axes, motion)
+    title = axes.set_title(" ", loc="left")
+    moving = [artist for artist in (body, outline, arrows, title) if artist is not None]
+    for artist in moving:
+        artist.set_animated(True)
+    canvas.draw()
+    background = canvas.copy_from_bbox(figure.bbox)
+    for frame in range(len(motion.times)):
+        show(motion, frame, body, outline, arrows, title)
+        canvas.restore_region(background)
+        for artist in moving:
+            axes.draw_artist(artist)
+        yield Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+
+
+def scenery(motion: Motion) -> tuple[Figure, Axes]:
+    """The figure with what stands still: axes and obstacle."""
+    low, high = view(motion)
+    width, height = high - low
+    # Labels, title and colour bar around the plot take about 1.7 × 1.1 inches.
+    size = (style.WIDTH, np.clip((style.WIDTH - 1.9) * height / width + 1.1, 3, 8))
+    figure = Figure(figsize=size, dpi=DOTS_PER_INCH)
+    axes = figure.add_subplot(aspect="equal", xlabel="$x$ (m)", ylabel="$y$ (m)")
+    axes.grid(False)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    if motion.obstacle:
+        filled = clip(rectangle(low, high), motion.obstacle.half_space)
+        axes.add_collection(PolyCollection([filled] if len(filled) else [], facecolors="0.82", edgecolors="0.4"))
+    scale = "true to scale" if motion.enlarged == 1 else f"displacements and gap × {motion.enlarged:g}"
+    axes.text(0.99, 0.99, scale, transform=axes.transAxes, ha="right", va="top", fontsize=11, color="0.3")
+    return figure, axes
+
+
+def view(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+    """Two corners of the box that holds the body at all times and the arrows below it, m."""
+    inside = np.concatenate([motion.position(frame) for frame in range(len(motion.times))])
+    if motion.obstacle:
+        points, normal = motion.obstacle.points, motion.obstacle.half_space.normal
+        touching = points[motion.obstacle.forces > 0]
+        inside = np.concatenate([inside, touching - 1.1 * ARROW * motion.mesh.size * normal])
+    margin = 0.04 * motion.mesh.size
+    return inside.min(axis=0) - margin, inside.max(axis=0) + margin
+
+
+def rectangle(low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Corners of a box in order, 4 × 2."""
+    return np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
+
+
+def clip(polygon: np.ndarray, half_space: HalfSpace) -> np.ndarray:
+    """The part of a convex polygon (corners × 2, m) that is inside the obstacle."""
+    corners = []
+    height = half_space.height(polygon)
+    for i, h in enumerate(height):
+        if h <= 0:
+            corners.append(polygon[i])
+        following = (i + 1) % len(polygon)
+        if h * height[following] < 0:
+            corners.append(polygon[i] + h / (h - height[following]) * (polygon[following] - polygon[i]))
+    return np.array(corners)
+
+
+def add_body(axes: Axes, motion: Motion) -> tuple[TriMesh, LineCollection]:
+    """The body's surface with its colour bar, and its outline."""
+    largest = np.linalg.norm(motion.displacement, axis=2).max()
+    factor, unit = style.prefixed(largest, "m")
+    body = TriMesh(Triangulation(*motion.position(0).T, motion.mesh.triangles), cmap=style.FIELD_COLOURS)
+    body.set_clim(0, largest * factor or 1)
+    axes.add_collection(body, autolim=False)
+    outline = LineCollection([], colors="black", linewidths=0.8)
+    axes.add_collection(outline, autolim=False)
+    axes.figure.colorbar(body, ax=axes, pad=0.02, label=f"displacement ({unit})")
+    return body, outline
+
+
+def add_arrows(axes: Axes, motion: Motion) -> Quiver | None:
+    """Arrows that end at the nodes in contact, and one in the margin that tells their length."""
+    if motion.obstacle is None or not motion.obstacle.forces.any():
+        return None
+    largest = motion.obstacle.forces.max()
+    arrows = axes.quiver(*motion.obstacle.points[0].T, *np.zeros_like(motion.obstacle.points[0]).T, angles="xy",
+                         scale_units="xy", scale=largest / (ARROW * motion.mesh.size), pivot="tip",
+                         color=style.VERMILLION, width=0.006)
+    key = round_down(largest)
+    factor, unit = style.prefixed(key, "N/m")
+    axes.quiverkey(arrows, 0.75, 1.05, key, f"{key * factor:g} {unit}", labelpos="E", coordinates="axes")
+    return arrows
+
+
+def show(motion: Motion, frame: int, body: TriMesh, outline: LineCollection, arrows: Quiver | None,
+         title: Text) -> None:
+    """Moves everything to its place in the frame."""
+    position = motion.position(frame)
+    magnitude = np.linalg.norm(motion.displacement[frame], axis=1)
+    body._triangulation.x, body._triangulation.y = position.T
+    body.set_array(magnitude * style.prefixed(1, "m")[0])
+    outline.set_segments(position[motion.mesh.outline()])
+    title.set_text(f"$t$ = {1e3 * motion.times[frame]:.2f} ms")
+    if arrows is not None:
+        forces = motion.obstacle.forces[frame]
+        arrows.set_offsets(motion.obstacle.points[frame])
+        # A force of zero would leave a dot.
+        u, v = np.where(forces > 0, forces, np.nan) * motion.obstacle.half_space.normal[:, None]
+        arrows.set_UVC(u, v)
+
+
+def write_gif(frames: list[Image.Image], path: Path) -> Path:
+    """Writes all frames with one palette, so that pixels that stay the same cost nothing."""
+    sample = frames[:: max(1, len(frames) // 8)]
+    mosaic = Image.new("RGB", (frames[0].width, frames[0].height * len(sample)))
+    for i, frame in enumerate(sample):
+        mosaic.paste(frame, (0, i * frame.height))
+    palette = mosaic.quantize(255)
+    indexed = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    with style.whole_file(path) as partial:
+        indexed[0].save(partial, save_all=True, append_images=indexed[1:], duration=FRAME_MILLISECONDS, loop=0)
+    return path
+
+
+def write_mp4(frames: list[Image.Image], path: Path) -> Path:
+    """Writes the frames as H.264, which wants even numbers of pixels."""
+    width, height = frames[0].width // 2 * 2, frames[0].height // 2 * 2
+    raw = b"".join(frame.crop((0, 0, width, height)).tobytes() for frame in frames)
+    with style.whole_file(path) as partial:
+        command = ["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgb24",
+                   "-video_size", f"{width}x{height}", "-framerate", f"{1000 / FRAME_MILLISECONDS}", "-i", "-",
+                   "-pix_fmt", "yuv420p", "-crf", "18", "-movflags", "+faststart", str(partial)]
+        result = subprocess.run(command, input=raw, capture_output=True)
+        if result.returncode:
+            reason = result.stderr.decode(errors="replace").strip().splitlines()
+            raise Unreadable(f"{path}: ffmpeg failed ({reason[-1] if reason else result.returncode})")
+    return path
+
+
+if __name__ == "__main__":
+    sys.exit(run_alone(draw, __doc__))

@@ -1,0 +1,40 @@
+"""The command line that all scripts of this folder share.
+
+Exit status 0: drawn; 2: the folder, a file or an option is wrong, or the run has nothing to draw.
+"""
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from run_folder import NotInRun, RunFolder, Unreadable
+
+
+def arguments(description: str, timed: bool) -> argparse.Namespace:
+    """Parses RUN_FOLDER and, where a figure shows one time, --time."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("run_folder", type=Path, metavar="RUN_FOLDER", help="where a run left its files")
+    if timed:
+        parser.add_argument("--time", type=float, metavar="T",
+                            help="time to show, s (default: 0.00175 if the body is in contact then, "
+                                 "else the time of the largest contact force)")
+    return parser.parse_args()
+
+
+def complain(error: Exception) -> None:
+    """One sentence on stderr."""
+    print(f"{Path(sys.argv[0]).name}: {error}", file=sys.stderr)
+
+
+def run_alone(draw: Callable[..., list[Path]], description: str, timed: bool = False) -> int:
+    """Draws one figure into RUN_FOLDER/figures and prints the paths; returns the exit status."""
+    given = arguments(description, timed)
+    try:
+        run = RunFolder(given.run_folder)
+        paths = draw(run, given.time) if timed else draw(run)
+    except (NotInRun, Unreadable, OSError) as error:
+        complain(error)
+        return 2
+    print(*paths, sep="\n")
+    return 0

@@ -1,0 +1,35 @@
+"""Kinetic, elastic and total energy and the energy dissipated so far, over time."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import style
+from command_line import run_alone
+from run_folder import RunFolder
+
+
+def draw(run: RunFolder) -> list[Path]:
+    """Draws the energies at the time steps; the dissipation only for a body that has viscosity."""
+    steps = run.steps
+    kinetic, elastic = steps["kinetic_energy"], steps["elastic_energy"]
+    dissipated = np.cumsum(steps["viscous_dissipation"])
+    factor, unit = style.prefixed(max((kinetic + elastic).max(), dissipated[-1]), style.per_depth("J", run.dim))
+
+    figure, axes = style.graph()
+    times = style.time_axis(axes, steps["time"])
+    style.shade_contact(axes, times, steps["active"])
+    axes.plot(times, kinetic * factor, color=style.BLUE, label="kinetic")
+    axes.plot(times, elastic * factor, color=style.ORANGE, linestyle="--", label="elastic")
+    axes.plot(times, (kinetic + elastic) * factor, color="black", label="kinetic + elastic")
+    if dissipated[-1] > 0:
+        axes.plot(times, dissipated * factor, color=style.VERMILLION, linestyle="-.", label="dissipated so far")
+    axes.set_ylabel(f"energy ({unit})")
+    axes.set_ylim(bottom=0)
+    figure.legend(loc="outside upper center", ncols=3, columnspacing=1.2, handlelength=1.8)
+    return [style.save(figure, run.path / "figures" / "energy.png")]
+
+
+if __name__ == "__main__":
+    sys.exit(run_alone(draw, __doc__))

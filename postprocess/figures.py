@@ -1,0 +1,65 @@
+"""Draws all figures of a run into RUN_FOLDER/figures, and says in one line which of them the run has no data for."""
+
+import sys
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import animation
+import contact_force
+import contact_force_history
+import control_magnitude
+import distance_to_reference
+import energy
+import objective
+import tracking_error
+from command_line import arguments, complain
+from run_folder import NotInRun, RunFolder, Unreadable
+
+
+def figures(time: float | None) -> dict[str, Callable[[RunFolder], list[Path]]]:
+    """The figures by the name of their files; `time` (s) is for those that show one time."""
+    return {
+        "objective": objective.draw,
+        "distance_to_reference": distance_to_reference.draw,
+        "tracking_error": tracking_error.draw,
+        "control_magnitude": partial(control_magnitude.draw, time=time),
+        "contact_force": partial(contact_force.draw, time=time),
+        "contact_force_history": contact_force_history.draw,
+        "energy": energy.draw,
+        "animation": animation.draw,
+    }
+
+
+def draw_all(run: RunFolder, time: float | None) -> int:
+    """Draws what can be drawn; returns the exit status, 2 if a file is damaged."""
+    status = 0
+    for name, draw in figures(time).items():
+        # A figure of an earlier run in the same folder must not pass for one of this run.
+        for old in (run.path / "figures").glob(f"{name}.*"):
+            old.unlink()
+        try:
+            for path in draw(run):
+                print(path, flush=True)
+        except NotInRun as reason:
+            print(f"no {name}: {reason}", flush=True)
+        except (Unreadable, OSError) as error:
+            complain(error)
+            status = 2
+    return status
+
+
+def main() -> int:
+    given = arguments(__doc__, timed=True)
+    try:
+        run = RunFolder(given.run_folder)
+        if given.time is not None:
+            run.check_time(given.time)
+    except (NotInRun, Unreadable) as error:
+        complain(error)
+        return 2
+    return draw_all(run, given.time)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

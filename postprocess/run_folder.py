@@ -1,0 +1,245 @@
+"""What a run left in its folder, as numpy arrays in SI units.
+
+Which file holds what is listed in the manual under "What a run leaves in its folder". Files are read when
+they are first asked for, so that a folder with a part of them serves the figures that need no more.
+"""
+
+import json
+import tomllib
+import warnings
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TypeVar
+
+import h5py
+import numpy as np
+
+SEED_TIME = 1.75e-3  # s, the time of the figures in Müller and Schiela (2017), in the middle of the first contact
+
+T = TypeVar("T")
+
+
+class NotInRun(Exception):
+    """The run did not write, or had no reason to write, what a figure shows."""
+
+
+class Unreadable(Exception):
+    """The folder is no run's folder, or a file in it is damaged."""
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Nodes (n × dim, m) and triangles (cells × 3, node numbers) of the undeformed body."""
+
+    points: np.ndarray
+    triangles: np.ndarray
+
+    @property
+    def size(self) -> float:
+        """The longest side of the box around the body, m."""
+        return float(np.ptp(self.points, axis=0).max())
+
+    def outline(self) -> np.ndarray:
+        """Edges of the boundary (edges × 2, node numbers): those of one triangle only."""
+        edges = np.sort(self.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        distinct, count = np.unique(edges, axis=0, return_counts=True)
+        return distinct[count == 1]
+
+
+@dataclass(frozen=True)
+class Series:
+    """A nodal vector field over time: the mesh, the stored times (s) and where each time's values are."""
+
+    mesh: Mesh
+    times: np.ndarray
+    datasets: list[tuple[Path, str]]
+
+    def at(self, index: int) -> np.ndarray:
+        """Values at times[index], n × dim."""
+        # Functions are padded with zeros to three components in the file.
+        return read_dataset(*self.datasets[index])[:, : self.mesh.points.shape[1]]
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Gap (m) and normal force (N, in the plane N/m) of every candidate node (m × dim, m) at the stored times (s)."""
+
+    times: np.ndarray
+    points: np.ndarray
+    gap: np.ndarray
+    force: np.ndarray
+
+    def touching(self, index: int, tolerance: float) -> np.ndarray:
+        """Which candidates are in contact at times[index]: they carry a force or have no gap; tolerance in m."""
+        return (self.force[index] > 0) | (self.gap[index] <= tolerance)
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """The rigid half-space (x - point)·normal ≤ 0; point in m, normal of length 1 and out of the obstacle."""
+
+    point: np.ndarray
+    normal: np.ndarray
+
+    def height(self, x: np.ndarray) -> np.ndarray:
+        """Distance of points (n × dim, m) from the plane, positive outside of the obstacle, m."""
+        return (x - self.point) @ self.normal
+
+    @property
+    def tangent(self) -> np.ndarray:
+        """Unit vector along the plane, to the right where the obstacle is a floor (two dimensions)."""
+        return np.array([self.normal[1], -self.normal[0]])
+
+
+class RunFolder:
+    """The folder of one run. Raises Unreadable if there is no scene.toml in it."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        if not path.is_dir():
+            raise Unreadable(f"{path}: there is no such folder")
+        if not (path / "scene.toml").is_file():
+            raise Unreadable(f"{path}: this is not the folder of a run, since there is no scene.toml in it")
+
+    @cached_property
+    def scene(self) -> dict:
+        """The scene with every default written out."""
+        return self._read("scene.toml", lambda file: tomllib.loads(file.read_text(encoding="utf-8")))
+
+    @cached_property
+    def verb(self) -> str:
+        """What was run: simulate or optimize."""
+        manifest = self._read("run.json", lambda file: json.loads(file.read_text(encoding="utf-8")))
+        return str(manifest.get("verb", "run"))
+
+    @cached_property
+    def steps(self) -> dict[str, np.ndarray]:
+        """steps.csv by column: energies and works (J, in the plane J/m), forces (N, N/m) of every time step."""
+        return self._table("steps.csv")
+
+    @cached_property
+    def history(self) -> dict[str, np.ndarray]:
+        """history.csv by column: one row per iteration of the optimizer."""
+        return self._table("history.csv")
+
+    @cached_property
+    def contact(self) -> Contact:
+        """contact.csv, by stored step and candidate node."""
+        self.obstacle  # a run without an obstacle is told apart from one that lost its file
+        table = self._table("contact.csv")
+        steps, first = np.unique(table["step"], return_index=True)
+        shape = (len(steps), -1)
+        try:
+            gap, force = table["gap"].reshape(shape), table["force"].reshape(shape)
+        except ValueError:
+            raise Unreadable(f"{self.path / 'contact.csv'}: not every step has the same number of nodes") from None
+        axes = [table[axis][: gap.shape[1]] for axis in "xyz" if axis in table]
+        return Contact(table["time"][first], np.column_stack(axes), gap, force)
+
+    @cached_property
+    def obstacle(self) -> HalfSpace:
+        """What the body may touch."""
+        if "contact" not in self.scene:
+            raise NotInRun("the scene has no contact")
+        obstacle = self.scene["contact"]["obstacle"]
+        if obstacle["shape"] != "half-space":
+            raise NotInRun(f"an obstacle of the shape \"{obstacle['shape']}\" is not drawn, only a half-space")
+        normal = np.array(obstacle["normal"], dtype=float)
+        return HalfSpace(np.array(obstacle["point"], dtype=float), normal / np.linalg.norm(normal))
+
+    @property
+    def has_contact(self) -> bool:
+        return "contact" in self.scene
+
+    @property
+    def dim(self) -> int:
+        """Space dimension."""
+        return sum(name.startswith("contact_force_") for name in self.steps)
+
+    def require_plane(self) -> None:
+        """Raises NotInRun for a body in space."""
+        if self.dim != 2:
+            raise NotInRun("only plane bodies are drawn; the .xdmf files open in ParaView")
+
+    @cached_property
+    def normal_force(self) -> np.ndarray:
+        """Total contact force along the obstacle's normal at every time step, N (in the plane N/m)."""
+        force = np.column_stack([self.steps[f"contact_force_{axis}"] for axis in "xyz"[: self.dim]])
+        return force @ self.obstacle.normal
+
+    def field(self, file: str, name: str) -> Series:
+        """The function `name` of `file` (one of the .xdmf files)."""
+        document = self._read(file, lambda path: ElementTree.parse(path).getroot())
+        grids = document.findall(f".//Grid[@GridType='Collection'][@Name='{name}']/Grid")
+        if not grids:
+            raise NotInRun(f"{file} holds no {name}")
+        times = np.array([float(grid.find("Time").get("Value")) for grid in grids])
+        datasets = [self._reference(grid.find("Attribute/DataItem")) for grid in grids]
+        points = read_dataset(*self._reference(document.find(".//Geometry/DataItem")))
+        cells = read_dataset(*self._reference(document.find(".//Topology/DataItem")))
+        return Series(Mesh(points, cells), times, datasets)
+
+    def figure_time(self) -> float:
+        """The time that shows contact best, s: the seed's if the body touches there, else that of the largest force."""
+        times = self.steps["time"]
+        if not self.has_contact:
+            return SEED_TIME if SEED_TIME <= times[-1] else float(times[-1])
+        seed = nearest(times, SEED_TIME)
+        if SEED_TIME <= times[-1] and self.steps["active"][seed] > 0:
+            return SEED_TIME
+        return float(times[np.argmax(self.normal_force)])
+
+    def check_time(self, time: float) -> None:
+        """Raises Unreadable if the run did not reach the time (s)."""
+        first, last = self.steps["time"][[0, -1]]
+        if not first <= time <= last:
+            raise Unreadable(f"--time: found {time:g} s, allowed are {first:g} to {last:g} s, the times of this run")
+
+    def _reference(self, item: ElementTree.Element) -> tuple[Path, str]:
+        """The file and the dataset that a DataItem such as `state.h5:/Mesh/mesh/geometry` names."""
+        file, dataset = item.text.strip().split(":", 1)
+        return self.path / file, dataset
+
+    def _table(self, file: str) -> dict[str, np.ndarray]:
+        return self._read(file, read_csv)
+
+    def _read(self, file: str, read: Callable[[Path], T]) -> T:
+        path = self.path / file
+        if not path.is_file():
+            verb = f" (the run was: {self.verb})" if (self.path / "run.json").is_file() else ""
+            raise NotInRun(f"there is no {file}{verb}")
+        try:
+            return read(path)
+        except (OSError, ValueError, ElementTree.ParseError) as error:
+            raise Unreadable(f"{path}: cannot be read ({error})") from None
+
+
+def read_csv(file: Path) -> dict[str, np.ndarray]:
+    """A table with one line of column names, by column."""
+    with file.open(encoding="utf-8") as lines, warnings.catch_warnings(action="ignore"):
+        names = lines.readline().strip().split(",")
+        rows = np.loadtxt(lines, delimiter=",", ndmin=2)
+    if rows.size == 0:
+        raise ValueError("there are no rows below the column names")
+    if rows.shape[1] != len(names):
+        raise ValueError(f"{len(names)} column names above {rows.shape[1]} columns")
+    return dict(zip(names, rows.T))
+
+
+def read_dataset(file: Path, dataset: str) -> np.ndarray:
+    """One dataset of an HDF5 file. Raises Unreadable if the file or the dataset is missing or damaged."""
+    if not file.is_file():
+        raise Unreadable(f"{file}: there is no such file")
+    try:
+        with h5py.File(file, "r") as data:
+            return data[dataset][()]
+    except (OSError, KeyError) as error:
+        raise Unreadable(f"{file}: {dataset} cannot be read ({error})") from None
+
+
+def nearest(times: np.ndarray, time: float) -> int:
+    """Index of the stored time nearest to `time`, both in s."""
+    return int(np.argmin(np.abs(times - time)))

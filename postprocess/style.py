@@ -1,0 +1,107 @@
+"""The look of all figures: one copy of sizes and colours, made to be read at half their size."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+# Okabe and Ito's palette: told apart with every kind of colour vision.
+BLUE, VERMILLION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
+GREY, PALE = "0.55", "0.92"
+FIELD_COLOURS = "viridis"  # even in lightness, so it survives a grey print
+
+WIDTH = 6.4  # inches; half of it is a journal's column
+GRAPH_HEIGHT = 4.0
+
+matplotlib.rcParams.update(
+    {
+        "figure.dpi": 200,
+        "figure.constrained_layout.use": True,
+        "font.size": 14,
+        "axes.labelsize": 14,
+        "axes.titlesize": 14,
+        "xtick.labelsize": 13,
+        "ytick.labelsize": 13,
+        "legend.fontsize": 13,
+        "legend.frameon": False,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.grid": True,
+        "grid.color": "0.9",
+        "grid.linewidth": 0.8,
+        "axes.axisbelow": True,
+        "axes.formatter.use_mathtext": True,
+        "axes.formatter.limits": (-2, 4),
+        "lines.linewidth": 2.2,
+    }
+)
+
+PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+
+
+def graph() -> tuple[Figure, Axes]:
+    """An empty figure for curves."""
+    figure = Figure(figsize=(WIDTH, GRAPH_HEIGHT))
+    return figure, figure.add_subplot()
+
+
+def prefixed(values: np.ndarray | float, unit: str) -> tuple[float, str]:
+    """Factor and prefixed unit that bring the largest of the values (in `unit`) between 1 and 1000."""
+    largest = float(np.max(np.abs(values)))
+    if largest == 0 or not np.isfinite(largest):
+        return 1.0, unit
+    # Half a unit in the last place printed, so that a value of 1 that was rounded down still is one.
+    power = int(3 * np.floor(np.log10(largest * (1 + 1e-9)) / 3))
+    power = min(max(power, min(PREFIXES)), max(PREFIXES))
+    return 10.0**-power, PREFIXES[power] + unit
+
+
+def per_depth(unit: str, dim: int) -> str:
+    """A plane body is one metre of a long one: its forces and energies are per metre of depth."""
+    return unit + "/m" if dim == 2 else unit
+
+
+def time_axis(axes: Axes, times: np.ndarray) -> np.ndarray:
+    """Labels the horizontal axis as time; returns the times (s) in the axis' unit."""
+    factor, unit = prefixed(times, "s")
+    axes.set_xlabel(f"time $t$ ({unit})")
+    axes.set_xlim(times[0] * factor, times[-1] * factor)
+    return times * factor
+
+
+def show_time(axes: Axes, time: float) -> None:
+    """Writes the time (s) above the axes."""
+    factor, unit = prefixed(time, "s")
+    axes.set_title(f"$t$ = {time * factor:.4g} {unit}")
+
+
+def shade_contact(axes: Axes, times: np.ndarray, active: np.ndarray) -> None:
+    """Shades the steps that end in contact; times in the axis' unit, active nodes per step."""
+    touching = np.concatenate([[False], active[1:] > 0, [False]])
+    starts, ends = np.flatnonzero(touching[1:] & ~touching[:-1]), np.flatnonzero(touching[:-1] & ~touching[1:])
+    for i, (start, end) in enumerate(zip(starts, ends)):
+        axes.axvspan(times[start], times[end], color=PALE, lw=0, label="in contact" if i == 0 else None)
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """A name to write to; becomes `path` when the block ends well, and vanishes otherwise."""
+    path.parent.mkdir(exist_ok=True)
+    partial = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    try:
+        yield partial
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def save(figure: Figure, path: Path) -> Path:
+    """Writes the figure; returns the path."""
+    with whole_file(path) as partial:
+        figure.savefig(partial)
+    return path

@@ -1,0 +1,32 @@
+"""Distance of the state to the desired state over time (seed, Fig. 8)."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import style
+from command_line import run_alone
+from run_folder import NotInRun, RunFolder
+
+
+def draw(run: RunFolder) -> list[Path]:
+    """Draws the L2 norm of y - y_d."""
+    steps = run.steps
+    error = steps.get("tracking_error", np.array([np.nan]))
+    if not np.isfinite(error).any():
+        raise NotInRun("steps.csv has no tracking error; runs of optimize write it")
+
+    figure, axes = style.graph()
+    times = style.time_axis(axes, steps["time"])
+    style.shade_contact(axes, times, steps["active"])
+    axes.plot(times, error, color=style.BLUE)
+    axes.set_ylabel(rf"$\|y - y_d\|_{{L^2}}$ ({'m²' if run.dim == 2 else '$m^{5/2}$'})")
+    axes.set_ylim(bottom=0)
+    if run.has_contact:
+        axes.legend(loc="best", frameon=True, framealpha=0.8, edgecolor="none")
+    return [style.save(figure, run.path / "figures" / "tracking_error.png")]
+
+
+if __name__ == "__main__":
+    sys.exit(run_alone(draw, __doc__))

@@ -1,0 +1,42 @@
+"""What the Python tests share: running the program, reading its tables."""
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+SIGNORINI, SOURCE = (Path(a).resolve() for a in sys.argv[1:3])
+HALF_DISC = SOURCE / "scenes" / "half-disc.toml"
+
+
+def signorini(verb: str, scene: Path, out: Path | None = None, ranks: int = 1, **overrides: object) -> subprocess.CompletedProcess:
+    """Runs a verb; an override key's double underscore stands for the dot. Fails unless the exit status is 0."""
+    done = attempt(verb, scene, out, ranks, **overrides)
+    if done.returncode:
+        raise SystemExit(f"{done.args} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
+    return done
+
+
+def attempt(verb: str, scene: Path, out: Path | None = None, ranks: int = 1, **overrides: object) -> subprocess.CompletedProcess:
+    """The same, whatever the exit status."""
+    command = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
+    command += [str(SIGNORINI), verb, str(scene)]
+    if out:
+        command += ["--out", str(out)]
+    for key, value in overrides.items():
+        command += ["--set", f"{key.replace('__', '.')}={json.dumps(value)}"]
+    return subprocess.run(command, capture_output=True, text=True)
+
+
+def table(file: Path) -> dict[str, np.ndarray]:
+    """The columns of a CSV file."""
+    with open(file) as lines:
+        rows = list(csv.DictReader(lines))
+    return {key: np.array([float(row[key]) for row in rows]) for key in rows[0]}
+
+
+def relative(found: float, expected: float) -> float:
+    return abs(found / expected - 1)

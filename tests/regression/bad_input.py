@@ -1,0 +1,953 @@
+"""Bad input: whatever is wrong, the program says so in one sentence, exits with status 2 and leaves nothing behind.
+
+usage: python3 bad_input.py PATH_TO_SIGNORINI PATH_TO_SOURCE_DIR [PATTERN]
+
+Every case starts from a small scene that runs, spoils it in one way and asserts that the exit status is 2, that stderr is
+one line which begins with "signorini: " and contains what the case expects, that nothing else is printed, and that the
+folder of the case, results of an earlier run included, holds afterwards exactly what it held before.
+PATTERN, a regular expression, picks cases by name.
+"""
+
+import os
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+Expected = str | re.Pattern[str]  # a fragment of the message, or a pattern that it must contain
+Point = tuple[float, float, float]
+Element = tuple[int, int, int, tuple[int, ...]]  # gmsh's type, physical group, entity, nodes
+
+WRONG_INPUT = 2
+TIME_LIMIT = 120  # s; a case takes a fraction of a second unless the program hangs
+WORKERS = 2
+
+SCENE = """\
+[mesh]
+file = "square.msh"
+
+[time]
+end = 1.5e-4
+step = 5e-5
+
+[material]
+density = 1.0
+young = 1e8
+poisson = 0.3
+viscosity = { bulk = 1e4, shear = 1e4 }
+
+[[clamp]]
+on = "top"
+
+[contact]
+on = "bottom"
+obstacle = { shape = "half-space", point = [0, -0.1], normal = [0, 1] }
+
+[load]
+body = ["0", "-9.81"]
+
+[initial]
+displacement = ["0", "0"]
+velocity = ["0", "0"]
+
+[control]
+scale = 1e6
+lower = -2.0
+upper = 2.0
+
+[objective]
+desired = { control = ["0", "-1"] }
+alpha = 1e-2
+gamma = 7.5e-4
+
+[optimizer]
+max_iterations = 1
+tolerance = 1e-6
+
+[solver]
+vi = "condensed"
+linear = "auto"
+
+[output]
+every = 1
+"""
+
+# --- Meshes, written by hand --------------------------------------------------------------------------------------------
+
+BODY, TOP, BOTTOM, SIDE = 1, 2, 3, 4
+GROUPS = ((2, BODY, "body"), (1, TOP, "top"), (1, BOTTOM, "bottom"), (1, SIDE, "side"))
+LINE, TRIANGLE, QUADRILATERAL, TETRAHEDRON, LINE_3, TRIANGLE_6 = 1, 2, 3, 4, 8, 9
+
+
+def square_points() -> list[Point]:
+    """Nine nodes of the square -0.5 <= x <= 0.5, 0 <= y <= 1, row by row from below."""
+    return [(x, y, 0.0) for y in (0.0, 0.5, 1.0) for x in (-0.5, 0.0, 0.5)]
+
+
+def square_elements() -> list[Element]:
+    """Eight triangles and the edges of the square."""
+    triangles = []
+    for corner in (1, 2, 4, 5):
+        right, above, across = corner + 1, corner + 3, corner + 4
+        triangles += [(corner, right, across), (corner, across, above)]
+    edges = {BOTTOM: ((1, 2), (2, 3)), TOP: ((7, 8), (8, 9)), SIDE: ((1, 4), (4, 7), (3, 6), (6, 9))}
+    return [(TRIANGLE, BODY, 1, nodes) for nodes in triangles] + [
+        (LINE, group, group, nodes) for group, lines in edges.items() for nodes in lines
+    ]
+
+
+def msh2(points: Sequence[Point], elements: Sequence[Element], groups: Iterable[tuple[int, int, str]] = GROUPS) -> str:
+    """A mesh as gmsh's format 2.2."""
+    names = [f'{dim} {tag} "{name}"' for dim, tag, name in groups]
+    nodes = [f"{tag} {x} {y} {z}" for tag, (x, y, z) in enumerate(points, 1)]
+    rows = [
+        f"{tag} {kind} 2 {group} {entity} " + " ".join(map(str, corners))
+        for tag, (kind, group, entity, corners) in enumerate(elements, 1)
+    ]
+    sections = [section("MeshFormat", ["2.2 0 8"])]
+    if names:
+        sections.append(section("PhysicalNames", [str(len(names)), *names]))
+    sections.append(section("Nodes", [str(len(nodes)), *nodes]))
+    sections.append(section("Elements", [str(len(rows)), *rows]))
+    return "".join(sections)
+
+
+def section(name: str, lines: Iterable[str]) -> str:
+    """One section of a .msh."""
+    return "\n".join([f"${name}", *lines, f"$End{name}", ""])
+
+
+def square2(**changes: object) -> str:
+    """The square as format 2.2, with other points, elements or groups."""
+    parts = {"points": square_points(), "elements": square_elements(), **changes}
+    return msh2(**parts)  # type: ignore[arg-type]
+
+
+def square4(empty_curve: bool = False) -> str:
+    """The square as gmsh's format 4.1; with a curve in a group "nothing" that has no elements, if asked for."""
+    groups = [*GROUPS, (1, 5, "nothing")] if empty_curve else list(GROUPS)
+    curves = [tag for dim, tag, _ in groups if dim == 1]
+    box = "-0.5 0 0 0.5 1 0"
+    entities = [f"0 {len(curves)} 1 0"]
+    entities += [f"{tag} {box} 1 {tag} 0" for tag in curves]
+    entities += [f"1 {box} 1 {BODY} {len(curves)} " + " ".join(map(str, curves))]
+    points, elements = square_points(), square_elements()
+    nodes = [f"1 {len(points)} 1 {len(points)}", f"2 1 0 {len(points)}"]
+    nodes += [str(tag) for tag in range(1, len(points) + 1)]
+    nodes += [f"{x} {y} {z}" for x, y, z in points]
+    blocks: dict[tuple[int, int], list[str]] = {}
+    for tag, (kind, _, entity, corners) in enumerate(elements, 1):
+        blocks.setdefault((kind, entity), []).append(f"{tag} " + " ".join(map(str, corners)))
+    rows = [f"{len(blocks)} {len(elements)} 1 {len(elements)}"]
+    for (kind, entity), own in blocks.items():
+        rows += [f"{2 if kind == TRIANGLE else 1} {entity} {kind} {len(own)}", *own]
+    names = [str(len(groups))] + [f'{dim} {tag} "{name}"' for dim, tag, name in groups]
+    return (
+        section("MeshFormat", ["4.1 0 8"])
+        + section("PhysicalNames", names)
+        + section("Entities", entities)
+        + section("Nodes", nodes)
+        + section("Elements", rows)
+    )
+
+
+def moved(node: int, point: Point) -> list[Point]:
+    """The square's points with one of them elsewhere."""
+    points = square_points()
+    points[node - 1] = point
+    return points
+
+
+def with_element(*elements: Element) -> list[Element]:
+    """The square's elements and some more."""
+    return square_elements() + list(elements)
+
+
+def before(text: str, mark: str, lines: int = 0) -> str:
+    """What a text holds before a mark and some lines behind it: a file whose writing was cut short."""
+    start = text.index(mark)
+    return text[:start] + "".join(text[start:].splitlines(keepends=True)[:lines])
+
+
+GEO = """\
+Point(1) = {-0.5, 0, 0};
+Point(2) = {0.5, 0, 0};
+Point(3) = {0.5, 1, 0};
+Point(4) = {-0.5, 1, 0};
+Line(1) = {1, 2};
+Line(2) = {2, 3};
+Line(3) = {3, 4};
+Line(4) = {4, 1};
+Curve Loop(1) = {1, 2, 3, 4};
+Plane Surface(1) = {1};
+Physical Surface("body") = {1};
+Physical Curve("top") = {3};
+Physical Curve("bottom") = {1};
+"""
+
+# --- Cases --------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Case:
+    """One bad input and what the message about it must contain."""
+
+    name: str
+    expect: tuple[Expected, ...]
+    never: tuple[Expected, ...] = ()  # what the message must not contain
+    edits: tuple[tuple[str, str], ...] = ()  # texts of the scene and what stands in their place
+    at: str = ""  # the message must name the line of the scene on which this text begins
+    scene: bytes | None = None  # the whole scene, in place of edits
+    mesh: str | bytes | None = None  # in place of the square
+    mesh_file: str = "square.msh"
+    verb: str = "simulate"
+    options: tuple[str, ...] = ()
+    command: tuple[str, ...] | None = None  # the whole command line, in place of verb and options
+    out: str = "results"
+    earlier: bool = False  # the folder holds an earlier run's results
+    prepare: Callable[[Path], None] | None = None  # last change to the folder of the case
+    largest_file: int | None = None  # bytes that a file can grow to, as on a full disk
+    ranks: int = 1
+
+
+def edited(name: str, old: str, new: str, *expect: Expected, **more: object) -> Case:
+    """A scene in which `new` stands for `old`; the message must name the line where `new` begins."""
+    more.setdefault("at", new.strip().splitlines()[0] if new.strip() else "")
+    return Case(name, expect, edits=((old, new),), **more)  # type: ignore[arg-type]
+
+
+def overridden(name: str, assignments: str | tuple[str, ...], *expect: Expected, **more: object) -> Case:
+    """A scene with --set options; the message must name no line of the scene file, which says something else there."""
+    given = (assignments,) if isinstance(assignments, str) else assignments
+    options = tuple(word for assignment in given for word in ("--set", assignment))
+    more.setdefault("never", (re.compile(r"\.toml:\d"),))
+    return Case(name, expect, options=options, **more)  # type: ignore[arg-type]
+
+
+def meshed(name: str, mesh: str | bytes, *expect: Expected, **more: object) -> Case:
+    """A scene with another mesh; the message must name its file."""
+    file = str(more.get("mesh_file", "square.msh"))
+    return Case(name, (file, *expect), mesh=mesh, **more)  # type: ignore[arg-type]
+
+
+def typed(name: str, words: str, *expect: Expected, **more: object) -> Case:
+    """A whole command line."""
+    return Case(name, expect, command=tuple(words.split()), **more)  # type: ignore[arg-type]
+
+
+def scene_file_cases() -> list[Case]:
+    """What is no scene."""
+    unreadable = ("the scene file cannot be read", "allowed")
+    return [
+        typed("scene missing", "simulate nowhere.toml --out results", "nowhere.toml: ", *unreadable),
+        typed("scene missing, two ranks", "simulate nowhere.toml --out results", "nowhere.toml: ", *unreadable, ranks=2),
+        typed("scene missing, quiet", "optimize nowhere.toml --quiet", "nowhere.toml: ", *unreadable),
+        typed("scene is a folder", "simulate .", *unreadable),
+        Case("scene is empty", ("scene.toml", "mesh: missing"), scene=b"", earlier=True),
+        Case("scene is prose", (re.compile(r"scene\.toml:1: not valid TOML: ."),), scene=b"Push the disc down.\n"),
+        Case("scene is binary", (re.compile(r"scene\.toml:\d+: not valid TOML: ."),), scene=bytes(range(256)) * 8),
+        edited("bracket left open", "[time]", "[time", "not valid TOML"),
+        edited("text left open", 'file = "square.msh"', 'file = "square.msh', "not valid TOML"),
+        edited("decimal comma", "poisson = 0.3", "poisson = 0,3", "not valid TOML"),
+        edited("key twice", "step = 5e-5", "step = 5e-5\nstep = 1e-5", "not valid TOML", "step", at="step = 1e-5"),
+        edited("table twice", "[output]", "[time]\n[output]", "not valid TOML", "time", at="[time]\n[output]"),
+        edited("key without a value", "step = 5e-5", "step =", "not valid TOML"),
+    ]
+
+
+def key_cases() -> list[Case]:
+    """Names that are not known, and names that are missing."""
+    return [
+        edited("unknown table", "[output]", "[gravity]\ng = 9.81\n[output]", "gravity: unknown", "contact, control"),
+        edited("misspelt table", "[contact]", "[contcat]", "contcat: unknown", 'did you mean "contact"?', earlier=True),
+        edited("misspelt required table", "[material]", "[matrial]", "matrial: unknown", 'did you mean "material"?'),
+        edited("table in British spelling", "[optimizer]", "[optimiser]", "optimiser: unknown", 'mean "optimizer"?'),
+        edited("misspelt list of tables", "[[clamp]]", "[[clamps]]", "clamps: unknown", 'did you mean "clamp"?'),
+        edited("misspelt key", "gamma =", "gama =", "objective.gama: unknown", 'did you mean "gamma"?'),
+        edited("misspelt key, two ranks", "gamma =", "gama =", "objective.gama: unknown", 'mean "gamma"?', ranks=2),
+        edited("misspelt required key", "density =", "densty =", "material.densty: unknown", 'mean "density"?'),
+        edited("misspelt key of an inline table", "shear = 1e4", "sheer = 1e4", "material.viscosity.sheer: unknown",
+               'did you mean "shear"?'),
+        edited("key of another table", "every = 1", "every = 1\nalpha = 1.0", "output.alpha: unknown", "every",
+               at="alpha = 1.0"),
+        edited("table missing", "[time]\nend = 1.5e-4\nstep = 5e-5\n", "", "scene.toml", "time: missing",
+               never=(re.compile(r"\.toml:\d"),)),
+        edited("key missing", "young = 1e8\n", "", "material.young: missing", at="[material]"),
+        edited("mesh.file missing beside a size", 'file = "square.msh"', "size = 4", "mesh.file: missing",
+               never=("unknown",), at="[mesh]"),
+    ]
+
+
+def type_cases() -> list[Case]:
+    """Values of the wrong type."""
+    return [
+        edited("text for a number", "young = 1e8", 'young = "1e8"', "material.young: found", "1e8", "a number"),
+        edited("truth for a number", "young = 1e8", "young = true", "material.young: found true", "a number"),
+        edited("list for a number", "young = 1e8", "young = [1e8, 1e8]", "material.young: found", "a number"),
+        edited("number for a text", 'on = "bottom"', "on = 3", "contact.on: found 3", "a text"),
+        edited("text that is empty", 'on = "bottom"', 'on = ""', "contact.on: found", "not empty"),
+        edited("float for an integer", "max_iterations = 1", "max_iterations = 1.5",
+               "optimizer.max_iterations: found 1.5", "a whole number"),
+        edited("table for a list of tables", "[[clamp]]", "[clamp]", "clamp: found", "[[clamp]]"),
+        edited("value for a list of tables", '[[clamp]]\non = "top"', "", "clamp: found", "top", "[[clamp]]",
+               prepare=lambda folder: prepend(folder / "scene.toml", 'clamp = "top"\n'), never=(FIRST_TABLE,)),
+        edited("list for a table", "[contact]", "[[contact]]", "contact: found", "a table"),
+        edited("value for a table", 'obstacle = { shape = "half-space", point = [0, -0.1], normal = [0, 1] }',
+               'obstacle = "half-space"', "contact.obstacle: found", "half-space", "a table"),
+        edited("table for a text", 'file = "square.msh"', '[mesh.file]\nname = "square"\nkind = "msh"',
+               "mesh.file: found", "a text", at="[mesh.file]"),
+        edited("text of several lines", 'on = "bottom"', 'on = """bot\ntom"""', "contact.on: ", "bot"),
+        edited("choice of several lines", 'vi = "condensed"', 'vi = """con\ndensed"""', "solver.vi: found", "full"),
+        edited("expression of several lines", '["0", "-9.81"]', '["0", """1 +\n+* 2"""]', "load.body: ", "position",
+               at="body ="),
+        edited("truth for an expression", 'body = ["0", "-9.81"]', 'body = [true, "0"]', "load.body: found true",
+               "expression"),
+        edited("one expression for a list", 'body = ["0", "-9.81"]', 'body = "-9.81"', "load.body: found", "-9.81",
+               "an array of one expression per space dimension"),
+        edited("text for a bound", "lower = -2.0", 'lower = "-2"', "control.lower: found", "-2", "a number"),
+    ]
+
+
+def range_cases() -> list[Case]:
+    """Numbers that are not allowed."""
+    bounds = "lower = -2.0\nupper = 2.0"
+    return [
+        edited("step of zero", "step = 5e-5", "step = 0", "time.step: found 0", "greater than 0", "s)"),
+        edited("negative step", "step = 5e-5", "step = -5e-5", "time.step: found -5e-05", "greater than 0"),
+        edited("step beyond the end", "step = 5e-5", "step = 1e-3", "time.step: found", "0.001 s", "allowed"),
+        edited("end between two steps", "end = 1.5e-4", "end = 1.6e-4", "time.end: found", "0.00016 s", "multiples of "
+               "time.step", "such as"),
+        edited("too many steps", "step = 5e-5", "step = 1e-14", "time.step: found", "1e-14 s", "allowed are 1 to"),
+        edited("incompressible", "poisson = 0.3", "poisson = 0.5", "material.poisson: found 0.5", "less than 0.5",
+               earlier=True),
+        edited("negative density", "density = 1.0", "density = -1.0", "material.density: found -1.0", "greater than 0",
+               "kg/m³"),
+        edited("no stiffness", "young = 1e8", "young = 0.0", "material.young: found 0.0", "greater than 0", "Pa"),
+        edited("infinite stiffness", "young = 1e8", "young = inf", "material.young: found inf", "a number"),
+        edited("stiffness that is no number", "young = 1e8", "young = nan", "material.young: found nan", "a number"),
+        edited("negative viscosity", "bulk = 1e4", "bulk = -1e4", "material.viscosity.bulk: found -1", "at least 0",
+               at="viscosity ="),
+        edited("degree 3", "[time]", "degree = 3\n[time]", "mesh.degree: found 3", "from 1 to 2"),
+        edited("degree 0", "[time]", "degree = 0\n[time]", "mesh.degree: found 0", "from 1 to 2"),
+        Case("size of zero", ("mesh.size: found 0", "greater than 0", "m)"), mesh=GEO, mesh_file="square.geo",
+             edits=(('file = "square.msh"', 'file = "square.geo"\nsize = 0'),), at="size = 0"),
+        edited("negative iterations", "max_iterations = 1", "max_iterations = -1", "optimizer.max_iterations: found -1",
+               "from 0 to"),
+        edited("tolerance of 2", "tolerance = 1e-6", "tolerance = 2", "optimizer.tolerance: found 2", "at most 1"),
+        edited("every 0", "every = 1", "every = 0", "output.every: found 0", "from 1 to"),
+        edited("every beyond an integer", "every = 1", "every = 99999999999", "output.every: found 99999999999",
+               "from 1 to"),
+        edited("scale of zero", "scale = 1e6", "scale = 0", "control.scale: found 0", "greater than 0"),
+        edited("negative alpha", "alpha = 1e-2", "alpha = -1e-2", "objective.alpha: found -0.01", "at least 0"),
+        edited("lower above upper", bounds, "lower = 3.0\nupper = 2.0", "control.lower: found 3", "control.upper = 2"),
+        edited("lower above upper in one component", bounds, "lower = [0, 3]\nupper = 2.0", "control.lower: found 3",
+               "control.upper = 2"),
+        edited("infinite bound", bounds, "lower = -inf\nupper = 2.0", "control.lower: found -inf", "a number"),
+    ]
+
+
+def dimension_cases() -> list[Case]:
+    """Vectors that do not fit a plane mesh, and a plane without a normal."""
+    found = ("found 3 components", "2", "2-dimensional")
+    obstacle = "point = [0, -0.1], normal = [0, 1]"
+    return [
+        edited("bound of one component", "lower = -2.0", "lower = [-2.0]", "control.lower: found", "[-2.0]", "allowed"),
+        edited("bound of three components", "lower = -2.0", "lower = [-2, -2, -2]", "control.lower", *found, at=""),
+        edited("bounds of two and three components", "lower = -2.0\nupper = 2.0",
+               "lower = [-2, -2]\nupper = [2, 2, 2]", "control.", "3 components", at=""),
+        edited("body load of three components", '["0", "-9.81"]', '["0", "0", "-9.81"]', "load.body", *found, at=""),
+        edited("body load of three components, two ranks", '["0", "-9.81"]', '["0", "0", "-9.81"]', "load.body", *found,
+               at="", ranks=2),
+        edited("velocity of three components", 'velocity = ["0", "0"]', 'velocity = ["0", "0", "0"]',
+               "initial.velocity", *found, at=""),
+        edited("displacement of three components", 'displacement = ["0", "0"]', 'displacement = ["0", "0", "0"]',
+               "initial.displacement", *found, at=""),
+        edited("desired control of three components", 'control = ["0", "-1"]', 'control = ["0", "-1", "0"]',
+               "objective.desired.control", *found, at="", verb="optimize", earlier=True),
+        edited("obstacle in space", obstacle, "point = [0, 0, -1], normal = [0, 0, 1]", "contact.obstacle.point",
+               *found, at=""),
+        edited("point and normal of different lengths", obstacle, "point = [0, 0, -1], normal = [0, 1]",
+               "contact.obstacle.normal: found 2 components", "point has 3", at="obstacle ="),
+        edited("expressions of four components", '["0", "-9.81"]', '["0", "0", "0", "0"]', "load.body: found",
+               "one expression per space dimension", at="body ="),
+        edited("normal of length zero", "normal = [0, 1]", "normal = [0, 0]", "contact.obstacle.normal: found",
+               "length zero", "allowed", at="obstacle ="),
+        edited("unknown shape", '"half-space"', '"half-spcae"', 'contact.obstacle.shape: found "half-spcae"',
+               'did you mean "half-space"?', at="obstacle ="),
+        edited("shape of another kind", '"half-space"', '"sphere"', 'contact.obstacle.shape: found "sphere"',
+               "allowed: half-space", at="obstacle ="),
+    ]
+
+
+def expression_cases() -> list[Case]:
+    """Expressions that cannot be read, or have no finite value."""
+    body, start = 'body = ["0", "-9.81"]', 'displacement = ["0", "0"]'
+    return [
+        edited("syntax error", body, 'body = ["0", "3 + * x"]', "load.body: ", '"3 + * x"', "at position 4",
+               "variables x, y, z, t"),
+        edited("bracket left open in an expression", body, 'body = ["0", "sin(x"]', "load.body: ", '"sin(x"',
+               "position"),
+        edited("expression that is empty", body, 'body = ["0", ""]', "load.body: ", '""', re.compile("empty|position")),
+        edited("unknown variable", body, 'body = ["0", "9.81*mass"]', "load.body: ", '"mass"', "at position 5",
+               "variables x, y, z, t"),
+        edited("unknown function", body, 'body = ["0", "sine(t)"]', "load.body: ", "sine", "position 0"),
+        edited("decimal comma in an expression", body, 'body = ["0", "-9,81"]', "load.body: ", '"-9,81"'),
+        edited("assignment in an expression", body, 'body = ["0", "x = 1"]', "load.body: ", '"x = 1"'),
+        edited("time in an initial value", start, 'displacement = ["0", "t"]', "initial.displacement: ", '"t"',
+               "variables x, y, z, the", never=("x, y, z, t",)),
+        edited("division by zero", body, 'body = ["0", "1/0"]', "load.body", '"1/0" is inf', "finite", at=""),
+        edited("root of a negative number", body, 'body = ["sqrt(-1)", "0"]', "load.body", '"sqrt(-1)" is', "nan",
+               at=""),
+        edited("pole at a node", body, 'body = ["0", "1/x"]', "load.body", '"1/x" is inf', "x = 0", "finite", at="",
+               earlier=True),
+        edited("pole at a node, two ranks", body, 'body = ["0", "1/x"]', "load.body", '"1/x" is inf', "x = 0", at="",
+               ranks=2, earlier=True),
+        edited("pole at a later time", body, 'body = ["0", "1/(t - 1.25e-4)"]', "load.body", "is ", "t = 0.000125",
+               "finite", at="", earlier=True),
+        edited("infinite at a later time", body, 'body = ["0", "1/(t > 1e-4 ? 0 : 1)"]', "load.body", "is inf",
+               re.compile(r"t = 0\.00012\d*"), at="", earlier=True),
+        edited("infinite at a later time, two ranks", body, 'body = ["0", "1/(t > 1e-4 ? 0 : 1)"]', "load.body",
+               "is inf", re.compile(r"t = 0\.00012\d*"), at="", earlier=True, ranks=2),
+        edited("infinite desired control", '["0", "-1"]', '["0", "1/(y - 0.5)"]', "objective.desired.control", "is inf",
+               "y = 0.5", at="", verb="optimize", earlier=True),
+        edited("initial displacement of a clamp", start, 'displacement = ["0", "1e-3"]', "initial.displacement",
+               "found 0.001", "clamp", "allowed is 0", at="", earlier=True),
+        edited("initial displacement of a clamp, two ranks", start, 'displacement = ["0", "1e-3"]',
+               "initial.displacement", "found 0.001", "clamp", at="", ranks=2),
+        edited("initial velocity of a clamp", 'velocity = ["0", "0"]', 'velocity = ["0", "-10"]', "initial.velocity",
+               "found 10", "clamp", "allowed is 0", at=""),
+    ]
+
+
+def later_cases() -> list[Case]:
+    """What the interface promises and this version does not have."""
+    return [
+        edited("stabilized scheme", "[material]", 'scheme = "contact-stabilized"\n[material]', "time.scheme: ",
+               '"contact-stabilized" is not available yet', "contact-implicit"),
+        edited("massless contact", "[load]", 'mass = "massless"\n[load]', "contact.mass: ",
+               '"massless" is not available yet', "consistent"),
+        edited("traction", "[initial]", 'traction = [{ on = "side", value = ["0", "1"] }]\n[initial]',
+               "load.traction: not available yet", at="traction ="),
+        edited("moving clamp", 'on = "top"', 'on = "top"\nvalue = ["0", "1e-3*t"]', "clamp[0].value: ",
+               "not available yet", at="value ="),
+        edited("clamp of one component", 'on = "top"', 'on = "top"\ncomponents = ["y"]', "clamp[0].components: ",
+               "not available yet", at="components ="),
+        edited("several materials", "[material]", "[[material]]", "material: ", "not available yet", "[material]"),
+        edited("material of a group", "density = 1.0", 'density = 1.0\non = "body"', "material.on: not available yet",
+               at='on = "body"'),
+        edited("iterative solver", 'linear = "auto"', 'linear = "iterative"', "solver.linear: ",
+               '"iterative" is not available yet', "auto, direct"),
+        edited("invariants", "[output]", "[run]\ninvariants = true\n[output]", "run", "not available yet",
+               at="[run]"),
+        edited("lbfgs", "[optimizer]", '[optimizer]\nmethod = "lbfgs"', "optimizer.method: ",
+               '"lbfgs" is not available yet', "projected-gradient", at="method ="),
+        Case("study", ("study: not available yet", "simulate, optimize, check, info"), verb="study", earlier=True),
+        Case("resume", ("--resume: not available yet",), options=("--resume",), earlier=True),
+        Case("resume, two ranks", ("--resume: not available yet",), options=("--resume",), ranks=2),
+    ]
+
+
+def option_cases() -> list[Case]:
+    """Command lines that are wrong, and overrides that do not fit the scene."""
+    verbs = ("simulate", "optimize", "check", "info")
+    return [
+        overridden("set without =", "mesh.size", '--set: found "mesh.size"', "key.path=value"),
+        overridden("set without a key", "=4", '--set: found "=4"', "key.path=value"),
+        overridden("set of an unknown key", "material.yong=1e8", "material.yong: unknown", 'did you mean "young"?'),
+        overridden("set of an unknown table", "materail.young=1e8", "materail: unknown", 'did you mean "material"?'),
+        overridden("set ending in a dot", "material.=1e8", "--set material.=1e8", "ends in a dot"),
+        overridden("set beginning with a dot", ".young=1e8", "--set .young=1e8", "dot"),
+        overridden("set with two dots", "material..young=1e8", "--set material..young=1e8", "dot"),
+        overridden("set on a list without an index", "clamp.on=bottom", "--set clamp.on=bottom", "list of 1 table",
+                   "clamp.0.on"),
+        overridden("set beyond the list", "clamp.1.on=bottom", "--set clamp.1.on=bottom", "list of 1 table",
+                   "clamp.0.on"),
+        overridden("set on a component", "load.body.1=0", "--set load.body.1=0", "load.body",
+                   never=("tables", "body.0.on")),
+        overridden("set below a value", "material.young.x=1", "--set material.young.x=1", '"young" is not a table'),
+        overridden("set of the wrong type", "material.young=soft", "material.young: found", "soft", "a number"),
+        overridden("set to nothing", "material.young=", "material.young: found", "a number"),
+        overridden("set out of range", "material.poisson=0.7", "material.poisson: found 0.7", "less than 0.5"),
+        overridden("set out of range, two ranks", "material.poisson=0.7", "material.poisson: found 0.7", ranks=2),
+        overridden("set of a table to a value", "contact=bottom", "contact: found", "bottom", "a table"),
+        overridden("set of two keys, the second wrong", ("material.young=1e7", "solver.vi=ful"),
+                   'solver.vi: found "ful"', 'did you mean "full"?'),
+        typed("unknown verb", "solve scene.toml", "solve", *verbs),
+        typed("unknown verb, two ranks", "solve scene.toml", "solve", *verbs, ranks=2),
+        typed("misspelt verb", "simulat scene.toml", "simulat", '"simulate"'),
+        typed("no verb", "", *verbs),
+        typed("no verb but a scene", "scene.toml", "scene.toml", *verbs),
+        typed("no scene", "simulate", "scene", "required"),
+        typed("two scenes", "simulate scene.toml scene.toml", "scene.toml", "not expected"),
+        Case("unknown option", ("--color", "not expected"), options=("--color",), earlier=True),
+        Case("misspelt option", ("--quite", '"--quiet"'), options=("--quite",)),
+        typed("out without a folder", "simulate scene.toml --out", "--out"),
+        typed("set without a word", "simulate scene.toml --out results --set", "--set"),
+        edited("optimize without an objective", '[objective]\ndesired = { control = ["0", "-1"] }\nalpha = 1e-2\n'
+               "gamma = 7.5e-4\n", "", "scene.toml", "optimize needs", "[objective]", verb="optimize", earlier=True),
+        edited("optimize without a control", "", "", "optimize needs", "[control] and [objective]", verb="optimize",
+               prepare=lambda folder: keep_tables(folder / "scene.toml", ("mesh", "time", "material"))),
+        edited("objective without a control", "[control]\nscale = 1e6\nlower = -2.0\nupper = 2.0\n", "",
+               "objective: needs a control", "[control]", at="[objective]"),
+        edited("both desired kinds", 'control = ["0", "-1"]', 'control = ["0", "-1"], displacement = ["0", "0"]',
+               "objective.desired: found both", "control, displacement", at="desired ="),
+        edited("no desired kind", 'control = ["0", "-1"]', "", "objective.desired: found neither",
+               "control, displacement", at="desired ="),
+        edited("misspelt desired kind", 'control = ["0", "-1"]', 'contrl = ["0", "-1"]', "objective.desired", "contrl",
+               at="desired ="),
+        edited("check without a control", "[control]\nscale = 1e6\nlower = -2.0\nupper = 2.0\n\n[objective]\n"
+               'desired = { control = ["0", "-1"] }\nalpha = 1e-2\ngamma = 7.5e-4\n', '[check]\ncontrol = ["0", "1"]\n',
+               "check: ", "[control]", verb="check"),
+    ]
+
+
+def mesh_file_cases() -> list[Case]:
+    """Mesh files that are missing or cannot be read."""
+    file, old, new = 'file = "square.msh"', square2(), square4()
+    cut = re.compile("(?i)end of|ends|truncat|incomplete|cut short|missing|expected|read")
+    geo = {"mesh_file": "square.geo", "edits": ((file, 'file = "square.geo"\nsize = 4'),)}
+    return [
+        edited("mesh missing", file, 'file = "nowhere.msh"', "mesh.file: ", "nowhere.msh", "cannot be read", "allowed",
+               at="", earlier=True),
+        edited("mesh missing, two ranks", file, 'file = "nowhere.msh"', "mesh.file: ", "nowhere.msh", at="", ranks=2),
+        edited("mesh is a folder", file, 'file = "folder.msh"', "mesh.file: ", "folder.msh", "cannot be read", at="",
+               prepare=lambda folder: (folder / "folder.msh").mkdir()),
+        edited("mesh of another format", file, 'file = "square.vtk"', 'mesh.file: found "square.vtk"', ".geo or .msh"),
+        edited("size of a mesh that is meshed", file, file + "\nsize = 4", "mesh.size: ", "no effect on a .msh",
+               "allowed with a .geo", at="size = 4"),
+        meshed("geometry with a syntax error", GEO.replace("Line(2) = {2, 3};", "Line(2) = {2, 3;"), "line 6", "syntax",
+               **geo),
+        meshed("geometry with a syntax error, two ranks", GEO.replace("Line(2) = {2, 3};", "Line(2) = {2, 3;"),
+               "line 6", "syntax", ranks=2, **geo),
+        meshed("geometry with an unknown variable", GEO.replace("0.5, 0, 0", "width, 0, 0"), "line 2", "width", **geo),
+        meshed("geometry with an unknown point", GEO.replace("{2, 3}", "{2, 33}"), "33", **geo),
+        meshed("geometry that includes a missing file", 'Include "points.geo";\n' + GEO, "points.geo", **geo),
+        meshed("geometry that is empty", "", re.compile("no elements|empty"), **geo),
+        meshed("geometry without surface", before(GEO, "Curve Loop"), "curve", "triangles", **geo),
+        meshed("geometry without groups", before(GEO, "Physical"), "surface 1", "no physical group", **geo),
+        meshed("geometry of a solid", GEO + "Extrude {0, 0, 1} { Surface{1}; }\nPhysical Volume(1) = {1};\n",
+               "three dimensions", "not available yet", **geo),
+        meshed("mesh is empty", "", re.compile("empty|no elements|cannot read")),
+        meshed("mesh is prose", "A square of eight triangles.\n" * 20, re.compile("cannot read|no elements|not a")),
+        meshed("mesh is prose, two ranks", "A square of eight triangles.\n" * 20,
+               re.compile("cannot read|no elements|not a"), ranks=2, earlier=True),
+        meshed("mesh is binary", bytes(range(256)) * 16, re.compile("cannot read|no elements|not a")),
+        meshed("mesh of an unknown version", new.replace("4.1 0 8", "9.7 0 8"), re.compile("9.7|version")),
+        meshed("old mesh cut short in the nodes", before(old, "$Nodes", 6), cut, earlier=True),
+        meshed("old mesh cut short after the nodes", before(old, "$Elements"), cut),
+        meshed("old mesh cut short in the elements", before(old, "$Elements", 6), cut),
+        meshed("old mesh cut short in a row", before(old, "$Elements", 6).rstrip()[:-2], cut),
+        meshed("mesh cut short in the entities", before(new, "$Entities", 3), cut),
+        meshed("mesh cut short in the nodes", before(new, "$Nodes", 15), cut),
+        meshed("mesh cut short after the nodes", before(new, "$Elements"), cut),
+        meshed("mesh cut short in the elements", before(new, "$Elements", 6), cut, earlier=True),
+        meshed("mesh cut short in the elements, two ranks", before(new, "$Elements", 6), cut, ranks=2),
+        meshed("mesh with fewer elements than announced", old.replace("$Elements\n16\n", "$Elements\n20\n"), cut),
+    ]
+
+
+def mesh_content_cases() -> list[Case]:
+    """Meshes that are no plane meshes of straight triangles with groups."""
+    triangle = (TRIANGLE, BODY, 1)
+    return [
+        meshed("no groups", square2(groups=(), elements=[(kind, 0, entity, nodes) for kind, _, entity, nodes in
+                                                         square_elements()]), "surface 1", "no physical group"),
+        meshed("surface without a group", square2(points=[*square_points(), (0.0, -1.0, 0.0)], elements=with_element(
+            (TRIANGLE, 0, 7, (1, 10, 2)))), "surface 7", "no physical group", "Physical Surface"),
+        edited("misspelt group of contact", 'on = "bottom"', 'on = "botom"', "contact.on: ", "square.msh", '"botom"',
+               'did you mean "bottom"?', "bottom, side, top", at="", earlier=True),
+        edited("misspelt group of contact, two ranks", 'on = "bottom"', 'on = "botom"', "contact.on: ",
+               'did you mean "bottom"?', at="", ranks=2),
+        edited("misspelt group of a clamp", 'on = "top"', 'on = "topp"', "clamp", "square.msh", '"topp"',
+               'did you mean "top"?', "bottom, side, top", at="", verb="info"),
+        edited("misspelt group of the second clamp", '[[clamp]]\non = "top"',
+               '[[clamp]]\non = "top"\n\n[[clamp]]\non = "sid"', "clamp[1].on: ", '"sid"', 'did you mean "side"?', at=""),
+        edited("surface as a clamp", 'on = "top"', 'on = "body"', "clamp", '"body"', "dimension 2", "curve", at=""),
+        edited("surface as contact, check", 'on = "bottom"', 'on = "body"', "contact.on: ", '"body"', "dimension 2",
+               "bottom, side, top", at="", verb="check"),
+        meshed("group that is only a name", square2(groups=(*GROUPS, (1, 5, "nothing"))), "contact.on: ", '"nothing"',
+               "elements", edits=(('on = "bottom"', 'on = "nothing"'),)),
+        meshed("group of a curve without elements", square4(empty_curve=True), "contact.on: ", '"nothing"',
+               "has no elements", edits=(('on = "bottom"', 'on = "nothing"'),)),
+        meshed("mesh of a solid", square2(points=[*square_points(), (0.0, 0.0, 1.0)], groups=(*GROUPS, (3, 9, "solid")),
+                                          elements=with_element((TETRAHEDRON, 9, 1, (1, 2, 4, 10)))),
+               "volume", "three dimensions are not available yet", earlier=True),
+        meshed("mesh of curves", square2(elements=[e for e in square_elements() if e[0] == LINE]), "curve",
+               "triangles"),
+        meshed("mesh of a point", square2(elements=[(15, 0, 1, (1,))]), "point", "triangles"),
+        meshed("mesh without elements", square2(elements=[]), "no elements"),
+        meshed("quadrilaterals", square2(elements=[(QUADRILATERAL, BODY, 1, (1, 2, 5, 4))]), "Quadrilateral",
+               "straight triangles"),
+        meshed("a quadrilateral among triangles", square2(points=[*square_points(), (1.0, 0.0, 0.0), (1.0, 0.5, 0.0)],
+                                                          elements=with_element((QUADRILATERAL, BODY, 1, (3, 10, 11, 6)))),
+               "Quadrilateral", "straight triangles"),
+        meshed("triangles of second order", square2(elements=[(TRIANGLE_6, BODY, 1, (1, 3, 7, 2, 5, 4))]), "Triangle 6",
+               "straight triangles"),
+        meshed("edges of second order", square2(elements=[e for e in square_elements() if e[1] != BOTTOM] +
+                                                [(LINE_3, BOTTOM, BOTTOM, (1, 3, 2))]), "Line 3"),
+        meshed("node off the plane", square2(points=moved(5, (0.0, 0.5, 0.1))), "plane z = 0", "0.1 m", "plane mesh"),
+        meshed("node off the plane, two ranks", square2(points=moved(5, (0.0, 0.5, 0.1))), "plane z = 0", "0.1 m",
+               ranks=2),
+        meshed("mesh in another plane", square2(points=[(x, y, 1.0) for x, y, _ in square_points()]), "plane z = 0",
+               "1 m"),
+        meshed("triangle on a line", square2(elements=with_element((*triangle, (1, 2, 3)))), "(-0.5, 0)", "no area"),
+        meshed("triangle with a corner twice", square2(elements=with_element((*triangle, (1, 2, 2)))), "(-0.5, 0)",
+               "no area"),
+        meshed("two nodes in one place", square2(points=moved(5, (0.5, 0.5, 0.0))), "no area"),
+        meshed("coordinate that is no number", square2(points=moved(5, (float("nan"), 0.5, 0.0))), "node 5", "nan",
+               "finite"),
+        meshed("infinite coordinate", square2(points=moved(5, (0.0, float("inf"), 0.0))), "node 5", "inf", "finite"),
+        meshed("element with a node that is missing", square2(elements=with_element((*triangle, (1, 2, 77)))), "77"),
+        meshed("edge with a node that is missing", square2(elements=with_element((LINE, BOTTOM, BOTTOM, (3, 77)))),
+               "77"),
+        meshed("edge with a node of no triangle", square2(points=[*square_points(), (1.0, 0.0, 0.0)], elements=with_element(
+            (LINE, BOTTOM, BOTTOM, (3, 10)))), "node 10", "no cell"),
+        meshed("edge of no triangle", square2(elements=with_element((LINE, BOTTOM, BOTTOM, (2, 9)))), "bottom",
+               "triangle"),
+        meshed("group of edges of no triangle", square2(elements=[e for e in square_elements() if e[1] != BOTTOM] + [
+            (LINE, BOTTOM, BOTTOM, (1, 3))]), "bottom", "triangle"),
+        meshed("triangle twice", square2(elements=with_element((*triangle, (1, 2, 5)))), re.compile("twice|share|overlap")),
+        edited("all contact nodes clamped", 'on = "bottom"', 'on = "top"', "contact.on: ", '"top"', "clamped",
+               "nodes that can move", at="", earlier=True),
+        edited("all contact nodes clamped, two ranks", 'on = "bottom"', 'on = "top"', "contact.on: ", "clamped", at="",
+               ranks=2),
+        edited("body inside the obstacle", "point = [0, -0.1]", "point = [0, 0.25]", "contact: ", "node at", ", 0",
+               "0.25 m inside the obstacle", "start outside", at="", earlier=True),
+        edited("body inside the obstacle, two ranks", "point = [0, -0.1]", "point = [0, 0.25]", "contact: ",
+               "0.25 m inside", at="", ranks=2),
+        edited("body moved into the obstacle", 'displacement = ["0", "0"]', 'displacement = ["0", "-0.2*(1 - y)"]',
+               "contact: ", "node at", "0.1 m inside the obstacle", at=""),
+        Case("normal that points into the obstacle", ("contact: ", "inside the obstacle", "normal"),
+             edits=(("normal = [0, 1]", "normal = [0, -1]"),)),
+    ]
+
+
+def folder_cases() -> list[Case]:
+    """Folders that cannot take results."""
+    return [
+        Case("file in the way", ("--out: results cannot be written", "allowed"), prepare=lambda folder: write(
+            folder / "results", "a file")),
+        Case("file in the way, two ranks", ("--out: results cannot be written", "allowed"), ranks=2,
+             prepare=lambda folder: write(folder / "results", "a file")),
+        Case("file in the way of the parent", ("--out: scene.toml/results cannot be written",), out="scene.toml/results"),
+        Case("mesh as the folder", ("--out: square.msh cannot be written",), out="square.msh", verb="optimize"),
+        Case("folder in /proc", ("--out: /proc/signorini cannot be written",), out="/proc/signorini"),
+        Case("folder that is read only", ("--out: /proc/self/task cannot be written",), out="/proc/self/task"),
+        Case("device as the folder", ("--out: /dev/full cannot be written",), out="/dev/full"),
+        Case("link to nowhere", ("--out: results cannot be written",), prepare=lambda folder: (
+            folder / "results").symlink_to("nowhere/else")),
+        Case("folder in place of state.h5", ("results/state.h5", "cannot be replaced"), earlier=True,
+             prepare=lambda folder: occupy(folder / "results" / "state.h5")),
+        Case("folder in place of run.json", ("results/run.json", "cannot be replaced"), earlier=True,
+             prepare=lambda folder: occupy(folder / "results" / "run.json")),
+        Case("full disk, small files", ("results/", "cannot be written", "File too large"), largest_file=300,
+             earlier=True),
+        Case("full disk, fields", ("results/state.", "cannot be written", "File too large"), largest_file=6000,
+             earlier=True),
+        Case("full disk, fields, first run", ("results/state.", "cannot be written", "File too large"),
+             largest_file=6000),
+        Case("full disk, control", ("results/", "cannot be written", "File too large"), largest_file=300,
+             verb="optimize", earlier=True),
+    ]
+
+
+def all_cases() -> list[Case]:
+    """Every case, theme by theme."""
+    return [
+        *scene_file_cases(),
+        *key_cases(),
+        *type_cases(),
+        *range_cases(),
+        *dimension_cases(),
+        *expression_cases(),
+        *later_cases(),
+        *option_cases(),
+        *mesh_file_cases(),
+        *mesh_content_cases(),
+        *folder_cases(),
+    ]
+
+
+# --- The folder of a case -----------------------------------------------------------------------------------------------
+
+EARLIER = {"run.json": '{ "stop_reason": "an earlier run" }\n', "state.h5": "earlier fields", "notes.txt": "keep me\n"}
+FIRST_TABLE = re.compile(r"\bmesh\b")
+
+
+def write(path: Path, content: str | bytes) -> None:
+    """Writes a whole file."""
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def prepend(path: Path, text: str) -> None:
+    """Puts text in front of a file's."""
+    write(path, text + path.read_text())
+
+
+def keep_tables(path: Path, names: Sequence[str]) -> None:
+    """Drops all tables of a scene but some."""
+    tables = re.split(r"(?m)^(?=\[)", path.read_text())
+    write(path, "".join(table for table in tables if table[1:].startswith(tuple(name + "]" for name in names))))
+
+
+def occupy(path: Path) -> None:
+    """Puts a folder that is not empty in place of a file."""
+    path.unlink(missing_ok=True)
+    path.mkdir()
+    write(path / "notes.txt", "keep me\n")
+
+
+def scene_of(case: Case) -> str:
+    """The case's scene."""
+    text = SCENE
+    for old, new in case.edits:
+        if old not in text:
+            raise ValueError(f"{case.name}: the scene has no {old!r}")
+        text = text.replace(old, new, 1)
+    return text
+
+
+def fill(folder: Path, case: Case) -> None:
+    """Writes the scene, the mesh and whatever else the case has."""
+    write(folder / "scene.toml", scene_of(case) if case.scene is None else case.scene)
+    write(folder / case.mesh_file, square2() if case.mesh is None else case.mesh)
+    if case.earlier:
+        (folder / "results").mkdir()
+        for name, text in EARLIER.items():
+            write(folder / "results" / name, text)
+    if case.prepare:
+        case.prepare(folder)
+
+
+def content(folder: Path) -> dict[str, bytes | None]:
+    """Every file below a folder with its bytes, hidden ones included; None stands for a folder or a dead link."""
+    return {
+        str(path.relative_to(folder)): path.read_bytes() if path.is_file() else None for path in folder.rglob("*")
+    }
+
+
+# --- Running and judging ------------------------------------------------------------------------------------------------
+
+NOISE = re.compile(
+    r"PETSC ERROR|HDF5-DIAG|Traceback|terminate called|MPI_ABORT|MPI_ERR|Segmentation|Process received signal|"
+    r"^(Error|Warning|Info) +:",
+    re.MULTILINE,
+)
+# A library's or the program's own insides say nothing to the user.
+INSIDES = re.compile(r"\.unfinished|std::|vector::|\(\)|\bPETSc failed|\bbasic_|\bunknown error\b")
+HEADLINE = re.compile(r"(scene: \d+ free unknowns, .*\neffects: .*\n)?")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a run printed and what it did to its folder."""
+
+    command: list[str]
+    status: int | None  # None: it did not end
+    stdout: str
+    stderr: str
+    changes: list[str]
+
+    def message(self) -> str:
+        """The program's sentence, without its name."""
+        lines = [line for line in self.stderr.splitlines() if line.startswith("signorini: ")]
+        return lines[0].removeprefix("signorini: ") if lines else self.stderr.strip()[:200]
+
+
+def command_of(case: Case, program: str) -> list[str]:
+    """The command line of a case."""
+    words = case.command
+    if words is None:
+        words = (case.verb, "scene.toml", "--out", case.out, *case.options)
+    launcher = ["mpirun", "-n", str(case.ranks)] if case.ranks > 1 else []
+    return [*launcher, program, *words]
+
+
+def full_disk(size: int) -> Callable[[], None]:
+    """Limits the files that a child process can write: beyond the limit write() fails as it does on a full disk."""
+
+    def limit() -> None:
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+    return limit
+
+
+def environment(case: Case) -> dict[str, str]:
+    """The caller's environment; Open MPI may run as root and on fewer cores than ranks, and fills no files itself."""
+    defaults = {
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+        "OMP_NUM_THREADS": "1",
+    }
+    return {**defaults, **os.environ, **({"OMPI_MCA_btl": "self"} if case.largest_file else {})}
+
+
+def run(case: Case, program: str, folder: Path) -> Outcome:
+    """Runs a case in its folder."""
+    fill(folder, case)
+    held = content(folder)
+    command = command_of(case, program)
+    process = subprocess.Popen(
+        command,
+        cwd=folder,
+        env=environment(case),
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        restore_signals=case.largest_file is None,
+        preexec_fn=full_disk(case.largest_file) if case.largest_file else None,
+    )
+    status: int | None
+    try:
+        stdout, stderr = process.communicate(timeout=TIME_LIMIT)
+        status = process.returncode
+    except subprocess.TimeoutExpired:
+        process.kill()
+        stdout, stderr = process.communicate()
+        status = None
+    return Outcome(command, status, stdout.decode(errors="replace"), stderr.decode(errors="replace"),
+                   differences(held, content(folder)))
+
+
+def differences(old: dict[str, bytes | None], new: dict[str, bytes | None]) -> list[str]:
+    """What became of the files of a folder."""
+    return (
+        [f"{name} is left over" for name in sorted(new.keys() - old.keys())]
+        + [f"{name} is gone" for name in sorted(old.keys() - new.keys())]
+        + [f"{name} has changed" for name in sorted(old.keys() & new.keys()) if old[name] != new[name]]
+    )
+
+
+def complaints(case: Case, outcome: Outcome) -> list[str]:
+    """What is wrong with the way the program took the bad input."""
+    return [*wrong_end(outcome), *wrong_output(case, outcome), *wrong_message(case, outcome.message()),
+            *outcome.changes]
+
+
+def wrong_end(outcome: Outcome) -> list[str]:
+    """A status other than 2."""
+    if outcome.status is None:
+        return [f"still running after {TIME_LIMIT} s"]
+    return [] if outcome.status == WRONG_INPUT else [f"exit status {outcome.status}, not {WRONG_INPUT}"]
+
+
+def wrong_output(case: Case, outcome: Outcome) -> list[str]:
+    """Anything but the program's one line; mpirun may add its own."""
+    lines = outcome.stderr.splitlines()
+    own = [line for line in lines if line.startswith("signorini: ")]
+    found = []
+    if not lines or lines[0] not in own:
+        found.append('stderr does not begin with "signorini: "')
+    if len(own) > 1:
+        found.append(f"{len(own)} lines of stderr are the program's")
+    if case.ranks == 1 and len(lines) > 1:
+        found.append(f"{len(lines)} lines on stderr:\n" + start_of(lines))
+    if NOISE.search(outcome.stderr) or NOISE.search(outcome.stdout):
+        found.append("a library speaks")
+    if not HEADLINE.fullmatch(outcome.stdout):
+        found.append("stdout is not empty:\n" + start_of(outcome.stdout.splitlines()))
+    return found
+
+
+def start_of(lines: list[str], most: int = 8) -> str:
+    """The first lines of what was printed."""
+    return "\n".join(lines[:most] + (["..."] if len(lines) > most else []))
+
+
+def wrong_message(case: Case, message: str) -> list[str]:
+    """What the sentence lacks, and what it should not contain."""
+    expected: list[Expected] = list(case.expect)
+    if case.at:
+        expected.append(f"scene.toml:{line_of(case)}: ")
+    return [f"no {shown(e)} in the message" for e in expected if not contains(message, e)] + [
+        f"{shown(e)} in the message" for e in (*case.never, INSIDES) if contains(message, e)
+    ]
+
+
+def line_of(case: Case) -> int:
+    """Number of the line of the scene that the message must name."""
+    text = scene_of(case)
+    return text[: text.index(case.at)].count("\n") + 1
+
+
+def contains(message: str, expected: Expected) -> bool:
+    """Whether a message has a fragment or matches a pattern."""
+    return expected in message if isinstance(expected, str) else bool(expected.search(message))
+
+
+def shown(expected: Expected) -> str:
+    """A fragment or pattern, for a human."""
+    return repr(expected) if isinstance(expected, str) else f"/{expected.pattern}/"
+
+
+def sound(program: str, folder: Path, source: Path) -> str:
+    """Runs what all cases start from; returns why that does not work, or nothing."""
+    geo = {"edits": (('file = "square.msh"', 'file = "square.geo"\nsize = 4'),), "mesh": GEO, "mesh_file": "square.geo"}
+    half_disc = ("simulate", str(source / "scenes" / "half-disc.toml"), "--out", "results", "--set", "mesh.size=4",
+                 "--set", "time.end=1.5e-4")
+    good = [
+        Case("square in format 2.2", (), mesh=square2()),
+        Case("square in format 4.1", (), mesh=square4(), verb="optimize"),
+        Case("square of a geometry", (), **geo),  # type: ignore[arg-type]
+        Case("square on two ranks", (), ranks=2),
+        Case("half disc", (), command=half_disc),
+    ]
+    for number, case in enumerate(good):
+        place = folder / f"good-{number}"
+        place.mkdir()
+        outcome = run(case, program, place)
+        if outcome.status != 0 or not (place / "results" / "run.json").is_file():
+            return f"{case.name} should run: exit status {outcome.status}, {outcome.message()}"
+    return ""
+
+
+def report(case: Case, outcome: Outcome) -> bool:
+    """Prints the line of a case, and below it what is wrong; returns whether nothing is."""
+    found = complaints(case, outcome)
+    print(f"{'FAILED' if found else 'passed'}  {case.name}: {outcome.message()}")
+    for complaint in found:
+        print("        " + complaint.replace("\n", "\n          "))
+    if found:
+        print("        by " + " ".join(repr(word) if " " in word or not word else word for word in outcome.command))
+    sys.stdout.flush()
+    return not found
+
+
+def main(program: str, source: str, pattern: str = "") -> int:
+    """Runs all cases; 0 if every bad input is taken as it should be."""
+    program = str(Path(program).resolve())
+    cases = [case for case in all_cases() if re.search(pattern, case.name)]
+    if not shutil.which("mpirun"):
+        print("no mpirun: the cases of several ranks are left out")
+        cases = [case for case in cases if case.ranks == 1]
+    with tempfile.TemporaryDirectory(prefix="signorini-bad-input-") as name:
+        root = Path(name).resolve()
+        if problem := sound(program, root, Path(source).resolve()):
+            print(f"FAILED  {problem}")
+            return 1
+
+        def outcome_of(numbered: tuple[int, Case]) -> Outcome:
+            place = root / f"case-{numbered[0]}"
+            place.mkdir()
+            return run(numbered[1], program, place)
+
+        with ThreadPoolExecutor(WORKERS) as workers:
+            outcomes = workers.map(outcome_of, enumerate(cases))
+            passed = sum([report(case, outcome) for case, outcome in zip(cases, outcomes, strict=True)])
+    print(f"{passed} passed, {len(cases) - passed} failed")
+    return 0 if passed == len(cases) else 1
+
+
+if __name__ == "__main__":
+    if len(sys.argv) not in (3, 4):
+        sys.exit(__doc__)
+    sys.exit(main(*sys.argv[1:]))

@@ -1,0 +1,136 @@
+#include "adjoint/sweep.h"
+#include "fixtures.h"
+#include <catch2/catch_test_macros.hpp>
+
+using namespace signorini;
+using petsc::check;
+using petsc::dot;
+
+namespace {
+
+/// The block at the end of a run in which it is in contact, with the contact of each step.
+struct InContact {
+  test::Ready ready;
+  forward::Trajectory trajectory;
+  std::vector<int> contact_steps;
+
+  explicit InContact(const std::vector<std::string>& overrides = {})
+      : ready("tests/data/block.toml", overrides), trajectory(ready.problem.initial.y, ready.problem.steps()) {
+    forward::simulate(ready.problem.stepper, ready.problem.initial, ready.problem.load(), trajectory);
+    for (int k = 1; k <= trajectory.steps; ++k)
+      if (!trajectory.contact[static_cast<std::size_t>(k)].active().empty())
+        contact_steps.push_back(k);
+  }
+};
+
+} // namespace
+
+TEST_CASE("the adjoint step is the transposed linearised step", "[adjoint]") {
+  const InContact run;
+  const forward::Stepper& stepper = run.ready.problem.stepper;
+  const fem::Space& space = run.ready.problem.space;
+  REQUIRE(run.contact_steps.size() > 1);
+  for (int k : {1, run.contact_steps.front(), run.contact_steps.back()}) {
+    const contact::ContactState& contact = run.trajectory.contact[static_cast<std::size_t>(k)];
+    const petsc::Vector y0 = test::smooth(space, 1), v0 = test::smooth(space, 2), load = test::smooth(space, 3);
+    petsc::Vector y1 = space.vector(), v1 = space.vector(), p = space.vector();
+    stepper.linearised_step(y0, v0, load, contact, y1, v1);
+    petsc::Vector ybar = test::smooth(space, 4), vbar = test::smooth(space, 5);
+    const double forward = dot(y1, ybar) + dot(v1, vbar);
+    stepper.transposed_step(contact, ybar, vbar, p);
+    const double backward = dot(y0, ybar) + dot(v0, vbar) + stepper.scheme().impulse() * dot(load, p);
+    CHECK(std::abs(forward - backward) < 1e-12 * std::abs(forward));
+  }
+}
+
+TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
+  const InContact run;
+  const forward::Stepper& stepper = run.ready.problem.stepper;
+  const fem::Space& space = run.ready.problem.space;
+  const int k = run.contact_steps.at(run.contact_steps.size() / 2);
+  const std::size_t i = static_cast<std::size_t>(k);
+  const petsc::Vector dy = test::smooth(space, 1), dv = test::smooth(space, 2), dload = test::smooth(space, 3);
+  petsc::Vector load = space.vector(), y = space.vector(), v = space.vector(), ly = space.vector(), lv = space.vector();
+  run.ready.problem.load()(k, load);
+  constexpr double epsilon = 1e-8; // a step is piecewise affine: no truncation, only rounding
+  petsc::Vector y0 = petsc::copy(run.trajectory.y[i - 1]), v0 = petsc::copy(run.trajectory.v[i - 1]);
+  check(VecAXPY(y0, epsilon, dy));
+  check(VecAXPY(v0, epsilon, dv));
+  check(VecAXPY(load, epsilon, dload));
+  const contact::ContactState moved = stepper.step(y0, v0, load, run.trajectory.contact[i - 1], y, v);
+  REQUIRE(moved.active() == run.trajectory.contact[i].active());
+  stepper.linearised_step(dy, dv, dload, moved, ly, lv);
+  check(VecAXPY(y, -1, run.trajectory.y[i]));
+  check(VecScale(y, 1 / epsilon));
+  CHECK(test::difference(y, ly) < 1e-6 * test::largest(ly));
+}
+
+TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]") {
+  const InContact run({"mesh.degree=2"});
+  const Problem& problem = run.ready.problem;
+  const forward::Stepper& stepper = problem.stepper;
+  const double tau = stepper.scheme().tau;
+  const std::size_t N = static_cast<std::size_t>(run.trajectory.steps);
+  std::vector<petsc::Vector> p(N + 2);
+  const auto dual = [&](int k) { return test::smooth(problem.space, k); };
+  adjoint::sweep(
+      stepper, run.trajectory, [&](int k, Vec ybar) { check(VecAXPY(ybar, 1, dual(k))); },
+      [&](int k, Vec pk) { p[static_cast<std::size_t>(k)] = petsc::copy(pk); });
+
+  // The seed's recursion, written out with matrices: D = M + τ/2 B + τ²/4 A, R = M + τ/2 B − τ²/4 A.
+  const fem::Operators& body = problem.operators;
+  const auto apply = [&](double a, Vec x, Vec out) { // out = (M + τ/2 B + a τ²/4 A) x
+    petsc::Vector product = petsc::zero_like(x);
+    check(MatMult(body.M, x, out));
+    check(MatMult(*body.B, x, product));
+    check(VecAXPY(out, tau / 2, product));
+    check(MatMult(body.A, x, product));
+    check(VecAXPY(out, a * tau * tau / 4, product));
+  };
+  petsc::Vector q = problem.space.vector(), defect = problem.space.vector(), part = problem.space.vector();
+  std::vector<double> normal(static_cast<std::size_t>(stepper.constraints()->count()));
+  int sliding = 0;
+  for (std::size_t k = N; k >= 1; --k) {
+    apply(1, p[k], defect);
+    check(VecAXPY(defect, -1, dual(static_cast<int>(k))));
+    const double size = test::largest(defect);
+    if (k < N) {
+      apply(-1, p[k + 1], part);
+      check(VecAXPY(defect, -1, part));
+      check(MatMult(body.M, q, part));
+      check(VecAXPY(defect, tau, part));
+    }
+    // What is left is μ_k: normal forces on A_k.
+    const contact::ActiveSet active = run.trajectory.contact[k].active();
+    stepper.constraints()->normal_components(defect, normal);
+    for (std::size_t i = 0; i < normal.size(); ++i)
+      if (std::ranges::find(active, static_cast<int>(i)) == active.end())
+        normal[i] = 0;
+    stepper.constraints()->add_normal(-1, normal, defect);
+    CHECK(test::largest(defect) < 1e-11 * size);
+    stepper.constraints()->normal_components(p[k], normal);
+    for (int i : active)
+      CHECK(std::abs(normal[static_cast<std::size_t>(i)]) < 1e-12 * test::largest(p[k]));
+    sliding += !active.empty();
+    if (k == N) { // q_N = −2/τ p_N
+      check(VecAXPBY(q, -2 / tau, 0, p[N]));
+    } else { // q_k = −q_{k+1} + 2/τ (p_{k+1} − p_k)
+      check(VecAXPBYPCZ(q, 2 / tau, -2 / tau, -1, p[k + 1], p[k]));
+    }
+  }
+  CHECK(sliding > 1);
+}
+
+TEST_CASE("adjoint states vanish on the clamp", "[adjoint]") {
+  const test::Ready ready("scenes/half-disc.toml", {"mesh.size=3"});
+  forward::Trajectory trajectory(ready.problem.initial.y, ready.problem.steps());
+  forward::simulate(ready.problem.stepper, ready.problem.initial, ready.problem.load(), trajectory);
+  adjoint::sweep(
+      ready.problem.stepper, trajectory,
+      [&](int k, Vec ybar) { check(VecAXPY(ybar, 1, test::smooth(ready.problem.space, k))); },
+      [&](int, Vec p) {
+        petsc::Vector rest = petsc::copy(p);
+        ready.problem.stepper.clamped().clear(rest);
+        CHECK(test::difference(rest, p) == 0);
+      });
+}

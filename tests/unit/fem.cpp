@@ -1,0 +1,89 @@
+#include "fixtures.h"
+#include <catch2/catch_test_macros.hpp>
+
+using namespace signorini;
+using petsc::check;
+using petsc::dot;
+
+namespace {
+
+struct Body {
+  scene::Scene scene;
+  mesh::Mesh mesh;
+  fem::Space space;
+  fem::Operators operators;
+  explicit Body(int degree)
+      : scene(scene::parse(test::source("tests/data/block.toml"))), mesh(MPI_COMM_WORLD, scene.mesh), space(mesh, degree),
+        operators(fem::assemble_operators(space, scene.material)) {}
+
+  petsc::Vector field(const scene::Components& components) const {
+    petsc::Vector x = space.vector();
+    space.interpolate(scene::Field(components, "test", false), 0, x);
+    return x;
+  }
+};
+
+double energy(Mat matrix, Vec x) {
+  petsc::Vector product = petsc::zero_like(x);
+  check(MatMult(matrix, x, product));
+  return dot(x, product);
+}
+
+} // namespace
+
+TEST_CASE("operators integrate what they should", "[fem]") {
+  for (int degree : {1, 2}) {
+    const Body body(degree);
+    const scene::Material& material = body.scene.material;
+    const petsc::Vector unit = body.field({"1", "0"}), linear = body.field({"x", "y"}), shear = body.field({"y", "0"});
+    CHECK(std::abs(energy(body.operators.W, unit) - 1) < 1e-13);
+    CHECK(std::abs(energy(body.operators.M, unit) - material.density) < 1e-13);
+    CHECK(std::abs(energy(body.operators.W, linear) - 2.0 / 3) < 1e-13);
+    const double lambda = material.young * material.poisson / ((1 + material.poisson) * (1 - 2 * material.poisson));
+    const double mu = material.young / (2 * (1 + material.poisson));
+    // eps = I: tr = 2 in plane strain, so (2 lambda + 2 mu) 2; eps = sym(e1 e2): 2 mu / 2.
+    CHECK(std::abs(energy(body.operators.A, linear) / (4 * lambda + 4 * mu) - 1) < 1e-13);
+    CHECK(std::abs(energy(body.operators.A, shear) / mu - 1) < 1e-13);
+    const double kappa = material.viscosity->bulk, eta = material.viscosity->shear;
+    CHECK(std::abs(energy(*body.operators.B, linear) / (4 * (kappa - 2 * eta / 3) + 4 * eta) - 1) < 1e-13);
+    CHECK(std::abs(energy(*body.operators.B, shear) / eta - 1) < 1e-13);
+  }
+}
+
+TEST_CASE("rigid motions have no elastic or viscous energy", "[fem]") {
+  for (int degree : {1, 2}) {
+    const Body body(degree);
+    for (const scene::Components& rigid : {scene::Components{"1", "0"}, {"0", "1"}, {"-y", "x"}}) {
+      CHECK(energy(body.operators.A, body.field(rigid)) < 1e-12 * body.scene.material.young);
+      CHECK(energy(*body.operators.B, body.field(rigid)) < 1e-12);
+    }
+  }
+}
+
+TEST_CASE("the step operator is m + tau/2 b + tau^2/4 a", "[fem]") {
+  const Body body(2);
+  constexpr double tau = 0.3;
+  const petsc::Vector x = test::smooth(body.space, 1);
+  const double expected = energy(body.operators.M, x) + tau / 2 * energy(*body.operators.B, x) +
+                          tau * tau / 4 * energy(body.operators.A, x);
+  CHECK(std::abs(energy(fem::assemble_step_operator(body.space, body.scene.material, tau), x) / expected - 1) < 1e-13);
+  scene::Material elastic = body.scene.material;
+  elastic.viscosity.reset();
+  CHECK_FALSE(fem::assemble_operators(body.space, elastic).B);
+  const double without = energy(body.operators.M, x) + tau * tau / 4 * energy(body.operators.A, x);
+  CHECK(std::abs(energy(fem::assemble_step_operator(body.space, elastic, tau), x) / without - 1) < 1e-13);
+}
+
+TEST_CASE("decoupled dofs are held and the rest is untouched", "[fem]") {
+  const Body body(1);
+  const fem::Clamped clamped(body.space, {{"rest"}});
+  petsc::Matrix D = fem::assemble_step_operator(body.space, body.scene.material, 0.1);
+  petsc::Vector x = test::smooth(body.space, 2), whole = petsc::zero_like(x), cut = petsc::zero_like(x);
+  clamped.clear(x);
+  check(MatMult(D, x, whole));
+  clamped.clear(whole);
+  clamped.decouple(D);
+  check(MatMult(D, x, cut));
+  CHECK(test::largest(whole) > 0);
+  CHECK(test::difference(whole, cut) < 1e-14);
+}

@@ -1,0 +1,62 @@
+#pragma once
+#include "problem.h"
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace signorini::test {
+
+inline std::filesystem::path source(const std::string& file) {
+  return std::filesystem::path(SIGNORINI_SOURCE_DIR) / file;
+}
+
+/// A scene of the repository made ready, with its derivative machinery.
+struct Ready {
+  scene::Scene scene;
+  Timers timers;
+  Problem problem;
+
+  explicit Ready(const std::string& file, const std::vector<std::string>& overrides = {})
+      : scene(scene::parse(source(file), overrides)), problem(MPI_COMM_WORLD, scene, {.sliding = true}, timers) {}
+};
+
+inline const Console& silent() {
+  static const Console console(false, false);
+  return console;
+}
+
+/// A smooth vector of V that does not depend on the number of ranks; `which` picks one of several.
+inline petsc::Vector smooth(const fem::Space& space, int which) {
+  petsc::Vector x = space.vector();
+  const petsc::WriteArray values(x);
+  for (int node = 0; node < space.owned_nodes(); ++node) {
+    const double* p = &space.points()[static_cast<std::size_t>(3 * node)];
+    for (int c = 0; c < space.dim(); ++c)
+      values[static_cast<std::size_t>(node * space.dim() + c)] =
+          std::sin(1.3 * p[0] - 0.7 * p[1] + which + 1.1 * c) + 0.2 * which * std::cos(2.1 * p[1]);
+  }
+  return x;
+}
+
+/// Largest modulus of an entry. Collective.
+inline double largest(Vec x) {
+  PetscReal value = 0;
+  petsc::check(VecNorm(x, NORM_INFINITY, &value));
+  return value;
+}
+
+/// ‖x − y‖∞. Collective.
+inline double difference(Vec x, Vec y) {
+  petsc::Vector d = petsc::copy(x);
+  petsc::check(VecAXPY(d, -1, y));
+  return largest(d);
+}
+
+/// Number of true values over all ranks.
+inline long total(long mine) {
+  MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_LONG, MPI_SUM, MPI_COMM_WORLD);
+  return mine;
+}
+
+} // namespace signorini::test

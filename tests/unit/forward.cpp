@@ -1,0 +1,86 @@
+#include "base/error.h"
+#include "fixtures.h"
+#include "forward/balance.h"
+#include <catch2/catch_test_macros.hpp>
+
+using namespace signorini;
+using petsc::check;
+
+namespace {
+
+forward::Trajectory run(const test::Ready& ready) {
+  forward::Trajectory trajectory(ready.problem.initial.y, ready.problem.steps());
+  forward::simulate(ready.problem.stepper, ready.problem.initial, ready.problem.load(), trajectory);
+  return trajectory;
+}
+
+} // namespace
+
+TEST_CASE("a free body falls as Newton says", "[forward]") {
+  // No contact before t = 0.1; Newmark's scheme is exact under a constant force.
+  const test::Ready ready("tests/data/block.toml", {"time.end=0.08"});
+  const forward::Trajectory trajectory = run(ready);
+  petsc::Vector exact = ready.problem.space.vector();
+  for (int k = 0; k <= trajectory.steps; ++k) {
+    REQUIRE(trajectory.contact[static_cast<std::size_t>(k)].active().empty());
+    const double t = ready.problem.stepper.scheme().time(k);
+    ready.problem.space.interpolate(scene::Field({"0", std::to_string(-t - t * t / 2)}, "test", false), 0, exact);
+    CHECK(test::difference(trajectory.y[static_cast<std::size_t>(k)], exact) < 1e-6); // to_string keeps 6 digits
+  }
+}
+
+TEST_CASE("energy, momentum and complementarity hold through contact", "[forward]") {
+  for (const std::vector<std::string>& overrides :
+       {std::vector<std::string>{}, {"mesh.degree=2"}, {"solver.vi=full"}, {"time.step=0.2"}}) {
+    const test::Ready ready("tests/data/block.toml", overrides);
+    const forward::Trajectory trajectory = run(ready);
+    const auto balance = forward::balance(ready.problem.stepper, ready.problem.load(), trajectory);
+    int touched = 0;
+    double energy = 0, dissipated = 0;
+    for (const auto& step : balance)
+      energy = std::max(energy, step.kinetic_energy + step.elastic_energy);
+    for (std::size_t k = 1; k < balance.size(); ++k) {
+      touched += trajectory.contact[k].count(contact::Status::strong) > 0;
+      dissipated += balance[k].viscous_dissipation;
+      CHECK(std::abs(balance[k].energy_residual) < 1e-12 * energy);
+      CHECK(balance[k].contact_work < 1e-14 * energy);
+      CHECK(std::hypot(balance[k].momentum_residual[0], balance[k].momentum_residual[1]) <
+            1e-12 * balance[k].momentum_scale);
+      CHECK(std::ranges::min(trajectory.contact[k].gap) >= -1e-14);
+    }
+    CHECK(touched > 0);
+    CHECK(dissipated > 0);
+  }
+}
+
+TEST_CASE("without loads and viscosity energy never grows, and is kept without contact", "[forward]") {
+  const test::Ready ready("tests/data/manufactured.toml",
+                          {"load.body=[\"0\", \"0\"]", "material.viscosity={bulk=0, shear=0}", "time.end=5"});
+  const forward::Trajectory trajectory = run(ready);
+  const auto balance = forward::balance(ready.problem.stepper, ready.problem.load(), trajectory);
+  const double start = balance.front().kinetic_energy;
+  REQUIRE(start > 1);
+  for (const auto& step : balance)
+    CHECK(std::abs((step.kinetic_energy + step.elastic_energy) / start - 1) < 1e-12);
+  CHECK(balance.back().elastic_energy > 0.01 * start);
+}
+
+TEST_CASE("initial states that a clamp or an obstacle forbids are refused", "[forward]") {
+  CHECK_THROWS_AS(test::Ready("tests/data/manufactured.toml", {"initial.velocity=[\"1\", \"0\"]"}), UserError);
+  CHECK_THROWS_AS(test::Ready("tests/data/block.toml", {"contact.obstacle.point=[0, 0.1]"}), UserError);
+}
+
+TEST_CASE("a solution that is not finite ends the run with its step", "[forward]") {
+  const test::Ready ready("tests/data/block.toml");
+  forward::Trajectory trajectory(ready.problem.initial.y, ready.problem.steps());
+  const auto poison = [&](int k, Vec out) {
+    if (k == 3)
+      check(VecSet(out, std::numeric_limits<double>::quiet_NaN()));
+  };
+  try {
+    forward::simulate(ready.problem.stepper, ready.problem.initial, poison, trajectory);
+    FAIL("NaN went through");
+  } catch (const SolverFailure& failure) {
+    CHECK(std::string(failure.what()).starts_with("step 3 "));
+  }
+}

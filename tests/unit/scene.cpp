@@ -1,0 +1,73 @@
+#include "base/error.h"
+#include "fixtures.h"
+#include "scene/expression.h"
+#include "scene/names.h"
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <fstream>
+#include <unistd.h>
+
+using namespace signorini;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+/// A scene file of this rank's own.
+std::filesystem::path temporary(const std::string& text) {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("signorini-unit-" + std::to_string(getpid()) + ".toml");
+  std::ofstream(file) << text;
+  return file;
+}
+
+} // namespace
+
+TEST_CASE("the echoed scene reads back to itself", "[scene]") {
+  for (const char* name : {"scenes/half-disc.toml", "tests/data/block.toml", "tests/data/manufactured.toml"}) {
+    const scene::Scene scene = scene::parse(test::source(name), {"solver.vi=full"});
+    CHECK(scene.solver.vi == "full");
+    const std::string text = scene::echo(scene);
+    const auto file = temporary(text);
+    CHECK(scene::echo(scene::parse(file)) == text);
+    std::filesystem::remove(file);
+  }
+}
+
+TEST_CASE("an override reaches what it names and nothing else", "[scene]") {
+  const auto file = test::source("scenes/half-disc.toml");
+  const scene::Scene scene =
+      scene::parse(file, {"mesh.size=0.25", "control.upper=[1, 2]", "clamp.0.on=side", "load.body=[\"0\", \"-9.81*t\"]"});
+  CHECK(scene.mesh.size == 0.25);
+  CHECK(scene.control->upper == std::vector<double>{1, 2});
+  CHECK(scene.clamps.front().on == "side");
+  CHECK(scene.load->body.back() == "-9.81*t");
+  CHECK(scene.time.steps == scene::parse(file).time.steps);
+  CHECK_FALSE(scene::parse(file).load);
+}
+
+TEST_CASE("the number of steps is exact for decimal steps", "[scene]") {
+  const auto file = test::source("scenes/half-disc.toml");
+  for (const auto& [step, steps] : {std::pair{"1e-6", 7500}, {"2.5e-5", 300}, {"7.5e-3", 1}})
+    CHECK(scene::parse(file, {std::string("time.step=") + step}).time.steps == steps);
+  CHECK_THROWS_WITH(scene::parse(file, {"time.step=4e-5"}), ContainsSubstring("time.end") && ContainsSubstring("187.5"));
+}
+
+TEST_CASE("a misspelt name gets the nearest valid one", "[scene]") {
+  CHECK(scene::nearest("poison", {"poisson", "young"}) == "poisson");
+  CHECK(scene::nearest("tpo", {"top", "contact"}) == "top");
+  CHECK(scene::nearest("zzzzzz", {"top", "contact"}).empty());
+}
+
+TEST_CASE("fields evaluate, know of time, and must be finite", "[scene]") {
+  const double x[] = {0.5, -2, 0};
+  double value[2];
+  const scene::Field field({"x*y + sin(pi*t)", "e"}, "load.body", true);
+  CHECK(field.depends_on_time());
+  field.evaluate(x, 0.5, value);
+  CHECK(std::abs(value[0] - 0.0) < 1e-15);
+  CHECK(std::abs(value[1] - std::exp(1.0)) < 1e-15);
+  CHECK_FALSE(scene::Field({"x", "y"}, "load.body", true).depends_on_time());
+  CHECK_THROWS_AS(scene::Field({"x", "t"}, "initial.velocity", false), UserError);
+  CHECK_THROWS_WITH(scene::Field({"1/(y+2)", "0"}, "load.body", true).evaluate(x, 0, value),
+                    ContainsSubstring("load.body") && ContainsSubstring("y = -2"));
+}
