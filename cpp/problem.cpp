@@ -21,7 +21,6 @@ mesh::Mesh read_mesh(MPI_Comm comm, const scene::Scene& scene) {
 
 petsc::Series desired_states(const Problem& problem, const control::ControlSpace& controls,
                              const std::optional<control::Control>& reference, const Console& console) {
-  petsc::Series desired = petsc::zero_series(problem.initial.y, static_cast<std::size_t>(problem.steps()) + 1);
   if (reference) {
     const auto timer = problem.timers.time("desired state");
     forward::Trajectory trajectory(problem.initial.y, problem.steps());
@@ -39,6 +38,7 @@ petsc::Series desired_states(const Problem& problem, const control::ControlSpace
   }
   const auto& given = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
   const scene::Field field(given.displacement, "objective.desired.displacement", true);
+  petsc::Series desired = petsc::zero_series(problem.initial.y, static_cast<std::size_t>(problem.steps()) + 1);
   for (int k = 0; k <= problem.steps(); ++k)
     problem.space.interpolate(field, problem.stepper.scheme().time(k), desired[static_cast<std::size_t>(k)]);
   return desired;

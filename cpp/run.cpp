@@ -245,7 +245,7 @@ double seconds(Call&& call) {
 int info(const scene::Scene& scene, const Console& console) {
   Timers timers;
   const Problem problem(world(), scene, {.sliding = scene.objective.has_value()}, timers);
-  console.line(headline(problem));
+  console.line(scene.name);
   for (const auto& [name, on] : io::effects(scene))
     console.line(fmt::format("  {:<22}{}", name, on ? "on" : "off"));
   petsc::Vector x = problem.space.vector(), y = problem.space.vector();

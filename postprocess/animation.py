@@ -7,17 +7,16 @@ that contact looks like contact, and the picture says by how much. Writes a GIF,
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import LineCollection, PolyCollection, TriMesh
-from matplotlib.figure import Figure
+from matplotlib.collections import LineCollection, TriMesh
+from matplotlib.colors import to_rgb
 from matplotlib.quiver import Quiver
-from matplotlib.text import Text
 from matplotlib.tri import Triangulation
 from PIL import Image
 
@@ -30,7 +29,8 @@ FRAME_MILLISECONDS = 80  # a GIF counts in hundredths of a second
 DOTS_PER_INCH = 100  # on the screen; 640 dots wide
 SMALL = 0.02  # displacements below this part of the body's size are enlarged …
 VISIBLE = 0.05  # … to about this part
-ARROW = 0.18  # longest arrow, as a part of the body's size
+ARROW = 0.15  # longest arrow, as a part of the body's size
+OBSTACLE_GREY = "0.85"
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,9 @@ class Motion:
 def draw(run: RunFolder) -> list[Path]:
     """Writes animation.gif and animation.mp4; returns the paths of those written."""
     run.require_plane()
-    frames = list(render(read_motion(run)))
+    motion = read_motion(run)
+    stage = Stage(motion)
+    frames = [stage.picture(frame) for frame in range(len(motion.times))]
     name = run.path / "figures" / "animation.gif"
     paths = [write_gif(frames, name)]
     if shutil.which("ffmpeg"):
@@ -126,53 +128,82 @@ def frame_forces(contact: Contact, times: np.ndarray, stride: int) -> np.ndarray
     return np.stack([contact.force[min(i, j): j + 1].mean(axis=0) for i, j in zip(first, last)])
 
 
-def render(motion: Motion) -> Iterator[Image.Image]:
-    """The frames, one after another; what does not move is drawn once."""
-    figure, axes = scenery(motion)
-    canvas = FigureCanvasAgg(figure)
-    body, outline = add_body(axes, motion)
-    arrows = add_arrows(axes, motion)
-    title = axes.set_title(" ", loc="left")
-    moving = [artist for artist in (body, outline, arrows, title) if artist is not None]
-    for artist in moving:
-        artist.set_animated(True)
-    canvas.draw()
-    background = canvas.copy_from_bbox(figure.bbox)
-    for frame in range(len(motion.times)):
-        show(motion, frame, body, outline, arrows, title)
-        canvas.restore_region(background)
-        for artist in moving:
-            axes.draw_artist(artist)
-        yield Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+class Stage:
+    """The picture: what stands still is drawn once, what moves is drawn over it in every frame."""
+
+    def __init__(self, motion: Motion) -> None:
+        self.motion = motion
+        self.edges = motion.mesh.outline()
+        largest = np.linalg.norm(motion.displacement, axis=2).max()
+        self.factor, self.unit = style.prefixed(largest, "m")
+
+        axes = scenery(motion)
+        self.title = axes.set_title(" ", loc="left")
+        self.body = TriMesh(Triangulation(*motion.position(0).T, motion.mesh.triangles), cmap=style.FIELD_COLOURS)
+        self.body.set_clim(0, largest * self.factor or 1)
+        self.outline = LineCollection([], colors="black", linewidths=0.8)
+        for part in (self.body, self.outline):
+            axes.add_collection(part, autolim=False)
+        style.colour_bar(self.body, axes, f"displacement ({self.unit})")
+        self.arrows = add_arrows(axes, motion)
+
+        self.axes = axes
+        self.moving = [part for part in (self.body, self.outline, self.arrows, self.title) if part is not None]
+        for part in self.moving:
+            part.set_animated(True)
+        self.canvas = FigureCanvasAgg(axes.figure)
+        self.canvas.draw()
+        self.background = self.canvas.copy_from_bbox(axes.figure.bbox)
+
+    def picture(self, frame: int) -> Image.Image:
+        """The frame in red, green and blue."""
+        self._move(frame)
+        self.canvas.restore_region(self.background)
+        for part in self.moving:
+            self.axes.draw_artist(part)
+        return Image.fromarray(np.asarray(self.canvas.buffer_rgba())[..., :3].copy())
+
+    def _move(self, frame: int) -> None:
+        position = self.motion.position(frame)
+        # The triangulation is read again at every drawing; a new surface per frame would be ten times slower.
+        self.body._triangulation.x, self.body._triangulation.y = position.T
+        self.body.set_array(np.linalg.norm(self.motion.displacement[frame], axis=1) * self.factor)
+        self.outline.set_segments(position[self.edges])
+        self.title.set_text(f"$t$ = {1e3 * self.motion.times[frame]:.2f} ms")
+        if self.arrows is not None:
+            obstacle = self.motion.obstacle
+            force = obstacle.forces[frame]
+            self.arrows.set_offsets(obstacle.points[frame])
+            # A force of zero would leave a dot.
+            self.arrows.set_UVC(*np.where(force > 0, force, np.nan) * obstacle.half_space.normal[:, None])
 
 
-def scenery(motion: Motion) -> tuple[Figure, Axes]:
-    """The figure with what stands still: axes and obstacle."""
+def scenery(motion: Motion) -> Axes:
+    """The axes with the obstacle, in a figure of their own."""
     low, high = view(motion)
-    width, height = high - low
-    # Labels, title and colour bar around the plot take about 1.7 × 1.1 inches.
-    size = (style.WIDTH, np.clip((style.WIDTH - 1.9) * height / width + 1.1, 3, 8))
-    figure = Figure(figsize=size, dpi=DOTS_PER_INCH)
-    axes = figure.add_subplot(aspect="equal", xlabel="$x$ (m)", ylabel="$y$ (m)")
-    axes.grid(False)
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    axes = style.plan(low, high, DOTS_PER_INCH)
     if motion.obstacle:
-        filled = clip(rectangle(low, high), motion.obstacle.half_space)
-        axes.add_collection(PolyCollection([filled] if len(filled) else [], facecolors="0.82", edgecolors="0.4"))
-    scale = "true to scale" if motion.enlarged == 1 else f"displacements and gap × {motion.enlarged:g}"
-    axes.text(0.99, 0.99, scale, transform=axes.transAxes, ha="right", va="top", fontsize=11, color="0.3")
-    return figure, axes
+        half_space = motion.obstacle.half_space
+        axes.fill(*clip(rectangle(low, high), half_space).reshape(-1, 2).T, color=OBSTACLE_GREY, linewidth=0)
+        axes.axline(half_space.point, half_space.point + half_space.tangent, color="0.4", linewidth=1)
+    scale = "true to scale" if motion.enlarged == 1 else f"displacement × {motion.enlarged:g}"
+    axes.annotate(scale, (1, 0), (0, -28), xycoords="axes fraction", textcoords="offset points", ha="right", va="top",
+                  fontsize=12)
+    return axes
 
 
 def view(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
-    """Two corners of the box that holds the body at all times and the arrows below it, m."""
-    inside = np.concatenate([motion.position(frame) for frame in range(len(motion.times))])
+    """Two corners of the box that holds the body at all times, the obstacle next to it and the arrows, m."""
+    size = motion.mesh.size
+    inside = [motion.position(frame) for frame in range(len(motion.times))]
     if motion.obstacle:
-        points, normal = motion.obstacle.points, motion.obstacle.half_space.normal
-        touching = points[motion.obstacle.forces > 0]
-        inside = np.concatenate([inside, touching - 1.1 * ARROW * motion.mesh.size * normal])
-    margin = 0.04 * motion.mesh.size
-    return inside.min(axis=0) - margin, inside.max(axis=0) + margin
+        points, plane = motion.obstacle.points, motion.obstacle.half_space
+        height = plane.height(points)
+        # A plane that the body never comes near stays outside.
+        near = points[height <= max(height.min(), 0) + 0.01 * size] if height.min() < size else points[:0, 0]
+        inside.append(near - (height.min() + 1.1 * ARROW * size) * plane.normal)
+    every = np.concatenate(inside)
+    return every.min(axis=0) - 0.04 * size, every.max(axis=0) + 0.04 * size
 
 
 def rectangle(low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -193,19 +224,6 @@ def clip(polygon: np.ndarray, half_space: HalfSpace) -> np.ndarray:
     return np.array(corners)
 
 
-def add_body(axes: Axes, motion: Motion) -> tuple[TriMesh, LineCollection]:
-    """The body's surface with its colour bar, and its outline."""
-    largest = np.linalg.norm(motion.displacement, axis=2).max()
-    factor, unit = style.prefixed(largest, "m")
-    body = TriMesh(Triangulation(*motion.position(0).T, motion.mesh.triangles), cmap=style.FIELD_COLOURS)
-    body.set_clim(0, largest * factor or 1)
-    axes.add_collection(body, autolim=False)
-    outline = LineCollection([], colors="black", linewidths=0.8)
-    axes.add_collection(outline, autolim=False)
-    axes.figure.colorbar(body, ax=axes, pad=0.02, label=f"displacement ({unit})")
-    return body, outline
-
-
 def add_arrows(axes: Axes, motion: Motion) -> Quiver | None:
     """Arrows that end at the nodes in contact, and one in the margin that tells their length."""
     if motion.obstacle is None or not motion.obstacle.forces.any():
@@ -213,38 +231,30 @@ def add_arrows(axes: Axes, motion: Motion) -> Quiver | None:
     largest = motion.obstacle.forces.max()
     arrows = axes.quiver(*motion.obstacle.points[0].T, *np.zeros_like(motion.obstacle.points[0]).T, angles="xy",
                          scale_units="xy", scale=largest / (ARROW * motion.mesh.size), pivot="tip",
-                         color=style.VERMILLION, width=0.006)
+                         color=style.VERMILLION, width=0.007)
     key = round_down(largest)
     factor, unit = style.prefixed(key, "N/m")
-    axes.quiverkey(arrows, 0.75, 1.05, key, f"{key * factor:g} {unit}", labelpos="E", coordinates="axes")
+    axes.quiverkey(arrows, 0.72, 1.06, key, f"{key * factor:g} {unit}", labelpos="E", coordinates="axes")
     return arrows
 
 
-def show(motion: Motion, frame: int, body: TriMesh, outline: LineCollection, arrows: Quiver | None,
-         title: Text) -> None:
-    """Moves everything to its place in the frame."""
-    position = motion.position(frame)
-    magnitude = np.linalg.norm(motion.displacement[frame], axis=1)
-    body._triangulation.x, body._triangulation.y = position.T
-    body.set_array(magnitude * style.prefixed(1, "m")[0])
-    outline.set_segments(position[motion.mesh.outline()])
-    title.set_text(f"$t$ = {1e3 * motion.times[frame]:.2f} ms")
-    if arrows is not None:
-        forces = motion.obstacle.forces[frame]
-        arrows.set_offsets(motion.obstacle.points[frame])
-        # A force of zero would leave a dot.
-        u, v = np.where(forces > 0, forces, np.nan) * motion.obstacle.half_space.normal[:, None]
-        arrows.set_UVC(u, v)
+def palette() -> Image.Image:
+    """The 256 colours of a GIF: the field's, greys, and the arrows' blended into what is behind them."""
+    def blend(start: str, end: str, count: int) -> np.ndarray:
+        return np.linspace(to_rgb(start), to_rgb(end), count)
+
+    field = colormaps[style.FIELD_COLOURS](np.linspace(0, 1, 160))[:, :3]
+    colours = np.concatenate([field, blend("black", "white", 32), blend(style.VERMILLION, OBSTACLE_GREY, 16),
+                              blend(style.VERMILLION, "white", 16)])
+    image = Image.new("P", (1, 1))
+    image.putpalette(np.rint(255 * colours).astype(np.uint8).tobytes())
+    return image
 
 
 def write_gif(frames: list[Image.Image], path: Path) -> Path:
     """Writes all frames with one palette, so that pixels that stay the same cost nothing."""
-    sample = frames[:: max(1, len(frames) // 8)]
-    mosaic = Image.new("RGB", (frames[0].width, frames[0].height * len(sample)))
-    for i, frame in enumerate(sample):
-        mosaic.paste(frame, (0, i * frame.height))
-    palette = mosaic.quantize(255)
-    indexed = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    colours = palette()
+    indexed = [frame.quantize(palette=colours, dither=Image.Dither.NONE) for frame in frames]
     with style.whole_file(path) as partial:
         indexed[0].save(partial, save_all=True, append_images=indexed[1:], duration=FRAME_MILLISECONDS, loop=0)
     return path

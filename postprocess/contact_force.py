@@ -12,8 +12,9 @@ from run_folder import HalfSpace, RunFolder, nearest
 
 def draw(run: RunFolder, time: float | None = None) -> list[Path]:
     """Draws the stored time nearest to `time` (s)."""
-    contact = run.contact
+    run.require_contact()
     run.require_plane()
+    contact = run.contact
     time = run.figure_time() if time is None else time
     run.check_time(time)
     index = nearest(contact.times, time)
@@ -22,11 +23,11 @@ def draw(run: RunFolder, time: float | None = None) -> list[Path]:
     factor, unit = style.prefixed(contact.force[index], style.per_depth("N", run.dim))
 
     figure, axes = style.graph()
-    axes.plot(position[order], contact.force[index][order] * factor, "o-", color=style.BLUE, markersize=6,
-              markeredgecolor="white", markeredgewidth=0.8, clip_on=False)
+    position, force = position[order], contact.force[index][order] * factor
+    axes.plot(position, force, "o-", color=style.BLUE, markersize=6, markevery=np.flatnonzero(force > 0).tolist())
     axes.set_xlabel(f"{position_name(run.obstacle)} (m)")
     axes.set_ylabel(f"nodal contact force ({unit})")
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, 1.06 * force.max() or 1)
     style.show_time(axes, contact.times[index])
     return [style.save(figure, run.path / "figures" / "contact_force.png")]
 

@@ -14,6 +14,7 @@ from run_folder import NotInRun, RunFolder
 
 def draw(run: RunFolder) -> list[Path]:
     """Draws the force of every step, not of the stored ones only."""
+    run.require_contact()
     factor, unit = style.prefixed(run.normal_force, style.per_depth("N", run.dim))
     # Row 0 is the initial state, in which no force has acted yet.
     force = run.normal_force[1:] * factor

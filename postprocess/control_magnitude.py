@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 
 import style
 from command_line import run_alone
@@ -21,27 +20,23 @@ def draw(run: RunFolder, time: float | None = None) -> list[Path]:
     run.check_time(time)
     index = nearest(control.times, time)
 
-    figure, axes = body_figure(control.mesh)
+    axes = body_axes(control.mesh)
     magnitude = np.linalg.norm(control.at(index), axis=1)
     colours = axes.tripcolor(*control.mesh.points.T, control.mesh.triangles, magnitude, shading="gouraud",
                              cmap=style.FIELD_COLOURS, vmin=0, rasterized=True)
-    figure.colorbar(colours, ax=axes, pad=0.02, label=f"control $|u|$ ({control_unit(run)})")
+    style.colour_bar(colours, axes, f"control $|u|$ ({control_unit(run)})")
     style.show_time(axes, control.times[index])
     if run.has_contact:
         mark_contact(axes, run, control.times[index], control.mesh.size)
-    return [style.save(figure, run.path / "figures" / "control_magnitude.png")]
+    return [style.save(axes.figure, run.path / "figures" / "control_magnitude.png")]
 
 
-def body_figure(mesh: Mesh) -> tuple[Figure, Axes]:
-    """An empty figure that fits the undeformed body, with its outline."""
-    width, height = np.ptp(mesh.points, axis=0)
-    # The plot itself is about 0.66 of the width; labels and title above and below take 1.4 inches.
-    figure = Figure(figsize=(style.WIDTH, np.clip(0.66 * style.WIDTH * height / width + 1.4, 2.5, 9)))
-    axes = figure.add_subplot(aspect="equal", xlabel="$x$ (m)", ylabel="$y$ (m)")
-    axes.grid(False)
-    axes.margins(0.04)
+def body_axes(mesh: Mesh) -> Axes:
+    """Axes that fit the undeformed body, with its outline."""
+    margin = 0.04 * mesh.size
+    axes = style.plan(mesh.points.min(axis=0) - margin, mesh.points.max(axis=0) + margin)
     axes.add_collection(LineCollection(mesh.points[mesh.outline()], colors="black", linewidths=0.8))
-    return figure, axes
+    return axes
 
 
 def control_unit(run: RunFolder) -> str:
@@ -59,7 +54,7 @@ def mark_contact(axes: Axes, run: RunFolder, time: float, size: float) -> None:
     if len(nodes):
         axes.plot(*nodes.T, "o", color=style.VERMILLION, markeredgecolor="white", markersize=6, markeredgewidth=0.8,
                   linestyle="none", clip_on=False, label="in contact")
-        axes.legend(loc="lower right", handletextpad=0.1)
+        axes.legend(loc="lower right", bbox_to_anchor=(1, 1), borderpad=0, handletextpad=0.1)
 
 
 if __name__ == "__main__":

@@ -19,15 +19,15 @@ def draw(run: RunFolder) -> list[Path]:
 
     figure, axes = style.graph()
     times = style.time_axis(axes, steps["time"])
-    style.shade_contact(axes, times, steps["active"])
     axes.plot(times, kinetic * factor, color=style.BLUE, label="kinetic")
     axes.plot(times, elastic * factor, color=style.ORANGE, linestyle="--", label="elastic")
     axes.plot(times, (kinetic + elastic) * factor, color="black", label="kinetic + elastic")
     if dissipated[-1] > 0:
         axes.plot(times, dissipated * factor, color=style.VERMILLION, linestyle="-.", label="dissipated so far")
+    style.shade_contact(axes, times, steps["active"])
     axes.set_ylabel(f"energy ({unit})")
     axes.set_ylim(bottom=0)
-    figure.legend(loc="outside upper center", ncols=3, columnspacing=1.2, handlelength=1.8)
+    style.legend_above(axes)
     return [style.save(figure, run.path / "figures" / "energy.png")]
 
 

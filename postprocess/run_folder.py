@@ -128,7 +128,6 @@ class RunFolder:
     @cached_property
     def contact(self) -> Contact:
         """contact.csv, by stored step and candidate node."""
-        self.obstacle  # a run without an obstacle is told apart from one that lost its file
         table = self._table("contact.csv")
         steps, first = np.unique(table["step"], return_index=True)
         shape = (len(steps), -1)
@@ -153,6 +152,18 @@ class RunFolder:
     @property
     def has_contact(self) -> bool:
         return "contact" in self.scene
+
+    @property
+    def touches(self) -> bool:
+        """Whether the body touches the obstacle at any time step."""
+        return self.has_contact and bool(np.any(self.steps["active"] > 0))
+
+    def require_contact(self) -> None:
+        """Raises NotInRun if there is no contact force to draw."""
+        if not self.has_contact:
+            raise NotInRun("the scene has no contact")
+        if not self.touches:
+            raise NotInRun("the body never touches the obstacle")
 
     @property
     def dim(self) -> int:
@@ -185,10 +196,10 @@ class RunFolder:
     def figure_time(self) -> float:
         """The time that shows contact best, s: the seed's if the body touches there, else that of the largest force."""
         times = self.steps["time"]
-        if not self.has_contact:
-            return SEED_TIME if SEED_TIME <= times[-1] else float(times[-1])
-        seed = nearest(times, SEED_TIME)
-        if SEED_TIME <= times[-1] and self.steps["active"][seed] > 0:
+        inside = SEED_TIME <= times[-1]
+        if not self.touches:
+            return SEED_TIME if inside else float(times[-1])
+        if inside and self.steps["active"][nearest(times, SEED_TIME)] > 0:
             return SEED_TIME
         return float(times[np.argmax(self.normal_force)])
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 
 # Okabe and Ito's palette: told apart with every kind of colour vision.
@@ -17,6 +18,8 @@ FIELD_COLOURS = "viridis"  # even in lightness, so it survives a grey print
 
 WIDTH = 6.4  # inches; half of it is a journal's column
 GRAPH_HEIGHT = 4.0
+MARGINS = 0.85, 0.7, 1.25, 0.45  # inches to the left, below, to the right and above the plot of a body
+PLAN, LEAST_PLAN = (WIDTH - 2.1, 6.5), (2.5, 1.8)  # inches, largest and smallest place for it
 
 matplotlib.rcParams.update(
     {
@@ -50,6 +53,21 @@ def graph() -> tuple[Figure, Axes]:
     return figure, figure.add_subplot()
 
 
+def plan(low: np.ndarray, high: np.ndarray, dots_per_inch: float | None = None) -> Axes:
+    """Axes of equal scale for the box between two corners (m), with room for a colour bar, in a figure of their own."""
+    box = np.asarray(high) - low
+    plot = box * min(PLAN[0] / box[0], PLAN[1] / box[1])
+    left, bottom, right, top = MARGINS
+    width, height = np.maximum(plot, LEAST_PLAN) + (left + right, bottom + top)
+    # Placed by hand: the automatic layout does not foresee that equal scales narrow the plot.
+    figure = Figure(figsize=(width, height), dpi=dots_per_inch, layout="none")
+    place = [left / width, (height - top - plot[1]) / height, plot[0] / width, plot[1] / height]
+    axes = figure.add_axes(place, aspect="equal", xlabel="$x$ (m)", ylabel="$y$ (m)")
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    axes.grid(False)
+    return axes
+
+
 def prefixed(values: np.ndarray | float, unit: str) -> tuple[float, str]:
     """Factor and prefixed unit that bring the largest of the values (in `unit`) between 1 and 1000."""
     largest = float(np.max(np.abs(values)))
@@ -77,7 +95,17 @@ def time_axis(axes: Axes, times: np.ndarray) -> np.ndarray:
 def show_time(axes: Axes, time: float) -> None:
     """Writes the time (s) above the axes."""
     factor, unit = prefixed(time, "s")
-    axes.set_title(f"$t$ = {time * factor:.4g} {unit}")
+    axes.set_title(f"$t$ = {time * factor:.4g} {unit}", loc="left")
+
+
+def colour_bar(colours: ScalarMappable, axes: Axes, label: str) -> None:
+    """A colour bar to the right of the axes and as high as they are."""
+    axes.figure.colorbar(colours, cax=axes.inset_axes([1.03, 0, 0.035, 1]), label=label)
+
+
+def legend_above(axes: Axes) -> None:
+    """A legend that covers no curve."""
+    axes.figure.legend(loc="outside upper center", ncols=3, columnspacing=1.2, handlelength=1.8)
 
 
 def shade_contact(axes: Axes, times: np.ndarray, active: np.ndarray) -> None:
@@ -85,7 +113,7 @@ def shade_contact(axes: Axes, times: np.ndarray, active: np.ndarray) -> None:
     touching = np.concatenate([[False], active[1:] > 0, [False]])
     starts, ends = np.flatnonzero(touching[1:] & ~touching[:-1]), np.flatnonzero(touching[:-1] & ~touching[1:])
     for i, (start, end) in enumerate(zip(starts, ends)):
-        axes.axvspan(times[start], times[end], color=PALE, lw=0, label="in contact" if i == 0 else None)
+        axes.axvspan(times[start], times[end], color=PALE, lw=0, zorder=0, label="in contact" if i == 0 else None)
 
 
 @contextmanager

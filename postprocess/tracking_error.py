@@ -19,12 +19,11 @@ def draw(run: RunFolder) -> list[Path]:
 
     figure, axes = style.graph()
     times = style.time_axis(axes, steps["time"])
+    axes.plot(times, error, color=style.BLUE, label="distance to the desired state")
     style.shade_contact(axes, times, steps["active"])
-    axes.plot(times, error, color=style.BLUE)
     axes.set_ylabel(rf"$\|y - y_d\|_{{L^2}}$ ({'m²' if run.dim == 2 else '$m^{5/2}$'})")
     axes.set_ylim(bottom=0)
-    if run.has_contact:
-        axes.legend(loc="best", frameon=True, framealpha=0.8, edgecolor="none")
+    style.legend_above(axes)
     return [style.save(figure, run.path / "figures" / "tracking_error.png")]
 
 

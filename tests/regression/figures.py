@@ -1,1 +1,52 @@
-raise SystemExit("empty")
+"""The figures of a run are drawn from its folder: all of them, legible image files, and one sentence where it is no run."""
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from harness import HALF_DISC, SOURCE, signorini  # noqa: E402
+
+from PIL import Image  # noqa: E402
+
+SCRIPT = SOURCE / "postprocess" / "figures.py"
+OPTIMIZE = {"control_magnitude.png", "objective.png", "distance_to_reference.png", "tracking_error.png",
+            "contact_force.png", "contact_force_history.png", "energy.png", "animation.gif"}  # fmt: skip
+SIMULATE = {"contact_force.png", "contact_force_history.png", "energy.png", "animation.gif"}
+
+
+def draw(out: Path) -> subprocess.CompletedProcess:
+    return subprocess.run([sys.executable, str(SCRIPT), str(out)], capture_output=True, text=True)
+
+
+def drawn(out: Path) -> set[str]:
+    done = draw(out)
+    assert done.returncode == 0, done.stderr
+    return {p.name for p in (out / "figures").iterdir() if p.suffix in (".png", ".gif")}
+
+
+def main() -> int:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        signorini("optimize", HALF_DISC, folder / "o", mesh__size=2, optimizer__max_iterations=5)
+        signorini("simulate", HALF_DISC, folder / "s", mesh__size=2, control__initial=["0", "-1"])
+        found = drawn(folder / "o")
+        assert found == OPTIMIZE, f"missing {OPTIMIZE - found}, unexpected {found - OPTIMIZE}"
+        found = drawn(folder / "s")
+        assert found == SIMULATE, f"missing {SIMULATE - found}, unexpected {found - SIMULATE}"
+        for file in sorted((folder / "o" / "figures").glob("*.png")):
+            with Image.open(file) as image:
+                assert min(image.size) >= 400, f"{file.name} is {image.size}"
+                colours = image.convert("RGB").getcolors(maxcolors=10**7)
+                assert len(colours) > 50, f"{file.name} is blank"
+        with Image.open(folder / "o" / "figures" / "animation.gif") as image:
+            assert image.n_frames >= 30
+        wrong = draw(folder)
+        assert wrong.returncode == 2 and wrong.stderr.count("\n") == 1, wrong.stderr
+        print(f"{len(OPTIMIZE)} and {len(SIMULATE)} figures drawn; not a run: {wrong.stderr.strip()}")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

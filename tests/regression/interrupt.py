@@ -1,1 +1,82 @@
-raise SystemExit("empty")
+"""SIGINT and SIGTERM leave complete files and exit status 130; a run that is stopped before it has anything leaves none."""
+
+import json
+import signal
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from harness import HALF_DISC, SIGNORINI, table  # noqa: E402
+
+import h5py  # noqa: E402
+
+OPTIMIZE_FILES = {"scene.toml", "run.json", "steps.csv", "contact.csv", "history.csv", "state.xdmf", "state.h5",
+                  "control.xdmf", "control.h5", "adjoint.xdmf", "adjoint.h5"}  # fmt: skip
+SIMULATE_FILES = OPTIMIZE_FILES - {"history.csv", "control.xdmf", "control.h5", "adjoint.xdmf", "adjoint.h5"}
+
+
+def interrupted(verb: str, out: Path, which: signal.Signals, when: str, *options: str) -> int:
+    """Sends a signal after the first line of progress that begins with `when`; returns the exit status."""
+    process = subprocess.Popen([str(SIGNORINI), verb, str(HALF_DISC), "--out", str(out), *options],
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)  # fmt: skip
+    for line in process.stdout:
+        if line.startswith(when):
+            break
+    assert process.poll() is None, f"{verb} ended before it could be interrupted"
+    process.send_signal(which)
+    process.communicate(timeout=60)
+    return process.returncode
+
+
+def optimize_is_complete(folder: Path) -> None:
+    out = folder / "optimize"
+    status = interrupted("optimize", out, signal.SIGINT, "iterations", "--set", "optimizer.max_iterations=1000",
+                         "--set", "mesh.size=1")
+    assert status == 130, f"exit status {status}"
+    assert {p.name for p in out.iterdir()} == OPTIMIZE_FILES
+    run = json.loads((out / "run.json").read_text())
+    history = table(out / "history.csv")
+    assert run["stop_reason"] == "interrupted" and run["steps"]["done"] == 150
+    assert len(history["iteration"]) > 2 and run["objective"]["value"] == history["objective"][-1]
+    with h5py.File(out / "control.h5") as file:
+        assert len(file["Function/control"]) == 150
+    print(f"optimize: stopped after iteration {history['iteration'][-1]:.0f}, {len(OPTIMIZE_FILES)} whole files")
+
+
+def simulate_is_complete(folder: Path) -> None:
+    out = folder / "simulate"
+    status = interrupted("simulate", out, signal.SIGTERM, "steps", "--set", "time.end=1",
+                         "--set", "output.every=1000", "--set", 'load.body=["0", "-1e6"]')  # fmt: skip
+    assert status == 130, f"exit status {status}"
+    assert {p.name for p in out.iterdir()} == SIMULATE_FILES
+    run, steps = json.loads((out / "run.json").read_text()), table(out / "steps.csv")
+    done = run["steps"]["done"]
+    assert 0 < done < run["steps"]["asked"] and steps["step"][-1] == done
+    with h5py.File(out / "state.h5") as file:
+        assert len(file["Function/displacement"]) == len(file["Function/velocity"]) == done // 1000 + 1 + (done % 1000 > 0)
+    print(f"simulate: stopped after step {done}, {len(SIMULATE_FILES)} whole files")
+
+
+def earlier_results_survive(folder: Path) -> None:
+    """Interrupted while the desired state is computed: the folder keeps what it had."""
+    out = folder / "early"
+    out.mkdir()
+    (out / "history.csv").write_text("of an earlier run")
+    status = interrupted("optimize", out, signal.SIGINT, "desired state", "--set", "time.end=1")
+    assert status == 130, f"exit status {status}"
+    assert [p.name for p in out.iterdir()] == ["history.csv"] and (out / "history.csv").read_text() == "of an earlier run"
+    print("early: nothing was written, nothing was lost")
+
+
+def main() -> int:
+    with tempfile.TemporaryDirectory() as folder:
+        optimize_is_complete(Path(folder))
+        simulate_is_complete(Path(folder))
+        earlier_results_survive(Path(folder))
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,1 +1,134 @@
-raise SystemExit("empty")
+"""What a run leaves in its folder is what the documentation promises."""
+
+import json
+import sys
+import tempfile
+import tomllib
+import xml.etree.ElementTree as xml
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from harness import HALF_DISC, SOURCE, attempt, signorini, table  # noqa: E402
+
+import h5py  # noqa: E402
+import numpy as np  # noqa: E402
+
+STEPS = ("step,time,kinetic_energy,elastic_energy,viscous_dissipation,external_work,contact_work,energy_residual,"
+         "contact_force_x,contact_force_y,active,weak,min_gap,vi_iterations")  # fmt: skip
+CONTACT = "step,time,x,y,gap,force"
+HISTORY = ("iteration,objective,tracking,terminal,control_cost,gradient_norm,step_length,forward_sweeps,adjoint_sweeps,"
+           "seconds,relative_distance_to_reference")  # fmt: skip
+
+
+def header(file: Path) -> str:
+    return file.read_text().splitlines()[0]
+
+
+def grids(file: Path) -> dict[str, list[float]]:
+    """Field name → times, with every dataset that the XDMF file refers to present in the HDF5 file."""
+    found: dict[str, list[float]] = {}
+    with h5py.File(file.with_suffix(".h5")) as h5:
+        for item in xml.parse(file).iter("DataItem"):
+            name, path = item.text.split(":")
+            assert name == file.with_suffix(".h5").name, "the XDMF file points to another folder"
+            assert list(h5[path].shape) == [int(n) for n in item.get("Dimensions").split()]
+    for collection in xml.parse(file).iter("Grid"):
+        if collection.get("GridType") == "Collection":
+            found[collection.get("Name")] = [float(t.get("Value")) for t in collection.iter("Time")]
+    return found
+
+
+def optimize_folder(out: Path) -> None:
+    signorini("optimize", HALF_DISC, out, mesh__size=2, optimizer__max_iterations=4, output__every=50)
+    assert header(out / "steps.csv") == STEPS + ",tracking_error"
+    assert header(out / "contact.csv") == CONTACT and header(out / "history.csv") == HISTORY
+    stored = [0, 50 * 5e-5, 100 * 5e-5, 150 * 5e-5]
+    assert {k: np.allclose(v, stored) for k, v in grids(out / "state.xdmf").items()} == {"displacement": True, "velocity": True}
+    for name in ("control", "adjoint"):
+        assert np.allclose(grids(out / f"{name}.xdmf")[name], stored[1:])
+    run = json.loads((out / "run.json").read_text())
+    contact, steps, history = (table(out / f"{name}.csv") for name in ("contact", "steps", "history"))
+    assert len(contact["step"]) == 4 * run["candidates"] and len(steps["step"]) == 151
+    assert run["stop_reason"] == "iteration limit" and len(history["iteration"]) == 5
+    assert np.isclose(run["objective"]["value"], history["objective"][-1], rtol=1e-15)
+    assert np.allclose(history["tracking"] + history["terminal"] + history["control_cost"], history["objective"], rtol=1e-14)
+    assert (np.diff(history["objective"]) < 0).all()
+    for phase in ("mesh", "assembly", "forward", "adjoint", "output"):
+        assert run["timings"][phase]["seconds"] > 0 and run["timings"][phase]["calls"] >= 1
+    assert run["timings"]["adjoint"]["calls"] == run["optimizer"]["adjoint_sweeps"] == history["adjoint_sweeps"][-1]
+    tracking = 5e-5 * (steps["tracking_error"][1:-1] ** 2).sum() / 2 + 5e-5 / 4 * steps["tracking_error"][-1] ** 2
+    assert np.isclose(tracking, history["tracking"][-1], rtol=1e-10)
+    print("optimize: tables, fields and run.json agree with each other")
+
+
+def echoed_scene_repeats_the_run(out: Path) -> None:
+    again = out.parent / "again"
+    signorini("optimize", out / "scene.toml", again)
+    a, b = table(out / "history.csv"), table(again / "history.csv")
+    assert np.allclose(a["objective"], b["objective"], rtol=1e-12)
+    assert tomllib.loads((out / "scene.toml").read_text()) == tomllib.loads((again / "scene.toml").read_text())
+    print("the echoed scene repeats the run")
+
+
+def simulate_replaces_optimize(out: Path) -> None:
+    """A folder describes one run: what the earlier one left and this one does not write is gone."""
+    (out / "notes.txt").write_text("mine")
+    signorini("simulate", HALF_DISC, out, mesh__size=2, control__initial=["0", "-1"])
+    assert not (out / "history.csv").exists() and not (out / "control.h5").exists()
+    assert (out / "notes.txt").read_text() == "mine", "a file that is not the program's was touched"
+    assert header(out / "steps.csv") == STEPS
+    assert "adjoint" not in json.loads((out / "run.json").read_text())["timings"]
+    print("simulate: no adjoint, no history, nothing left of the earlier run")
+
+
+def nodal_force_is_the_resultant(out: Path) -> None:
+    contact, steps = table(out / "contact.csv"), table(out / "steps.csv")
+    total = np.bincount(contact["step"].astype(int), contact["force"])
+    assert total.max() > 0 and np.allclose(total, steps["contact_force_y"], rtol=1e-12)
+    print("nodal contact forces sum to the resultant")
+
+
+def degree_two(folder: Path) -> None:
+    out = folder / "degree2"
+    signorini("simulate", HALF_DISC, out, mesh__size=3, mesh__degree=2, control__initial=["0", "-1"], output__every=150)
+    with h5py.File(out / "state.h5") as file:
+        nodes = file["Mesh/mesh/geometry"].shape[0]
+        states = file["Function/displacement"]
+        assert all(states[name].shape == (nodes, 3) for name in states)
+        low = min(states[name][:, 1].min() for name in states)
+    assert -0.9 < low < -0.7, f"lowest displacement {low}"
+    print("degree 2: fields at the mesh's own nodes")
+
+
+def silence_and_plain_lines(folder: Path) -> None:
+    quiet = attempt("simulate", HALF_DISC, folder / "q", mesh__size=3)
+    assert "\r" not in quiet.stdout + quiet.stderr and "\033" not in quiet.stdout + quiet.stderr
+    import subprocess
+
+    from harness import SIGNORINI
+
+    silent = subprocess.run([SIGNORINI, "simulate", HALF_DISC, "--quiet", "--out", folder / "s", "--set", "mesh.size=3"],
+                            capture_output=True, text=True)  # fmt: skip
+    assert silent.returncode == 0 and silent.stdout == silent.stderr == ""
+    info = signorini("info", HALF_DISC, mesh__size=3).stdout
+    assert "viscosity" in info and "candidates: 7" in info
+    block = signorini("info", SOURCE / "tests/data/block.toml").stdout
+    assert "off" in block and "initial velocity" in block
+    print("piped output is plain, --quiet says nothing, info names the effects")
+
+
+def main() -> int:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        out = folder / "out"
+        optimize_folder(out)
+        echoed_scene_repeats_the_run(out)
+        simulate_replaces_optimize(out)
+        nodal_force_is_the_resultant(out)
+        degree_two(folder)
+        silence_and_plain_lines(folder)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -45,18 +45,23 @@ def compare_vi(folder: Path) -> bool:
 
 
 def compare_ranks(folder: Path) -> bool:
-    values = []
+    """J and |g| at a fixed control; after three iterations too, where the step lengths, which come from small
+    differences of J, have amplified the rounding."""
+    histories = []
     for ranks in (1, 2, 3):
         out = folder / f"ranks-{ranks}"
         signorini("optimize", HALF_DISC, out, ranks, optimizer__max_iterations=3, control__initial=["0", "-0.9"])
-        history = table(out / "history.csv")
-        values.append((history["objective"], history["gradient_norm"]))
-        print(f"{ranks} ranks: J = {history['objective'][0]:.15e} -> {history['objective'][-1]:.15e}, "
-              f"|g| = {history['gradient_norm'][0]:.15e} -> {history['gradient_norm'][-1]:.15e}")  # fmt: skip
+        histories.append(table(out / "history.csv"))
+        print("{} ranks: J = {:.15e}, |g| = {:.15e}; after 3 iterations {:.15e}, {:.15e}".format(
+            ranks, *(histories[-1][key][row] for row in (0, 3) for key in ("objective", "gradient_norm"))))  # fmt: skip
         assert same_sets(folder / "ranks-1", out)
-    worst = max(relative(v, e) for found in values[1:] for f, x in zip(found, values[0]) for v, e in zip(f, x))
-    print(f"largest relative difference over the ranks: {worst:.1e}")
-    return worst <= 1e-9
+
+    def worst(row: int) -> float:
+        return max(relative(other[key][row], histories[0][key][row])
+                   for other in histories[1:] for key in ("objective", "gradient_norm"))  # fmt: skip
+
+    print(f"largest relative difference over the ranks: {worst(0):.1e}, after 3 iterations {worst(3):.1e}")
+    return worst(0) <= 1e-9 and worst(3) <= 1e-6
 
 
 def main() -> int:
