@@ -101,7 +101,8 @@ def read_obstacle(run: RunFolder, mesh: Mesh, times: np.ndarray, displacement: n
     # The gap grows with the displacements: the node nearest to the plane meets it when it does in truth.
     gap = obstacle.height(contact.points).min()
     drawn = HalfSpace(obstacle.point + (1 - enlarged) * gap * obstacle.normal, obstacle.normal)
-    points = contact.points + enlarged * follow(mesh.points, contact.points, displacement)
+    boundary = np.unique(mesh.outline())
+    points = contact.points + enlarged * follow(mesh.points[boundary], contact.points, displacement[:, boundary])
     return Obstacle(drawn, points, frame_forces(contact, times, stride))
 
 
@@ -119,7 +120,7 @@ def follow(nodes: np.ndarray, points: np.ndarray, displacement: np.ndarray) -> n
 
 
 def frame_forces(contact: Contact, times: np.ndarray, stride: int) -> np.ndarray:
-    """Nodal forces (frames × nodes, N/m): the mean over the steps since the last frame.
+    """Nodal forces (frames × nodes, N/m): the mean over the stored steps since the last frame.
 
     At least two steps: the force of a single one alternates from step to step, and only the mean means something.
     """
@@ -199,9 +200,9 @@ def view(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     if motion.obstacle:
         points, plane = motion.obstacle.points, motion.obstacle.half_space
         height = plane.height(points)
-        # A plane that the body never comes near stays outside.
-        near = points[height <= max(height.min(), 0) + 0.01 * size] if height.min() < size else points[:0, 0]
-        inside.append(near - (height.min() + 1.1 * ARROW * size) * plane.normal)
+        if height.min() < size:  # a plane that the body never comes near stays outside
+            nearest_to_plane = points[height <= height.min() + 0.01 * size]
+            inside.append(nearest_to_plane - (height.min() + 1.1 * ARROW * size) * plane.normal)
     every = np.concatenate(inside)
     return every.min(axis=0) - 0.04 * size, every.max(axis=0) + 0.04 * size
 

@@ -8,7 +8,7 @@ import json
 import tomllib
 import warnings
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -28,6 +28,17 @@ class NotInRun(Exception):
 
 class Unreadable(Exception):
     """The folder is no run's folder, or a file in it is damaged."""
+
+
+class Table(dict[str, np.ndarray]):
+    """The columns of a .csv file by name; asking for one that is not there raises Unreadable."""
+
+    def __init__(self, file: Path, columns: Iterable[tuple[str, np.ndarray]]) -> None:
+        super().__init__(columns)
+        self.file = file
+
+    def __missing__(self, name: str) -> np.ndarray:
+        raise Unreadable(f"{self.file}: there is no column {name}")
 
 
 @dataclass(frozen=True)
@@ -116,19 +127,22 @@ class RunFolder:
         return str(manifest.get("verb", "run"))
 
     @cached_property
-    def steps(self) -> dict[str, np.ndarray]:
-        """steps.csv by column: energies and works (J, in the plane J/m), forces (N, N/m) of every time step."""
-        return self._table("steps.csv")
+    def steps(self) -> Table:
+        """steps.csv: energies and works (J, in the plane J/m), forces (N, N/m) of every time step after row 0."""
+        table = self._read("steps.csv", read_csv)
+        if len(table["time"]) < 2:
+            raise NotInRun("the run made no time step")
+        return table
 
     @cached_property
-    def history(self) -> dict[str, np.ndarray]:
-        """history.csv by column: one row per iteration of the optimizer."""
-        return self._table("history.csv")
+    def history(self) -> Table:
+        """history.csv: one row per iteration of the optimizer."""
+        return self._read("history.csv", read_csv)
 
     @cached_property
     def contact(self) -> Contact:
         """contact.csv, by stored step and candidate node."""
-        table = self._table("contact.csv")
+        table = self._read("contact.csv", read_csv)
         steps, first = np.unique(table["step"], return_index=True)
         shape = (len(steps), -1)
         try:
@@ -214,22 +228,19 @@ class RunFolder:
         file, dataset = item.text.strip().split(":", 1)
         return self.path / file, dataset
 
-    def _table(self, file: str) -> dict[str, np.ndarray]:
-        return self._read(file, read_csv)
-
     def _read(self, file: str, read: Callable[[Path], T]) -> T:
         path = self.path / file
         if not path.is_file():
-            verb = f" (the run was: {self.verb})" if (self.path / "run.json").is_file() else ""
-            raise NotInRun(f"there is no {file}{verb}")
+            verb = f", a run of {self.verb}" if (self.path / "run.json").is_file() else ""
+            raise NotInRun(f"there is no {file} in {self.path}{verb}")
         try:
             return read(path)
         except (OSError, ValueError, ElementTree.ParseError) as error:
-            raise Unreadable(f"{path}: cannot be read ({error})") from None
+            raise Unreadable(f"{path}: cannot be read ({str(error).split(';')[0]})") from None
 
 
-def read_csv(file: Path) -> dict[str, np.ndarray]:
-    """A table with one line of column names, by column."""
+def read_csv(file: Path) -> Table:
+    """A table below one line of column names."""
     with file.open(encoding="utf-8") as lines, warnings.catch_warnings(action="ignore"):
         names = lines.readline().strip().split(",")
         rows = np.loadtxt(lines, delimiter=",", ndmin=2)
@@ -237,7 +248,7 @@ def read_csv(file: Path) -> dict[str, np.ndarray]:
         raise ValueError("there are no rows below the column names")
     if rows.shape[1] != len(names):
         raise ValueError(f"{len(names)} column names above {rows.shape[1]} columns")
-    return dict(zip(names, rows.T))
+    return Table(file, zip(names, rows.T))
 
 
 def read_dataset(file: Path, dataset: str) -> np.ndarray:
