@@ -252,10 +252,10 @@ bool check_scene(const Problem& problem, const Console& console) {
       throw Interrupted();
     invariants(problem, problem.load(), trajectory, rows);
   }
-  console.line(fmt::format("{:<6}{:<58}{:<44}{}", "", "check", "measured", "allowed"));
+  console.line(fmt::format("{:<6}{:<58}{:<50}{}", "", "check", "measured", "allowed"));
   bool all = true;
   for (const Row& row : rows) {
-    console.line(fmt::format("{:<6}{:<58}{:<44}{}", row.holds ? "ok" : "FAIL", row.name, row.measured, row.allowed));
+    console.line(fmt::format("{:<6}{:<58}{:<50}{}", row.holds ? "ok" : "FAIL", row.name, row.measured, row.allowed));
     all = all && row.holds;
   }
   console.line(all ? (scene.contact ? "All checks hold, contact included." : "All checks hold; contact was not checked.")

@@ -1,9 +1,11 @@
 """Film of the deformed body on its obstacle: colours show the displacement, arrows the contact forces.
 
-Displacements below 2 % of the body's size are enlarged; the gap to the obstacle is then enlarged with them, so
-that contact looks like contact, and the picture says by how much. Writes a GIF, and an .mp4 where ffmpeg is present.
+Displacements below 2 % of the body's size are enlarged, and the picture says by how much. The gap of the node nearest
+to the obstacle is then enlarged with them, so that this node is seen to touch when it does; a curved body may seem to
+overlap the obstacle beside it. Writes a GIF, and an .mp4 where ffmpeg is present.
 """
 
+import math
 import shutil
 import subprocess
 import sys
@@ -90,7 +92,7 @@ def enlargement(displacement: np.ndarray, size: float) -> float:
 
 def round_down(value: float) -> float:
     """The largest of …, 1, 2, 5, 10, 20, 50, … that is not above the value."""
-    power = 10 ** np.floor(np.log10(value))
+    power = 10 ** math.floor(math.log10(value))
     return float(max(digit for digit in (1, 2, 5) if digit * power <= value) * power)
 
 
@@ -136,7 +138,7 @@ class Stage:
         self.motion = motion
         self.edges = motion.mesh.outline()
         largest = np.linalg.norm(motion.displacement, axis=2).max()
-        self.factor, self.unit = style.prefixed(largest, "m")
+        self.factor, unit = style.prefixed(largest, "m")
 
         axes = scenery(motion)
         self.title = axes.set_title(" ", loc="left")
@@ -145,7 +147,7 @@ class Stage:
         self.outline = LineCollection([], colors="black", linewidths=0.8)
         for part in (self.body, self.outline):
             axes.add_collection(part, autolim=False)
-        style.colour_bar(self.body, axes, f"displacement ({self.unit})")
+        style.colour_bar(self.body, axes, f"displacement ({unit})")
         self.arrows = add_arrows(axes, motion)
 
         self.axes = axes

@@ -154,9 +154,7 @@ class RunFolder:
 
     @cached_property
     def obstacle(self) -> HalfSpace:
-        """What the body may touch."""
-        if "contact" not in self.scene:
-            raise NotInRun("the scene has no contact")
+        """What the body may touch, in a scene with contact."""
         obstacle = self.scene["contact"]["obstacle"]
         if obstacle["shape"] != "half-space":
             raise NotInRun(f"an obstacle of the shape \"{obstacle['shape']}\" is not drawn, only a half-space")
