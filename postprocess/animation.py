@@ -32,6 +32,7 @@ DOTS_PER_INCH = 100  # on the screen; 640 dots wide
 SMALL = 0.02  # displacements below this part of the body's size are enlarged …
 VISIBLE = 0.05  # … to about this part
 ARROW = 0.15  # longest arrow, as a part of the body's size
+SPACING = 0.012  # least distance of arrows, likewise
 OBSTACLE_GREY = "0.85"
 
 
@@ -98,14 +99,16 @@ def round_down(value: float) -> float:
 
 def read_obstacle(run: RunFolder, mesh: Mesh, times: np.ndarray, displacement: np.ndarray, enlarged: float,
                   stride: int) -> Obstacle:
-    """The obstacle as it is drawn, and the forces that belong to the frames."""
+    """The obstacle as it is drawn, and the forces of the frames at so many nodes that arrows can be told apart."""
     contact, obstacle = run.contact, run.obstacle
     # The gap grows with the displacements: the node nearest to the plane meets it when it does in truth.
     gap = obstacle.height(contact.points).min()
     drawn = HalfSpace(obstacle.point + (1 - enlarged) * gap * obstacle.normal, obstacle.normal)
     boundary = np.unique(mesh.outline())
     points = contact.points + enlarged * follow(mesh.points[boundary], contact.points, displacement[:, boundary])
-    return Obstacle(drawn, points, frame_forces(contact, times, stride))
+    spacing = np.median(np.linalg.norm(np.diff(contact.points, axis=0), axis=1)) if len(contact.points) > 1 else np.inf
+    every = math.ceil(SPACING * mesh.size / spacing) or 1
+    return Obstacle(drawn, points[:, ::every], frame_forces(contact, times, stride)[:, ::every])
 
 
 def follow(nodes: np.ndarray, points: np.ndarray, displacement: np.ndarray) -> np.ndarray:
