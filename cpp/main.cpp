@@ -1,6 +1,7 @@
 #include "base/error.h"
 #include "base/petsc.h"
 #include "run.h"
+#include "scene/names.h"
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -12,18 +13,48 @@
 namespace {
 
 using signorini::Request;
+using signorini::UserError;
 
 constexpr int wrong_input = 2, solver_failed = 3, interrupted = 130;
 
+struct Verb {
+  const char *name, *text;
+};
+constexpr Verb verbs[] = {{"simulate", "forward run only"},
+                          {"optimize", "forward, adjoint, update, until the stopping criterion"},
+                          {"check", "derivatives and discrete invariants of this scene"},
+                          {"info", "effects, unknowns, candidates, steps, memory and time; runs nothing"}};
+
+std::string did_you_mean(const std::string& found, const std::vector<std::string>& valid) {
+  const std::string near = signorini::scene::nearest(found, valid);
+  return near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near);
+}
+
+void require_verb(int argc, char** argv) {
+  std::vector<std::string> names;
+  for (const Verb& verb : verbs)
+    names.emplace_back(verb.name);
+  const std::string allowed = signorini::scene::list(names);
+  if (argc < 2)
+    throw UserError(fmt::format("command line: found no verb, allowed: {}; see signorini --help", allowed));
+  const std::string found = argv[1];
+  if (found == "study")
+    throw UserError(fmt::format("study: not available yet; available: {}", allowed));
+  if (!found.starts_with("-") && std::ranges::find(names, found) == names.end())
+    throw UserError(fmt::format("command line: found the verb \"{}\"{}, allowed: {}; see signorini --help", found,
+                                did_you_mean(found, names), allowed));
+}
+
 /// Parses the command line; returns an exit status if there is nothing to run.
 std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, bool& quiet) {
+  require_verb(argc, argv);
   CLI::App app("Optimal control of dynamic contact with exact discrete gradients.", "signorini");
   app.require_subcommand(1);
   app.footer("Options after -- go to PETSc. Exit status: 0 done; 1 a check failed; 2 the scene, the mesh or an option is\n"
              "wrong; 3 a solver failed; 130 interrupted.");
   bool resume = false;
-  const auto verb = [&](const char* name, const char* text) {
-    CLI::App* sub = app.add_subcommand(name, text);
+  for (const Verb& verb : verbs) {
+    CLI::App* sub = app.add_subcommand(verb.name, verb.text)->allow_extras();
     sub->add_option("scene", request.scene, "scene file (TOML)")->required();
     sub->add_option("--out", request.out, "folder for the results (default results/<scene name>)");
     sub->add_option("--set", request.overrides, "key.path=value, overrides the scene; may be repeated")
@@ -31,13 +62,8 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     sub->add_flag("--quiet", quiet, "say nothing but errors");
     sub->add_flag("--resume", resume, "go on from a checkpoint (not available yet)");
-    sub->callback([&request, name] { request.verb = name; });
-  };
-  verb("simulate", "forward run only");
-  verb("optimize", "forward, adjoint, update, until the stopping criterion");
-  verb("check", "derivative ladder and discrete invariants of this scene");
-  verb("info", "effects, unknowns, candidates, steps, memory and time; runs nothing");
-  verb("study", "what accuracy costs in time (not available yet)");
+    sub->callback([&request, &verb] { request.verb = verb.name; });
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) { // --help
@@ -45,12 +71,14 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
       app.exit(success);
     return 0;
   } catch (const CLI::ParseError& error) {
-    throw signorini::UserError(fmt::format("command line: {}; see signorini --help", error.what()));
+    throw UserError(fmt::format("command line: {}; see signorini --help", error.what()));
   }
-  if (request.verb == "study")
-    throw signorini::UserError("study: not available yet; available: simulate, optimize, check, info");
+  if (const std::vector<std::string> extra = app.remaining(true); !extra.empty())
+    throw UserError(fmt::format("command line: \"{}\" is not expected{}, allowed are one scene and the options --out, "
+                                "--set, --quiet; see signorini --help",
+                                extra.front(), did_you_mean(extra.front(), {"--out", "--set", "--quiet", "--resume"})));
   if (resume)
-    throw signorini::UserError("--resume: not available yet; leave it out");
+    throw UserError("--resume: not available yet; leave it out");
   return std::nullopt;
 }
 
@@ -72,7 +100,7 @@ int guarded(int argc, char** argv, int rank, int ranks) {
       return *status;
     const bool speaks = rank == 0 && !quiet;
     return signorini::run(request, signorini::Console(speaks, speaks && isatty(STDERR_FILENO)));
-  } catch (const signorini::UserError& error) { // thrown on every rank alike
+  } catch (const UserError& error) { // thrown on every rank alike
     if (rank == 0)
       fmt::print(stderr, "signorini: {}\n", error.what());
     return wrong_input;

@@ -91,7 +91,7 @@ void write_motion(const io::OutputFolder& folder, const Problem& problem, const 
     constraints->gap(trajectory.y[0], gap);
     folder.write("contact.csv", io::contact_table(stored, trajectory.contact, *constraints, gap, scheme));
   }
-  io::write_fields(problem.space, folder.staged("state.xdmf"), times_of(stored, scheme),
+  io::write_fields(problem.space, folder, "state.xdmf", times_of(stored, scheme),
                    {{"displacement", pick(stored, [&](int k) -> Vec { return trajectory.y[k]; })},
                     {"velocity", pick(stored, [&](int k) -> Vec { return trajectory.v[k]; })}});
 }
@@ -174,9 +174,9 @@ void write_control(const io::OutputFolder& folder, const Problem& problem, const
   const auto timer = problem.timers.time("output");
   const std::vector<int> stored = stored_steps(1, problem.steps(), problem.scene.output.every);
   const std::vector<double> times = times_of(stored, problem.stepper.scheme());
-  io::write_fields(problem.space, folder.staged("control.xdmf"), times,
+  io::write_fields(problem.space, folder, "control.xdmf", times,
                    {{"control", pick(stored, [&](int k) { return reduced.control().at(k); })}});
-  io::write_fields(problem.space, folder.staged("adjoint.xdmf"), times,
+  io::write_fields(problem.space, folder, "adjoint.xdmf", times,
                    {{"adjoint", pick(stored, [&](int k) -> Vec { return reduced.adjoint_states()[k - 1]; })}});
 }
 

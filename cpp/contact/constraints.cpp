@@ -96,8 +96,8 @@ void Constraints::require_outside(Vec y) const {
   if (*deepest >= -gap_tolerance_)
     return;
   const double* x = &points_[3 * (deepest - g.begin())];
-  throw UserError(fmt::format("contact: the node at ({}, {}, {}) starts {} m inside the obstacle, allowed are "
-                              "bodies that start outside",
+  throw UserError(fmt::format("contact: the node at ({:.6g}, {:.6g}, {:.6g}) starts {:.6g} m inside the obstacle, allowed "
+                              "are bodies that start outside (the obstacle's normal points out of it)",
                               x[0], x[1], x[2], -*deepest));
 }
 

@@ -1,13 +1,15 @@
 #include "fem/operators.h"
 #include <algorithm>
+#include <fmt/format.h>
 
 namespace signorini::fem {
 using petsc::check;
 
 Clamped::Clamped(const Space& space, const std::vector<scene::Clamp>& clamps)
     : dim_(space.dim()), first_dof_(space.first_dof()) {
-  for (const scene::Clamp& clamp : clamps) {
-    const std::vector<int> nodes = space.nodes_on(clamp.on, "clamp.on");
+  for (std::size_t i = 0; i < clamps.size(); ++i) {
+    const std::vector<int> nodes =
+        space.nodes_on(clamps[i].on, clamps.size() == 1 ? "clamp.on" : fmt::format("clamp[{}].on", i));
     nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
   }
   std::ranges::sort(nodes_);

@@ -1,6 +1,7 @@
 #include "fem/space.h"
 #include "base/collective.h"
 #include <basix/finite-element.h>
+#include <cmath>
 #include <dolfinx/fem/DirichletBC.h>
 #include <dolfinx/fem/FunctionSpace.h>
 #include <dolfinx/fem/utils.h>
@@ -25,6 +26,10 @@ Space::Space(const mesh::Mesh& mesh, int degree) : mesh_(&mesh), degree_(degree)
   dofs_ = static_cast<PetscInt>(map->size_global() * dim());
   points_ = V_->tabulate_dof_coordinates(false);
   points_.resize(3 * static_cast<std::size_t>(owned_nodes_));
+  // Nodes on an axis come out a rounding error away from it, where an expression may have a pole or a step.
+  for (double& coordinate : points_)
+    if (std::abs(coordinate) < 1e-14 * mesh.diameter())
+      coordinate = 0;
 }
 
 petsc::Vector Space::vector() const {

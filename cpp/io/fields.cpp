@@ -1,10 +1,14 @@
 #include "io/fields.h"
 #include "base/collective.h"
+#include <H5Epublic.h>
 #include <algorithm>
+#include <cerrno>
 #include <dolfinx/fem/Function.h>
 #include <dolfinx/io/XDMFFile.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <fmt/format.h>
+#include <memory>
+#include <system_error>
 
 namespace signorini::io {
 namespace {
@@ -17,13 +21,16 @@ void copy(Vec from, dolfinx::fem::Function<PetscScalar>& to) {
 
 } // namespace
 
-void write_fields(const fem::Space& space, const std::filesystem::path& file, const std::vector<double>& times,
-                  const std::vector<FieldSeries>& fields) {
+void write_fields(const fem::Space& space, const OutputFolder& folder, const std::string& name,
+                  const std::vector<double>& times, const std::vector<FieldSeries>& fields) {
   using Function = dolfinx::fem::Function<PetscScalar>;
+  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence below says it, instead of HDF5's stack
+  std::unique_ptr<dolfinx::io::XDMFFile> xdmf;
+  errno = 0;
   try {
     Function own(space.dolfinx()), nodal(space.degree() == 1 ? space.dolfinx() : fem::lagrange(space.mesh(), 1));
-    dolfinx::io::XDMFFile xdmf(space.comm(), file, "w");
-    xdmf.write_mesh(*space.mesh().dolfinx());
+    xdmf = std::make_unique<dolfinx::io::XDMFFile>(space.comm(), folder.staged(name), "w");
+    xdmf->write_mesh(*space.mesh().dolfinx());
     for (const FieldSeries& field : fields) {
       nodal.name = field.name;
       for (std::size_t i = 0; i < times.size(); ++i) {
@@ -34,11 +41,14 @@ void write_fields(const fem::Space& space, const std::filesystem::path& file, co
           nodal.interpolate(own);
           nodal.x()->scatter_fwd();
         }
-        xdmf.write_function(nodal, times[i]);
+        xdmf->write_function(nodal, times[i]);
       }
     }
+    xdmf->close();
   } catch (const std::exception& error) {
-    throw UserError(fmt::format("{}: cannot be written ({})", file.string(), error.what()));
+    const std::string reason = errno != 0 ? std::generic_category().message(errno) : error.what();
+    (void)xdmf.release(); // its destructor would throw the same error again, and end the program
+    throw UserError(fmt::format("{}: cannot be written ({})", (folder.path() / name).string(), reason));
   }
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 #include "fem/space.h"
-#include <filesystem>
+#include "io/output_folder.h"
 #include <string>
 #include <vector>
 
@@ -12,9 +12,9 @@ struct FieldSeries {
   std::vector<Vec> values;
 };
 
-/// Writes fields at `times` to an XDMF file and the HDF5 file beside it, at the mesh's own nodes (degree 2: their values at
-/// the vertices). Collective. Throws UserError if the file cannot be written.
-void write_fields(const fem::Space& space, const std::filesystem::path& file, const std::vector<double>& times,
-                  const std::vector<FieldSeries>& fields);
+/// Writes fields at `times` to the XDMF file `name` and the HDF5 file beside it, at the mesh's own nodes (degree 2: their
+/// values at the vertices). Collective. Throws UserError if the files cannot be written.
+void write_fields(const fem::Space& space, const OutputFolder& folder, const std::string& name,
+                  const std::vector<double>& times, const std::vector<FieldSeries>& fields);
 
 } // namespace signorini::io

@@ -3,7 +3,6 @@
 #include <array>
 #include <fmt/format.h>
 #include <fstream>
-#include <vector>
 
 namespace signorini::io {
 namespace fs = std::filesystem;
@@ -21,6 +20,14 @@ OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder) : comm_(comm),
   std::string staging;
   on_root(comm, [&] {
     std::error_code error;
+    for (fs::path missing = folder_; !fs::exists(missing, error) && missing.has_relative_path();
+         missing = missing.parent_path())
+      made_.push_back(missing);
+    for (const char* name : file_names)
+      if (fs::is_directory(folder_ / name, error))
+        throw UserError(fmt::format("--out: {} is a folder and in the way of a file of this run, allowed is a folder "
+                                    "without it",
+                                    (folder / name).string()));
     fs::create_directories(folder_, error);
     staging = (folder_ / ".unfinished-XXXXXX").string();
     if (error || !mkdtemp(staging.data()))
@@ -32,8 +39,11 @@ OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder) : comm_(comm),
 
 OutputFolder::~OutputFolder() {
   std::error_code ignored; // a destructor has nobody to tell
-  if (rank(comm_) == 0)
-    fs::remove_all(staging_, ignored);
+  if (rank(comm_) != 0)
+    return;
+  fs::remove_all(staging_, ignored);
+  for (const fs::path& folder : made_) // goes through only where nothing was published
+    fs::remove(folder, ignored);
 }
 
 void OutputFolder::write(const std::string& name, const std::string& text) const {

@@ -2,11 +2,12 @@
 #include <filesystem>
 #include <mpi.h>
 #include <string>
+#include <vector>
 
 namespace signorini::io {
 
 /// The folder that a run leaves its files in. Files are written into a hidden folder inside it and moved out together at
-/// the end, so that each appears whole or not at all and a failed run leaves the earlier files as they were.
+/// the end, so that each appears whole or not at all and a failed run leaves everything as it was.
 class OutputFolder {
 public:
   /// Makes the folder. Collective. Throws UserError on every rank if that cannot be done.
@@ -30,6 +31,7 @@ public:
 private:
   MPI_Comm comm_;
   std::filesystem::path folder_, staging_;
+  std::vector<std::filesystem::path> made_; ///< folders that did not exist before, innermost first; on rank 0
 };
 
 } // namespace signorini::io

@@ -62,6 +62,7 @@ public:
     number_points(cells);
     raw_.cells = renumber(cells);
     require_area();
+    count_edges();
     boundary_groups();
     return std::move(raw_);
   }
@@ -78,20 +79,27 @@ private:
       raw_.dim = dim;
     }
     if (types.empty())
-      fail("the mesh has no elements, allowed is a mesh of triangles");
+      fail("the mesh has no elements (is the file incomplete?), allowed is a mesh of triangles");
     if (raw_.dim == 3)
       fail("the mesh has volume elements; three dimensions are not available yet, allowed is a mesh of "
            "triangles in the plane z = 0");
     if (raw_.dim < 2)
       fail(fmt::format("the highest elements of the mesh are those of a {}, allowed is a mesh of triangles",
                        kind(raw_.dim)));
+    require_straight(raw_.dim, "straight triangles (Triangle 3)");
+    require_straight(raw_.dim - 1, "straight edges (Line 2)");
+  }
+
+  void require_straight(int dim, const char* allowed) const {
+    std::vector<int> types;
+    gmsh::model::mesh::getElementTypes(types, dim);
     for (int type : types) {
       std::string name;
-      int dim = 0, order = 0, nodes = 0, primary = 0;
+      int element_dim = 0, order = 0, nodes = 0, primary = 0;
       std::vector<double> local;
-      gmsh::model::mesh::getElementProperties(type, name, dim, order, nodes, local, primary);
-      if (nodes != raw_.dim + 1)
-        fail(fmt::format("found elements of type \"{}\", allowed are straight triangles (Triangle 3)", name));
+      gmsh::model::mesh::getElementProperties(type, name, element_dim, order, nodes, local, primary);
+      if (nodes != dim + 1)
+        fail(fmt::format("found elements of type \"{}\", allowed are {}", name, allowed));
     }
   }
 
@@ -174,6 +182,31 @@ private:
     }
   }
 
+  /// Every triangle once, every edge of one or two triangles.
+  void count_edges() {
+    std::set<std::array<std::int64_t, 3>> triangles;
+    for (std::size_t c = 0; c < raw_.cells.size(); c += 3) {
+      std::array triangle{raw_.cells[c], raw_.cells[c + 1], raw_.cells[c + 2]};
+      std::ranges::sort(triangle);
+      const double* x = &raw_.points[3 * triangle[0]];
+      if (!triangles.insert(triangle).second)
+        fail(fmt::format("the triangle at ({}, {}) is in the mesh twice, allowed is once", x[0], x[1]));
+      for (const auto& [i, j] : {std::pair{0, 1}, {0, 2}, {1, 2}})
+        if (++edges_[{triangle[i], triangle[j]}] > 2)
+          fail(fmt::format("more than two triangles share the edge at ({}, {}), allowed are one or two", x[0], x[1]));
+    }
+  }
+
+  void require_edges(const std::string& group, const std::vector<std::int64_t>& facets) const {
+    for (std::size_t f = 0; f < facets.size(); f += 2)
+      if (!edges_.contains(std::minmax(facets[f], facets[f + 1]))) {
+        const double* x = &raw_.points[3 * facets[f]];
+        fail(fmt::format("the edge at ({}, {}) of the group \"{}\" is the edge of no triangle, allowed are edges of "
+                         "triangles",
+                         x[0], x[1], group));
+      }
+  }
+
   void boundary_groups() {
     gmsh::vectorpair groups;
     gmsh::model::getPhysicalGroups(groups);
@@ -190,12 +223,14 @@ private:
         const std::vector<std::int64_t> own = renumber(entity_tags(dim, entity));
         facets.insert(facets.end(), own.begin(), own.end());
       }
+      require_edges(name, facets);
     }
   }
 
   std::string file_;
   RawMesh raw_;
   std::unordered_map<std::int64_t, std::int64_t> number_;
+  std::map<std::pair<std::int64_t, std::int64_t>, int> edges_; ///< node pair, lower first → triangles that have it
 };
 
 } // namespace

@@ -1,11 +1,27 @@
 #include "scene/expression.h"
 #include "base/error.h"
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <muParser.h>
 #include <numbers>
 
 namespace signorini::scene {
+namespace {
+
+/// Whether an expression assigns to a variable, which muParser would do: an = that belongs to no comparison.
+bool assigns(const std::string& text) {
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if (text[i] == '=') {
+      if (i + 1 < text.size() && text[i + 1] == '=')
+        ++i;
+      else if (i == 0 || std::string("<>!").find(text[i - 1]) == std::string::npos)
+        return true;
+    }
+  return false;
+}
+
+} // namespace
 
 struct Field::Impl {
   Components text;
@@ -30,14 +46,20 @@ Field::Field(Components components, const std::string& key, bool time) : impl_(s
     if (time)
       parser.DefineVar("t", &impl_->variables[3]);
     try {
+      if (assigns(text))
+        throw mu::ParserError("an assignment");
       parser.SetExpr(text);
-      parser.Eval();
+      int values = 0;
+      parser.Eval(values);
+      if (values != 1)
+        throw mu::ParserError("a comma makes it a list; a decimal number has a point");
       impl_->depends_on_time |= parser.GetUsedVar().contains("t");
     } catch (const mu::ParserError& error) {
-      throw UserError(fmt::format("{}: the expression \"{}\" is wrong at position {}: {}; allowed are the "
-                                  "variables {}, the constants pi and e, and muParser's functions",
-                                  key, text, error.GetPos(), error.GetMsg(),
-                                  time ? "x, y, z, t" : "x, y, z"));
+      const int position = std::min(error.GetPos(), static_cast<int>(text.size()));
+      throw UserError(fmt::format("{}: the expression \"{}\" is wrong{}: {}; allowed are muParser's functions, the "
+                                  "constants pi and e, and the variables {}",
+                                  key, text, position >= 0 ? fmt::format(" at position {}", position) : "",
+                                  error.GetMsg(), time ? "x, y, z, t" : "x, y, z"));
     }
   }
 }

@@ -23,6 +23,9 @@ void set(toml::table& root, const std::string& assignment, const std::filesystem
   } catch (const toml::parse_error&) {
     parsed.insert("value", value);
   }
+  if (path.front() == '.' || path.back() == '.' || path.find("..") != std::string::npos)
+    throw UserError(fmt::format("--set {}: the key {}, allowed are names with single dots between them", assignment,
+                                path.back() == '.' ? "ends in a dot" : "has an empty name before a dot"));
   toml::table* table = &root;
   std::istringstream keys(path);
   std::string key, next;
@@ -31,6 +34,9 @@ void set(toml::table& root, const std::string& assignment, const std::filesystem
     toml::node* child = table->get(key);
     if (!child)
       child = &table->insert(key, toml::table{}).first->second;
+    if (toml::array* array = child->as_array(); array && !array->is_homogeneous<toml::table>())
+      throw UserError(fmt::format("--set {}: \"{}\" of {} is a list of values, set it as a whole, such as [1, 2]",
+                                  assignment, key, file.string()));
     if (toml::array* array = child->as_array()) {
       std::size_t index = array->size();
       if (next.empty() || next.find_first_not_of("0123456789") != std::string::npos ||
@@ -46,8 +52,6 @@ void set(toml::table& root, const std::string& assignment, const std::filesystem
       throw UserError(fmt::format("--set {}: \"{}\" is not a table", assignment, key));
     key = next;
   }
-  if (key.empty())
-    throw UserError(fmt::format("--set {}: the key ends in a dot", assignment));
   table->insert_or_assign(key, *parsed.get("value"));
 }
 
@@ -146,6 +150,9 @@ Control control(Reader in) {
     control.lower = in.number_or_numbers("lower", {});
   if (in.has("upper"))
     control.upper = in.number_or_numbers("upper", {});
+  if (control.lower && control.upper && control.lower->size() > 1 && control.upper->size() > 1 &&
+      control.lower->size() != control.upper->size())
+    in.fail("upper", fmt::format("found {} components where lower has {}", control.upper->size(), control.lower->size()));
   if (control.lower && control.upper)
     for (std::size_t i = 0; i < std::max(control.lower->size(), control.upper->size()); ++i) {
       const double lower = control.lower->size() == 1 ? control.lower->front() : control.lower->at(i);
@@ -163,6 +170,8 @@ Objective objective(Reader in) {
   Objective objective;
   Reader desired = in.table("desired");
   const bool by_control = desired.has("control"), by_displacement = desired.has("displacement");
+  if (!by_control && !by_displacement)
+    desired.finish(); // a misspelt key is the likeliest reason
   if (by_control == by_displacement)
     in.fail("desired", fmt::format("found {}, allowed is one of control, displacement",
                                    by_control ? "both control and displacement" : "neither"));

@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "scene/expression.h"
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -25,11 +26,35 @@ std::size_t edits(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+/// A value as its user would write it, on one line.
 std::string shown(const toml::node& node) {
-  std::ostringstream out;
-  node.visit([&](const auto& n) { out << n; });
-  std::string text = out.str();
-  return text.size() > 60 ? text.substr(0, 57) + "..." : text;
+  constexpr std::size_t most = 60;
+  std::string text;
+  if (const auto* number = node.as_floating_point()) {
+    text = fmt::format("{}", number->get());
+    if (text.find_first_not_of("-0123456789") == std::string::npos)
+      text += ".0";
+  } else if (const auto* string = node.as_string()) {
+    text = '"' + string->get() + '"';
+    std::ranges::replace_if(text, [](unsigned char c) { return std::iscntrl(c); }, ' ');
+  } else if (const toml::array* array = node.as_array()) {
+    for (const toml::node& entry : *array)
+      text += (text.empty() ? "" : ", ") + shown(entry);
+    text = '[' + text + ']';
+  } else if (const toml::table* table = node.as_table()) {
+    for (const auto& [key, value] : *table)
+      text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", std::string_view(key), shown(value));
+    text = '{' + text + '}';
+  } else {
+    std::ostringstream out;
+    node.visit([&](const auto& n) { out << n; });
+    text = out.str();
+  }
+  return text.size() > most ? text.substr(0, most - 3) + "..." : text;
+}
+
+bool on_one_line(const std::string& text) {
+  return std::ranges::none_of(text, [](unsigned char c) { return std::iscntrl(c); });
 }
 
 } // namespace
@@ -65,7 +90,8 @@ std::string Reader::full(const std::string& key) const {
 
 void Reader::fail(const std::string& key, const std::string& problem) const {
   const toml::node* found = key.empty() ? nullptr : table_.get(key);
-  const auto line = (found ? found->source() : table_.source()).begin.line;
+  // The file as a whole has no line, nor has what --set gave.
+  const auto line = found ? found->source().begin.line : path_.empty() ? 0 : table_.source().begin.line;
   throw UserError(line > 0 ? fmt::format("{}:{}: {}: {}", file_.string(), line, full(key), problem)
                            : fmt::format("{}: {}: {}", file_.string(), full(key), problem));
 }
@@ -81,7 +107,7 @@ const toml::node& Reader::node(const std::string& key) {
   if (!found) {
     // A misspelt key explains a missing one better than its absence.
     for (const auto& [other, value] : table_)
-      if (const std::string name{other.str()}; !known_.contains(name) && edits(name, key) <= 2)
+      if (const std::string name{other.str()}; !known_.contains(name) && edits(name, key) <= (key.size() > 4 ? 2 : 1))
         fail(name, fmt::format("unknown key; did you mean \"{}\"?", key));
     fail(key, "missing, and required");
   }
@@ -117,8 +143,8 @@ int Reader::integer(const std::string& key, int least, int greatest, int fallbac
 
 std::string Reader::text(const std::string& key) {
   const auto value = node(key).as_string();
-  if (!value || value->get().empty())
-    fail(key, fmt::format("found {}, allowed is a text that is not empty", shown(node(key))));
+  if (!value || value->get().empty() || !on_one_line(value->get()))
+    fail(key, fmt::format("found {}, allowed is a text on one line that is not empty", shown(node(key))));
   return value->get();
 }
 
@@ -162,7 +188,7 @@ Components Reader::expressions(const std::string& key, bool time) {
     fail(key, fmt::format("found {}, allowed is {}", shown(node(key)), allowed));
   Components components;
   for (const toml::node& entry : *array) {
-    if (const auto* string = entry.as_string())
+    if (const auto* string = entry.as_string(); string && on_one_line(string->get()))
       components.push_back(string->get());
     else if (entry.is_number())
       components.push_back(shown(entry));
@@ -191,7 +217,7 @@ std::vector<Reader> Reader::tables(const std::string& key) {
     return readers;
   const toml::array* array = node(key).as_array();
   if (!array || !array->is_homogeneous<toml::table>())
-    fail(key, fmt::format("allowed are tables headed [[{}]]", full(key)));
+    fail(key, fmt::format("found {}, allowed are tables headed [[{}]]", shown(node(key)), full(key)));
   for (std::size_t i = 0; i < array->size(); ++i)
     readers.emplace_back(*array->get(i)->as_table(), fmt::format("{}[{}]", full(key), i), file_);
   return readers;

