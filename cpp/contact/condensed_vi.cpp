@@ -4,32 +4,14 @@
 namespace signorini::contact {
 using petsc::check;
 
-namespace {
-
-
-PetscErrorCode gap_of_forces(SNES snes, Vec lambda, Vec gap, void*) {
-  PetscFunctionBeginUser;
-  Mat S = nullptr;
-  Vec gap0 = nullptr;
-  PetscCall(SNESGetJacobian(snes, &S, nullptr, nullptr, nullptr));
-  PetscCall(SNESGetApplicationContext(snes, &gap0));
-  PetscCall(MatMultAdd(S, lambda, gap0, gap));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode constant_jacobian(SNES, Vec, Mat, Mat, void*) { return PETSC_SUCCESS; }
-
-} // namespace
-
 CondensedVi::CondensedVi(const Constraints& constraints, const Condensation& condensation, const Factorisation& D,
                          const Complementarity& complementarity, Vec layout)
     : constraints_(constraints), condensation_(condensation), D_(D), complementarity_(complementarity),
-      work_(petsc::zero_like(layout)) {
+      length_unit_(constraints.gap_tolerance()), work_(petsc::zero_like(layout)) {
   const PetscInt m = constraints.count();
   double mean = 0;
   for (PetscInt i = 0; i < m; ++i)
     mean += condensation.S()[static_cast<std::size_t>(i * m + i)] / m;
-  length_unit_ = constraints.gap_tolerance();
   force_unit_ = length_unit_ / mean;
   check(MatCreateSeqDense(PETSC_COMM_SELF, m, m, nullptr, S_.put()));
   {
@@ -38,30 +20,10 @@ CondensedVi::CondensedVi(const Constraints& constraints, const Condensation& con
     std::ranges::transform(condensation.S(), entries, [&](double s) { return s / mean; });
     check(MatDenseRestoreArrayWrite(S_, &entries));
   }
-  check(MatSetOption(S_, MAT_SPD, PETSC_TRUE));
-  check(MatCreateVecs(S_, x_.put(), residual_.put()));
-  for (petsc::Vector* v : {&start_, &gap0_, &lower_, &upper_})
-    *v = petsc::zero_like(x_);
-  check(VecSet(upper_, PETSC_INFINITY));
-
-  constexpr const char* name = "condensed_vi";
-  // Unknowns are in units of the gap tolerance: forces and gaps below a thousandth of it are zero.
-  petsc::default_option(name, "snes_vi_zero_tolerance", "1e-3");
-  petsc::default_option(name, "snes_atol", "1e-2");
-  petsc::default_option(name, "snes_rtol", "0");
-  petsc::default_option(name, "snes_stol", "0");
-  petsc::default_option(name, "snes_max_it", "100");
-  petsc::default_option(name, "snes_linesearch_type", "basic");
-  petsc::default_option(name, "ksp_type", "preonly");
-  petsc::default_option(name, "pc_type", "lu");
-  check(SNESCreate(PETSC_COMM_SELF, snes_.put()));
-  check(SNESSetOptionsPrefix(snes_, "condensed_vi_"));
-  check(SNESSetType(snes_, SNESVINEWTONRSLS));
-  check(SNESSetFunction(snes_, residual_, gap_of_forces, nullptr));
-  check(SNESSetJacobian(snes_, S_, S_, constant_jacobian, nullptr));
-  check(SNESSetApplicationContext(snes_, static_cast<Vec>(gap0_)));
-  check(SNESVISetVariableBounds(snes_, lower_, upper_));
-  check(SNESSetFromOptions(snes_));
+  check(MatCreateVecs(S_, x_.put(), gap0_.put()));
+  petsc::Vector lower = petsc::zero_like(x_), upper = petsc::zero_like(x_);
+  check(VecSet(upper, PETSC_INFINITY));
+  vi_.emplace("condensed_vi", S_, std::move(lower), std::move(upper), MATSOLVERPETSC);
 }
 
 void CondensedVi::solve_on(const ActiveSet& set, std::span<const double> gap0, ContactState& state) const {
@@ -88,7 +50,9 @@ ActiveSet CondensedVi::find_set(std::span<const double> gap0, const ContactState
       x[i] = previous.lambda.empty() ? 0 : std::max(previous.lambda[i], 0.0) / force_unit_;
     }
   }
-  iterations += solve_vi(snes_, x_, start_, "condensed");
+  // Where the set is right the forces are solved for again, exactly; a hundredth of the gap tolerance tells it.
+  constexpr double tolerance = 1e-2;
+  iterations += vi_->solve(gap0_, x_, tolerance);
   const petsc::ReadArray x(x_);
   ActiveSet set;
   for (std::size_t i = 0; i < x.size(); ++i)

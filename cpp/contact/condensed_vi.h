@@ -1,6 +1,8 @@
 #pragma once
 #include "contact/condensation.h"
+#include "contact/linear_vi.h"
 #include "contact/vi_solver.h"
+#include <optional>
 
 namespace signorini::contact {
 
@@ -25,10 +27,10 @@ private:
   const Condensation& condensation_;
   const Factorisation& D_;
   const Complementarity& complementarity_;
-  double force_unit_ = 1, length_unit_ = 1;
-  petsc::NonlinearSolver snes_;
-  petsc::Matrix S_; ///< S in units in which its diagonal is about one
-  petsc::Vector x_, start_, residual_, gap0_, lower_, upper_, work_;
+  double length_unit_, force_unit_; ///< of the VI: a negligible gap, and the force that makes it
+  petsc::Matrix S_;                 ///< S in these units
+  petsc::Vector x_, gap0_, work_;
+  std::optional<LinearVi> vi_;
 };
 
 } // namespace signorini::contact

@@ -1,5 +1,7 @@
 #pragma once
+#include "contact/linear_vi.h"
 #include "contact/vi_solver.h"
+#include <optional>
 
 namespace signorini::contact {
 
@@ -15,11 +17,11 @@ public:
 private:
   const Constraints& constraints_;
   const Complementarity& complementarity_;
-  double force_unit_ = 1, length_unit_ = 1;
-  petsc::NonlinearSolver snes_;
-  petsc::Matrix Q_; ///< nodal frames: columns of a candidate's block are ν and its complement
-  petsc::Matrix D_; ///< QᵀDQ in units in which its largest diagonal entry is one
-  petsc::Vector z_, start_, residual_, r_, lower_, upper_;
+  double length_unit_, force_unit_; ///< of the VI: a negligible gap, and the force that makes it
+  petsc::Matrix Q_;                 ///< nodal frames: columns of a candidate's block are ν and its complement
+  petsc::Matrix D_;                 ///< QᵀDQ in these units
+  petsc::Vector z_, r_;
+  std::optional<LinearVi> vi_;
 };
 
 } // namespace signorini::contact

@@ -57,25 +57,4 @@ bool Complementarity::holds(std::span<const double> lambda, std::span<const doub
   return true;
 }
 
-int solve_vi(SNES snes, Vec x, Vec start, const char* what) {
-  check(VecCopy(x, start));
-  int iterations = 0;
-  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
-  PetscReal residual = 0;
-  for (const SNESType type : {SNESVINEWTONRSLS, SNESVINEWTONSSLS}) {
-    check(SNESSetType(snes, type));
-    check(VecCopy(start, x));
-    check(SNESSolve(snes, nullptr, x));
-    check(SNESGetConvergedReason(snes, &reason));
-    check(SNESGetFunctionNorm(snes, &residual));
-    PetscInt its = 0;
-    check(SNESGetIterationNumber(snes, &its));
-    iterations += static_cast<int>(its);
-    if (reason > 0)
-      return iterations;
-  }
-  throw SolverFailure(fmt::format("the {} VI did not converge: {}, scaled residual {:.3e} after {} iterations", what,
-                                  SNESConvergedReasons[reason], residual, iterations));
-}
-
 } // namespace signorini::contact

@@ -31,8 +31,4 @@ private:
   std::vector<double> zero_force_;
 };
 
-/// Applies PETSc's VI solver, reduced-space Newton first and the semismooth one where that does not converge; returns the
-/// number of Newton steps. `start` keeps the first guess for the second attempt. Throws SolverFailure, naming `what`.
-int solve_vi(SNES snes, Vec x, Vec start, const char* what);
-
 } // namespace signorini::contact
