@@ -1,5 +1,6 @@
 #include "base/signals.h"
 #include <csignal>
+#include <initializer_list>
 
 namespace signorini {
 namespace {
@@ -14,8 +15,8 @@ void on_signal(int signal) {
 } // namespace
 
 void catch_stop_signals() {
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
+  for (int signal : {SIGINT, SIGTERM, SIGUSR1})
+    std::signal(signal, on_signal);
 }
 
 bool stop_requested(MPI_Comm comm) {

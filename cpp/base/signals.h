@@ -3,8 +3,8 @@
 
 namespace signorini {
 
-/// From now on SIGINT and SIGTERM ask the run to stop at the next safe point instead of ending the process;
-/// a second signal ends it at once.
+/// From now on SIGINT, SIGTERM and SIGUSR1 ask the run to stop at the next safe point instead of ending the process; a
+/// second one of them ends it at once. SIGUSR1 is the one that mpirun passes on: at the others it kills its ranks.
 void catch_stop_signals();
 
 /// Whether any rank was asked to stop. Collective.

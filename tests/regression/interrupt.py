@@ -17,9 +17,10 @@ OPTIMIZE_FILES = {"scene.toml", "run.json", "steps.csv", "contact.csv", "history
 SIMULATE_FILES = OPTIMIZE_FILES - {"history.csv", "control.xdmf", "control.h5", "adjoint.xdmf", "adjoint.h5"}
 
 
-def interrupted(verb: str, out: Path, which: signal.Signals, when: str, *options: str) -> int:
+def interrupted(verb: str, out: Path, which: signal.Signals, when: str, *options: str, ranks: int = 1) -> int:
     """Sends a signal after the first line of progress that begins with `when`; returns the exit status."""
-    process = subprocess.Popen([str(SIGNORINI), verb, str(HALF_DISC), "--out", str(out), *options],
+    mpirun = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
+    process = subprocess.Popen([*mpirun, str(SIGNORINI), verb, str(HALF_DISC), "--out", str(out), *options],
                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)  # fmt: skip
     for line in process.stdout:
         if line.startswith(when):
@@ -30,10 +31,12 @@ def interrupted(verb: str, out: Path, which: signal.Signals, when: str, *options
     return process.returncode
 
 
-def optimize_is_complete(folder: Path) -> None:
-    out = folder / "optimize"
-    status = interrupted("optimize", out, signal.SIGINT, "iterations", "--set", "optimizer.max_iterations=1000",
-                         "--set", "mesh.size=1")
+def optimize_is_complete(folder: Path, ranks: int) -> None:
+    out = folder / f"optimize-{ranks}"
+    # mpirun kills its ranks at SIGINT and SIGTERM, and passes SIGUSR1 on.
+    which = signal.SIGINT if ranks == 1 else signal.SIGUSR1
+    status = interrupted("optimize", out, which, "iterations", "--set", f"optimizer.max_iterations={1000 // ranks**3}",
+                         "--set", "mesh.size=1", ranks=ranks)  # fmt: skip
     assert status == 130, f"exit status {status}"
     assert {p.name for p in out.iterdir()} == OPTIMIZE_FILES
     run = json.loads((out / "run.json").read_text())
@@ -42,7 +45,7 @@ def optimize_is_complete(folder: Path) -> None:
     assert len(history["iteration"]) > 2 and run["objective"]["value"] == history["objective"][-1]
     with h5py.File(out / "control.h5") as file:
         assert len(file["Function/control"]) == 150
-    print(f"optimize: stopped after iteration {history['iteration'][-1]:.0f}, {len(OPTIMIZE_FILES)} whole files")
+    print(f"optimize on {ranks} ranks: stopped after iteration {history['iteration'][-1]:.0f}, {len(OPTIMIZE_FILES)} whole files")
 
 
 def simulate_is_complete(folder: Path) -> None:
@@ -72,7 +75,8 @@ def earlier_results_survive(folder: Path) -> None:
 
 def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
-        optimize_is_complete(Path(folder))
+        optimize_is_complete(Path(folder), ranks=1)
+        optimize_is_complete(Path(folder), ranks=2)
         simulate_is_complete(Path(folder))
         earlier_results_survive(Path(folder))
     return 0
