@@ -1,6 +1,8 @@
 #include "contact/condensation.h"
 #include "base/error.h"
+#include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <petscblaslapack.h>
 
 namespace signorini::contact {
@@ -43,22 +45,67 @@ std::vector<double> Condensation::solve_active(const ActiveSet& set, std::vector
   return b;
 }
 
+std::vector<double> Condensation::inverse() const {
+  const auto m = static_cast<std::size_t>(constraints_.count());
+  const auto n = static_cast<PetscBLASInt>(m);
+  std::vector<double> K = S_;
+  PetscBLASInt info = 0;
+  LAPACKpotrf_("L", &n, K.data(), &n, &info);
+  if (info == 0)
+    LAPACKpotri_("L", &n, K.data(), &n, &info);
+  if (info != 0)
+    throw SolverFailure(fmt::format("the condensed matrix of {} candidates is singular (pivot {})", m,
+                                    static_cast<int>(info)));
+  for (std::size_t j = 0; j < m; ++j) // LAPACK fills the lower triangle, column by column
+    for (std::size_t i = j + 1; i < m; ++i)
+      K[i * m + j] = K[j * m + i];
+  return K;
+}
+
+void Condensation::refine(Vec r, const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
+                          Vec y) const {
+  // Where rigid motions dominate S (a stiff body without a clamp) its condition leaves digits of the constraints open; each
+  // pass gains what the factorisation has. A well-conditioned S ends after the first.
+  constexpr int most = 4;
+  std::vector<double> normal(lambda.size());
+  for (int pass = 0; pass < most; ++pass) {
+    check(VecCopy(r, work_));
+    constraints_.add_normal(-1, lambda, work_);
+    D_.solve(work_, y);
+    constraints_.normal_components(y, normal);
+    double size = 0, defect = 0;
+    for (std::size_t i = 0; i < normal.size(); ++i)
+      size = std::max({size, std::abs(normal[i]), std::abs(psi[i])});
+    std::vector<double> slip;
+    for (int i : set) {
+      slip.push_back(normal[static_cast<std::size_t>(i)] - psi[static_cast<std::size_t>(i)]);
+      defect = std::max(defect, std::abs(slip.back()));
+    }
+    if (defect <= 10 * std::numeric_limits<double>::epsilon() * size)
+      return;
+    const std::vector<double> correction = solve_active(set, slip);
+    for (std::size_t i = 0; i < set.size(); ++i)
+      lambda[static_cast<std::size_t>(set[i])] += correction[i];
+  }
+}
+
+void Condensation::solve_closed(Vec r, const ActiveSet& set, std::span<double> lambda, Vec y) const {
+  refine(r, set, constraints_.psi(), lambda, y);
+}
+
 void Condensation::solve_sliding(Vec r, const ActiveSet& set, Vec p) const {
   D_.solve(r, p);
   if (set.empty())
     return;
-  std::vector<double> normal(static_cast<std::size_t>(constraints_.count()));
+  const std::vector<double> zero(static_cast<std::size_t>(constraints_.count()), 0.0);
+  std::vector<double> normal(zero.size()), mu = zero, slip;
   constraints_.normal_components(p, normal);
-  std::vector<double> slip;
   for (int i : set)
     slip.push_back(normal[static_cast<std::size_t>(i)]);
-  const std::vector<double> mu = solve_active(set, slip);
-  std::ranges::fill(normal, 0);
+  slip = solve_active(set, slip);
   for (std::size_t i = 0; i < set.size(); ++i)
-    normal[static_cast<std::size_t>(set[i])] = mu[i];
-  check(VecCopy(r, work_));
-  constraints_.add_normal(-1, normal, work_);
-  D_.solve(work_, p);
+    mu[static_cast<std::size_t>(set[i])] = slip[i];
+  refine(r, set, zero, mu, p);
 }
 
 } // namespace signorini::contact

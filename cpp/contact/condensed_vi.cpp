@@ -9,21 +9,22 @@ CondensedVi::CondensedVi(const Constraints& constraints, const Condensation& con
     : constraints_(constraints), condensation_(condensation), D_(D), complementarity_(complementarity),
       length_unit_(constraints.gap_tolerance()), work_(petsc::zero_like(layout)) {
   const PetscInt m = constraints.count();
+  const std::vector<double> inverse = condensation.inverse();
   double mean = 0;
   for (PetscInt i = 0; i < m; ++i)
-    mean += condensation.S()[static_cast<std::size_t>(i * m + i)] / m;
-  force_unit_ = length_unit_ / mean;
-  check(MatCreateSeqDense(PETSC_COMM_SELF, m, m, nullptr, S_.put()));
+    mean += inverse[static_cast<std::size_t>(i * m + i)] / m;
+  check(MatCreateSeqDense(PETSC_COMM_SELF, m, m, nullptr, K_.put()));
   {
     PetscScalar* entries = nullptr;
-    check(MatDenseGetArrayWrite(S_, &entries));
-    std::ranges::transform(condensation.S(), entries, [&](double s) { return s / mean; });
-    check(MatDenseRestoreArrayWrite(S_, &entries));
+    check(MatDenseGetArrayWrite(K_, &entries));
+    std::ranges::transform(inverse, entries, [&](double k) { return k / mean; });
+    check(MatDenseRestoreArrayWrite(K_, &entries));
   }
-  check(MatCreateVecs(S_, x_.put(), gap0_.put()));
+  check(MatCreateVecs(K_, x_.put(), gap0_.put()));
+  constant_ = petsc::zero_like(x_);
   petsc::Vector lower = petsc::zero_like(x_), upper = petsc::zero_like(x_);
   check(VecSet(upper, PETSC_INFINITY));
-  vi_.emplace("condensed_vi", S_, std::move(lower), std::move(upper), MATSOLVERPETSC);
+  vi_.emplace("condensed_vi", K_, std::move(lower), std::move(upper), MATSOLVERPETSC);
 }
 
 void CondensedVi::solve_on(const ActiveSet& set, std::span<const double> gap0, ContactState& state) const {
@@ -42,21 +43,20 @@ void CondensedVi::solve_on(const ActiveSet& set, std::span<const double> gap0, C
   }
 }
 
-ActiveSet CondensedVi::find_set(std::span<const double> gap0, const ContactState& previous, int& iterations) const {
+ActiveSet CondensedVi::find_set(std::span<const double> gap0, std::span<const double> guess, int& iterations) const {
   {
     const petsc::WriteArray g(gap0_), x(x_);
     for (std::size_t i = 0; i < gap0.size(); ++i) {
-      g[i] = gap0[i] / length_unit_;
-      x[i] = previous.lambda.empty() ? 0 : std::max(previous.lambda[i], 0.0) / force_unit_;
+      g[i] = -gap0[i] / length_unit_;
+      x[i] = std::max(guess[i], 0.0) / length_unit_;
     }
   }
-  // Where the set is right the forces are solved for again, exactly; a hundredth of the gap tolerance tells it.
-  constexpr double tolerance = 1e-2;
-  iterations += vi_->solve(gap0_, x_, tolerance);
-  const petsc::ReadArray x(x_);
+  check(MatMult(K_, gap0_, constant_));
+  iterations += vi_->solve(constant_, x_);
+  const petsc::ReadArray x(x_), force(vi_->residual());
   ActiveSet set;
   for (std::size_t i = 0; i < x.size(); ++i)
-    if (x[i] > 0)
+    if (force[i] > x[i]) // one of them is zero, to within the solver's tolerance
       set.push_back(static_cast<int>(i));
   return set;
 }
@@ -74,10 +74,12 @@ ContactState CondensedVi::solve(Vec r, const ContactState& previous, Vec y) cons
   }
   solve_on(previous.active(), gap0, state);
   if (!complementarity_.holds(state.lambda, state.gap))
-    solve_on(find_set(gap0, previous, state.vi_iterations), gap0, state);
-  check(VecCopy(r, work_));
-  constraints_.add_normal(-1, state.lambda, work_);
-  D_.solve(work_, y);
+    solve_on(find_set(gap0, state.gap, state.vi_iterations), gap0, state);
+  ActiveSet set;
+  for (std::size_t i = 0; i < state.lambda.size(); ++i)
+    if (state.lambda[i] != 0)
+      set.push_back(static_cast<int>(i));
+  condensation_.solve_closed(r, set, state.lambda, y);
   constraints_.gap(y, state.gap);
   complementarity_.classify(state);
   return state;

@@ -75,9 +75,7 @@ ContactState FullVi::solve(Vec r, const ContactState&, Vec y) const {
   check(VecScale(r_, -1 / force_unit_));
   check(MatMultTranspose(Q_, y, z_));
   check(VecScale(z_, 1 / length_unit_));
-  PetscReal size = 0;
-  check(VecNorm(r_, NORM_2, &size));
-  state.vi_iterations = vi_->solve(r_, z_, 1e-11 * size);
+  state.vi_iterations = vi_->solve(r_, z_);
 
   const std::size_t m = static_cast<std::size_t>(constraints_.count());
   state.lambda.assign(m, 0);

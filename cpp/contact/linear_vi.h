@@ -10,22 +10,23 @@ namespace signorini::contact {
 class LinearVi {
 public:
   /// Takes over the bounds; `K` must outlive this object unchanged. PETSc options with the prefix `-<name>_` are honoured,
-  /// `package` is the default one for factorising submatrices of K. Collective.
+  /// and with the prefix `-<name>_fallback_` for the second solver; `package` factorises submatrices of K. Collective.
   LinearVi(const std::string& name, Mat K, petsc::Vector lower, petsc::Vector upper, const char* package);
 
-  /// Solves for `x`, starting from what it holds, to a residual of `tolerance`: reduced-space Newton first and the semismooth
-  /// one where that does not converge. Returns the number of Newton steps. Collective. Throws SolverFailure with reason
-  /// and residual.
-  int solve(Vec c, Vec x, double tolerance) const;
+  /// Solves for `x`, starting from what it holds: reduced-space Newton first, and the semismooth one where that does not
+  /// converge. Returns the number of Newton steps. Collective. Throws SolverFailure with reason and residual.
+  int solve(Vec c, Vec x) const;
 
   /// K x + c of the last solution.
   [[nodiscard]] Vec residual() const { return residual_; }
   [[nodiscard]] Vec upper() const { return upper_; }
 
 private:
+  petsc::NonlinearSolver make_solver(const std::string& prefix, SNESType type, Mat K) const;
+
   std::string name_;
   petsc::Vector lower_, upper_, residual_, start_, constant_;
-  petsc::NonlinearSolver snes_;
+  petsc::NonlinearSolver first_, fallback_;
 };
 
 } // namespace signorini::contact

@@ -10,8 +10,7 @@ Complementarity::Complementarity(const Constraints& constraints, Mat D)
   petsc::Vector diagonal;
   check(MatCreateVecs(D, diagonal.put(), nullptr));
   check(MatGetDiagonal(D, diagonal));
-  // 1/(NᵀDN)_ii ≤ (NᵀD⁻¹N)_ii: a force below this one moves its node by less than the gap tolerance. Components of ν
-  // enter squared, so that the diagonal of D suffices.
+  // Σ_c ν_c² D_cc is the stiffness against moving the node alone along ν, but for D's entries between its components.
   const std::size_t m = static_cast<std::size_t>(constraints.count());
   std::vector<double> stiffness(m, 0.0);
   PetscInt begin = 0, end = 0;
@@ -32,20 +31,23 @@ Complementarity::Complementarity(const Constraints& constraints, Mat D)
 }
 
 void Complementarity::classify(ContactState& state) const {
-  double penetration = 0, adhesion = 0;
+  double penetration = 0, adhesion = 0, distance = 0;
   state.status.assign(state.lambda.size(), Status::open);
   for (std::size_t i = 0; i < state.lambda.size(); ++i) {
     penetration = std::max(penetration, -state.gap[i]);
-    adhesion = std::max(adhesion, -state.lambda[i]);
+    adhesion = std::max(adhesion, -state.lambda[i] / zero_force_[i]);
+    if (state.lambda[i] > zero_force_[i])
+      distance = std::max(distance, state.gap[i]);
     if (state.lambda[i] > zero_force_[i])
       state.status[i] = Status::strong;
     else if (state.gap[i] <= gap_tolerance_)
       state.status[i] = Status::weak;
   }
   if (!holds(state.lambda, state.gap))
-    throw SolverFailure(fmt::format("the contact solution is not complementary: penetration {:.3e} m (allowed "
-                                    "{:.3e} m), adhesion {:.3e}, {} strong and {} weak of {} candidates",
-                                    penetration, gap_tolerance_, adhesion, state.count(Status::strong),
+    throw SolverFailure(fmt::format("the contact solution is not complementary: penetration {:.3e} m and forces at a gap of "
+                                    "{:.3e} m (allowed {:.3e} m), adhesion {:.3e} times the negligible force, {} strong "
+                                    "and {} weak of {} candidates",
+                                    penetration, distance, gap_tolerance_, adhesion, state.count(Status::strong),
                                     state.count(Status::weak), state.lambda.size()));
 }
 

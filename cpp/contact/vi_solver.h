@@ -15,7 +15,7 @@ public:
 };
 
 /// Tells candidates apart as open, weak and strong, and throws SolverFailure unless the state is complementary to within
-/// the gap tolerance: a force counts as zero if it moves its node by less than that.
+/// the gap tolerance: a force counts as zero if it moves its node, the others held, by less than that.
 class Complementarity {
 public:
   /// Collective.
