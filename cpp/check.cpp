@@ -226,7 +226,7 @@ void invariants(const Problem& problem, const forward::AddLoad& load, const forw
     return;
   rows.push_back(below("complementarity: penetration / diameter", penetration / length, 1e-10));
   rows.push_back(below("complementarity: adhesion / largest force", adhesion / force, 1e-10));
-  rows.push_back(below("complementarity: force x gap / (largest force x diameter)", product / (force * length), 1e-10));
+  rows.push_back(below("complementarity: force x gap / (largest x diameter)", product / (force * length), 1e-10));
   rows.push_back(below("contact never does work, work / largest energy", contact_work / energy, 1e-10));
 }
 
@@ -247,10 +247,11 @@ bool check_scene(const Problem& problem, const Console& console) {
   } else {
     console.line("The scene has no objective: there are no derivatives to check.");
     forward::Trajectory trajectory(problem.initial.y, problem.steps());
-    forward::simulate(problem.stepper, problem.initial, problem.load(), trajectory);
+    const GivenControl given(problem);
+    forward::simulate(problem.stepper, problem.initial, given.load(), trajectory);
     if (trajectory.steps < problem.steps())
       throw Interrupted();
-    invariants(problem, problem.load(), trajectory, rows);
+    invariants(problem, given.load(), trajectory, rows);
   }
   console.line(fmt::format("{:<6}{:<58}{:<50}{}", "", "check", "measured", "allowed"));
   bool all = true;

@@ -1,5 +1,6 @@
 #include "problem.h"
 #include "base/error.h"
+#include "base/signals.h"
 #include <fmt/format.h>
 
 namespace signorini {
@@ -58,6 +59,8 @@ Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs n
       stepper(timed(t, "factorisation and condensation",
                     [&] { return forward::Stepper(space, operators, s, needs); })),
       initial(stepper, s.initial) {
+  if (stop_requested(comm))
+    throw Interrupted();
   if (s.load)
     body_load.emplace(space, operators, *s.load, stepper.scheme());
 }
@@ -73,6 +76,23 @@ long Problem::free_dofs() const {
   long clamped = static_cast<long>(stepper.clamped().nodes().size()) * space.dim();
   MPI_Allreduce(MPI_IN_PLACE, &clamped, 1, MPI_LONG, MPI_SUM, space.comm());
   return static_cast<long>(space.dofs()) - clamped;
+}
+
+GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
+  const std::optional<scene::Control>& control = problem.scene.control;
+  if (!control || !control->initial || scene::vanishes(*control->initial))
+    return;
+  controls_.emplace(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(), *control);
+  control_ = controls_->interpolate(*control->initial, "control.initial");
+  controls_->project(*control_);
+}
+
+forward::AddLoad GivenControl::load() const {
+  return [this](int k, Vec out) {
+    problem_.load()(k, out);
+    if (control_)
+      controls_->add_load(*control_, k, out);
+  };
 }
 
 ControlProblem::ControlProblem(const Problem& problem, const Console& console)

@@ -28,6 +28,21 @@ struct Problem {
   [[nodiscard]] long free_dofs() const;
 };
 
+/// The control that a scene gives (control.initial, within its bounds), for runs that do not look for one.
+class GivenControl {
+public:
+  /// Collective. `problem` must outlive this object. Throws UserError.
+  explicit GivenControl(const Problem& problem);
+
+  /// All loads, the control's included; valid as long as this object lives.
+  [[nodiscard]] forward::AddLoad load() const;
+
+private:
+  const Problem& problem_;
+  std::optional<control::ControlSpace> controls_;
+  std::optional<control::Control> control_;
+};
+
 /// The scene's control and objective on top of it.
 struct ControlProblem {
   /// Computes the desired states, for which a reference control is simulated. Collective. Throws UserError, SolverFailure,

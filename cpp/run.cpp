@@ -1,4 +1,5 @@
 #include "run.h"
+#include "base/collective.h"
 #include "base/error.h"
 #include "base/signals.h"
 #include "check.h"
@@ -14,7 +15,7 @@
 namespace signorini {
 namespace {
 
-constexpr int done = 0, interrupted = 130;
+constexpr int done = 0, solver_failed = 3, interrupted = 130;
 
 MPI_Comm world() { return MPI_COMM_WORLD; }
 
@@ -80,26 +81,23 @@ void write_motion(const io::OutputFolder& folder, const Problem& problem, const 
   const auto timer = problem.timers.time("output");
   const forward::Scheme& scheme = problem.stepper.scheme();
   const std::vector<int> stored = stored_steps(0, trajectory.steps, problem.scene.output.every);
-  folder.write("scene.toml", scene::echo(problem.scene));
+  folder.write("scene.toml", scene::echo(problem.scene, problem.space.dim()));
   std::vector<double> tracking_error;
   for (int k = 0; objective && k <= trajectory.steps; ++k)
     tracking_error.push_back(objective->distance(k, trajectory.y[k]));
   folder.write("steps.csv", io::steps_table(forward::balance(problem.stepper, load, trajectory), trajectory.contact,
                                             tracking_error, scheme, problem.space.dim()));
   if (const contact::Constraints* constraints = problem.stepper.constraints()) {
-    std::vector<double> gap(static_cast<std::size_t>(constraints->count()));
-    constraints->gap(trajectory.y[0], gap);
-    folder.write("contact.csv", io::contact_table(stored, trajectory.contact, *constraints, gap, scheme));
+    folder.write("contact.csv", io::contact_table(stored, trajectory.contact, *constraints, scheme));
   }
   io::write_fields(problem.space, folder, "state.xdmf", times_of(stored, scheme),
                    {{"displacement", pick(stored, [&](int k) -> Vec { return trajectory.y[k]; })},
                     {"velocity", pick(stored, [&](int k) -> Vec { return trajectory.v[k]; })}});
 }
 
-int finish(io::OutputFolder& folder, const Console& console, bool complete) {
+void finish(io::OutputFolder& folder, const Console& console) {
   folder.publish();
-  console.line(fmt::format("{}results in {}", complete ? "" : "interrupted; ", folder.path().string()));
-  return complete ? done : interrupted;
+  console.line(fmt::format("results in {}", folder.path().string()));
 }
 
 int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, const Console& console) {
@@ -108,18 +106,8 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   const Problem problem(world(), scene, {.sliding = false}, timers);
   console.line(headline(problem));
 
-  std::optional<control::ControlSpace> controls;
-  std::optional<control::Control> u;
-  if (scene.control && scene.control->initial) {
-    controls.emplace(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(), *scene.control);
-    u = controls->interpolate(*scene.control->initial, "control.initial");
-    controls->project(*u);
-  }
-  const forward::AddLoad load = [&](int k, Vec force) {
-    problem.load()(k, force);
-    if (u)
-      controls->add_load(*u, k, force);
-  };
+  const GivenControl given(problem);
+  const forward::AddLoad load = given.load();
   forward::Trajectory trajectory(problem.initial.y, problem.steps());
   {
     const auto timer = timers.time("forward");
@@ -127,13 +115,17 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
     forward::simulate(problem.stepper, problem.initial, load, trajectory,
                       [&](int k) { progress.update(static_cast<std::size_t>(k)); });
   }
+  if (trajectory.steps == 0) // nothing that could stand in for an earlier run's results
+    throw Interrupted();
   const bool complete = trajectory.steps == problem.steps();
   write_motion(folder, problem, load, trajectory, nullptr);
   folder.write("run.json", io::to_json(manifest(problem, "simulate", complete ? "end of time" : "interrupted",
                                                 trajectory.steps),
                                        scene, timers));
-  console.line(fmt::format("{} steps in {:.2f} s", trajectory.steps, timers.entries().at("forward").seconds));
-  return finish(folder, console, complete);
+  console.line(fmt::format("{}{} steps in {:.2g} s", complete ? "" : "interrupted after ", trajectory.steps,
+                           timers.entries().at("forward").seconds));
+  finish(folder, console);
+  return complete ? done : interrupted;
 }
 
 /// Collects history.csv and reports progress.
@@ -191,10 +183,11 @@ int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   ControlProblem control_problem(problem, console);
   control::ReducedProblem& reduced = control_problem.reduced;
 
-  // The control cost alone has curvature α, so a first step with ω = α is rather too long than too short.
+  // A control is of the order of one by its scale; the first step is as long as a control of one throughout.
+  const control::Control one = control_problem.controls.interpolate(scene::Components(problem.space.dim(), "1"), "one");
   const optimize::Options options{.max_iterations = scene.optimizer.max_iterations,
                                   .tolerance = scene.optimizer.tolerance,
-                                  .first_weight = scene.objective->alpha > 0 ? scene.objective->alpha : 1.0};
+                                  .first_step = control_problem.controls.norm(one)};
   optimize::Stop stop{};
   std::vector<io::HistoryRow> rows;
   {
@@ -215,12 +208,14 @@ int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   m.adjoint_sweeps = reduced.sweeps().adjoint;
   folder.write("run.json", io::to_json(m, scene, timers));
   console.line(fmt::format("stopped: {}\nJ {:.6e} -> {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e}), |g| "
-                           "{:.2e} -> {:.2e}\n{} iterations, {} forward and {} adjoint sweeps in {:.1f} s",
+                           "{:.2e} -> {:.2e} (tolerance {:.2e})\n{} iterations, {} forward and {} adjoint sweeps in {:.1f} s",
                            optimize::name(stop), rows.front().objective, m.objective->total(), m.objective->tracking,
                            m.objective->terminal, m.objective->control_cost, rows.front().gradient_norm,
-                           rows.back().gradient_norm, rows.back().iteration, *m.forward_sweeps, *m.adjoint_sweeps,
+                           rows.back().gradient_norm, scene.optimizer.tolerance * rows.front().gradient_norm,
+                           rows.back().iteration, *m.forward_sweeps, *m.adjoint_sweeps,
                            rows.back().seconds));
-  return finish(folder, console, stop != optimize::Stop::interrupted);
+  finish(folder, console);
+  return stop == optimize::Stop::solver_failed ? solver_failed : stop == optimize::Stop::interrupted ? interrupted : done;
 }
 
 int check(const scene::Scene& scene, const Console& console) {
@@ -277,7 +272,9 @@ int info(const scene::Scene& scene, const Console& console) {
 } // namespace
 
 int run(const Request& request, const Console& console) {
-  const scene::Scene scene = scene::parse(request.scene, request.overrides);
+  std::string text; // read once: ranks that saw different scenes would wait for each other for ever
+  on_root(world(), [&] { text = scene::read(request.scene); });
+  const scene::Scene scene = scene::parse(broadcast(world(), text), request.scene, request.overrides);
   const std::filesystem::path out = request.out.empty() ? std::filesystem::path("results") / scene.name : request.out;
   catch_stop_signals();
   if (request.verb == "simulate")

@@ -1,5 +1,6 @@
 #include "contact/condensation.h"
 #include "base/error.h"
+#include "base/signals.h"
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -15,6 +16,8 @@ Condensation::Condensation(const Constraints& constraints, const Factorisation& 
   petsc::Vector column = petsc::zero_like(layout);
   std::vector<double> unit(m, 0.0);
   for (std::size_t j = 0; j < m; ++j) {
+    if (stop_requested(petsc::comm(layout)))
+      throw Interrupted();
     check(VecZeroEntries(work_));
     unit[j] = 1;
     constraints.add_normal(1, unit, work_);

@@ -75,6 +75,15 @@ ContactState CondensedVi::solve(Vec r, const ContactState& previous, Vec y) cons
   solve_on(previous.active(), gap0, state);
   if (!complementarity_.holds(state.lambda, state.gap))
     solve_on(find_set(gap0, state.gap, state.vi_iterations), gap0, state);
+  // Candidates within the VI solver's tolerance of both bounds may be on the wrong side.
+  constexpr int most = 20;
+  for (int i = 0; i < most && !complementarity_.holds(state.lambda, state.gap); ++i, ++state.vi_iterations) {
+    ActiveSet settled;
+    for (std::size_t j = 0; j < gap0.size(); ++j)
+      if (state.lambda[j] > 0 || (state.lambda[j] == 0 && state.gap[j] < 0))
+        settled.push_back(static_cast<int>(j));
+    solve_on(settled, gap0, state);
+  }
   ActiveSet set;
   for (std::size_t i = 0; i < state.lambda.size(); ++i)
     if (state.lambda[i] != 0)

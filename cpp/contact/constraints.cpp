@@ -44,7 +44,11 @@ Constraints::Constraints(const fem::Space& space, const fem::Clamped& clamped, c
                                 contact.on));
   std::vector<std::size_t> order(m);
   std::iota(order.begin(), order.end(), 0);
-  std::ranges::sort(order, {}, [&](std::size_t i) { return std::array{x[3 * i], x[3 * i + 1], x[3 * i + 2]}; });
+  // Coordinates of a node may differ in the last digits from one partition of the mesh to another.
+  const auto place = [&](double coordinate) { return std::llround(coordinate / gap_tolerance_); };
+  std::ranges::sort(order, {}, [&](std::size_t i) {
+    return std::array{place(x[3 * i]), place(x[3 * i + 1]), place(x[3 * i + 2])};
+  });
 
   const std::vector<double>&point = contact.obstacle.point, &normal = contact.obstacle.normal;
   const double length = std::sqrt(std::inner_product(normal.begin(), normal.end(), normal.begin(), 0.0));

@@ -7,7 +7,7 @@ using petsc::dot;
 
 namespace {
 
-/// Component sums of a vector of V over all nodes, or over the clamped ones.
+/// Component sums of a vector of V over all nodes.
 std::array<double, 3> resultant(const Stepper& stepper, Vec x) {
   std::array<double, 3> sum{};
   {

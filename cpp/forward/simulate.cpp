@@ -41,6 +41,13 @@ void simulate(const Stepper& stepper, const Initial& initial, const AddLoad& add
   check(VecCopy(initial.y, trajectory.y[0]));
   check(VecCopy(initial.v, trajectory.v[0]));
   trajectory.contact[0] = {};
+  if (const contact::Constraints* constraints = stepper.constraints()) {
+    contact::ContactState& start = trajectory.contact[0]; // open: no step has been taken that could make a force
+    start.lambda.assign(static_cast<std::size_t>(constraints->count()), 0);
+    start.gap = start.lambda;
+    start.status.assign(start.lambda.size(), contact::Status::open);
+    constraints->gap(initial.y, start.gap);
+  }
   trajectory.steps = 0;
   petsc::Vector load = petsc::zero_like(initial.y);
   for (int k = 1; k <= trajectory.capacity(); ++k) {
@@ -52,7 +59,7 @@ void simulate(const Stepper& stepper, const Initial& initial, const AddLoad& add
       trajectory.contact[k] = stepper.step(trajectory.y[k - 1], trajectory.v[k - 1], load, trajectory.contact[k - 1],
                                            trajectory.y[k], trajectory.v[k]);
     } catch (const SolverFailure& failure) {
-      throw SolverFailure(fmt::format("step {} (t = {} s): {}", k, stepper.scheme().time(k), failure.what()));
+      throw SolverFailure(fmt::format("step {} (t = {:.6g} s): {}", k, stepper.scheme().time(k), failure.what()));
     }
     trajectory.steps = k;
     if (after_step)

@@ -5,7 +5,7 @@
 
 namespace signorini::forward {
 
-/// States and contact at t_0…t_N; entry 0 is the initial state, whose contact is empty.
+/// States and contact at t_0…t_N; entry 0 is the initial state, whose candidates count as open.
 struct Trajectory {
   petsc::Series y, v; ///< N + 1 vectors of V: displacement (m), velocity (m/s)
   std::vector<contact::ContactState> contact;

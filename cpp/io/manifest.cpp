@@ -11,12 +11,13 @@
 namespace signorini::io {
 
 std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
+  const auto given = [](const std::optional<scene::Components>& field) { return field && !scene::vanishes(*field); };
   return {{"viscosity", scene.material.viscosity.has_value()},
           {"clamp", !scene.clamps.empty()},
           {"contact", scene.contact.has_value()},
           {"body load", scene.load.has_value()},
-          {"initial displacement", scene.initial.displacement.has_value()},
-          {"initial velocity", scene.initial.velocity.has_value()},
+          {"initial displacement", given(scene.initial.displacement)},
+          {"initial velocity", given(scene.initial.velocity)},
           {"control", scene.control.has_value()},
           {"control bounds", scene.control && (scene.control->lower || scene.control->upper)},
           {"objective", scene.objective.has_value()}};

@@ -39,19 +39,17 @@ std::string steps_table(const std::vector<forward::StepBalance>& balance, const 
 }
 
 std::string contact_table(const std::vector<int>& steps, const std::vector<contact::ContactState>& contact,
-                          const contact::Constraints& constraints, const std::vector<double>& initial_gap,
-                          const forward::Scheme& scheme) {
+                          const contact::Constraints& constraints, const forward::Scheme& scheme) {
   const int dim = constraints.dim();
   std::string text = dim == 3 ? "step,time,x,y,z,gap,force\n" : "step,time,x,y,gap,force\n";
   auto out = std::back_inserter(text);
   for (int k : steps) {
     const contact::ContactState& state = contact[static_cast<std::size_t>(k)];
-    for (std::size_t i = 0; i < initial_gap.size(); ++i) {
+    for (std::size_t i = 0; i < state.gap.size(); ++i) {
       fmt::format_to(out, "{},{:.10g}", k, scheme.time(k));
       for (int c = 0; c < dim; ++c)
         fmt::format_to(out, ",{:.17g}", constraints.points()[3 * i + static_cast<std::size_t>(c)]);
-      fmt::format_to(out, ",{:.17g},{:.17g}\n", k == 0 ? initial_gap[i] : state.gap[i],
-                     k == 0 ? 0 : state.lambda[i] / scheme.impulse());
+      fmt::format_to(out, ",{:.17g},{:.17g}\n", state.gap[i], state.lambda[i] / scheme.impulse());
     }
   }
   return text;

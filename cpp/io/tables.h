@@ -14,10 +14,9 @@ namespace signorini::io {
 std::string steps_table(const std::vector<forward::StepBalance>& balance, const std::vector<contact::ContactState>& contact,
                         const std::vector<double>& tracking_error, const forward::Scheme& scheme, int dim);
 
-/// contact.csv: one row per stored step and candidate. `initial_gap` belongs to step 0.
+/// contact.csv: one row per stored step and candidate, at its place in the undeformed body.
 std::string contact_table(const std::vector<int>& steps, const std::vector<contact::ContactState>& contact,
-                          const contact::Constraints& constraints, const std::vector<double>& initial_gap,
-                          const forward::Scheme& scheme);
+                          const contact::Constraints& constraints, const forward::Scheme& scheme);
 
 /// One row of history.csv.
 struct HistoryRow {

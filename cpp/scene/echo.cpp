@@ -1,86 +1,141 @@
 #include "scene/scene.h"
-#include <sstream>
-#include <toml++/toml.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace signorini::scene {
 namespace {
 
-template <class T>
-toml::array array(const std::vector<T>& values) {
-  toml::array out;
-  for (const T& value : values)
-    out.push_back(value);
-  return out;
+std::string number(double value) {
+  const std::string text = fmt::format("{}", value);
+  return text.find_first_of(".en") == std::string::npos ? text + ".0" : text; // a TOML float, not an integer
+}
+
+std::string numbers(const std::vector<double>& values) {
+  std::vector<std::string> texts;
+  for (double value : values)
+    texts.push_back(number(value));
+  return fmt::format("[{}]", fmt::join(texts, ", "));
+}
+
+std::string text(const std::string& value) {
+  std::string quoted = "\"";
+  for (char c : value)
+    quoted += (c == '"' || c == '\\') ? std::string{'\\', c} : std::string{c};
+  return quoted + '"';
+}
+
+std::string texts(const Components& components) {
+  std::vector<std::string> quoted;
+  for (const std::string& component : components)
+    quoted.push_back(text(component));
+  return fmt::format("[{}]", fmt::join(quoted, ", "));
+}
+
+std::string bound(const std::vector<double>& values) {
+  return values.size() == 1 ? number(values.front()) : numbers(values);
+}
+
+/// Lines of `key = value`, the unit behind them.
+class Writer {
+public:
+  void table(const std::string& heading) { out_ += (out_.empty() ? "" : "\n") + heading + "\n"; }
+  void key(const std::string& name, const std::string& value, const std::string& unit = {}) {
+    out_ += fmt::format("{} = {}{}\n", name, value, unit.empty() ? "" : "  # " + unit);
+  }
+  [[nodiscard]] const std::string& result() const { return out_; }
+
+private:
+  std::string out_;
+};
+
+void write_body(Writer& out, const Scene& s) {
+  out.table("[mesh]");
+  out.key("file", text(s.mesh.file.string()));
+  if (s.mesh.size)
+    out.key("size", number(*s.mesh.size), "m");
+  out.key("degree", std::to_string(s.mesh.degree));
+  out.table("[time]");
+  out.key("end", number(s.time.end), "s");
+  out.key("step", number(s.time.step), "s");
+  out.key("scheme", text(s.time.scheme));
+  out.table("[material]");
+  out.key("density", number(s.material.density), "kg/m³");
+  out.key("young", number(s.material.young), "Pa");
+  out.key("poisson", number(s.material.poisson));
+  if (const auto& viscosity = s.material.viscosity)
+    out.key("viscosity", fmt::format("{{ bulk = {}, shear = {} }}", number(viscosity->bulk), number(viscosity->shear)),
+            "Pa s");
+}
+
+void write_boundary(Writer& out, const Scene& s, const std::string& zero) {
+  for (const Clamp& clamp : s.clamps) {
+    out.table("[[clamp]]");
+    out.key("on", text(clamp.on));
+    out.key("value", zero, "m");
+  }
+  if (s.contact) {
+    out.table("[contact]");
+    out.key("on", text(s.contact->on));
+    out.key("obstacle",
+            fmt::format("{{ shape = \"half-space\", point = {}, normal = {} }}", numbers(s.contact->obstacle.point),
+                        numbers(s.contact->obstacle.normal)),
+            "m");
+    out.key("mass", text("consistent"));
+  }
+}
+
+void write_control(Writer& out, const Scene& s, const std::string& zero) {
+  out.table("[control]");
+  out.key("scale", number(s.control->scale), "N/m³ per unit of control");
+  out.key("initial", s.control->initial ? texts(*s.control->initial) : zero);
+  if (s.control->lower)
+    out.key("lower", bound(*s.control->lower));
+  if (s.control->upper)
+    out.key("upper", bound(*s.control->upper));
+}
+
+void write_objective(Writer& out, const Scene& s) {
+  out.table("[objective]");
+  if (const auto* by_control = std::get_if<DesiredControl>(&s.objective->desired))
+    out.key("desired", fmt::format("{{ control = {} }}", texts(by_control->control)));
+  else if (const auto* by_displacement = std::get_if<DesiredDisplacement>(&s.objective->desired))
+    out.key("desired", fmt::format("{{ displacement = {} }}", texts(by_displacement->displacement)), "m");
+  out.key("alpha", number(s.objective->alpha));
+  out.key("gamma", number(s.objective->gamma), "s");
+  out.table("[optimizer]");
+  out.key("method", text(s.optimizer.method));
+  out.key("max_iterations", std::to_string(s.optimizer.max_iterations));
+  out.key("tolerance", number(s.optimizer.tolerance), "of the gradient norm, relative to the first guess's");
+  if (s.check.control) {
+    out.table("[check]");
+    out.key("control", texts(*s.check.control));
+  }
 }
 
 } // namespace
 
-std::string echo(const Scene& s) {
-  toml::table root;
-  toml::table mesh{{"file", s.mesh.file.string()}, {"degree", s.mesh.degree}};
-  if (s.mesh.size)
-    mesh.insert("size", *s.mesh.size);
-  root.insert("mesh", std::move(mesh));
-  root.insert("time", toml::table{{"end", s.time.end}, {"step", s.time.step}, {"scheme", s.time.scheme}});
-  toml::table material{{"density", s.material.density},
-                       {"young", s.material.young},
-                       {"poisson", s.material.poisson}};
-  if (s.material.viscosity)
-    material.insert("viscosity", toml::table{{"bulk", s.material.viscosity->bulk},
-                                             {"shear", s.material.viscosity->shear}});
-  root.insert("material", std::move(material));
-  toml::array clamps;
-  for (const Clamp& clamp : s.clamps)
-    clamps.push_back(toml::table{{"on", clamp.on}});
-  if (!clamps.empty())
-    root.insert("clamp", std::move(clamps));
-  if (s.contact)
-    root.insert("contact", toml::table{{"on", s.contact->on},
-                                       {"mass", "consistent"},
-                                       {"obstacle", toml::table{{"shape", "half-space"},
-                                                                {"point", array(s.contact->obstacle.point)},
-                                                                {"normal", array(s.contact->obstacle.normal)}}}});
-  if (s.load)
-    root.insert("load", toml::table{{"body", array(s.load->body)}});
-  toml::table initial;
-  if (s.initial.displacement)
-    initial.insert("displacement", array(*s.initial.displacement));
-  if (s.initial.velocity)
-    initial.insert("velocity", array(*s.initial.velocity));
-  root.insert("initial", std::move(initial));
-  if (s.control) {
-    toml::table control{{"scale", s.control->scale}};
-    if (s.control->initial)
-      control.insert("initial", array(*s.control->initial));
-    if (s.control->lower)
-      control.insert("lower", array(*s.control->lower));
-    if (s.control->upper)
-      control.insert("upper", array(*s.control->upper));
-    for (const char* key : {"lower", "upper"})
-      if (toml::array* bound = control[key].as_array(); bound && bound->size() == 1)
-        control.insert_or_assign(key, *bound->get(0)->value<double>());
-    root.insert("control", std::move(control));
+std::string echo(const Scene& s, int dim) {
+  const std::string zero = texts(Components(static_cast<std::size_t>(dim), "0"));
+  Writer out;
+  write_body(out, s);
+  write_boundary(out, s, zero);
+  if (s.load) {
+    out.table("[load]");
+    out.key("body", texts(s.load->body), "N/m³");
   }
-  if (s.objective) {
-    toml::table desired;
-    if (const auto* d = std::get_if<DesiredControl>(&s.objective->desired))
-      desired.insert("control", array(d->control));
-    else
-      desired.insert("displacement", array(std::get<DesiredDisplacement>(s.objective->desired).displacement));
-    root.insert("objective", toml::table{{"desired", std::move(desired)},
-                                         {"alpha", s.objective->alpha},
-                                         {"gamma", s.objective->gamma}});
-  }
-  root.insert("optimizer", toml::table{{"method", s.optimizer.method},
-                                       {"max_iterations", s.optimizer.max_iterations},
-                                       {"tolerance", s.optimizer.tolerance}});
-  root.insert("solver", toml::table{{"vi", s.solver.vi}, {"linear", s.solver.linear}});
-  if (s.check.control)
-    root.insert("check", toml::table{{"control", array(*s.check.control)}});
-  root.insert("output", toml::table{{"every", s.output.every}});
-  std::ostringstream out;
-  out << toml::toml_formatter(root) << '\n';
-  return out.str();
+  out.table("[initial]");
+  out.key("displacement", s.initial.displacement ? texts(*s.initial.displacement) : zero, "m");
+  out.key("velocity", s.initial.velocity ? texts(*s.initial.velocity) : zero, "m/s");
+  if (s.control)
+    write_control(out, s, zero);
+  if (s.objective)
+    write_objective(out, s);
+  out.table("[solver]");
+  out.key("vi", text(s.solver.vi));
+  out.key("linear", text(s.solver.linear));
+  out.table("[output]");
+  out.key("every", std::to_string(s.output.every), "steps");
+  return out.result();
 }
 
 } // namespace signorini::scene

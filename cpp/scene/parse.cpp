@@ -1,5 +1,6 @@
 #include "base/error.h"
 #include "scene/reader.h"
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
@@ -20,6 +21,8 @@ void set(toml::table& root, const std::string& assignment, const std::filesystem
   toml::table parsed;
   try {
     parsed = toml::parse("value = " + value);
+    if (parsed.size() != 1)
+      throw UserError(fmt::format("--set {}: found several lines, allowed is one value", path));
   } catch (const toml::parse_error&) {
     parsed.insert("value", value);
   }
@@ -109,11 +112,12 @@ Material material(Reader in) {
 }
 
 Clamp clamp(Reader in) {
-  Clamp clamp{in.text("on")};
-  if (in.has("value"))
-    for (const std::string& component : in.expressions("value", true))
-      if (component.find_first_not_of("0.") != std::string::npos)
-        in.fail("value", "prescribed motion is not available yet; leave it out for a clamp that holds still");
+  Clamp clamp{in.text("on"), std::nullopt};
+  if (in.has("value")) {
+    clamp.value = in.expressions("value", true);
+    if (!vanishes(*clamp.value))
+      in.fail("value", "prescribed motion is not available yet; leave it out for a clamp that holds still");
+  }
   in.not_available("components");
   in.finish();
   return clamp;
@@ -204,23 +208,26 @@ Solver solver(Reader in) {
   return solver;
 }
 
-toml::table read(const std::filesystem::path& file) {
+} // namespace
+
+std::string read(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in || std::filesystem::is_directory(file))
     throw UserError(fmt::format("{}: the scene file cannot be read; allowed is the path of a TOML file",
                                 file.string()));
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+Scene parse(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  toml::table root;
   try {
-    return toml::parse(in, file.string());
+    root = toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {
     throw UserError(fmt::format("{}:{}: not valid TOML: {}", file.string(), error.source().begin.line,
                                 error.description()));
   }
-}
-
-} // namespace
-
-Scene parse(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-  toml::table root = read(file);
   for (const std::string& assignment : overrides)
     set(root, assignment, file);
   Reader in(root, "", file);
@@ -264,8 +271,8 @@ Scene parse(const std::filesystem::path& file, const std::vector<std::string>& o
     scene.solver = solver(in.table("solver"));
   if (in.has("check")) {
     Reader check = in.table("check");
-    if (!scene.control)
-      in.fail("check", "takes derivatives by a control; add a table [control] or leave it out");
+    if (!scene.objective)
+      in.fail("check", "takes derivatives of an objective by a control; add [control] and [objective] or leave it out");
     scene.check.control = check.expressions("control", true);
     check.finish();
   }
@@ -278,6 +285,10 @@ Scene parse(const std::filesystem::path& file, const std::vector<std::string>& o
   return scene;
 }
 
+bool vanishes(const Components& components) {
+  return std::ranges::all_of(components, [](const std::string& text) { return text == "0" || text == "0.0"; });
+}
+
 void require_dimension(const Scene& scene, int dim) {
   const auto require = [&](std::size_t size, const char* key, bool one_allowed = false) {
     if (size != static_cast<std::size_t>(dim) && !(one_allowed && size == 1))
@@ -288,6 +299,9 @@ void require_dimension(const Scene& scene, int dim) {
     require(scene.contact->obstacle.point.size(), "contact.obstacle.point");
     require(scene.contact->obstacle.normal.size(), "contact.obstacle.normal");
   }
+  for (const Clamp& clamp : scene.clamps)
+    if (clamp.value)
+      require(clamp.value->size(), "clamp.value");
   if (scene.load)
     require(scene.load->body.size(), "load.body");
   if (scene.initial.displacement)

@@ -38,7 +38,8 @@ struct Material {
 };
 
 struct Clamp {
-  std::string on; ///< physical group
+  std::string on;                  ///< physical group
+  std::optional<Components> value; ///< zeros, where the scene writes them out
 };
 
 struct HalfSpace {
@@ -117,14 +118,21 @@ struct Scene {
   Output output;
 };
 
-/// Reads and validates a scene file; `overrides` are the texts `key.path=value` of --set.
+/// The text of a scene file. Throws UserError.
+std::string read(const std::filesystem::path& file);
+
+/// Validates the text of a scene file; `overrides` are the texts `key.path=value` of --set.
 /// Throws UserError naming file, line, key, what was found and what is allowed.
-Scene parse(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+Scene parse(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+
+/// Whether a field is written as zero, which is no effect.
+bool vanishes(const Components& components);
 
 /// Throws UserError unless every vector of the scene has `dim` components.
 void require_dimension(const Scene& scene, int dim);
 
-/// The scene as TOML with every default written out; parse() reads it back to the same scene.
-std::string echo(const Scene& scene);
+/// The scene as TOML with every default and unit written out, for a mesh of `dim` dimensions; parse() reads it back to the
+/// same scene.
+std::string echo(const Scene& scene, int dim);
 
 } // namespace signorini::scene

@@ -23,7 +23,7 @@ struct Parts {
   contact::Condensation condensation;
 
   explicit Parts(const std::vector<std::string>& overrides = {})
-      : scene(scene::parse(test::source("tests/data/block.toml"), overrides)), mesh(MPI_COMM_WORLD, scene.mesh),
+      : scene(test::parse(test::source("tests/data/block.toml"), overrides)), mesh(MPI_COMM_WORLD, scene.mesh),
         space(mesh, scene.mesh.degree), clamped(space, scene.clamps),
         D(fem::assemble_step_operator(space, scene.material, scene.time.step)), factorisation(D),
         constraints(space, clamped, *scene.contact), complementarity(constraints, D),
@@ -158,11 +158,30 @@ TEST_CASE("sliding solves move along the obstacle with normal forces alone", "[c
 }
 
 TEST_CASE("a VI that does not converge ends with reason and residual", "[contact]") {
-  check(PetscOptionsSetValue(nullptr, "-condensed_vi_snes_max_it", "0"));
+  for (const char* option : {"-condensed_vi_snes_max_it", "-condensed_vi_fallback_snes_max_it"})
+    check(PetscOptionsSetValue(nullptr, option, "0"));
   const Parts parts;
   const contact::CondensedVi solver(parts.constraints, parts.condensation, parts.factorisation, parts.complementarity,
                                     parts.space.vector());
   petsc::Vector y = parts.space.vector();
   CHECK_THROWS_AS(solver.solve(parts.pressing(2), {}, y), SolverFailure);
+  for (const char* option : {"-condensed_vi_snes_max_it", "-condensed_vi_fallback_snes_max_it"})
+    check(PetscOptionsClearValue(nullptr, option));
+}
+
+TEST_CASE("the second VI solver takes over where the first gives up", "[contact]") {
+  const Parts parts({"mesh.size=0.1"});
+  const auto solve = [&](petsc::Vector& y) {
+    const contact::CondensedVi solver(parts.constraints, parts.condensation, parts.factorisation, parts.complementarity,
+                                      parts.space.vector());
+    return solver.solve(parts.pressing(2), {}, y);
+  };
+  petsc::Vector y = parts.space.vector(), z = parts.space.vector();
+  const contact::ContactState usual = solve(y);
+  check(PetscOptionsSetValue(nullptr, "-condensed_vi_snes_max_it", "0"));
+  const contact::ContactState other = solve(z);
   check(PetscOptionsClearValue(nullptr, "-condensed_vi_snes_max_it"));
+  CHECK(other.vi_iterations > usual.vi_iterations);
+  CHECK(other.active() == usual.active());
+  CHECK(test::difference(y, z) < 1e-13 * test::largest(y));
 }

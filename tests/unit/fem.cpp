@@ -13,7 +13,7 @@ struct Body {
   fem::Space space;
   fem::Operators operators;
   explicit Body(int degree)
-      : scene(scene::parse(test::source("tests/data/block.toml"))), mesh(MPI_COMM_WORLD, scene.mesh), space(mesh, degree),
+      : scene(test::parse(test::source("tests/data/block.toml"))), mesh(MPI_COMM_WORLD, scene.mesh), space(mesh, degree),
         operators(fem::assemble_operators(space, scene.material)) {}
 
   petsc::Vector field(const scene::Components& components) const {
@@ -76,7 +76,7 @@ TEST_CASE("the step operator is m + tau/2 b + tau^2/4 a", "[fem]") {
 
 TEST_CASE("decoupled dofs are held and the rest is untouched", "[fem]") {
   const Body body(1);
-  const fem::Clamped clamped(body.space, {{"rest"}});
+  const fem::Clamped clamped(body.space, {{"rest", std::nullopt}});
   petsc::Matrix D = fem::assemble_step_operator(body.space, body.scene.material, 0.1);
   petsc::Vector x = test::smooth(body.space, 2), whole = petsc::zero_like(x), cut = petsc::zero_like(x);
   clamped.clear(x);

@@ -7,6 +7,10 @@
 
 namespace signorini::test {
 
+inline scene::Scene parse(const std::filesystem::path& file, const std::vector<std::string>& overrides = {}) {
+  return scene::parse(scene::read(file), file, overrides);
+}
+
 inline std::filesystem::path source(const std::string& file) {
   return std::filesystem::path(SIGNORINI_SOURCE_DIR) / file;
 }
@@ -18,7 +22,7 @@ struct Ready {
   Problem problem;
 
   explicit Ready(const std::string& file, const std::vector<std::string>& overrides = {})
-      : scene(scene::parse(source(file), overrides)), problem(MPI_COMM_WORLD, scene, {.sliding = true}, timers) {}
+      : scene(parse(source(file), overrides)), problem(MPI_COMM_WORLD, scene, {.sliding = true}, timers) {}
 };
 
 inline const Console& silent() {

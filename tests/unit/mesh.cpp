@@ -7,7 +7,7 @@ using namespace signorini;
 using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("boundary groups hold their nodes once, on any number of ranks", "[mesh]") {
-  const scene::Scene scene = scene::parse(test::source("tests/data/manufactured.toml"));
+  const scene::Scene scene = test::parse(test::source("tests/data/manufactured.toml"));
   const mesh::Mesh mesh(MPI_COMM_WORLD, scene.mesh);
   CHECK(mesh.dim() == 2);
   CHECK(std::abs(mesh.diameter() - std::sqrt(2)) < 1e-14);

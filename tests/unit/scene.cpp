@@ -24,11 +24,11 @@ std::filesystem::path temporary(const std::string& text) {
 
 TEST_CASE("the echoed scene reads back to itself", "[scene]") {
   for (const char* name : {"scenes/half-disc.toml", "tests/data/block.toml", "tests/data/manufactured.toml"}) {
-    const scene::Scene scene = scene::parse(test::source(name), {"solver.vi=full"});
+    const scene::Scene scene = test::parse(test::source(name), {"solver.vi=full"});
     CHECK(scene.solver.vi == "full");
-    const std::string text = scene::echo(scene);
+    const std::string text = scene::echo(scene, 2);
     const auto file = temporary(text);
-    CHECK(scene::echo(scene::parse(file)) == text);
+    CHECK(scene::echo(test::parse(file), 2) == text);
     std::filesystem::remove(file);
   }
 }
@@ -36,20 +36,20 @@ TEST_CASE("the echoed scene reads back to itself", "[scene]") {
 TEST_CASE("an override reaches what it names and nothing else", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
   const scene::Scene scene =
-      scene::parse(file, {"mesh.size=0.25", "control.upper=[1, 2]", "clamp.0.on=side", "load.body=[\"0\", \"-9.81*t\"]"});
+      test::parse(file, {"mesh.size=0.25", "control.upper=[1, 2]", "clamp.0.on=side", "load.body=[\"0\", \"-9.81*t\"]"});
   CHECK(scene.mesh.size == 0.25);
   CHECK(scene.control->upper == std::vector<double>{1, 2});
   CHECK(scene.clamps.front().on == "side");
   CHECK(scene.load->body.back() == "-9.81*t");
-  CHECK(scene.time.steps == scene::parse(file).time.steps);
-  CHECK_FALSE(scene::parse(file).load);
+  CHECK(scene.time.steps == test::parse(file).time.steps);
+  CHECK_FALSE(test::parse(file).load);
 }
 
 TEST_CASE("the number of steps is exact for decimal steps", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
   for (const auto& [step, steps] : {std::pair{"1e-6", 7500}, {"2.5e-5", 300}, {"7.5e-3", 1}})
-    CHECK(scene::parse(file, {std::string("time.step=") + step}).time.steps == steps);
-  CHECK_THROWS_WITH(scene::parse(file, {"time.step=4e-5"}), ContainsSubstring("time.end") && ContainsSubstring("187.5"));
+    CHECK(test::parse(file, {std::string("time.step=") + step}).time.steps == steps);
+  CHECK_THROWS_WITH(test::parse(file, {"time.step=4e-5"}), ContainsSubstring("time.end") && ContainsSubstring("187.5"));
 }
 
 TEST_CASE("a misspelt name gets the nearest valid one", "[scene]") {
