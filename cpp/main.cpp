@@ -83,13 +83,27 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
 }
 
 /// A failure that this rank saw and others may not have: say it once and end them all.
-[[noreturn]] void abort_all(int rank, const std::string& text) {
+[[noreturn]] void abort_all(int rank, const std::string& text, int status) {
   // Where every rank fails alike rank 0 speaks and ends the others while they wait.
   if (rank != 0)
     std::this_thread::sleep_for(std::chrono::seconds(2));
   fmt::print(stderr, "signorini: {}\n", text);
-  MPI_Abort(MPI_COMM_WORLD, solver_failed);
+  MPI_Abort(MPI_COMM_WORLD, status);
   std::abort();
+}
+
+/// PETSc options of the command line that no solver asked for.
+void report_unused(const std::vector<std::string>& given) {
+  PetscInt count = 0;
+  char **names = nullptr, **values = nullptr;
+  if (PetscOptionsLeftGet(nullptr, &count, &names, &values) != PETSC_SUCCESS)
+    return;
+  for (PetscInt i = 0; i < count; ++i)
+    if (const std::string name = fmt::format("-{}", names[i]); std::ranges::find(given, name) != given.end())
+      fmt::print(stderr, "signorini: the PETSc option {} was not used; prefixes of its solvers: -step_, -condensed_vi_, "
+                         "-full_vi_\n",
+                 name);
+  (void)PetscOptionsLeftRestore(nullptr, &count, &names, &values);
 }
 
 int guarded(int argc, char** argv, int rank, int ranks) {
@@ -108,9 +122,14 @@ int guarded(int argc, char** argv, int rank, int ranks) {
     if (rank == 0)
       fmt::print(stderr, "signorini: interrupted before there was anything to write\n");
     return interrupted;
+  } catch (const signorini::WriteFailure& error) {
+    if (ranks > 1)
+      abort_all(rank, error.what(), wrong_input);
+    fmt::print(stderr, "signorini: {}\n", error.what());
+    return wrong_input;
   } catch (const std::exception& error) {
     if (ranks > 1)
-      abort_all(rank, error.what());
+      abort_all(rank, error.what(), solver_failed);
     fmt::print(stderr, "signorini: {}\n", error.what());
     return solver_failed;
   }
@@ -132,9 +151,12 @@ int main(int argc, char** argv) {
     return solver_failed;
   spdlog::set_level(spdlog::level::warn); // the libraries speak of trouble only
   signorini::petsc::keep_error_messages();
+  (void)PetscOptionsSetValue(nullptr, "-options_left", "0"); // said by report_unused, of the user's own alone
   int rank = 0, ranks = 1;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);
   const int status = guarded(own, argv, rank, ranks);
+  if (rank == 0)
+    report_unused({argv + own, argv + argc});
   return PetscFinalize() == PETSC_SUCCESS ? status : solver_failed;
 }

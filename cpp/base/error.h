@@ -10,6 +10,11 @@ class UserError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A file cannot be written, which one rank may see and others not: exit status 2, on several ranks by ending them all.
+class WriteFailure : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// A solver failed: exit status 3. The text names the step, the reason and the residual.
 class SolverFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;

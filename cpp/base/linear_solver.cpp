@@ -13,6 +13,8 @@ Factorisation::Factorisation(Mat matrix) {
   check(KSPCreate(petsc::comm(matrix), ksp_.put()));
   check(KSPSetOperators(ksp_, matrix, matrix));
   check(KSPSetType(ksp_, KSPPREONLY));
+  constexpr double tolerance = 1e-12; // of an iterative solver that options may put in its place
+  check(KSPSetTolerances(ksp_, tolerance, 0, PETSC_CURRENT, PETSC_CURRENT));
   check(KSPGetPC(ksp_, &pc));
   check(PCSetType(pc, PCCHOLESKY));
   check(PCFactorSetMatSolverType(pc, package));

@@ -1,4 +1,5 @@
 #include "contact/condensed_vi.h"
+#include "base/error.h"
 #include <algorithm>
 
 namespace signorini::contact {
@@ -52,9 +53,16 @@ ActiveSet CondensedVi::find_set(std::span<const double> gap0, std::span<const do
     }
   }
   check(MatMult(K_, gap0_, constant_));
-  iterations += vi_->solve(constant_, x_);
-  const petsc::ReadArray x(x_), force(vi_->residual());
   ActiveSet set;
+  try {
+    iterations += vi_->solve(constant_, x_);
+  } catch (const SolverFailure&) { // the caller settles the set from here, and fails if that does not end
+    for (std::size_t i = 0; i < gap0.size(); ++i)
+      if (gap0[i] < 0)
+        set.push_back(static_cast<int>(i));
+    return set;
+  }
+  const petsc::ReadArray x(x_), force(vi_->residual());
   for (std::size_t i = 0; i < x.size(); ++i)
     if (force[i] > x[i]) // one of them is zero, to within the solver's tolerance
       set.push_back(static_cast<int>(i));
@@ -75,8 +83,8 @@ ContactState CondensedVi::solve(Vec r, const ContactState& previous, Vec y) cons
   solve_on(previous.active(), gap0, state);
   if (!complementarity_.holds(state.lambda, state.gap))
     solve_on(find_set(gap0, state.gap, state.vi_iterations), gap0, state);
-  // Candidates within the VI solver's tolerance of both bounds may be on the wrong side.
-  constexpr int most = 20;
+  // Candidates within the VI solver's tolerance of both bounds may be on the wrong side: primal-dual steps settle them.
+  constexpr int most = 50;
   for (int i = 0; i < most && !complementarity_.holds(state.lambda, state.gap); ++i, ++state.vi_iterations) {
     ActiveSet settled;
     for (std::size_t j = 0; j < gap0.size(); ++j)

@@ -4,17 +4,17 @@
 
 namespace signorini::contact {
 
-/// The variational inequality of a matrix K with simple bounds, by PETSc's VI solvers: find lower ≤ x ≤ upper with
+/// The variational inequality of a matrix K with simple bounds, by PETSc's reduced-space Newton method: find lower ≤ x ≤ upper with
 /// K x + c zero between the bounds, ≥ 0 at the lower and ≤ 0 at the upper one. The problem must be given in units in which
 /// a bound distance and a residual of one are negligible: those below a thousandth count as zero.
 class LinearVi {
 public:
   /// Takes over the bounds; `K` must outlive this object unchanged. PETSc options with the prefix `-<name>_` are honoured,
-  /// and with the prefix `-<name>_fallback_` for the second solver; `package` factorises submatrices of K. Collective.
+  /// `package` is the default one for factorising submatrices of K. Collective.
   LinearVi(const std::string& name, Mat K, petsc::Vector lower, petsc::Vector upper, const char* package);
 
-  /// Solves for `x`, starting from what it holds: reduced-space Newton first, and the semismooth one where that does not
-  /// converge. Returns the number of Newton steps. Collective. Throws SolverFailure with reason and residual.
+  /// Solves for `x`, starting from what it holds. Returns the number of Newton steps. Collective. Throws SolverFailure with
+  /// reason and residual.
   int solve(Vec c, Vec x) const;
 
   /// K x + c of the last solution.
@@ -22,11 +22,9 @@ public:
   [[nodiscard]] Vec upper() const { return upper_; }
 
 private:
-  petsc::NonlinearSolver make_solver(const std::string& prefix, SNESType type, Mat K) const;
-
   std::string name_;
-  petsc::Vector lower_, upper_, residual_, start_, constant_;
-  petsc::NonlinearSolver first_, fallback_;
+  petsc::Vector lower_, upper_, residual_, constant_;
+  petsc::NonlinearSolver snes_;
 };
 
 } // namespace signorini::contact

@@ -48,7 +48,8 @@ void write_fields(const fem::Space& space, const OutputFolder& folder, const std
   } catch (const std::exception& error) {
     const std::string reason = errno != 0 ? std::generic_category().message(errno) : error.what();
     (void)xdmf.release(); // its destructor would throw the same error again, and end the program
-    throw UserError(fmt::format("{}: cannot be written ({})", (folder.path() / name).string(), reason));
+    folder.discard();
+    throw WriteFailure(fmt::format("{}: cannot be written ({})", (folder.path() / name).string(), reason));
   }
 }
 

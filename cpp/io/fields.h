@@ -13,7 +13,8 @@ struct FieldSeries {
 };
 
 /// Writes fields at `times` to the XDMF file `name` and the HDF5 file beside it, at the mesh's own nodes (degree 2: their
-/// values at the vertices). Collective. Throws UserError if the files cannot be written.
+/// values at the vertices). Collective. Throws WriteFailure, on one rank or several, if the files cannot be
+/// written.
 void write_fields(const fem::Space& space, const OutputFolder& folder, const std::string& name,
                   const std::vector<double>& times, const std::vector<FieldSeries>& fields);
 

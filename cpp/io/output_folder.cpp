@@ -38,9 +38,12 @@ OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder) : comm_(comm),
 }
 
 OutputFolder::~OutputFolder() {
-  std::error_code ignored; // a destructor has nobody to tell
-  if (rank(comm_) != 0)
-    return;
+  if (rank(comm_) == 0)
+    discard();
+}
+
+void OutputFolder::discard() const {
+  std::error_code ignored; // the run ends anyhow, and has nobody to tell
   fs::remove_all(staging_, ignored);
   for (const fs::path& folder : made_) // goes through only where nothing was published
     fs::remove(folder, ignored);

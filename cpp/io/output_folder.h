@@ -22,6 +22,9 @@ public:
   /// Writes a text file, on rank 0. Collective. Throws UserError.
   void write(const std::string& name, const std::string& text) const;
 
+  /// Removes everything written. Not collective.
+  void discard() const;
+
   /// Moves everything written into place and removes what an earlier run left under the fixed names and this one did not
   /// write. Collective. Throws UserError.
   void publish();

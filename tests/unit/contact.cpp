@@ -157,19 +157,26 @@ TEST_CASE("sliding solves move along the obstacle with normal forces alone", "[c
   CHECK(test::largest(defect) < 1e-13 * test::largest(r));
 }
 
+namespace {
+
+/// A PETSc option for as long as this object lives.
+struct Option {
+  const char* name;
+  Option(const char* n, const char* value) : name(n) { check(PetscOptionsSetValue(nullptr, name, value)); }
+  ~Option() { (void)PetscOptionsClearValue(nullptr, name); }
+};
+
+} // namespace
+
 TEST_CASE("a VI that does not converge ends with reason and residual", "[contact]") {
-  for (const char* option : {"-condensed_vi_snes_max_it", "-condensed_vi_fallback_snes_max_it"})
-    check(PetscOptionsSetValue(nullptr, option, "0"));
+  const Option option("-full_vi_snes_max_it", "0");
   const Parts parts;
-  const contact::CondensedVi solver(parts.constraints, parts.condensation, parts.factorisation, parts.complementarity,
-                                    parts.space.vector());
+  const contact::FullVi solver(parts.constraints, parts.D, parts.complementarity);
   petsc::Vector y = parts.space.vector();
   CHECK_THROWS_AS(solver.solve(parts.pressing(2), {}, y), SolverFailure);
-  for (const char* option : {"-condensed_vi_snes_max_it", "-condensed_vi_fallback_snes_max_it"})
-    check(PetscOptionsClearValue(nullptr, option));
 }
 
-TEST_CASE("the second VI solver takes over where the first gives up", "[contact]") {
+TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[contact]") {
   const Parts parts({"mesh.size=0.1"});
   const auto solve = [&](petsc::Vector& y) {
     const contact::CondensedVi solver(parts.constraints, parts.condensation, parts.factorisation, parts.complementarity,
@@ -178,10 +185,9 @@ TEST_CASE("the second VI solver takes over where the first gives up", "[contact]
   };
   petsc::Vector y = parts.space.vector(), z = parts.space.vector();
   const contact::ContactState usual = solve(y);
-  check(PetscOptionsSetValue(nullptr, "-condensed_vi_snes_max_it", "0"));
+  const Option option("-condensed_vi_snes_max_it", "0");
   const contact::ContactState other = solve(z);
-  check(PetscOptionsClearValue(nullptr, "-condensed_vi_snes_max_it"));
-  CHECK(other.vi_iterations > usual.vi_iterations);
+  CHECK(usual.count(contact::Status::strong) > 1);
   CHECK(other.active() == usual.active());
   CHECK(test::difference(y, z) < 1e-13 * test::largest(y));
 }
