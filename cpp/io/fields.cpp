@@ -19,11 +19,28 @@ void copy(Vec from, dolfinx::fem::Function<PetscScalar>& to) {
   to.x()->scatter_fwd();
 }
 
+/// A parallel write to a full disk hangs in some MPI libraries, so the room is looked at before.
+void require_room(const fem::Space& space, const OutputFolder& folder, const std::string& name, std::size_t datasets) {
+  const auto map = space.mesh().dolfinx()->geometry().index_map();
+  constexpr double overhead = 8192, mesh_share = 8; // bytes of headers and XML per dataset; mesh in units of a field
+  const double field = 3 * sizeof(double) * static_cast<double>(map->size_global());
+  const double needed = static_cast<double>(datasets) * (field + overhead) + mesh_share * field;
+  on_root(space.comm(), [&] {
+    std::error_code unknown;
+    const auto room = std::filesystem::space(folder.path(), unknown);
+    if (!unknown && static_cast<double>(room.available) < needed)
+      throw UserError(fmt::format("{}: cannot be written (it needs {:.3g} MB, and the disk has {:.3g} MB left)",
+                                  (folder.path() / name).string(), needed / 1e6,
+                                  static_cast<double>(room.available) / 1e6));
+  });
+}
+
 } // namespace
 
 void write_fields(const fem::Space& space, const OutputFolder& folder, const std::string& name,
                   const std::vector<double>& times, const std::vector<FieldSeries>& fields) {
   using Function = dolfinx::fem::Function<PetscScalar>;
+  require_room(space, folder, name, times.size() * fields.size());
   H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence below says it, instead of HDF5's stack
   std::unique_ptr<dolfinx::io::XDMFFile> xdmf;
   errno = 0;
