@@ -42,6 +42,8 @@ def body_axes(mesh: Mesh) -> Axes:
 def control_unit(run: RunFolder) -> str:
     """The body force that a control of one stands for."""
     mantissa, exponent = f"{run.scene['control']['scale']:e}".split("e")
+    if int(exponent) == 0:
+        return "N/m³" if float(mantissa) == 1 else f"{float(mantissa):g} N/m³"
     factor = "" if float(mantissa) == 1 else f"{float(mantissa):g}·"
     return f"{factor}$10^{{{int(exponent)}}}$ N/m³"
 
