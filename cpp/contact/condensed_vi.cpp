@@ -6,9 +6,9 @@ namespace signorini::contact {
 using petsc::check;
 
 CondensedVi::CondensedVi(const Constraints& constraints, const Condensation& condensation, const Factorisation& D,
-                         const Complementarity& complementarity, Vec layout)
+                         const Complementarity& complementarity)
     : constraints_(constraints), condensation_(condensation), D_(D), complementarity_(complementarity),
-      length_unit_(constraints.gap_tolerance()), work_(petsc::zero_like(layout)) {
+      length_unit_(constraints.gap_tolerance()) {
   const PetscInt m = constraints.count();
   const std::vector<double> inverse = condensation.inverse();
   double mean = 0;

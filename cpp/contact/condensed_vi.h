@@ -14,7 +14,7 @@ class CondensedVi final : public ViSolver {
 public:
   /// Collective. The arguments must outlive this object. PETSc options with the prefix `-condensed_vi_` are honoured.
   CondensedVi(const Constraints& constraints, const Condensation& condensation, const Factorisation& D,
-              const Complementarity& complementarity, Vec layout);
+              const Complementarity& complementarity);
 
   ContactState solve(Vec r, const ContactState& previous, Vec y) const override;
 
@@ -30,7 +30,7 @@ private:
   const Complementarity& complementarity_;
   double length_unit_; ///< of the VI: a negligible gap
   petsc::Matrix K_;    ///< S⁻¹ in units in which its diagonal is about one
-  petsc::Vector x_, gap0_, constant_, work_;
+  petsc::Vector x_, gap0_, constant_;
   std::optional<LinearVi> vi_;
 };
 

@@ -25,7 +25,7 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
   if (full)
     vi_ = std::make_unique<contact::FullVi>(*constraints_, D_, *complementarity_);
   else
-    vi_ = std::make_unique<contact::CondensedVi>(*constraints_, *condensation_, *factorisation_, *complementarity_, r_);
+    vi_ = std::make_unique<contact::CondensedVi>(*constraints_, *condensation_, *factorisation_, *complementarity_);
 }
 
 void Stepper::right_hand_side(Vec y0, Vec v0, Vec load) const {

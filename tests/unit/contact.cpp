@@ -82,7 +82,7 @@ TEST_CASE("both VI solvers find the solution, which is complementary", "[contact
                                                         "contact.obstacle.point=[0.8, 0]", "contact.on=boundary"}}) {
     const Parts parts(overrides);
     const contact::CondensedVi condensed(parts.constraints, parts.condensation, parts.factorisation,
-                                         parts.complementarity, parts.space.vector());
+                                         parts.complementarity);
     const contact::FullVi full(parts.constraints, parts.D, parts.complementarity);
     int closed = 0, open = 0;
     for (int which = 0; which < 6; ++which) {
@@ -111,8 +111,7 @@ TEST_CASE("both VI solvers find the solution, which is complementary", "[contact
 
 TEST_CASE("a warm start changes the effort, not the solution", "[contact]") {
   const Parts parts({"mesh.size=0.1"});
-  const contact::CondensedVi solver(parts.constraints, parts.condensation, parts.factorisation, parts.complementarity,
-                                    parts.space.vector());
+  const contact::CondensedVi solver(parts.constraints, parts.condensation, parts.factorisation, parts.complementarity);
   const petsc::Vector r = parts.pressing(2);
   petsc::Vector cold = parts.space.vector(), warm = parts.space.vector();
   const contact::ContactState first = solver.solve(r, {}, cold);
@@ -128,8 +127,7 @@ TEST_CASE("touching without a force is weak contact", "[contact]") {
   petsc::Vector y = parts.space.vector(), r = parts.space.vector(), solution = parts.space.vector();
   parts.space.interpolate(scene::Field({"0", "-0.1 - 0.3*x - y"}, "test", false), 0, y);
   check(MatMult(parts.D, y, r));
-  const contact::CondensedVi solver(parts.constraints, parts.condensation, parts.factorisation, parts.complementarity,
-                                    parts.space.vector());
+  const contact::CondensedVi solver(parts.constraints, parts.condensation, parts.factorisation, parts.complementarity);
   const contact::ContactState state = solver.solve(r, {}, solution);
   CHECK(state.count(contact::Status::weak) == parts.constraints.count());
   CHECK(static_cast<int>(state.active().size()) == parts.constraints.count());
@@ -179,8 +177,7 @@ TEST_CASE("a VI that does not converge ends with reason and residual", "[contact
 TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[contact]") {
   const Parts parts({"mesh.size=0.1"});
   const auto solve = [&](petsc::Vector& y) {
-    const contact::CondensedVi solver(parts.constraints, parts.condensation, parts.factorisation, parts.complementarity,
-                                      parts.space.vector());
+    const contact::CondensedVi solver(parts.constraints, parts.condensation, parts.factorisation, parts.complementarity);
     return solver.solve(parts.pressing(2), {}, y);
   };
   petsc::Vector y = parts.space.vector(), z = parts.space.vector();
