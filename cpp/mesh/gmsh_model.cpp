@@ -233,12 +233,28 @@ private:
   std::map<std::pair<std::int64_t, std::int64_t>, int> edges_; ///< node pair, lower first → triangles that have it
 };
 
+/// A .msh that was cut short, which gmsh may read as far as it goes.
+void require_whole(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string line, last;
+  while (std::getline(in, line))
+    if (line.find_first_not_of(" \t\r") != std::string::npos)
+      last = line;
+  if (last.empty() || last.starts_with("$End"))
+    return; // gmsh says what is wrong with an empty file
+  throw UserError(fmt::format("{}: not a whole .msh file: its last line is not the end of a section ($End...); allowed are "
+                              "complete .msh files",
+                              file));
+}
+
 } // namespace
 
 RawMesh read_gmsh(const scene::Mesh& mesh) {
   const std::string file = mesh.file.string();
   if (!std::ifstream(file) || std::filesystem::is_directory(mesh.file))
     throw UserError(fmt::format("mesh.file: {} cannot be read, allowed is the path of a .geo or .msh file", file));
+  if (mesh.file.extension() == ".msh")
+    require_whole(file);
   Session session;
   try {
     gmsh::open(file);

@@ -313,6 +313,7 @@ def mesh_file_cases() -> list[Case]:
         meshed("old mesh cut short after the nodes", before(old, "$Elements"), cut),
         meshed("old mesh cut short in the elements", before(old, "$Elements", 6), cut),
         meshed("old mesh cut short in a row", before(old, "$Elements", 6).rstrip()[:-2], cut),
+        meshed("old mesh cut short in its last number", old[: old.index("\n$EndElements") - 1], cut),
         meshed("mesh cut short in the entities", before(new, "$Entities", 3), cut),
         meshed("mesh cut short in the nodes", before(new, "$Nodes", 15), cut),
         meshed("mesh cut short after the nodes", before(new, "$Elements"), cut),
