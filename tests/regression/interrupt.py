@@ -35,7 +35,7 @@ def optimize_is_complete(folder: Path, ranks: int) -> None:
     out = folder / f"optimize-{ranks}"
     # mpirun kills its ranks at SIGINT and SIGTERM, and passes SIGUSR1 on.
     which = signal.SIGINT if ranks == 1 else signal.SIGUSR1
-    status = interrupted("optimize", out, which, "iterations", "--set", f"optimizer.max_iterations={1000 // ranks**3}",
+    status = interrupted("optimize", out, which, "iterations", "--set", f"optimizer.max_iterations={1000 // ranks}",
                          "--set", "mesh.size=1", ranks=ranks)  # fmt: skip
     assert status == 130, f"exit status {status}"
     assert {p.name for p in out.iterdir()} == OPTIMIZE_FILES

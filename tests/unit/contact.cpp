@@ -118,7 +118,7 @@ TEST_CASE("a warm start changes the effort, not the solution", "[contact]") {
   REQUIRE(first.count(contact::Status::strong) > 1);
   CHECK(first.vi_iterations > 0);
   CHECK(solver.solve(r, first, warm).vi_iterations == 0);
-  CHECK(test::difference(cold, warm) == 0);
+  CHECK(test::difference(cold, warm) < 1e-14 * test::largest(cold)); // MUMPS sums in no fixed order
 }
 
 TEST_CASE("touching without a force is weak contact", "[contact]") {

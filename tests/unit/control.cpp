@@ -70,12 +70,13 @@ TEST_CASE("at the reference control only the cost of the control is left", "[con
   problem.reduced.value(*problem.reference);
   problem.reduced.accept();
   const control::Value& value = problem.reduced.value();
-  CHECK(value.tracking == 0);
-  CHECK(value.terminal == 0);
+  // Not exactly: on several ranks MUMPS sums in no fixed order, so that two runs differ by rounding.
+  CHECK(value.tracking < 1e-24);
+  CHECK(value.terminal < 1e-24);
   CHECK(std::abs(value.control_cost / (ready.scene.objective->alpha / 2 * 1.09 * ready.scene.time.end) - 1) < 1e-12);
   control::Control g = problem.reduced.gradient();
   g.add(-ready.scene.objective->alpha, *problem.reference);
-  CHECK(problem.controls.norm(g) < 1e-16);
+  CHECK(problem.controls.norm(g) < 1e-12);
 }
 
 TEST_CASE("a rejected trial changes nothing", "[control]") {
@@ -89,6 +90,6 @@ TEST_CASE("a rejected trial changes nothing", "[control]") {
   control::Control after = problem.reduced.gradient();
   after.add(-1, before);
   CHECK(problem.controls.norm(before) > 0);
-  CHECK(problem.controls.norm(after) == 0);
+  CHECK(problem.controls.norm(after) < 1e-12 * problem.controls.norm(before));
   CHECK(problem.reduced.value().total() == value);
 }
