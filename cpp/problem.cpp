@@ -26,13 +26,8 @@ petsc::Series desired_states(const Problem& problem, const control::ControlSpace
     const auto timer = problem.timers.time("desired state");
     forward::Trajectory trajectory(problem.initial.y, problem.steps());
     Progress progress(console, "desired state", static_cast<std::size_t>(problem.steps()));
-    forward::simulate(
-        problem.stepper, problem.initial,
-        [&](int k, Vec out) {
-          problem.load()(k, out);
-          controls.add_load(*reference, k, out);
-        },
-        trajectory, [&](int k) { progress.update(static_cast<std::size_t>(k)); });
+    forward::simulate(problem.stepper, problem.initial, controls.with(problem.load(), *reference), trajectory,
+                      [&](int k) { progress.update(static_cast<std::size_t>(k)); });
     if (trajectory.steps < problem.steps())
       throw Interrupted();
     return std::move(trajectory.y);
@@ -88,11 +83,7 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
 }
 
 forward::AddLoad GivenControl::load() const {
-  return [this](int k, Vec out) {
-    problem_.load()(k, out);
-    if (control_)
-      controls_->add_load(*control_, k, out);
-  };
+  return control_ ? controls_->with(problem_.load(), *control_) : problem_.load();
 }
 
 ControlProblem::ControlProblem(const Problem& problem, const Console& console)

@@ -66,7 +66,7 @@ std::vector<double> times_of(const std::vector<int>& steps, const forward::Schem
   return times;
 }
 
-/// `values[k − first]` of the given steps.
+/// at(k) of the given steps.
 template <class At>
 std::vector<Vec> pick(const std::vector<int>& steps, At&& at) {
   std::vector<Vec> values;
@@ -87,9 +87,8 @@ void write_motion(const io::OutputFolder& folder, const Problem& problem, const 
     tracking_error.push_back(objective->distance(k, trajectory.y[k]));
   folder.write("steps.csv", io::steps_table(forward::balance(problem.stepper, load, trajectory), trajectory.contact,
                                             tracking_error, scheme, problem.space.dim()));
-  if (const contact::Constraints* constraints = problem.stepper.constraints()) {
+  if (const contact::Constraints* constraints = problem.stepper.constraints())
     folder.write("contact.csv", io::contact_table(stored, trajectory.contact, *constraints, scheme));
-  }
   io::write_fields(problem.space, folder, "state.xdmf", times_of(stored, scheme),
                    {{"displacement", pick(stored, [&](int k) -> Vec { return trajectory.y[k]; })},
                     {"velocity", pick(stored, [&](int k) -> Vec { return trajectory.v[k]; })}});

@@ -2,7 +2,6 @@
 #include "base/error.h"
 #include <mpi.h>
 #include <string>
-#include <vector>
 
 namespace signorini {
 
@@ -12,12 +11,12 @@ inline int rank(MPI_Comm comm) {
   return r;
 }
 
-/// Rank 0's text on every rank. Collective.
-inline std::string broadcast(MPI_Comm comm, std::string text) {
+/// The text of rank `root` on every rank. Collective.
+inline std::string broadcast(MPI_Comm comm, std::string text, int root = 0) {
   auto size = static_cast<long>(text.size());
-  MPI_Bcast(&size, 1, MPI_LONG, 0, comm);
+  MPI_Bcast(&size, 1, MPI_LONG, root, comm);
   text.resize(static_cast<std::size_t>(size));
-  MPI_Bcast(text.data(), static_cast<int>(size), MPI_CHAR, 0, comm);
+  MPI_Bcast(text.data(), static_cast<int>(size), MPI_CHAR, root, comm);
   return text;
 }
 
@@ -50,13 +49,8 @@ void together(MPI_Comm comm, Work&& work) {
   MPI_Comm_size(comm, &size);
   int mine = problem.empty() ? size : rank(comm), first = mine;
   MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, comm);
-  if (first == size)
-    return;
-  auto length = static_cast<long>(problem.size());
-  MPI_Bcast(&length, 1, MPI_LONG, first, comm);
-  problem.resize(static_cast<std::size_t>(length));
-  MPI_Bcast(problem.data(), static_cast<int>(length), MPI_CHAR, first, comm);
-  throw UserError(problem);
+  if (first < size)
+    throw UserError(broadcast(comm, problem, first));
 }
 
 } // namespace signorini

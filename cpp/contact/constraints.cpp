@@ -9,7 +9,7 @@
 namespace signorini::contact {
 namespace {
 
-/// Rows of `width` numbers from every rank, in rank order, on every rank.
+/// The numbers of every rank, in rank order, on every rank.
 template <class T>
 std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine, MPI_Datatype type) {
   int size = 1;

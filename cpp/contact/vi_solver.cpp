@@ -36,12 +36,12 @@ void Complementarity::classify(ContactState& state) const {
   for (std::size_t i = 0; i < state.lambda.size(); ++i) {
     penetration = std::max(penetration, -state.gap[i]);
     adhesion = std::max(adhesion, -state.lambda[i] / zero_force_[i]);
-    if (state.lambda[i] > zero_force_[i])
-      distance = std::max(distance, state.gap[i]);
-    if (state.lambda[i] > zero_force_[i])
+    if (state.lambda[i] > zero_force_[i]) {
       state.status[i] = Status::strong;
-    else if (state.gap[i] <= gap_tolerance_)
+      distance = std::max(distance, state.gap[i]);
+    } else if (state.gap[i] <= gap_tolerance_) {
       state.status[i] = Status::weak;
+    }
   }
   if (!holds(state.lambda, state.gap))
     throw SolverFailure(fmt::format("the contact solution is not complementary: penetration {:.3e} m and forces at a gap of "

@@ -127,4 +127,11 @@ void ControlSpace::add_load(const Control& u, int k, Vec load) const {
   check(VecAXPY(load, scale_, work_));
 }
 
+forward::AddLoad ControlSpace::with(forward::AddLoad load, const Control& u) const {
+  return [this, load = std::move(load), &u](int k, Vec out) {
+    load(k, out);
+    add_load(u, k, out);
+  };
+}
+
 } // namespace signorini::control

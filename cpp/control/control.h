@@ -59,6 +59,8 @@ public:
 
   /// load += s W u_k.
   void add_load(const Control& u, int k, Vec load) const;
+  /// `load` and the control's on top of it; u must outlive the result.
+  [[nodiscard]] forward::AddLoad with(forward::AddLoad load, const Control& u) const;
 
 private:
 

@@ -13,23 +13,14 @@ ReducedProblem::ReducedProblem(const forward::Stepper& stepper, const ControlSpa
       p_(petsc::zero_series(initial.y, static_cast<std::size_t>(controls.steps()))) {}
 
 forward::AddLoad ReducedProblem::load() const {
-  return [this](int k, Vec out) {
-    add_load_(k, out);
-    controls_.add_load(current_.u, k, out);
-  };
+  return controls_.with(add_load_, current_.u);
 }
 
 double ReducedProblem::value(const Control& u) {
   trial_.u = u;
   {
     const auto timer = timers_.time("forward");
-    forward::simulate(
-        stepper_, initial_,
-        [&](int k, Vec out) {
-          add_load_(k, out);
-          controls_.add_load(trial_.u, k, out);
-        },
-        trial_.trajectory);
+    forward::simulate(stepper_, initial_, controls_.with(add_load_, trial_.u), trial_.trajectory);
   }
   if (trial_.trajectory.steps < controls_.steps())
     throw Interrupted();
