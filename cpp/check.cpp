@@ -33,9 +33,10 @@ control::Control wave(const control::ControlSpace& controls, int which) {
   return u;
 }
 
-/// Where derivatives are taken: the scene's [check] control, else near the reference control (at the reference itself the
-/// tracking error and with it the adjoint vanish), else the first guess.
-control::Control check_point(const Problem& problem, const ControlProblem& control_problem, std::string& description) {
+/// Where derivatives are taken: the scene's [check] control, else near the reference control (at the
+/// reference itself the tracking error and with it the adjoint vanish), else the first guess.
+control::Control check_point(const Problem& problem, const ControlProblem& control_problem,
+                             std::string& description) {
   const scene::Scene& scene = problem.scene;
   if (scene.check.control) {
     description = "the control of [check]";
@@ -54,7 +55,7 @@ control::Control check_point(const Problem& problem, const ControlProblem& contr
 
 bool same_sets(const forward::Trajectory& a, const forward::Trajectory& b) {
   for (int k = 1; k <= a.steps; ++k)
-    if (a.contact[static_cast<std::size_t>(k)].active() != b.contact[static_cast<std::size_t>(k)].active())
+    if (a.contact[static_cast<std::size_t>(k)].active != b.contact[static_cast<std::size_t>(k)].active)
       return false;
   return true;
 }
@@ -114,8 +115,8 @@ private:
       problem_.objective().add_second_derivative(k, shape.at(k), dual);
       forward += petsc::dot(dual, dy[static_cast<std::size_t>(k) - 1]);
     }
-    const control::Control back =
-        problem_.adjoint([&](int k, Vec ybar) { check(VecAXPY(ybar, 1, w[static_cast<std::size_t>(k) - 1])); });
+    const control::Control back = problem_.adjoint(
+        [&](int k, Vec ybar) { check(VecAXPY(ybar, 1, w[static_cast<std::size_t>(k) - 1])); });
     const double backward = controls_.product(back, d_);
     return std::abs(forward - backward) / std::max(std::abs(forward), std::abs(backward));
   }
@@ -135,9 +136,10 @@ private:
       const double epsilon = std::pow(10, -2 - 0.5 * j);
       const double remainder = std::abs(problem_.value(moved(epsilon)) - objective_ - epsilon * slope);
       const bool kept = same_sets(problem_.trajectory(), problem_.trial_trajectory());
-      console_.line(fmt::format("  {:8.1e}   {:10.3e}  {:>6}  {}{}", epsilon, remainder,
-                                j > 0 ? fmt::format("{:.2f}", std::log(last / remainder) / std::log(std::sqrt(10))) : "",
-                                kept ? "kept" : "changed", remainder > floor ? "" : ", rounding"));
+      console_.line(fmt::format(
+          "  {:8.1e}   {:10.3e}  {:>6}  {}{}", epsilon, remainder,
+          j > 0 ? fmt::format("{:.2f}", std::log(last / remainder) / std::log(std::sqrt(10))) : "",
+          kept ? "kept" : "changed", remainder > floor ? "" : ", rounding"));
       last = remainder;
       if (kept && remainder > floor)
         usable.emplace_back(epsilon, remainder);
@@ -190,9 +192,9 @@ void invariants(const Problem& problem, const forward::AddLoad& load, const forw
     energy_defect = std::max(energy_defect, std::abs(b.energy_residual));
     contact_work = std::max(contact_work, b.contact_work);
     if (b.momentum_scale > 0)
-      momentum_defect = std::max(
-          momentum_defect,
-          std::hypot(b.momentum_residual[0], b.momentum_residual[1], b.momentum_residual[2]) / b.momentum_scale);
+      momentum_defect = std::max(momentum_defect, std::hypot(b.momentum_residual[0], b.momentum_residual[1],
+                                                             b.momentum_residual[2]) /
+                                                      b.momentum_scale);
   }
   rows.push_back({"the body moved (largest energy)", shown(energy), "> 0", energy > 0});
   if (!(energy > 0))
@@ -219,14 +221,16 @@ void invariants(const Problem& problem, const forward::AddLoad& load, const forw
   }
   const double length = problem.mesh.diameter();
   rows.push_back({"contact occurred",
-                  contact_steps > 0 ? fmt::format("{} steps, at most {} nodes, {} weak in all", contact_steps, largest, weak)
+                  contact_steps > 0 ? fmt::format("{} steps, at most {} nodes, {} weak in all", contact_steps,
+                                                  largest, weak)
                                     : "never: this checks nothing of contact",
                   "in one step at least", contact_steps > 0});
   if (contact_steps == 0)
     return;
   rows.push_back(below("complementarity: penetration / diameter", penetration / length, 1e-10));
   rows.push_back(below("complementarity: adhesion / largest force", adhesion / force, 1e-10));
-  rows.push_back(below("complementarity: force x gap / (largest x diameter)", product / (force * length), 1e-10));
+  rows.push_back(
+      below("complementarity: force x gap / (largest x diameter)", product / (force * length), 1e-10));
   rows.push_back(below("contact never does work, work / largest energy", contact_work / energy, 1e-10));
 }
 
@@ -246,7 +250,7 @@ bool check_scene(const Problem& problem, const Console& console) {
     invariants(problem, control_problem.reduced.load(), control_problem.reduced.trajectory(), rows);
   } else {
     console.line("The scene has no objective: there are no derivatives to check.");
-    forward::Trajectory trajectory(problem.initial.y, problem.steps());
+    forward::Trajectory trajectory(problem.stepper, problem.steps());
     const GivenControl given(problem);
     forward::simulate(problem.stepper, problem.initial, given.load(), trajectory);
     if (trajectory.steps < problem.steps())
@@ -256,10 +260,12 @@ bool check_scene(const Problem& problem, const Console& console) {
   console.line(fmt::format("{:<6}{:<58}{:<50}{}", "", "check", "measured", "allowed"));
   bool all = true;
   for (const Row& row : rows) {
-    console.line(fmt::format("{:<6}{:<58}{:<50}{}", row.holds ? "ok" : "FAIL", row.name, row.measured, row.allowed));
+    console.line(
+        fmt::format("{:<6}{:<58}{:<50}{}", row.holds ? "ok" : "FAIL", row.name, row.measured, row.allowed));
     all = all && row.holds;
   }
-  console.line(all ? (scene.contact ? "All checks hold, contact included." : "All checks hold; contact was not checked.")
+  console.line(all ? (scene.contact ? "All checks hold, contact included."
+                                    : "All checks hold; contact was not checked.")
                    : "A check failed.");
   return all;
 }

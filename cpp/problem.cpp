@@ -24,7 +24,7 @@ petsc::Series desired_states(const Problem& problem, const control::ControlSpace
                              const std::optional<control::Control>& reference, const Console& console) {
   if (reference) {
     const auto timer = problem.timers.time("desired state");
-    forward::Trajectory trajectory(problem.initial.y, problem.steps());
+    forward::Trajectory trajectory(problem.stepper, problem.steps());
     Progress progress(console, "desired state", static_cast<std::size_t>(problem.steps()));
     forward::simulate(problem.stepper, problem.initial, controls.with(problem.load(), *reference), trajectory,
                       [&](int k) { progress.update(static_cast<std::size_t>(k)); });
@@ -34,13 +34,15 @@ petsc::Series desired_states(const Problem& problem, const control::ControlSpace
   }
   const auto& given = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
   const scene::Field field(given.displacement, "objective.desired.displacement", true);
-  petsc::Series desired = petsc::zero_series(problem.initial.y, static_cast<std::size_t>(problem.steps()) + 1);
+  petsc::Series desired =
+      petsc::zero_series(problem.initial.y, static_cast<std::size_t>(problem.steps()) + 1);
   for (int k = 0; k <= problem.steps(); ++k)
     problem.space.interpolate(field, problem.stepper.scheme().time(k), desired[static_cast<std::size_t>(k)]);
   return desired;
 }
 
-std::optional<control::Control> reference_control(const scene::Scene& scene, const control::ControlSpace& controls) {
+std::optional<control::Control> reference_control(const scene::Scene& scene,
+                                                  const control::ControlSpace& controls) {
   if (const auto* desired = std::get_if<scene::DesiredControl>(&scene.objective->desired))
     return controls.interpolate(desired->control, "objective.desired.control");
   return std::nullopt;
@@ -49,7 +51,8 @@ std::optional<control::Control> reference_control(const scene::Scene& scene, con
 } // namespace
 
 Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs needs, Timers& t)
-    : scene(s), timers(t), mesh(timed(t, "mesh", [&] { return read_mesh(comm, s); })), space(mesh, s.mesh.degree),
+    : scene(s), timers(t), mesh(timed(t, "mesh", [&] { return read_mesh(comm, s); })),
+      space(mesh, s.mesh.degree),
       operators(timed(t, "assembly", [&] { return fem::assemble_operators(space, s.material); })),
       stepper(timed(t, "factorisation and condensation",
                     [&] { return forward::Stepper(space, operators, s, needs); })),
@@ -87,7 +90,8 @@ forward::AddLoad GivenControl::load() const {
 }
 
 ControlProblem::ControlProblem(const Problem& problem, const Console& console)
-    : controls(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(), *problem.scene.control),
+    : controls(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(),
+               *problem.scene.control),
       reference(reference_control(problem.scene, controls)),
       objective(controls, problem.operators, problem.stepper.scheme(),
                 desired_states(problem, controls, reference, console), problem.scene.objective->alpha,
@@ -95,7 +99,8 @@ ControlProblem::ControlProblem(const Problem& problem, const Console& console)
       reduced(problem.stepper, controls, objective, problem.initial, problem.load(), problem.timers) {}
 
 control::Control ControlProblem::first_guess(const scene::Scene& scene) const {
-  return scene.control->initial ? controls.interpolate(*scene.control->initial, "control.initial") : controls.zero();
+  return scene.control->initial ? controls.interpolate(*scene.control->initial, "control.initial")
+                                : controls.zero();
 }
 
 } // namespace signorini

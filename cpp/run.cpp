@@ -1,6 +1,7 @@
 #include "run.h"
 #include "base/collective.h"
 #include "base/error.h"
+#include "base/memory.h"
 #include "base/signals.h"
 #include "check.h"
 #include "io/fields.h"
@@ -28,11 +29,13 @@ std::string headline(const Problem& problem) {
       on += (on.empty() ? "" : ", ") + name;
   return fmt::format("{}: {} free unknowns, {} contact candidates, {} steps of {} s, {} rank{}\neffects: {}",
                      problem.scene.name, problem.free_dofs(),
-                     problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0, problem.steps(),
-                     problem.scene.time.step, ranks, ranks == 1 ? "" : "s", on.empty() ? "none" : on);
+                     problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0,
+                     problem.steps(), problem.scene.time.step, ranks, ranks == 1 ? "" : "s",
+                     on.empty() ? "none" : on);
 }
 
-io::Manifest manifest(const Problem& problem, const std::string& verb, const std::string& stop_reason, int steps_done) {
+io::Manifest manifest(const Problem& problem, const std::string& verb, const std::string& stop_reason,
+                      int steps_done) {
   io::Manifest m;
   m.verb = verb;
   m.stop_reason = stop_reason;
@@ -42,7 +45,7 @@ io::Manifest manifest(const Problem& problem, const std::string& verb, const std
   m.cells = static_cast<long>(problem.mesh.cells());
   m.candidates = problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0;
   m.steps_done = steps_done;
-  m.factorisation = problem.stepper.factorisation().package();
+  m.linear_solver = problem.stepper.solver().linear().name();
   m.peak_memory = peak_memory();
   MPI_Allreduce(MPI_IN_PLACE, &m.peak_memory, 1, MPI_DOUBLE, MPI_SUM, world());
   return m;
@@ -85,8 +88,8 @@ void write_motion(const io::OutputFolder& folder, const Problem& problem, const 
   std::vector<double> tracking_error;
   for (int k = 0; objective && k <= trajectory.steps; ++k)
     tracking_error.push_back(objective->distance(k, trajectory.y[k]));
-  folder.write("steps.csv", io::steps_table(forward::balance(problem.stepper, load, trajectory), trajectory.contact,
-                                            tracking_error, scheme, problem.space.dim()));
+  folder.write("steps.csv", io::steps_table(forward::balance(problem.stepper, load, trajectory),
+                                            trajectory.contact, tracking_error, scheme, problem.space.dim()));
   if (const contact::Constraints* constraints = problem.stepper.constraints())
     folder.write("contact.csv", io::contact_table(stored, trajectory.contact, *constraints, scheme));
   io::write_fields(problem.space, folder, "state.xdmf", times_of(stored, scheme),
@@ -107,7 +110,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
 
   const GivenControl given(problem);
   const forward::AddLoad load = given.load();
-  forward::Trajectory trajectory(problem.initial.y, problem.steps());
+  forward::Trajectory trajectory(problem.stepper, problem.steps());
   {
     const auto timer = timers.time("forward");
     Progress progress(console, "steps", static_cast<std::size_t>(problem.steps()));
@@ -131,14 +134,18 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
 class History {
 public:
   History(const ControlProblem& problem, const scene::Optimizer& options, const Console& console)
-      : problem_(problem), progress_(console, "iterations", static_cast<std::size_t>(options.max_iterations)) {}
+      : problem_(problem),
+        progress_(console, "iterations", static_cast<std::size_t>(options.max_iterations)) {}
 
   void operator()(const optimize::Iteration& iteration) {
     const control::ReducedProblem& reduced = problem_.reduced;
     const control::Value& value = reduced.value();
-    io::HistoryRow row{iteration.number, value.total(), value.tracking, value.terminal, value.control_cost,
-                       iteration.gradient_norm, iteration.step_length, reduced.sweeps().forward,
-                       reduced.sweeps().adjoint, std::chrono::duration<double>(Clock::now() - start_).count()};
+    io::HistoryRow row{
+        iteration.number,         value.total(),
+        value.tracking,           value.terminal,
+        value.control_cost,       iteration.gradient_norm,
+        iteration.step_length,    reduced.sweeps().forward,
+        reduced.sweeps().adjoint, std::chrono::duration<double>(Clock::now() - start_).count()};
     if (problem_.reference) {
       control::Control difference = reduced.control();
       difference.add(-1, *problem_.reference);
@@ -161,20 +168,23 @@ private:
 };
 
 /// control.xdmf and adjoint.xdmf.
-void write_control(const io::OutputFolder& folder, const Problem& problem, const control::ReducedProblem& reduced) {
+void write_control(const io::OutputFolder& folder, const Problem& problem,
+                   const control::ReducedProblem& reduced) {
   const auto timer = problem.timers.time("output");
   const std::vector<int> stored = stored_steps(1, problem.steps(), problem.scene.output.every);
   const std::vector<double> times = times_of(stored, problem.stepper.scheme());
   io::write_fields(problem.space, folder, "control.xdmf", times,
                    {{"control", pick(stored, [&](int k) { return reduced.control().at(k); })}});
-  io::write_fields(problem.space, folder, "adjoint.xdmf", times,
-                   {{"adjoint", pick(stored, [&](int k) -> Vec { return reduced.adjoint_states()[k - 1]; })}});
+  io::write_fields(
+      problem.space, folder, "adjoint.xdmf", times,
+      {{"adjoint", pick(stored, [&](int k) -> Vec { return reduced.adjoint_states()[k - 1]; })}});
 }
 
 int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, const Console& console) {
   if (!scene.objective)
-    throw UserError(fmt::format("{}: optimize needs the tables [control] and [objective], and the scene has {}",
-                                scene.file.string(), scene.control ? "no objective" : "neither"));
+    throw UserError(
+        fmt::format("{}: optimize needs the tables [control] and [objective], and the scene has {}",
+                    scene.file.string(), scene.control ? "no objective" : "neither"));
   io::OutputFolder folder(world(), out);
   Timers timers;
   const Problem problem(world(), scene, {.sliding = true}, timers);
@@ -183,7 +193,8 @@ int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   control::ReducedProblem& reduced = control_problem.reduced;
 
   // A control is of the order of one by its scale; the first step is as long as a control of one throughout.
-  const control::Control one = control_problem.controls.interpolate(scene::Components(problem.space.dim(), "1"), "one");
+  const control::Control one =
+      control_problem.controls.interpolate(scene::Components(problem.space.dim(), "1"), "one");
   const optimize::Options options{.max_iterations = scene.optimizer.max_iterations,
                                   .tolerance = scene.optimizer.tolerance,
                                   .first_step = control_problem.controls.norm(one)};
@@ -206,15 +217,17 @@ int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   m.forward_sweeps = reduced.sweeps().forward;
   m.adjoint_sweeps = reduced.sweeps().adjoint;
   folder.write("run.json", io::to_json(m, scene, timers));
-  console.line(fmt::format("stopped: {}\nJ {:.6e} -> {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e}), |g| "
-                           "{:.2e} -> {:.2e} (tolerance {:.2e})\n{} iterations, {} forward and {} adjoint sweeps in {:.1f} s",
-                           optimize::name(stop), rows.front().objective, m.objective->total(), m.objective->tracking,
-                           m.objective->terminal, m.objective->control_cost, rows.front().gradient_norm,
-                           rows.back().gradient_norm, scene.optimizer.tolerance * rows.front().gradient_norm,
-                           rows.back().iteration, *m.forward_sweeps, *m.adjoint_sweeps,
-                           rows.back().seconds));
+  console.line(fmt::format(
+      "stopped: {}\nJ {:.6e} -> {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e}), |g| "
+      "{:.2e} -> {:.2e} (tolerance {:.2e})\n{} iterations, {} forward and {} adjoint sweeps in {:.1f} s",
+      optimize::name(stop), rows.front().objective, m.objective->total(), m.objective->tracking,
+      m.objective->terminal, m.objective->control_cost, rows.front().gradient_norm, rows.back().gradient_norm,
+      scene.optimizer.tolerance * rows.front().gradient_norm, rows.back().iteration, *m.forward_sweeps,
+      *m.adjoint_sweeps, rows.back().seconds));
   finish(folder, console);
-  return stop == optimize::Stop::solver_failed ? solver_failed : stop == optimize::Stop::interrupted ? interrupted : done;
+  return stop == optimize::Stop::solver_failed ? solver_failed
+         : stop == optimize::Stop::interrupted ? interrupted
+                                               : done;
 }
 
 int check(const scene::Scene& scene, const Console& console) {
@@ -243,28 +256,31 @@ int info(const scene::Scene& scene, const Console& console) {
   for (const auto& [name, on] : io::effects(scene))
     console.line(fmt::format("  {:<22}{}", name, on ? "on" : "off"));
   petsc::Vector x = problem.space.vector(), y = problem.space.vector();
-  const double solve = seconds([&] { problem.stepper.factorisation().solve(x, y); });
+  const double solve = seconds([&] { problem.stepper.solver().linear().solve(x, y); });
   const double product = seconds([&] { petsc::check(MatMult(problem.operators.M, x, y)); });
-  const double bytes = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs()) * (problem.steps() + 1);
-  // One trajectory holds y and v; optimize keeps the current and the trial one, the desired states, and the controls u of
-  // the iterate, current, trial, gradient and step, and p.
+  const double bytes =
+      sizeof(PetscScalar) * static_cast<double>(problem.space.dofs()) * (problem.steps() + 1);
+  // One trajectory holds y and v; optimize keeps the current and the trial one, the desired states, and the
+  // controls u of the iterate, current, trial, gradient and step, and p.
   const double vectors = scene.objective ? 2 * 2 + 1 + 6 + 1 : 2;
   double setup = 0;
   for (const auto& [phase, entry] : timers.entries())
     setup += entry.seconds;
   const double contact_solves = scene.contact ? 2 : 1; // in a step with contact; one without
   const double sweep = problem.steps() * (contact_solves * solve + (scene.control ? 3 : 2) * product);
-  console.line(fmt::format("unknowns: {} ({} free), cells: {}, candidates: {}, steps: {}", problem.space.dofs(),
-                           problem.free_dofs(), problem.mesh.cells(),
+  console.line(fmt::format("unknowns: {} ({} free), cells: {}, candidates: {}, steps: {}",
+                           problem.space.dofs(), problem.free_dofs(), problem.mesh.cells(),
                            problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0,
                            problem.steps()));
-  console.line(fmt::format("setup: {:.2f} s, {:.0f} MB by now; states{} will add {:.0f} MB", setup, peak_memory() / 1e6,
-                           scene.objective ? " and controls" : "", vectors * bytes / 1e6));
-  console.line(fmt::format("a forward sweep: at most about {:.2g} s ({:.2g} ms per solve with D by {}, {:.2g} ms per "
-                           "product){}",
-                           sweep, 1e3 * solve, problem.stepper.factorisation().package(), 1e3 * product,
-                           scene.objective ? fmt::format("; an optimizer's iteration, with its gradient: {:.2g} s", 2 * sweep)
-                                           : ""));
+  console.line(fmt::format("setup: {:.2f} s, {:.0f} MB by now; states{} will add {:.0f} MB", setup,
+                           peak_memory() / 1e6, scene.objective ? " and controls" : "",
+                           vectors * bytes / 1e6));
+  console.line(fmt::format(
+      "a forward sweep: at most about {:.2g} s ({:.2g} ms per solve with D by {}, {:.2g} ms per "
+      "product){}",
+      sweep, 1e3 * solve, problem.stepper.solver().linear().name(), 1e3 * product,
+      scene.objective ? fmt::format("; an optimizer's iteration, with its gradient: {:.2g} s", 2 * sweep)
+                      : ""));
   return done;
 }
 
@@ -274,7 +290,8 @@ int run(const Request& request, const Console& console) {
   std::string text; // read once: ranks that saw different scenes would wait for each other for ever
   on_root(world(), [&] { text = scene::read(request.scene); });
   const scene::Scene scene = scene::parse(broadcast(world(), text), request.scene, request.overrides);
-  const std::filesystem::path out = request.out.empty() ? std::filesystem::path("results") / scene.name : request.out;
+  const std::filesystem::path out =
+      request.out.empty() ? std::filesystem::path("results") / scene.name : request.out;
   catch_stop_signals();
   if (request.verb == "simulate")
     return simulate_scene(scene, out, console);

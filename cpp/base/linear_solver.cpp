@@ -5,42 +5,152 @@
 namespace signorini {
 using petsc::check;
 
-Factorisation::Factorisation(Mat matrix) {
-  int size = 1;
-  MPI_Comm_size(petsc::comm(matrix), &size);
-  const MatSolverType package = size == 1 ? MATSOLVERCHOLMOD : MATSOLVERMUMPS;
-  PC pc = nullptr;
-  check(KSPCreate(petsc::comm(matrix), ksp_.put()));
-  check(KSPSetOperators(ksp_, matrix, matrix));
-  check(KSPSetType(ksp_, KSPPREONLY));
-  constexpr double tolerance = 1e-12; // of an iterative solver that options may put in its place
-  check(KSPSetTolerances(ksp_, tolerance, 0, PETSC_CURRENT, PETSC_CURRENT));
-  check(KSPGetPC(ksp_, &pc));
-  check(PCSetType(pc, PCCHOLESKY));
-  check(PCFactorSetMatSolverType(pc, package));
-  check(KSPSetOptionsPrefix(ksp_, "step_"));
-  check(KSPSetFromOptions(ksp_));
-  check(KSPSetUp(ksp_));
-  PCFailedReason failed = PC_NOERROR;
-  check(PCGetFailedReason(pc, &failed));
-  if (failed != PC_NOERROR)
-    throw SolverFailure(fmt::format("the factorisation of the step operator D failed: {}",
-                                    PCFailedReasons[failed]));
-  MatSolverType used = nullptr;
-  PetscBool direct = PETSC_FALSE;
-  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &direct, PCCHOLESKY, PCLU, ""));
-  if (direct)
-    check(PCFactorGetMatSolverType(pc, &used));
-  package_ = used ? used : "options";
+namespace {
+constexpr const char* prefix = "step_";
+constexpr double megabyte = 1e6; // in which MUMPS counts
+} // namespace
+
+MumpsSolver::MumpsSolver(Mat matrix) {
+  check(MatConvert(matrix, MATAIJ, MAT_INITIAL_MATRIX, matrix_.put()));
+  check(MatSetOption(matrix_, MAT_SPD, PETSC_TRUE));
+  check(MatSetOptionsPrefix(matrix_, prefix));
+  check(MatGetFactor(matrix_, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, factor_.put()));
+  MatFactorInfo info;
+  check(MatFactorInfoInitialize(&info));
+  check(MatCholeskyFactorSymbolic(factor_, matrix_, nullptr, &info));
 }
 
-void Factorisation::solve(Vec b, Vec x) const {
+double MumpsSolver::estimate() const {
+  PetscInt megabytes = 0;
+  check(MatMumpsGetInfog(factor_, 17, &megabytes));
+  return megabyte * static_cast<double>(megabytes);
+}
+
+void MumpsSolver::factorise() {
+  MatFactorInfo info;
+  check(MatFactorInfoInitialize(&info));
+  check(MatCholeskyFactorNumeric(factor_, matrix_, &info));
+  MatFactorError error = MAT_FACTOR_NOERROR;
+  check(MatFactorGetError(factor_, &error));
+  if (error != MAT_FACTOR_NOERROR)
+    throw SolverFailure(fmt::format("the factorisation of the step operator D by MUMPS failed: error {}",
+                                    static_cast<int>(error)));
+  matrix_ = {};
+}
+
+void MumpsSolver::solve(Vec b, Vec x) const { check(MatSolve(factor_, b, x)); }
+
+double MumpsSolver::bytes() const {
+  PetscInt megabytes = 0;
+  check(MatMumpsGetInfog(factor_, 22, &megabytes));
+  return megabyte * static_cast<double>(megabytes);
+}
+
+ConjugateGradients::ConjugateGradients(Mat matrix) {
+  int size = 1;
+  MPI_Comm_size(petsc::comm(matrix), &size);
+  check(KSPCreate(petsc::comm(matrix), ksp_.put()));
+  check(KSPSetOperators(ksp_, matrix, matrix));
+  check(KSPSetType(ksp_, KSPCG));
+  check(KSPSetNormType(ksp_, KSP_NORM_NATURAL));
+  check(KSPSetInitialGuessNonzero(ksp_, PETSC_TRUE));
+  constexpr double tolerance = 1e-12; // the gradient is exact to about this
+  constexpr PetscInt most = 2000;
+  check(KSPSetTolerances(ksp_, tolerance, 0, PETSC_CURRENT, most));
+  check(KSPSetOptionsPrefix(ksp_, prefix));
+  PC shell = nullptr;
+  check(KSPGetPC(ksp_, &shell));
+  check(PCSetType(shell, PCSHELL));
+  check(PCSetOptionsPrefix(shell, "step_projected_")); // -step_pc_… is the preconditioner inside
+  check(PCShellSetContext(shell, this));
+  check(PCShellSetApply(shell, precondition));
+  check(KSPSetFromOptions(ksp_));
+  check(KSPGetTolerances(ksp_, &tolerance_, nullptr, nullptr, nullptr));
+
+  check(MatCreateVecs(matrix, projected_.put(), nullptr));
+  check(PCCreate(petsc::comm(matrix), preconditioner_.put()));
+  check(PCSetOperators(preconditioner_, matrix, matrix));
+  check(PCSetType(preconditioner_, size == 1 ? PCICC : PCBJACOBI));
+  check(PCSetOptionsPrefix(preconditioner_, prefix));
+  petsc::default_option("step_sub", "pc_type", PCICC);
+  check(PCSetFromOptions(preconditioner_));
+  check(PCSetUp(preconditioner_));
+  check(PCSetUpOnBlocks(preconditioner_));
+  PCFailedReason failed = PC_NOERROR;
+  check(PCGetFailedReason(preconditioner_, &failed));
+  if (failed != PC_NOERROR)
+    throw SolverFailure(fmt::format("the preconditioner of the step operator D could not be set up: {}",
+                                    PCFailedReasons[failed]));
+  PCType type = nullptr;
+  check(PCGetType(preconditioner_, &type));
+  name_ = fmt::format("CG with {}", type);
+}
+
+PetscErrorCode ConjugateGradients::precondition(PC shell, Vec x, Vec y) {
+  PetscFunctionBeginUser;
+  void* context = nullptr;
+  PetscCall(PCShellGetContext(shell, &context));
+  const auto& self = *static_cast<const ConjugateGradients*>(context);
+  if (!self.project_) {
+    PetscCall(PCApply(self.preconditioner_, x, y));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  try {
+    PetscCall(VecCopy(x, self.projected_));
+    (*self.project_)(self.projected_);
+    PetscCall(PCApply(self.preconditioner_, self.projected_, y));
+    (*self.project_)(y);
+  } catch (...) { // no exception may cross PETSc
+    PetscFunctionReturn(PETSC_ERR_LIB);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void ConjugateGradients::solve(Vec b, Vec x) const {
+  static const Projector none;
+  (void)solve(b, x, none, tolerance_);
+}
+
+int ConjugateGradients::solve(Vec b, Vec x, const Projector& project, double tolerance) const {
+  project_ = project ? &project : nullptr;
+  check(KSPSetTolerances(ksp_, tolerance, PETSC_CURRENT, PETSC_CURRENT, PETSC_CURRENT));
   check(KSPSolve(ksp_, b, x));
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  PetscInt iterations = 0;
+  PetscReal residual = 0;
   check(KSPGetConvergedReason(ksp_, &reason));
+  check(KSPGetIterationNumber(ksp_, &iterations));
+  check(KSPGetResidualNorm(ksp_, &residual));
   if (reason < 0)
-    throw SolverFailure(fmt::format("the solve with the step operator D failed: {}",
-                                    KSPConvergedReasons[reason]));
+    throw SolverFailure(fmt::format(
+        "the solve with the step operator D by {} failed: {}, residual {:.3e} after {} iterations", name_,
+        KSPConvergedReasons[reason], residual, static_cast<int>(iterations)));
+  return static_cast<int>(iterations);
+}
+
+double ConjugateGradients::bytes() const {
+  PC block = preconditioner_;
+  PetscBool blocks = PETSC_FALSE, factor = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(block), PCBJACOBI, &blocks));
+  if (blocks) {
+    KSP* solvers = nullptr;
+    PetscInt count = 0, first = 0;
+    check(PCBJacobiGetSubKSP(preconditioner_, &count, &first, &solvers));
+    if (count == 1)
+      check(KSPGetPC(solvers[0], &block));
+  }
+  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(block), &factor, PCICC, PCILU, ""));
+  double sum = 0; // of other preconditioners PETSc does not tell it
+  if (factor) {
+    Mat incomplete = nullptr;
+    check(PCFactorGetMatrix(block, &incomplete));
+    MatInfo info;
+    check(MatGetInfo(incomplete, MAT_LOCAL, &info));
+    sum = info.memory > 0 ? info.memory : (sizeof(PetscScalar) + sizeof(PetscInt)) * info.nz_used;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM,
+                petsc::comm(reinterpret_cast<PetscObject>(static_cast<PC>(preconditioner_))));
+  return sum;
 }
 
 } // namespace signorini

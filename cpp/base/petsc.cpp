@@ -73,6 +73,12 @@ WriteArray::WriteArray(Vec x) : x_(x) {
 
 WriteArray::~WriteArray() { (void)VecRestoreArray(x_, &data_); }
 
+double bytes(Mat matrix) {
+  MatInfo info;
+  check(MatGetInfo(matrix, MAT_GLOBAL_SUM, &info));
+  return info.memory;
+}
+
 double dot(Vec x, Vec y) {
   PetscScalar value = 0;
   check(VecDot(x, y, &value));

@@ -42,6 +42,7 @@ private:
 using Vector = Handle<Vec, VecDestroy>;
 using Matrix = Handle<Mat, MatDestroy>;
 using LinearSolver = Handle<KSP, KSPDestroy>;
+using Preconditioner = Handle<PC, PCDestroy>;
 using NonlinearSolver = Handle<SNES, SNESDestroy>;
 using IndexSet = Handle<IS, ISDestroy>;
 
@@ -90,6 +91,9 @@ private:
   PetscScalar* data_ = nullptr;
   std::size_t size_ = 0;
 };
+
+/// Memory of a matrix on all ranks, bytes. Collective.
+double bytes(Mat matrix);
 
 /// x·y. Collective.
 double dot(Vec x, Vec y);

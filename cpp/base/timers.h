@@ -33,7 +33,4 @@ private:
   std::map<std::string, Entry> entries_;
 };
 
-/// Peak resident memory of this process, bytes.
-double peak_memory();
-
 } // namespace signorini

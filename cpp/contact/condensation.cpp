@@ -1,51 +1,43 @@
 #include "contact/condensation.h"
 #include "base/error.h"
-#include "base/signals.h"
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
 #include <petscblaslapack.h>
 
 namespace signorini::contact {
-using petsc::check;
 
-Condensation::Condensation(const Constraints& constraints, const Factorisation& D, Vec layout)
-    : constraints_(constraints), D_(D), work_(petsc::zero_like(layout)) {
-  const std::size_t m = static_cast<std::size_t>(constraints.count());
-  S_.resize(m * m);
-  petsc::Vector column = petsc::zero_like(layout);
-  std::vector<double> unit(m, 0.0);
-  for (std::size_t j = 0; j < m; ++j) {
-    if (stop_requested(petsc::comm(layout)))
-      throw Interrupted();
-    check(VecZeroEntries(work_));
-    unit[j] = 1;
-    constraints.add_normal(1, unit, work_);
-    unit[j] = 0;
-    D.solve(work_, column);
-    constraints.normal_components(column, std::span(&S_[j * m], m));
-  }
-  for (std::size_t i = 0; i < m; ++i) // rounding of the solves is the only asymmetry
-    for (std::size_t j = 0; j < i; ++j)
-      S_[i * m + j] = S_[j * m + i] = (S_[i * m + j] + S_[j * m + i]) / 2;
+Condensation::Condensation(const Constraints& constraints, const Elimination& elimination)
+    : constraints_(constraints), elimination_(elimination), S_(elimination.condensed()),
+      zero_(static_cast<std::size_t>(constraints.count()), 0.0) {
+  const std::size_t m = zero_.size();
+  work_.factorised.reserve(m);
+  work_.factor.reserve(m * m);
+  work_.b.reserve(m);
+  work_.normal.resize(m);
+  work_.mu.resize(m);
 }
 
-std::vector<double> Condensation::solve_active(const ActiveSet& set, std::vector<double> b) const {
+void Condensation::solve_active(const ActiveSet& set, std::span<double> b) const {
   if (set.empty())
-    return b;
-  const std::size_t m = static_cast<std::size_t>(constraints_.count());
+    return;
+  const std::size_t m = zero_.size();
   const PetscBLASInt n = static_cast<PetscBLASInt>(set.size()), one = 1;
-  std::vector<double> factor(set.size() * set.size());
-  for (std::size_t i = 0; i < set.size(); ++i)
-    for (std::size_t j = 0; j < set.size(); ++j)
-      factor[i * set.size() + j] = S_[static_cast<std::size_t>(set[i]) * m + static_cast<std::size_t>(set[j])];
   PetscBLASInt info = 0;
-  LAPACKpotrf_("L", &n, factor.data(), &n, &info);
-  if (info != 0)
-    throw SolverFailure(fmt::format("the condensed matrix of {} active candidates is singular (pivot {})",
-                                    set.size(), static_cast<int>(info)));
-  LAPACKpotrs_("L", &n, &one, factor.data(), &n, b.data(), &n, &info);
-  return b;
+  if (set != work_.factorised) {
+    work_.factorised.clear();
+    work_.factor.resize(set.size() * set.size());
+    for (std::size_t i = 0; i < set.size(); ++i)
+      for (std::size_t j = 0; j < set.size(); ++j)
+        work_.factor[i * set.size() + j] =
+            S_[static_cast<std::size_t>(set[i]) * m + static_cast<std::size_t>(set[j])];
+    LAPACKpotrf_("L", &n, work_.factor.data(), &n, &info);
+    if (info != 0)
+      throw SolverFailure(fmt::format("the condensed matrix of {} active candidates is singular (pivot {})",
+                                      set.size(), static_cast<int>(info)));
+    work_.factorised = set;
+  }
+  LAPACKpotrs_("L", &n, &one, work_.factor.data(), &n, b.data(), &n, &info);
 }
 
 std::vector<double> Condensation::inverse() const {
@@ -65,50 +57,64 @@ std::vector<double> Condensation::inverse() const {
   return K;
 }
 
-void Condensation::refine(Vec r, const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
-                          Vec y) const {
-  // Where rigid motions dominate S (a stiff body without a clamp) its condition leaves digits of the constraints open; each
-  // pass gains what the factorisation has. A well-conditioned S ends after the first.
+void Condensation::finish(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
+                          std::span<double> normal, Vec y) const {
+  // Where rigid motions dominate S (a stiff body without a clamp) its condition leaves digits of the
+  // constraints open; each pass gains what the factorisation has. A well-conditioned S ends after the first.
   constexpr int most = 4;
-  std::vector<double> normal(lambda.size());
-  for (int pass = 0; pass < most; ++pass) {
-    check(VecCopy(r, work_));
-    constraints_.add_normal(-1, lambda, work_);
-    D_.solve(work_, y);
+  for (int pass = 0;; ++pass) {
+    elimination_.finish(lambda, y);
     constraints_.normal_components(y, normal);
     double size = 0, defect = 0;
     for (std::size_t i = 0; i < normal.size(); ++i)
       size = std::max({size, std::abs(normal[i]), std::abs(psi[i])});
-    std::vector<double> slip;
+    work_.b.clear();
     for (int i : set) {
-      slip.push_back(normal[static_cast<std::size_t>(i)] - psi[static_cast<std::size_t>(i)]);
-      defect = std::max(defect, std::abs(slip.back()));
+      work_.b.push_back(normal[static_cast<std::size_t>(i)] - psi[static_cast<std::size_t>(i)]);
+      defect = std::max(defect, std::abs(work_.b.back()));
     }
-    if (defect <= 10 * std::numeric_limits<double>::epsilon() * size)
+    if (defect <= 10 * std::numeric_limits<double>::epsilon() * size || pass + 1 == most)
       return;
-    const std::vector<double> correction = solve_active(set, slip);
+    solve_active(set, work_.b);
     for (std::size_t i = 0; i < set.size(); ++i)
-      lambda[static_cast<std::size_t>(set[i])] += correction[i];
+      lambda[static_cast<std::size_t>(set[i])] += work_.b[i];
   }
 }
 
-void Condensation::solve_closed(Vec r, const ActiveSet& set, std::span<double> lambda, Vec y) const {
-  refine(r, set, constraints_.psi(), lambda, y);
+void Condensation::predict_gap(Vec r, std::span<double> gap) const {
+  elimination_.predict(r, gap);
+  for (std::size_t i = 0; i < gap.size(); ++i)
+    gap[i] = constraints_.psi()[i] - gap[i];
+}
+
+void Condensation::finish_closed(const ActiveSet& set, std::span<double> lambda, std::span<double> gap,
+                                 Vec y) const {
+  finish(set, constraints_.psi(), lambda, gap, y);
+  for (std::size_t i = 0; i < gap.size(); ++i)
+    gap[i] = constraints_.psi()[i] - gap[i];
 }
 
 void Condensation::solve_sliding(Vec r, const ActiveSet& set, Vec p) const {
-  D_.solve(r, p);
-  if (set.empty())
+  elimination_.predict(r, work_.normal);
+  if (set.empty()) {
+    elimination_.finish(zero_, p);
     return;
-  const std::vector<double> zero(static_cast<std::size_t>(constraints_.count()), 0.0);
-  std::vector<double> normal(zero.size()), mu = zero, slip;
-  constraints_.normal_components(p, normal);
+  }
+  work_.b.clear();
   for (int i : set)
-    slip.push_back(normal[static_cast<std::size_t>(i)]);
-  slip = solve_active(set, slip);
+    work_.b.push_back(work_.normal[static_cast<std::size_t>(i)]);
+  solve_active(set, work_.b);
+  std::ranges::fill(work_.mu, 0);
   for (std::size_t i = 0; i < set.size(); ++i)
-    mu[static_cast<std::size_t>(set[i])] = slip[i];
-  refine(r, set, zero, mu, p);
+    work_.mu[static_cast<std::size_t>(set[i])] = work_.b[i];
+  finish(set, zero_, work_.mu, work_.normal, p);
+}
+
+double Condensation::bytes() const {
+  int ranks = 1;
+  MPI_Comm_size(constraints_.comm(), &ranks);
+  return elimination_.bytes() +
+         ranks * sizeof(double) * static_cast<double>(S_.size() + work_.factor.capacity());
 }
 
 } // namespace signorini::contact

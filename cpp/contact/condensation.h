@@ -1,15 +1,25 @@
 #pragma once
-#include "base/linear_solver.h"
-#include "contact/constraints.h"
 #include "contact/contact_state.h"
+#include "contact/elimination.h"
 
 namespace signorini::contact {
 
-/// The step operator condensed to the contact candidates: S = NᵀD⁻¹N, method.md section 6.
-class Condensation {
+/// Solver of a step's linearisation: p with D p − μ = r, p·ν = 0 on an active set and μ a normal force on it.
+/// It is its own transpose.
+class SlidingSolver {
 public:
-  /// One solve with D per candidate. Collective. The arguments must outlive this object.
-  Condensation(const Constraints& constraints, const Factorisation& D, Vec layout);
+  virtual ~SlidingSolver() = default;
+
+  /// `p` holds a guess on entry, which direct solvers ignore; `r` and `p` must differ. Collective. Throws
+  /// SolverFailure.
+  virtual void solve_sliding(Vec r, const ActiveSet& set, Vec p) const = 0;
+};
+
+/// The step operator condensed to the contact candidates: S = NᵀD⁻¹N, method.md section 6.
+class Condensation final : public SlidingSolver {
+public:
+  /// Collective. The arguments must outlive this object.
+  Condensation(const Constraints& constraints, const Elimination& elimination);
 
   /// S (m × m), symmetric, the same on every rank.
   [[nodiscard]] const std::vector<double>& S() const { return S_; }
@@ -17,24 +27,38 @@ public:
   /// S⁻¹ (m × m). Throws SolverFailure if S is singular.
   [[nodiscard]] std::vector<double> inverse() const;
 
-  /// S_AA⁻¹ b on a set of candidates. Throws SolverFailure if S_AA is singular.
-  [[nodiscard]] std::vector<double> solve_active(const ActiveSet& set, std::vector<double> b) const;
+  /// b ← S_AA⁻¹ b on a set of candidates, entry by entry of the set. Throws SolverFailure if S_AA is
+  /// singular.
+  void solve_active(const ActiveSet& set, std::span<double> b) const;
 
-  /// y with D y = r − Nλ and g(y) = 0 on `set`, λ zero elsewhere; `lambda` (m) holds a guess, such as that of the gaps
-  /// predicted by D⁻¹r, and then λ. Refined until the gaps vanish to rounding. Collective.
-  void solve_closed(Vec r, const ActiveSet& set, std::span<double> lambda, Vec y) const;
+  /// Predicted gaps g⁰ = g(D⁻¹r) (m). Collective.
+  void predict_gap(Vec r, std::span<double> gap) const;
 
-  /// p with D p − μ = r, p·ν = 0 on `set` and μ a normal force on `set`: a step's linearisation, and its own
-  /// transpose. `r` and `p` must differ. Collective.
-  void solve_sliding(Vec r, const ActiveSet& set, Vec p) const;
+  /// y with D y = r − Nλ and g(y) = 0 on `set`, λ zero elsewhere, for the last r that gaps were predicted
+  /// for; `lambda` (m) holds the forces that the prediction calls for, and then λ, refined until the gaps
+  /// vanish to rounding; `gap` (m) becomes g(y). Collective.
+  void finish_closed(const ActiveSet& set, std::span<double> lambda, std::span<double> gap, Vec y) const;
+
+  void solve_sliding(Vec r, const ActiveSet& set, Vec p) const override;
+
+  /// Memory on all ranks, bytes. Collective.
+  [[nodiscard]] double bytes() const;
 
 private:
-  void refine(Vec r, const ActiveSet& set, std::span<const double> psi, std::span<double> lambda, Vec y) const;
+  void finish(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
+              std::span<double> normal, Vec y) const;
 
   const Constraints& constraints_;
-  const Factorisation& D_;
+  const Elimination& elimination_;
   std::vector<double> S_;
-  petsc::Vector work_;
+  const std::vector<double> zero_; ///< (m)
+
+  /// Work of const members; the factor of S_AA is kept while the set does not change.
+  struct Work {
+    ActiveSet factorised;
+    std::vector<double> factor, b, normal, mu;
+  };
+  mutable Work work_;
 };
 
 } // namespace signorini::contact

@@ -5,101 +5,112 @@
 namespace signorini::contact {
 using petsc::check;
 
-CondensedVi::CondensedVi(const Constraints& constraints, const Condensation& condensation, const Factorisation& D,
+CondensedVi::CondensedVi(const Constraints& constraints, const Condensation& condensation,
                          const Complementarity& complementarity)
-    : constraints_(constraints), condensation_(condensation), D_(D), complementarity_(complementarity),
-      length_unit_(constraints.gap_tolerance()) {
-  const PetscInt m = constraints.count();
-  const std::vector<double> inverse = condensation.inverse();
+    : constraints_(constraints), condensation_(condensation), complementarity_(complementarity),
+      length_unit_(constraints.gap_tolerance()), gap0_(static_cast<std::size_t>(constraints.count())) {
+  forces_.reserve(gap0_.size());
+  set_.reserve(gap0_.size());
+}
+
+const CondensedVi::Petsc& CondensedVi::petsc() const {
+  if (petsc_)
+    return *petsc_;
+  auto made = std::make_unique<Petsc>();
+  const PetscInt m = constraints_.count();
+  const std::vector<double> inverse = condensation_.inverse();
   double mean = 0;
   for (PetscInt i = 0; i < m; ++i)
     mean += inverse[static_cast<std::size_t>(i * m + i)] / m;
-  check(MatCreateSeqDense(PETSC_COMM_SELF, m, m, nullptr, K_.put()));
+  check(MatCreateSeqDense(PETSC_COMM_SELF, m, m, nullptr, made->K.put()));
   {
     PetscScalar* entries = nullptr;
-    check(MatDenseGetArrayWrite(K_, &entries));
+    check(MatDenseGetArrayWrite(made->K, &entries));
     std::ranges::transform(inverse, entries, [&](double k) { return k / mean; });
-    check(MatDenseRestoreArrayWrite(K_, &entries));
+    check(MatDenseRestoreArrayWrite(made->K, &entries));
   }
-  check(MatCreateVecs(K_, x_.put(), gap0_.put()));
-  constant_ = petsc::zero_like(x_);
-  petsc::Vector lower = petsc::zero_like(x_), upper = petsc::zero_like(x_);
+  check(MatCreateVecs(made->K, made->x.put(), made->gap0.put()));
+  made->constant = petsc::zero_like(made->x);
+  petsc::Vector lower = petsc::zero_like(made->x), upper = petsc::zero_like(made->x);
   check(VecSet(upper, PETSC_INFINITY));
-  vi_.emplace("condensed_vi", K_, std::move(lower), std::move(upper), MATSOLVERPETSC);
+  made->vi =
+      std::make_unique<LinearVi>("condensed_vi", made->K, std::move(lower), std::move(upper), MATSOLVERPETSC);
+  petsc_ = std::move(made);
+  return *petsc_;
 }
 
-void CondensedVi::solve_on(const ActiveSet& set, std::span<const double> gap0, ContactState& state) const {
-  const std::size_t m = gap0.size();
-  std::vector<double> b;
-  for (int i : set)
-    b.push_back(-gap0[static_cast<std::size_t>(i)]);
-  const std::vector<double> forces = condensation_.solve_active(set, b);
-  state.lambda.assign(m, 0);
-  state.gap.assign(gap0.begin(), gap0.end());
-  for (std::size_t j = 0; j < set.size(); ++j) {
-    state.lambda[static_cast<std::size_t>(set[j])] = forces[j];
-    const double* column = &condensation_.S()[static_cast<std::size_t>(set[j]) * m];
+void CondensedVi::solve_on_set(ContactState& state) const {
+  const std::size_t m = gap0_.size();
+  forces_.clear();
+  for (int i : set_)
+    forces_.push_back(-gap0_[static_cast<std::size_t>(i)]);
+  condensation_.solve_active(set_, forces_);
+  std::ranges::fill(state.lambda, 0);
+  std::ranges::copy(gap0_, state.gap.begin());
+  for (std::size_t j = 0; j < set_.size(); ++j) {
+    state.lambda[static_cast<std::size_t>(set_[j])] = forces_[j];
+    const double* column = &condensation_.S()[static_cast<std::size_t>(set_[j]) * m];
     for (std::size_t i = 0; i < m; ++i)
-      state.gap[i] += column[i] * forces[j];
+      state.gap[i] += column[i] * forces_[j];
   }
 }
 
-ActiveSet CondensedVi::find_set(std::span<const double> gap0, std::span<const double> guess, int& iterations) const {
+void CondensedVi::settle(ContactState& state, int most) const {
+  for (int i = 0; i < most && !complementarity_.holds(state.lambda, state.gap); ++i, ++state.vi_iterations) {
+    set_.clear();
+    for (std::size_t j = 0; j < gap0_.size(); ++j)
+      if (state.lambda[j] > 0 || (state.lambda[j] == 0 && state.gap[j] < 0))
+        set_.push_back(static_cast<int>(j));
+    solve_on_set(state);
+  }
+}
+
+void CondensedVi::find_set(ContactState& state) const {
+  const Petsc& solver = petsc();
   {
-    const petsc::WriteArray g(gap0_), x(x_);
-    for (std::size_t i = 0; i < gap0.size(); ++i) {
-      g[i] = -gap0[i] / length_unit_;
-      x[i] = std::max(guess[i], 0.0) / length_unit_;
+    const petsc::WriteArray g(solver.gap0), x(solver.x);
+    for (std::size_t i = 0; i < gap0_.size(); ++i) {
+      g[i] = -gap0_[i] / length_unit_;
+      x[i] = std::max(state.gap[i], 0.0) / length_unit_;
     }
   }
-  check(MatMult(K_, gap0_, constant_));
-  ActiveSet set;
+  check(MatMult(solver.K, solver.gap0, solver.constant));
+  set_.clear();
   try {
-    iterations += vi_->solve(constant_, x_);
+    state.vi_iterations += solver.vi->solve(solver.constant, solver.x);
   } catch (const SolverFailure&) { // the caller settles the set from here, and fails if that does not end
-    for (std::size_t i = 0; i < gap0.size(); ++i)
-      if (gap0[i] < 0)
-        set.push_back(static_cast<int>(i));
-    return set;
+    for (std::size_t i = 0; i < gap0_.size(); ++i)
+      if (gap0_[i] < 0)
+        set_.push_back(static_cast<int>(i));
+    return;
   }
-  const petsc::ReadArray x(x_), force(vi_->residual());
+  const petsc::ReadArray x(solver.x), force(solver.vi->residual());
   for (std::size_t i = 0; i < x.size(); ++i)
     if (force[i] > x[i]) // one of them is zero, to within the solver's tolerance
-      set.push_back(static_cast<int>(i));
-  return set;
+      set_.push_back(static_cast<int>(i));
 }
 
-ContactState CondensedVi::solve(Vec r, const ContactState& previous, Vec y) const {
-  ContactState state;
-  std::vector<double> gap0(static_cast<std::size_t>(constraints_.count()));
-  D_.solve(r, y);
-  constraints_.gap(y, gap0);
-  if (std::ranges::all_of(gap0, [](double g) { return g >= 0; })) {
-    state.lambda.assign(gap0.size(), 0);
-    state.gap = std::move(gap0);
-    complementarity_.classify(state);
-    return state;
+void CondensedVi::solve(Vec r, const ContactState& previous, ContactState& state, Vec y) const {
+  state.vi_iterations = 0;
+  condensation_.predict_gap(r, gap0_);
+  set_.clear();
+  if (std::ranges::any_of(gap0_, [](double g) { return g < 0; })) {
+    set_ = previous.active;
+    solve_on_set(state);
+    constexpr int soon = 5; // a set that moves by a candidate or two is settled by then
+    settle(state, soon);
+    if (!complementarity_.holds(state.lambda, state.gap)) {
+      find_set(state);
+      solve_on_set(state);
+      // Candidates within the VI solver's tolerance of both bounds may be on the wrong side.
+      constexpr int most = 50;
+      settle(state, most);
+    }
+  } else {
+    std::ranges::fill(state.lambda, 0);
   }
-  solve_on(previous.active(), gap0, state);
-  if (!complementarity_.holds(state.lambda, state.gap))
-    solve_on(find_set(gap0, state.gap, state.vi_iterations), gap0, state);
-  // Candidates within the VI solver's tolerance of both bounds may be on the wrong side: primal-dual steps settle them.
-  constexpr int most = 50;
-  for (int i = 0; i < most && !complementarity_.holds(state.lambda, state.gap); ++i, ++state.vi_iterations) {
-    ActiveSet settled;
-    for (std::size_t j = 0; j < gap0.size(); ++j)
-      if (state.lambda[j] > 0 || (state.lambda[j] == 0 && state.gap[j] < 0))
-        settled.push_back(static_cast<int>(j));
-    solve_on(settled, gap0, state);
-  }
-  ActiveSet set;
-  for (std::size_t i = 0; i < state.lambda.size(); ++i)
-    if (state.lambda[i] != 0)
-      set.push_back(static_cast<int>(i));
-  condensation_.solve_closed(r, set, state.lambda, y);
-  constraints_.gap(y, state.gap);
+  condensation_.finish_closed(set_, state.lambda, state.gap, y);
   complementarity_.classify(state);
-  return state;
 }
 
 } // namespace signorini::contact

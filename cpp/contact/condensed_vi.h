@@ -2,36 +2,47 @@
 #include "contact/condensation.h"
 #include "contact/linear_vi.h"
 #include "contact/vi_solver.h"
-#include <optional>
+#include <memory>
 
 namespace signorini::contact {
 
-/// The step's VI condensed to the m candidates (method.md section 6): with the predicted gaps g⁰ = g(D⁻¹r) it is
-/// 0 ≤ λ ⟂ g = g⁰ + Sλ ≥ 0, and y = D⁻¹(r − Nλ). No VI is solved if no predicted gap is negative, nor if the previous
-/// active set turns out to be the right one; else PETSc's VI solver finds the set, in the gaps: 0 ≤ g ⟂ S⁻¹(g − g⁰) ≥ 0.
-/// S⁻¹, unlike S, is close to an M-matrix, for which reduced-space Newton does not cycle. Solved on every rank alike.
+/// The step's VI condensed to the m candidates (method.md section 6): with the predicted gaps g⁰ = g(D⁻¹r) it
+/// is 0 ≤ λ ⟂ g = g⁰ + Sλ ≥ 0, and y = D⁻¹(r − Nλ). No VI is solved if no predicted gap is negative. Else the
+/// set is sought by primal-dual steps from the previous one, which is mostly the right one or a neighbour;
+/// where that does not settle it soon, PETSc's VI solver finds it, in the gaps: 0 ≤ g ⟂ S⁻¹(g − g⁰) ≥ 0. S⁻¹,
+/// unlike S, is close to an M-matrix, for which reduced-space Newton does not cycle. Solved on every rank
+/// alike.
 class CondensedVi final : public ViSolver {
 public:
-  /// Collective. The arguments must outlive this object. PETSc options with the prefix `-condensed_vi_` are honoured.
-  CondensedVi(const Constraints& constraints, const Condensation& condensation, const Factorisation& D,
+  /// The arguments must outlive this object. PETSc options with the prefix `-condensed_vi_` are honoured.
+  CondensedVi(const Constraints& constraints, const Condensation& condensation,
               const Complementarity& complementarity);
 
-  ContactState solve(Vec r, const ContactState& previous, Vec y) const override;
+  void solve(Vec r, const ContactState& previous, ContactState& state, Vec y) const override;
 
 private:
-  /// λ with gap zero on `set`, and all the gaps that follow.
-  void solve_on(const ActiveSet& set, std::span<const double> gap0, ContactState& state) const;
-  /// The active set that PETSc's VI solver finds, starting from the gaps of a guess.
-  ActiveSet find_set(std::span<const double> gap0, std::span<const double> guess, int& iterations) const;
+  /// PETSc's VI solver of the condensed problem, made when it is first needed.
+  struct Petsc {
+    petsc::Matrix K; ///< S⁻¹ in units in which its diagonal is about one
+    petsc::Vector x, gap0, constant;
+    std::unique_ptr<LinearVi> vi;
+  };
+
+  /// λ with gap zero on set_, and all the gaps that follow.
+  void solve_on_set(ContactState& state) const;
+  /// Primal-dual steps until the state is complementary, `most` at most.
+  void settle(ContactState& state, int most) const;
+  /// Lets PETSc's VI solver find set_, starting from the gaps of `state`.
+  void find_set(ContactState& state) const;
+  const Petsc& petsc() const;
 
   const Constraints& constraints_;
   const Condensation& condensation_;
-  const Factorisation& D_;
   const Complementarity& complementarity_;
   double length_unit_; ///< of the VI: a negligible gap
-  petsc::Matrix K_;    ///< S⁻¹ in units in which its diagonal is about one
-  petsc::Vector x_, gap0_, constant_;
-  std::optional<LinearVi> vi_;
+  mutable std::vector<double> gap0_, forces_;
+  mutable ActiveSet set_;
+  mutable std::unique_ptr<Petsc> petsc_;
 };
 
 } // namespace signorini::contact

@@ -39,9 +39,10 @@ Constraints::Constraints(const fem::Space& space, const fem::Clamped& clamped, c
   first = gather(comm_, first, MPI_INT64_T);
   const std::size_t m = first.size();
   if (m == 0)
-    throw UserError(fmt::format("contact.on: every node of the group \"{}\" is clamped, allowed is a group with "
-                                "nodes that can move",
-                                contact.on));
+    throw UserError(
+        fmt::format("contact.on: every node of the group \"{}\" is clamped, allowed is a group with "
+                    "nodes that can move",
+                    contact.on));
   std::vector<std::size_t> order(m);
   std::iota(order.begin(), order.end(), 0);
   // Coordinates of a node may differ in the last digits from one partition of the mesh to another.
@@ -63,18 +64,17 @@ Constraints::Constraints(const fem::Space& space, const fem::Clamped& clamped, c
     psi_.push_back(height);
   }
   const PetscInt end = space.first_dof() + space.owned_nodes() * dim_;
-  for (int i = 0; i < count(); ++i)
-    if (first_dofs_[i] >= space.first_dof() && first_dofs_[i] < end)
-      owned_.push_back({i, static_cast<int>(first_dofs_[i] - space.first_dof())});
+  for (PetscInt dof : first_dofs_)
+    local_.push_back(dof >= space.first_dof() && dof < end ? static_cast<int>(dof - space.first_dof()) : -1);
 }
 
 void Constraints::normal_components(Vec x, std::span<double> out) const {
   std::ranges::fill(out, 0);
   {
     const petsc::ReadArray values(x);
-    for (const Owned& own : owned_)
-      for (int c = 0; c < dim_; ++c)
-        out[own.candidate] += normals_[own.candidate * dim_ + c] * values[own.dof + c];
+    for (int i = 0; i < count(); ++i)
+      for (int c = 0; local_[i] >= 0 && c < dim_; ++c)
+        out[i] += normals_[i * dim_ + c] * values[local_[i] + c];
   }
   // Every entry comes from one rank alone, so the sum is exact and the same on all of them.
   MPI_Allreduce(MPI_IN_PLACE, out.data(), count(), MPI_DOUBLE, MPI_SUM, comm_);
@@ -88,9 +88,23 @@ void Constraints::gap(Vec y, std::span<double> out) const {
 
 void Constraints::add_normal(double scale, std::span<const double> lambda, Vec x) const {
   const petsc::WriteArray values(x);
-  for (const Owned& own : owned_)
+  for (int i = 0; i < count(); ++i)
+    for (int c = 0; local_[i] >= 0 && c < dim_; ++c)
+      values[local_[i] + c] += scale * lambda[i] * normals_[i * dim_ + c];
+}
+
+void Constraints::set_normal(std::span<const int> set, std::span<const double> value, Vec x) const {
+  const petsc::WriteArray values(x);
+  for (int i : set) {
+    if (local_[i] < 0)
+      continue;
+    const double* nu = &normals_[i * dim_];
+    double change = value[i];
     for (int c = 0; c < dim_; ++c)
-      values[own.dof + c] += scale * lambda[own.candidate] * normals_[own.candidate * dim_ + c];
+      change -= nu[c] * values[local_[i] + c];
+    for (int c = 0; c < dim_; ++c)
+      values[local_[i] + c] += change * nu[c];
+  }
 }
 
 void Constraints::require_outside(Vec y) const {
@@ -100,9 +114,10 @@ void Constraints::require_outside(Vec y) const {
   if (*deepest >= -gap_tolerance_)
     return;
   const double* x = &points_[3 * (deepest - g.begin())];
-  throw UserError(fmt::format("contact: the node at ({:.6g}, {:.6g}, {:.6g}) starts {:.6g} m inside the obstacle, allowed "
-                              "are bodies that start outside (the obstacle's normal points out of it)",
-                              x[0], x[1], x[2], -*deepest));
+  throw UserError(fmt::format(
+      "contact: the node at ({:.6g}, {:.6g}, {:.6g}) starts {:.6g} m inside the obstacle, allowed "
+      "are bodies that start outside (the obstacle's normal points out of it)",
+      x[0], x[1], x[2], -*deepest));
 }
 
 } // namespace signorini::contact

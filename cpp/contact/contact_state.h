@@ -20,19 +20,17 @@ struct ContactState {
   std::vector<double> lambda; ///< λ_i ≥ 0: τ²/2 times the nodal contact force
   std::vector<double> gap;    ///< g_i, m
   std::vector<Status> status;
-  int vi_iterations = 0; ///< Newton steps of the VI solver; 0 where it was not needed
+  ActiveSet active;      ///< A = S ∪ W
+  int vi_iterations = 0; ///< Newton steps that found the active set; 0 where the previous step's was right
 
-  [[nodiscard]] int count(Status which) const {
-    return static_cast<int>(std::ranges::count(status, which));
+  /// All m candidates open. Holds room for every active set, so that steps do not allocate.
+  explicit ContactState(int m = 0)
+      : lambda(static_cast<std::size_t>(m)), gap(static_cast<std::size_t>(m)),
+        status(static_cast<std::size_t>(m), Status::open) {
+    active.reserve(static_cast<std::size_t>(m));
   }
-  /// A = S ∪ W.
-  [[nodiscard]] ActiveSet active() const {
-    ActiveSet set;
-    for (std::size_t i = 0; i < status.size(); ++i)
-      if (status[i] != Status::open)
-        set.push_back(static_cast<int>(i));
-    return set;
-  }
+
+  [[nodiscard]] int count(Status which) const { return static_cast<int>(std::ranges::count(status, which)); }
 };
 
 } // namespace signorini::contact

@@ -27,7 +27,8 @@ petsc::Matrix frames(const Constraints& constraints, Mat D) {
   PetscInt rows = 0, begin = 0, end = 0;
   check(MatGetLocalSize(D, &rows, nullptr));
   check(MatGetOwnershipRange(D, &begin, &end));
-  check(MatCreateAIJ(petsc::comm(D), rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, dim, nullptr, 0, nullptr, Q.put()));
+  check(MatCreateAIJ(petsc::comm(D), rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, dim, nullptr, 0, nullptr,
+                     Q.put()));
   for (PetscInt i = begin; i < end; ++i)
     check(MatSetValue(Q, i, i, 1, INSERT_VALUES));
   for (int i = 0; i < constraints.count(); ++i) {
@@ -48,7 +49,9 @@ petsc::Matrix frames(const Constraints& constraints, Mat D) {
 FullVi::FullVi(const Constraints& constraints, Mat D, const Complementarity& complementarity)
     : constraints_(constraints), complementarity_(complementarity), length_unit_(constraints.gap_tolerance()),
       Q_(frames(constraints, D)) {
-  check(MatPtAP(D, Q_, MAT_INITIAL_MATRIX, PETSC_DEFAULT, D_.put()));
+  petsc::Matrix rows; // PETSc multiplies and extracts by rows, not by blocks
+  check(MatConvert(D, MATAIJ, MAT_INITIAL_MATRIX, rows.put()));
+  check(MatPtAP(rows, Q_, MAT_INITIAL_MATRIX, PETSC_DEFAULT, D_.put()));
   check(MatCreateVecs(D_, z_.put(), r_.put()));
   PetscReal largest = 1;
   check(MatGetDiagonal(D_, r_));
@@ -69,8 +72,7 @@ FullVi::FullVi(const Constraints& constraints, Mat D, const Complementarity& com
   vi_.emplace("full_vi", D_, std::move(lower), std::move(upper), MATSOLVERMUMPS);
 }
 
-ContactState FullVi::solve(Vec r, const ContactState&, Vec y) const {
-  ContactState state;
+void FullVi::solve(Vec r, const ContactState&, ContactState& state, Vec y) const {
   check(MatMultTranspose(Q_, r, r_));
   check(VecScale(r_, -1 / force_unit_));
   check(MatMultTranspose(Q_, y, z_));
@@ -78,14 +80,15 @@ ContactState FullVi::solve(Vec r, const ContactState&, Vec y) const {
   state.vi_iterations = vi_->solve(r_, z_);
 
   const std::size_t m = static_cast<std::size_t>(constraints_.count());
-  state.lambda.assign(m, 0);
-  state.gap.resize(m);
+  std::ranges::fill(state.lambda, 0);
   PetscInt begin = 0, end = 0;
   check(VecGetOwnershipRange(z_, &begin, &end));
   {
     const petsc::ReadArray residual(vi_->residual()), z(z_), upper(vi_->upper());
     for (std::size_t i = 0; i < m; ++i)
-      if (const PetscInt dof = constraints_.first_dofs()[i]; dof >= begin && dof < end && z[dof - begin] >= upper[dof - begin])
+      // At the bound, to within a negligible gap.
+      if (const PetscInt dof = constraints_.first_dofs()[i];
+          dof >= begin && dof < end && z[dof - begin] >= upper[dof - begin] - 1)
         state.lambda[i] = -force_unit_ * residual[dof - begin];
   }
   MPI_Allreduce(MPI_IN_PLACE, state.lambda.data(), static_cast<int>(m), MPI_DOUBLE, MPI_SUM, petsc::comm(r_));
@@ -93,7 +96,6 @@ ContactState FullVi::solve(Vec r, const ContactState&, Vec y) const {
   check(MatMult(Q_, z_, y));
   constraints_.gap(y, state.gap);
   complementarity_.classify(state);
-  return state;
 }
 
 } // namespace signorini::contact

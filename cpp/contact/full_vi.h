@@ -5,14 +5,15 @@
 
 namespace signorini::contact {
 
-/// The step's VI posed on all unknowns: nodal frames rotated so that ν is a coordinate direction, where the constraint
-/// is a simple bound, and PETSc's VI solver on the whole. The reference for CondensedVi.
+/// The step's VI posed on all unknowns: nodal frames rotated so that ν is a coordinate direction, where the
+/// constraint is a simple bound, and PETSc's VI solver on the whole. The reference for CondensedVi.
 class FullVi final : public ViSolver {
 public:
-  /// Collective. The arguments must outlive this object. PETSc options with the prefix `-full_vi_` are honoured.
+  /// Collective. The arguments must outlive this object. PETSc options with the prefix `-full_vi_` are
+  /// honoured.
   FullVi(const Constraints& constraints, Mat D, const Complementarity& complementarity);
 
-  ContactState solve(Vec r, const ContactState& previous, Vec y) const override;
+  void solve(Vec r, const ContactState& previous, ContactState& state, Vec y) const override;
 
 private:
   const Constraints& constraints_;

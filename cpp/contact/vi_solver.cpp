@@ -10,7 +10,8 @@ Complementarity::Complementarity(const Constraints& constraints, Mat D)
   petsc::Vector diagonal;
   check(MatCreateVecs(D, diagonal.put(), nullptr));
   check(MatGetDiagonal(D, diagonal));
-  // Σ_c ν_c² D_cc is the stiffness against moving the node alone along ν, but for D's entries between its components.
+  // Σ_c ν_c² D_cc is the stiffness against moving the node alone along ν, but for D's entries between its
+  // components.
   const std::size_t m = static_cast<std::size_t>(constraints.count());
   std::vector<double> stiffness(m, 0.0);
   PetscInt begin = 0, end = 0;
@@ -32,7 +33,8 @@ Complementarity::Complementarity(const Constraints& constraints, Mat D)
 
 void Complementarity::classify(ContactState& state) const {
   double penetration = 0, adhesion = 0, distance = 0;
-  state.status.assign(state.lambda.size(), Status::open);
+  std::ranges::fill(state.status, Status::open);
+  state.active.clear();
   for (std::size_t i = 0; i < state.lambda.size(); ++i) {
     penetration = std::max(penetration, -state.gap[i]);
     adhesion = std::max(adhesion, -state.lambda[i] / zero_force_[i]);
@@ -42,13 +44,16 @@ void Complementarity::classify(ContactState& state) const {
     } else if (state.gap[i] <= gap_tolerance_) {
       state.status[i] = Status::weak;
     }
+    if (state.status[i] != Status::open)
+      state.active.push_back(static_cast<int>(i));
   }
   if (!holds(state.lambda, state.gap))
-    throw SolverFailure(fmt::format("the contact solution is not complementary: penetration {:.3e} m and forces at a gap of "
-                                    "{:.3e} m (allowed {:.3e} m), adhesion {:.3e} times the negligible force, {} strong "
-                                    "and {} weak of {} candidates",
-                                    penetration, distance, gap_tolerance_, adhesion, state.count(Status::strong),
-                                    state.count(Status::weak), state.lambda.size()));
+    throw SolverFailure(
+        fmt::format("the contact solution is not complementary: penetration {:.3e} m and forces at a gap of "
+                    "{:.3e} m (allowed {:.3e} m), adhesion {:.3e} times the negligible force, {} strong "
+                    "and {} weak of {} candidates",
+                    penetration, distance, gap_tolerance_, adhesion, state.count(Status::strong),
+                    state.count(Status::weak), state.lambda.size()));
 }
 
 bool Complementarity::holds(std::span<const double> lambda, std::span<const double> gap) const {

@@ -9,13 +9,15 @@ class ViSolver {
 public:
   virtual ~ViSolver() = default;
 
-  /// Solves for `y`, which holds the previous step's displacement on entry; `previous` is the previous step's contact, from
-  /// which the search starts. Collective. Throws SolverFailure with reason and residual.
-  virtual ContactState solve(Vec r, const ContactState& previous, Vec y) const = 0;
+  /// Solves for `y`, which holds a guess on entry, and for `state`, made for the m candidates; `previous` is
+  /// the previous step's contact, from which the search starts. Collective. Throws SolverFailure with reason
+  /// and residual.
+  virtual void solve(Vec r, const ContactState& previous, ContactState& state, Vec y) const = 0;
 };
 
-/// Tells candidates apart as open, weak and strong, and throws SolverFailure unless the state is complementary to within
-/// the gap tolerance: a force counts as zero if it moves its node, the others held, by less than that.
+/// Tells candidates apart as open, weak and strong, and throws SolverFailure unless the state is
+/// complementary to within the gap tolerance: a force counts as zero if it moves its node, the others held,
+/// by less than that.
 class Complementarity {
 public:
   /// Collective.

@@ -35,15 +35,15 @@ std::optional<std::vector<double>> per_component(std::optional<std::vector<doubl
   return bound;
 }
 
-/// HRZ lumping: the diagonal of W, scaled to the whole mass; positive for every degree. For degree 1 the row sums.
+/// HRZ lumping: the diagonal of W, scaled to the whole mass; positive for every degree. For degree 1 the row
+/// sums.
 petsc::Vector lump(Mat W) {
-  petsc::Vector diagonal, mass;
-  check(MatCreateVecs(W, diagonal.put(), mass.put()));
-  check(VecSet(diagonal, 1));
-  check(MatMult(W, diagonal, mass));
+  petsc::Vector diagonal = fem::diagonal(W), one = petsc::zero_like(diagonal),
+                mass = petsc::zero_like(diagonal);
+  check(VecSet(one, 1));
+  check(MatMult(W, one, mass));
   PetscScalar whole = 0, trace = 0;
   check(VecSum(mass, &whole));
-  check(MatGetDiagonal(W, diagonal));
   check(VecSum(diagonal, &trace));
   check(VecScale(diagonal, whole / trace));
   return diagonal;
@@ -51,8 +51,8 @@ petsc::Vector lump(Mat W) {
 
 } // namespace
 
-ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::Scheme scheme, int steps,
-                           const scene::Control& scene)
+ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::Scheme scheme,
+                           int steps, const scene::Control& scene)
     : space_(space), W_(operators.W), scheme_(scheme), steps_(steps), scale_(scene.scale),
       lower_(per_component(scene.lower, space.dim())), upper_(per_component(scene.upper, space.dim())),
       work_(space.vector()) {

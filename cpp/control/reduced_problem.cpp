@@ -5,16 +5,16 @@
 namespace signorini::control {
 using petsc::check;
 
-ReducedProblem::ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls, const Objective& objective,
-                               const forward::Initial& initial, forward::AddLoad add_load, Timers& timers)
-    : stepper_(stepper), controls_(controls), objective_(objective), initial_(initial), add_load_(std::move(add_load)),
-      timers_(timers), current_{controls.zero(), forward::Trajectory(initial.y, controls.steps()), {}},
-      trial_{controls.zero(), forward::Trajectory(initial.y, controls.steps()), {}},
+ReducedProblem::ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls,
+                               const Objective& objective, const forward::Initial& initial,
+                               forward::AddLoad add_load, Timers& timers)
+    : stepper_(stepper), controls_(controls), objective_(objective), initial_(initial),
+      add_load_(std::move(add_load)), timers_(timers),
+      current_{controls.zero(), forward::Trajectory(stepper, controls.steps()), {}},
+      trial_{controls.zero(), forward::Trajectory(stepper, controls.steps()), {}},
       p_(petsc::zero_series(initial.y, static_cast<std::size_t>(controls.steps()))) {}
 
-forward::AddLoad ReducedProblem::load() const {
-  return controls_.with(add_load_, current_.u);
-}
+forward::AddLoad ReducedProblem::load() const { return controls_.with(add_load_, current_.u); }
 
 double ReducedProblem::value(const Control& u) {
   trial_.u = u;
@@ -63,12 +63,15 @@ petsc::Series ReducedProblem::linearised(const Control& d) {
   const auto timer = timers_.time("linearised");
   const std::size_t n = static_cast<std::size_t>(controls_.steps());
   petsc::Series dy = petsc::zero_series(initial_.y, n);
-  petsc::Vector y0 = petsc::zero_like(initial_.y), v0 = petsc::zero_like(initial_.y), v1 = petsc::zero_like(initial_.y),
-                load = petsc::zero_like(initial_.y);
+  petsc::Vector y0 = petsc::zero_like(initial_.y), v0 = petsc::zero_like(initial_.y),
+                v1 = petsc::zero_like(initial_.y), load = petsc::zero_like(initial_.y);
   for (std::size_t k = 1; k <= n; ++k) {
     check(VecZeroEntries(load));
     controls_.add_load(d, static_cast<int>(k), load);
-    stepper_.linearised_step(k == 1 ? Vec(y0) : Vec(dy[k - 2]), v0, load, current_.trajectory.contact[k], dy[k - 1], v1);
+    if (k > 1 && stepper_.solver().takes_guess())
+      check(VecCopy(dy[k - 2], dy[k - 1]));
+    stepper_.linearised_step(k == 1 ? Vec(y0) : Vec(dy[k - 2]), v0, load, current_.trajectory.contact[k],
+                             dy[k - 1], v1);
     std::swap(v0, v1);
   }
   return dy;
@@ -76,8 +79,9 @@ petsc::Series ReducedProblem::linearised(const Control& d) {
 
 Control ReducedProblem::hessian_product(const Control& d) {
   const petsc::Series dy = linearised(d);
-  Control h = adjoint(
-      [&](int k, Vec ybar) { objective_.add_second_derivative(k, dy[static_cast<std::size_t>(k) - 1], ybar); });
+  Control h = adjoint([&](int k, Vec ybar) {
+    objective_.add_second_derivative(k, dy[static_cast<std::size_t>(k) - 1], ybar);
+  });
   h.add(objective_.alpha(), d);
   return h;
 }

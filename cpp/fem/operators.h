@@ -17,7 +17,8 @@ public:
   /// Sets the clamped entries of a vector of V to zero.
   void clear(Vec x) const;
 
-  /// Decouples the clamped dofs of a symmetric matrix: their rows and columns zero but for the diagonal. Collective.
+  /// Decouples the clamped dofs of a symmetric matrix: their rows and columns zero but for the diagonal.
+  /// Collective.
   void decouple(Mat matrix) const;
 
 private:
@@ -26,13 +27,18 @@ private:
   PetscInt first_dof_;
 };
 
-/// The matrices of the body, no boundary condition applied; method.md section 1.
+/// The matrices of the body, no boundary condition applied; method.md section 1. In blocks of the space
+/// dimension, which makes products a tenth faster than in rows; where a form acts on each component alike, as
+/// L2 and m do, one component is stored for all.
 struct Operators {
   petsc::Matrix W;                ///< L2
   petsc::Matrix M;                ///< m, kg
   petsc::Matrix A;                ///< a
   std::optional<petsc::Matrix> B; ///< b; absent in an elastic body
 };
+
+/// The diagonal of one of them. Collective.
+petsc::Vector diagonal(Mat matrix);
 
 /// Collective.
 Operators assemble_operators(const Space& space, const scene::Material& material);

@@ -1,6 +1,7 @@
 #include "forward/simulate.h"
 #include "base/error.h"
 #include "base/signals.h"
+#include "forward/extrapolation.h"
 #include <cmath>
 #include <fmt/format.h>
 
@@ -19,7 +20,8 @@ void hold_clamped(const Stepper& stepper, Vec x, const char* key) {
   check(VecAXPY(whole, -1, x));
   check(VecNorm(whole, NORM_INFINITY, &moved));
   if (moved > rounding * size)
-    throw UserError(fmt::format("{}: found {:.4g} on a clamp, allowed is 0 there: a clamp holds still", key, moved));
+    throw UserError(
+        fmt::format("{}: found {:.4g} on a clamp, allowed is 0 there: a clamp holds still", key, moved));
 }
 
 } // namespace
@@ -40,26 +42,28 @@ void simulate(const Stepper& stepper, const Initial& initial, const AddLoad& add
               const std::function<void(int k)>& after_step) {
   check(VecCopy(initial.y, trajectory.y[0]));
   check(VecCopy(initial.v, trajectory.v[0]));
-  trajectory.contact[0] = {};
-  if (const contact::Constraints* constraints = stepper.constraints()) {
-    contact::ContactState& start = trajectory.contact[0]; // open: no step has been taken that could make a force
-    start.lambda.assign(static_cast<std::size_t>(constraints->count()), 0);
-    start.gap = start.lambda;
-    start.status.assign(start.lambda.size(), contact::Status::open);
-    constraints->gap(initial.y, start.gap);
-  }
+  if (const contact::Constraints* constraints = stepper.constraints()) // open: no step has made a force yet
+    constraints->gap(initial.y, trajectory.contact[0].gap);
   trajectory.steps = 0;
   petsc::Vector load = petsc::zero_like(initial.y);
+  std::optional<Extrapolation> guess;
+  if (stepper.solver().takes_guess())
+    guess.emplace(initial.y).remember(initial.y);
   for (int k = 1; k <= trajectory.capacity(); ++k) {
     if (stop_requested(stepper.space().comm()))
       return;
     try {
       check(VecZeroEntries(load));
       add_load(k, load);
-      trajectory.contact[k] = stepper.step(trajectory.y[k - 1], trajectory.v[k - 1], load, trajectory.contact[k - 1],
-                                           trajectory.y[k], trajectory.v[k]);
+      if (guess)
+        guess->guess(trajectory.y[k]);
+      stepper.step(trajectory.y[k - 1], trajectory.v[k - 1], load, trajectory.contact[k - 1],
+                   trajectory.contact[k], trajectory.y[k], trajectory.v[k]);
+      if (guess)
+        guess->remember(trajectory.y[k]);
     } catch (const SolverFailure& failure) {
-      throw SolverFailure(fmt::format("step {} (t = {:.6g} s): {}", k, stepper.scheme().time(k), failure.what()));
+      throw SolverFailure(
+          fmt::format("step {} (t = {:.6g} s): {}", k, stepper.scheme().time(k), failure.what()));
     }
     trajectory.steps = k;
     if (after_step)

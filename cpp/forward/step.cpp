@@ -1,73 +1,58 @@
 #include "forward/step.h"
 #include "base/error.h"
-#include "contact/condensed_vi.h"
-#include "contact/full_vi.h"
 #include <cmath>
 
 namespace signorini::forward {
 using petsc::check;
 
-Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene, Needs needs)
+Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene,
+                 Needs needs)
     : space_(space), operators_(operators), scheme_{scene.time.step}, clamped_(space, scene.clamps),
-      D_(fem::assemble_step_operator(space, scene.material, scheme_.tau)), r_(space.vector()), work_(space.vector()) {
+      r_(space.vector()), work_(space.vector()) {
   if (scene.contact)
     constraints_.emplace(space, clamped_, *scene.contact);
-  check(MatDuplicate(D_, MAT_COPY_VALUES, R_.put()));
+  petsc::Matrix D = fem::assemble_step_operator(space, scene.material, scheme_.tau);
+  check(MatDuplicate(D, MAT_COPY_VALUES, R_.put()));
   check(MatAXPY(R_, -2 * scheme_.stiffness(), operators.A, SAME_NONZERO_PATTERN));
-  clamped_.decouple(D_);
-  factorisation_.emplace(D_);
-  if (!constraints_)
-    return;
-  complementarity_.emplace(*constraints_, D_);
-  const bool full = scene.solver.vi == "full";
-  if (needs.sliding || !full)
-    condensation_.emplace(*constraints_, *factorisation_, r_);
-  if (full)
-    vi_ = std::make_unique<contact::FullVi>(*constraints_, D_, *complementarity_);
-  else
-    vi_ = std::make_unique<contact::CondensedVi>(*constraints_, *condensation_, *factorisation_, *complementarity_);
+  clamped_.decouple(D);
+  solver_.emplace(std::move(D), constraints(), scene.solver, needs.sliding);
 }
 
 void Stepper::right_hand_side(Vec y0, Vec v0, Vec load) const {
   check(MatMult(operators_.M, v0, r_));
-  check(VecScale(r_, scheme_.momentum()));
+  check(VecAXPBY(r_, scheme_.impulse(), scheme_.momentum(), load));
   check(MatMultAdd(R_, y0, r_, r_));
-  check(VecAXPY(r_, scheme_.impulse(), load));
   clamped_.clear(r_);
 }
 
 void Stepper::velocity(Vec y0, Vec v0, Vec y1, Vec v1) const {
-  check(VecWAXPY(v1, -1, y0, y1));
-  check(VecScale(v1, scheme_.rate()));
-  check(VecAXPY(v1, -1, v0));
+  check(VecCopy(v0, v1));
+  check(VecAXPBYPCZ(v1, scheme_.rate(), -scheme_.rate(), -1, y1, y0));
 }
 
-contact::ContactState Stepper::step(Vec y0, Vec v0, Vec load, const contact::ContactState& previous, Vec y1,
-                                    Vec v1) const {
+void Stepper::step(Vec y0, Vec v0, Vec load, const contact::ContactState& previous,
+                   contact::ContactState& contact, Vec y1, Vec v1) const {
   right_hand_side(y0, v0, load);
-  contact::ContactState contact;
-  if (vi_) {
-    check(VecCopy(y0, y1));
-    contact = vi_->solve(r_, previous, y1);
-  } else {
-    factorisation_->solve(r_, y1);
-  }
+  if (const contact::ViSolver* vi = solver_->vi())
+    vi->solve(r_, previous, contact, y1);
+  else
+    solver_->linear().solve(r_, y1);
   velocity(y0, v0, y1, v1);
   PetscReal size = 0;
   check(VecNorm(v1, NORM_2, &size));
   if (!std::isfinite(size))
     throw SolverFailure("the solution is not finite");
-  return contact;
 }
 
 void Stepper::solve_sliding(const contact::ContactState& contact, Vec p) const {
-  if (constraints_)
-    condensation_->solve_sliding(r_, contact.active(), p);
+  if (const contact::SlidingSolver* sliding = solver_->sliding())
+    sliding->solve_sliding(r_, contact.active, p);
   else
-    factorisation_->solve(r_, p);
+    solver_->linear().solve(r_, p);
 }
 
-void Stepper::linearised_step(Vec y0, Vec v0, Vec load, const contact::ContactState& contact, Vec y1, Vec v1) const {
+void Stepper::linearised_step(Vec y0, Vec v0, Vec load, const contact::ContactState& contact, Vec y1,
+                              Vec v1) const {
   right_hand_side(y0, v0, load);
   solve_sliding(contact, y1);
   velocity(y0, v0, y1, v1);

@@ -1,16 +1,13 @@
 #pragma once
-#include "base/linear_solver.h"
-#include "contact/condensation.h"
-#include "contact/vi_solver.h"
 #include "fem/operators.h"
 #include "forward/scheme.h"
-#include <memory>
+#include "forward/step_solver.h"
 #include <optional>
 
 namespace signorini::forward {
 
-/// Everything that one time step needs and that no step changes: the operators, D factorised once, and, where the scene
-/// has contact, the constraints and their solver.
+/// Everything that one time step needs and that no step changes: the operators, D factorised once, and, where
+/// the scene has contact, the constraints and their solver.
 class Stepper {
 public:
   /// Which contact objects a run needs.
@@ -18,7 +15,8 @@ public:
     bool sliding = false; ///< linearised or transposed steps
   };
 
-  /// Assembles and factorises. Collective. The references must outlive this object. Throws UserError, SolverFailure.
+  /// Assembles and factorises. Collective. The references must outlive this object. Throws UserError,
+  /// SolverFailure.
   Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene, Needs needs);
 
   Stepper(const Stepper&) = delete; // its parts refer to each other
@@ -28,18 +26,26 @@ public:
   [[nodiscard]] const fem::Space& space() const { return space_; }
   [[nodiscard]] const fem::Operators& operators() const { return operators_; }
   [[nodiscard]] const fem::Clamped& clamped() const { return clamped_; }
-  [[nodiscard]] const Factorisation& factorisation() const { return *factorisation_; }
+  [[nodiscard]] const StepSolver& solver() const { return *solver_; }
+  /// R = D − 2 stiffness() A.
+  [[nodiscard]] Mat R() const { return R_; }
   /// Null without contact.
-  [[nodiscard]] const contact::Constraints* constraints() const { return constraints_ ? &*constraints_ : nullptr; }
+  [[nodiscard]] const contact::Constraints* constraints() const {
+    return constraints_ ? &*constraints_ : nullptr;
+  }
 
-  /// One step from (y0, v0) under the load f_k + s W u_k (N) to (y1, v1); `previous` is the contact at y0. Collective.
-  contact::ContactState step(Vec y0, Vec v0, Vec load, const contact::ContactState& previous, Vec y1, Vec v1) const;
+  /// One step from (y0, v0) under the load f_k + s W u_k (N) to (y1, v1) and its contact; `previous` is that
+  /// at y0, and y1 holds a guess on entry if solver().takes_guess(). Allocates nothing, but where a solver of
+  /// PETSc's does: in VIs that PETSc solves, with MUMPS. Collective. Throws SolverFailure.
+  void step(Vec y0, Vec v0, Vec load, const contact::ContactState& previous, contact::ContactState& contact,
+            Vec y1, Vec v1) const;
 
-  /// The step's linearisation on the active set of `contact`: (δy0, δv0, δload) → (δy1, δv1). Collective.
+  /// The step's linearisation on the active set of `contact`: (δy0, δv0, δload) → (δy1, δv1); y1 as in
+  /// step(). Collective.
   void linearised_step(Vec y0, Vec v0, Vec load, const contact::ContactState& contact, Vec y1, Vec v1) const;
 
-  /// The transpose of linearised_step: from duals (ȳ, v̄) at its end to duals at its start, in place, and the adjoint
-  /// state `p`; the load's dual is impulse() p. Collective.
+  /// The transpose of linearised_step: from duals (ȳ, v̄) at its end to duals at its start, in place, and the
+  /// adjoint state `p`, which holds a guess as y1 in step(); the load's dual is impulse() p. Collective.
   void transposed_step(const contact::ContactState& contact, Vec ybar, Vec vbar, Vec p) const;
 
 private:
@@ -51,13 +57,10 @@ private:
   const fem::Operators& operators_;
   Scheme scheme_;
   fem::Clamped clamped_;
-  petsc::Matrix R_, D_;
+  petsc::Matrix R_;
   petsc::Vector r_, work_;
-  std::optional<Factorisation> factorisation_;
   std::optional<contact::Constraints> constraints_;
-  std::optional<contact::Complementarity> complementarity_;
-  std::optional<contact::Condensation> condensation_;
-  std::unique_ptr<contact::ViSolver> vi_;
+  std::optional<StepSolver> solver_;
 };
 
 } // namespace signorini::forward

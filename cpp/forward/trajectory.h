@@ -1,6 +1,5 @@
 #pragma once
-#include "base/petsc.h"
-#include "contact/contact_state.h"
+#include "forward/step.h"
 #include <vector>
 
 namespace signorini::forward {
@@ -12,10 +11,7 @@ struct Trajectory {
   int steps = 0; ///< done so far: entries 0…steps are valid
 
   /// Room for `count` steps. Collective.
-  Trajectory(Vec layout, int count)
-      : y(petsc::zero_series(layout, static_cast<std::size_t>(count) + 1)),
-        v(petsc::zero_series(layout, static_cast<std::size_t>(count) + 1)),
-        contact(static_cast<std::size_t>(count) + 1) {}
+  Trajectory(const Stepper& stepper, int count);
 
   [[nodiscard]] int capacity() const { return static_cast<int>(y.size()) - 1; }
 };

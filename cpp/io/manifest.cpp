@@ -11,7 +11,9 @@
 namespace signorini::io {
 
 std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
-  const auto given = [](const std::optional<scene::Components>& field) { return field && !scene::vanishes(*field); };
+  const auto given = [](const std::optional<scene::Components>& field) {
+    return field && !scene::vanishes(*field);
+  };
   return {{"viscosity", scene.material.viscosity.has_value()},
           {"clamp", !scene.clamps.empty()},
           {"contact", scene.contact.has_value()},
@@ -33,17 +35,18 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
   json["scene"] = scene.name;
   json["stop_reason"] = m.stop_reason;
   json["finished"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
-  json["versions"] = {{"signorini", SIGNORINI_VERSION},
-                      {"dolfinx", DOLFINX_VERSION},
-                      {"petsc", fmt::format("{}.{}.{}", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR)},
-                      {"gmsh", GMSH_API_VERSION}};
+  json["versions"] = {
+      {"signorini", SIGNORINI_VERSION},
+      {"dolfinx", DOLFINX_VERSION},
+      {"petsc", fmt::format("{}.{}.{}", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR)},
+      {"gmsh", GMSH_API_VERSION}};
   json["host"] = {{"name", host}, {"ranks", m.ranks}};
   json["unknowns"] = m.unknowns;
   json["free_unknowns"] = m.free_unknowns;
   json["cells"] = m.cells;
   json["candidates"] = m.candidates;
   json["steps"] = {{"asked", scene.time.steps}, {"done", m.steps_done}};
-  json["factorisation"] = m.factorisation;
+  json["linear_solver"] = m.linear_solver;
   for (const auto& [name, on] : effects(scene))
     json["effects"][name] = on;
   if (m.objective)

@@ -63,7 +63,8 @@ void write_body(Writer& out, const Scene& s) {
   out.key("young", number(s.material.young), "Pa");
   out.key("poisson", number(s.material.poisson));
   if (const auto& viscosity = s.material.viscosity)
-    out.key("viscosity", fmt::format("{{ bulk = {}, shear = {} }}", number(viscosity->bulk), number(viscosity->shear)),
+    out.key("viscosity",
+            fmt::format("{{ bulk = {}, shear = {} }}", number(viscosity->bulk), number(viscosity->shear)),
             "Pa s");
 }
 
@@ -77,8 +78,8 @@ void write_boundary(Writer& out, const Scene& s, const std::string& zero) {
     out.table("[contact]");
     out.key("on", text(s.contact->on));
     out.key("obstacle",
-            fmt::format("{{ shape = \"half-space\", point = {}, normal = {} }}", numbers(s.contact->obstacle.point),
-                        numbers(s.contact->obstacle.normal)),
+            fmt::format("{{ shape = \"half-space\", point = {}, normal = {} }}",
+                        numbers(s.contact->obstacle.point), numbers(s.contact->obstacle.normal)),
             "m");
     out.key("mass", text("consistent"));
   }
@@ -133,6 +134,7 @@ std::string echo(const Scene& s, int dim) {
   out.table("[solver]");
   out.key("vi", text(s.solver.vi));
   out.key("linear", text(s.solver.linear));
+  out.key("memory", number(s.solver.memory), "bytes");
   out.table("[output]");
   out.key("every", std::to_string(s.output.every), "steps");
   return out.result();

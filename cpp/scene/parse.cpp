@@ -1,4 +1,5 @@
 #include "base/error.h"
+#include "base/memory.h"
 #include "scene/reader.h"
 #include <algorithm>
 #include <cmath>
@@ -16,7 +17,8 @@ const Limits positive_time{.least = 0, .open = true, .unit = "s"};
 void set(toml::table& root, const std::string& assignment, const std::filesystem::path& file) {
   const auto equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0)
-    throw UserError(fmt::format("--set: found \"{}\", allowed is key.path=value, such as mesh.size=0.25", assignment));
+    throw UserError(
+        fmt::format("--set: found \"{}\", allowed is key.path=value, such as mesh.size=0.25", assignment));
   const std::string path = assignment.substr(0, equals), value = assignment.substr(equals + 1);
   toml::table parsed;
   try {
@@ -27,7 +29,8 @@ void set(toml::table& root, const std::string& assignment, const std::filesystem
     parsed.insert("value", value);
   }
   if (path.front() == '.' || path.back() == '.' || path.find("..") != std::string::npos)
-    throw UserError(fmt::format("--set {}: the key {}, allowed are names with single dots between them", assignment,
+    throw UserError(fmt::format("--set {}: the key {}, allowed are names with single dots between them",
+                                assignment,
                                 path.back() == '.' ? "ends in a dot" : "has an empty name before a dot"));
   toml::table* table = &root;
   std::istringstream keys(path);
@@ -38,8 +41,9 @@ void set(toml::table& root, const std::string& assignment, const std::filesystem
     if (!child)
       child = &table->insert(key, toml::table{}).first->second;
     if (toml::array* array = child->as_array(); array && !array->is_homogeneous<toml::table>())
-      throw UserError(fmt::format("--set {}: \"{}\" of {} is a list of values, set it as a whole, such as [1, 2]",
-                                  assignment, key, file.string()));
+      throw UserError(
+          fmt::format("--set {}: \"{}\" of {} is a list of values, set it as a whole, such as [1, 2]",
+                      assignment, key, file.string()));
     if (toml::array* array = child->as_array()) {
       std::size_t index = array->size();
       if (next.empty() || next.find_first_not_of("0123456789") != std::string::npos ||
@@ -83,8 +87,10 @@ Time time(Reader in) {
   const double steps = std::round(time.end / time.step);
   constexpr double most = 1e8;
   if (!(steps >= 1 && steps <= most))
-    in.fail("step", fmt::format("found {:.10g} s, which makes {:.10g} steps to time.end = {:.10g} s, allowed are 1 to {:.0f}",
-                                time.step, time.end / time.step, time.end, most));
+    in.fail("step",
+            fmt::format(
+                "found {:.10g} s, which makes {:.10g} steps to time.end = {:.10g} s, allowed are 1 to {:.0f}",
+                time.step, time.end / time.step, time.end, most));
   // Decimal fractions such as 7.5e-3 / 5e-5 divide to within a few units in the last place.
   if (std::abs(steps * time.step - time.end) > 1e-9 * time.end)
     in.fail("end", fmt::format("found {:.10g} s, which is {:.10g} steps of {:.10g} s, allowed are whole "
@@ -136,7 +142,8 @@ Contact contact(Reader in) {
   for (double n : contact.obstacle.normal)
     length = std::hypot(length, n);
   if (!(length > 0))
-    obstacle.fail("normal", "found a vector of length zero, allowed is any other: it points out of the obstacle");
+    obstacle.fail("normal",
+                  "found a vector of length zero, allowed is any other: it points out of the obstacle");
   if (contact.obstacle.normal.size() != contact.obstacle.point.size())
     obstacle.fail("normal", fmt::format("found {} components where point has {}",
                                         contact.obstacle.normal.size(), contact.obstacle.point.size()));
@@ -156,7 +163,8 @@ Control control(Reader in) {
     control.upper = in.number_or_numbers("upper", {});
   if (control.lower && control.upper && control.lower->size() > 1 && control.upper->size() > 1 &&
       control.lower->size() != control.upper->size())
-    in.fail("upper", fmt::format("found {} components where lower has {}", control.upper->size(), control.lower->size()));
+    in.fail("upper", fmt::format("found {} components where lower has {}", control.upper->size(),
+                                 control.lower->size()));
   if (control.lower && control.upper)
     for (std::size_t i = 0; i < std::max(control.lower->size(), control.upper->size()); ++i) {
       const double lower = control.lower->size() == 1 ? control.lower->front() : control.lower->at(i);
@@ -201,9 +209,9 @@ Optimizer optimizer(Reader in) {
 
 Solver solver(Reader in) {
   Solver solver;
+  solver.memory = in.number("memory", {.least = 0, .unit = "bytes"}, machine_memory() / 2);
   solver.vi = in.choice("vi", {"condensed", "full"}, solver.vi);
-  solver.linear = in.choice("linear", {"auto", "direct"}, solver.linear, {"iterative"});
-  in.not_available("memory");
+  solver.linear = in.choice("linear", {"auto", "direct", "iterative"}, solver.linear);
   in.finish();
   return solver;
 }
@@ -213,14 +221,15 @@ Solver solver(Reader in) {
 std::string read(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in || std::filesystem::is_directory(file))
-    throw UserError(fmt::format("{}: the scene file cannot be read; allowed is the path of a TOML file",
-                                file.string()));
+    throw UserError(
+        fmt::format("{}: the scene file cannot be read; allowed is the path of a TOML file", file.string()));
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
 }
 
-Scene parse(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+Scene parse(const std::string& text, const std::filesystem::path& file,
+            const std::vector<std::string>& overrides) {
   toml::table root;
   try {
     root = toml::parse(text, file.string());
@@ -267,12 +276,13 @@ Scene parse(const std::string& text, const std::filesystem::path& file, const st
   }
   if (in.has("optimizer"))
     scene.optimizer = optimizer(in.table("optimizer"));
-  if (in.has("solver"))
-    scene.solver = solver(in.table("solver"));
+  scene.solver = in.has("solver") ? solver(in.table("solver")) : Solver{.memory = machine_memory() / 2};
   if (in.has("check")) {
     Reader check = in.table("check");
     if (!scene.objective)
-      in.fail("check", "takes derivatives of an objective by a control; add [control] and [objective] or leave it out");
+      in.fail(
+          "check",
+          "takes derivatives of an objective by a control; add [control] and [objective] or leave it out");
     scene.check.control = check.expressions("control", true);
     check.finish();
   }
@@ -286,7 +296,8 @@ Scene parse(const std::string& text, const std::filesystem::path& file, const st
 }
 
 bool vanishes(const Components& components) {
-  return std::ranges::all_of(components, [](const std::string& text) { return text == "0" || text == "0.0"; });
+  return std::ranges::all_of(components,
+                             [](const std::string& text) { return text == "0" || text == "0.0"; });
 }
 
 void require_dimension(const Scene& scene, int dim) {

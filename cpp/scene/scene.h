@@ -6,7 +6,8 @@
 #include <variant>
 #include <vector>
 
-/// What a scene file says, validated, in SI units, every default filled in. An absent optional is an absent effect.
+/// What a scene file says, validated, in SI units, every default filled in. An absent optional is an absent
+/// effect.
 namespace signorini::scene {
 
 /// Components of a vector field as expressions, one per space dimension.
@@ -89,7 +90,8 @@ struct Optimizer {
 
 struct Solver {
   std::string vi = "condensed";
-  std::string linear = "auto";
+  std::string linear = "auto"; ///< "direct", "iterative", or whichever fits the memory
+  double memory = 0;           ///< that a factor of D may take in all, bytes
 };
 
 struct Check {
@@ -123,7 +125,8 @@ std::string read(const std::filesystem::path& file);
 
 /// Validates the text of a scene file; `overrides` are the texts `key.path=value` of --set.
 /// Throws UserError naming file, line, key, what was found and what is allowed.
-Scene parse(const std::string& text, const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+Scene parse(const std::string& text, const std::filesystem::path& file,
+            const std::vector<std::string>& overrides = {});
 
 /// Whether a field is written as zero, which is no effect.
 bool vanishes(const Components& components);
@@ -131,8 +134,8 @@ bool vanishes(const Components& components);
 /// Throws UserError unless every vector of the scene has `dim` components.
 void require_dimension(const Scene& scene, int dim);
 
-/// The scene as TOML with every default and unit written out, for a mesh of `dim` dimensions; parse() reads it back to the
-/// same scene.
+/// The scene as TOML with every default and unit written out, for a mesh of `dim` dimensions; parse() reads
+/// it back to the same scene.
 std::string echo(const Scene& scene, int dim);
 
 } // namespace signorini::scene

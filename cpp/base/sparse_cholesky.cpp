@@ -1,0 +1,249 @@
+#include "base/sparse_cholesky.h"
+#include "base/error.h"
+#include <algorithm>
+#include <cholmod.h>
+#include <fmt/format.h>
+
+namespace signorini {
+using petsc::check;
+
+namespace {
+
+/// Entries of L up to which solves are faster without supernodes: it is in the processor's cache then, and
+/// calls of the BLAS on its small blocks cost more than they save (`./dev bench` tells the time of a solve;
+/// measured on both sides of this).
+constexpr double small_factor = 1e6;
+
+/// The blocks of a sequential BAIJ matrix: rows and columns of blocks, values block by block, each column by
+/// column.
+class Blocks {
+public:
+  explicit Blocks(Mat matrix) : matrix_(matrix) {
+    check(MatGetBlockSize(matrix, &size));
+    PetscBool done = PETSC_FALSE;
+    check(MatGetRowIJ(matrix_, 0, PETSC_FALSE, PETSC_TRUE, &count, &row, &column, &done));
+    if (!done)
+      throw SolverFailure("the step operator D is not in block format");
+    check(MatSeqBAIJGetArray(matrix_, &values_));
+  }
+  ~Blocks() {
+    PetscBool done = PETSC_FALSE;
+    (void)MatSeqBAIJRestoreArray(matrix_, &values_);
+    (void)MatRestoreRowIJ(matrix_, 0, PETSC_FALSE, PETSC_TRUE, &count, &row, &column, &done);
+  }
+  Blocks(const Blocks&) = delete;
+  Blocks& operator=(const Blocks&) = delete;
+
+  [[nodiscard]] double value(PetscInt entry, int i, int j) const {
+    return values_[(static_cast<std::size_t>(entry) * size + j) * size + i];
+  }
+
+  PetscInt size = 0, count = 0;
+  const PetscInt *row = nullptr, *column = nullptr;
+
+private:
+  Mat matrix_;
+  PetscScalar* values_ = nullptr;
+};
+
+} // namespace
+
+struct SparseCholesky::Cholmod {
+  cholmod_common common{};
+  cholmod_sparse* matrix = nullptr;
+  cholmod_factor* factor = nullptr;
+  cholmod_dense *b = nullptr, *z = nullptr, *x = nullptr, *work_y = nullptr, *work_e = nullptr;
+
+  Cholmod() {
+    cholmod_start(&common);
+    common.print = 0;
+    common.final_ll = 1;
+    common.quick_return_if_not_posdef = 1;
+  }
+  ~Cholmod() {
+    for (cholmod_dense** dense : {&b, &z, &x, &work_y, &work_e})
+      cholmod_free_dense(dense, &common);
+    cholmod_free_factor(&factor, &common);
+    cholmod_free_sparse(&matrix, &common);
+    cholmod_finish(&common);
+  }
+  Cholmod(const Cholmod&) = delete;
+  Cholmod& operator=(const Cholmod&) = delete;
+
+  /// Throws unless the last call succeeded.
+  void require(const char* doing) const {
+    if (common.status == CHOLMOD_OK)
+      return;
+    const char* why = common.status == CHOLMOD_OUT_OF_MEMORY ? "out of memory"
+                      : common.status == CHOLMOD_TOO_LARGE   ? "the factor is too large for 32-bit indices"
+                      : common.status == CHOLMOD_NOT_POSDEF  ? "not positive definite"
+                                                             : "internal error";
+    throw SolverFailure(fmt::format("{} of the step operator D by CHOLMOD failed: {} (status {})", doing, why,
+                                    common.status));
+  }
+
+  /// Lower triangle of a symmetric pattern given by rows, with values if `value` is callable.
+  template <class Value>
+  cholmod_sparse* lower(std::size_t n, std::size_t entries, bool pattern, Value&& fill) {
+    cholmod_sparse* A =
+        cholmod_allocate_sparse(n, n, entries, 1, 1, -1, pattern ? CHOLMOD_PATTERN : CHOLMOD_REAL, &common);
+    require("the storage");
+    fill(static_cast<int*>(A->p), static_cast<int*>(A->i), static_cast<double*>(A->x));
+    return A;
+  }
+
+  void triangular_solve(int system, cholmod_dense* rhs, cholmod_dense** solution) {
+    cholmod_solve2(system, factor, rhs, nullptr, solution, nullptr, &work_y, &work_e, &common);
+    require("a solve");
+  }
+};
+
+SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner) : c_(std::make_unique<Cholmod>()) {
+  const Blocks D(matrix);
+  corner_size_ = static_cast<int>(corner.size()) * D.size;
+  cholmod_common& common = c_->common;
+
+  // The nodes outside the corner are ordered to keep L sparse, by their graph; the corner follows.
+  std::vector<int> number(static_cast<std::size_t>(D.count), 0), node;
+  for (int i : corner)
+    number[static_cast<std::size_t>(i)] = -1;
+  for (int i = 0; i < D.count; ++i)
+    if (number[static_cast<std::size_t>(i)] == 0) {
+      number[static_cast<std::size_t>(i)] = static_cast<int>(node.size());
+      node.push_back(i);
+    }
+  cholmod_sparse* graph =
+      c_->lower(node.size(), static_cast<std::size_t>(D.row[D.count]), true, [&](int* p, int* i, double*) {
+        int entries = 0;
+        for (std::size_t j = 0; j < node.size(); ++j) {
+          p[j] = entries;
+          for (PetscInt e = D.row[node[j]]; e < D.row[node[j] + 1]; ++e)
+            if (const int k = number[static_cast<std::size_t>(D.column[e])]; k >= static_cast<int>(j))
+              i[entries++] = k;
+        }
+        p[node.size()] = entries;
+      });
+  common.nmethods = 2; // the better of the two
+  common.method[0].ordering = CHOLMOD_METIS;
+  common.method[1].ordering = CHOLMOD_AMD;
+  common.supernodal = CHOLMOD_SIMPLICIAL;
+  cholmod_factor* order = cholmod_analyze(graph, &common);
+  cholmod_free_sparse(&graph, &common);
+  c_->require("the ordering");
+  const double block_entries = common.lnz * D.size * D.size;
+  std::vector<int> permutation;
+  permutation.reserve(static_cast<std::size_t>(D.count) * D.size);
+  const auto append = [&](int i) {
+    for (int c = 0; c < D.size; ++c)
+      permutation.push_back(i * D.size + c);
+  };
+  for (std::size_t j = 0; j < node.size(); ++j)
+    append(node[static_cast<std::size_t>(static_cast<int*>(order->Perm)[j])]);
+  for (int i : corner)
+    append(i);
+  cholmod_free_factor(&order, &common);
+
+  const std::size_t n = permutation.size();
+  c_->matrix = c_->lower(n, static_cast<std::size_t>(D.row[D.count]) * D.size * D.size, false,
+                         [&](int* p, int* i, double* x) {
+                           int entries = 0;
+                           for (int node_j = 0; node_j < D.count; ++node_j)
+                             for (int cj = 0; cj < D.size; ++cj) {
+                               p[node_j * D.size + cj] = entries;
+                               for (PetscInt e = D.row[node_j]; e < D.row[node_j + 1]; ++e)
+                                 for (int ci = 0; ci < D.size; ++ci)
+                                   if (D.column[e] * D.size + ci >= node_j * D.size + cj) {
+                                     i[entries] = D.column[e] * D.size + ci;
+                                     x[entries++] = D.value(e, cj, ci); // by symmetry
+                                   }
+                             }
+                           p[n] = entries;
+                         });
+  common.nmethods = 1;
+  common.method[0].ordering = CHOLMOD_GIVEN;
+  common.postorder = 0; // the order above is one already
+  common.supernodal = block_entries < small_factor ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
+  c_->factor = cholmod_analyze_p(c_->matrix, permutation.data(), nullptr, 0, &common);
+  c_->require("the analysis");
+}
+
+SparseCholesky::~SparseCholesky() = default;
+
+double SparseCholesky::estimate() const {
+  const cholmod_factor& L = *c_->factor;
+  const double corner = static_cast<double>(corner_size_);
+  constexpr double entry = sizeof(double), index = sizeof(int);
+  return static_cast<double>(c_->common.memory_inuse) + corner * corner * entry +
+         (L.is_super ? static_cast<double>(L.xsize + L.maxcsize) * entry : c_->common.lnz * (entry + index));
+}
+
+void SparseCholesky::factorise() {
+  cholmod_factorize(c_->matrix, c_->factor, &c_->common);
+  c_->require("the factorisation");
+  cholmod_free_sparse(&c_->matrix, &c_->common);
+  const std::size_t n = c_->factor->n;
+  c_->b = cholmod_allocate_dense(n, 1, n, CHOLMOD_REAL, &c_->common);
+  c_->require("the storage");
+}
+
+std::vector<double> SparseCholesky::corner_factor() const {
+  const cholmod_factor& L = *c_->factor;
+  const auto c = static_cast<std::size_t>(corner_size_);
+  const int first = static_cast<int>(L.n - c);
+  const auto* x = static_cast<const double*>(L.x);
+  std::vector<double> block(c * c, 0.0);
+  const auto put = [&](int i, int j, double value) {
+    if (i >= j && j >= first)
+      block[static_cast<std::size_t>(j - first) * c + static_cast<std::size_t>(i - first)] = value;
+  };
+  if (L.is_super) {
+    const auto *super = static_cast<const int*>(L.super), *pi = static_cast<const int*>(L.pi),
+               *px = static_cast<const int*>(L.px), *rows = static_cast<const int*>(L.s);
+    for (std::size_t s = 0; s < L.nsuper; ++s) {
+      const int height = pi[s + 1] - pi[s];
+      for (int j = std::max(super[s], first); j < super[s + 1]; ++j)
+        for (int k = 0; k < height; ++k)
+          put(rows[pi[s] + k], j,
+              x[static_cast<std::size_t>(px[s]) + static_cast<std::size_t>(j - super[s]) * height + k]);
+    }
+  } else {
+    const auto *p = static_cast<const int*>(L.p), *i = static_cast<const int*>(L.i),
+               *nz = static_cast<const int*>(L.nz);
+    for (int j = first; j < static_cast<int>(L.n); ++j)
+      for (int e = p[j]; e < p[j] + nz[j]; ++e)
+        put(i[e], j, x[e]);
+  }
+  return block;
+}
+
+std::span<const double> SparseCholesky::forward(Vec b) const {
+  const auto* permutation = static_cast<const int*>(c_->factor->Perm);
+  const std::size_t n = c_->factor->n;
+  {
+    const petsc::ReadArray values(b);
+    auto* ordered = static_cast<double*>(c_->b->x);
+    for (std::size_t i = 0; i < n; ++i)
+      ordered[i] = values[static_cast<std::size_t>(permutation[i])];
+  }
+  c_->triangular_solve(CHOLMOD_L, c_->b, &c_->z);
+  return {static_cast<const double*>(c_->z->x) + (n - static_cast<std::size_t>(corner_size_)),
+          static_cast<std::size_t>(corner_size_)};
+}
+
+void SparseCholesky::backward(std::span<const double> corner, Vec x) const {
+  const auto* permutation = static_cast<const int*>(c_->factor->Perm);
+  const std::size_t n = c_->factor->n;
+  if (double* kept = static_cast<double*>(c_->z->x) + (n - corner.size()); kept != corner.data())
+    std::ranges::copy(corner, kept);
+  c_->triangular_solve(CHOLMOD_Lt, c_->z, &c_->x);
+  const petsc::WriteArray values(x);
+  const auto* ordered = static_cast<const double*>(c_->x->x);
+  for (std::size_t i = 0; i < n; ++i)
+    values[static_cast<std::size_t>(permutation[i])] = ordered[i];
+}
+
+void SparseCholesky::solve(Vec b, Vec x) const { backward(forward(b), x); }
+
+double SparseCholesky::bytes() const { return static_cast<double>(c_->common.memory_inuse); }
+
+} // namespace signorini

@@ -1,0 +1,29 @@
+#include "forward/extrapolation.h"
+#include <algorithm>
+
+namespace signorini::forward {
+using petsc::check;
+
+Extrapolation::Extrapolation(Vec layout) {
+  for (petsc::Vector& x : last_)
+    x = petsc::zero_like(layout);
+}
+
+void Extrapolation::remember(Vec x) {
+  std::swap(last_[1], last_[2]);
+  std::swap(last_[0], last_[1]);
+  check(VecCopy(x, last_[0]));
+  known_ = std::min(known_ + 1, 3);
+}
+
+void Extrapolation::guess(Vec out) const {
+  if (known_ == 0)
+    return;
+  check(VecCopy(last_[0], out));
+  if (known_ == 2)
+    check(VecAXPBY(out, -1, 2, last_[1]));
+  else if (known_ == 3)
+    check(VecAXPBYPCZ(out, -3, 1, 3, last_[1], last_[2]));
+}
+
+} // namespace signorini::forward

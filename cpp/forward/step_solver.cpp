@@ -1,0 +1,110 @@
+#include "forward/step_solver.h"
+#include <fmt/format.h>
+
+namespace signorini::forward {
+using petsc::check;
+
+namespace {
+
+int ranks(Mat matrix) {
+  int size = 1;
+  MPI_Comm_size(petsc::comm(matrix), &size);
+  return size;
+}
+
+petsc::Vector vector_of(Mat matrix) {
+  petsc::Vector x;
+  check(MatCreateVecs(matrix, x.put(), nullptr));
+  return x;
+}
+
+/// Local nodes of the candidates of a run on one rank.
+std::vector<int> candidate_nodes(const contact::Constraints* constraints) {
+  std::vector<int> nodes;
+  if (constraints)
+    for (PetscInt dof : constraints->first_dofs())
+      nodes.push_back(static_cast<int>(dof / constraints->dim()));
+  return nodes;
+}
+
+} // namespace
+
+StepSolver::StepSolver(petsc::Matrix D, const contact::Constraints* constraints, const scene::Solver& scene,
+                       bool sliding)
+    : D_(std::move(D)) {
+  if (constraints)
+    complementarity_.emplace(*constraints, D_);
+  if (constraints && scene.vi == "full")
+    full_vi_.emplace(*constraints, D_, *complementarity_);
+  if (scene.linear == "iterative")
+    iterate();
+  else
+    factorise(constraints, scene);
+  if (constraints)
+    add_contact(*constraints, scene, sliding);
+  if (!iterative_)
+    D_ = {};
+}
+
+void StepSolver::factorise(const contact::Constraints* constraints, const scene::Solver& scene) {
+  constexpr double gigabyte = 1e9;
+  const auto settle = [&](auto solver) {
+    const double needed = solver->estimate();
+    const std::string compared = fmt::format("its factor needs {:.2g} GB, {:.2g} GB are allowed",
+                                             needed / gigabyte, scene.memory / gigabyte);
+    if (scene.linear == "auto" && needed > scene.memory) {
+      iterate();
+      choice_ = fmt::format("{} ({} by {})", linear_->name(), compared, solver->name());
+      return;
+    }
+    solver->factorise();
+    choice_ = fmt::format("{} ({})", solver->name(), compared);
+    linear_ = std::move(solver);
+  };
+  if (ranks(D_) == 1) {
+    auto cholesky = std::make_unique<SparseCholesky>(D_, candidate_nodes(constraints));
+    const SparseCholesky* kept = cholesky.get();
+    settle(std::move(cholesky));
+    cholesky_ = iterative_ ? nullptr : kept;
+  } else {
+    settle(std::make_unique<MumpsSolver>(D_));
+  }
+}
+
+void StepSolver::iterate() {
+  auto solver = std::make_unique<ConjugateGradients>(D_);
+  iterative_ = solver.get();
+  choice_ = solver->name();
+  linear_ = std::move(solver);
+}
+
+void StepSolver::add_contact(const contact::Constraints& constraints, const scene::Solver& scene,
+                             bool sliding) {
+  if (full_vi_)
+    vi_ = &*full_vi_;
+  if (full_vi_ && !sliding)
+    return;
+  if (iterative_) {
+    projected_.emplace(constraints, *iterative_, D_, *complementarity_);
+    sliding_ = &*projected_;
+    if (!vi_)
+      vi_ = &*projected_;
+    return;
+  }
+  if (cholesky_)
+    elimination_ = std::make_unique<contact::CornerElimination>(constraints, *cholesky_);
+  else
+    elimination_ =
+        std::make_unique<contact::ColumnElimination>(constraints, *linear_, vector_of(D_), scene.memory);
+  condensation_.emplace(constraints, *elimination_);
+  sliding_ = &*condensation_;
+  if (!vi_)
+    vi_ = &condensed_vi_.emplace(constraints, *condensation_, *complementarity_);
+}
+
+StepSolver::Memory StepSolver::memory() const {
+  return {.factor = linear_->bytes() + (D_ ? petsc::bytes(D_) : 0),
+          .condensation = condensation_ ? condensation_->bytes() : 0};
+}
+
+} // namespace signorini::forward
