@@ -55,29 +55,30 @@ std::string group_name(int dim, int tag) {
 
 /// What the messages call the parts of a mesh of `dim` dimensions.
 struct Words {
-  const char *cell, *cells, *facet, *facets, *extent, *body_kind;
+  const char *cell, *cells, *facet, *facets;
+  const char* extent;                           ///< what a flat cell lacks
+  const char* body_kind;                        ///< of a Physical group in a .geo
   const char *straight_cells, *straight_facets; ///< with gmsh's names
 };
 
-const Words& words(int dim) {
-  static const Words plane{"triangle",
-                           "triangles",
-                           "edge",
-                           "edges",
-                           "area",
-                           "Surface",
-                           "straight triangles (Triangle 3)",
-                           "straight edges (Line 2)"};
-  static const Words space{"tetrahedron",
-                           "tetrahedra",
-                           "face",
-                           "faces",
-                           "volume",
-                           "Volume",
-                           "straight tetrahedra (Tetrahedron 4)",
-                           "straight triangles (Triangle 3)"};
-  return dim == 2 ? plane : space;
-}
+constexpr Words plane_words{.cell = "triangle",
+                            .cells = "triangles",
+                            .facet = "edge",
+                            .facets = "edges",
+                            .extent = "area",
+                            .body_kind = "Surface",
+                            .straight_cells = "straight triangles (Triangle 3)",
+                            .straight_facets = "straight edges (Line 2)"};
+constexpr Words space_words{.cell = "tetrahedron",
+                            .cells = "tetrahedra",
+                            .facet = "face",
+                            .facets = "faces",
+                            .extent = "volume",
+                            .body_kind = "Volume",
+                            .straight_cells = "straight tetrahedra (Tetrahedron 4)",
+                            .straight_facets = "straight triangles (Triangle 3)"};
+
+const Words& words(int dim) { return dim == 2 ? plane_words : space_words; }
 
 /// Node numbers of a cell or facet in ascending order, so that equal ones compare equal; what is left over is
 /// filled up.
