@@ -1,5 +1,7 @@
 """Film of the deformed body on its obstacle: colours show the displacement, arrows the contact forces.
 
+A body in space is seen from the side, along the obstacle's plane.
+
 Displacements below 2 % of the body's size are enlarged, and the picture says by how much. The gap of the node nearest
 to the obstacle is then enlarged with them, so that this node is seen to touch when it does; a curved body may seem to
 overlap the obstacle beside it. Writes a GIF, and an .mp4 where ffmpeg is present.
@@ -25,6 +27,7 @@ from PIL import Image
 import style
 from command_line import run_alone
 from run_folder import Contact, HalfSpace, Mesh, RunFolder, Unreadable, nearest
+from view import View, view_of
 
 MOST_FRAMES = 76  # 75 intervals
 FRAME_MILLISECONDS = 80  # a GIF counts in hundredths of a second
@@ -38,31 +41,30 @@ OBSTACLE_GREY = "0.85"
 
 @dataclass(frozen=True)
 class Obstacle:
-    """What is drawn of contact, with the forces' points (frames × nodes × 2, m) and sizes (frames × nodes, N/m)."""
+    """What is drawn of contact, with the forces' points (frames × nodes × 2, m) and sizes (frames × nodes, `unit`)."""
 
     half_space: HalfSpace
     points: np.ndarray
     forces: np.ndarray
+    unit: str
 
 
 @dataclass(frozen=True)
 class Motion:
-    """What the film shows: displacements (frames × nodes × 2, m) at times (s), drawn `enlarged` times as large."""
+    """What the film shows at times (s): the nodes' size of displacement (frames × nodes, m), and where the mesh's nodes
+    are on paper (frames × nodes × 2, m), with displacements drawn `enlarged` times as large."""
 
     mesh: Mesh
+    view: View
     times: np.ndarray
-    displacement: np.ndarray
+    magnitude: np.ndarray
+    position: np.ndarray
     enlarged: float
     obstacle: Obstacle | None
-
-    def position(self, frame: int) -> np.ndarray:
-        """Where the mesh's nodes are drawn, nodes × 2, m."""
-        return self.mesh.points + self.enlarged * self.displacement[frame]
 
 
 def draw(run: RunFolder) -> list[Path]:
     """Writes animation.gif and animation.mp4; returns the paths of those written."""
-    run.require_plane()
     motion = read_motion(run)
     stage = Stage(motion)
     frames = [stage.picture(frame) for frame in range(len(motion.times))]
@@ -79,15 +81,16 @@ def read_motion(run: RunFolder) -> Motion:
     stride = max(1, -(-(len(series.times) - 1) // (MOST_FRAMES - 1)))
     shown = range(0, len(series.times), stride)
     displacement = np.stack([series.at(i) for i in shown])
-    enlarged = enlargement(displacement, series.mesh.size)
-    times = series.times[shown]
-    obstacle = read_obstacle(run, series.mesh, times, displacement, enlarged, stride) if run.has_contact else None
-    return Motion(series.mesh, times, displacement, enlarged, obstacle)
+    magnitude = np.linalg.norm(displacement, axis=2)
+    enlarged = enlargement(magnitude.max(), series.mesh.size)
+    times, view = series.times[shown], view_of(run)
+    obstacle = read_obstacle(run, view, series.mesh, times, displacement, enlarged, stride) if run.has_contact else None
+    mesh = view.seen(series.mesh)
+    return Motion(mesh, view, times, magnitude, mesh.points + enlarged * view.project(displacement), enlarged, obstacle)
 
 
-def enlargement(displacement: np.ndarray, size: float) -> float:
-    """How many times as large displacements are drawn: 1 unless they are too small to see; size of the body in m."""
-    largest = np.linalg.norm(displacement, axis=2).max()
+def enlargement(largest: float, size: float) -> float:
+    """How many times as large displacements (m) are drawn: 1 unless they are too small to see; size of the body in m."""
     return 1.0 if largest == 0 or largest >= SMALL * size else round_down(VISIBLE * size / largest)
 
 
@@ -97,22 +100,23 @@ def round_down(value: float) -> float:
     return float(max(digit for digit in (1, 2, 5) if digit * power <= value) * power)
 
 
-def read_obstacle(run: RunFolder, mesh: Mesh, times: np.ndarray, displacement: np.ndarray, enlarged: float,
+def read_obstacle(run: RunFolder, view: View, mesh: Mesh, times: np.ndarray, displacement: np.ndarray, enlarged: float,
                   stride: int) -> Obstacle:
     """The obstacle as it is drawn, and the forces of the frames at so many nodes that arrows can be told apart."""
     contact, obstacle = run.contact, run.obstacle
     # The gap grows with the displacements: the node nearest to the plane meets it when it does in truth.
     gap = obstacle.height(contact.points).min()
     drawn = HalfSpace(obstacle.point + (1 - enlarged) * gap * obstacle.normal, obstacle.normal)
-    boundary = np.unique(mesh.outline())
+    boundary = mesh.boundary_nodes()
     points = contact.points + enlarged * follow(mesh.points[boundary], contact.points, displacement[:, boundary])
     spacing = np.median(np.linalg.norm(np.diff(contact.points, axis=0), axis=1)) if len(contact.points) > 1 else np.inf
     every = math.ceil(SPACING * mesh.size / spacing) or 1
-    return Obstacle(drawn, points[:, ::every], frame_forces(contact, times, stride)[:, ::every])
+    return Obstacle(view.half_space(drawn), view.project(points[:, ::every]),
+                    frame_forces(contact, times, stride)[:, ::every], style.per_depth("N", run.dim))
 
 
 def follow(nodes: np.ndarray, points: np.ndarray, displacement: np.ndarray) -> np.ndarray:
-    """Displacement of points on the boundary (frames × points × 2, m).
+    """Displacement of points on the boundary (frames × points × dim, m).
 
     Linear between the two nearest nodes of the mesh: exact at the nodes and on straight edges between them, where
     elements of second degree have candidates for contact too.
@@ -125,7 +129,7 @@ def follow(nodes: np.ndarray, points: np.ndarray, displacement: np.ndarray) -> n
 
 
 def frame_forces(contact: Contact, times: np.ndarray, stride: int) -> np.ndarray:
-    """Nodal forces (frames × nodes, N/m): the mean over the stored steps since the last frame.
+    """Nodal forces (frames × nodes, N, in the plane N/m): the mean over the stored steps since the last frame.
 
     At least two steps: the force of a single one alternates from step to step, and only the mean means something.
     """
@@ -140,12 +144,12 @@ class Stage:
     def __init__(self, motion: Motion) -> None:
         self.motion = motion
         self.edges = motion.mesh.outline()
-        largest = np.linalg.norm(motion.displacement, axis=2).max()
+        largest = motion.magnitude.max()
         self.factor, unit = style.prefixed(largest, "m")
 
         axes = scenery(motion)
         self.title = axes.set_title(" ", loc="left")
-        self.body = TriMesh(Triangulation(*motion.position(0).T, motion.mesh.triangles), cmap=style.FIELD_COLOURS)
+        self.body = TriMesh(Triangulation(*motion.position[0].T, motion.mesh.cells), cmap=style.FIELD_COLOURS)
         self.body.set_clim(0, largest * self.factor or 1)
         self.outline = LineCollection([], colors="black", linewidths=0.8)
         for part in (self.body, self.outline):
@@ -170,10 +174,10 @@ class Stage:
         return Image.fromarray(np.asarray(self.canvas.buffer_rgba())[..., :3].copy())
 
     def _move(self, frame: int) -> None:
-        position = self.motion.position(frame)
+        position = self.motion.position[frame]
         # The triangulation is read again at every drawing; a new surface per frame would be ten times slower.
         self.body._triangulation.x, self.body._triangulation.y = position.T
-        self.body.set_array(np.linalg.norm(self.motion.displacement[frame], axis=1) * self.factor)
+        self.body.set_array(self.motion.magnitude[frame] * self.factor)
         self.outline.set_segments(position[self.edges])
         self.title.set_text(f"$t$ = {1e3 * self.motion.times[frame]:.2f} ms")
         if self.arrows is not None:
@@ -187,7 +191,7 @@ class Stage:
 def scenery(motion: Motion) -> Axes:
     """The axes with the obstacle, in a figure of their own."""
     low, high = view(motion)
-    axes = style.plan(low, high, DOTS_PER_INCH)
+    axes = style.plan(low, high, motion.view.names, DOTS_PER_INCH)
     if motion.obstacle:
         half_space = motion.obstacle.half_space
         axes.fill(*clip(rectangle(low, high), half_space).reshape(-1, 2).T, color=OBSTACLE_GREY, linewidth=0)
@@ -201,7 +205,7 @@ def scenery(motion: Motion) -> Axes:
 def view(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     """Two corners of the box that holds the body at all times, the obstacle next to it and the arrows, m."""
     size = motion.mesh.size
-    inside = [motion.position(frame) for frame in range(len(motion.times))]
+    inside = [motion.position.reshape(-1, 2)]
     if motion.obstacle:
         points, plane = motion.obstacle.points, motion.obstacle.half_space
         height = plane.height(points)
@@ -239,7 +243,7 @@ def add_arrows(axes: Axes, motion: Motion) -> Quiver | None:
                          scale_units="xy", scale=largest / (ARROW * motion.mesh.size), pivot="tip",
                          color=style.VERMILLION, width=0.007)
     key = round_down(largest)
-    factor, unit = style.prefixed(key, "N/m")
+    factor, unit = style.prefixed(key, motion.obstacle.unit)
     axes.quiverkey(arrows, 0.72, 1.06, key, f"{key * factor:g} {unit}", labelpos="E", coordinates="axes")
     return arrows
 

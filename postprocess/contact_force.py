@@ -1,9 +1,13 @@
-"""Nodal contact force over the horizontal position of the undeformed body at one time (seed, Fig. 9)."""
+"""Nodal contact force over the horizontal position of the undeformed body at one time (seed, Fig. 9).
+
+In space it is drawn by colours at the candidates' places, seen along the obstacle's normal.
+"""
 
 import sys
 from pathlib import Path
 
 import numpy as np
+from matplotlib.axes import Axes
 
 import style
 from command_line import run_alone
@@ -13,23 +17,45 @@ from run_folder import HalfSpace, RunFolder, nearest
 def draw(run: RunFolder, time: float | None = None) -> list[Path]:
     """Draws the stored time nearest to `time` (s)."""
     run.require_contact()
-    run.require_plane()
     contact = run.contact
     time = run.figure_time() if time is None else time
     run.check_time(time)
     index = nearest(contact.times, time)
-    position = contact.points @ run.obstacle.tangent
-    order = np.argsort(position)
     factor, unit = style.prefixed(contact.force[index], style.per_depth("N", run.dim))
-
-    figure, axes = style.graph()
-    position, force = position[order], contact.force[index][order] * factor
-    axes.plot(position, force, "o-", color=style.BLUE, markersize=6, markevery=np.flatnonzero(force > 0).tolist())
-    axes.set_xlabel(f"{position_name(run.obstacle)} (m)")
-    axes.set_ylabel(f"nodal contact force ({unit})")
-    axes.set_ylim(0, 1.06 * force.max() or 1)
+    draw_forces = over_line if run.dim == 2 else over_plane
+    axes = draw_forces(run.obstacle, contact.points, contact.force[index] * factor, f"nodal contact force ({unit})")
     style.show_time(axes, contact.times[index])
-    return [style.save(figure, run.path / "figures" / "contact_force.png")]
+    return [style.save(axes.figure, run.path / "figures" / "contact_force.png")]
+
+
+def over_line(obstacle: HalfSpace, points: np.ndarray, force: np.ndarray, label: str) -> Axes:
+    """A curve over the position along the plane (m)."""
+    position = points @ obstacle.tangent
+    order = np.argsort(position)
+    _, axes = style.graph()
+    position, force = position[order], force[order]
+    axes.plot(position, force, "o-", color=style.BLUE, markersize=6, markevery=np.flatnonzero(force > 0).tolist())
+    axes.set_xlabel(f"{position_name(obstacle)} (m)")
+    axes.set_ylabel(label)
+    axes.set_ylim(0, 1.06 * force.max() or 1)
+    return axes
+
+
+def over_plane(obstacle: HalfSpace, points: np.ndarray, force: np.ndarray, label: str) -> Axes:
+    """Coloured dots at the candidates that carry a force, pale ones at the others."""
+    horizontal = np.allclose(obstacle.normal[:2], 0)
+    across = np.array([1.0, 0.0, 0.0]) if horizontal else np.cross(obstacle.normal, [0.0, 0.0, 1.0])
+    across /= np.linalg.norm(across)
+    position = points @ np.column_stack([across, np.cross(obstacle.normal, across)])
+    low, high = position.min(axis=0), position.max(axis=0)
+    margin = 0.05 * (high - low).max()
+    names = ("$x$", "$y$") if horizontal and obstacle.normal[2] > 0 else ("along the plane", "along the plane")
+    axes = style.plan(low - margin, high + margin, names)
+    pushed = force > 0
+    axes.plot(*position[~pushed].T, "o", color=style.PALE, markeredgecolor=style.GREY, markersize=5)
+    dots = axes.scatter(*position[pushed].T, c=force[pushed], s=60, cmap=style.FIELD_COLOURS, vmin=0, zorder=2)
+    style.colour_bar(dots, axes, label)
+    return axes
 
 
 def position_name(obstacle: HalfSpace) -> str:

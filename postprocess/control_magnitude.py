@@ -1,4 +1,7 @@
-"""Magnitude of the control over the undeformed body at one time, with the nodes in contact marked (seed, Fig. 5)."""
+"""Magnitude of the control over the undeformed body at one time, with the nodes in contact marked (seed, Fig. 5).
+
+In space it is that on the surface, seen from the side.
+"""
 
 import sys
 from pathlib import Path
@@ -10,31 +13,33 @@ from matplotlib.collections import LineCollection
 import style
 from command_line import run_alone
 from run_folder import Mesh, RunFolder, nearest
+from view import View, view_of
 
 
 def draw(run: RunFolder, time: float | None = None) -> list[Path]:
     """Draws the stored time nearest to `time` (s)."""
     control = run.field("control.xdmf", "control")
-    run.require_plane()
     time = run.figure_time() if time is None else time
     run.check_time(time)
     index = nearest(control.times, time)
 
-    axes = body_axes(control.mesh)
+    view = view_of(run)
+    mesh = view.seen(control.mesh)
+    axes = body_axes(mesh, view)
     magnitude = np.linalg.norm(control.at(index), axis=1)
-    colours = axes.tripcolor(*control.mesh.points.T, control.mesh.triangles, magnitude, shading="gouraud",
+    colours = axes.tripcolor(*mesh.points.T, mesh.cells, magnitude, shading="gouraud",
                              cmap=style.FIELD_COLOURS, vmin=0, rasterized=True)
     style.colour_bar(colours, axes, f"control $|u|$ ({control_unit(run)})")
     style.show_time(axes, control.times[index])
     if run.has_contact:
-        mark_contact(axes, run, control.times[index], control.mesh.size)
+        mark_contact(axes, run, view, control.times[index], control.mesh.size)
     return [style.save(axes.figure, run.path / "figures" / "control_magnitude.png")]
 
 
-def body_axes(mesh: Mesh) -> Axes:
+def body_axes(mesh: Mesh, view: View) -> Axes:
     """Axes that fit the undeformed body, with its outline."""
     margin = 0.04 * mesh.size
-    axes = style.plan(mesh.points.min(axis=0) - margin, mesh.points.max(axis=0) + margin)
+    axes = style.plan(mesh.points.min(axis=0) - margin, mesh.points.max(axis=0) + margin, view.names)
     axes.add_collection(LineCollection(mesh.points[mesh.outline()], colors="black", linewidths=0.8))
     return axes
 
@@ -48,13 +53,13 @@ def control_unit(run: RunFolder) -> str:
     return f"{factor}$10^{{{int(exponent)}}}$ N/m³"
 
 
-def mark_contact(axes: Axes, run: RunFolder, time: float, size: float) -> None:
+def mark_contact(axes: Axes, run: RunFolder, view: View, time: float, size: float) -> None:
     """Marks the nodes in contact at the stored time (s); the body's size (m) sets what counts as no gap."""
     index = nearest(run.contact.times, time)
     # The solver takes 1e-10 of the body's diameter as zero.
     nodes = run.contact.points[run.contact.touching(index, 1e-10 * size)]
     if len(nodes):
-        axes.plot(*nodes.T, "o", color=style.VERMILLION, markeredgecolor="white", markersize=6, markeredgewidth=0.8,
+        axes.plot(*view.project(nodes).T, "o", color=style.VERMILLION, markeredgecolor="white", markersize=6, markeredgewidth=0.8,
                   linestyle="none", clip_on=False, label="in contact")
         axes.legend(loc="lower right", bbox_to_anchor=(1, 1), borderpad=0, handletextpad=0.1)
 

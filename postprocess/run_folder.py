@@ -43,10 +43,10 @@ class Table(dict[str, np.ndarray]):
 
 @dataclass(frozen=True)
 class Mesh:
-    """Nodes (n × dim, m) and triangles (cells × 3, node numbers) of the undeformed body."""
+    """Nodes (n × dim, m) and cells (triangles or tetrahedra, by their node numbers) of the undeformed body."""
 
     points: np.ndarray
-    triangles: np.ndarray
+    cells: np.ndarray
 
     @property
     def size(self) -> float:
@@ -54,10 +54,24 @@ class Mesh:
         return float(np.ptp(self.points, axis=0).max())
 
     def outline(self) -> np.ndarray:
-        """Edges of the boundary (edges × 2, node numbers): those of one triangle only."""
-        edges = np.sort(self.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        """Edges of the boundary of triangles (edges × 2, node numbers): those of one triangle only."""
+        edges = np.sort(self.cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
         distinct, count = np.unique(edges, axis=0, return_counts=True)
         return distinct[count == 1]
+
+    def surface(self) -> np.ndarray:
+        """Triangles of the boundary of tetrahedra (triangles × 3, node numbers), counterclockwise from outside."""
+        faces = self.cells[:, [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]]].reshape(-1, 3)
+        _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+        outer = first[count == 1]
+        a, b, c = np.moveaxis(self.points[faces[outer]], 1, 0)
+        inside = self.points[self.cells[outer // 4]].mean(axis=1)
+        inwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), inside - a) > 0
+        return np.where(inwards[:, None], faces[outer][:, ::-1], faces[outer])
+
+    def boundary_nodes(self) -> np.ndarray:
+        """Node numbers of the boundary, ascending."""
+        return np.unique(self.outline() if self.points.shape[1] == 2 else self.surface())
 
 
 @dataclass(frozen=True)
@@ -181,11 +195,6 @@ class RunFolder:
     def dim(self) -> int:
         """Space dimension."""
         return sum(name.startswith("contact_force_") for name in self.steps)
-
-    def require_plane(self) -> None:
-        """Raises NotInRun for a body in space."""
-        if self.dim != 2:
-            raise NotInRun("only plane bodies are drawn; the .xdmf files open in ParaView")
 
     @cached_property
     def normal_force(self) -> np.ndarray:

@@ -53,7 +53,7 @@ def graph() -> tuple[Figure, Axes]:
     return figure, figure.add_subplot()
 
 
-def plan(low: np.ndarray, high: np.ndarray, dots_per_inch: float | None = None) -> Axes:
+def plan(low: np.ndarray, high: np.ndarray, names: tuple[str, str], dots_per_inch: float | None = None) -> Axes:
     """Axes of equal scale for the box between two corners (m), with room for a colour bar, in a figure of their own."""
     box = np.asarray(high) - low
     plot = box * min(PLAN[0] / box[0], PLAN[1] / box[1])
@@ -62,7 +62,7 @@ def plan(low: np.ndarray, high: np.ndarray, dots_per_inch: float | None = None) 
     # Placed by hand: the automatic layout does not foresee that equal scales narrow the plot.
     figure = Figure(figsize=(width, height), dpi=dots_per_inch, layout="none")
     place = [left / width, (height - top - plot[1]) / height, plot[0] / width, plot[1] / height]
-    axes = figure.add_axes(place, aspect="equal", xlabel="$x$ (m)", ylabel="$y$ (m)")
+    axes = figure.add_axes(place, aspect="equal", xlabel=f"{names[0]} (m)", ylabel=f"{names[1]} (m)")
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     axes.grid(False)
     return axes

@@ -10,6 +10,7 @@ import numpy as np
 
 SIGNORINI, SOURCE = (Path(a).resolve() for a in sys.argv[1:3])
 HALF_DISC = SOURCE / "scenes" / "half-disc.toml"
+HALF_BALL = SOURCE / "scenes" / "half-ball.toml"
 
 
 def signorini(verb: str, scene: Path, out: Path | None = None, ranks: int = 1, **overrides: object) -> subprocess.CompletedProcess:

@@ -1,4 +1,5 @@
 #include "contact/full_vi.h"
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -85,11 +86,12 @@ void FullVi::solve(Vec r, const ContactState&, ContactState& state, Vec y) const
   check(VecGetOwnershipRange(z_, &begin, &end));
   {
     const petsc::ReadArray residual(vi_->residual()), z(z_), upper(vi_->upper());
+    // A warm start from the bound can come a rounding below it, and the solver leaves it there: one unit, the gap
+    // tolerance, is no distance.
     for (std::size_t i = 0; i < m; ++i)
-      // At the bound, to within a negligible gap.
       if (const PetscInt dof = constraints_.first_dofs()[i];
           dof >= begin && dof < end && z[dof - begin] >= upper[dof - begin] - 1)
-        state.lambda[i] = -force_unit_ * residual[dof - begin];
+        state.lambda[i] = std::max(0.0, -force_unit_ * residual[dof - begin]);
   }
   MPI_Allreduce(MPI_IN_PLACE, state.lambda.data(), static_cast<int>(m), MPI_DOUBLE, MPI_SUM, petsc::comm(r_));
   check(VecScale(z_, length_unit_));

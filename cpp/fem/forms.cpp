@@ -1,4 +1,6 @@
 #include "fem/forms.h"
+#include "viscoelasticity_tetrahedron_1.h"
+#include "viscoelasticity_tetrahedron_2.h"
 #include "viscoelasticity_triangle_1.h"
 #include "viscoelasticity_triangle_2.h"
 #include <array>
@@ -24,6 +26,10 @@ Generated generated(const Space& space) {
     return SIGNORINI_GENERATED(triangle, 1);
   if (space.dim() == 2 && space.degree() == 2)
     return SIGNORINI_GENERATED(triangle, 2);
+  if (space.dim() == 3 && space.degree() == 1)
+    return SIGNORINI_GENERATED(tetrahedron, 1);
+  if (space.dim() == 3 && space.degree() == 2)
+    return SIGNORINI_GENERATED(tetrahedron, 2);
   throw std::logic_error("no forms were compiled for this cell and degree (CMakeLists.txt)");
 }
 

@@ -1,11 +1,12 @@
 #include "mesh/gmsh_model.h"
 #include "base/error.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
 #include <gmsh.h>
-#include <set>
+#include <limits>
 #include <unordered_map>
 
 namespace signorini::mesh {
@@ -52,6 +53,51 @@ std::string group_name(int dim, int tag) {
   return name.empty() ? std::to_string(tag) : name;
 }
 
+/// What the messages call the parts of a mesh of `dim` dimensions.
+struct Words {
+  const char *cell, *cells, *facet, *facets;
+  const char* extent;                           ///< what a flat cell lacks
+  const char* body_kind;                        ///< of a Physical group in a .geo
+  const char *straight_cells, *straight_facets; ///< with gmsh's names
+};
+
+constexpr Words plane_words{.cell = "triangle",
+                            .cells = "triangles",
+                            .facet = "edge",
+                            .facets = "edges",
+                            .extent = "area",
+                            .body_kind = "Surface",
+                            .straight_cells = "straight triangles (Triangle 3)",
+                            .straight_facets = "straight edges (Line 2)"};
+constexpr Words space_words{.cell = "tetrahedron",
+                            .cells = "tetrahedra",
+                            .facet = "face",
+                            .facets = "faces",
+                            .extent = "volume",
+                            .body_kind = "Volume",
+                            .straight_cells = "straight tetrahedra (Tetrahedron 4)",
+                            .straight_facets = "straight triangles (Triangle 3)"};
+
+const Words& words(int dim) { return dim == 2 ? plane_words : space_words; }
+
+/// Node numbers of a cell or facet in ascending order, so that equal ones compare equal; what is left over is
+/// filled up.
+using Simplex = std::array<std::int64_t, 4>;
+
+Simplex simplex(const std::int64_t* nodes, int count) {
+  Simplex sorted;
+  sorted.fill(std::numeric_limits<std::int64_t>::max()); // stays behind the node numbers
+  std::copy_n(nodes, count, sorted.begin());
+  std::ranges::sort(sorted);
+  return sorted;
+}
+
+/// A facet as one of its cells has it.
+struct Facet {
+  Simplex nodes;
+  std::int64_t opposite; ///< the cell's other corner
+};
+
 class Extraction {
 public:
   explicit Extraction(const scene::Mesh& mesh) : file_(mesh.file.string()) {}
@@ -61,8 +107,9 @@ public:
     std::vector<std::int64_t> cells = cell_tags();
     number_points(cells);
     raw_.cells = renumber(cells);
-    require_area();
-    count_edges();
+    require_extent();
+    require_single_cells();
+    collect_facets();
     boundary_groups();
     return std::move(raw_);
   }
@@ -79,15 +126,14 @@ private:
       raw_.dim = dim;
     }
     if (types.empty())
-      fail("the mesh has no elements (is the file incomplete?), allowed is a mesh of triangles");
-    if (raw_.dim == 3)
-      fail("the mesh has volume elements; three dimensions are not available yet, allowed is a mesh of "
-           "triangles in the plane z = 0");
+      fail(
+          "the mesh has no elements (is the file incomplete?), allowed is a mesh of triangles or tetrahedra");
     if (raw_.dim < 2)
-      fail(fmt::format("the highest elements of the mesh are those of a {}, allowed is a mesh of triangles",
-                       kind(raw_.dim)));
-    require_straight(raw_.dim, "straight triangles (Triangle 3)");
-    require_straight(raw_.dim - 1, "straight edges (Line 2)");
+      fail(fmt::format(
+          "the highest elements of the mesh are those of a {}, allowed is a mesh of triangles or tetrahedra",
+          kind(raw_.dim)));
+    require_straight(raw_.dim, words(raw_.dim).straight_cells);
+    require_straight(raw_.dim - 1, words(raw_.dim).straight_facets);
   }
 
   void require_straight(int dim, const char* allowed) const {
@@ -115,10 +161,10 @@ private:
       std::vector<int> groups;
       gmsh::model::getPhysicalGroupsForEntity(dim, entity, groups);
       if (groups.empty())
-        fail(fmt::format("{} {} has {} elements and is in no physical group, allowed are {}s in a group, such "
-                         "as: Physical {}(\"body\") = {{{}}};",
-                         kind(dim), entity, own.size() / (dim + 1), kind(dim), dim == 2 ? "Surface" : "Volume",
-                         entity));
+        fail(
+            fmt::format("{} {} has {} elements and is in no physical group, allowed are {}s in a group, such "
+                        "as: Physical {}(\"body\") = {{{}}};",
+                        kind(dim), entity, own.size() / (dim + 1), kind(dim), words(dim).body_kind, entity));
       cells.insert(cells.end(), own.begin(), own.end());
     }
     return cells;
@@ -141,21 +187,28 @@ private:
     std::unordered_map<Tag, std::size_t> row;
     for (std::size_t i = 0; i < tags.size(); ++i)
       row[tags[i]] = i;
+    std::vector<std::int64_t> used = cells;
+    std::ranges::sort(used);
+    const auto [last, end] = std::ranges::unique(used);
+    used.erase(last, end);
     double extent = 0, off_plane = 0;
-    for (std::int64_t tag : std::set<std::int64_t>(cells.begin(), cells.end())) {
+    for (std::int64_t tag : used) {
       const auto found = row.find(static_cast<Tag>(tag));
       if (found == row.end())
         fail(fmt::format("an element refers to node {}, which the file does not have", tag));
       number_[tag] = static_cast<std::int64_t>(raw_.points.size() / 3);
       const double* x = &points[3 * found->second];
       if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
-        fail(fmt::format("node {} is at ({}, {}, {}), allowed are finite coordinates", tag, x[0], x[1], x[2]));
+        fail(
+            fmt::format("node {} is at ({}, {}, {}), allowed are finite coordinates", tag, x[0], x[1], x[2]));
       raw_.points.insert(raw_.points.end(), x, x + 3);
       extent = std::max({extent, std::abs(x[0]), std::abs(x[1])});
       off_plane = std::max(off_plane, std::abs(x[2]));
     }
-    if (off_plane > 1e-12 * extent)
-      fail(fmt::format("the triangles leave the plane z = 0 by {} m, allowed is a plane mesh", off_plane));
+    if (raw_.dim == 2 && off_plane > 1e-12 * extent)
+      fail(fmt::format(
+          "the triangles leave the plane z = 0 by {} m, allowed are triangles in that plane, or tetrahedra",
+          off_plane));
   }
 
   std::vector<std::int64_t> renumber(const std::vector<std::int64_t>& tags) const {
@@ -170,41 +223,88 @@ private:
     return rows;
   }
 
-  void require_area() const {
-    for (std::size_t c = 0; c < raw_.cells.size(); c += 3) {
-      const double *a = &raw_.points[3 * raw_.cells[c]], *b = &raw_.points[3 * raw_.cells[c + 1]],
-                   *d = &raw_.points[3 * raw_.cells[c + 2]];
-      const double ab = std::hypot(b[0] - a[0], b[1] - a[1]), ad = std::hypot(d[0] - a[0], d[1] - a[1]);
-      const double cross = std::abs((b[0] - a[0]) * (d[1] - a[1]) - (b[1] - a[1]) * (d[0] - a[0]));
-      if (!(cross > 1e-14 * ab * ad))
-        fail(fmt::format("the triangle at ({}, {}) has no area, allowed are triangles with three corners", a[0],
-                         a[1]));
-    }
+  [[nodiscard]] const double* point(std::int64_t node) const { return &raw_.points[3 * node]; }
+
+  /// Where a node is, for messages.
+  [[nodiscard]] std::string place(std::int64_t node) const {
+    const double* x = point(node);
+    return raw_.dim == 2 ? fmt::format("({}, {})", x[0], x[1])
+                         : fmt::format("({}, {}, {})", x[0], x[1], x[2]);
   }
 
-  /// Every triangle once, every edge of one or two triangles.
-  void count_edges() {
-    std::set<std::array<std::int64_t, 3>> triangles;
-    for (std::size_t c = 0; c < raw_.cells.size(); c += 3) {
-      std::array triangle{raw_.cells[c], raw_.cells[c + 1], raw_.cells[c + 2]};
-      std::ranges::sort(triangle);
-      const double* x = &raw_.points[3 * triangle[0]];
-      if (!triangles.insert(triangle).second)
-        fail(fmt::format("the triangle at ({}, {}) is in the mesh twice, allowed is once", x[0], x[1]));
-      for (const auto& [i, j] : {std::pair{0, 1}, {0, 2}, {1, 2}})
-        if (++edges_[{triangle[i], triangle[j]}] > 2)
-          fail(fmt::format("more than two triangles share the edge at ({}, {}), allowed are one or two", x[0], x[1]));
+  /// Determinant of the edges from a cell's first corner, and the product of their lengths.
+  [[nodiscard]] std::pair<double, double> extent(const std::int64_t* cell) const {
+    const int dim = raw_.dim;
+    std::array<std::array<double, 3>, 3> e{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    double lengths = 1;
+    for (int i = 0; i < dim; ++i) {
+      for (int c = 0; c < dim; ++c)
+        e[i][c] = point(cell[i + 1])[c] - point(cell[0])[c];
+      lengths *= std::hypot(e[i][0], e[i][1], e[i][2]);
     }
+    const double determinant = e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
+                               e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
+                               e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+    return {determinant, lengths};
   }
 
-  void require_edges(const std::string& group, const std::vector<std::int64_t>& facets) const {
-    for (std::size_t f = 0; f < facets.size(); f += 2)
-      if (!edges_.contains(std::minmax(facets[f], facets[f + 1]))) {
-        const double* x = &raw_.points[3 * facets[f]];
-        fail(fmt::format("the edge at ({}, {}) of the group \"{}\" is the edge of no triangle, allowed are edges of "
-                         "triangles",
-                         x[0], x[1], group));
+  void require_extent() const {
+    for (std::size_t c = 0; c < raw_.cells.size(); c += raw_.dim + 1)
+      if (const auto [determinant, lengths] = extent(&raw_.cells[c]);
+          !(std::abs(determinant) > 1e-14 * lengths))
+        fail(fmt::format("the {0} at {1} has no {2}, allowed are {3} that have one", words(raw_.dim).cell,
+                         place(raw_.cells[c]), words(raw_.dim).extent, words(raw_.dim).cells));
+  }
+
+  void require_single_cells() const {
+    const int corners = raw_.dim + 1;
+    std::vector<Simplex> cells;
+    for (std::size_t c = 0; c < raw_.cells.size(); c += corners)
+      cells.push_back(simplex(&raw_.cells[c], corners));
+    std::ranges::sort(cells);
+    if (const auto twice = std::ranges::adjacent_find(cells); twice != cells.end())
+      fail(fmt::format("the {} at {} is in the mesh twice, allowed is once", words(raw_.dim).cell,
+                       place((*twice)[0])));
+  }
+
+  /// Collects the cells' facets; each may belong to one cell, or to two that are on either side of it.
+  void collect_facets() {
+    const int corners = raw_.dim + 1;
+    for (std::size_t c = 0; c < raw_.cells.size(); c += corners)
+      for (int opposite = 0; opposite < corners; ++opposite) {
+        std::array<std::int64_t, 3> nodes{};
+        for (int i = 0, k = 0; i < corners; ++i)
+          if (i != opposite)
+            nodes[k++] = raw_.cells[c + i];
+        facets_.push_back({simplex(nodes.data(), raw_.dim), raw_.cells[c + opposite]});
       }
+    std::ranges::sort(facets_, {}, &Facet::nodes);
+    for (std::size_t f = 0; f + 1 < facets_.size(); ++f) {
+      if (facets_[f].nodes != facets_[f + 1].nodes)
+        continue;
+      if (f + 2 < facets_.size() && facets_[f].nodes == facets_[f + 2].nodes)
+        fail(fmt::format("more than two {} share the {} at {}, allowed are one or two", words(raw_.dim).cells,
+                         words(raw_.dim).facet, place(facets_[f].nodes[0])));
+      if ((side(facets_[f]) > 0) == (side(facets_[f + 1]) > 0))
+        fail(
+            fmt::format("the two {0} that share the {1} at {2} overlap, allowed are {0} on either side of it",
+                        words(raw_.dim).cells, words(raw_.dim).facet, place(facets_[f].nodes[0])));
+    }
+  }
+
+  /// On which side of its facet a cell is: a sign.
+  [[nodiscard]] double side(const Facet& facet) const {
+    Simplex cell = facet.nodes;
+    cell[raw_.dim] = facet.opposite;
+    return extent(cell.data()).first;
+  }
+
+  void require_facets(const std::string& group, const std::vector<std::int64_t>& facets) const {
+    for (std::size_t f = 0; f < facets.size(); f += raw_.dim)
+      if (!std::ranges::binary_search(facets_, simplex(&facets[f], raw_.dim), {}, &Facet::nodes))
+        fail(fmt::format("the {0} at {1} of the group \"{2}\" is the {0} of no {3}, allowed are {4} of {5}",
+                         words(raw_.dim).facet, place(facets[f]), group, words(raw_.dim).cell,
+                         words(raw_.dim).facets, words(raw_.dim).cells));
   }
 
   void boundary_groups() {
@@ -223,14 +323,14 @@ private:
         const std::vector<std::int64_t> own = renumber(entity_tags(dim, entity));
         facets.insert(facets.end(), own.begin(), own.end());
       }
-      require_edges(name, facets);
+      require_facets(name, facets);
     }
   }
 
   std::string file_;
   RawMesh raw_;
   std::unordered_map<std::int64_t, std::int64_t> number_;
-  std::map<std::pair<std::int64_t, std::int64_t>, int> edges_; ///< node pair, lower first → triangles that have it
+  std::vector<Facet> facets_; ///< of every cell, ascending: one between two cells is there twice
 };
 
 /// A .msh that was cut short, which gmsh may read as far as it goes.
@@ -242,9 +342,10 @@ void require_whole(const std::string& file) {
       last = line;
   if (last.empty() || last.starts_with("$End"))
     return; // gmsh says what is wrong with an empty file
-  throw UserError(fmt::format("{}: not a whole .msh file: its last line is not the end of a section ($End...); allowed are "
-                              "complete .msh files",
-                              file));
+  throw UserError(fmt::format(
+      "{}: not a whole .msh file: its last line is not the end of a section ($End...); allowed are "
+      "complete .msh files",
+      file));
 }
 
 } // namespace
@@ -252,7 +353,8 @@ void require_whole(const std::string& file) {
 RawMesh read_gmsh(const scene::Mesh& mesh) {
   const std::string file = mesh.file.string();
   if (!std::ifstream(file) || std::filesystem::is_directory(mesh.file))
-    throw UserError(fmt::format("mesh.file: {} cannot be read, allowed is the path of a .geo or .msh file", file));
+    throw UserError(
+        fmt::format("mesh.file: {} cannot be read, allowed is the path of a .geo or .msh file", file));
   if (mesh.file.extension() == ".msh")
     require_whole(file);
   Session session;

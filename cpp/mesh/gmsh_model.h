@@ -11,15 +11,17 @@ namespace signorini::mesh {
 /// A mesh of straight simplices as gmsh has it: plain numbers, no distribution.
 struct RawMesh {
   int dim = 0;
-  std::vector<double> points;        ///< (nodes × 3), m; only nodes that a cell uses
-  std::vector<std::int64_t> cells;   ///< (cells × (dim + 1)), rows into points
-  std::map<std::string, std::vector<std::int64_t>> facets; ///< boundary group → (facets × dim), rows into points
+  std::vector<double> points;      ///< (nodes × 3), m; only nodes that a cell uses
+  std::vector<std::int64_t> cells; ///< (cells × (dim + 1)), rows into points
+  std::map<std::string, std::vector<std::int64_t>>
+      facets;                              ///< boundary group → (facets × dim), rows into points
   std::map<std::string, int> other_groups; ///< groups of another dimension → that dimension
 };
 
 /// Reads a .msh, or meshes a .geo at its size. Not collective: call it on one rank.
-/// Throws UserError for a file that cannot be read, a wrong dimension, element type or orientation, and cells
-/// without a physical group.
+/// A .geo is meshed up to the dimension of its highest entities: triangles in the plane z = 0, or tetrahedra.
+/// Throws UserError for a file that cannot be read, a wrong dimension or element type, cells that are flat,
+/// overlap their neighbours or are in no physical group, and boundary groups of other facets than the cells'.
 RawMesh read_gmsh(const scene::Mesh& mesh);
 
 } // namespace signorini::mesh

@@ -182,8 +182,8 @@ std::vector<double> Reader::number_or_numbers(const std::string& key, const Limi
 
 Components Reader::expressions(const std::string& key, bool time) {
   const toml::array* array = node(key).as_array();
-  const std::string allowed = fmt::format("an array of one expression per space dimension, such as [\"0\", "
-                                          "\"-9.81\"]");
+  const std::string allowed = "an array of one expression per space dimension, such as [\"0\", \"-9.81\"] in the plane "
+                              "and [\"0\", \"0\", \"-9.81\"] in space";
   if (!array || array->size() < 2 || array->size() > 3)
     fail(key, fmt::format("found {}, allowed is {}", shown(node(key)), allowed));
   Components components;

@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_DISC, SOURCE, signorini  # noqa: E402
+from harness import HALF_BALL, HALF_DISC, SOURCE, signorini  # noqa: E402
 
 from PIL import Image  # noqa: E402
 
@@ -31,11 +31,15 @@ def main() -> int:
         folder = Path(name)
         signorini("optimize", HALF_DISC, folder / "o", mesh__size=2, optimizer__max_iterations=5)
         signorini("simulate", HALF_DISC, folder / "s", mesh__size=2, control__initial=["0", "-1"])
+        signorini("optimize", HALF_BALL, folder / "b", mesh__size=3, time__step=2.5e-4, optimizer__max_iterations=3,
+                  contact__obstacle__normal=[0.1, -0.12, 1], control__initial=["0", "0", "-0.9"])  # fmt: skip
         found = drawn(folder / "o")
         assert found == OPTIMIZE, f"missing {OPTIMIZE - found}, unexpected {found - OPTIMIZE}"
         found = drawn(folder / "s")
         assert found == SIMULATE, f"missing {SIMULATE - found}, unexpected {found - SIMULATE}"
-        for file in sorted((folder / "o" / "figures").glob("*.png")):
+        found = drawn(folder / "b")
+        assert found == OPTIMIZE, f"in space: missing {OPTIMIZE - found}, unexpected {found - OPTIMIZE}"
+        for file in sorted([*(folder / "o" / "figures").glob("*.png"), *(folder / "b" / "figures").glob("*.png")]):
             with Image.open(file) as image:
                 assert min(image.size) >= 400, f"{file.name} is {image.size}"
                 colours = image.convert("RGB").getcolors(maxcolors=10**7)
@@ -44,7 +48,7 @@ def main() -> int:
             assert image.n_frames >= 30
         wrong = draw(folder)
         assert wrong.returncode == 2 and wrong.stderr.count("\n") == 1, wrong.stderr
-        print(f"{len(OPTIMIZE)} and {len(SIMULATE)} figures drawn; not a run: {wrong.stderr.strip()}")
+        print(f"{len(OPTIMIZE)}, in space as many, and {len(SIMULATE)} figures drawn; not a run: {wrong.stderr.strip()}")
     return 0
 
 

@@ -8,7 +8,7 @@ import xml.etree.ElementTree as xml
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_DISC, SOURCE, attempt, signorini, table  # noqa: E402
+from harness import HALF_BALL, HALF_DISC, SOURCE, attempt, signorini, table  # noqa: E402
 
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
@@ -16,6 +16,8 @@ import numpy as np  # noqa: E402
 STEPS = ("step,time,kinetic_energy,elastic_energy,viscous_dissipation,external_work,contact_work,energy_residual,"
          "contact_force_x,contact_force_y,active,weak,min_gap,vi_iterations")  # fmt: skip
 CONTACT = "step,time,x,y,gap,force"
+STEPS_IN_SPACE = STEPS.replace("contact_force_y,", "contact_force_y,contact_force_z,")
+CONTACT_IN_SPACE = "step,time,x,y,z,gap,force"
 HISTORY = ("iteration,objective,tracking,terminal,control_cost,gradient_norm,step_length,forward_sweeps,adjoint_sweeps,"
            "seconds,relative_distance_to_reference")  # fmt: skip
 
@@ -100,6 +102,40 @@ def degree_two(folder: Path) -> None:
     print("degree 2: fields at the mesh's own nodes")
 
 
+def half_ball(folder: Path) -> None:
+    """In space: columns of three components, tetrahedra, and fields that are where their nodes are."""
+    for degree, ranks in ((1, 1), (1, 3), (2, 2)):
+        out = folder / f"ball-{degree}-{ranks}"
+        signorini("optimize", HALF_BALL, out, ranks, mesh__size=4, mesh__degree=degree, time__step=2.5e-4, output__every=10,
+                  optimizer__max_iterations=0, control__initial=["0", "0", "-1"])  # fmt: skip
+        assert header(out / "steps.csv") == STEPS_IN_SPACE + ",tracking_error"
+        assert header(out / "contact.csv") == CONTACT_IN_SPACE
+        stored = [0, 2.5e-3, 5e-3, 7.5e-3]
+        assert np.allclose(grids(out / "state.xdmf")["displacement"], stored)
+        assert np.allclose(grids(out / "control.xdmf")["control"], stored[1:])
+        topology = xml.parse(out / "state.xdmf").find(".//Topology")
+        cells = json.loads((out / "run.json").read_text())["cells"]
+        assert topology.get("TopologyType") == "Tetrahedron" and int(topology.get("NumberOfElements")) == cells
+        contact, steps = table(out / "contact.csv"), table(out / "steps.csv")
+        with h5py.File(out / "state.h5") as file:
+            points, tetrahedra = file["Mesh/mesh/geometry"][:], file["Mesh/mesh/topology"][:]
+            states = file["Function/displacement"]
+            fields = [states[key][:] for key in sorted(states, key=lambda key: float(key.replace("_", ".")))]
+        volume = abs(np.linalg.det(points[tetrahedra[:, 1:]] - points[tetrahedra[:, :1]])).sum() / 6
+        assert len(tetrahedra) == cells and 0.96 < volume / (2 * np.pi / 3 * 15**3) < 1
+        now = contact["step"] == 10
+        assert (contact["force"][now] > 0).any(), "no contact at step 10: the comparison says little"
+        places = np.column_stack([contact[axis][now] for axis in "xyz"])
+        distance = np.linalg.norm(points[:, None] - places, axis=2)
+        vertex, node = distance.min(axis=0) < 1e-9, distance.argmin(axis=0)  # degree 2 has candidates between vertices
+        assert vertex.any() and (vertex.all() if degree == 1 else not vertex.all())
+        gap = points[node, 2] + fields[1][node, 2] + 15.75
+        assert np.allclose(gap[vertex], contact["gap"][now][vertex], rtol=0, atol=1e-9)
+        assert abs(fields[3][points[:, 2] > -1e-9]).max() < 1e-14, "the clamp moved"  # MUMPS and interpolation round
+        assert np.isclose(contact["force"][now].sum(), steps["contact_force_z"][10], rtol=1e-12)
+    print("in space: z columns, tetrahedra, fields at their nodes, on several ranks and with degree 2 too")
+
+
 def silence_and_plain_lines(folder: Path) -> None:
     quiet = attempt("simulate", HALF_DISC, folder / "q", mesh__size=3)
     assert "\r" not in quiet.stdout + quiet.stderr and "\033" not in quiet.stdout + quiet.stderr
@@ -126,6 +162,7 @@ def main() -> int:
         simulate_replaces_optimize(out)
         nodal_force_is_the_resultant(out)
         degree_two(folder)
+        half_ball(folder)
         silence_and_plain_lines(folder)
     return 0
 

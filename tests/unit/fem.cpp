@@ -12,8 +12,8 @@ struct Body {
   mesh::Mesh mesh;
   fem::Space space;
   fem::Operators operators;
-  explicit Body(int degree)
-      : scene(test::parse(test::source("tests/data/block.toml"))), mesh(MPI_COMM_WORLD, scene.mesh), space(mesh, degree),
+  explicit Body(int degree, const char* file = "tests/data/block.toml")
+      : scene(test::parse(test::source(file))), mesh(MPI_COMM_WORLD, scene.mesh), space(mesh, degree),
         operators(fem::assemble_operators(space, scene.material)) {}
 
   petsc::Vector field(const scene::Components& components) const {
@@ -47,6 +47,30 @@ TEST_CASE("operators integrate what they should", "[fem]") {
     const double kappa = material.viscosity->bulk, eta = material.viscosity->shear;
     CHECK(std::abs(energy(*body.operators.B, linear) / (4 * (kappa - 2 * eta / 3) + 4 * eta) - 1) < 1e-13);
     CHECK(std::abs(energy(*body.operators.B, shear) / eta - 1) < 1e-13);
+  }
+}
+
+TEST_CASE("operators integrate what they should in space", "[fem]") {
+  for (int degree : {1, 2}) {
+    const Body body(degree, "tests/data/manufactured-space.toml");
+    const scene::Material& material = body.scene.material;
+    const petsc::Vector unit = body.field({"0", "0", "1"}), linear = body.field({"x", "y", "z"}),
+                        shear = body.field({"0", "z", "0"});
+    CHECK(std::abs(energy(body.operators.W, unit) - 1) < 1e-13);
+    CHECK(std::abs(energy(body.operators.M, unit) - material.density) < 1e-13);
+    CHECK(std::abs(energy(body.operators.W, linear) - 1) < 1e-13);
+    const double lambda = material.young * material.poisson / ((1 + material.poisson) * (1 - 2 * material.poisson));
+    const double mu = material.young / (2 * (1 + material.poisson));
+    // eps = I: tr = 3, so (3 lambda + 2 mu) 3; eps = sym(e2 e3): 2 mu / 2.
+    CHECK(std::abs(energy(body.operators.A, linear) / (9 * lambda + 6 * mu) - 1) < 1e-13);
+    CHECK(std::abs(energy(body.operators.A, shear) / mu - 1) < 1e-13);
+    CHECK(std::abs(energy(*body.operators.B, linear) / (9 * material.viscosity->bulk) - 1) < 1e-13); // no shear
+    CHECK(std::abs(energy(*body.operators.B, shear) / material.viscosity->shear - 1) < 1e-13);
+    for (const scene::Components& rigid :
+         {scene::Components{"1", "0", "0"}, {"0", "0", "1"}, {"-y", "x", "0"}, {"0", "-z", "y"}, {"z", "0", "-x"}}) {
+      CHECK(energy(body.operators.A, body.field(rigid)) < 1e-12);
+      CHECK(energy(*body.operators.B, body.field(rigid)) < 1e-12);
+    }
   }
 }
 

@@ -38,7 +38,7 @@ inline petsc::Vector smooth(const fem::Space& space, int which) {
     const double* p = &space.points()[static_cast<std::size_t>(3 * node)];
     for (int c = 0; c < space.dim(); ++c)
       values[static_cast<std::size_t>(node * space.dim() + c)] =
-          std::sin(1.3 * p[0] - 0.7 * p[1] + which + 1.1 * c) + 0.2 * which * std::cos(2.1 * p[1]);
+          std::sin(1.3 * p[0] - 0.7 * p[1] + 0.9 * p[2] + which + 1.1 * c) + 0.2 * which * std::cos(2.1 * p[1]);
   }
   return x;
 }

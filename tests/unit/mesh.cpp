@@ -1,10 +1,62 @@
 #include "base/error.h"
 #include "fixtures.h"
+#include "mesh/gmsh_model.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <numbers>
+#include <set>
 
 using namespace signorini;
 using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+constexpr double radius = 15, cap = std::numbers::pi / 6; // of meshes/half-ball.geo, m and rad
+
+scene::Mesh half_ball(double size) {
+  return test::parse(test::source("scenes/half-ball.toml"), {"mesh.size=" + std::to_string(size)}).mesh;
+}
+
+/// Length, area or volume of a simplex of `dim` dimensions in space, from the Gram determinant of its edges.
+double measure(const mesh::RawMesh& raw, const std::int64_t* nodes, int dim) {
+  double G[3][3];
+  for (int i = 0; i < dim; ++i)
+    for (int j = 0; j < dim; ++j) {
+      G[i][j] = 0;
+      for (int c = 0; c < 3; ++c) {
+        const double origin = raw.points[3 * nodes[0] + c];
+        G[i][j] += (raw.points[3 * nodes[i + 1] + c] - origin) * (raw.points[3 * nodes[j + 1] + c] - origin);
+      }
+    }
+  const double minor = G[0][0] * G[1][1] - G[0][1] * G[1][0];
+  if (dim == 2)
+    return std::sqrt(minor) / 2;
+  return std::sqrt(G[2][2] * minor - G[2][1] * (G[0][0] * G[1][2] - G[0][2] * G[1][0]) +
+                   G[2][0] * (G[0][1] * G[1][2] - G[0][2] * G[1][1])) /
+         6;
+}
+
+double total_measure(const mesh::RawMesh& raw, const std::vector<std::int64_t>& simplices, int dim) {
+  double sum = 0;
+  for (std::size_t i = 0; i < simplices.size(); i += dim + 1)
+    sum += measure(raw, &simplices[i], dim);
+  return sum;
+}
+
+/// Nodes of the Lagrange functions of a degree on triangles: corners, with degree 2 also edges.
+long nodes_of(const std::vector<std::int64_t>& triangles, int degree) {
+  std::set<std::pair<std::int64_t, std::int64_t>> nodes;
+  for (std::size_t i = 0; i < triangles.size(); i += 3)
+    for (int j = 0; j < 3; ++j) {
+      const std::int64_t a = triangles[i + j], b = triangles[i + (j + 1) % 3];
+      nodes.insert({a, a});
+      if (degree == 2)
+        nodes.insert(std::minmax(a, b));
+    }
+  return static_cast<long>(nodes.size());
+}
+
+} // namespace
 
 TEST_CASE("boundary groups hold their nodes once, on any number of ranks", "[mesh]") {
   const scene::Scene scene = test::parse(test::source("tests/data/manufactured.toml"));
@@ -24,6 +76,60 @@ TEST_CASE("boundary groups hold their nodes once, on any number of ranks", "[mes
     for (int node : space.nodes_on("bottom", "test"))
       CHECK(std::abs(space.points()[static_cast<std::size_t>(3 * node + 1)]) < 1e-14);
   }
-  CHECK_THROWS_WITH(mesh.facets("botom", "clamp.on"), ContainsSubstring("clamp.on") && ContainsSubstring("\"bottom\""));
+  CHECK_THROWS_WITH(mesh.facets("botom", "clamp.on"),
+                    ContainsSubstring("clamp.on") && ContainsSubstring("\"bottom\""));
   CHECK_THROWS_WITH(mesh.facets("body", "clamp.on"), ContainsSubstring("dimension 2"));
+}
+
+TEST_CASE("volume and surfaces of the half ball converge with the square of the size", "[mesh]") {
+  const double cube = std::pow(radius, 3), square = std::pow(radius, 2), pi = std::numbers::pi;
+  const std::map<std::string, double> exact{{"top", pi * square},
+                                            {"contact", 2 * pi * square * (1 - std::cos(cap))},
+                                            {"side", 2 * pi * square * std::cos(cap)}};
+  const mesh::RawMesh coarse = mesh::read_gmsh(half_ball(4)), fine = mesh::read_gmsh(half_ball(2));
+  REQUIRE(coarse.dim == 3);
+  const auto order = [](double exact_value, double a, double b) {
+    CHECK(a < exact_value); // chords and inscribed polyhedra
+    CHECK(b < exact_value);
+    return std::log2((exact_value - a) / (exact_value - b));
+  };
+  const auto volume = [](const mesh::RawMesh& raw) { return total_measure(raw, raw.cells, 3); };
+  // Unstructured meshes: the sizes are halved on average only.
+  CHECK(std::abs(order(2 * pi / 3 * cube, volume(coarse), volume(fine)) - 2) < 0.4);
+  REQUIRE(coarse.facets.size() == exact.size());
+  for (const auto& [group, area] : exact)
+    CHECK(std::abs(order(area, total_measure(coarse, coarse.facets.at(group), 2),
+                         total_measure(fine, fine.facets.at(group), 2)) -
+                   2) < 0.4);
+}
+
+TEST_CASE("surface groups hold their nodes once, on any number of ranks", "[mesh]") {
+  const mesh::RawMesh raw = mesh::read_gmsh(half_ball(4));
+  const mesh::Mesh mesh(MPI_COMM_WORLD, half_ball(4));
+  CHECK(mesh.dim() == 3);
+  CHECK(mesh.cells() == static_cast<std::int64_t>(raw.cells.size() / 4));
+  for (const auto& [group, facets] : raw.facets)
+    CHECK(test::total(static_cast<long>(mesh.facets(group, "test").size())) ==
+          static_cast<long>(facets.size() / 3));
+  for (int degree : {1, 2}) {
+    const fem::Space space(mesh, degree);
+    const double sag =
+        degree == 1 ? 1e-12 : 0.6; // the middle of a chord of length 5 is this far inside the sphere, m
+    for (const auto& [group, facets] : raw.facets) {
+      const std::vector<int> nodes = space.nodes_on(group, "test");
+      CHECK(test::total(static_cast<long>(nodes.size())) == nodes_of(facets, degree));
+      for (int node : nodes) {
+        const double* x = &space.points()[static_cast<std::size_t>(3 * node)];
+        const double height = -radius * std::cos(cap);
+        if (group == "top") {
+          CHECK(std::abs(x[2]) < 1e-12);
+          continue;
+        }
+        CHECK(std::abs(std::hypot(x[0], x[1], x[2]) - radius) < sag);
+        CHECK((group == "contact" ? x[2] < height + 1e-9 : x[2] > height - 1e-9));
+      }
+    }
+  }
+  CHECK_THROWS_WITH(mesh.facets("botom", "clamp.on"), ContainsSubstring("surface group"));
+  CHECK_THROWS_WITH(mesh.facets("body", "clamp.on"), ContainsSubstring("dimension 3"));
 }

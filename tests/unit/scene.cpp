@@ -23,12 +23,17 @@ std::filesystem::path temporary(const std::string& text) {
 } // namespace
 
 TEST_CASE("the echoed scene reads back to itself", "[scene]") {
-  for (const char* name : {"scenes/half-disc.toml", "tests/data/block.toml", "tests/data/manufactured.toml"}) {
+  for (const auto& [name, dim] : {std::pair{"scenes/half-disc.toml", 2}, {"tests/data/block.toml", 2},
+                                  {"tests/data/manufactured.toml", 2}, {"scenes/half-ball.toml", 3},
+                                  {"tests/data/manufactured-space.toml", 3}}) {
     const scene::Scene scene = test::parse(test::source(name), {"solver.vi=full"});
     CHECK(scene.solver.vi == "full");
-    const std::string text = scene::echo(scene, 2);
+    CHECK_NOTHROW(scene::require_dimension(scene, dim));
+    CHECK_THROWS_AS(scene::require_dimension(scene, 5 - dim), UserError);
+    const std::string text = scene::echo(scene, dim);
     const auto file = temporary(text);
-    CHECK(scene::echo(test::parse(file), 2) == text);
+    CHECK_NOTHROW(scene::require_dimension(test::parse(file), dim)); // defaults have as many components as the body
+    CHECK(scene::echo(test::parse(file), dim) == text);
     std::filesystem::remove(file);
   }
 }

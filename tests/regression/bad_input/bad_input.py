@@ -21,7 +21,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from case import GEO, SCENE, Case, Expected, square2, square4, write
+from case import GEO, SCENE, SPACE_GEO, TO_SPACE, Case, Expected, cube2, square2, square4, write
 from cases import all_cases
 
 WRONG_INPUT = 2
@@ -228,6 +228,10 @@ def sound(program: str, folder: Path, source: Path) -> str:
         Case("square in format 4.1", (), mesh=square4(), verb="optimize"),
         Case("square of a geometry", (), **geo),  # type: ignore[arg-type]
         Case("square on two ranks", (), ranks=2),
+        Case("cube", (), edits=TO_SPACE, mesh=cube2(), mesh_file="cube.msh", verb="optimize"),
+        Case("cube of a geometry, three ranks", (), edits=(*TO_SPACE, ('file = "cube.msh"', 'file = "cube.geo"\nsize = 4'), (
+            'on = "top"', 'on = "side"')), mesh=SPACE_GEO + 'Physical Volume("body") = {1}; Physical Surface("side") = {26};\n',
+             mesh_file="cube.geo", ranks=3),
         Case("half disc", (), command=half_disc),
     ]
     for number, case in enumerate(good):

@@ -63,7 +63,7 @@ every = 1
 
 BODY, TOP, BOTTOM, SIDE = 1, 2, 3, 4
 GROUPS = ((2, BODY, "body"), (1, TOP, "top"), (1, BOTTOM, "bottom"), (1, SIDE, "side"))
-LINE, TRIANGLE, QUADRILATERAL, TETRAHEDRON, LINE_3, TRIANGLE_6 = 1, 2, 3, 4, 8, 9
+LINE, TRIANGLE, QUADRILATERAL, TETRAHEDRON, PRISM, LINE_3, TRIANGLE_6, TETRAHEDRON_10 = 1, 2, 3, 4, 6, 8, 9, 11
 
 
 def square_points() -> list[Point]:
@@ -80,6 +80,23 @@ def square_elements() -> list[Element]:
     edges = {BOTTOM: ((1, 2), (2, 3)), TOP: ((7, 8), (8, 9)), SIDE: ((1, 4), (4, 7), (3, 6), (6, 9))}
     return [(TRIANGLE, BODY, 1, nodes) for nodes in triangles] + [
         (LINE, group, group, nodes) for group, lines in edges.items() for nodes in lines
+    ]
+
+
+SPACE_GROUPS = ((3, BODY, "body"), (2, TOP, "top"), (2, BOTTOM, "bottom"))
+
+
+def cube_points() -> list[Point]:
+    """The corners of the cube -0.5 <= x, y <= 0.5, 0 <= z <= 1, the lower four first."""
+    return [(x, y, z) for z in (0.0, 1.0) for y in (-0.5, 0.5) for x in (-0.5, 0.5)]
+
+
+def cube_elements() -> list[Element]:
+    """Six tetrahedra around the diagonal from node 1 to node 8, and the triangles of the lower and the upper side."""
+    tetrahedra = [(1, second, third, 8) for second, third in ((2, 4), (4, 3), (3, 7), (7, 5), (5, 6), (6, 2))]
+    sides = {BOTTOM: ((1, 2, 4), (1, 4, 3)), TOP: ((5, 6, 8), (5, 8, 7))}
+    return [(TETRAHEDRON, BODY, 1, nodes) for nodes in tetrahedra] + [
+        (TRIANGLE, group, group, nodes) for group, triangles in sides.items() for nodes in triangles
     ]
 
 
@@ -107,6 +124,12 @@ def section(name: str, lines: Iterable[str]) -> str:
 def square2(**changes: object) -> str:
     """The square as format 2.2, with other points, elements or groups."""
     parts = {"points": square_points(), "elements": square_elements(), **changes}
+    return msh2(**parts)  # type: ignore[arg-type]
+
+
+def cube2(**changes: object) -> str:
+    """The cube as format 2.2, with other points, elements or groups."""
+    parts = {"points": cube_points(), "elements": cube_elements(), "groups": SPACE_GROUPS, **changes}
     return msh2(**parts)  # type: ignore[arg-type]
 
 
@@ -145,9 +168,21 @@ def moved(node: int, point: Point) -> list[Point]:
     return points
 
 
+def moved_corner(node: int, point: Point) -> list[Point]:
+    """The cube's points with one of them elsewhere."""
+    points = cube_points()
+    points[node - 1] = point
+    return points
+
+
 def with_element(*elements: Element) -> list[Element]:
     """The square's elements and some more."""
     return square_elements() + list(elements)
+
+
+def with_space_element(*elements: Element) -> list[Element]:
+    """The cube's elements and some more."""
+    return cube_elements() + list(elements)
 
 
 def before(text: str, mark: str, lines: int = 0) -> str:
@@ -171,6 +206,22 @@ Physical Surface("body") = {1};
 Physical Curve("top") = {3};
 Physical Curve("bottom") = {1};
 """
+
+
+SPACE_GEO = GEO.replace('Physical Surface("body") = {1};\nPhysical Curve("top") = {3};\nPhysical Curve("bottom") = {1};\n', """\
+Extrude {0, 0, 1} { Surface{1}; }
+Physical Surface("bottom") = {1};
+""")
+
+# What makes a scene of the cube out of that of the square.
+TO_SPACE = (
+    ('file = "square.msh"', 'file = "cube.msh"'),
+    ("point = [0, -0.1], normal = [0, 1]", "point = [0, 0, -0.1], normal = [0, 0, 1]"),
+    ('body = ["0", "-9.81"]', 'body = ["0", "0", "-9.81"]'),
+    ('displacement = ["0", "0"]', 'displacement = ["0", "0", "0"]'),
+    ('velocity = ["0", "0"]', 'velocity = ["0", "0", "0"]'),
+    ('control = ["0", "-1"]', 'control = ["0", "0", "-1"]'),
+)
 
 
 @dataclass(frozen=True)
@@ -213,6 +264,12 @@ def meshed(name: str, mesh: str | bytes, *expect: Expected, **more: object) -> C
     """A scene with another mesh; the message must name its file."""
     file = str(more.get("mesh_file", "square.msh"))
     return Case(name, (file, *expect), mesh=mesh, **more)  # type: ignore[arg-type]
+
+
+def solid(name: str, mesh: str, *expect: Expected, edits: tuple[tuple[str, str], ...] = (), **more: object) -> Case:
+    """A scene in space, with a mesh in place of the cube."""
+    more = {"mesh_file": "cube.msh", **more}
+    return Case(name, expect, mesh=mesh, edits=(*TO_SPACE, *edits), **more)  # type: ignore[arg-type]
 
 
 def typed(name: str, words: str, *expect: Expected, **more: object) -> Case:

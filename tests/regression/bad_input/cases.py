@@ -3,9 +3,10 @@
 import re
 
 from case import (
-    BODY, BOTTOM, Case, GEO, GROUPS, LINE, LINE_3, QUADRILATERAL, TETRAHEDRON, TRIANGLE, TRIANGLE_6, before,
-    edited, keep_tables, meshed, moved, occupy, overridden, prepend, square2, square4, square_elements,
-    square_points, typed, with_element, write,
+    BODY, BOTTOM, Case, GEO, GROUPS, LINE, LINE_3, PRISM, QUADRILATERAL, SPACE_GEO, SPACE_GROUPS, TETRAHEDRON,
+    TETRAHEDRON_10, TOP, TRIANGLE, TRIANGLE_6, before, cube2, cube_elements, cube_points, edited, keep_tables,
+    meshed, moved, moved_corner, occupy, overridden, prepend, solid, square2, square4, square_elements,
+    square_points, typed, with_element, with_space_element, write,
 )
 
 FIRST_TABLE = re.compile(r"\bmesh\b")
@@ -305,8 +306,9 @@ def mesh_file_cases() -> list[Case]:
         meshed("geometry that is empty", "", re.compile("no elements|empty"), **geo),
         meshed("geometry without surface", before(GEO, "Curve Loop"), "curve", "triangles", **geo),
         meshed("geometry without groups", before(GEO, "Physical"), "surface 1", "no physical group", **geo),
-        meshed("geometry of a solid", GEO + "Extrude {0, 0, 1} { Surface{1}; }\nPhysical Volume(1) = {1};\n",
-               "three dimensions", "not available yet", **geo),
+        meshed("geometry of a solid without a group", SPACE_GEO, "volume 1", "no physical group", "Physical Volume", **geo),
+        meshed("geometry of a surface in space", GEO + "Rotate { {1, 0, 0}, {0, 0, 0}, Pi/2 } { Surface{1}; }\n",
+               "plane z = 0", "1 m", "tetrahedra", **geo),
         meshed("mesh is empty", "", re.compile("empty|no elements|cannot read")),
         meshed("mesh is prose", "A square of eight triangles.\n" * 20, re.compile("cannot read|no elements|not a")),
         meshed("mesh is prose, two ranks", "A square of eight triangles.\n" * 20,
@@ -350,9 +352,9 @@ def mesh_content_cases() -> list[Case]:
                "elements", edits=(('on = "bottom"', 'on = "nothing"'),)),
         meshed("group of a curve without elements", square4(empty_curve=True), "contact.on: ", '"nothing"',
                "has no elements", edits=(('on = "bottom"', 'on = "nothing"'),)),
-        meshed("mesh of a solid", square2(points=[*square_points(), (0.0, 0.0, 1.0)], groups=(*GROUPS, (3, 9, "solid")),
-                                          elements=with_element((TETRAHEDRON, 9, 1, (1, 2, 4, 10)))),
-               "volume", "three dimensions are not available yet", earlier=True),
+        meshed("a solid beside a plane body", square2(points=[*square_points(), (0.0, 0.0, 1.0)], groups=(
+            *GROUPS, (3, 9, "solid")), elements=with_element((TETRAHEDRON, 9, 1, (1, 2, 4, 10)))), "node", "no cell",
+               earlier=True),
         meshed("mesh of curves", square2(elements=[e for e in square_elements() if e[0] == LINE]), "curve",
                "triangles"),
         meshed("mesh of a point", square2(elements=[(15, 0, 1, (1,))]), "point", "triangles"),
@@ -366,7 +368,7 @@ def mesh_content_cases() -> list[Case]:
                "straight triangles"),
         meshed("edges of second order", square2(elements=[e for e in square_elements() if e[1] != BOTTOM] +
                                                 [(LINE_3, BOTTOM, BOTTOM, (1, 3, 2))]), "Line 3"),
-        meshed("node off the plane", square2(points=moved(5, (0.0, 0.5, 0.1))), "plane z = 0", "0.1 m", "plane mesh"),
+        meshed("node off the plane", square2(points=moved(5, (0.0, 0.5, 0.1))), "plane z = 0", "0.1 m", "tetrahedra"),
         meshed("node off the plane, two ranks", square2(points=moved(5, (0.0, 0.5, 0.1))), "plane z = 0", "0.1 m",
                ranks=2),
         meshed("mesh in another plane", square2(points=[(x, y, 1.0) for x, y, _ in square_points()]), "plane z = 0",
@@ -388,6 +390,8 @@ def mesh_content_cases() -> list[Case]:
         meshed("group of edges of no triangle", square2(elements=[e for e in square_elements() if e[1] != BOTTOM] + [
             (LINE, BOTTOM, BOTTOM, (1, 3))]), "bottom", "triangle"),
         meshed("triangle twice", square2(elements=with_element((*triangle, (1, 2, 5)))), re.compile("twice|share|overlap")),
+        meshed("triangles that overlap", square2(points=moved(5, (0.75, 0.5, 0.0))), "two triangles", "the edge at (",
+               "overlap", "either side"),
         edited("all contact nodes clamped", 'on = "bottom"', 'on = "top"', "contact.on: ", '"top"', "clamped",
                "nodes that can move", at="", earlier=True),
         edited("all contact nodes clamped, two ranks", 'on = "bottom"', 'on = "top"', "contact.on: ", "clamped", at="",
@@ -400,6 +404,73 @@ def mesh_content_cases() -> list[Case]:
                "contact: ", "node at", "0.1 m inside the obstacle", at=""),
         Case("normal that points into the obstacle", ("contact: ", "inside the obstacle", "normal"),
              edits=(("normal = [0, 1]", "normal = [0, -1]"),)),
+    ]
+
+
+def space_cases() -> list[Case]:
+    """Meshes of tetrahedra that are wrong, and vectors that do not fit one."""
+    cube, tetrahedron = cube2(), (TETRAHEDRON, BODY, 1)
+    outside, beyond = (1.5, 0.0, 0.5), (0.0, 0.0, 2.0)
+    found, clamped_bottom = ("found 2 components", "3", "3-dimensional"), (('on = "bottom"', 'on = "top"'),)
+    hexahedron = (5, BODY, 1, (1, 2, 4, 3, 5, 6, 8, 7))
+    edges = [(x, 0.0, 0.0) for x in range(6)]  # the middles of a tetrahedron's edges; where they are does not matter
+    no_bottom = [e for e in cube_elements() if e[1] != BOTTOM]
+    return [
+        solid("body load of two components in space", cube, "load.body", *found,
+              edits=(('body = ["0", "0", "-9.81"]', 'body = ["0", "-9.81"]'),)),
+        solid("velocity of two components in space, two ranks", cube, "initial.velocity", *found, ranks=2,
+              edits=(('velocity = ["0", "0", "0"]', 'velocity = ["0", "0"]'),)),
+        solid("desired control of two components in space", cube, "objective.desired.control", *found, verb="optimize",
+              edits=(('control = ["0", "0", "-1"]', 'control = ["0", "-1"]'),), earlier=True),
+        solid("bound of two components in space", cube, "control.lower", *found,
+              edits=(("lower = -2.0", "lower = [-2, -2]"),)),
+        solid("plane obstacle of a solid", cube, "contact.obstacle.point", *found,
+              edits=(("point = [0, 0, -0.1], normal = [0, 0, 1]", "point = [0, -0.1], normal = [0, 1]"),)),
+        solid("flat tetrahedron", cube2(elements=with_space_element((*tetrahedron, (1, 2, 4, 3)))), "(-0.5, -0.5, 0)",
+              "no volume", "tetrahedra"),
+        solid("tetrahedron with a corner twice", cube2(elements=with_space_element((*tetrahedron, (1, 2, 6, 6)))),
+              "(-0.5, -0.5, 0)", "no volume"),
+        solid("two corners in one place", cube2(points=moved_corner(7, (-0.5, 0.5, 0.0))), "no volume"),
+        solid("tetrahedron twice", cube2(elements=with_space_element((*tetrahedron, (8, 4, 2, 1)))), "the tetrahedron at",
+              "twice"),
+        solid("tetrahedra that overlap", cube2(points=moved_corner(3, (1.5, -1.0, 0.0))), "two tetrahedra", "the face at (",
+              "overlap", "either side"),
+        solid("tetrahedra that overlap, two ranks", cube2(points=moved_corner(3, (1.5, -1.0, 0.0))), "overlap", ranks=2),
+        solid("face of three tetrahedra", cube2(points=[*cube_points(), outside], elements=with_space_element(
+            (*tetrahedron, (1, 4, 8, 9)))), "more than two tetrahedra", "the face at (-0.5, -0.5, 0)"),
+        solid("hexahedra", cube2(elements=[hexahedron]), "Hexahedron", "straight tetrahedra"),
+        solid("a prism among tetrahedra", cube2(points=[*cube_points(), outside, beyond], elements=with_space_element(
+            (PRISM, BODY, 1, (2, 4, 9, 6, 8, 10)))), "Prism", "straight tetrahedra"),
+        solid("tetrahedra of second order", cube2(points=[*cube_points(), *edges], elements=[
+            (TETRAHEDRON_10, BODY, 1, (1, 2, 4, 8, 9, 10, 11, 12, 13, 14))]), "Tetrahedron 10", "straight tetrahedra"),
+        solid("quadrilaterals for a side", cube2(elements=[*no_bottom, (QUADRILATERAL, BOTTOM, BOTTOM, (1, 2, 4, 3))]),
+              "Quadrilateral", "straight triangles"),
+        solid("face of no tetrahedron", cube2(elements=[*no_bottom, (TRIANGLE, BOTTOM, BOTTOM, (1, 2, 3))]),
+              "the face at (-0.5, -0.5, 0)", '"bottom"', "the face of no tetrahedron"),
+        solid("face with a node that is missing", cube2(elements=with_space_element((TRIANGLE, TOP, TOP, (5, 6, 77)))),
+              "77"),
+        solid("face with a node of no tetrahedron", cube2(points=[*cube_points(), beyond], elements=with_space_element(
+            (TRIANGLE, TOP, TOP, (5, 6, 9)))), "node 9", "no cell"),
+        solid("tetrahedron with a node that is missing", cube2(elements=with_space_element((*tetrahedron, (1, 2, 4, 77)))),
+              "77"),
+        solid("corner that is no number", cube2(points=moved_corner(7, (float("nan"), 0.5, 1.0))), "node 7", "nan",
+              "finite"),
+        solid("volume without a group", cube2(points=[*cube_points(), beyond], elements=with_space_element(
+            (TETRAHEDRON, 0, 7, (5, 6, 8, 9)))), "volume 7", "no physical group", "Physical Volume"),
+        solid("surfaces of a cube without its volume", cube2(elements=[e for e in cube_elements() if e[0] == TRIANGLE]),
+              "plane z = 0", "1 m", "tetrahedra"),
+        solid("misspelt surface of a clamp", cube, "clamp", '"topp"', 'did you mean "top"?', "surface groups", "bottom, top",
+              edits=(('on = "top"', 'on = "topp"'),), earlier=True),
+        solid("volume as a clamp", cube, "clamp", '"body"', "dimension 3", "surface groups",
+              edits=(('on = "top"', 'on = "body"'),)),
+        solid("curve as contact of a solid", cube2(groups=(*SPACE_GROUPS, (1, 9, "rim")), elements=with_space_element(
+            (LINE, 9, 9, (1, 2)))), "contact.on", '"rim"', "dimension 1", "surface groups",
+              edits=(('on = "bottom"', 'on = "rim"'),)),
+        solid("all contact nodes of a solid clamped, two ranks", cube, "contact.on: ", "clamped", edits=clamped_bottom,
+              ranks=2),
+        solid("solid inside the obstacle", cube, "contact: ", "node at", ", 0)", "0.25 m inside the obstacle",
+              edits=(("point = [0, 0, -0.1]", "point = [0, 0, 0.25]"),), earlier=True),
+        solid("mesh of a solid cut short", before(cube, "$EndElements"), "cube.msh", re.compile("end of a section")),
     ]
 
 
@@ -445,5 +516,6 @@ def all_cases() -> list[Case]:
         *option_cases(),
         *mesh_file_cases(),
         *mesh_content_cases(),
+        *space_cases(),
         *folder_cases(),
     ]

@@ -42,7 +42,9 @@ def main() -> int:
     assert abs(before - 0.75) < 1e-14 and same == before
     assert "no work to do" in idle, "nothing was edited, and something was rebuilt"
     assert abs(after - 3 * before) < 1e-13, "the edit did not reach the program"
-    assert "Compiling forms for triangle, degree 1" in log and "Compiling forms for triangle, degree 2" in log
+    for cell in ("triangle", "tetrahedron"):
+        for degree in (1, 2):
+            assert f"Compiling forms for {cell}, degree {degree}" in log
     return 0
 
 

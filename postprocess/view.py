@@ -1,0 +1,54 @@
+"""How a body gets onto paper: a plane one as it is, one in space as it is seen from the side.
+
+The side view looks along the obstacle's plane, which is then a line, as level as that allows: the vertical axis is z.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from run_folder import HalfSpace, Mesh, RunFolder
+
+
+@dataclass(frozen=True)
+class View:
+    """The picture's axes (2 × dim): unit vectors to the right and upwards, and what they are called."""
+
+    axes: np.ndarray
+    names: tuple[str, str]
+
+    def project(self, x: np.ndarray) -> np.ndarray:
+        """Vectors (… × dim) in the picture's coordinates (… × 2)."""
+        return x @ self.axes.T
+
+    def half_space(self, obstacle: HalfSpace) -> HalfSpace:
+        """The obstacle in the picture."""
+        return HalfSpace(self.project(obstacle.point), self.project(obstacle.normal))
+
+    def seen(self, mesh: Mesh) -> Mesh:
+        """The mesh on paper: in space those triangles of the surface that face the viewer, the farthest first.
+
+        It has all nodes of the body, so that nodal values keep their places.
+        """
+        if self.axes.shape[1] == 2:
+            return mesh
+        to_viewer = np.cross(*self.axes)
+        corners = mesh.points[mesh.surface()]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        facing = normals @ to_viewer > 1e-9 * np.linalg.norm(normals, axis=1)
+        order = np.argsort(corners[facing].mean(axis=1) @ to_viewer)
+        return Mesh(self.project(mesh.points), mesh.surface()[facing][order])
+
+
+def view_of(run: RunFolder) -> View:
+    """The view of a run's body."""
+    if run.dim == 2:
+        return View(np.eye(2), ("$x$", "$y$"))
+    up = np.array([0.0, 0.0, 1.0])
+    horizontal = np.array([1.0, 0.0, 0.0])
+    tilt = run.obstacle.normal[:2] if run.has_contact else np.zeros(2)
+    if np.linalg.norm(tilt) > 1e-9:
+        horizontal[:2] = tilt / np.linalg.norm(tilt)
+        horizontal *= 1 if horizontal[np.argmax(abs(horizontal))] > 0 else -1
+    name = next((f"${axis}$" for axis, part in zip("xy", horizontal) if part > 1 - 1e-9), "horizontal")
+    return View(np.stack([horizontal, up]), (name, "$z$"))
