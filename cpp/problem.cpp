@@ -60,7 +60,7 @@ Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs n
   if (stop_requested(comm))
     throw Interrupted();
   if (s.load)
-    body_load.emplace(space, operators, *s.load, stepper.scheme());
+    body_load.emplace(space, *s.load, stepper.scheme());
 }
 
 forward::AddLoad Problem::load() const {

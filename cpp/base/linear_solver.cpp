@@ -144,9 +144,7 @@ double ConjugateGradients::bytes() const {
   if (factor) {
     Mat incomplete = nullptr;
     check(PCFactorGetMatrix(block, &incomplete));
-    MatInfo info;
-    check(MatGetInfo(incomplete, MAT_LOCAL, &info));
-    sum = info.memory > 0 ? info.memory : (sizeof(PetscScalar) + sizeof(PetscInt)) * info.nz_used;
+    sum = petsc::bytes(incomplete);
   }
   MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM,
                 petsc::comm(reinterpret_cast<PetscObject>(static_cast<PC>(preconditioner_))));

@@ -74,9 +74,22 @@ WriteArray::WriteArray(Vec x) : x_(x) {
 WriteArray::~WriteArray() { (void)VecRestoreArray(x_, &data_); }
 
 double bytes(Mat matrix) {
+  Mat stored = matrix;
+  PetscBool compressed = PETSC_FALSE, blocks = PETSC_FALSE;
+  const auto object = reinterpret_cast<PetscObject>(matrix);
+  check(PetscObjectTypeCompareAny(object, &compressed, MATMAIJ, MATSEQMAIJ, MATMPIMAIJ, ""));
+  if (compressed)
+    check(MatMAIJGetAIJ(matrix, &stored));
+  check(PetscObjectTypeCompareAny(object, &blocks, MATSEQBAIJ, MATMPIBAIJ, MATSEQSBAIJ, MATMPISBAIJ, ""));
+  PetscInt size = 1, rows = 0;
+  if (blocks)
+    check(MatGetBlockSize(matrix, &size));
+  check(MatGetSize(stored, &rows, nullptr));
   MatInfo info;
-  check(MatGetInfo(matrix, MAT_GLOBAL_SUM, &info));
-  return info.memory;
+  check(MatGetInfo(stored, MAT_GLOBAL_SUM, &info));
+  return info.nz_used * (sizeof(PetscScalar) +
+                         static_cast<double>(sizeof(PetscInt)) / static_cast<double>(size * size)) +
+         static_cast<double>(sizeof(PetscInt)) * static_cast<double>(rows / size);
 }
 
 double dot(Vec x, Vec y) {

@@ -92,7 +92,7 @@ private:
   std::size_t size_ = 0;
 };
 
-/// Memory of a matrix on all ranks, bytes. Collective.
+/// Memory of the entries and indices of a sparse matrix on all ranks, bytes. Collective.
 double bytes(Mat matrix);
 
 /// x·y. Collective.

@@ -122,9 +122,8 @@ void ControlSpace::project(Control& u) const {
   }
 }
 
-void ControlSpace::add_load(const Control& u, int k, Vec load) const {
-  check(MatMult(W_, u.at(k), work_));
-  check(VecAXPY(load, scale_, work_));
+void ControlSpace::add_load(const Control& u, int k, Vec density) const {
+  check(VecAXPY(density, scale_, u.at(k)));
 }
 
 forward::AddLoad ControlSpace::with(forward::AddLoad load, const Control& u) const {

@@ -27,11 +27,13 @@ private:
   petsc::Series steps_;
 };
 
-/// The space of controls: its products, its bounds, and how it enters the equation of motion. All members collective.
+/// The space of controls: its products, its bounds, and how it enters the equation of motion. All members
+/// collective.
 ///
-/// Two products: product() is that of L2(0,T; L2), τ Σ (u_k, w_k). metric() is what the optimizer measures with: the same
-/// without bounds; with bounds its mass matrix is replaced by a diagonal one (lumped, HRZ), because clipping the nodal
-/// values to the bounds is the projection onto the bounds exactly where the mass matrix is diagonal.
+/// Two products: product() is that of L2(0,T; L2), τ Σ (u_k, w_k). metric() is what the optimizer measures
+/// with: the same without bounds; with bounds its mass matrix is replaced by a diagonal one (lumped, HRZ),
+/// because clipping the nodal values to the bounds is the projection onto the bounds exactly where the mass
+/// matrix is diagonal.
 class ControlSpace {
 public:
   /// The references must outlive this object.
@@ -57,13 +59,12 @@ public:
   [[nodiscard]] int steps() const { return steps_; }
   [[nodiscard]] const fem::Space& space() const { return space_; }
 
-  /// load += s W u_k.
-  void add_load(const Control& u, int k, Vec load) const;
+  /// density += s u_k.
+  void add_load(const Control& u, int k, Vec density) const;
   /// `load` and the control's on top of it; u must outlive the result.
   [[nodiscard]] forward::AddLoad with(forward::AddLoad load, const Control& u) const;
 
 private:
-
   const fem::Space& space_;
   Mat W_;
   forward::Scheme scheme_;

@@ -32,24 +32,31 @@ double ReducedProblem::value(const Control& u) {
 
 void ReducedProblem::accept() { std::swap(current_, trial_); }
 
-Control ReducedProblem::adjoint(const std::function<void(int k, Vec ybar)>& add_dual) {
+void ReducedProblem::add_adjoint(const std::function<void(int k, Vec ybar)>& add_dual, double scale,
+                                 Control& g) {
   const auto timer = timers_.time("adjoint");
-  Control g = controls_.zero();
-  // The load's dual is (τ²/2) p and the load s W u_k; τ of the product is divided out: (τ s/2) p.
+  // The dual of the density s u_k is (τ²/2) W p; τ of the product is divided out, and W by Riesz: (τ s/2) p.
   const double weight = stepper_.scheme().impulse() / stepper_.scheme().tau * controls_.scale();
   adjoint::sweep(stepper_, current_.trajectory, add_dual, [&](int k, Vec p) {
-    check(VecAXPY(g.at(k), weight, p));
+    check(VecAXPBY(g.at(k), weight, scale, p));
     check(VecCopy(p, p_[static_cast<std::size_t>(k) - 1]));
   });
   ++sweeps_.adjoint;
+}
+
+Control ReducedProblem::adjoint(const std::function<void(int k, Vec ybar)>& add_dual) {
+  Control g = controls_.zero();
+  add_adjoint(add_dual, 1, g);
   return g;
 }
 
 Control ReducedProblem::l2_gradient() {
-  Control g = adjoint([&](int k, Vec ybar) {
-    objective_.add_derivative(k, current_.trajectory.y[static_cast<std::size_t>(k)], ybar);
-  });
-  g.add(objective_.alpha(), current_.u);
+  Control g = current_.u;
+  add_adjoint(
+      [&](int k, Vec ybar) {
+        objective_.add_derivative(k, current_.trajectory.y[static_cast<std::size_t>(k)], ybar);
+      },
+      objective_.alpha(), g);
   return g;
 }
 
@@ -64,13 +71,13 @@ petsc::Series ReducedProblem::linearised(const Control& d) {
   const std::size_t n = static_cast<std::size_t>(controls_.steps());
   petsc::Series dy = petsc::zero_series(initial_.y, n);
   petsc::Vector y0 = petsc::zero_like(initial_.y), v0 = petsc::zero_like(initial_.y),
-                v1 = petsc::zero_like(initial_.y), load = petsc::zero_like(initial_.y);
+                v1 = petsc::zero_like(initial_.y), density = petsc::zero_like(initial_.y);
   for (std::size_t k = 1; k <= n; ++k) {
-    check(VecZeroEntries(load));
-    controls_.add_load(d, static_cast<int>(k), load);
+    check(VecZeroEntries(density));
+    controls_.add_load(d, static_cast<int>(k), density);
     if (k > 1 && stepper_.solver().takes_guess())
       check(VecCopy(dy[k - 2], dy[k - 1]));
-    stepper_.linearised_step(k == 1 ? Vec(y0) : Vec(dy[k - 2]), v0, load, current_.trajectory.contact[k],
+    stepper_.linearised_step(k == 1 ? Vec(y0) : Vec(dy[k - 2]), v0, density, current_.trajectory.contact[k],
                              dy[k - 1], v1);
     std::swap(v0, v1);
   }
@@ -79,10 +86,12 @@ petsc::Series ReducedProblem::linearised(const Control& d) {
 
 Control ReducedProblem::hessian_product(const Control& d) {
   const petsc::Series dy = linearised(d);
-  Control h = adjoint([&](int k, Vec ybar) {
-    objective_.add_second_derivative(k, dy[static_cast<std::size_t>(k) - 1], ybar);
-  });
-  h.add(objective_.alpha(), d);
+  Control h = d;
+  add_adjoint(
+      [&](int k, Vec ybar) {
+        objective_.add_second_derivative(k, dy[static_cast<std::size_t>(k) - 1], ybar);
+      },
+      objective_.alpha(), h);
   return h;
 }
 

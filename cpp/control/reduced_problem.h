@@ -7,8 +7,9 @@
 
 namespace signorini::control {
 
-/// u ↦ J(S(u), u) with S the solution operator of the contact problem: value, gradient, Hessian product. The problem keeps
-/// the trajectory of the current control and that of a trial; a rejected trial changes nothing. All members collective.
+/// u ↦ J(S(u), u) with S the solution operator of the contact problem: value, gradient, Hessian product. The
+/// problem keeps the trajectory of the current control and that of a trial; a rejected trial changes nothing.
+/// All members collective.
 class ReducedProblem {
 public:
   using Vector = Control;
@@ -35,8 +36,8 @@ public:
   /// The gradient as Riesz representative in the optimizer's metric.
   Control gradient();
 
-  /// Hessian product H d at the current control, active sets frozen, as Riesz representative in L2(0,T; L2): one
-  /// linearised and one adjoint sweep.
+  /// Hessian product H d at the current control, active sets frozen, as Riesz representative in L2(0,T; L2):
+  /// one linearised and one adjoint sweep.
   Control hessian_product(const Control& d);
 
   /// S'(u) d: the linearised states δy_1…δy_N at the current control, active sets frozen.
@@ -61,6 +62,9 @@ public:
   [[nodiscard]] const Objective& objective() const { return objective_; }
 
 private:
+  /// g ← scale g + S'(u)* w. Collective.
+  void add_adjoint(const std::function<void(int k, Vec ybar)>& add_dual, double scale, Control& g);
+
   struct Point {
     Control u;
     forward::Trajectory trajectory;

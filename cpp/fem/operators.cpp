@@ -1,5 +1,6 @@
 #include "fem/operators.h"
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace signorini::fem {
@@ -42,6 +43,32 @@ void Clamped::decouple(Mat matrix) const {
 
 namespace {
 
+/// c with matrix = c other to rounding, if there is one; told by a random vector.
+std::optional<double> ratio(Mat matrix, Mat other) {
+  petsc::Vector x, y, z;
+  check(MatCreateVecs(matrix, x.put(), y.put()));
+  check(VecDuplicate(y, z.put()));
+  check(VecSetRandom(x, nullptr));
+  check(MatMult(matrix, x, y));
+  check(MatMult(other, x, z));
+  const double c = petsc::dot(y, z) / petsc::dot(z, z);
+  PetscReal size = 0, difference = 0;
+  check(VecNorm(y, NORM_INFINITY, &size));
+  check(VecAXPY(z, -1 / c, y));
+  check(VecNorm(z, NORM_INFINITY, &difference));
+  constexpr double rounding = 1e-13;
+  if (!(difference * c <= rounding * size))
+    return std::nullopt;
+  return std::abs(c - 1) <= rounding ? 1 : c;
+}
+
+/// The upper half of a symmetric matrix of blocks (SBAIJ).
+petsc::Matrix symmetric_half(const petsc::Matrix& blocks) {
+  petsc::Matrix half;
+  check(MatConvert(blocks, MATSBAIJ, MAT_INITIAL_MATRIX, half.put()));
+  return half;
+}
+
 /// One component of a matrix of blocks, acting on all of them (MAIJ), if it does the same; else in blocks.
 petsc::Matrix compress(petsc::Matrix rows) {
   PetscInt dim = 1, begin = 0, end = 0;
@@ -52,22 +79,11 @@ petsc::Matrix compress(petsc::Matrix rows) {
   petsc::Matrix component, all;
   check(MatCreateSubMatrix(rows, first, first, MAT_INITIAL_MATRIX, component.put()));
   check(MatCreateMAIJ(component, dim, all.put()));
-  petsc::Vector x, exact, same;
-  check(MatCreateVecs(rows, x.put(), exact.put()));
-  check(VecDuplicate(exact, same.put()));
-  check(VecSetRandom(x, nullptr));
-  check(MatMult(rows, x, exact));
-  check(MatMult(all, x, same));
-  PetscReal size = 0, difference = 0;
-  check(VecNorm(exact, NORM_INFINITY, &size));
-  check(VecAXPY(same, -1, exact));
-  check(VecNorm(same, NORM_INFINITY, &difference));
-  constexpr double rounding = 1e-13;
-  if (difference <= rounding * size)
+  if (ratio(rows, all) == 1)
     return all;
   petsc::Matrix blocks;
   check(MatConvert(rows, MATBAIJ, MAT_INITIAL_MATRIX, blocks.put()));
-  return blocks;
+  return symmetric_half(blocks);
 }
 
 } // namespace
@@ -99,15 +115,25 @@ Operators assemble_operators(const Space& space, const scene::Material& material
   constexpr double no_tau = 0; // none of these forms has a time step
   Operators operators{compress(assemble(space, Form::L2, material, no_tau, MATAIJ)),
                       compress(assemble(space, Form::m, material, no_tau, MATAIJ)),
-                      assemble(space, Form::a, material, no_tau, MATBAIJ), std::nullopt};
+                      symmetric_half(assemble(space, Form::a, material, no_tau, MATBAIJ)), std::nullopt,
+                      std::nullopt};
+  operators.uniform_density = ratio(operators.M, operators.W);
   if (material.viscosity)
-    operators.B = assemble(space, Form::b, material, no_tau, MATBAIJ);
+    operators.B = symmetric_half(assemble(space, Form::b, material, no_tau, MATBAIJ));
   return operators;
 }
 
 petsc::Matrix assemble_step_operator(const Space& space, const scene::Material& material, double tau) {
   petsc::Matrix D = assemble(space, material.viscosity ? Form::d : Form::d_elastic, material, tau, MATBAIJ);
   return D;
+}
+
+petsc::Matrix assemble_shifted(const Space& space, const scene::Material& material, Mat D, double c) {
+  constexpr double no_tau = 0;
+  // In whole blocks: PETSc 3.22 adds halves wrongly on several ranks (MatAXPY of MPISBAIJ).
+  petsc::Matrix sum = assemble(space, Form::a, material, no_tau, MATBAIJ);
+  check(MatAYPX(sum, -c, D, SAME_NONZERO_PATTERN));
+  return symmetric_half(sum);
 }
 
 } // namespace signorini::fem

@@ -27,14 +27,15 @@ private:
   PetscInt first_dof_;
 };
 
-/// The matrices of the body, no boundary condition applied; method.md section 1. In blocks of the space
-/// dimension, which makes products a tenth faster than in rows; where a form acts on each component alike, as
-/// L2 and m do, one component is stored for all.
+/// The matrices of the body, no boundary condition applied; method.md section 1. The upper half in blocks of
+/// the space dimension (SBAIJ), which makes the products between two solves twice as fast as rows do; where a
+/// form acts on each component alike, as L2 and m do, one component is stored for all (MAIJ).
 struct Operators {
-  petsc::Matrix W;                ///< L2
-  petsc::Matrix M;                ///< m, kg
-  petsc::Matrix A;                ///< a
-  std::optional<petsc::Matrix> B; ///< b; absent in an elastic body
+  petsc::Matrix W;                       ///< L2
+  petsc::Matrix M;                       ///< m, kg
+  petsc::Matrix A;                       ///< a
+  std::optional<petsc::Matrix> B;        ///< b; absent in an elastic body
+  std::optional<double> uniform_density; ///< ρ with M = ρ W, if there is one, kg/m³
 };
 
 /// The diagonal of one of them. Collective.
@@ -43,7 +44,10 @@ petsc::Vector diagonal(Mat matrix);
 /// Collective.
 Operators assemble_operators(const Space& space, const scene::Material& material);
 
-/// The operator D of every step, from the form d (d_elastic without viscosity). Collective.
+/// The operator D of every step, from the form d (d_elastic without viscosity), in blocks (BAIJ). Collective.
 petsc::Matrix assemble_step_operator(const Space& space, const scene::Material& material, double tau);
+
+/// D − c A, stored as Operators are. Collective.
+petsc::Matrix assemble_shifted(const Space& space, const scene::Material& material, Mat D, double c);
 
 } // namespace signorini::fem

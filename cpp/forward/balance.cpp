@@ -31,15 +31,17 @@ void contact_forces(const Stepper& stepper, const contact::ContactState& contact
 
 } // namespace
 
-std::vector<StepBalance> balance(const Stepper& stepper, const AddLoad& add_load, const Trajectory& trajectory) {
+std::vector<StepBalance> balance(const Stepper& stepper, const AddLoad& add_load,
+                                 const Trajectory& trajectory) {
   const fem::Operators& body = stepper.operators();
   const double tau = stepper.scheme().tau;
   std::vector<StepBalance> steps(static_cast<std::size_t>(trajectory.steps) + 1);
   Vec layout = trajectory.y[0];
-  petsc::Vector Ay0 = petsc::zero_like(layout), Ay1 = petsc::zero_like(layout), Mv0 = petsc::zero_like(layout),
-                Mv1 = petsc::zero_like(layout), Bw = petsc::zero_like(layout), w = petsc::zero_like(layout),
-                load = petsc::zero_like(layout), force = petsc::zero_like(layout), inertia = petsc::zero_like(layout),
-                defect = petsc::zero_like(layout);
+  petsc::Vector Ay0 = petsc::zero_like(layout), Ay1 = petsc::zero_like(layout),
+                Mv0 = petsc::zero_like(layout), Mv1 = petsc::zero_like(layout), Bw = petsc::zero_like(layout),
+                w = petsc::zero_like(layout), density = petsc::zero_like(layout),
+                load = petsc::zero_like(layout), force = petsc::zero_like(layout),
+                inertia = petsc::zero_like(layout), defect = petsc::zero_like(layout);
   for (int k = 0; k <= trajectory.steps; ++k) {
     StepBalance& now = steps[static_cast<std::size_t>(k)];
     Vec y1 = trajectory.y[k], v1 = trajectory.v[k];
@@ -52,8 +54,9 @@ std::vector<StepBalance> balance(const Stepper& stepper, const AddLoad& add_load
       continue;
     const StepBalance& before = steps[static_cast<std::size_t>(k) - 1];
     check(VecWAXPY(w, -1, trajectory.y[k - 1], y1)); // w holds y_k − y_{k−1} until it is divided by τ
-    check(VecZeroEntries(load));
-    add_load(k, load);
+    check(VecZeroEntries(density));
+    add_load(k, density);
+    check(MatMult(body.W, density, load));
     contact_forces(stepper, trajectory.contact[k], force);
     now.external_work = dot(load, w);
     now.contact_work = dot(force, w);
@@ -63,8 +66,9 @@ std::vector<StepBalance> balance(const Stepper& stepper, const AddLoad& add_load
       check(MatMult(*body.B, w, Bw)); // w is also the mean of v_{k−1} and v_k
       now.viscous_dissipation = tau * dot(w, Bw);
     }
-    now.energy_residual = now.kinetic_energy + now.elastic_energy - before.kinetic_energy - before.elastic_energy +
-                          now.viscous_dissipation - now.external_work - now.contact_work;
+    now.energy_residual = now.kinetic_energy + now.elastic_energy - before.kinetic_energy -
+                          before.elastic_energy + now.viscous_dissipation - now.external_work -
+                          now.contact_work;
 
     // Crank–Nicolson form: its defect is the clamp's reaction on the clamped dofs and zero elsewhere.
     check(VecWAXPY(inertia, -1, Mv0, Mv1));

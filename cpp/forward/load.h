@@ -7,26 +7,26 @@
 
 namespace signorini::forward {
 
-/// Adds the load of step k = 1…N to a vector (N).
-using AddLoad = std::function<void(int k, Vec out)>;
+/// Adds the force density of step k = 1…N to nodal values (N/m³): f_k + s u_k, whose force on the nodes is
+/// its product with W.
+using AddLoad = std::function<void(int k, Vec density)>;
 
-/// The body force of the scene: W f, f interpolated at the nodes; evaluated again only if it depends on time.
+/// The body force of the scene at the nodes; evaluated again only if it depends on time.
 class BodyLoad {
 public:
   /// Collective.
-  BodyLoad(const fem::Space& space, const fem::Operators& operators, const scene::Load& load, Scheme scheme);
+  BodyLoad(const fem::Space& space, const scene::Load& load, Scheme scheme);
 
-  /// out += W f(t_{k−1/2}). Collective.
-  void add(int k, Vec out) const;
+  /// density += f(t_{k−1/2}). Collective.
+  void add(int k, Vec density) const;
 
 private:
   void evaluate(double t) const;
 
   const fem::Space& space_;
-  Mat W_;
   Scheme scheme_;
   scene::Field field_;
-  petsc::Vector nodal_, load_;
+  petsc::Vector nodal_;
 };
 
 } // namespace signorini::forward

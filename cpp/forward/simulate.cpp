@@ -45,7 +45,7 @@ void simulate(const Stepper& stepper, const Initial& initial, const AddLoad& add
   if (const contact::Constraints* constraints = stepper.constraints()) // open: no step has made a force yet
     constraints->gap(initial.y, trajectory.contact[0].gap);
   trajectory.steps = 0;
-  petsc::Vector load = petsc::zero_like(initial.y);
+  petsc::Vector density = petsc::zero_like(initial.y);
   std::optional<Extrapolation> guess;
   if (stepper.solver().takes_guess())
     guess.emplace(initial.y).remember(initial.y);
@@ -53,11 +53,11 @@ void simulate(const Stepper& stepper, const Initial& initial, const AddLoad& add
     if (stop_requested(stepper.space().comm()))
       return;
     try {
-      check(VecZeroEntries(load));
-      add_load(k, load);
+      check(VecZeroEntries(density));
+      add_load(k, density);
       if (guess)
         guess->guess(trajectory.y[k]);
-      stepper.step(trajectory.y[k - 1], trajectory.v[k - 1], load, trajectory.contact[k - 1],
+      stepper.step(trajectory.y[k - 1], trajectory.v[k - 1], density, trajectory.contact[k - 1],
                    trajectory.contact[k], trajectory.y[k], trajectory.v[k]);
       if (guess)
         guess->remember(trajectory.y[k]);

@@ -12,27 +12,35 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
   if (scene.contact)
     constraints_.emplace(space, clamped_, *scene.contact);
   petsc::Matrix D = fem::assemble_step_operator(space, scene.material, scheme_.tau);
-  check(MatDuplicate(D, MAT_COPY_VALUES, R_.put()));
-  check(MatAXPY(R_, -2 * scheme_.stiffness(), operators.A, SAME_NONZERO_PATTERN));
+  R_ = fem::assemble_shifted(space, scene.material, D, 2 * scheme_.stiffness());
   clamped_.decouple(D);
   solver_.emplace(std::move(D), constraints(), scene.solver, needs.sliding);
 }
 
-void Stepper::right_hand_side(Vec y0, Vec v0, Vec load) const {
-  check(MatMult(operators_.M, v0, r_));
-  check(VecAXPBY(r_, scheme_.impulse(), scheme_.momentum(), load));
+void Stepper::right_hand_side(Vec y0, Vec v0, Vec density) const {
+  if (const std::optional<double> rho = operators_.uniform_density) { // one product does for both
+    check(VecAXPBYPCZ(work_, scheme_.momentum(), scheme_.impulse() / *rho, 0, v0, density));
+    check(MatMult(operators_.M, work_, r_));
+  } else {
+    check(MatMult(operators_.M, v0, r_));
+    check(MatMult(operators_.W, density, work_));
+    check(VecAXPBY(r_, scheme_.impulse(), scheme_.momentum(), work_));
+  }
   check(MatMultAdd(R_, y0, r_, r_));
   clamped_.clear(r_);
 }
 
 void Stepper::velocity(Vec y0, Vec v0, Vec y1, Vec v1) const {
-  check(VecCopy(v0, v1));
-  check(VecAXPBYPCZ(v1, scheme_.rate(), -scheme_.rate(), -1, y1, y0));
+  const petsc::ReadArray from(y0), to(y1), before(v0);
+  const petsc::WriteArray after(v1);
+  const double rate = scheme_.rate();
+  for (std::size_t i = 0; i < after.size(); ++i) // one pass, and the difference before it is scaled
+    after[i] = rate * (to[i] - from[i]) - before[i];
 }
 
-void Stepper::step(Vec y0, Vec v0, Vec load, const contact::ContactState& previous,
+void Stepper::step(Vec y0, Vec v0, Vec density, const contact::ContactState& previous,
                    contact::ContactState& contact, Vec y1, Vec v1) const {
-  right_hand_side(y0, v0, load);
+  right_hand_side(y0, v0, density);
   if (const contact::ViSolver* vi = solver_->vi())
     vi->solve(r_, previous, contact, y1);
   else
@@ -51,9 +59,9 @@ void Stepper::solve_sliding(const contact::ContactState& contact, Vec p) const {
     solver_->linear().solve(r_, p);
 }
 
-void Stepper::linearised_step(Vec y0, Vec v0, Vec load, const contact::ContactState& contact, Vec y1,
+void Stepper::linearised_step(Vec y0, Vec v0, Vec density, const contact::ContactState& contact, Vec y1,
                               Vec v1) const {
-  right_hand_side(y0, v0, load);
+  right_hand_side(y0, v0, density);
   solve_sliding(contact, y1);
   velocity(y0, v0, y1, v1);
 }

@@ -34,22 +34,24 @@ public:
     return constraints_ ? &*constraints_ : nullptr;
   }
 
-  /// One step from (y0, v0) under the load f_k + s W u_k (N) to (y1, v1) and its contact; `previous` is that
-  /// at y0, and y1 holds a guess on entry if solver().takes_guess(). Allocates nothing, but where a solver of
-  /// PETSc's does: in VIs that PETSc solves, with MUMPS. Collective. Throws SolverFailure.
-  void step(Vec y0, Vec v0, Vec load, const contact::ContactState& previous, contact::ContactState& contact,
-            Vec y1, Vec v1) const;
+  /// One step from (y0, v0) under the force density f_k + s u_k (N/m³) to (y1, v1) and its contact;
+  /// `previous` is that at y0, and y1 holds a guess on entry if solver().takes_guess(). Allocates nothing,
+  /// but where a solver of PETSc's does: in VIs that PETSc solves, with MUMPS. Collective. Throws
+  /// SolverFailure.
+  void step(Vec y0, Vec v0, Vec density, const contact::ContactState& previous,
+            contact::ContactState& contact, Vec y1, Vec v1) const;
 
-  /// The step's linearisation on the active set of `contact`: (δy0, δv0, δload) → (δy1, δv1); y1 as in
+  /// The step's linearisation on the active set of `contact`: (δy0, δv0, δdensity) → (δy1, δv1); y1 as in
   /// step(). Collective.
-  void linearised_step(Vec y0, Vec v0, Vec load, const contact::ContactState& contact, Vec y1, Vec v1) const;
+  void linearised_step(Vec y0, Vec v0, Vec density, const contact::ContactState& contact, Vec y1,
+                       Vec v1) const;
 
   /// The transpose of linearised_step: from duals (ȳ, v̄) at its end to duals at its start, in place, and the
-  /// adjoint state `p`, which holds a guess as y1 in step(); the load's dual is impulse() p. Collective.
+  /// adjoint state `p`, which holds a guess as y1 in step(); the density's dual is impulse() W p. Collective.
   void transposed_step(const contact::ContactState& contact, Vec ybar, Vec vbar, Vec p) const;
 
 private:
-  void right_hand_side(Vec y0, Vec v0, Vec load) const;
+  void right_hand_side(Vec y0, Vec v0, Vec density) const;
   void velocity(Vec y0, Vec v0, Vec y1, Vec v1) const;
   void solve_sliding(const contact::ContactState& contact, Vec p) const;
 

@@ -1,0 +1,256 @@
+// Seconds of a scene's steps in units of the floor that no step can go below: one solve with D and the
+// products with M and R, timed between the steps of the same run, on the same matrices, in the same state of
+// caches and machine.
+//
+// usage: signorini-bench SCENE [key.path=value …]    prints one JSON object
+#include "adjoint/sweep.h"
+#include "base/collective.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/signals.h"
+#include "forward/extrapolation.h"
+#include "problem.h"
+#include <chrono>
+#include <fmt/format.h>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+using namespace signorini;
+using petsc::check;
+
+namespace {
+
+/// Wall-clock seconds between calls, the slowest rank's.
+class Watch {
+public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    double seconds = std::chrono::duration<double>(now - last_).count();
+    MPI_Allreduce(MPI_IN_PLACE, &seconds, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+    last_ = std::chrono::steady_clock::now();
+    return seconds;
+  }
+
+private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// The least of each step's times over the repeats: what the step takes when nothing disturbs it.
+class Least {
+public:
+  explicit Least(int steps)
+      : seconds_(static_cast<std::size_t>(steps) + 1, std::numeric_limits<double>::infinity()) {}
+  void take(int k, double seconds) {
+    double& least = seconds_[static_cast<std::size_t>(k)];
+    least = std::min(least, seconds);
+  }
+  /// Mean over the steps that `which` picks; 0 if there is none.
+  template <class Which>
+  [[nodiscard]] double mean(Which&& which) const {
+    double sum = 0;
+    int count = 0;
+    for (std::size_t k = 1; k < seconds_.size(); ++k)
+      if (which(k))
+        sum += seconds_[k], ++count;
+    return count ? sum / count : 0;
+  }
+
+private:
+  std::vector<double> seconds_;
+};
+
+/// The floor of one step: the same products and the same solve for the same solution, from the same guess, no
+/// contact.
+class Floor {
+public:
+  Floor(const Problem& problem, const forward::AddLoad& load)
+      : problem_(problem), load_(load), r_(problem.space.vector()), y_(problem.space.vector()),
+        f_(problem.space.vector()), guess_(r_) {
+    guess_.remember(problem.initial.y);
+  }
+
+  /// Seconds of the solve and of the products at step k of a trajectory.
+  std::pair<double, double> operator()(const forward::Trajectory& trajectory, int k) {
+    const auto i = static_cast<std::size_t>(k);
+    const forward::Stepper& stepper = problem_.stepper;
+    const forward::Scheme& scheme = stepper.scheme();
+    check(VecZeroEntries(f_));
+    load_(k, f_);
+    Watch watch;
+    check(VecAXPBY(f_, scheme.momentum(), scheme.impulse() / *problem_.operators.uniform_density,
+                   trajectory.v[i - 1]));
+    watch.lap();
+    check(MatMult(problem_.operators.M, f_, r_));
+    double products = watch.lap();
+    check(MatMultAdd(stepper.R(), trajectory.y[i - 1], r_, r_));
+    products += watch.lap();
+    stepper.clamped().clear(r_);
+    if (stepper.constraints())
+      stepper.constraints()->add_normal(-1, trajectory.contact[i].lambda, r_);
+    guess_.guess(y_);
+    watch.lap();
+    stepper.solver().linear().solve(r_, y_);
+    const double solve = watch.lap();
+    guess_.remember(trajectory.y[i]);
+    return {solve, products};
+  }
+
+private:
+  const Problem& problem_;
+  const forward::AddLoad& load_;
+  petsc::Vector r_, y_, f_;
+  forward::Extrapolation guess_;
+};
+
+double operator_bytes(const Problem& problem) {
+  double sum = petsc::bytes(problem.operators.W) + petsc::bytes(problem.operators.M) +
+               petsc::bytes(problem.operators.A) + petsc::bytes(problem.stepper.R());
+  if (problem.operators.B)
+    sum += petsc::bytes(*problem.operators.B);
+  return sum;
+}
+
+double total(double mine) {
+  MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  return mine;
+}
+
+nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
+  Timers timers;
+  const Problem problem(MPI_COMM_WORLD, scene, {.sliding = true}, timers);
+  const int steps = problem.steps();
+  const double setup_peak = total(peak_memory());
+  ControlProblem control_problem(problem, Console(false, false));
+  control::ReducedProblem& reduced = control_problem.reduced;
+  const control::Control u = control_problem.first_guess(scene);
+  const forward::AddLoad load = control_problem.controls.with(problem.load(), u);
+
+  forward::Trajectory trajectory(problem.stepper, steps);
+  Least forward(steps), adjoint(steps), solve(steps), products(steps), adjoint_floor(steps);
+  Watch watch;
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    Floor floor(problem, load);
+    watch.lap();
+    forward::simulate(problem.stepper, problem.initial, load, trajectory, [&](int k) {
+      forward.take(k, watch.lap());
+      const auto [s, p] = floor(trajectory, k);
+      solve.take(k, s);
+      products.take(k, p);
+      watch.lap();
+    });
+  }
+  control::Control gradient = control_problem.controls.zero();
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    Floor floor(problem, load);
+    watch.lap();
+    adjoint::sweep(
+        problem.stepper, trajectory,
+        [&](int k, Vec ybar) {
+          control_problem.objective.add_derivative(k, trajectory.y[static_cast<std::size_t>(k)], ybar);
+        },
+        [&](int k, Vec p) {
+          check(VecAXPY(gradient.at(k), 1, p));
+          adjoint.take(k, watch.lap());
+          const auto [s, w] = floor(trajectory, k);
+          adjoint_floor.take(k, s + w);
+          watch.lap();
+        });
+  }
+
+  // Whole runs, as the optimizer makes them.
+  double run = std::numeric_limits<double>::infinity(), whole = run;
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    watch.lap();
+    forward::simulate(problem.stepper, problem.initial, load, trajectory);
+    run = std::min(run, watch.lap());
+    (void)reduced.value(u);
+    reduced.accept();
+    gradient = reduced.l2_gradient();
+    whole = std::min(whole, watch.lap());
+  }
+
+  const auto touching = [&](std::size_t k) { return !trajectory.contact[k].active.empty(); };
+  const auto flying = [&](std::size_t k) { return trajectory.contact[k].active.empty(); };
+  const auto every = [](std::size_t) { return true; };
+  int contact_steps = 0, vi_steps = 0;
+  for (std::size_t k = 1; k < trajectory.contact.size(); ++k) {
+    contact_steps += touching(k);
+    vi_steps += trajectory.contact[k].vi_iterations > 0;
+  }
+  const auto ratio = [&](double time, double floor) { return floor > 0 ? time / floor : 0; };
+  const auto forward_ratio = [&](auto&& which) {
+    return ratio(forward.mean(which), solve.mean(which) + products.mean(which));
+  };
+  const auto adjoint_ratio = [&](auto&& which) {
+    return ratio(adjoint.mean(which), adjoint_floor.mean(which));
+  };
+
+  nlohmann::ordered_json out;
+  int ranks = 1;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  const forward::StepSolver::Memory memory = problem.stepper.solver().memory();
+  const double vectors = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
+  const double operators = operator_bytes(problem), trajectory_bytes = 2 * (steps + 1) * vectors,
+               peak = total(peak_memory());
+  out["scene"] = scene.name;
+  out["size"] = scene.mesh.size.value_or(0);
+  out["ranks"] = ranks;
+  out["dimension"] = problem.space.dim();
+  out["free_unknowns"] = problem.free_dofs();
+  out["candidates"] = problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0;
+  out["steps"] = steps;
+  out["contact_steps"] = contact_steps;
+  out["steps_with_set_changes"] = vi_steps;
+  out["solver"] = problem.stepper.solver().choice();
+  out["seconds"] = {{"solve", solve.mean(every)},
+                    {"products", products.mean(every)},
+                    {"forward_step", forward.mean(every)},
+                    {"adjoint_step", adjoint.mean(every)},
+                    {"forward_run", run},
+                    {"gradient", whole}};
+  for (const auto& [phase, entry] : timers.entries())
+    out["setup_seconds"][phase] = entry.seconds;
+  out["ratios"] = {{"contact_step", forward_ratio(touching)},
+                   {"contact_free_step", forward_ratio(flying)},
+                   {"adjoint_contact_step", adjoint_ratio(touching)},
+                   {"adjoint_contact_free_step", adjoint_ratio(flying)},
+                   {"gradient", whole / run}};
+  out["bytes"] = {{"factor", memory.factor},
+                  {"operators", operators},
+                  {"condensation", memory.condensation},
+                  {"trajectory", trajectory_bytes},
+                  {"peak_after_setup", setup_peak},
+                  {"peak", peak}};
+  return out;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::cerr << "usage: signorini-bench SCENE [key.path=value …]\n";
+    return 2;
+  }
+  std::vector<std::string> overrides(argv + 2, argv + argc);
+  int status = 0;
+  PetscInitializeNoPointers(0, nullptr, nullptr, nullptr);
+  try {
+    petsc::keep_error_messages();
+    spdlog::set_level(spdlog::level::warn); // dolfinx tells every step of its own
+    std::string text;
+    on_root(MPI_COMM_WORLD, [&] { text = scene::read(argv[1]); });
+    const scene::Scene scene = scene::parse(broadcast(MPI_COMM_WORLD, text), argv[1], overrides);
+    const char* repeats = std::getenv("SIGNORINI_BENCH_REPEATS");
+    const nlohmann::ordered_json result = measure(scene, repeats ? std::atoi(repeats) : 5);
+    int rank = 0;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    if (rank == 0)
+      std::cout << result.dump(2) << std::endl;
+  } catch (const std::exception& error) {
+    std::cerr << "signorini-bench: " << error.what() << "\n";
+    MPI_Abort(MPI_COMM_WORLD, status = 3);
+  }
+  PetscFinalize();
+  return status;
+}
