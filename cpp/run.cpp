@@ -173,11 +173,12 @@ void write_control(const io::OutputFolder& folder, const Problem& problem,
   const auto timer = problem.timers.time("output");
   const std::vector<int> stored = stored_steps(1, problem.steps(), problem.scene.output.every);
   const std::vector<double> times = times_of(stored, problem.stepper.scheme());
+  const petsc::Series adjoint = reduced.adjoint_states(stored);
   io::write_fields(problem.space, folder, "control.xdmf", times,
                    {{"control", pick(stored, [&](int k) { return reduced.control().at(k); })}});
   io::write_fields(
       problem.space, folder, "adjoint.xdmf", times,
-      {{"adjoint", pick(stored, [&](int k) -> Vec { return reduced.adjoint_states()[k - 1]; })}});
+      {{"adjoint", {adjoint.begin(), adjoint.end()}}});
 }
 
 int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, const Console& console) {

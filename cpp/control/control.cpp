@@ -64,6 +64,13 @@ Control ControlSpace::zero() const {
   return Control(petsc::zero_series(work_, static_cast<std::size_t>(steps_)));
 }
 
+Control ControlSpace::unset() const {
+  petsc::Series steps(static_cast<std::size_t>(steps_));
+  for (petsc::Vector& step : steps)
+    check(VecDuplicate(work_, step.put()));
+  return Control(std::move(steps));
+}
+
 Control ControlSpace::interpolate(const scene::Components& components, const std::string& key) const {
   const scene::Field field(components, key, true);
   Control u = zero();

@@ -41,6 +41,8 @@ public:
                const scene::Control& scene);
 
   [[nodiscard]] Control zero() const;
+  /// One whose values are still to be written.
+  [[nodiscard]] Control unset() const;
   /// Nodal values at the middle of each step.
   [[nodiscard]] Control interpolate(const scene::Components& components, const std::string& key) const;
 

@@ -1,5 +1,6 @@
 #include "control/reduced_problem.h"
 #include "base/error.h"
+#include <algorithm>
 #include <utility>
 
 namespace signorini::control {
@@ -11,8 +12,7 @@ ReducedProblem::ReducedProblem(const forward::Stepper& stepper, const ControlSpa
     : stepper_(stepper), controls_(controls), objective_(objective), initial_(initial),
       add_load_(std::move(add_load)), timers_(timers),
       current_{controls.zero(), forward::Trajectory(stepper, controls.steps()), {}},
-      trial_{controls.zero(), forward::Trajectory(stepper, controls.steps()), {}},
-      p_(petsc::zero_series(initial.y, static_cast<std::size_t>(controls.steps()))) {}
+      trial_{controls.zero(), forward::Trajectory(stepper, controls.steps()), {}} {}
 
 forward::AddLoad ReducedProblem::load() const { return controls_.with(add_load_, current_.u); }
 
@@ -32,32 +32,38 @@ double ReducedProblem::value(const Control& u) {
 
 void ReducedProblem::accept() { std::swap(current_, trial_); }
 
-void ReducedProblem::add_adjoint(const std::function<void(int k, Vec ybar)>& add_dual, double scale,
-                                 Control& g) {
+Control ReducedProblem::riesz(const std::function<void(int k, Vec ybar)>& add_dual, double scale, const Control& u) {
   const auto timer = timers_.time("adjoint");
+  Control g = controls_.unset();
   // The dual of the density s u_k is (τ²/2) W p; τ of the product is divided out, and W by Riesz: (τ s/2) p.
   const double weight = stepper_.scheme().impulse() / stepper_.scheme().tau * controls_.scale();
-  adjoint::sweep(stepper_, current_.trajectory, add_dual, [&](int k, Vec p) {
-    check(VecAXPBY(g.at(k), weight, scale, p));
-    check(VecCopy(p, p_[static_cast<std::size_t>(k) - 1]));
-  });
+  adjoint::sweep(stepper_, current_.trajectory, add_dual,
+                 [&](int k, Vec p) { check(VecAXPBYPCZ(g.at(k), scale, weight, 0, u.at(k), p)); });
   ++sweeps_.adjoint;
+  return g;
 }
 
 Control ReducedProblem::adjoint(const std::function<void(int k, Vec ybar)>& add_dual) {
-  Control g = controls_.zero();
-  add_adjoint(add_dual, 1, g);
-  return g;
+  return riesz(add_dual, 0, current_.u);
 }
 
 Control ReducedProblem::l2_gradient() {
-  Control g = current_.u;
-  add_adjoint(
-      [&](int k, Vec ybar) {
-        objective_.add_derivative(k, current_.trajectory.y[static_cast<std::size_t>(k)], ybar);
-      },
-      objective_.alpha(), g);
-  return g;
+  return riesz([&](int k, Vec ybar) { add_derivative(k, ybar); }, objective_.alpha(), current_.u);
+}
+
+void ReducedProblem::add_derivative(int k, Vec ybar) const {
+  objective_.add_derivative(k, current_.trajectory.y[static_cast<std::size_t>(k)], ybar);
+}
+
+petsc::Series ReducedProblem::adjoint_states(const std::vector<int>& steps) const {
+  petsc::Series states(steps.size());
+  adjoint::sweep(
+      stepper_, current_.trajectory, [&](int k, Vec ybar) { add_derivative(k, ybar); },
+      [&](int k, Vec p) {
+        if (const auto wanted = std::ranges::find(steps, k); wanted != steps.end())
+          states[static_cast<std::size_t>(wanted - steps.begin())] = petsc::copy(p);
+      });
+  return states;
 }
 
 Control ReducedProblem::gradient() {
@@ -86,13 +92,11 @@ petsc::Series ReducedProblem::linearised(const Control& d) {
 
 Control ReducedProblem::hessian_product(const Control& d) {
   const petsc::Series dy = linearised(d);
-  Control h = d;
-  add_adjoint(
+  return riesz(
       [&](int k, Vec ybar) {
         objective_.add_second_derivative(k, dy[static_cast<std::size_t>(k) - 1], ybar);
       },
-      objective_.alpha(), h);
-  return h;
+      objective_.alpha(), d);
 }
 
 } // namespace signorini::control

@@ -53,8 +53,8 @@ public:
   [[nodiscard]] const Value& value() const { return current_.value; }
   [[nodiscard]] const forward::Trajectory& trajectory() const { return current_.trajectory; }
   [[nodiscard]] const forward::Trajectory& trial_trajectory() const { return trial_.trajectory; }
-  /// p_1…p_N of the last gradient.
-  [[nodiscard]] const petsc::Series& adjoint_states() const { return p_; }
+  /// p_k of the current control at the given steps, by one more adjoint sweep.
+  [[nodiscard]] petsc::Series adjoint_states(const std::vector<int>& steps) const;
   [[nodiscard]] Sweeps sweeps() const { return sweeps_; }
   /// Load with the current control.
   [[nodiscard]] forward::AddLoad load() const;
@@ -62,8 +62,9 @@ public:
   [[nodiscard]] const Objective& objective() const { return objective_; }
 
 private:
-  /// g ← scale g + S'(u)* w. Collective.
-  void add_adjoint(const std::function<void(int k, Vec ybar)>& add_dual, double scale, Control& g);
+  /// scale u + S'(u)* w as Riesz representative in L2(0,T; L2).
+  Control riesz(const std::function<void(int k, Vec ybar)>& add_dual, double scale, const Control& u);
+  void add_derivative(int k, Vec ybar) const;
 
   struct Point {
     Control u;
@@ -78,7 +79,6 @@ private:
   forward::AddLoad add_load_;
   Timers& timers_;
   Point current_, trial_;
-  petsc::Series p_;
   Sweeps sweeps_;
 };
 
