@@ -1,5 +1,7 @@
 #include "base/linear_solver.h"
 #include "base/error.h"
+#include <array>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace signorini {
@@ -8,6 +10,8 @@ using petsc::check;
 namespace {
 constexpr const char* prefix = "step_";
 constexpr double megabyte = 1e6; // in which MUMPS counts
+/// Relative residuals at which a judge is asked: early, where most of what changes shows, and again.
+constexpr std::array judged_at{1e-3, 1e-6};
 } // namespace
 
 MumpsSolver::MumpsSolver(Mat matrix) {
@@ -47,8 +51,6 @@ double MumpsSolver::bytes() const {
 }
 
 ConjugateGradients::ConjugateGradients(Mat matrix) {
-  int size = 1;
-  MPI_Comm_size(petsc::comm(matrix), &size);
   check(KSPCreate(petsc::comm(matrix), ksp_.put()));
   check(KSPSetOperators(ksp_, matrix, matrix));
   check(KSPSetType(ksp_, KSPCG));
@@ -57,6 +59,7 @@ ConjugateGradients::ConjugateGradients(Mat matrix) {
   constexpr double tolerance = 1e-12; // the gradient is exact to about this
   constexpr PetscInt most = 2000;
   check(KSPSetTolerances(ksp_, tolerance, 0, PETSC_CURRENT, most));
+  check(KSPSetConvergenceTest(ksp_, converged, this, nullptr));
   check(KSPSetOptionsPrefix(ksp_, prefix));
   PC shell = nullptr;
   check(KSPGetPC(ksp_, &shell));
@@ -70,9 +73,8 @@ ConjugateGradients::ConjugateGradients(Mat matrix) {
   check(MatCreateVecs(matrix, projected_.put(), nullptr));
   check(PCCreate(petsc::comm(matrix), preconditioner_.put()));
   check(PCSetOperators(preconditioner_, matrix, matrix));
-  check(PCSetType(preconditioner_, size == 1 ? PCICC : PCBJACOBI));
+  check(PCSetType(preconditioner_, PCPBJACOBI));
   check(PCSetOptionsPrefix(preconditioner_, prefix));
-  petsc::default_option("step_sub", "pc_type", PCICC);
   check(PCSetFromOptions(preconditioner_));
   check(PCSetUp(preconditioner_));
   check(PCSetUpOnBlocks(preconditioner_));
@@ -91,41 +93,75 @@ PetscErrorCode ConjugateGradients::precondition(PC shell, Vec x, Vec y) {
   void* context = nullptr;
   PetscCall(PCShellGetContext(shell, &context));
   const auto& self = *static_cast<const ConjugateGradients*>(context);
-  if (!self.project_) {
+  if (!self.now_.project) {
     PetscCall(PCApply(self.preconditioner_, x, y));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   try {
     PetscCall(VecCopy(x, self.projected_));
-    (*self.project_)(self.projected_);
+    (*self.now_.project)(self.projected_);
     PetscCall(PCApply(self.preconditioner_, self.projected_, y));
-    (*self.project_)(y);
+    (*self.now_.project)(y);
   } catch (...) { // no exception may cross PETSc
     PetscFunctionReturn(PETSC_ERR_LIB);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void ConjugateGradients::solve(Vec b, Vec x) const {
-  static const Projector none;
-  (void)solve(b, x, none, tolerance_);
+PetscErrorCode ConjugateGradients::converged(KSP ksp, PetscInt iteration, PetscReal residual,
+                                             KSPConvergedReason* reason, void* context) {
+  PetscFunctionBeginUser;
+  const auto& self = *static_cast<const ConjugateGradients*>(context);
+  Solve& now = self.now_;
+  *reason = KSP_CONVERGED_ITERATING;
+  if (iteration ==
+      0) // the solution's size is that of the guess, or, without one, that of the right-hand side
+    now.scale = std::max(now.scale, residual);
+  if (!std::isfinite(residual)) {
+    *reason = KSP_DIVERGED_NANORINF;
+  } else if (residual <= self.tolerance_ * now.scale) {
+    *reason = KSP_CONVERGED_RTOL;
+  } else if (now.judge && now.asked < static_cast<int>(judged_at.size()) &&
+             residual <= judged_at[static_cast<std::size_t>(now.asked)] * now.scale) {
+    while (now.asked < static_cast<int>(judged_at.size()) &&
+           residual <= judged_at[static_cast<std::size_t>(now.asked)] * now.scale)
+      ++now.asked;
+    Vec x = nullptr;
+    PetscCall(KSPBuildSolution(ksp, nullptr, &x));
+    try {
+      now.stopped = !(*now.judge)(x);
+    } catch (...) {
+      PetscFunctionReturn(PETSC_ERR_LIB);
+    }
+    if (now.stopped)
+      *reason = KSP_CONVERGED_RTOL;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-int ConjugateGradients::solve(Vec b, Vec x, const Projector& project, double tolerance) const {
-  project_ = project ? &project : nullptr;
-  check(KSPSetTolerances(ksp_, tolerance, PETSC_CURRENT, PETSC_CURRENT, PETSC_CURRENT));
+void ConjugateGradients::solve(Vec b, Vec x) const { run(b, x, {}); }
+
+bool ConjugateGradients::solve(Vec b, Vec x, const Projector& project, const Judge& judge) const {
+  run(b, x, {.project = &project, .judge = judge ? &judge : nullptr});
+  return !now_.stopped;
+}
+
+void ConjugateGradients::run(Vec b, Vec x, Solve solve) const {
+  now_ = solve;
+  now_.scale = std::sqrt(std::abs(petsc::dot(b, x))); // x·b is about x·D x
   check(KSPSolve(ksp_, b, x));
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  check(KSPGetConvergedReason(ksp_, &reason));
+  if (reason >= 0)
+    return;
   PetscInt iterations = 0;
   PetscReal residual = 0;
-  check(KSPGetConvergedReason(ksp_, &reason));
   check(KSPGetIterationNumber(ksp_, &iterations));
   check(KSPGetResidualNorm(ksp_, &residual));
-  if (reason < 0)
-    throw SolverFailure(fmt::format(
-        "the solve with the step operator D by {} failed: {}, residual {:.3e} after {} iterations", name_,
-        KSPConvergedReasons[reason], residual, static_cast<int>(iterations)));
-  return static_cast<int>(iterations);
+  throw SolverFailure(
+      fmt::format("the solve with the step operator D by {} failed: {}, residual {:.3e} of {:.3e} after {} "
+                  "iterations",
+                  name_, KSPConvergedReasons[reason], residual, now_.scale, static_cast<int>(iterations)));
 }
 
 double ConjugateGradients::bytes() const {

@@ -42,11 +42,15 @@ private:
 };
 
 /// The method of conjugate gradients, its preconditioner set up once: incomplete Cholesky of each rank's own
-/// block. PETSc options with the prefix `-step_` are honoured.
+/// block. PETSc options with the prefix `-step_` are honoured, but for the convergence test: the residual in
+/// the norm of the preconditioner, which is about the error in the norm of the matrix, falls below
+/// tolerance() times the solution's size.
 class ConjugateGradients final : public LinearSolver {
 public:
   /// Orthogonal projector onto a subspace of vectors, in place.
   using Projector = std::function<void(Vec)>;
+  /// Looks at an unfinished solution and tells whether to go on with it.
+  using Judge = std::function<bool(Vec)>;
 
   /// `matrix` must outlive this object unchanged. Collective. Throws SolverFailure.
   explicit ConjugateGradients(Mat matrix);
@@ -55,25 +59,37 @@ public:
 
   void solve(Vec b, Vec x) const override;
 
-  /// Solves on a subspace: P (b − matrix x) = 0 with x − guess in the range of P, to a relative tolerance.
-  /// Returns the iterations. Collective. Throws SolverFailure.
-  int solve(Vec b, Vec x, const Projector& project, double tolerance) const;
+  /// Solves on a subspace: P (b − matrix x) = 0 with x − guess in the range of P. `judge`, if given, is asked
+  /// on the way, and false ends the solve: then false is returned. Collective. Throws SolverFailure.
+  bool solve(Vec b, Vec x, const Projector& project, const Judge& judge) const;
 
-  /// Relative tolerance of the residual of a whole solve, in the norm of the preconditioner.
+  /// Relative tolerance of a solve (-step_ksp_rtol).
   [[nodiscard]] double tolerance() const { return tolerance_; }
 
   [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] double bytes() const override;
 
 private:
+  /// The solve that is under way.
+  struct Solve {
+    const Projector* project = nullptr;
+    const Judge* judge = nullptr;
+    int asked = 0;        ///< times that the judge was
+    bool stopped = false; ///< by the judge
+    double scale = 0;     ///< size of the solution in the norm of the residual
+  };
+
   static PetscErrorCode precondition(PC shell, Vec x, Vec y);
+  static PetscErrorCode converged(KSP ksp, PetscInt iteration, PetscReal residual, KSPConvergedReason* reason,
+                                  void* context);
+  void run(Vec b, Vec x, Solve solve) const;
 
   petsc::LinearSolver ksp_;
   petsc::Preconditioner preconditioner_;
   petsc::Vector projected_;
   double tolerance_ = 0;
   std::string name_;
-  mutable const Projector* project_ = nullptr; ///< of the solve that is under way
+  mutable Solve now_;
 };
 
 } // namespace signorini

@@ -1,6 +1,8 @@
 #include "contact/projected_cg.h"
 #include "base/error.h"
+#include <algorithm>
 #include <fmt/format.h>
+#include <iterator>
 
 namespace signorini::contact {
 using petsc::check;
@@ -21,50 +23,64 @@ ProjectedCg::ProjectedCg(const Constraints& constraints, const ConjugateGradient
       zero_(static_cast<std::size_t>(constraints.count()), 0.0), residual_(vector_of(matrix)) {
   set_.reserve(zero_.size());
   next_.reserve(zero_.size());
+  wrong_.reserve(zero_.size());
 }
 
 void ProjectedCg::evaluate(Vec r, Vec y, ContactState& state) const {
-  check(MatMult(matrix_, y, residual_));
-  check(VecAYPX(residual_, -1, r));
   constraints_.gap(y, state.gap);
-  constraints_.normal_components(residual_, state.lambda); // D y = r − Nλ
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < zero_.size(); ++i)
-    if (next < set_.size() && set_[next] == static_cast<int>(i))
-      ++next;
-    else
+  if (set_.empty()) {
+    std::ranges::fill(state.lambda, 0);
+  } else {
+    check(MatMult(matrix_, y, residual_));
+    check(VecAYPX(residual_, -1, r));
+    constraints_.normal_components(residual_, state.lambda); // D y = r − Nλ
+  }
+  next_.clear();
+  for (std::size_t i = 0, in = 0; i < zero_.size(); ++i) {
+    const bool closed = in < set_.size() && set_[in] == static_cast<int>(i);
+    in += closed;
+    if (!closed)
       state.lambda[i] = 0;
+    if (closed ? state.lambda[i] > 0 : state.gap[i] < 0)
+      next_.push_back(static_cast<int>(i));
+  }
 }
 
 void ProjectedCg::solve(Vec r, const ContactState& previous, ContactState& state, Vec y) const {
-  const double loose = std::sqrt(D_.tolerance()); // half of the digits tell the set
-  constexpr int most = 100;
+  constexpr int most = 1000, patience = 10;
   const ConjugateGradients::Projector project = [this](Vec x) { constraints_.set_normal(set_, zero_, x); };
+  const ConjugateGradients::Judge judge = [&](Vec x) {
+    evaluate(r, x, state);
+    return next_ == set_;
+  };
   set_ = previous.active;
-  state.vi_iterations = 0;
-  for (double tolerance = loose;;) {
+  // Block principal pivoting (Júdice and Pires): whole primal-dual steps as long as fewer and fewer
+  // candidates are on the wrong side, else one candidate at a time, the last one on the wrong side, which
+  // ends after finitely many (Murty).
+  std::size_t fewest = zero_.size() + 1;
+  int left = patience;
+  for (state.vi_iterations = 0;; ++state.vi_iterations) {
+    if (state.vi_iterations > most)
+      throw SolverFailure(fmt::format("the active set did not settle in {} steps: {} of {} candidates closed",
+                                      most, set_.size(), zero_.size()));
     constraints_.set_normal(set_, constraints_.psi(), y);
-    D_.solve(r, y, project, tolerance);
-    evaluate(r, y, state);
-    next_.clear();
-    for (std::size_t i = 0, in = 0; i < zero_.size(); ++i) {
-      const bool closed = in < set_.size() && set_[in] == static_cast<int>(i);
-      in += closed;
-      if (closed ? state.lambda[i] > 0 : state.gap[i] < 0)
-        next_.push_back(static_cast<int>(i));
+    if (D_.solve(r, y, project, left > 0 ? judge : nullptr)) {
+      evaluate(r, y, state);
+      if (next_ == set_ || complementarity_.holds(state.lambda, state.gap))
+        break;
     }
-    const bool settled = next_ == set_;
-    if (tolerance == D_.tolerance() && (settled || complementarity_.holds(state.lambda, state.gap)))
-      break;
-    if (settled) {
-      tolerance = D_.tolerance();
-      continue;
+    wrong_.clear();
+    std::ranges::set_symmetric_difference(set_, next_, std::back_inserter(wrong_));
+    left = wrong_.size() < fewest ? patience : std::max(left - 1, 0);
+    fewest = std::min(fewest, wrong_.size());
+    if (left > 0) {
+      std::swap(set_, next_);
+    } else if (const auto at = std::ranges::lower_bound(set_, wrong_.back());
+               at != set_.end() && *at == wrong_.back()) {
+      set_.erase(at);
+    } else {
+      set_.insert(at, wrong_.back());
     }
-    if (++state.vi_iterations > most)
-      throw SolverFailure(
-          fmt::format("the active set did not settle in {} primal-dual steps: {} of {} candidates closed",
-                      most, set_.size(), zero_.size()));
-    std::swap(set_, next_);
   }
   complementarity_.classify(state);
 }
@@ -74,7 +90,7 @@ void ProjectedCg::solve_sliding(Vec r, const ActiveSet& set, Vec p) const {
     constraints_.set_normal(set, zero_, x);
   };
   constraints_.set_normal(set, zero_, p);
-  D_.solve(r, p, project, D_.tolerance());
+  D_.solve(r, p, project, {});
 }
 
 } // namespace signorini::contact

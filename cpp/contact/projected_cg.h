@@ -17,7 +17,7 @@ public:
   void solve_sliding(Vec r, const ActiveSet& set, Vec p) const override;
 
 private:
-  /// λ and g of a motion that keeps set_ closed. Collective.
+  /// λ and g of a motion that keeps set_ closed, and the set that they call for. Collective.
   void evaluate(Vec r, Vec y, ContactState& state) const;
 
   const Constraints& constraints_;
@@ -26,7 +26,7 @@ private:
   const Complementarity& complementarity_;
   const std::vector<double> zero_; ///< (m)
   petsc::Vector residual_;
-  mutable ActiveSet set_, next_;
+  mutable ActiveSet set_, next_, wrong_;
 };
 
 } // namespace signorini::contact

@@ -234,7 +234,12 @@ int main(int argc, char** argv) {
   }
   std::vector<std::string> overrides(argv + 2, argv + argc);
   int status = 0;
-  PetscInitializeNoPointers(0, nullptr, nullptr, nullptr);
+  int no_arguments = 1;
+  if (PetscInitialize(&no_arguments, &argv, nullptr, nullptr) !=
+      PETSC_SUCCESS) // PETSc's options come by PETSC_OPTIONS
+    return 3;
+  (void)PetscOptionsSetValue(nullptr, "-options_left",
+                             "0"); // defaults that the program sets for solvers not in use
   try {
     petsc::keep_error_messages();
     spdlog::set_level(spdlog::level::warn); // dolfinx tells every step of its own
@@ -251,6 +256,5 @@ int main(int argc, char** argv) {
     std::cerr << "signorini-bench: " << error.what() << "\n";
     MPI_Abort(MPI_COMM_WORLD, status = 3);
   }
-  PetscFinalize();
-  return status;
+  return PetscFinalize() == PETSC_SUCCESS ? status : 3;
 }
