@@ -54,7 +54,7 @@ Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs n
     : scene(s), timers(t), mesh(timed(t, "mesh", [&] { return read_mesh(comm, s); })),
       space(mesh, s.mesh.degree),
       operators(timed(t, "assembly", [&] { return fem::assemble_operators(space, s.material); })),
-      stepper(timed(t, "factorisation and condensation",
+      stepper(timed(t, "solver",
                     [&] { return forward::Stepper(space, operators, s, needs); })),
       initial(stepper, s.initial) {
   if (stop_requested(comm))

@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include <algorithm>
 #include <fmt/format.h>
+#include <functional>
 #include <iterator>
 
 namespace signorini::contact {
@@ -49,10 +50,11 @@ void ProjectedCg::evaluate(Vec r, Vec y, ContactState& state) const {
 void ProjectedCg::solve(Vec r, const ContactState& previous, ContactState& state, Vec y) const {
   constexpr int most = 1000, patience = 10;
   const ConjugateGradients::Projector project = [this](Vec x) { constraints_.set_normal(set_, zero_, x); };
-  const ConjugateGradients::Judge judge = [&](Vec x) {
+  const auto look = [&](Vec x) {
     evaluate(r, x, state);
     return next_ == set_;
   };
+  const ConjugateGradients::Judge judge = std::cref(look); // small enough not to be allocated
   set_ = previous.active;
   // Block principal pivoting (Júdice and Pires): whole primal-dual steps as long as fewer and fewer
   // candidates are on the wrong side, else one candidate at a time, the last one on the wrong side, which

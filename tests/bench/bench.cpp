@@ -2,7 +2,7 @@
 // products with M and R, timed between the steps of the same run, on the same matrices, in the same state of
 // caches and machine.
 //
-// usage: signorini-bench SCENE [key.path=value …]    prints one JSON object
+// usage: signorini-bench SCENE REPEATS [key.path=value …]    prints one JSON object
 #include "adjoint/sweep.h"
 #include "base/collective.h"
 #include "base/error.h"
@@ -228,11 +228,11 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
 } // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::cerr << "usage: signorini-bench SCENE [key.path=value …]\n";
+  if (argc < 3 || std::atoi(argv[2]) < 1) {
+    std::cerr << "usage: signorini-bench SCENE REPEATS [key.path=value …]\n";
     return 2;
   }
-  std::vector<std::string> overrides(argv + 2, argv + argc);
+  std::vector<std::string> overrides(argv + 3, argv + argc);
   int status = 0;
   int no_arguments = 1;
   if (PetscInitialize(&no_arguments, &argv, nullptr, nullptr) !=
@@ -246,8 +246,7 @@ int main(int argc, char** argv) {
     std::string text;
     on_root(MPI_COMM_WORLD, [&] { text = scene::read(argv[1]); });
     const scene::Scene scene = scene::parse(broadcast(MPI_COMM_WORLD, text), argv[1], overrides);
-    const char* repeats = std::getenv("SIGNORINI_BENCH_REPEATS");
-    const nlohmann::ordered_json result = measure(scene, repeats ? std::atoi(repeats) : 5);
+    const nlohmann::ordered_json result = measure(scene, std::atoi(argv[2]));
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     if (rank == 0)

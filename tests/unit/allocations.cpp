@@ -1,0 +1,115 @@
+#include "adjoint/sweep.h"
+#include "fixtures.h"
+#include <atomic>
+#include <catch2/catch_test_macros.hpp>
+#include <cstdlib>
+
+// Counts every call of malloc and its relatives in this program and its libraries, PETSc's and CHOLMOD's
+// included. The sanitizers have an allocator of their own, so there the test is left out.
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+
+namespace {
+
+std::atomic<long> calls = 0;
+std::atomic<bool> counting = false;
+
+void count() {
+  if (counting)
+    ++calls;
+}
+
+} // namespace
+
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+
+void* malloc(std::size_t size) {
+  count();
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t n, std::size_t size) {
+  count();
+  return __libc_calloc(n, size);
+}
+void* realloc(void* p, std::size_t size) {
+  count();
+  return __libc_realloc(p, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** p, std::size_t alignment, std::size_t size) {
+  count();
+  *p = __libc_memalign(alignment, size);
+  return *p ? 0 : 12;
+}
+}
+
+namespace signorini {
+namespace {
+
+/// Calls of malloc during `work`.
+template <class Work>
+long allocations(Work&& work) {
+  calls = 0;
+  counting = true;
+  work();
+  counting = false;
+  return calls;
+}
+
+} // namespace
+
+TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
+  int ranks = 1;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  if (ranks > 1)
+    return; // messages and MUMPS allocate
+  REQUIRE(allocations([] {
+            int* volatile kept = new int; // not to be optimised away
+            delete kept;
+          }) == 1);
+  for (const char* linear : {"solver.linear=direct", "solver.linear=iterative"}) {
+    const test::Ready ready("scenes/half-disc.toml", {"mesh.size=1", linear});
+    const Problem& problem = ready.problem;
+    const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.scheme(),
+                                         problem.steps(), *ready.scene.control);
+    const control::Control u = controls.interpolate({"0", "-1"}, "u");
+    const forward::AddLoad load = controls.with(problem.load(), u);
+    forward::Trajectory trajectory(problem.stepper, problem.steps());
+    forward::simulate(problem.stepper, problem.initial, load,
+                      trajectory); // work space that CHOLMOD and PETSc make once
+    long stepping = 0, before = 0;
+    int contact_steps = 0, set_changes = 0;
+    (void)allocations([&] {
+      forward::simulate(problem.stepper, problem.initial, load, trajectory, [&](int k) {
+        stepping += k > 1 ? calls - before : 0; // what comes before the first step is made once a run
+        contact_steps += !trajectory.contact[static_cast<std::size_t>(k)].active.empty();
+        set_changes += trajectory.contact[static_cast<std::size_t>(k)].vi_iterations > 0;
+        before = calls;
+      });
+    });
+    CHECK(contact_steps > 50);
+    CHECK(set_changes > 5);
+    CHECK(stepping == 0);
+    petsc::Vector dual = test::smooth(problem.space, 1);
+    long back = 0;
+    (void)allocations([&] {
+      adjoint::sweep(
+          problem.stepper, trajectory, [&](int, Vec ybar) { petsc::check(VecAXPY(ybar, 1, dual)); },
+          [&](int k, Vec) {
+            back += k < problem.steps() ? calls - before : 0;
+            before = calls;
+          });
+    });
+    CHECK(back == 0);
+  }
+}
+
+} // namespace signorini
+
+#endif
