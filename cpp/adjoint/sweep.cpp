@@ -6,25 +6,27 @@
 namespace signorini::adjoint {
 
 void sweep(const forward::Stepper& stepper, const forward::Trajectory& trajectory,
-           const std::function<void(int k, Vec ybar)>& add_dual,
+           const std::function<void(int k, Vec density)>& add_derivative,
            const std::function<void(int k, Vec p)>& visit) {
-  petsc::Vector ybar = stepper.space().vector(), vbar = stepper.space().vector(),
-                p = stepper.space().vector();
+  petsc::Vector p = stepper.space().vector(), p_next = stepper.space().vector(), q = stepper.space().vector(),
+                density = stepper.space().vector();
   std::optional<forward::Extrapolation> guess;
   if (stepper.solver().takes_guess())
     guess.emplace(p);
   for (int k = trajectory.steps; k >= 1; --k) {
     try {
-      add_dual(k, ybar);
+      petsc::check(VecZeroEntries(density));
+      add_derivative(k, density);
       if (guess)
         guess->guess(p);
-      stepper.transposed_step(trajectory.contact[k], ybar, vbar, p);
+      stepper.adjoint_step(trajectory.contact[static_cast<std::size_t>(k)], density, p_next, q, p);
       if (guess)
         guess->remember(p);
     } catch (const SolverFailure& failure) {
       throw SolverFailure(fmt::format("adjoint step {}: {}", k, failure.what()));
     }
     visit(k, p);
+    std::swap(p, p_next);
   }
 }
 

@@ -83,12 +83,15 @@ Control ControlSpace::interpolate(const scene::Components& components, const std
   return u;
 }
 
+double ControlSpace::dot(Vec x, Vec y) const {
+  check(MatMult(W_, y, work_));
+  return petsc::dot(x, work_);
+}
+
 double ControlSpace::product(const Control& u, const Control& w) const {
   double sum = 0;
-  for (int k = 1; k <= steps_; ++k) {
-    check(MatMult(W_, w.at(k), work_));
-    sum += petsc::dot(u.at(k), work_);
-  }
+  for (int k = 1; k <= steps_; ++k)
+    sum += dot(u.at(k), w.at(k));
   return scheme_.tau * sum;
 }
 

@@ -46,6 +46,8 @@ public:
   /// Nodal values at the middle of each step.
   [[nodiscard]] Control interpolate(const scene::Components& components, const std::string& key) const;
 
+  /// (x, y) in L2 of two fields in V.
+  [[nodiscard]] double dot(Vec x, Vec y) const;
   [[nodiscard]] double product(const Control& u, const Control& w) const;
   [[nodiscard]] double norm(const Control& u) const;
   [[nodiscard]] double metric(const Control& u, const Control& w) const;

@@ -6,8 +6,8 @@ using petsc::check;
 
 Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, forward::Scheme scheme,
                      petsc::Series desired, double alpha, double gamma)
-    : W_(operators.W), scheme_(scheme), desired_(std::move(desired)), alpha_(alpha), gamma_(gamma), controls_(controls),
-      error_(controls.space().vector()), work_(controls.space().vector()) {}
+    : W_(operators.W), scheme_(scheme), desired_(std::move(desired)), alpha_(alpha), gamma_(gamma),
+      controls_(controls), error_(controls.space().vector()), work_(controls.space().vector()) {}
 
 double Objective::tracking_weight(int k) const {
   return k == 0 || k == controls_.steps() ? scheme_.tau / 2 : scheme_.tau;
@@ -34,14 +34,13 @@ Value Objective::value(const forward::Trajectory& trajectory, const Control& u) 
   return value;
 }
 
-void Objective::add_derivative(int k, Vec y, Vec out) const {
-  check(VecWAXPY(error_, -1, desired_[static_cast<std::size_t>(k)], y));
-  add_second_derivative(k, error_, out);
+void Objective::add_derivative(int k, Vec y, Vec density) const {
+  const double weight = tracking_weight(k) + terminal_weight(k);
+  check(VecAXPBYPCZ(density, weight, -weight, 1, y, desired_[static_cast<std::size_t>(k)]));
 }
 
-void Objective::add_second_derivative(int k, Vec delta, Vec out) const {
-  check(MatMult(W_, delta, work_));
-  check(VecAXPY(out, tracking_weight(k) + terminal_weight(k), work_));
+void Objective::add_second_derivative(int k, Vec delta, Vec density) const {
+  check(VecAXPY(density, tracking_weight(k) + terminal_weight(k), delta));
 }
 
 } // namespace signorini::control

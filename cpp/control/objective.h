@@ -21,11 +21,11 @@ public:
 
   [[nodiscard]] Value value(const forward::Trajectory& trajectory, const Control& u) const;
 
-  /// out += ∂J/∂y_k at y_k; k = 1…N.
-  void add_derivative(int k, Vec y, Vec out) const;
+  /// density += d_k with ∂J/∂y_k = W d_k at y_k; k = 1…N.
+  void add_derivative(int k, Vec y, Vec density) const;
 
-  /// out += ∂²J/∂y_k² δ.
-  void add_second_derivative(int k, Vec delta, Vec out) const;
+  /// density += d_k with ∂²J/∂y_k² δ = W d_k.
+  void add_second_derivative(int k, Vec delta, Vec density) const;
 
   /// α: the derivative by the control is α u.
   [[nodiscard]] double alpha() const { return alpha_; }

@@ -32,33 +32,34 @@ double ReducedProblem::value(const Control& u) {
 
 void ReducedProblem::accept() { std::swap(current_, trial_); }
 
-Control ReducedProblem::riesz(const std::function<void(int k, Vec ybar)>& add_dual, double scale, const Control& u) {
+Control ReducedProblem::riesz(const std::function<void(int k, Vec density)>& add_density, double scale,
+                              const Control& u) {
   const auto timer = timers_.time("adjoint");
   Control g = controls_.unset();
   // The dual of the density s u_k is (τ²/2) W p; τ of the product is divided out, and W by Riesz: (τ s/2) p.
   const double weight = stepper_.scheme().impulse() / stepper_.scheme().tau * controls_.scale();
-  adjoint::sweep(stepper_, current_.trajectory, add_dual,
+  adjoint::sweep(stepper_, current_.trajectory, add_density,
                  [&](int k, Vec p) { check(VecAXPBYPCZ(g.at(k), scale, weight, 0, u.at(k), p)); });
   ++sweeps_.adjoint;
   return g;
 }
 
-Control ReducedProblem::adjoint(const std::function<void(int k, Vec ybar)>& add_dual) {
-  return riesz(add_dual, 0, current_.u);
+Control ReducedProblem::adjoint(const std::function<void(int k, Vec density)>& add_density) {
+  return riesz(add_density, 0, current_.u);
 }
 
 Control ReducedProblem::l2_gradient() {
-  return riesz([&](int k, Vec ybar) { add_derivative(k, ybar); }, objective_.alpha(), current_.u);
+  return riesz([&](int k, Vec density) { add_derivative(k, density); }, objective_.alpha(), current_.u);
 }
 
-void ReducedProblem::add_derivative(int k, Vec ybar) const {
-  objective_.add_derivative(k, current_.trajectory.y[static_cast<std::size_t>(k)], ybar);
+void ReducedProblem::add_derivative(int k, Vec density) const {
+  objective_.add_derivative(k, current_.trajectory.y[static_cast<std::size_t>(k)], density);
 }
 
 petsc::Series ReducedProblem::adjoint_states(const std::vector<int>& steps) const {
   petsc::Series states(steps.size());
   adjoint::sweep(
-      stepper_, current_.trajectory, [&](int k, Vec ybar) { add_derivative(k, ybar); },
+      stepper_, current_.trajectory, [&](int k, Vec density) { add_derivative(k, density); },
       [&](int k, Vec p) {
         if (const auto wanted = std::ranges::find(steps, k); wanted != steps.end())
           states[static_cast<std::size_t>(wanted - steps.begin())] = petsc::copy(p);
@@ -93,8 +94,8 @@ petsc::Series ReducedProblem::linearised(const Control& d) {
 Control ReducedProblem::hessian_product(const Control& d) {
   const petsc::Series dy = linearised(d);
   return riesz(
-      [&](int k, Vec ybar) {
-        objective_.add_second_derivative(k, dy[static_cast<std::size_t>(k) - 1], ybar);
+      [&](int k, Vec density) {
+        objective_.add_second_derivative(k, dy[static_cast<std::size_t>(k) - 1], density);
       },
       objective_.alpha(), d);
 }

@@ -43,8 +43,9 @@ public:
   /// S'(u) d: the linearised states δy_1…δy_N at the current control, active sets frozen.
   petsc::Series linearised(const Control& d);
 
-  /// S'(u)* w for duals w_1…w_N of the states, as Riesz representative in L2(0,T; L2).
-  Control adjoint(const std::function<void(int k, Vec ybar)>& add_dual);
+  /// S'(u)* w for duals W d_1…W d_N of the states, given by their densities d_k, as Riesz representative in
+  /// L2(0,T; L2).
+  Control adjoint(const std::function<void(int k, Vec density)>& add_density);
 
   [[nodiscard]] double inner(const Control& u, const Control& w) const { return controls_.metric(u, w); }
   void project(Control& u) const { controls_.project(u); }
@@ -63,8 +64,8 @@ public:
 
 private:
   /// scale u + S'(u)* w as Riesz representative in L2(0,T; L2).
-  Control riesz(const std::function<void(int k, Vec ybar)>& add_dual, double scale, const Control& u);
-  void add_derivative(int k, Vec ybar) const;
+  Control riesz(const std::function<void(int k, Vec density)>& add_density, double scale, const Control& u);
+  void add_derivative(int k, Vec density) const;
 
   struct Point {
     Control u;

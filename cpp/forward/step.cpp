@@ -17,16 +17,16 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
   solver_.emplace(std::move(D), constraints(), scene.solver, needs.sliding);
 }
 
-void Stepper::right_hand_side(Vec y0, Vec v0, Vec density) const {
+void Stepper::right_hand_side(Vec x, double a, Vec z, double b, Vec density) const {
   if (const std::optional<double> rho = operators_.uniform_density) { // one product does for both
-    check(VecAXPBYPCZ(work_, scheme_.momentum(), scheme_.impulse() / *rho, 0, v0, density));
+    check(VecAXPBYPCZ(work_, a, b / *rho, 0, z, density));
     check(MatMult(operators_.M, work_, r_));
   } else {
-    check(MatMult(operators_.M, v0, r_));
+    check(MatMult(operators_.M, z, r_));
     check(MatMult(operators_.W, density, work_));
-    check(VecAXPBY(r_, scheme_.impulse(), scheme_.momentum(), work_));
+    check(VecAXPBY(r_, b, a, work_));
   }
-  check(MatMultAdd(R_, y0, r_, r_));
+  check(MatMultAdd(R_, x, r_, r_));
   clamped_.clear(r_);
 }
 
@@ -40,7 +40,7 @@ void Stepper::velocity(Vec y0, Vec v0, Vec y1, Vec v1) const {
 
 void Stepper::step(Vec y0, Vec v0, Vec density, const contact::ContactState& previous,
                    contact::ContactState& contact, Vec y1, Vec v1) const {
-  right_hand_side(y0, v0, density);
+  right_hand_side(y0, scheme_.momentum(), v0, scheme_.impulse(), density);
   if (const contact::ViSolver* vi = solver_->vi())
     vi->solve(r_, previous, contact, y1);
   else
@@ -61,20 +61,20 @@ void Stepper::solve_sliding(const contact::ContactState& contact, Vec p) const {
 
 void Stepper::linearised_step(Vec y0, Vec v0, Vec density, const contact::ContactState& contact, Vec y1,
                               Vec v1) const {
-  right_hand_side(y0, v0, density);
+  right_hand_side(y0, scheme_.momentum(), v0, scheme_.impulse(), density);
   solve_sliding(contact, y1);
   velocity(y0, v0, y1, v1);
 }
 
-void Stepper::transposed_step(const contact::ContactState& contact, Vec ybar, Vec vbar, Vec p) const {
-  // v_k = rate (y_k − y_{k−1}) − v_{k−1} passes its dual on to y_k, to y_{k−1} and to v_{k−1}.
-  check(VecWAXPY(r_, scheme_.rate(), vbar, ybar));
-  clamped_.clear(r_);
+void Stepper::adjoint_step(const contact::ContactState& contact, Vec density, Vec p_next, Vec q,
+                           Vec p) const {
+  right_hand_side(p_next, -scheme_.momentum(), q, 1, density);
   solve_sliding(contact, p);
-  check(MatMult(R_, p, ybar));
-  check(VecAXPY(ybar, -scheme_.rate(), vbar));
-  check(MatMult(operators_.M, p, work_));
-  check(VecAXPBY(vbar, scheme_.momentum(), -1, work_));
+  const petsc::ReadArray next(p_next), now(p);
+  const petsc::WriteArray velocity(q);
+  const double rate = scheme_.rate();
+  for (std::size_t i = 0; i < velocity.size(); ++i)
+    velocity[i] = rate * (next[i] - now[i]) - velocity[i];
 }
 
 } // namespace signorini::forward

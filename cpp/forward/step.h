@@ -46,12 +46,17 @@ public:
   void linearised_step(Vec y0, Vec v0, Vec density, const contact::ContactState& contact, Vec y1,
                        Vec v1) const;
 
-  /// The transpose of linearised_step: from duals (ȳ, v̄) at its end to duals at its start, in place, and the
-  /// adjoint state `p`, which holds a guess as y1 in step(); the density's dual is impulse() W p. Collective.
-  void transposed_step(const contact::ContactState& contact, Vec ybar, Vec vbar, Vec p) const;
+  /// The transpose of linearised_step on the active set of `contact` (4.40)–(4.41), with the seed's adjoint
+  /// states:
+  ///     D p_k − μ_k = R p_{k+1} − τ M q_{k+1} + W d_k,   q_k = −q_{k+1} + rate() (p_{k+1} − p_k)
+  /// for the density d_k whose product with W is ∂J/∂y_k. `q` is q_{k+1} on entry and q_k on return; `p_next`
+  /// is p_{k+1}; `p` becomes p_k and holds a guess on entry as y1 in step(). Both states are zero at k = N
+  /// + 1. The dual of step k's force density is impulse() W p_k. Collective.
+  void adjoint_step(const contact::ContactState& contact, Vec density, Vec p_next, Vec q, Vec p) const;
 
 private:
-  void right_hand_side(Vec y0, Vec v0, Vec density) const;
+  /// r_ = R x + M (a z) + b W density on the free dofs: what a step and an adjoint step share.
+  void right_hand_side(Vec x, double a, Vec z, double b, Vec density) const;
   void velocity(Vec y0, Vec v0, Vec y1, Vec v1) const;
   void solve_sliding(const contact::ContactState& contact, Vec p) const;
 

@@ -146,8 +146,8 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     watch.lap();
     adjoint::sweep(
         problem.stepper, trajectory,
-        [&](int k, Vec ybar) {
-          control_problem.objective.add_derivative(k, trajectory.y[static_cast<std::size_t>(k)], ybar);
+        [&](int k, Vec density) {
+          control_problem.objective.add_derivative(k, trajectory.y[static_cast<std::size_t>(k)], density);
         },
         [&](int k, Vec p) {
           check(VecAXPY(gradient.at(k), 1, p));

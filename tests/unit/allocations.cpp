@@ -100,7 +100,7 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
     long back = 0;
     (void)allocations([&] {
       adjoint::sweep(
-          problem.stepper, trajectory, [&](int, Vec ybar) { petsc::check(VecAXPY(ybar, 1, dual)); },
+          problem.stepper, trajectory, [&](int, Vec density) { petsc::check(VecAXPY(density, 1, dual)); },
           [&](int k, Vec) {
             back += k < problem.steps() ? calls - before : 0;
             before = calls;
