@@ -27,11 +27,12 @@ std::string headline(const Problem& problem) {
   for (const auto& [name, active] : io::effects(problem.scene))
     if (active)
       on += (on.empty() ? "" : ", ") + name;
-  return fmt::format("{}: {} free unknowns, {} contact candidates, {} steps of {} s, {} rank{}\neffects: {}",
-                     problem.scene.name, problem.free_dofs(),
-                     problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0,
-                     problem.steps(), problem.scene.time.step, ranks, ranks == 1 ? "" : "s",
-                     on.empty() ? "none" : on);
+  return fmt::format(
+      "{}: {} free unknowns, {} contact candidates, {} steps of {} s, {} rank{}\neffects: {}\nsolver: {}",
+      problem.scene.name, problem.free_dofs(),
+      problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0, problem.steps(),
+      problem.scene.time.step, ranks, ranks == 1 ? "" : "s", on.empty() ? "none" : on,
+      problem.stepper.solver().choice());
 }
 
 io::Manifest manifest(const Problem& problem, const std::string& verb, const std::string& stop_reason,
@@ -45,7 +46,7 @@ io::Manifest manifest(const Problem& problem, const std::string& verb, const std
   m.cells = static_cast<long>(problem.mesh.cells());
   m.candidates = problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0;
   m.steps_done = steps_done;
-  m.linear_solver = problem.stepper.solver().linear().name();
+  m.solver = problem.stepper.solver().choice();
   m.peak_memory = peak_memory();
   MPI_Allreduce(MPI_IN_PLACE, &m.peak_memory, 1, MPI_DOUBLE, MPI_SUM, world());
   return m;
@@ -176,9 +177,8 @@ void write_control(const io::OutputFolder& folder, const Problem& problem,
   const petsc::Series adjoint = reduced.adjoint_states(stored);
   io::write_fields(problem.space, folder, "control.xdmf", times,
                    {{"control", pick(stored, [&](int k) { return reduced.control().at(k); })}});
-  io::write_fields(
-      problem.space, folder, "adjoint.xdmf", times,
-      {{"adjoint", {adjoint.begin(), adjoint.end()}}});
+  io::write_fields(problem.space, folder, "adjoint.xdmf", times,
+                   {{"adjoint", {adjoint.begin(), adjoint.end()}}});
 }
 
 int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, const Console& console) {
@@ -257,29 +257,36 @@ int info(const scene::Scene& scene, const Console& console) {
   for (const auto& [name, on] : io::effects(scene))
     console.line(fmt::format("  {:<22}{}", name, on ? "on" : "off"));
   petsc::Vector x = problem.space.vector(), y = problem.space.vector();
-  const double solve = seconds([&] { problem.stepper.solver().linear().solve(x, y); });
-  const double product = seconds([&] { petsc::check(MatMult(problem.operators.M, x, y)); });
+  petsc::check(VecSetRandom(x, nullptr));
+  problem.stepper.clamped().clear(x);
+  const double solve = seconds([&] {
+    petsc::check(VecZeroEntries(y)); // no guess
+    problem.stepper.solver().linear().solve(x, y);
+  });
+  const double product = seconds([&] { petsc::check(MatMult(problem.stepper.R(), x, y)); });
   const double bytes =
       sizeof(PetscScalar) * static_cast<double>(problem.space.dofs()) * (problem.steps() + 1);
   // One trajectory holds y and v; optimize keeps the current and the trial one, the desired states, and the
-  // controls u of the iterate, current, trial, gradient and step, and p.
-  const double vectors = scene.objective ? 2 * 2 + 1 + 6 + 1 : 2;
+  // controls u of the iterate, current, trial, gradient and step.
+  const double vectors = scene.objective ? 2 * 2 + 1 + 5 : 2;
   double setup = 0;
   for (const auto& [phase, entry] : timers.entries())
     setup += entry.seconds;
-  const double contact_solves = scene.contact ? 2 : 1; // in a step with contact; one without
-  const double sweep = problem.steps() * (contact_solves * solve + (scene.control ? 3 : 2) * product);
+  const double sweep = problem.steps() * (solve + 2 * product);
   console.line(fmt::format("unknowns: {} ({} free), cells: {}, candidates: {}, steps: {}",
                            problem.space.dofs(), problem.free_dofs(), problem.mesh.cells(),
                            problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0,
                            problem.steps()));
+  const forward::StepSolver::Memory memory = problem.stepper.solver().memory();
+  console.line(fmt::format("solver: {}; factor or preconditioner {:.3g} MB, condensed contact {:.3g} MB",
+                           problem.stepper.solver().choice(), memory.factor / 1e6,
+                           memory.condensation / 1e6));
   console.line(fmt::format("setup: {:.2f} s, {:.0f} MB by now; states{} will add {:.0f} MB", setup,
                            peak_memory() / 1e6, scene.objective ? " and controls" : "",
                            vectors * bytes / 1e6));
   console.line(fmt::format(
-      "a forward sweep: at most about {:.2g} s ({:.2g} ms per solve with D by {}, {:.2g} ms per "
-      "product){}",
-      sweep, 1e3 * solve, problem.stepper.solver().linear().name(), 1e3 * product,
+      "a forward sweep: about {:.2g} s ({:.2g} ms per solve with D, {:.2g} ms per product){}", sweep,
+      1e3 * solve, 1e3 * product,
       scene.objective ? fmt::format("; an optimizer's iteration, with its gradient: {:.2g} s", 2 * sweep)
                       : ""));
   return done;

@@ -27,6 +27,12 @@ std::vector<int> candidate_nodes(const contact::Constraints* constraints) {
   return nodes;
 }
 
+/// S and the factor of its active block.
+double dense_bytes(const contact::Constraints* constraints) {
+  const double m = constraints ? constraints->count() : 0;
+  return 2 * m * m * sizeof(double);
+}
+
 } // namespace
 
 StepSolver::StepSolver(petsc::Matrix D, const contact::Constraints* constraints, const scene::Solver& scene,
@@ -49,8 +55,8 @@ StepSolver::StepSolver(petsc::Matrix D, const contact::Constraints* constraints,
 void StepSolver::factorise(const contact::Constraints* constraints, const scene::Solver& scene) {
   constexpr double gigabyte = 1e9;
   const auto settle = [&](auto solver) {
-    const double needed = solver->estimate();
-    const std::string compared = fmt::format("its factor needs {:.2g} GB, {:.2g} GB are allowed",
+    const double needed = solver->estimate() + dense_bytes(constraints);
+    const std::string compared = fmt::format("a factor needs {:.2g} GB, {:.2g} GB are allowed",
                                              needed / gigabyte, scene.memory / gigabyte);
     if (scene.linear == "auto" && needed > scene.memory) {
       iterate();
@@ -94,8 +100,8 @@ void StepSolver::add_contact(const contact::Constraints& constraints, const scen
   if (cholesky_)
     elimination_ = std::make_unique<contact::CornerElimination>(constraints, *cholesky_);
   else
-    elimination_ =
-        std::make_unique<contact::ColumnElimination>(constraints, *linear_, vector_of(D_), scene.memory);
+    elimination_ = std::make_unique<contact::ColumnElimination>(
+        constraints, *linear_, vector_of(D_), scene.memory - linear_->bytes() - dense_bytes(&constraints));
   condensation_.emplace(constraints, *elimination_);
   sliding_ = &*condensation_;
   if (!vi_)

@@ -46,7 +46,7 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
   json["cells"] = m.cells;
   json["candidates"] = m.candidates;
   json["steps"] = {{"asked", scene.time.steps}, {"done", m.steps_done}};
-  json["linear_solver"] = m.linear_solver;
+  json["solver"] = m.solver;
   for (const auto& [name, on] : effects(scene))
     json["effects"][name] = on;
   if (m.objective)

@@ -16,8 +16,8 @@ struct Manifest {
   long unknowns = 0, free_unknowns = 0, cells = 0;
   int candidates = 0;
   int steps_done = 0;
-  std::string linear_solver; ///< of the steps
-  double peak_memory = 0;    ///< bytes, summed over the ranks
+  std::string solver;     ///< of the steps, and why
+  double peak_memory = 0; ///< bytes, summed over the ranks
   std::optional<control::Value> objective;
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
 };

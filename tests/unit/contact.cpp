@@ -152,6 +152,17 @@ TEST_CASE("contact in the corner of the factor is contact everywhere", "[contact
   }
 }
 
+TEST_CASE("a factor that does not fit the memory allowed is not made", "[contact]") {
+  const Parts fits({"solver.memory=1e9"}), exceeds({"solver.memory=1000.0"}),
+      forced({"solver.memory=1000.0", "solver.linear=direct"});
+  CHECK(!fits.solver.takes_guess());
+  CHECK(fits.solver.memory().factor > 1000);
+  CHECK(exceeds.solver.takes_guess());
+  CHECK(exceeds.solver.memory().condensation == 0);
+  CHECK(exceeds.solver.choice().find("1e-06 GB are allowed") != std::string::npos);
+  CHECK(!forced.solver.takes_guess());
+}
+
 TEST_CASE("all solvers of the contact step find its solution, which is complementary", "[contact]") {
   for (const std::vector<std::string>& overrides :
        {std::vector<std::string>{},

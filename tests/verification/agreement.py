@@ -1,4 +1,4 @@
-"""Ways to the same solution agree: condensed and full VI; one, two and three ranks."""
+"""Ways to the same solution agree: condensed, full VI, conjugate gradients; one, two and three ranks."""
 
 import sys
 import tempfile
@@ -32,7 +32,7 @@ def same_sets(a: Path, b: Path) -> bool:
     return np.array_equal(ta["force"] > 0, tb["force"] > 0) and places
 
 
-def compare_vi(folder: Path) -> bool:
+def compare_solvers(folder: Path) -> bool:
     holds = True
     cases = [("half-disc", HALF_DISC, {"control__initial": ["0", "-1"]}),
              ("half-disc, degree 2", HALF_DISC, {"control__initial": ["0", "-1"], "mesh__size": 1.5, "mesh__degree": 2}),
@@ -41,16 +41,18 @@ def compare_vi(folder: Path) -> bool:
              ("half ball, degree 2", HALF_BALL, PUSHED | {"mesh__size": 4, "mesh__degree": 2}),
              ("half ball on a tilted plane", HALF_BALL, PUSHED | TILTED)]  # fmt: skip
     for name, scene, overrides in cases:
-        condensed, full = folder / "condensed", folder / "full"
-        signorini("simulate", scene, condensed, **overrides)
-        signorini("simulate", scene, full, solver__vi="full", **overrides)
-        pairs = list(zip(displacements(condensed), displacements(full), strict=True))
-        size = max(abs(a).max() for a, _ in pairs)
-        difference = max(abs(a - b).max() for a, b in pairs) / size
-        sets = same_sets(condensed, full)
-        print(f"{name}: condensed and full VI differ by {difference:.1e} of the largest displacement, "
-              f"active sets {'equal' if sets else 'differ'} at all {len(pairs) - 1} steps")  # fmt: skip
-        holds &= difference <= 1e-10 and sets
+        condensed = folder / "condensed"
+        signorini("simulate", scene, condensed, solver__linear="direct", **overrides)
+        for title, other in (("full VI", {"solver__vi": "full"}), ("conjugate gradients", {"solver__linear": "iterative"})):
+            out = folder / "other"
+            signorini("simulate", scene, out, **(overrides | other))
+            pairs = list(zip(displacements(condensed), displacements(out), strict=True))
+            size = max(abs(a).max() for a, _ in pairs)
+            difference = max(abs(a - b).max() for a, b in pairs) / size
+            sets = same_sets(condensed, out)
+            print(f"{name}: condensed and {title} differ by {difference:.1e} of the largest displacement, "
+                  f"active sets {'equal' if sets else 'differ'} at all {len(pairs) - 1} steps")  # fmt: skip
+            holds &= difference <= 1e-10 and sets
     return holds
 
 
@@ -76,7 +78,7 @@ def compare_ranks(folder: Path, scene: Path, **overrides: object) -> bool:
 
 def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
-        holds = [compare_vi(Path(folder)), compare_ranks(Path(folder), HALF_DISC, control__initial=["0", "-0.9"]),
+        holds = [compare_solvers(Path(folder)), compare_ranks(Path(folder), HALF_DISC, control__initial=["0", "-0.9"]),
                  compare_ranks(Path(folder), HALF_BALL, **(PUSHED | {"control__initial": ["0", "0", "-0.9"]}))]  # fmt: skip
     return 0 if all(holds) else 1
 
