@@ -29,6 +29,9 @@ public:
   /// Whether solutions start from a guess.
   [[nodiscard]] bool takes_guess() const { return iterative_ || full_vi_; }
 
+  /// Relative error that a solve may leave; 0 for rounding alone.
+  [[nodiscard]] double tolerance() const { return iterative_ ? iterative_->tolerance() : 0; }
+
   /// What was chosen and why, in a few words.
   [[nodiscard]] const std::string& choice() const { return choice_; }
 

@@ -50,8 +50,8 @@ def optimize_is_complete(folder: Path, ranks: int) -> None:
 
 def simulate_is_complete(folder: Path) -> None:
     out = folder / "simulate"
-    status = interrupted("simulate", out, signal.SIGTERM, "steps", "--set", "time.end=1",
-                         "--set", "output.every=1000", "--set", 'load.body=["0", "-1e6"]')  # fmt: skip
+    status = interrupted("simulate", out, signal.SIGTERM, "steps", "--set", "time.end=0.4",
+                         "--set", "mesh.size=0.25", "--set", "output.every=1000", "--set", 'load.body=["0", "-1e6"]')  # fmt: skip
     assert status == 130, f"exit status {status}"
     assert {p.name for p in out.iterdir()} == SIMULATE_FILES
     run, steps = json.loads((out / "run.json").read_text()), table(out / "steps.csv")
@@ -67,7 +67,8 @@ def earlier_results_survive(folder: Path) -> None:
     out = folder / "early"
     out.mkdir()
     (out / "history.csv").write_text("of an earlier run")
-    status = interrupted("optimize", out, signal.SIGINT, "desired state", "--set", "time.end=1")
+    status = interrupted("optimize", out, signal.SIGINT, "desired state", "--set", "time.end=0.4",
+                         "--set", "mesh.size=0.25")  # fmt: skip
     assert status == 130, f"exit status {status}"
     assert [p.name for p in out.iterdir()] == ["history.csv"] and (out / "history.csv").read_text() == "of an earlier run"
     print("early: nothing was written, nothing was lost")

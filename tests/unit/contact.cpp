@@ -153,13 +153,17 @@ TEST_CASE("contact in the corner of the factor is contact everywhere", "[contact
 }
 
 TEST_CASE("a factor that does not fit the memory allowed is not made", "[contact]") {
-  const Parts fits({"solver.memory=1e9"}), exceeds({"solver.memory=1000.0"}),
-      forced({"solver.memory=1000.0", "solver.linear=direct"});
+  const auto with = [](std::vector<std::string> options) {
+    options.push_back("mesh.size=0.02");
+    return Parts(options);
+  };
+  const Parts fits = with({"solver.memory=1e9"}), exceeds = with({"solver.memory=1e5"}),
+              forced = with({"solver.memory=1e5", "solver.linear=direct"});
   CHECK(!fits.solver.takes_guess());
-  CHECK(fits.solver.memory().factor > 1000);
+  CHECK(fits.solver.memory().factor > 1e5);
   CHECK(exceeds.solver.takes_guess());
   CHECK(exceeds.solver.memory().condensation == 0);
-  CHECK(exceeds.solver.choice().find("1e-06 GB are allowed") != std::string::npos);
+  CHECK(exceeds.solver.choice().find("0.0001 GB are allowed") != std::string::npos);
   CHECK(!forced.solver.takes_guess());
 }
 

@@ -43,7 +43,9 @@ def compare_solvers(folder: Path) -> bool:
     for name, scene, overrides in cases:
         condensed = folder / "condensed"
         signorini("simulate", scene, condensed, solver__linear="direct", **overrides)
-        for title, other in (("full VI", {"solver__vi": "full"}), ("conjugate gradients", {"solver__linear": "iterative"})):
+        # Conjugate gradients leave 1e-12 of the solution's size at each of up to 150 steps.
+        for title, other, allowed in (("full VI", {"solver__vi": "full"}, 1e-10),
+                                      ("conjugate gradients", {"solver__linear": "iterative"}, 1e-9)):  # fmt: skip
             out = folder / "other"
             signorini("simulate", scene, out, **(overrides | other))
             pairs = list(zip(displacements(condensed), displacements(out), strict=True))
@@ -52,7 +54,7 @@ def compare_solvers(folder: Path) -> bool:
             sets = same_sets(condensed, out)
             print(f"{name}: condensed and {title} differ by {difference:.1e} of the largest displacement, "
                   f"active sets {'equal' if sets else 'differ'} at all {len(pairs) - 1} steps")  # fmt: skip
-            holds &= difference <= 1e-10 and sets
+            holds &= difference <= allowed and sets
     return holds
 
 

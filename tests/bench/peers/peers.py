@@ -24,7 +24,9 @@ HERE = Path(__file__).parent
 ROOT = HERE.parents[2]
 SCENE, GEOMETRY = ROOT / "scenes" / "half-disc.toml", ROOT / "meshes" / "half-disc.geo"
 REFERENCE = "condensed"
-TITLES = {REFERENCE: "signorini, condensed", "full": "signorini, full VI", "freefem": "FreeFem++", "getfem": "GetFEM"}
+TITLES = {REFERENCE: "signorini, condensed", "full": "signorini, full VI", "freefem": "FreeFem++, CHOLMOD", "freefem-mumps": "FreeFem++, MUMPS",
+          "getfem": "GetFEM"}
+FREEFEM = {"freefem": "CHOLMOD", "freefem-mumps": "MUMPS"}
 TOUCH = 1e-9  # m; displacements are of the order of 1 m and gaps within it are rounding
 
 
@@ -100,10 +102,10 @@ class Bench:
     def seconds(self, program: str) -> float:
         """Of all steps, in one run."""
         file = self.folder / program
-        if program == "freefem":
-            out = run(["FreeFem++-nw", "-nw", "-v", 0, HERE / "half_disc.edp", self.mesh, file, *self.groups],
+        if program in FREEFEM:
+            out = run(["FreeFem++-nw", "-nw", "-v", 0, HERE / "half_disc.edp", self.mesh, file, *self.groups, FREEFEM[program]],
                       FF_LOADPATH="/usr/lib/freefem++")  # fmt: skip
-            return float(out.split()[-2])
+            return float(re.search(r"^(\S+) \d+$", out, re.MULTILINE)[1])  # plugins print too
         if program == "getfem":
             out = run(["python3", HERE / "half_disc_getfem.py", self.mesh, file, *self.groups])
             return float(out.split()[-2])
@@ -114,7 +116,7 @@ class Bench:
     def motion(self, program: str) -> Motion:
         """Of the last run."""
         file = self.folder / program
-        if program == "freefem":
+        if program in FREEFEM:
             length = int(np.fromfile(file, np.int64, 1)[0])  # stands before every row
             return Motion.of_rows(np.fromfile(file).reshape(-1, length + 1)[:, 1:])
         if program == "getfem":
