@@ -153,12 +153,8 @@ TEST_CASE("contact in the corner of the factor is contact everywhere", "[contact
 }
 
 TEST_CASE("a factor that does not fit the memory allowed is not made", "[contact]") {
-  const auto with = [](std::vector<std::string> options) {
-    options.push_back("mesh.size=0.02");
-    return Parts(options);
-  };
-  const Parts fits = with({"solver.memory=1e9"}), exceeds = with({"solver.memory=1e5"}),
-              forced = with({"solver.memory=1e5", "solver.linear=direct"});
+  const Parts fits({"mesh.size=0.02", "solver.memory=1e9"}), exceeds({"mesh.size=0.02", "solver.memory=1e5"}),
+      forced({"mesh.size=0.02", "solver.memory=1e5", "solver.linear=direct"});
   CHECK(!fits.solver.takes_guess());
   CHECK(fits.solver.memory().factor > 1e5);
   CHECK(exceeds.solver.takes_guess());
