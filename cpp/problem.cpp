@@ -54,8 +54,7 @@ Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs n
     : scene(s), timers(t), mesh(timed(t, "mesh", [&] { return read_mesh(comm, s); })),
       space(mesh, s.mesh.degree),
       operators(timed(t, "assembly", [&] { return fem::assemble_operators(space, s.material); })),
-      stepper(timed(t, "solver",
-                    [&] { return forward::Stepper(space, operators, s, needs); })),
+      stepper(timed(t, "solver", [&] { return forward::Stepper(space, operators, s, needs); })),
       initial(stepper, s.initial) {
   if (stop_requested(comm))
     throw Interrupted();
@@ -93,9 +92,8 @@ ControlProblem::ControlProblem(const Problem& problem, const Console& console)
     : controls(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(),
                *problem.scene.control),
       reference(reference_control(problem.scene, controls)),
-      objective(controls, problem.operators, problem.stepper.scheme(),
-                desired_states(problem, controls, reference, console), problem.scene.objective->alpha,
-                problem.scene.objective->gamma),
+      objective(controls, problem.stepper.scheme(), desired_states(problem, controls, reference, console),
+                problem.scene.objective->alpha, problem.scene.objective->gamma),
       reduced(problem.stepper, controls, objective, problem.initial, problem.load(), problem.timers) {}
 
 control::Control ControlProblem::first_guess(const scene::Scene& scene) const {

@@ -21,8 +21,7 @@ constexpr int done = 0, solver_failed = 3, interrupted = 130;
 MPI_Comm world() { return MPI_COMM_WORLD; }
 
 std::string headline(const Problem& problem) {
-  int ranks = 1;
-  MPI_Comm_size(world(), &ranks);
+  const int size = ranks(world());
   std::string on;
   for (const auto& [name, active] : io::effects(problem.scene))
     if (active)
@@ -31,7 +30,7 @@ std::string headline(const Problem& problem) {
       "{}: {} free unknowns, {} contact candidates, {} steps of {} s, {} rank{}\neffects: {}\nsolver: {}",
       problem.scene.name, problem.free_dofs(),
       problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0, problem.steps(),
-      problem.scene.time.step, ranks, ranks == 1 ? "" : "s", on.empty() ? "none" : on,
+      problem.scene.time.step, size, size == 1 ? "" : "s", on.empty() ? "none" : on,
       problem.stepper.solver().choice());
 }
 
@@ -40,7 +39,7 @@ io::Manifest manifest(const Problem& problem, const std::string& verb, const std
   io::Manifest m;
   m.verb = verb;
   m.stop_reason = stop_reason;
-  MPI_Comm_size(world(), &m.ranks);
+  m.ranks = ranks(world());
   m.unknowns = static_cast<long>(problem.space.dofs());
   m.free_unknowns = problem.free_dofs();
   m.cells = static_cast<long>(problem.mesh.cells());

@@ -10,18 +10,14 @@ void sweep(const forward::Stepper& stepper, const forward::Trajectory& trajector
            const std::function<void(int k, Vec p)>& visit) {
   petsc::Vector p = stepper.space().vector(), p_next = stepper.space().vector(), q = stepper.space().vector(),
                 density = stepper.space().vector();
-  std::optional<forward::Extrapolation> guess;
-  if (stepper.solver().takes_guess())
-    guess.emplace(p);
+  forward::Extrapolation extrapolation(stepper);
   for (int k = trajectory.steps; k >= 1; --k) {
     try {
       petsc::check(VecZeroEntries(density));
       add_derivative(k, density);
-      if (guess)
-        guess->guess(p);
+      extrapolation.guess(p);
       stepper.adjoint_step(trajectory.contact[static_cast<std::size_t>(k)], density, p_next, q, p);
-      if (guess)
-        guess->remember(p);
+      extrapolation.remember(p);
     } catch (const SolverFailure& failure) {
       throw SolverFailure(fmt::format("adjoint step {}: {}", k, failure.what()));
     }

@@ -11,6 +11,12 @@ inline int rank(MPI_Comm comm) {
   return r;
 }
 
+inline int ranks(MPI_Comm comm) {
+  int size = 1;
+  MPI_Comm_size(comm, &size);
+  return size;
+}
+
 /// The text of rank `root` on every rank. Collective.
 inline std::string broadcast(MPI_Comm comm, std::string text, int root = 0) {
   auto size = static_cast<long>(text.size());
@@ -20,7 +26,8 @@ inline std::string broadcast(MPI_Comm comm, std::string text, int root = 0) {
   return text;
 }
 
-/// Runs `work` on rank 0; a UserError there is thrown on every rank, so that none waits for the others. Collective.
+/// Runs `work` on rank 0; a UserError there is thrown on every rank, so that none waits for the others.
+/// Collective.
 template <class Work>
 void on_root(MPI_Comm comm, Work&& work) {
   std::string problem;
@@ -36,7 +43,8 @@ void on_root(MPI_Comm comm, Work&& work) {
     throw UserError(problem);
 }
 
-/// Runs `work` on every rank; a UserError on any rank is thrown on every rank (the lowest rank's text). Collective.
+/// Runs `work` on every rank; a UserError on any rank is thrown on every rank (the lowest rank's text).
+/// Collective.
 template <class Work>
 void together(MPI_Comm comm, Work&& work) {
   std::string problem;
@@ -45,8 +53,7 @@ void together(MPI_Comm comm, Work&& work) {
   } catch (const UserError& error) {
     problem = error.what();
   }
-  int size = 1;
-  MPI_Comm_size(comm, &size);
+  const int size = ranks(comm);
   int mine = problem.empty() ? size : rank(comm), first = mine;
   MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, comm);
   if (first < size)

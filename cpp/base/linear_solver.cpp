@@ -1,5 +1,6 @@
 #include "base/linear_solver.h"
 #include "base/error.h"
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
@@ -70,7 +71,7 @@ ConjugateGradients::ConjugateGradients(Mat matrix) {
   check(KSPSetFromOptions(ksp_));
   check(KSPGetTolerances(ksp_, &tolerance_, nullptr, nullptr, nullptr));
 
-  check(MatCreateVecs(matrix, projected_.put(), nullptr));
+  projected_ = petsc::vector_of(matrix);
   check(PCCreate(petsc::comm(matrix), preconditioner_.put()));
   check(PCSetOperators(preconditioner_, matrix, matrix));
   check(PCSetType(preconditioner_, PCPBJACOBI));
@@ -114,18 +115,15 @@ PetscErrorCode ConjugateGradients::converged(KSP ksp, PetscInt iteration, PetscR
   const auto& self = *static_cast<const ConjugateGradients*>(context);
   Solve& now = self.now_;
   *reason = KSP_CONVERGED_ITERATING;
-  if (iteration ==
-      0) // the solution's size is that of the guess, or, without one, that of the right-hand side
+  if (iteration == 0) // the solution's size is that of the guess, or, without one, of the right-hand side
     now.scale = std::max(now.scale, residual);
+  const auto due = std::ranges::count_if(judged_at, [&](double at) { return residual <= at * now.scale; });
   if (!std::isfinite(residual)) {
     *reason = KSP_DIVERGED_NANORINF;
   } else if (residual <= self.tolerance_ * now.scale) {
     *reason = KSP_CONVERGED_RTOL;
-  } else if (now.judge && now.asked < static_cast<int>(judged_at.size()) &&
-             residual <= judged_at[static_cast<std::size_t>(now.asked)] * now.scale) {
-    while (now.asked < static_cast<int>(judged_at.size()) &&
-           residual <= judged_at[static_cast<std::size_t>(now.asked)] * now.scale)
-      ++now.asked;
+  } else if (now.judge && due > now.asked) {
+    now.asked = due;
     Vec x = nullptr;
     PetscCall(KSPBuildSolution(ksp, nullptr, &x));
     try {
@@ -165,26 +163,13 @@ void ConjugateGradients::run(Vec b, Vec x, Solve solve) const {
 }
 
 double ConjugateGradients::bytes() const {
-  PC block = preconditioner_;
-  PetscBool blocks = PETSC_FALSE, factor = PETSC_FALSE;
-  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(block), PCBJACOBI, &blocks));
-  if (blocks) {
-    KSP* solvers = nullptr;
-    PetscInt count = 0, first = 0;
-    check(PCBJacobiGetSubKSP(preconditioner_, &count, &first, &solvers));
-    if (count == 1)
-      check(KSPGetPC(solvers[0], &block));
-  }
-  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(block), &factor, PCICC, PCILU, ""));
-  double sum = 0; // of other preconditioners PETSc does not tell it
-  if (factor) {
-    Mat incomplete = nullptr;
-    check(PCFactorGetMatrix(block, &incomplete));
-    sum = petsc::bytes(incomplete);
-  }
-  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM,
-                petsc::comm(reinterpret_cast<PetscObject>(static_cast<PC>(preconditioner_))));
-  return sum;
+  // Block Jacobi keeps a block a node; of others, which options may put in its place, PETSc does not tell.
+  Mat matrix = nullptr;
+  PetscInt rows = 0, block = 1;
+  check(KSPGetOperators(ksp_, &matrix, nullptr));
+  check(MatGetSize(matrix, &rows, nullptr));
+  check(MatGetBlockSize(matrix, &block));
+  return sizeof(PetscScalar) * static_cast<double>(rows) * static_cast<double>(block);
 }
 
 } // namespace signorini

@@ -41,10 +41,10 @@ private:
   petsc::Matrix matrix_, factor_;
 };
 
-/// The method of conjugate gradients, its preconditioner set up once: incomplete Cholesky of each rank's own
-/// block. PETSc options with the prefix `-step_` are honoured, but for the convergence test: the residual in
-/// the norm of the preconditioner, which is about the error in the norm of the matrix, falls below
-/// tolerance() times the solution's size.
+/// The method of conjugate gradients, its preconditioner set up once: block Jacobi, a block for each
+/// node, the same on any number of ranks. PETSc options with the prefix `-step_` are honoured, but for the
+/// convergence test: the residual in the norm of the preconditioner, which is about the error in the norm of
+/// the matrix, falls below tolerance() times the solution's size.
 class ConjugateGradients final : public LinearSolver {
 public:
   /// Orthogonal projector onto a subspace of vectors, in place.
@@ -74,9 +74,9 @@ private:
   struct Solve {
     const Projector* project = nullptr;
     const Judge* judge = nullptr;
-    int asked = 0;        ///< times that the judge was
-    bool stopped = false; ///< by the judge
-    double scale = 0;     ///< size of the solution in the norm of the residual
+    std::ptrdiff_t asked = 0; ///< residuals of judged_at passed when the judge was asked last
+    bool stopped = false;     ///< by the judge
+    double scale = 0;         ///< size of the solution in the norm of the residual
   };
 
   static PetscErrorCode precondition(PC shell, Vec x, Vec y);

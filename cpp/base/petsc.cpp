@@ -47,6 +47,13 @@ Vector copy(Vec x) {
   return y;
 }
 
+Vector vector_of(Mat matrix) {
+  Vector x;
+  check(MatCreateVecs(matrix, x.put(), nullptr));
+  check(VecZeroEntries(x));
+  return x;
+}
+
 Series zero_series(Vec x, std::size_t count) {
   Series series;
   series.reserve(count);
@@ -73,14 +80,21 @@ WriteArray::WriteArray(Vec x) : x_(x) {
 
 WriteArray::~WriteArray() { (void)VecRestoreArray(x_, &data_); }
 
-double bytes(Mat matrix) {
-  Mat stored = matrix;
-  PetscBool compressed = PETSC_FALSE, blocks = PETSC_FALSE;
-  const auto object = reinterpret_cast<PetscObject>(matrix);
-  check(PetscObjectTypeCompareAny(object, &compressed, MATMAIJ, MATSEQMAIJ, MATMPIMAIJ, ""));
+Mat component(Mat matrix) {
+  PetscBool compressed = PETSC_FALSE;
+  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(matrix), &compressed, MATMAIJ, MATSEQMAIJ,
+                                  MATMPIMAIJ, ""));
+  Mat stored = nullptr;
   if (compressed)
     check(MatMAIJGetAIJ(matrix, &stored));
-  check(PetscObjectTypeCompareAny(object, &blocks, MATSEQBAIJ, MATMPIBAIJ, MATSEQSBAIJ, MATMPISBAIJ, ""));
+  return stored;
+}
+
+double bytes(Mat matrix) {
+  const Mat one = component(matrix), stored = one ? one : matrix;
+  PetscBool blocks = PETSC_FALSE;
+  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(matrix), &blocks, MATSEQBAIJ, MATMPIBAIJ,
+                                  MATSEQSBAIJ, MATMPISBAIJ, ""));
   PetscInt size = 1, rows = 0;
   if (blocks)
     check(MatGetBlockSize(matrix, &size));

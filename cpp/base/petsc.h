@@ -52,6 +52,9 @@ Vector zero_like(Vec x);
 /// A vector of the same layout and entries. Collective.
 Vector copy(Vec x);
 
+/// A zero vector that a square matrix can be multiplied with. Collective.
+Vector vector_of(Mat matrix);
+
 /// A series of vectors, one per time step.
 using Series = std::vector<Vector>;
 
@@ -91,6 +94,9 @@ private:
   PetscScalar* data_ = nullptr;
   std::size_t size_ = 0;
 };
+
+/// The one component that a matrix of type MAIJ stores for all; null for other types.
+Mat component(Mat matrix);
 
 /// Memory of the entries and indices of a sparse matrix on all ranks, bytes. Collective.
 double bytes(Mat matrix);

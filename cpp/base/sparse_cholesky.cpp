@@ -82,9 +82,10 @@ struct SparseCholesky::Cholmod {
                                     common.status));
   }
 
-  /// Lower triangle of a symmetric pattern given by rows, with values if `value` is callable.
-  template <class Value>
-  cholmod_sparse* lower(std::size_t n, std::size_t entries, bool pattern, Value&& fill) {
+  /// Room for the lower triangle of a symmetric n × n matrix, which `fill` fills: column starts, rows,
+  /// values.
+  template <class Fill>
+  cholmod_sparse* lower(std::size_t n, std::size_t entries, bool pattern, Fill&& fill) {
     cholmod_sparse* A =
         cholmod_allocate_sparse(n, n, entries, 1, 1, -1, pattern ? CHOLMOD_PATTERN : CHOLMOD_REAL, &common);
     require("the storage");

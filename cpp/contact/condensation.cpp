@@ -1,4 +1,5 @@
 #include "contact/condensation.h"
+#include "base/collective.h"
 #include "base/error.h"
 #include <cmath>
 #include <fmt/format.h>
@@ -111,10 +112,8 @@ void Condensation::solve_sliding(Vec r, const ActiveSet& set, Vec p) const {
 }
 
 double Condensation::bytes() const {
-  int ranks = 1;
-  MPI_Comm_size(constraints_.comm(), &ranks);
-  return elimination_.bytes() +
-         ranks * sizeof(double) * static_cast<double>(S_.size() + work_.factor.capacity());
+  return elimination_.bytes() + ranks(constraints_.comm()) * sizeof(double) *
+                                    static_cast<double>(S_.size() + work_.factor.capacity());
 }
 
 } // namespace signorini::contact

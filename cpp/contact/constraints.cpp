@@ -12,8 +12,7 @@ namespace {
 /// The numbers of every rank, in rank order, on every rank.
 template <class T>
 std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine, MPI_Datatype type) {
-  int size = 1;
-  MPI_Comm_size(comm, &size);
+  const int size = ranks(comm);
   const int count = static_cast<int>(mine.size());
   std::vector<int> counts(size), offsets(size + 1);
   MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);

@@ -8,20 +8,10 @@
 namespace signorini::contact {
 using petsc::check;
 
-namespace {
-
-petsc::Vector vector_of(Mat matrix) {
-  petsc::Vector x;
-  check(MatCreateVecs(matrix, x.put(), nullptr));
-  return x;
-}
-
-} // namespace
-
 ProjectedCg::ProjectedCg(const Constraints& constraints, const ConjugateGradients& D, Mat matrix,
                          const Complementarity& complementarity)
     : constraints_(constraints), D_(D), matrix_(matrix), complementarity_(complementarity),
-      zero_(static_cast<std::size_t>(constraints.count()), 0.0), residual_(vector_of(matrix)) {
+      zero_(static_cast<std::size_t>(constraints.count()), 0.0), residual_(petsc::vector_of(matrix)) {
   set_.reserve(zero_.size());
   next_.reserve(zero_.size());
   wrong_.reserve(zero_.size());

@@ -5,8 +5,8 @@
 namespace signorini::contact {
 
 /// Contact without a factor of D and without S: conjugate gradients on the motions that keep a set of gaps
-/// closed, the set updated by primal-dual steps. It is settled with a loose tolerance first, since a change
-/// of it costs a restart.
+/// closed, the set updated by primal-dual steps. It is judged on the way to the solution, since the sooner it
+/// changes, the less is lost.
 class ProjectedCg final : public ViSolver, public SlidingSolver {
 public:
   /// `matrix` is D. Collective. The arguments must outlive this object.

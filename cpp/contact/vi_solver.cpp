@@ -7,9 +7,7 @@ using petsc::check;
 
 Complementarity::Complementarity(const Constraints& constraints, Mat D)
     : gap_tolerance_(constraints.gap_tolerance()) {
-  petsc::Vector diagonal;
-  check(MatCreateVecs(D, diagonal.put(), nullptr));
-  check(MatGetDiagonal(D, diagonal));
+  const petsc::Vector diagonal = fem::diagonal(D);
   // Σ_c ν_c² D_cc is the stiffness against moving the node alone along ν, but for D's entries between its
   // components.
   const std::size_t m = static_cast<std::size_t>(constraints.count());

@@ -4,10 +4,10 @@
 namespace signorini::control {
 using petsc::check;
 
-Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, forward::Scheme scheme,
-                     petsc::Series desired, double alpha, double gamma)
-    : W_(operators.W), scheme_(scheme), desired_(std::move(desired)), alpha_(alpha), gamma_(gamma),
-      controls_(controls), error_(controls.space().vector()), work_(controls.space().vector()) {}
+Objective::Objective(const ControlSpace& controls, forward::Scheme scheme, petsc::Series desired,
+                     double alpha, double gamma)
+    : scheme_(scheme), desired_(std::move(desired)), alpha_(alpha), gamma_(gamma), controls_(controls),
+      error_(controls.space().vector()) {}
 
 double Objective::tracking_weight(int k) const {
   return k == 0 || k == controls_.steps() ? scheme_.tau / 2 : scheme_.tau;
@@ -17,8 +17,7 @@ double Objective::terminal_weight(int k) const { return k == controls_.steps() ?
 
 double Objective::squared_distance(int k, Vec y) const {
   check(VecWAXPY(error_, -1, desired_[static_cast<std::size_t>(k)], y));
-  check(MatMult(W_, error_, work_));
-  return petsc::dot(error_, work_);
+  return controls_.dot(error_, error_);
 }
 
 double Objective::distance(int k, Vec y) const { return std::sqrt(squared_distance(k, y)); }

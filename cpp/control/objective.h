@@ -16,8 +16,8 @@ struct Value {
 class Objective {
 public:
   /// `desired` holds y_d,0…y_d,N. The references must outlive this object.
-  Objective(const ControlSpace& controls, const fem::Operators& operators, forward::Scheme scheme,
-            petsc::Series desired, double alpha, double gamma);
+  Objective(const ControlSpace& controls, forward::Scheme scheme, petsc::Series desired, double alpha,
+            double gamma);
 
   [[nodiscard]] Value value(const forward::Trajectory& trajectory, const Control& u) const;
 
@@ -39,12 +39,11 @@ private:
   [[nodiscard]] double terminal_weight(int k) const;
   double squared_distance(int k, Vec y) const;
 
-  Mat W_;
   forward::Scheme scheme_;
   petsc::Series desired_;
   double alpha_, gamma_;
   const ControlSpace& controls_;
-  petsc::Vector error_, work_;
+  petsc::Vector error_;
 };
 
 } // namespace signorini::control

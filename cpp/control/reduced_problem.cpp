@@ -1,5 +1,6 @@
 #include "control/reduced_problem.h"
 #include "base/error.h"
+#include "forward/extrapolation.h"
 #include <algorithm>
 #include <utility>
 
@@ -79,13 +80,14 @@ petsc::Series ReducedProblem::linearised(const Control& d) {
   petsc::Series dy = petsc::zero_series(initial_.y, n);
   petsc::Vector y0 = petsc::zero_like(initial_.y), v0 = petsc::zero_like(initial_.y),
                 v1 = petsc::zero_like(initial_.y), density = petsc::zero_like(initial_.y);
+  forward::Extrapolation extrapolation(stepper_);
   for (std::size_t k = 1; k <= n; ++k) {
     check(VecZeroEntries(density));
     controls_.add_load(d, static_cast<int>(k), density);
-    if (k > 1 && stepper_.solver().takes_guess())
-      check(VecCopy(dy[k - 2], dy[k - 1]));
+    extrapolation.guess(dy[k - 1]);
     stepper_.linearised_step(k == 1 ? Vec(y0) : Vec(dy[k - 2]), v0, density, current_.trajectory.contact[k],
                              dy[k - 1], v1);
+    extrapolation.remember(dy[k - 1]);
     std::swap(v0, v1);
   }
   return dy;

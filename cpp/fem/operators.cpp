@@ -28,9 +28,7 @@ void Clamped::clear(Vec x) const {
 }
 
 void Clamped::decouple(Mat matrix) const {
-  petsc::Vector diagonal;
-  check(MatCreateVecs(matrix, diagonal.put(), nullptr));
-  check(MatGetDiagonal(matrix, diagonal));
+  const petsc::Vector diagonal = fem::diagonal(matrix);
   PetscReal largest = 0; // keeps the matrix as well conditioned as its free part, whatever the units
   check(VecMax(diagonal, nullptr, &largest));
   std::vector<PetscInt> rows;
@@ -45,9 +43,7 @@ namespace {
 
 /// c with matrix = c other to rounding, if there is one; told by a random vector.
 std::optional<double> ratio(Mat matrix, Mat other) {
-  petsc::Vector x, y, z;
-  check(MatCreateVecs(matrix, x.put(), y.put()));
-  check(VecDuplicate(y, z.put()));
+  petsc::Vector x = petsc::vector_of(matrix), y = petsc::zero_like(x), z = petsc::zero_like(x);
   check(VecSetRandom(x, nullptr));
   check(MatMult(matrix, x, y));
   check(MatMult(other, x, z));
@@ -89,19 +85,13 @@ petsc::Matrix compress(petsc::Matrix rows) {
 } // namespace
 
 petsc::Vector diagonal(Mat matrix) {
-  petsc::Vector diagonal;
-  check(MatCreateVecs(matrix, diagonal.put(), nullptr));
-  PetscBool compressed = PETSC_FALSE;
-  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(matrix), &compressed, MATMAIJ, MATSEQMAIJ,
-                                  MATMPIMAIJ, ""));
-  if (!compressed) {
+  petsc::Vector diagonal = petsc::vector_of(matrix);
+  const Mat component = petsc::component(matrix);
+  if (!component) {
     check(MatGetDiagonal(matrix, diagonal));
     return diagonal;
   }
-  Mat component = nullptr;
-  check(MatMAIJGetAIJ(matrix, &component));
-  petsc::Vector one;
-  check(MatCreateVecs(component, one.put(), nullptr));
+  petsc::Vector one = petsc::vector_of(component);
   check(MatGetDiagonal(component, one));
   const petsc::ReadArray from(one);
   const petsc::WriteArray to(diagonal);
@@ -124,8 +114,7 @@ Operators assemble_operators(const Space& space, const scene::Material& material
 }
 
 petsc::Matrix assemble_step_operator(const Space& space, const scene::Material& material, double tau) {
-  petsc::Matrix D = assemble(space, material.viscosity ? Form::d : Form::d_elastic, material, tau, MATBAIJ);
-  return D;
+  return assemble(space, material.viscosity ? Form::d : Form::d_elastic, material, tau, MATBAIJ);
 }
 
 petsc::Matrix assemble_shifted(const Space& space, const scene::Material& material, Mat D, double c) {

@@ -4,12 +4,15 @@
 namespace signorini::forward {
 using petsc::check;
 
-Extrapolation::Extrapolation(Vec layout) {
-  for (petsc::Vector& x : last_)
-    x = petsc::zero_like(layout);
+Extrapolation::Extrapolation(const Stepper& stepper) : wanted_(stepper.solver().takes_guess()) {
+  if (wanted_)
+    for (petsc::Vector& x : last_)
+      x = stepper.space().vector();
 }
 
 void Extrapolation::remember(Vec x) {
+  if (!wanted_)
+    return;
   std::swap(last_[1], last_[2]);
   std::swap(last_[0], last_[1]);
   check(VecCopy(x, last_[0]));

@@ -1,19 +1,21 @@
 #pragma once
-#include "base/petsc.h"
+#include "forward/step.h"
 #include <array>
 
 namespace signorini::forward {
 
-/// Guesses the next of a series of solutions from the last three, by the parabola through them.
+/// Guesses the next of a series of solutions from the last three, by the parabola through them; does nothing
+/// where the stepper's solver takes no guess.
 class Extrapolation {
 public:
-  explicit Extrapolation(Vec layout);
+  explicit Extrapolation(const Stepper& stepper);
 
   void remember(Vec x);
   /// Leaves `out` as it is before anything was remembered.
   void guess(Vec out) const;
 
 private:
+  bool wanted_;
   std::array<petsc::Vector, 3> last_; ///< the latest first
   int known_ = 0;
 };

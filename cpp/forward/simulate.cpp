@@ -46,21 +46,18 @@ void simulate(const Stepper& stepper, const Initial& initial, const AddLoad& add
     constraints->gap(initial.y, trajectory.contact[0].gap);
   trajectory.steps = 0;
   petsc::Vector density = petsc::zero_like(initial.y);
-  std::optional<Extrapolation> guess;
-  if (stepper.solver().takes_guess())
-    guess.emplace(initial.y).remember(initial.y);
+  Extrapolation extrapolation(stepper);
+  extrapolation.remember(initial.y);
   for (int k = 1; k <= trajectory.capacity(); ++k) {
     if (stop_requested(stepper.space().comm()))
       return;
     try {
       check(VecZeroEntries(density));
       add_load(k, density);
-      if (guess)
-        guess->guess(trajectory.y[k]);
+      extrapolation.guess(trajectory.y[k]);
       stepper.step(trajectory.y[k - 1], trajectory.v[k - 1], density, trajectory.contact[k - 1],
                    trajectory.contact[k], trajectory.y[k], trajectory.v[k]);
-      if (guess)
-        guess->remember(trajectory.y[k]);
+      extrapolation.remember(trajectory.y[k]);
     } catch (const SolverFailure& failure) {
       throw SolverFailure(
           fmt::format("step {} (t = {:.6g} s): {}", k, stepper.scheme().time(k), failure.what()));

@@ -1,22 +1,11 @@
 #include "forward/step_solver.h"
+#include "base/collective.h"
 #include <fmt/format.h>
 
 namespace signorini::forward {
 using petsc::check;
 
 namespace {
-
-int ranks(Mat matrix) {
-  int size = 1;
-  MPI_Comm_size(petsc::comm(matrix), &size);
-  return size;
-}
-
-petsc::Vector vector_of(Mat matrix) {
-  petsc::Vector x;
-  check(MatCreateVecs(matrix, x.put(), nullptr));
-  return x;
-}
 
 /// Local nodes of the candidates of a run on one rank.
 std::vector<int> candidate_nodes(const contact::Constraints* constraints) {
@@ -67,7 +56,7 @@ void StepSolver::factorise(const contact::Constraints* constraints, const scene:
     choice_ = fmt::format("{} ({})", solver->name(), compared);
     linear_ = std::move(solver);
   };
-  if (ranks(D_) == 1) {
+  if (ranks(petsc::comm(D_)) == 1) {
     auto cholesky = std::make_unique<SparseCholesky>(D_, candidate_nodes(constraints));
     const SparseCholesky* kept = cholesky.get();
     settle(std::move(cholesky));
@@ -100,8 +89,9 @@ void StepSolver::add_contact(const contact::Constraints& constraints, const scen
   if (cholesky_)
     elimination_ = std::make_unique<contact::CornerElimination>(constraints, *cholesky_);
   else
-    elimination_ = std::make_unique<contact::ColumnElimination>(
-        constraints, *linear_, vector_of(D_), scene.memory - linear_->bytes() - dense_bytes(&constraints));
+    elimination_ = std::make_unique<contact::ColumnElimination>(constraints, *linear_, petsc::vector_of(D_),
+                                                                scene.memory - linear_->bytes() -
+                                                                    dense_bytes(&constraints));
   condensation_.emplace(constraints, *elimination_);
   sliding_ = &*condensation_;
   if (!vi_)

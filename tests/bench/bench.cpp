@@ -7,7 +7,6 @@
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/signals.h"
 #include "forward/extrapolation.h"
 #include "problem.h"
 #include <chrono>
@@ -66,7 +65,7 @@ class Floor {
 public:
   Floor(const Problem& problem, const forward::AddLoad& load)
       : problem_(problem), load_(load), r_(problem.space.vector()), y_(problem.space.vector()),
-        f_(problem.space.vector()), guess_(r_) {
+        f_(problem.space.vector()), guess_(problem.stepper) {
     guess_.remember(problem.initial.y);
   }
 
@@ -187,15 +186,13 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   };
 
   nlohmann::ordered_json out;
-  int ranks = 1;
-  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
   const forward::StepSolver::Memory memory = problem.stepper.solver().memory();
   const double vectors = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
   const double operators = operator_bytes(problem), trajectory_bytes = 2 * (steps + 1) * vectors,
                peak = total(peak_memory());
   out["scene"] = scene.name;
   out["size"] = scene.mesh.size.value_or(0);
-  out["ranks"] = ranks;
+  out["ranks"] = ranks(MPI_COMM_WORLD);
   out["dimension"] = problem.space.dim();
   out["free_unknowns"] = problem.free_dofs();
   out["candidates"] = problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0;
@@ -234,12 +231,11 @@ int main(int argc, char** argv) {
   }
   std::vector<std::string> overrides(argv + 3, argv + argc);
   int status = 0;
-  int no_arguments = 1;
-  if (PetscInitialize(&no_arguments, &argv, nullptr, nullptr) !=
-      PETSC_SUCCESS) // PETSc's options come by PETSC_OPTIONS
+  int no_arguments = 1; // PETSc's options come by PETSC_OPTIONS
+  if (PetscInitialize(&no_arguments, &argv, nullptr, nullptr) != PETSC_SUCCESS)
     return 3;
-  (void)PetscOptionsSetValue(nullptr, "-options_left",
-                             "0"); // defaults that the program sets for solvers not in use
+  // Defaults that the program sets for solvers not in use are no spelling mistakes.
+  (void)PetscOptionsSetValue(nullptr, "-options_left", "0");
   try {
     petsc::keep_error_messages();
     spdlog::set_level(spdlog::level::warn); // dolfinx tells every step of its own
@@ -247,9 +243,7 @@ int main(int argc, char** argv) {
     on_root(MPI_COMM_WORLD, [&] { text = scene::read(argv[1]); });
     const scene::Scene scene = scene::parse(broadcast(MPI_COMM_WORLD, text), argv[1], overrides);
     const nlohmann::ordered_json result = measure(scene, std::atoi(argv[2]));
-    int rank = 0;
-    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    if (rank == 0)
+    if (rank(MPI_COMM_WORLD) == 0)
       std::cout << result.dump(2) << std::endl;
   } catch (const std::exception& error) {
     std::cerr << "signorini-bench: " << error.what() << "\n";
