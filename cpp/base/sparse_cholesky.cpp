@@ -1,6 +1,8 @@
 #include "base/sparse_cholesky.h"
 #include "base/error.h"
+#include "base/supernodal.h"
 #include <algorithm>
+#include <array>
 #include <cholmod.h>
 #include <fmt/format.h>
 
@@ -53,6 +55,7 @@ struct SparseCholesky::Cholmod {
   cholmod_sparse* matrix = nullptr;
   cholmod_factor* factor = nullptr;
   cholmod_dense *b = nullptr, *z = nullptr, *x = nullptr, *work_y = nullptr, *work_e = nullptr;
+  std::vector<double> supernodal_work;
 
   Cholmod() {
     cholmod_start(&common);
@@ -94,6 +97,12 @@ struct SparseCholesky::Cholmod {
   }
 
   void triangular_solve(int system, cholmod_dense* rhs, cholmod_dense** solution) {
+    if (factor->is_super) {
+      const std::span values(static_cast<double*>((*solution)->x), factor->n);
+      std::copy_n(static_cast<const double*>(rhs->x), factor->n, values.begin());
+      (system == CHOLMOD_L ? supernodal_forward : supernodal_backward)(*factor, values, supernodal_work);
+      return;
+    }
     cholmod_solve2(system, factor, rhs, nullptr, solution, nullptr, &work_y, &work_e, &common);
     require("a solve");
   }
@@ -163,6 +172,8 @@ SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner) : c_(std
   common.nmethods = 1;
   common.method[0].ordering = CHOLMOD_GIVEN;
   common.postorder = 0; // the order above is one already
+  // Narrow supernodes are taken as they are: a solve waits for memory, and a zero costs as much as an entry.
+  std::ranges::copy(std::array{2, 4, 8}, common.nrelax);
   common.supernodal = block_entries < small_factor ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
   c_->factor = cholmod_analyze_p(c_->matrix, permutation.data(), nullptr, 0, &common);
   c_->require("the analysis");
@@ -183,8 +194,11 @@ void SparseCholesky::factorise() {
   c_->require("the factorisation");
   cholmod_free_sparse(&c_->matrix, &c_->common);
   const std::size_t n = c_->factor->n;
-  c_->b = cholmod_allocate_dense(n, 1, n, CHOLMOD_REAL, &c_->common);
-  c_->require("the storage");
+  for (cholmod_dense** dense : {&c_->b, &c_->z, &c_->x}) {
+    *dense = cholmod_allocate_dense(n, 1, n, CHOLMOD_REAL, &c_->common);
+    c_->require("the storage");
+  }
+  c_->supernodal_work.resize(c_->factor->is_super ? c_->factor->maxesize : 0);
 }
 
 std::vector<double> SparseCholesky::corner_factor() const {
