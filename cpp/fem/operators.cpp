@@ -65,15 +65,24 @@ petsc::Matrix symmetric_half(const petsc::Matrix& blocks) {
   return half;
 }
 
-/// One component of a matrix of blocks, acting on all of them (MAIJ), if it does the same; else in blocks.
-petsc::Matrix compress(petsc::Matrix rows) {
+/// The first component of a matrix in rows.
+petsc::Matrix first_component(Mat rows) {
   PetscInt dim = 1, begin = 0, end = 0;
   check(MatGetBlockSize(rows, &dim));
   check(MatGetOwnershipRange(rows, &begin, &end));
   petsc::IndexSet first;
   check(ISCreateStride(petsc::comm(rows), (end - begin) / dim, begin, dim, first.put()));
-  petsc::Matrix component, all;
+  petsc::Matrix component;
   check(MatCreateSubMatrix(rows, first, first, MAT_INITIAL_MATRIX, component.put()));
+  return component;
+}
+
+/// One component of a matrix of blocks, acting on all of them (MAIJ), if it does the same; else in blocks.
+petsc::Matrix compress(petsc::Matrix rows) {
+  const petsc::Matrix component = first_component(rows);
+  PetscInt dim = 1;
+  check(MatGetBlockSize(rows, &dim));
+  petsc::Matrix all;
   check(MatCreateMAIJ(component, dim, all.put()));
   if (ratio(rows, all) == 1)
     return all;
@@ -111,6 +120,15 @@ Operators assemble_operators(const Space& space, const scene::Material& material
   if (material.viscosity)
     operators.B = symmetric_half(assemble(space, Form::b, material, no_tau, MATBAIJ));
   return operators;
+}
+
+petsc::Matrix assemble_L2(const Space& space, const std::string& group, const std::string& key) {
+  const petsc::Matrix component = first_component(assemble_part(space, group, key));
+  // Zeros between the functions of a surface and those behind it: they vanish there exactly.
+  check(MatEliminateZeros(component, PETSC_FALSE));
+  petsc::Matrix all;
+  check(MatCreateMAIJ(component, space.dim(), all.put()));
+  return all;
 }
 
 petsc::Matrix assemble_step_operator(const Space& space, const scene::Material& material, double tau) {

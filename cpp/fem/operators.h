@@ -44,6 +44,11 @@ petsc::Vector diagonal(Mat matrix);
 /// Collective.
 Operators assemble_operators(const Space& space, const scene::Material& material);
 
+/// The L2 product over a part of the body (a group of cells) or a surface (a group of facets), stored as W
+/// is: one component for all, with entries only where the part's own functions meet. Collective. Throws
+/// UserError naming the scene's `key` if there is no such group.
+petsc::Matrix assemble_L2(const Space& space, const std::string& group, const std::string& key);
+
 /// The operator D of every step, from the form d (d_elastic without viscosity), in blocks (BAIJ). Collective.
 petsc::Matrix assemble_step_operator(const Space& space, const scene::Material& material, double tau);
 
