@@ -11,6 +11,7 @@ out-of-plane component, the tensors below are its in-plane parts.
     b (v, phi) = int [(kappa - 2 eta/3) tr eps(v) I + 2 eta eps(v)] : eps(phi)  B
     d = m + tau/2 b + tau^2/4 a      the symmetric, coercive operator of a step  D
     d_elastic = m + tau^2/4 a        the same for a body without viscosity
+    L2_cellwise(u, phi) = int u . phi   for u constant on each cell, _surface likewise
 
 The measure dx(1) stands for the cells of one material or part, ds(1) for the facets of one surface: which these are is
 said when a form is assembled. (Plain ufl.dx would be all cells, once for every material; the program refuses it.)
@@ -29,7 +30,8 @@ def forms(cell: str, degree: int) -> dict[str, object]:
     dim = {"triangle": 2, "tetrahedron": 3}[cell]
     domain = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(dim,)))
     V = ufl.FunctionSpace(domain, basix.ufl.element("Lagrange", cell, degree, shape=(dim,)))
-    y, phi = ufl.TrialFunction(V), ufl.TestFunction(V)
+    U = ufl.FunctionSpace(domain, basix.ufl.element("Discontinuous Lagrange", cell, 0, shape=(dim,)))
+    y, phi, u = ufl.TrialFunction(V), ufl.TestFunction(V), ufl.TrialFunction(U)
 
     rho = ufl.Constant(domain)  # density, kg/m^3
     young = ufl.Constant(domain)  # Young's modulus E, Pa
@@ -51,6 +53,8 @@ def forms(cell: str, degree: int) -> dict[str, object]:
 
     L2 = ufl.inner(y, phi) * dx
     L2_surface = ufl.inner(y, phi) * ds
+    L2_cellwise = ufl.inner(u, phi) * dx
+    L2_cellwise_surface = ufl.inner(u, phi) * ds
     m = rho * ufl.inner(y, phi) * dx
     a = ufl.inner(isotropic(lmbda, mu, y), eps(phi)) * dx
     b = ufl.inner(isotropic(kappa - 2 * eta / 3, eta, y), eps(phi)) * dx
@@ -58,5 +62,6 @@ def forms(cell: str, degree: int) -> dict[str, object]:
     d = d_elastic + tau / 2 * b
 
     return dict(rho=rho, young=young, poisson=poisson, kappa=kappa, eta=eta, tau=tau,
-                L2=L2, L2_surface=L2_surface, m=m, a=a, b=b, d=d, d_elastic=d_elastic,
-                forms=[L2, L2_surface, m, a, b, d, d_elastic])  # fmt: skip
+                L2=L2, L2_surface=L2_surface, L2_cellwise=L2_cellwise,
+                L2_cellwise_surface=L2_cellwise_surface, m=m, a=a, b=b, d=d, d_elastic=d_elastic,
+                forms=[L2, L2_surface, L2_cellwise, L2_cellwise_surface, m, a, b, d, d_elastic])  # fmt: skip

@@ -15,11 +15,13 @@ namespace signorini::fem {
 namespace {
 
 /// Generated code of every form, in the order of enum Form.
-using Generated = std::array<const ufcx_form*, 7>;
+using Generated = std::array<const ufcx_form*, 9>;
 
 #define SIGNORINI_GENERATED(cell, degree)                                                                    \
   Generated {                                                                                                \
     form_viscoelasticity_##cell##_##degree##_L2, form_viscoelasticity_##cell##_##degree##_L2_surface,        \
+        form_viscoelasticity_##cell##_##degree##_L2_cellwise,                                                \
+        form_viscoelasticity_##cell##_##degree##_L2_cellwise_surface,                                        \
         form_viscoelasticity_##cell##_##degree##_m, form_viscoelasticity_##cell##_##degree##_a,              \
         form_viscoelasticity_##cell##_##degree##_b, form_viscoelasticity_##cell##_##degree##_d,              \
         form_viscoelasticity_##cell##_##degree##_d_elastic                                                   \
@@ -50,11 +52,12 @@ Compiled compile(const Space& space, Form form, const scene::Material& material,
       {"poisson", constant(material.poisson)}, {"kappa", constant(viscosity.bulk)},
       {"eta", constant(viscosity.shear)},      {"tau", constant(tau)}};
   using enum dolfinx::fem::IntegralType;
-  const auto type = form == Form::L2_surface ? exterior_facet : cell;
+  const bool cellwise_trial = form == Form::L2_cellwise || form == Form::L2_cellwise_surface;
+  const auto type = form == Form::L2_surface || form == Form::L2_cellwise_surface ? exterior_facet : cell;
   const std::shared_ptr<const dolfinx::fem::FunctionSpace<double>> V = space.dolfinx();
-  Compiled compiled =
-      dolfinx::fem::create_form<PetscScalar, double>(*generated(space).at(static_cast<std::size_t>(form)),
-                                                     {V, V}, {}, constants, {{type, {{1, entities}}}}, {});
+  Compiled compiled = dolfinx::fem::create_form<PetscScalar, double>(
+      *generated(space).at(static_cast<std::size_t>(form)), {V, cellwise_trial ? cellwise(space.mesh()) : V},
+      {}, constants, {{type, {{1, entities}}}}, {});
   if (compiled.integral_ids(type) != std::vector{1} || compiled.integral_types() != std::set{type})
     throw std::runtime_error(
         "forms/viscoelasticity.py: the measures of a form are dx(1), of L2_surface ds(1)");
@@ -66,6 +69,10 @@ petsc::Matrix assemble(const Compiled& compiled, const char* type) {
   dolfinx::fem::assemble_matrix(dolfinx::la::petsc::Matrix::set_block_fn(matrix, ADD_VALUES), compiled, {});
   petsc::check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
   petsc::check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
+  return matrix;
+}
+
+petsc::Matrix symmetric(petsc::Matrix matrix) {
   petsc::check(MatSetOption(matrix, MAT_SYMMETRIC, PETSC_TRUE));
   petsc::check(MatSetOption(matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
   return matrix;
@@ -98,20 +105,32 @@ std::vector<std::int32_t> sides(const Space& space, const std::vector<std::int32
   return sides;
 }
 
+/// `volume` over a group of cells or `surface` over one of facets, in rows.
+petsc::Matrix assemble_over(const Space& space, const std::string& group, const std::string& key, Form volume,
+                            Form surface) {
+  const scene::Material none; // nor a time step
+  return assemble(space.mesh().group_dimension(group, key) < space.dim()
+                      ? compile(space, surface, none, 0, sides(space, space.mesh().facets(group, key)))
+                      : compile(space, volume, none, 0, space.mesh().cells(group, key)),
+                  MATAIJ);
+}
+
 } // namespace
 
 petsc::Matrix assemble(const Space& space, Form form, const scene::Material& material, double tau,
                        const char* type) {
-  return assemble(compile(space, form, material, tau, all_cells(space)), type);
+  return symmetric(assemble(compile(space, form, material, tau, all_cells(space)), type));
 }
 
 petsc::Matrix assemble_part(const Space& space, const std::string& group, const std::string& key) {
-  const bool surface = space.mesh().group_dimension(group, key) < space.dim();
-  const scene::Material none; // nor a time step
-  return assemble(
-      surface ? compile(space, Form::L2_surface, none, 0, sides(space, space.mesh().facets(group, key)))
-              : compile(space, Form::L2, none, 0, space.mesh().cells(group, key)),
-      MATAIJ);
+  return symmetric(assemble_over(space, group, key, Form::L2, Form::L2_surface));
+}
+
+petsc::Matrix assemble_cellwise(const Space& space, const std::optional<std::string>& group,
+                                const std::string& key) {
+  if (group)
+    return assemble_over(space, *group, key, Form::L2_cellwise, Form::L2_cellwise_surface);
+  return assemble(compile(space, Form::L2_cellwise, {}, 0, all_cells(space)), MATAIJ);
 }
 
 } // namespace signorini::fem

@@ -2,11 +2,12 @@
 #include "base/petsc.h"
 #include "fem/space.h"
 #include "scene/scene.h"
+#include <optional>
 
 namespace signorini::fem {
 
 /// The bilinear forms of forms/viscoelasticity.py, by their names there.
-enum class Form { L2, L2_surface, m, a, b, d, d_elastic };
+enum class Form { L2, L2_surface, L2_cellwise, L2_cellwise_surface, m, a, b, d, d_elastic };
 
 /// Assembles a form of cells on V for a material and time step, no boundary condition applied: a symmetric
 /// matrix of PETSc type `type` (rows or blocks), its block size the space dimension. Collective. Throws
@@ -18,5 +19,10 @@ petsc::Matrix assemble(const Space& space, Form form, const scene::Material& mat
 /// entries other than zero. Collective. Throws UserError, naming the scene's `key`, as
 /// mesh::Mesh::group_dimension does.
 petsc::Matrix assemble_part(const Space& space, const std::string& group, const std::string& key);
+
+/// ∫ u·φ for functions u that are constant on each cell (columns), over the body or a group of cells or
+/// facets, in rows. Collective. Throws as assemble_part does.
+petsc::Matrix assemble_cellwise(const Space& space, const std::optional<std::string>& group,
+                                const std::string& key);
 
 } // namespace signorini::fem
