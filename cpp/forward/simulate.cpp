@@ -23,7 +23,7 @@ void hold_clamped(const Stepper& stepper, Vec x, Vec held, double rounding, cons
   check(VecNorm(difference, NORM_INFINITY, &moved));
   if (moved > rounding * std::max(size, held_size))
     throw UserError(fmt::format(
-        "{}: found a difference of {:.4g} to what the clamps do at t = 0, allowed is none", key, moved));
+        "{}: found a difference of {:.4g} to what the clamps do at t = 0, allowed is 0", key, moved));
   check(VecAXPY(x, 1, held));
 }
 

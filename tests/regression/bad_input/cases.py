@@ -188,11 +188,11 @@ def expression_cases() -> list[Case]:
         edited("infinite desired control", '["0", "-1"]', '["0", "1/(y - 0.5)"]', "objective.desired.control", "is inf",
                "y = 0.5", at="", verb="optimize", earlier=True),
         edited("initial displacement of a clamp", start, 'displacement = ["0", "1e-3"]', "initial.displacement",
-               "found 0.001", "clamp", "allowed is 0", at="", earlier=True),
+               "found a difference of 0.001", "clamp", "allowed is 0", at="", earlier=True),
         edited("initial displacement of a clamp, two ranks", start, 'displacement = ["0", "1e-3"]',
-               "initial.displacement", "found 0.001", "clamp", at="", ranks=2),
+               "initial.displacement", "found a difference of 0.001", "clamp", at="", ranks=2),
         edited("initial velocity of a clamp", 'velocity = ["0", "0"]', 'velocity = ["0", "-10"]', "initial.velocity",
-               "found 10", "clamp", "allowed is 0", at=""),
+               "found a difference of 10", "clamp", "allowed is 0", at=""),
     ]
 
 
@@ -546,6 +546,7 @@ def all_cases() -> list[Case]:
         *range_cases(),
         *dimension_cases(),
         *expression_cases(),
+        *effect_cases(),
         *later_cases(),
         *option_cases(),
         *mesh_file_cases(),
