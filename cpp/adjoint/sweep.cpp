@@ -1,13 +1,19 @@
 #include "adjoint/sweep.h"
+#include "base/counters.h"
 #include "base/error.h"
 #include "forward/extrapolation.h"
 #include <fmt/format.h>
 
 namespace signorini::adjoint {
 
+namespace {
+long& sweeps = count("adjoint sweeps");
+}
+
 void sweep(const forward::Stepper& stepper, const forward::Trajectory& trajectory,
            const std::function<void(int k, Vec density)>& add_derivative,
            const std::function<void(int k, Vec p)>& visit) {
+  ++sweeps;
   petsc::Vector p = stepper.space().vector(), p_next = stepper.space().vector(), q = stepper.space().vector(),
                 density = stepper.space().vector();
   forward::Extrapolation extrapolation(stepper);

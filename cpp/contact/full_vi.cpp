@@ -79,6 +79,7 @@ void FullVi::solve(Vec r, const ContactState&, ContactState& state, Vec y) const
   check(MatMultTranspose(Q_, y, z_));
   check(VecScale(z_, 1 / length_unit_));
   state.vi_iterations = vi_->solve(r_, z_);
+  count_solved();
 
   const std::size_t m = static_cast<std::size_t>(constraints_.count());
   std::ranges::fill(state.lambda, 0);

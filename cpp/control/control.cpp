@@ -1,9 +1,14 @@
 #include "control/control.h"
+#include "base/counters.h"
 #include <algorithm>
 #include <cmath>
 
 namespace signorini::control {
 using petsc::check;
+
+namespace {
+long& spaces = count("control spaces");
+}
 
 Control::Control(const Control& other) {
   for (const petsc::Vector& step : other.steps_)
@@ -56,6 +61,7 @@ ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operat
     : space_(space), W_(operators.W), scheme_(scheme), steps_(steps), scale_(scene.scale),
       lower_(per_component(scene.lower, space.dim())), upper_(per_component(scene.upper, space.dim())),
       work_(space.vector()) {
+  ++spaces;
   if (bounded())
     lumped_ = lump(W_);
 }

@@ -1,13 +1,20 @@
 #include "control/objective.h"
+#include "base/counters.h"
 #include <cmath>
 
 namespace signorini::control {
 using petsc::check;
 
+namespace {
+long& objectives = count("objectives");
+}
+
 Objective::Objective(const ControlSpace& controls, forward::Scheme scheme, petsc::Series desired,
                      double alpha, double gamma)
     : scheme_(scheme), desired_(std::move(desired)), alpha_(alpha), gamma_(gamma), controls_(controls),
-      error_(controls.space().vector()) {}
+      error_(controls.space().vector()) {
+  ++objectives;
+}
 
 double Objective::tracking_weight(int k) const {
   return k == 0 || k == controls_.steps() ? scheme_.tau / 2 : scheme_.tau;

@@ -1,4 +1,5 @@
 #include "fem/forms.h"
+#include "base/counters.h"
 #include "viscoelasticity_tetrahedron_1.h"
 #include "viscoelasticity_tetrahedron_2.h"
 #include "viscoelasticity_triangle_1.h"
@@ -13,6 +14,7 @@ namespace {
 
 /// Generated code of every form, in the order of enum Form.
 using Generated = std::array<const ufcx_form*, 6>;
+constexpr std::array names{"L2", "m", "a", "b", "d", "d_elastic"};
 
 #define SIGNORINI_GENERATED(cell, degree)                                                                    \
   Generated {                                                                                                \
@@ -47,6 +49,7 @@ petsc::Matrix assemble(const Space& space, Form form, const scene::Material& mat
   const std::shared_ptr<const dolfinx::fem::FunctionSpace<double>> V = space.dolfinx();
   const auto compiled = dolfinx::fem::create_form<PetscScalar, double>(
       *generated(space).at(static_cast<std::size_t>(form)), {V, V}, {}, constants, {}, {});
+  ++count(std::string("assembled ") + names.at(static_cast<std::size_t>(form)));
   petsc::Matrix matrix(dolfinx::fem::petsc::create_matrix(compiled, type));
   dolfinx::fem::assemble_matrix(dolfinx::la::petsc::Matrix::set_block_fn(matrix, ADD_VALUES), compiled, {});
   petsc::check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
