@@ -289,6 +289,10 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   if (in.has("output")) {
     Reader output = in.table("output");
     scene.output.every = output.integer("every", 1, 100'000'000, scene.output.every);
+    if (output.has("fields"))
+      scene.output.fields = output.names("fields", Output{}.fields);
+    if (output.has("tables"))
+      scene.output.tables = output.names("tables", Output{}.tables);
     output.finish();
   }
   in.finish();
