@@ -1,12 +1,18 @@
 #include "adjoint/sweep.h"
+#include "base/counters.h"
 #include "base/error.h"
 #include "forward/extrapolation.h"
 #include <fmt/format.h>
 
 namespace signorini::adjoint {
 
+namespace {
+long& sweeps = count("adjoint sweeps");
+}
+
 void sweep(const forward::Stepper& stepper, const forward::Trajectory& trajectory,
            const forward::Load& derivative, const std::function<void(int k, Vec p)>& visit) {
+  ++sweeps;
   petsc::Vector p = stepper.space().vector(), p_next = stepper.space().vector(), q = stepper.space().vector();
   const forward::LoadAtStep derivative_at(stepper.space(), derivative);
   forward::Extrapolation extrapolation(stepper);

@@ -95,6 +95,7 @@ void CondensedVi::solve(Vec r, const ContactState& previous, ContactState& state
   condensation_.predict_gap(r, gap0_);
   set_.clear();
   if (std::ranges::any_of(gap0_, [](double g) { return g < 0; })) {
+    count_solved();
     set_ = previous.active;
     solve_on_set(state);
     constexpr int soon = 5; // a set that moves by a candidate or two is settled by then

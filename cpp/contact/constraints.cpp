@@ -1,5 +1,6 @@
 #include "contact/constraints.h"
 #include "base/collective.h"
+#include "base/counters.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +9,8 @@
 
 namespace signorini::contact {
 namespace {
+
+long& made = count("constraints");
 
 /// The numbers of every rank, in rank order, on every rank.
 template <class T>
@@ -26,6 +29,7 @@ std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine, MPI_Datatype ty
 
 Constraints::Constraints(const fem::Space& space, const fem::Clamped& clamped, const scene::Contact& contact)
     : dim_(space.dim()), gap_tolerance_(1e-10 * space.mesh().diameter()), comm_(space.comm()) {
+  ++made;
   std::vector<int> nodes = space.nodes_on(contact.on, "contact.on");
   std::erase_if(nodes, [&](int node) {
     for (int c = 0; c < dim_; ++c)

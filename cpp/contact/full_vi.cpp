@@ -79,6 +79,7 @@ void FullVi::solve(Vec r, const ContactState&, ContactState& state, Vec y) const
   check(MatMultTranspose(Q_, y, z_));
   check(VecScale(z_, 1 / length_unit_));
   state.vi_iterations = vi_->solve(r_, z_);
+  count_solved();
 
   const std::size_t m = static_cast<std::size_t>(constraints_.count());
   std::ranges::fill(state.lambda, 0);
@@ -86,8 +87,8 @@ void FullVi::solve(Vec r, const ContactState&, ContactState& state, Vec y) const
   check(VecGetOwnershipRange(z_, &begin, &end));
   {
     const petsc::ReadArray residual(vi_->residual()), z(z_), upper(vi_->upper());
-    // A warm start from the bound can come a rounding below it, and the solver leaves it there: one unit, the gap
-    // tolerance, is no distance.
+    // A warm start from the bound can come a rounding below it, and the solver leaves it there: one unit, the
+    // gap tolerance, is no distance.
     for (std::size_t i = 0; i < m; ++i)
       if (const PetscInt dof = constraints_.first_dofs()[i];
           dof >= begin && dof < end && z[dof - begin] >= upper[dof - begin] - 1)

@@ -74,6 +74,8 @@ void ProjectedCg::solve(Vec r, const ContactState& previous, ContactState& state
       set_.insert(at, wrong_.back());
     }
   }
+  if (!previous.active.empty() || state.vi_iterations > 0)
+    count_solved();
   complementarity_.classify(state);
 }
 

@@ -1,4 +1,5 @@
 #include "control/control.h"
+#include "base/counters.h"
 #include "base/error.h"
 #include <algorithm>
 #include <cmath>
@@ -6,6 +7,10 @@
 
 namespace signorini::control {
 using petsc::check;
+
+namespace {
+long& spaces = count("control spaces");
+}
 
 Control::Control(const Control& other) : steps_(other.steps_) {
   for (const petsc::Vector& value : other.values_)
@@ -76,6 +81,7 @@ ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operat
       constant_in_time_(scene.constant_in_time), cellwise_(scene.space == "P0"), whole_(!scene.on),
       components_(fem::component_numbers(scene.components, space.dim(), "control.components")),
       lower_(per_component(scene.lower, space.dim())), upper_(per_component(scene.upper, space.dim())) {
+  ++spaces;
   if (cellwise_) {
     own_ = fem::assemble_cellwise(space, scene.on, "control.on");
     points_ = space.midpoints();

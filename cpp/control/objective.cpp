@@ -1,8 +1,13 @@
 #include "control/objective.h"
+#include "base/counters.h"
 #include <cmath>
 
 namespace signorini::control {
 using petsc::check;
+
+namespace {
+long& objectives = count("objectives");
+}
 
 Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, forward::Scheme scheme,
                      petsc::Series desired, const scene::Objective& scene)
@@ -10,7 +15,9 @@ Objective::Objective(const ControlSpace& controls, const fem::Operators& operato
       alpha_(scene.alpha), gamma_(scene.gamma), controls_(controls),
       own_(scene.on ? fem::assemble_L2(controls.space(), *scene.on, "objective.on") : petsc::Matrix()),
       observed_(own_ ? Mat(own_) : Mat(operators.W)), error_(controls.space().vector()),
-      work_(controls.space().vector()) {}
+      work_(controls.space().vector()) {
+  ++objectives;
+}
 
 double Objective::tracking_weight(int k) const {
   return tracking_ * (k == 0 || k == steps_ ? scheme_.tau / 2 : scheme_.tau);

@@ -1,4 +1,5 @@
 #include "control/reduced_problem.h"
+#include "base/counters.h"
 #include "base/error.h"
 #include "forward/extrapolation.h"
 #include <algorithm>
@@ -7,13 +8,19 @@
 namespace signorini::control {
 using petsc::check;
 
+namespace {
+long& problems = count("reduced problems");
+}
+
 ReducedProblem::ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls,
                                const Objective& objective, const forward::Initial& initial,
                                forward::Load load, Timers& timers)
     : stepper_(stepper), controls_(controls), objective_(objective), initial_(initial),
       load_(std::move(load)), timers_(timers),
       current_{controls.zero(), forward::Trajectory(stepper, controls.steps()), {}},
-      trial_{controls.zero(), forward::Trajectory(stepper, controls.steps()), {}} {}
+      trial_{controls.zero(), forward::Trajectory(stepper, controls.steps()), {}} {
+  ++problems;
+}
 
 forward::Load ReducedProblem::load() const { return load_ + controls_.load(current_.u); }
 

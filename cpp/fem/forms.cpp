@@ -1,4 +1,5 @@
 #include "fem/forms.h"
+#include "base/counters.h"
 #include "viscoelasticity_tetrahedron_1.h"
 #include "viscoelasticity_tetrahedron_2.h"
 #include "viscoelasticity_triangle_1.h"
@@ -16,6 +17,8 @@ namespace {
 
 /// Generated code of every form, in the order of enum Form.
 using Generated = std::array<const ufcx_form*, 9>;
+constexpr std::array names{"L2", "L2_surface", "L2_cellwise", "L2_cellwise_surface", "m", "a",
+                           "b",  "d",          "d_elastic"};
 
 #define SIGNORINI_GENERATED(cell, degree)                                                                    \
   Generated {                                                                                                \
@@ -61,6 +64,7 @@ Compiled compile(const Space& space, Form form, const scene::Material& material,
   if (compiled.integral_ids(type) != std::vector{1} || compiled.integral_types() != std::set{type})
     throw std::runtime_error(
         "forms/viscoelasticity.py: the measures of a form are dx(1), of L2_surface ds(1)");
+  ++count(std::string("assembled ") + names.at(static_cast<std::size_t>(form)));
   return compiled;
 }
 

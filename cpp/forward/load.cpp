@@ -1,10 +1,13 @@
 #include "forward/load.h"
+#include "base/counters.h"
 #include <fmt/format.h>
 
 namespace signorini::forward {
 using petsc::check;
 
 namespace {
+
+long& evaluations = count("load evaluations");
 
 Load::Add both(Load::Add a, Load::Add b) {
   if (!a || !b)
@@ -57,6 +60,7 @@ SceneLoad::SceneLoad(const fem::Space& space, const scene::Load& scene, Scheme s
 }
 
 void SceneLoad::evaluate(const Term& term, int k) const {
+  ++evaluations;
   space_.interpolate(term.field, scheme_.load_time(k), term.nodal);
   if (term.surface)
     check(MatMult(term.surface, term.nodal, term.force));

@@ -1,9 +1,15 @@
 #include "forward/step.h"
+#include "base/counters.h"
 #include "base/error.h"
 #include <cmath>
 
 namespace signorini::forward {
 using petsc::check;
+
+namespace {
+long &steps = count("steps"), &linearised_steps = count("linearised steps"),
+     &adjoint_steps = count("adjoint steps");
+}
 
 Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene,
                  Needs needs)
@@ -60,6 +66,7 @@ void Stepper::step(int k, Vec y0, Vec v0, StepLoad load, const contact::ContactS
   check(VecNorm(v1, NORM_2, &size));
   if (!std::isfinite(size))
     throw SolverFailure("the solution is not finite");
+  ++steps;
 }
 
 void Stepper::solve_sliding(const contact::ContactState& contact, Vec p) const {
@@ -74,6 +81,7 @@ void Stepper::linearised_step(Vec y0, Vec v0, StepLoad load, const contact::Cont
   right_hand_side(y0, scheme_.momentum(), v0, scheme_.impulse(), load);
   solve_sliding(contact, y1);
   velocity(y0, v0, y1, v1);
+  ++linearised_steps;
 }
 
 void Stepper::adjoint_step(const contact::ContactState& contact, StepLoad derivative, Vec p_next, Vec q,
@@ -85,6 +93,7 @@ void Stepper::adjoint_step(const contact::ContactState& contact, StepLoad deriva
   const double rate = scheme_.rate();
   for (std::size_t i = 0; i < velocity.size(); ++i)
     velocity[i] = rate * (next[i] - now[i]) - velocity[i];
+  ++adjoint_steps;
 }
 
 } // namespace signorini::forward

@@ -155,6 +155,8 @@ std::string echo(const Scene& s, int dim) {
   out.key("memory", number(s.solver.memory), "bytes");
   out.table("[output]");
   out.key("every", std::to_string(s.output.every), "steps");
+  out.key("fields", texts(s.output.fields));
+  out.key("tables", texts(s.output.tables));
   return out.result();
 }
 

@@ -117,12 +117,19 @@ Material material(Reader in) {
   return material;
 }
 
-const std::vector<std::string> component_names{"x", "y", "z"};
+/// The components of a field that something acts on; absent: all.
+std::optional<std::vector<std::string>> components(Reader& in) {
+  if (!in.has("components"))
+    return std::nullopt;
+  std::vector<std::string> names = in.names("components", {"x", "y", "z"});
+  if (names.empty())
+    in.fail("components", "found [], allowed is one component at least, such as [\"y\"]");
+  return names;
+}
 
 Clamp clamp(Reader in) {
   Clamp clamp{.on = in.text("on"), .components = std::nullopt, .value = std::nullopt};
-  if (in.has("components"))
-    clamp.components = in.names("components", component_names);
+  clamp.components = components(in);
   if (in.has("value"))
     clamp.value = in.expressions("value", true, clamp.components ? clamp.components->size() : 0);
   in.finish();
@@ -174,8 +181,7 @@ Control control(Reader in) {
     }
   if (in.has("on"))
     control.on = in.text("on");
-  if (in.has("components"))
-    control.components = in.names("components", component_names);
+  control.components = components(in);
   control.constant_in_time = in.flag("constant_in_time", control.constant_in_time);
   control.space = in.choice("space", {"P1", "P0"}, control.space);
   in.finish();
@@ -304,6 +310,10 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   if (in.has("output")) {
     Reader output = in.table("output");
     scene.output.every = output.integer("every", 1, 100'000'000, scene.output.every);
+    if (output.has("fields"))
+      scene.output.fields = output.names("fields", Output{}.fields);
+    if (output.has("tables"))
+      scene.output.tables = output.names("tables", Output{}.tables);
     output.finish();
   }
   in.finish();

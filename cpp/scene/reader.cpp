@@ -164,6 +164,28 @@ std::string Reader::choice(const std::string& key, const std::vector<std::string
   return value;
 }
 
+std::vector<std::string> Reader::names(const std::string& key, const std::vector<std::string>& allowed) {
+  const toml::array* array = node(key).as_array();
+  if (!array)
+    fail(key, fmt::format("found {}, allowed is a list out of {}, or [] for none", shown(node(key)),
+                          list(allowed)));
+  std::set<std::string> found;
+  for (const toml::node& entry : *array) {
+    const auto name = entry.value<std::string>();
+    if (name && std::ranges::find(allowed, *name) != allowed.end()) {
+      found.insert(*name);
+      continue;
+    }
+    const std::string near = name ? nearest(*name, allowed) : "";
+    fail(key, fmt::format("found {}{}, allowed: {}", shown(entry),
+                          near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), list(allowed)));
+  }
+  std::vector<std::string> ordered;
+  std::ranges::copy_if(allowed, std::back_inserter(ordered),
+                       [&](const auto& name) { return found.contains(name); });
+  return ordered;
+}
+
 std::vector<double> Reader::numbers(const std::string& key, const Limits& limits) {
   const toml::array* array = node(key).as_array();
   if (!array || array->size() < 2 || array->size() > 3)
@@ -179,24 +201,6 @@ std::vector<double> Reader::number_or_numbers(const std::string& key, const Limi
   if (node(key).is_array())
     return numbers(key, limits);
   return {number(key, limits)};
-}
-
-std::vector<std::string> Reader::names(const std::string& key, const std::vector<std::string>& allowed) {
-  const toml::array* array = node(key).as_array();
-  const std::string choice =
-      fmt::format("a list of different names among \"{}\"", fmt::join(allowed, "\", \""));
-  if (!array || array->empty())
-    fail(key, fmt::format("found {}, allowed is {}", shown(node(key)), choice));
-  std::vector<std::string> found;
-  for (const toml::node& entry : *array) {
-    const auto name = entry.value<std::string>();
-    if (!entry.is_string() || std::ranges::find(allowed, *name) == allowed.end() ||
-        std::ranges::find(found, *name) != found.end())
-      fail(key, fmt::format("found {}, allowed is {}", shown(node(key)), choice));
-    found.push_back(*name);
-  }
-  std::ranges::sort(found, {}, [&](const std::string& name) { return std::ranges::find(allowed, name); });
-  return found;
 }
 
 bool Reader::flag(const std::string& key, bool fallback) {

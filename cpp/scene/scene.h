@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <optional>
@@ -113,6 +114,16 @@ struct Check {
 
 struct Output {
   int every = 1; ///< steps between stored fields
+  std::vector<std::string> fields{"displacement", "velocity", "control",
+                                  "adjoint"};                     ///< stored where a run has them
+  std::vector<std::string> tables{"steps", "contact", "history"}; ///< likewise
+
+  [[nodiscard]] bool field(const std::string& name) const {
+    return std::ranges::find(fields, name) != fields.end();
+  }
+  [[nodiscard]] bool table(const std::string& name) const {
+    return std::ranges::find(tables, name) != tables.end();
+  }
 };
 
 struct Scene {

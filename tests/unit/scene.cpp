@@ -41,6 +41,22 @@ TEST_CASE("the echoed scene reads back to itself", "[scene]") {
   }
 }
 
+TEST_CASE("a list of names is a set, and may be empty", "[scene]") {
+  const auto file = test::source("scenes/half-disc.toml");
+  const scene::Output all = test::parse(file).output;
+  CHECK((all.fields.size() == 4 && all.tables.size() == 3));
+  const scene::Output some =
+      test::parse(file, {"output.fields=[\"adjoint\", \"velocity\", \"adjoint\"]", "output.tables=[]"})
+          .output;
+  CHECK(some.fields == std::vector<std::string>{"velocity", "adjoint"});
+  CHECK(some.tables.empty());
+  CHECK((some.field("adjoint") && !some.field("control") && !some.table("steps")));
+  const scene::Scene scene = test::parse(file, {"output.fields=[]", "output.tables=[\"contact\"]"});
+  const auto echo = temporary(scene::echo(scene, 2));
+  CHECK((test::parse(echo).output.fields.empty() && test::parse(echo).output.table("contact")));
+  std::filesystem::remove(echo);
+}
+
 TEST_CASE("an override reaches what it names and nothing else", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
   const scene::Scene scene = test::parse(
