@@ -142,18 +142,19 @@ void write_control(const io::OutputFolder& folder, const Problem& problem,
   for (int k = 1; k <= problem.steps(); ++k)
     if (stored(k, output.every, k == problem.steps()))
       steps.push_back(k);
-  const auto write = [&](const std::string& name, auto&& at) {
+  using enum io::FieldFile::Values;
+  const auto write = [&](const std::string& name, io::FieldFile::Values values, auto&& at) {
     if (!output.field(name))
       return;
-    io::FieldFile file(problem.space, folder, name + ".xdmf", steps.size());
+    io::FieldFile file(problem.space, folder, name + ".xdmf", steps.size(), values);
     at([&](int k, Vec x) { file.write(name, x, problem.stepper.scheme().time(k)); });
     file.close();
   };
-  write("control", [&](auto&& store) {
+  write("control", reduced.controls().cellwise() ? cellwise : nodal, [&](auto&& store) {
     for (int k : steps)
       store(k, reduced.control().at(k));
   });
-  write("adjoint", [&](auto&& store) {
+  write("adjoint", nodal, [&](auto&& store) {
     const petsc::Series states = reduced.adjoint_states(steps);
     for (std::size_t i = 0; i < steps.size(); ++i)
       store(steps[i], states[i]);

@@ -22,10 +22,11 @@ void copy(Vec from, dolfinx::fem::Function<PetscScalar>& to) {
 /// A parallel write to a full disk hangs in some MPI libraries, so the room is looked at before.
 void require_room(const fem::Space& space, const OutputFolder& folder, const std::string& name,
                   std::size_t datasets) {
-  const auto map = space.mesh().dolfinx()->geometry().index_map();
+  const double values = static_cast<double>( // nodes or cells, whichever are more
+      std::max(space.mesh().dolfinx()->geometry().index_map()->size_global(), space.mesh().cells()));
   constexpr double overhead = 8192,
                    mesh_share = 8; // bytes of headers and XML per dataset; mesh in units of a field
-  const double field = 3 * sizeof(double) * static_cast<double>(map->size_global());
+  const double field = 3 * sizeof(double) * values;
   const double needed = static_cast<double>(datasets) * (field + overhead) + mesh_share * field;
   on_root(space.comm(), [&] {
     std::error_code unknown;
@@ -41,19 +42,22 @@ void require_room(const fem::Space& space, const OutputFolder& folder, const std
 
 struct FieldFile::Open {
   using Function = dolfinx::fem::Function<PetscScalar>;
-  Function own, nodal; ///< of the space, and what the file takes: at the mesh's nodes
+  Function own, written; ///< of the space, and what the file takes
   dolfinx::io::XDMFFile xdmf;
 };
 
 FieldFile::FieldFile(const fem::Space& space, const OutputFolder& folder, const std::string& name,
-                     std::size_t fields)
-    : space_(space), folder_(folder), name_(name) {
+                     std::size_t fields, Values values)
+    : space_(space), folder_(folder), name_(name),
+      as_they_are_(values == Values::cellwise || space.degree() == 1) {
   require_room(space, folder, name, fields);
   H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence says it, instead of HDF5's stack
   guarded([&] {
     open_.reset(
         new Open{Open::Function(space.dolfinx()),
-                 Open::Function(space.degree() == 1 ? space.dolfinx() : fem::lagrange(space.mesh(), 1)),
+                 Open::Function(values == Values::cellwise ? fem::cellwise(space.mesh())
+                                : as_they_are_             ? space.dolfinx()
+                                                           : fem::lagrange(space.mesh(), 1)),
                  dolfinx::io::XDMFFile(space.comm(), folder.staged(name), "w")});
     open_->xdmf.write_mesh(*space.mesh().dolfinx());
   });
@@ -88,16 +92,16 @@ void FieldFile::guarded(Work&& work) {
 
 void FieldFile::write(const std::string& field, Vec values, double time) {
   guarded([&] {
-    Open::Function& nodal = open_->nodal;
-    if (space_.degree() == 1) {
-      copy(values, nodal);
+    Open::Function& written = open_->written;
+    if (as_they_are_) {
+      copy(values, written);
     } else {
       copy(values, open_->own);
-      nodal.interpolate(open_->own);
-      nodal.x()->scatter_fwd();
+      written.interpolate(open_->own);
+      written.x()->scatter_fwd();
     }
-    nodal.name = field;
-    open_->xdmf.write_function(nodal, time);
+    written.name = field;
+    open_->xdmf.write_function(written, time);
   });
 }
 

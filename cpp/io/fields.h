@@ -7,13 +7,16 @@
 namespace signorini::io {
 
 /// Fields over time in an XDMF file and the HDF5 file beside it, at the mesh's own nodes (degree 2: their
-/// values at the vertices), written as the times go by.
+/// values at the vertices) or one value for each cell, written as the times go by.
 class FieldFile {
 public:
+  enum class Values { nodal, cellwise };
+
   /// Opens the file `name` (.xdmf) for at most so many fields in all, one per name and time. Collective. The
   /// references must outlive this object. Throws UserError if the disk has no room for them, WriteFailure, on
   /// one rank or several, if the files cannot be written.
-  FieldFile(const fem::Space& space, const OutputFolder& folder, const std::string& name, std::size_t fields);
+  FieldFile(const fem::Space& space, const OutputFolder& folder, const std::string& name, std::size_t fields,
+            Values values = Values::nodal);
   /// A file that was not closed is left as it is: on several ranks closing is collective.
   ~FieldFile();
   FieldFile(const FieldFile&) = delete;
@@ -33,6 +36,7 @@ private:
   const fem::Space& space_;
   const OutputFolder& folder_;
   std::string name_;
+  bool as_they_are_; ///< vectors hold what the file takes
   std::unique_ptr<Open> open_; ///< null once closed
 };
 
