@@ -79,7 +79,7 @@ std::vector<Vec> pick(const std::vector<int>& steps, At&& at) {
 }
 
 /// scene.toml, steps.csv, contact.csv and state.xdmf.
-void write_motion(const io::OutputFolder& folder, const Problem& problem, const forward::AddLoad& load,
+void write_motion(const io::OutputFolder& folder, const Problem& problem, const forward::Load& load,
                   const forward::Trajectory& trajectory, const control::Objective* objective) {
   const auto timer = problem.timers.time("output");
   const forward::Scheme& scheme = problem.stepper.scheme();
@@ -109,7 +109,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   console.line(headline(problem));
 
   const GivenControl given(problem);
-  const forward::AddLoad load = given.load();
+  const forward::Load load = given.load();
   forward::Trajectory trajectory(problem.stepper, problem.steps());
   {
     const auto timer = timers.time("forward");
@@ -193,8 +193,7 @@ int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   control::ReducedProblem& reduced = control_problem.reduced;
 
   // A control is of the order of one by its scale; the first step is as long as a control of one throughout.
-  const control::Control one =
-      control_problem.controls.interpolate(scene::Components(problem.space.dim(), "1"), "one");
+  const control::Control one = control_problem.controls.constant(1);
   const optimize::Options options{.max_iterations = scene.optimizer.max_iterations,
                                   .tolerance = scene.optimizer.tolerance,
                                   .first_step = control_problem.controls.norm(one)};

@@ -27,7 +27,12 @@ std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine, MPI_Datatype ty
 Constraints::Constraints(const fem::Space& space, const fem::Clamped& clamped, const scene::Contact& contact)
     : dim_(space.dim()), gap_tolerance_(1e-10 * space.mesh().diameter()), comm_(space.comm()) {
   std::vector<int> nodes = space.nodes_on(contact.on, "contact.on");
-  std::erase_if(nodes, [&](int node) { return clamped.contains(node); });
+  std::erase_if(nodes, [&](int node) {
+    for (int c = 0; c < dim_; ++c)
+      if (!clamped.contains(node, c))
+        return false;
+    return true;
+  });
   std::vector<double> x;
   std::vector<std::int64_t> first;
   for (int node : nodes) {

@@ -37,7 +37,11 @@ public:
   std::vector<double> numbers(const std::string& key, const Limits& limits);
   /// One number, or one per component.
   std::vector<double> number_or_numbers(const std::string& key, const Limits& limits);
-  Components expressions(const std::string& key, bool time);
+  /// One expression per space dimension, or `count` of them.
+  Components expressions(const std::string& key, bool time, std::size_t count = 0);
+  /// Different names of those allowed, one at least, in their order there.
+  std::vector<std::string> names(const std::string& key, const std::vector<std::string>& allowed);
+  bool flag(const std::string& key, bool fallback);
   Reader table(const std::string& key);
   std::vector<Reader> tables(const std::string& key);
 
