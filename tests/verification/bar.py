@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import SOURCE, signorini, table  # noqa: E402
+from harness import SOURCE, Figures, signorini, table  # noqa: E402
 
 import numpy as np  # noqa: E402
 
@@ -113,21 +113,6 @@ def read(case: Case, out: Path, elements: int, step: float, width: float = 1) ->
     energy = (steps["kinetic_energy"] + steps["elastic_energy"] - np.cumsum(steps["external_work"])) / width
     return Motion(case, elements, step, steps["step"] * step, steps["min_gap"], steps["contact_force_y"] / width,
                   energy + ENERGY - energy[0])  # fmt: skip
-
-
-class Figures:
-    """Prints figures beside their exact values and remembers whether one is off."""
-
-    failed = False
-
-    def show(self, name: str, found: float, exact: float, tolerance: float) -> None:
-        holds = abs(found - exact) <= tolerance
-        self.failed |= not holds
-        print(f"  {'ok  ' if holds else 'FAIL'} {name:42} {found:10.5f}   exact {exact:9.5f} +- {tolerance:.2g}")
-
-    def least(self, name: str, found: float, least: float) -> None:
-        self.failed |= not found >= least
-        print(f"  {'ok  ' if found >= least else 'FAIL'} {name:42} {found:10.3f}   at least {least:.3f}")
 
 
 def compare(motion: Motion, figures: Figures) -> None:
