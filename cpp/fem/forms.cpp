@@ -8,7 +8,6 @@
 #include <dolfinx/fem/petsc.h>
 #include <dolfinx/la/petsc.h>
 #include <dolfinx/mesh/Mesh.h>
-#include <numeric>
 #include <stdexcept>
 
 namespace signorini::fem {
@@ -61,22 +60,15 @@ Compiled compile(const Space& space, Form form, const scene::Material& material,
   return compiled;
 }
 
-petsc::Matrix assemble(const Compiled& compiled, const char* type) {
-  petsc::Matrix matrix(dolfinx::fem::petsc::create_matrix(compiled, type));
+void add(const Compiled& compiled, Mat matrix) {
   dolfinx::fem::assemble_matrix(dolfinx::la::petsc::Matrix::set_block_fn(matrix, ADD_VALUES), compiled, {});
+}
+
+void finish(Mat matrix) {
   petsc::check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
   petsc::check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
   petsc::check(MatSetOption(matrix, MAT_SYMMETRIC, PETSC_TRUE));
   petsc::check(MatSetOption(matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
-  return matrix;
-}
-
-std::vector<std::int32_t> all_cells(const Space& space) {
-  const auto topology = space.mesh().dolfinx()->topology();
-  std::vector<std::int32_t> cells(
-      static_cast<std::size_t>(topology->index_map(topology->dim())->size_local()));
-  std::iota(cells.begin(), cells.end(), 0);
-  return cells;
 }
 
 /// The facets that this rank owns, each as a pair of a cell and its number in it. Of a facet inside of the
@@ -100,18 +92,31 @@ std::vector<std::int32_t> sides(const Space& space, const std::vector<std::int32
 
 } // namespace
 
-petsc::Matrix assemble(const Space& space, Form form, const scene::Material& material, double tau,
+petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& parts, double tau,
                        const char* type) {
-  return assemble(compile(space, form, material, tau, all_cells(space)), type);
+  std::vector<std::int32_t> all;
+  for (const Part& part : parts)
+    all.insert(all.end(), part.cells.begin(), part.cells.end());
+  std::ranges::sort(all);
+  petsc::Matrix matrix(dolfinx::fem::petsc::create_matrix(compile(space, form, {}, tau, all), type));
+  for (const Part& part : parts) {
+    const bool elastic = form == Form::d && !part.material.viscosity;
+    add(compile(space, elastic ? Form::d_elastic : form, part.material, tau, part.cells), matrix);
+  }
+  finish(matrix);
+  return matrix;
 }
 
 petsc::Matrix assemble_part(const Space& space, const std::string& group, const std::string& key) {
   const bool surface = space.mesh().group_dimension(group, key) < space.dim();
-  const scene::Material none; // nor a time step
-  return assemble(
-      surface ? compile(space, Form::L2_surface, none, 0, sides(space, space.mesh().facets(group, key)))
-              : compile(space, Form::L2, none, 0, space.mesh().cells(group, key)),
-      MATAIJ);
+  constexpr double no_tau = 0; // nor a material
+  const Compiled compiled =
+      surface ? compile(space, Form::L2_surface, {}, no_tau, sides(space, space.mesh().facets(group, key)))
+              : compile(space, Form::L2, {}, no_tau, space.mesh().cells(group, key));
+  petsc::Matrix matrix(dolfinx::fem::petsc::create_matrix(compiled, MATAIJ));
+  add(compiled, matrix);
+  finish(matrix);
+  return matrix;
 }
 
 } // namespace signorini::fem

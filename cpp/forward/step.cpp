@@ -11,8 +11,8 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
       r_(space.vector()), work_(space.vector()) {
   if (scene.contact)
     constraints_.emplace(space, clamped_, *scene.contact);
-  petsc::Matrix D = fem::assemble_step_operator(space, scene.material, scheme_.tau);
-  R_ = fem::assemble_shifted(space, scene.material, D, 2 * scheme_.stiffness());
+  petsc::Matrix D = fem::assemble_step_operator(space, scene.materials, scheme_.tau);
+  R_ = fem::shifted(operators.A, D, 2 * scheme_.stiffness());
   clamped_.decouple(D);
   solver_.emplace(std::move(D), constraints(), scene.solver, needs.sliding);
 }
