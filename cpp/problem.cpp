@@ -57,7 +57,7 @@ std::optional<control::Control> reference_control(const scene::Scene& scene,
 Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs needs, Timers& t)
     : scene(s), timers(t), mesh(timed(t, "mesh", [&] { return read_mesh(comm, s); })),
       space(mesh, s.mesh.degree),
-      operators(timed(t, "assembly", [&] { return fem::assemble_operators(space, s.material); })),
+      operators(timed(t, "assembly", [&] { return fem::assemble_operators(space, s.materials); })),
       stepper(timed(t, "solver", [&] { return forward::Stepper(space, operators, s, needs); })),
       initial(stepper, s.initial) {
   if (stop_requested(comm))

@@ -17,8 +17,8 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
       r_(space.vector()), work_(space.vector()) {
   if (scene.contact)
     constraints_.emplace(space, clamped_, *scene.contact);
-  petsc::Matrix D = fem::assemble_step_operator(space, scene.material, scheme_.tau);
-  R_ = fem::assemble_shifted(space, scene.material, D, 2 * scheme_.stiffness());
+  petsc::Matrix D = fem::assemble_step_operator(space, scene.materials, scheme_.tau);
+  R_ = fem::shifted(operators.A, D, 2 * scheme_.stiffness());
   if (PrescribedMotion::in(scene.clamps))
     motion_.emplace(space, scene.clamps, D, scheme_);
   clamped_diagonal_ = clamped_.decouple(D);

@@ -58,14 +58,18 @@ void write_body(Writer& out, const Scene& s) {
   out.key("end", number(s.time.end), "s");
   out.key("step", number(s.time.step), "s");
   out.key("scheme", text(s.time.scheme));
-  out.table("[material]");
-  out.key("density", number(s.material.density), "kg/m³");
-  out.key("young", number(s.material.young), "Pa");
-  out.key("poisson", number(s.material.poisson));
-  if (const auto& viscosity = s.material.viscosity)
-    out.key("viscosity",
-            fmt::format("{{ bulk = {}, shear = {} }}", number(viscosity->bulk), number(viscosity->shear)),
-            "Pa s");
+  for (const Material& material : s.materials) {
+    out.table(material.on ? "[[material]]" : "[material]");
+    if (material.on)
+      out.key("on", text(*material.on));
+    out.key("density", number(material.density), "kg/m³");
+    out.key("young", number(material.young), "Pa");
+    out.key("poisson", number(material.poisson));
+    if (const auto& viscosity = material.viscosity)
+      out.key("viscosity",
+              fmt::format("{{ bulk = {}, shear = {} }}", number(viscosity->bulk), number(viscosity->shear)),
+              "Pa s");
+  }
 }
 
 void write_boundary(Writer& out, const Scene& s, const std::string& zero) {

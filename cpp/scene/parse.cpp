@@ -101,9 +101,12 @@ Time time(Reader in) {
   return time;
 }
 
-Material material(Reader in) {
+Material material(Reader& in, bool one_of_several) {
   Material material;
-  in.not_available("on");
+  if (one_of_several)
+    material.on = in.text("on");
+  else if (in.has("on"))
+    in.fail("on", "has no effect on [material], which is the whole body's; allowed in tables [[material]]");
   material.density = in.number("density", {.least = 0, .open = true, .unit = "kg/m³"});
   material.young = in.number("young", {.least = 0, .open = true, .unit = "Pa"});
   material.poisson = in.number("poisson", {.least = -1, .greatest = 0.5, .open = true});
@@ -125,6 +128,24 @@ std::optional<std::vector<std::string>> components(Reader& in) {
   if (names.empty())
     in.fail("components", "found [], allowed is one component at least, such as [\"y\"]");
   return names;
+}
+
+/// One table [material] for the whole body, or tables [[material]] with a group each.
+std::vector<Material> materials(Reader& root, bool several) {
+  if (!several) {
+    Reader in = root.table("material");
+    return {material(in, false)};
+  }
+  std::vector<Material> materials;
+  for (Reader& in : root.tables("material")) {
+    Material next = material(in, true);
+    for (std::size_t i = 0; i < materials.size(); ++i)
+      if (materials[i].on == next.on)
+        in.fail("on",
+                fmt::format("found \"{}\", which material[{}] is on, allowed is another group", *next.on, i));
+    materials.push_back(std::move(next));
+  }
+  return materials;
 }
 
 Clamp clamp(Reader in) {
@@ -260,11 +281,9 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   scene.file = std::filesystem::absolute(file);
   scene.name = file.stem().string();
   in.not_available("run");
-  if (in.has("material") && root.get("material")->is_array())
-    in.fail("material", "several materials are not available yet; allowed is one table headed [material]");
   scene.mesh = mesh(in.table("mesh"), scene.file);
   scene.time = time(in.table("time"));
-  scene.material = material(in.table("material"));
+  scene.materials = materials(in, root.contains("material") && root.get("material")->is_array());
   for (Reader& table : in.tables("clamp"))
     scene.clamps.push_back(clamp(table));
   if (in.has("contact"))

@@ -33,9 +33,10 @@ struct Viscosity {
 };
 
 struct Material {
-  double density = 0; ///< ρ, kg/m³
-  double young = 0;   ///< E, Pa
-  double poisson = 0; ///< ν
+  std::optional<std::string> on; ///< physical group of its cells; absent: the whole body
+  double density = 0;            ///< ρ, kg/m³
+  double young = 0;              ///< E, Pa
+  double poisson = 0;            ///< ν
   std::optional<Viscosity> viscosity;
 };
 
@@ -131,7 +132,7 @@ struct Scene {
   std::string name;
   Mesh mesh;
   Time time;
-  Material material;
+  std::vector<Material> materials; ///< one at least
   std::vector<Clamp> clamps;
   std::optional<Contact> contact;
   std::optional<Load> load;

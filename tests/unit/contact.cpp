@@ -24,7 +24,7 @@ struct Parts {
   explicit Parts(const std::vector<std::string>& overrides = {})
       : scene(test::parse(test::source("tests/data/block.toml"), overrides)),
         mesh(MPI_COMM_WORLD, scene.mesh), space(mesh, scene.mesh.degree), clamped(space, scene.clamps),
-        D(fem::assemble_step_operator(space, scene.material, scene.time.step)),
+        D(fem::assemble_step_operator(space, scene.materials, scene.time.step)),
         constraints(space, clamped, *scene.contact), solver(copy(D), &constraints, scene.solver, true) {}
 
   static petsc::Matrix copy(Mat matrix) {

@@ -82,6 +82,24 @@ TEST_CASE("a motion that goes by is that of a trajectory", "[forward]") {
   CHECK(touched > 0);
 }
 
+TEST_CASE("a body of two equal materials moves like one of one", "[forward]") {
+  const std::string data = "density = 2, young = 80, poisson = 0.3, viscosity = { bulk = 0.1, shear = 0.05 }";
+  const test::Ready two("tests/data/two-materials.toml",
+                        {"material=[{ on = \"left\", " + data + " }, { on = \"right\", " + data + " }]"}),
+      one("tests/data/two-materials.toml", {"material={ " + data + " }"});
+  const forward::Trajectory a = run(two), b = run(one);
+  int touched = 0;
+  for (std::size_t k = 0; k < a.contact.size(); ++k) {
+    touched += a.contact[k].count(contact::Status::strong) > 0;
+    CHECK(a.contact[k].active == b.contact[k].active);
+    CHECK(test::difference(a.y[k], b.y[k]) < 1e-12 * test::largest(b.y.back()));
+  }
+  CHECK(touched > 0);
+  // And what the materials are makes a difference.
+  CHECK(test::difference(run(test::Ready("tests/data/two-materials.toml")).y.back(), b.y.back()) >
+        1e-3 * test::largest(b.y.back()));
+}
+
 TEST_CASE("without loads and viscosity energy never grows, and is kept without contact", "[forward]") {
   const test::Ready ready("tests/data/manufactured.toml",
                           {"load.body=[\"0\", \"0\"]", "material.viscosity={bulk=0, shear=0}", "time.end=5"});

@@ -23,11 +23,9 @@ std::filesystem::path temporary(const std::string& text) {
 } // namespace
 
 TEST_CASE("the echoed scene reads back to itself", "[scene]") {
-  for (const auto& [name, dim] : {std::pair{"scenes/half-disc.toml", 2},
-                                  {"tests/data/block.toml", 2},
-                                  {"tests/data/manufactured.toml", 2},
-                                  {"scenes/half-ball.toml", 3},
-                                  {"tests/data/manufactured-space.toml", 3}}) {
+  for (const auto& [name, dim] : {std::pair{"scenes/half-disc.toml", 2}, {"tests/data/block.toml", 2},
+                                  {"tests/data/manufactured.toml", 2}, {"scenes/half-ball.toml", 3},
+                                  {"tests/data/manufactured-space.toml", 3}, {"tests/data/two-materials.toml", 2}}) {
     const scene::Scene scene = test::parse(test::source(name), {"solver.vi=full"});
     CHECK(scene.solver.vi == "full");
     CHECK_NOTHROW(scene::require_dimension(scene, dim));
@@ -67,6 +65,20 @@ TEST_CASE("an override reaches what it names and nothing else", "[scene]") {
   CHECK(scene.load->body->back() == "-9.81*t");
   CHECK(scene.time.steps == test::parse(file).time.steps);
   CHECK_FALSE(test::parse(file).load);
+}
+
+TEST_CASE("an override reaches one of several materials", "[scene]") {
+  const auto file = test::source("tests/data/two-materials.toml");
+  const scene::Scene before = test::parse(file),
+                     scene = test::parse(file, {"material.0.young=7", "material.1.viscosity.bulk=9"});
+  CHECK(before.materials.size() == 2);
+  CHECK(scene.materials.front().on == "left");
+  CHECK(scene.materials.front().young == 7);
+  CHECK_FALSE(scene.materials.front().viscosity);
+  CHECK(scene.materials.back().young == before.materials.back().young);
+  CHECK(scene.materials.back().viscosity->bulk == 9);
+  CHECK(scene.materials.back().viscosity->shear == before.materials.back().viscosity->shear);
+  CHECK_FALSE(test::parse(test::source("tests/data/block.toml")).materials.front().on);
 }
 
 TEST_CASE("the number of steps is exact for decimal steps", "[scene]") {

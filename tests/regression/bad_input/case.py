@@ -161,6 +161,18 @@ def square4(empty_curve: bool = False) -> str:
     )
 
 
+def square_of_halves() -> str:
+    """The square as format 2.2, its triangles in a group "left" (x < 0) and a group "right" in place of "body"."""
+    left, right = BODY, 5
+    groups = ((2, left, "left"), (2, right, "right"), *GROUPS[1:])
+    points = square_points()
+    elements = [
+        (kind, right, 2, nodes) if kind == TRIANGLE and sum(points[n - 1][0] for n in nodes) > 0 else (kind, group, entity, nodes)
+        for kind, group, entity, nodes in square_elements()
+    ]
+    return square2(elements=elements, groups=groups)
+
+
 def moved(node: int, point: Point) -> list[Point]:
     """The square's points with one of them elsewhere."""
     points = square_points()

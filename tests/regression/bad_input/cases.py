@@ -3,10 +3,10 @@
 import re
 
 from case import (
-    BODY, BOTTOM, Case, GEO, GROUPS, LINE, LINE_3, PRISM, QUADRILATERAL, SPACE_GEO, SPACE_GROUPS, TETRAHEDRON,
+    BODY, BOTTOM, Case, Expected, GEO, GROUPS, LINE, LINE_3, PRISM, QUADRILATERAL, SPACE_GEO, SPACE_GROUPS, TETRAHEDRON,
     TETRAHEDRON_10, TOP, TRIANGLE, TRIANGLE_6, before, cube2, cube_elements, cube_points, edited, keep_tables,
     meshed, moved, moved_corner, occupy, overridden, prepend, solid, square2, square4, square_elements,
-    square_points, typed, with_element, with_space_element, write,
+    square_of_halves, square_points, typed, with_element, with_space_element, write,
 )
 
 FIRST_TABLE = re.compile(r"\bmesh\b")
@@ -249,9 +249,6 @@ def later_cases() -> list[Case]:
                '"contact-stabilized" is not available yet', "contact-implicit"),
         edited("massless contact", "[load]", 'mass = "massless"\n[load]', "contact.mass: ",
                '"massless" is not available yet', "consistent"),
-        edited("several materials", "[material]", "[[material]]", "material: ", "not available yet", "[material]"),
-        edited("material of a group", "density = 1.0", 'density = 1.0\non = "body"', "material.on: not available yet",
-               at='on = "body"'),
         edited("misspelt linear solver", 'linear = "auto"', 'linear = "interactive"', "solver.linear: ", '"interactive"',
                "auto, direct, iterative"),
         edited("negative memory", 'linear = "auto"', 'linear = "auto"\nmemory = -1.0', "solver.memory: ", "-1", "bytes",
@@ -265,6 +262,50 @@ def later_cases() -> list[Case]:
         Case("study", ("study: not available yet", "simulate, optimize, check, info"), verb="study", earlier=True),
         Case("resume", ("--resume: not available yet",), options=("--resume",), earlier=True),
         Case("resume, two ranks", ("--resume: not available yet",), options=("--resume",), ranks=2),
+    ]
+
+
+def material_cases() -> list[Case]:
+    """Materials that do not cover the body once."""
+    def table(on: str) -> str:
+        return f'[[material]]\non = "{on}"\ndensity = 1.0\nyoung = 1e8\npoisson = 0.3\n\n'
+
+    one = "[material]\ndensity = 1.0\nyoung = 1e8\npoisson = 0.3\nviscosity = { bulk = 1e4, shear = 1e4 }\n\n"
+    halves = {"mesh": square_of_halves(), "mesh_file": "square.msh"}
+    overlap = GEO + 'Physical Surface("disc") = {1};\n'
+    geo = {"mesh": overlap, "mesh_file": "square.geo"}
+    to_geo = ('file = "square.msh"', 'file = "square.geo"\nsize = 4')
+
+    def on(name: str, groups: tuple[str, ...], *expect: Expected, **more: object) -> Case:
+        edits = ((one, "".join(table(group) for group in groups)), *more.pop("edits", ()))
+        return Case(name, expect, edits=edits, **more)  # type: ignore[arg-type]
+
+    return [
+        edited("material of a group in one table", "density = 1.0", 'density = 1.0\non = "body"',
+               "material.on: has no effect", "[[material]]", at='on = "body"'),
+        edited("materials without a group", "[material]", "[[material]]", "material[0].on: missing", "required"),
+        edited("misspelt group key of a material", "[material]", '[[material]]\nonn = "body"',
+               "material[0].onn: unknown", 'did you mean "on"?', at="onn ="),
+        edited("list of no materials", one, "", "material: found []", "[[material]]",
+               prepare=lambda folder: prepend(folder / "scene.toml", "material = []\n")),
+        edited("one table and several", one, one + table("body"), "not valid TOML", at="[[material]]"),
+        on("group of two materials", ("body", "body"), 'material[1].on: found "body"', "material[0]", "another group"),
+        on("unknown group of a material", ("left", "rigth"), "material[1].on: ", "square.msh", 'no surface group "rigth"',
+           'did you mean "right"?', "surface groups of the file: left, right", **halves, earlier=True),
+        on("unknown group of a material, two ranks", ("left", "rigth"), "material[1].on: ", '"rigth"', **halves, ranks=2),
+        on("boundary as a material's group", ("left", "top"), "material[1].on: ", '"top"', "dimension 1",
+           "surface groups of the file: left, right", **halves),
+        on("cells without a material", ("left",), "material: the cell at (0.", "no group of a material (left)",
+           "allowed is one material for every cell", **halves, earlier=True),
+        on("cells without a material, two ranks", ("left",), "material: the cell at (0.", "(left)", **halves, ranks=2),
+        on("cells of two materials", ("body", "disc"), "material: the cell at (", '"body" and "disc"', "two materials",
+           **geo, edits=(to_geo,)),
+        on("negative density of one material", ("left", "right"), "material[1].density: found -1", "greater than 0",
+           **halves, options=("--set", "material.1.density=-1")),
+        on("set on materials without a number", ("left", "right"), "--set material.young=1", "list of 2 tables",
+           "material.0.on", **halves, options=("--set", "material.young=1")),
+        on("set beyond the materials", ("left", "right"), "--set material.2.young=1", "list of 2 tables", **halves,
+           options=("--set", "material.2.young=1")),
     ]
 
 
@@ -554,6 +595,7 @@ def all_cases() -> list[Case]:
         *expression_cases(),
         *effect_cases(),
         *later_cases(),
+        *material_cases(),
         *option_cases(),
         *mesh_file_cases(),
         *mesh_content_cases(),
