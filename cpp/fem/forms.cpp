@@ -133,8 +133,6 @@ petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& p
   petsc::Matrix matrix(dolfinx::fem::petsc::create_matrix(compile(space, form, {}, tau, all), type));
   for (const Part& part : parts) {
     const bool elastic = !part.material.viscosity;
-    if (form == Form::b && elastic)
-      continue;
     add(space, form == Form::d && elastic ? Form::d_elastic : form, part.material, tau, part.cells, matrix);
   }
   finish(matrix);

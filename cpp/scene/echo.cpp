@@ -114,6 +114,8 @@ void write_objective(Writer& out, const Scene& s) {
     out.key("desired", fmt::format("{{ control = {} }}", texts(by_control->control)));
   else if (const auto* by_displacement = std::get_if<DesiredDisplacement>(&s.objective->desired))
     out.key("desired", fmt::format("{{ displacement = {} }}", texts(by_displacement->displacement)), "m");
+  else if (const auto* by_run = std::get_if<DesiredRun>(&s.objective->desired))
+    out.key("desired", fmt::format("{{ run = {} }}", text(by_run->folder.string())));
   if (s.objective->on)
     out.key("on", text(*s.objective->on));
   out.key("tracking", number(s.objective->tracking));

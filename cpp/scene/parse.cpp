@@ -62,10 +62,15 @@ void set(toml::table& root, const std::string& assignment, const std::filesystem
   table->insert_or_assign(key, *parsed.get("value"));
 }
 
+/// A path that the scene gives relative to its own file.
+std::filesystem::path beside(const std::filesystem::path& file, const std::filesystem::path& given) {
+  return std::filesystem::weakly_canonical(given.is_absolute() ? given : file.parent_path() / given);
+}
+
 Mesh mesh(Reader in, const std::filesystem::path& file) {
   Mesh mesh;
   const std::filesystem::path given = in.text("file");
-  mesh.file = std::filesystem::weakly_canonical(given.is_absolute() ? given : file.parent_path() / given);
+  mesh.file = beside(file, given);
   const std::string extension = mesh.file.extension().string();
   if (extension != ".geo" && extension != ".msh")
     in.fail("file", fmt::format("found \"{}\", allowed are files that end in .geo or .msh", given.string()));
@@ -209,19 +214,24 @@ Control control(Reader in) {
   return control;
 }
 
-Objective objective(Reader in) {
+Objective objective(Reader in, const std::filesystem::path& file) {
   Objective objective;
   Reader desired = in.table("desired");
-  const bool by_control = desired.has("control"), by_displacement = desired.has("displacement");
-  if (!by_control && !by_displacement)
+  std::vector<std::string> found;
+  for (const char* key : {"control", "displacement", "run"})
+    if (desired.has(key))
+      found.emplace_back(key);
+  if (found.empty())
     desired.finish(); // a misspelt key is the likeliest reason
-  if (by_control == by_displacement)
-    in.fail("desired", fmt::format("found {}, allowed is one of control, displacement",
-                                   by_control ? "both control and displacement" : "neither"));
-  if (by_control)
+  if (found.size() != 1)
+    in.fail("desired", fmt::format("found {}, allowed is one of control, displacement, run",
+                                   found.empty() ? "none" : list(found)));
+  if (found.front() == "control")
     objective.desired = DesiredControl{desired.expressions("control", true)};
-  else
+  else if (found.front() == "displacement")
     objective.desired = DesiredDisplacement{desired.expressions("displacement", true)};
+  else
+    objective.desired = DesiredRun{beside(file, desired.text("run"))};
   desired.finish();
   if (in.has("on"))
     objective.on = in.text("on");
@@ -312,7 +322,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   if (in.has("objective")) {
     if (!scene.control)
       in.fail("objective", "needs a control to act on; add a table [control] or leave the objective out");
-    scene.objective = objective(in.table("objective"));
+    scene.objective = objective(in.table("objective"), scene.file);
   }
   if (in.has("optimizer"))
     scene.optimizer = optimizer(in.table("optimizer"));
@@ -376,9 +386,8 @@ void require_dimension(const Scene& scene, int dim) {
   if (scene.objective) {
     if (const auto* desired = std::get_if<DesiredControl>(&scene.objective->desired))
       require(desired->control.size(), "objective.desired.control");
-    else
-      require(std::get<DesiredDisplacement>(scene.objective->desired).displacement.size(),
-              "objective.desired.displacement");
+    if (const auto* desired = std::get_if<DesiredDisplacement>(&scene.objective->desired))
+      require(desired->displacement.size(), "objective.desired.displacement");
   }
   if (scene.check.control)
     require(scene.check.control->size(), "check.control");

@@ -89,8 +89,12 @@ struct DesiredDisplacement {
   Components displacement; ///< m, of x, y, z, t
 };
 
+struct DesiredRun {
+  std::filesystem::path folder; ///< of an earlier run whose displacement is the desired one, absolute
+};
+
 struct Objective {
-  std::variant<DesiredControl, DesiredDisplacement> desired;
+  std::variant<DesiredControl, DesiredDisplacement, DesiredRun> desired;
   std::optional<std::string> on; ///< physical group of a part of the body or of a surface; absent: the body
   double tracking = 1;           ///< weight of the tracking term
   double alpha = 0;              ///< weight of the control cost

@@ -55,6 +55,17 @@ TEST_CASE("a list of names is a set, and may be empty", "[scene]") {
   std::filesystem::remove(echo);
 }
 
+TEST_CASE("an earlier run's folder is relative to the scene file, and echoed as it is found", "[scene]") {
+  const std::string text =
+      "[mesh]\nfile = \"a.msh\"\n[time]\nend = 1.0\nstep = 0.5\n[material]\ndensity = 1.0\nyoung = 1.0\npoisson = 0.3\n"
+      "[control]\nscale = 1.0\n[objective]\ndesired = { run = \"../runs/first\" }\nalpha = 1.0\n";
+  const scene::Scene scene = scene::parse(text, "/somewhere/scenes/a.toml");
+  const auto folder = [](const scene::Scene& s) { return std::get<scene::DesiredRun>(s.objective->desired).folder; };
+  CHECK(folder(scene) == "/somewhere/runs/first");
+  CHECK(folder(scene::parse(scene::echo(scene, 2), "/elsewhere/b.toml")) == "/somewhere/runs/first");
+  CHECK_NOTHROW(scene::require_dimension(scene, 2));
+}
+
 TEST_CASE("an override reaches what it names and nothing else", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
   const scene::Scene scene = test::parse(

@@ -6,7 +6,7 @@ from case import (
     BODY, BOTTOM, Case, Expected, GEO, GROUPS, LINE, LINE_3, PRISM, QUADRILATERAL, SPACE_GEO, SPACE_GROUPS, TETRAHEDRON,
     TETRAHEDRON_10, TOP, TRIANGLE, TRIANGLE_6, before, cube2, cube_elements, cube_points, edited, keep_tables,
     meshed, moved, moved_corner, occupy, overridden, prepend, solid, square2, square4, square_elements,
-    square_of_halves, square_points, typed, with_element, with_space_element, write,
+    square_of_halves, square_points, stored_run, typed, with_element, with_space_element, write,
 )
 
 FIRST_TABLE = re.compile(r"\bmesh\b")
@@ -352,8 +352,8 @@ def option_cases() -> list[Case]:
         edited("objective without a control", "[control]\nscale = 1e6\nlower = -2.0\nupper = 2.0\n", "",
                "objective: needs a control", "[control]", at="[objective]"),
         edited("both desired kinds", 'control = ["0", "-1"]', 'control = ["0", "-1"], displacement = ["0", "0"]',
-               "objective.desired: found both", "control, displacement", at="desired ="),
-        edited("no desired kind", 'control = ["0", "-1"]', "", "objective.desired: found neither",
+               "objective.desired: found control, displacement", "allowed is one of", at="desired ="),
+        edited("no desired kind", 'control = ["0", "-1"]', "", "objective.desired: found none",
                "control, displacement", at="desired ="),
         edited("misspelt desired kind", 'control = ["0", "-1"]', 'contrl = ["0", "-1"]', "objective.desired", "contrl",
                at="desired ="),
@@ -555,6 +555,49 @@ def space_cases() -> list[Case]:
     ]
 
 
+def desired_run_cases() -> list[Case]:
+    """Desired states that no earlier run left as they are needed."""
+    by_run = (('desired = { control = ["0", "-1"] }', 'desired = { run = "earlier" }'),)
+    other = [(x, 2 * y, z) for x, y, z in square_points()]
+
+    def wrong(name: str, *expect: Expected, ranks: int = 1, **change: object) -> Case:
+        return Case(name, ("objective.desired.run: ", *expect), edits=by_run, verb="optimize", earlier=True, ranks=ranks,
+                    prepare=lambda folder: stored_run(folder / "earlier", **change))  # type: ignore[arg-type]
+
+    allowed = ("earlier/state.h5", "allowed")
+    return [
+        Case("desired run that is missing", ("objective.desired.run: ", *allowed, "no such file"), edits=by_run,
+             verb="optimize", earlier=True),
+        Case("desired run that is missing, check, two ranks", ("objective.desired.run: ", "no such file"), edits=by_run,
+             verb="check", ranks=2),
+        edited("desired run that is a number", 'control = ["0", "-1"]', "run = 3", "objective.desired.run: found 3", "a text",
+               at="desired ="),
+        edited("desired run and control", 'control = ["0", "-1"]', 'control = ["0", "-1"], run = "earlier"',
+               "objective.desired: found control, run", "allowed is one of", at="desired ="),
+        Case("desired run that is text", ("objective.desired.run: ", *allowed, "damaged"), edits=by_run, verb="optimize",
+             prepare=lambda folder: write(folder / "earlier" / "state.h5", "fields") if not (folder / "earlier").mkdir() else None),
+        wrong("desired run cut short", *allowed, "damaged", cut=2000),
+        wrong("desired run cut short, two ranks", *allowed, "damaged", cut=2000, ranks=2),
+        wrong("desired run without displacement", *allowed, 'no field "displacement"', "output.fields", field="velocity"),
+        wrong("desired run that ends early", *allowed, "from 0 to 0.0001 s", "0.00015 s", times=(0.0, 1e-4)),
+        wrong("desired run that starts late", *allowed, "from 5e-05 to 0.00015 s", times=(5e-5, 1.5e-4)),
+        wrong("desired run of another mesh", *allowed, "no node at (", points=other),
+        wrong("desired run of another mesh, three ranks", *allowed, "no node at (", points=other, ranks=3),
+        wrong("desired run of a larger mesh", *allowed, "12 nodes in 2 dimensions", "9 nodes in 2",
+              points=[*square_points(), (2.0, 0.0, 0.0), (2.0, 1.0, 0.0), (2.0, 0.5, 0.0)]),
+        wrong("desired run in space", *allowed, "9 nodes in 3 dimensions", "9 nodes in 2", dim=3),
+        wrong("desired run with two nodes in one place", *allowed, "two nodes at (-0.5, 0)",
+              points=[square_points()[0], *square_points()[:-1]]),
+        wrong("desired run with a value that is no number", *allowed, '"displacement" at 0.00015 s is damaged', value=float("nan")),
+        wrong("desired run with a value that is no number, two ranks", "is damaged", value=float("inf"), ranks=2),
+        wrong("desired run with a time that is none", *allowed, "damaged", names=("0_0", "later")),
+        Case("desired run of degree 2", ("objective.desired.run: ", "mesh.degree = 2", "allowed is 1"),
+             edits=(*by_run, ("[time]", "degree = 2\n\n[time]")), verb="optimize"),
+        Case("desired run in the way", ("--out: ", "objective.desired.run", "allowed is another"), edits=(
+            ('desired = { control = ["0", "-1"] }', 'desired = { run = "results" }'),), verb="optimize", earlier=True),
+    ]
+
+
 def folder_cases() -> list[Case]:
     """Folders that cannot take results."""
     return [
@@ -600,5 +643,6 @@ def all_cases() -> list[Case]:
         *mesh_file_cases(),
         *mesh_content_cases(),
         *space_cases(),
+        *desired_run_cases(),
         *folder_cases(),
     ]
