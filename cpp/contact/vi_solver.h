@@ -9,10 +9,11 @@ class ViSolver {
 public:
   virtual ~ViSolver() = default;
 
-  /// Solves for `y`, which holds a guess on entry, and for `state`, made for the m candidates; `previous` is
-  /// the previous step's contact, from which the search starts. Collective. Throws SolverFailure with reason
-  /// and residual.
-  virtual void solve(Vec r, const ContactState& previous, ContactState& state, Vec y) const = 0;
+  /// Solves for `y`, which holds a guess on entry, and for `state`, made for the m candidates; `psi` (m) are
+  /// the gaps of the undeformed body at the end of the step, `previous` is the previous step's contact, from
+  /// which the search starts. Collective. Throws SolverFailure with reason and residual.
+  virtual void solve(Vec r, std::span<const double> psi, const ContactState& previous, ContactState& state,
+                     Vec y) const = 0;
 };
 
 /// Tells candidates apart as open, weak and strong, and throws SolverFailure unless the state is

@@ -35,7 +35,7 @@ Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
   hold_clamped(stepper, y, "initial.displacement");
   hold_clamped(stepper, v, "initial.velocity");
   if (stepper.constraints())
-    stepper.constraints()->require_outside(y);
+    stepper.constraints()->place_outside(y);
 }
 
 void simulate(const Stepper& stepper, const Initial& initial, const AddLoad& add_load, Trajectory& trajectory,
@@ -43,7 +43,7 @@ void simulate(const Stepper& stepper, const Initial& initial, const AddLoad& add
   check(VecCopy(initial.y, trajectory.y[0]));
   check(VecCopy(initial.v, trajectory.v[0]));
   if (const contact::Constraints* constraints = stepper.constraints()) // open: no step has made a force yet
-    constraints->gap(initial.y, trajectory.contact[0].gap);
+    constraints->gap(constraints->psi(), initial.y, trajectory.contact[0].gap);
   trajectory.steps = 0;
   petsc::Vector density = petsc::zero_like(initial.y);
   Extrapolation extrapolation(stepper);
@@ -55,7 +55,7 @@ void simulate(const Stepper& stepper, const Initial& initial, const AddLoad& add
       check(VecZeroEntries(density));
       add_load(k, density);
       extrapolation.guess(trajectory.y[k]);
-      stepper.step(trajectory.y[k - 1], trajectory.v[k - 1], density, trajectory.contact[k - 1],
+      stepper.step(stepper.scheme().time(k), trajectory.y[k - 1], trajectory.v[k - 1], density, trajectory.contact[k - 1],
                    trajectory.contact[k], trajectory.y[k], trajectory.v[k]);
       extrapolation.remember(trajectory.y[k]);
     } catch (const SolverFailure& failure) {

@@ -10,7 +10,8 @@ namespace signorini::forward {
 struct Initial {
   petsc::Vector y, v;
 
-  /// Interpolates the scene's initial fields, zero where it has none. Collective. Throws UserError if a clamp does not
+  /// Interpolates the scene's initial fields, zero where it has none, and moves nodes out of obstacles if the scene asks
+  /// for it. Collective. Throws UserError if a clamp does not
   /// hold still or a candidate starts inside the obstacle.
   Initial(const Stepper& stepper, const scene::Initial& scene);
 };

@@ -9,8 +9,8 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
                  Needs needs)
     : space_(space), operators_(operators), scheme_{scene.time.step}, clamped_(space, scene.clamps),
       r_(space.vector()), work_(space.vector()) {
-  if (scene.contact)
-    constraints_.emplace(space, clamped_, *scene.contact);
+  if (!scene.contacts.empty())
+    constraints_.emplace(space, clamped_, scene.contacts);
   petsc::Matrix D = fem::assemble_step_operator(space, scene.material, scheme_.tau);
   R_ = fem::assemble_shifted(space, scene.material, D, 2 * scheme_.stiffness());
   clamped_.decouple(D);
@@ -38,11 +38,11 @@ void Stepper::velocity(Vec y0, Vec v0, Vec y1, Vec v1) const {
     after[i] = rate * (to[i] - from[i]) - before[i];
 }
 
-void Stepper::step(Vec y0, Vec v0, Vec density, const contact::ContactState& previous,
+void Stepper::step(double time, Vec y0, Vec v0, Vec density, const contact::ContactState& previous,
                    contact::ContactState& contact, Vec y1, Vec v1) const {
   right_hand_side(y0, scheme_.momentum(), v0, scheme_.impulse(), density);
   if (const contact::ViSolver* vi = solver_->vi())
-    vi->solve(r_, previous, contact, y1);
+    vi->solve(r_, constraints_->psi(time), previous, contact, y1);
   else
     solver_->linear().solve(r_, y1);
   velocity(y0, v0, y1, v1);

@@ -34,11 +34,12 @@ public:
     return constraints_ ? &*constraints_ : nullptr;
   }
 
-  /// One step from (y0, v0) under the force density f_k + s u_k (N/m³) to (y1, v1) and its contact;
+  /// One step from (y0, v0) under the force density f_k + s u_k (N/m³) to (y1, v1) at `time`, where obstacles stand
+  /// as they do then, and its contact;
   /// `previous` is that at y0, and y1 holds a guess on entry if solver().takes_guess(). Allocates nothing,
   /// but where a solver of PETSc's does: in VIs that PETSc solves, with MUMPS. Collective. Throws
   /// SolverFailure.
-  void step(Vec y0, Vec v0, Vec density, const contact::ContactState& previous,
+  void step(double time, Vec y0, Vec v0, Vec density, const contact::ContactState& previous,
             contact::ContactState& contact, Vec y1, Vec v1) const;
 
   /// The step's linearisation on the active set of `contact`: (δy0, δv0, δdensity) → (δy1, δv1); y1 as in

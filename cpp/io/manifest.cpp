@@ -16,7 +16,7 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
   };
   return {{"viscosity", scene.material.viscosity.has_value()},
           {"clamp", !scene.clamps.empty()},
-          {"contact", scene.contact.has_value()},
+          {"contact", !scene.contacts.empty()},
           {"body load", scene.load.has_value()},
           {"initial displacement", given(scene.initial.displacement)},
           {"initial velocity", given(scene.initial.velocity)},

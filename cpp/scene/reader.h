@@ -38,6 +38,8 @@ public:
   /// One number, or one per component.
   std::vector<double> number_or_numbers(const std::string& key, const Limits& limits);
   Components expressions(const std::string& key, bool time);
+  /// One expression.
+  std::string expression(const std::string& key, bool time);
   Reader table(const std::string& key);
   std::vector<Reader> tables(const std::string& key);
 
@@ -54,6 +56,8 @@ private:
   const toml::node& node(const std::string& key);
   double to_number(const toml::node& node, const std::string& key, const Limits& limits) const;
   [[nodiscard]] std::string full(const std::string& key) const;
+  /// Throws unless the expressions can be read.
+  void require_readable(const Components& components, const std::string& key, bool time) const;
 
   const toml::table& table_;
   std::string path_;

@@ -69,7 +69,7 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
   check(VecAXPY(v0, epsilon, dv));
   check(VecAXPY(load, epsilon, dload));
   contact::ContactState moved(stepper.constraints()->count());
-  stepper.step(y0, v0, load, run.trajectory.contact[i - 1], moved, y, v);
+  stepper.step(stepper.scheme().time(k), y0, v0, load, run.trajectory.contact[i - 1], moved, y, v);
   REQUIRE(moved.active == run.trajectory.contact[i].active);
   stepper.linearised_step(dy, dv, dload, moved, ly, lv);
   check(VecAXPY(y, -1, run.trajectory.y[i]));
