@@ -15,21 +15,25 @@ struct Row {
   bool holds;
 };
 
-/// A smooth field over the body and time, the same on any number of ranks; `which` picks one of several.
+/// A smooth field at points (× 3) and time t / T, the same on any number of ranks; `which` picks one of
+/// several.
+void wave(const fem::Space& space, const std::vector<double>& points, double t, int which, Vec out) {
+  const double unit = 2 * M_PI / space.mesh().diameter();
+  const auto dim = static_cast<std::size_t>(space.dim());
+  const petsc::WriteArray values(out);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double* x = &points[i / dim * 3];
+    const auto c = static_cast<double>(i % dim);
+    values[i] =
+        std::cos(unit * ((1 + c) * x[0] + 2 * x[1] - x[2]) + (1 + which) * 2 * M_PI * t + which + 0.7 * c);
+  }
+}
+
 control::Control wave(const control::ControlSpace& controls, int which) {
   control::Control u = controls.zero();
-  const fem::Space& space = controls.space();
-  const double unit = 2 * M_PI / space.mesh().diameter();
-  for (int k = 1; k <= controls.steps(); ++k) {
-    const petsc::WriteArray values(u.at(k));
-    const double t = 2 * M_PI * k / controls.steps();
-    for (int node = 0; node < space.owned_nodes(); ++node) {
-      const double* x = &space.points()[static_cast<std::size_t>(3 * node)];
-      for (int c = 0; c < space.dim(); ++c)
-        values[static_cast<std::size_t>(node * space.dim() + c)] =
-            std::cos(unit * ((1 + c) * x[0] + 2 * x[1] - x[2]) + (1 + which) * t + which + 0.7 * c);
-    }
-  }
+  for (int k = 1; k <= u.count(); ++k)
+    wave(controls.space(), controls.points(), static_cast<double>(k) / controls.steps(), which, u.at(k));
+  controls.restrict(u);
   return u;
 }
 
@@ -111,12 +115,17 @@ private:
 
   double transpose_defect() {
     const petsc::Series dy = problem_.linearised(d_);
-    const control::Control shape = wave(controls_, 1);
+    const fem::Space& space = controls_.space();
+    petsc::Vector shape = space.vector();
+    const auto shape_of = [&](int k) {
+      wave(space, space.points(), static_cast<double>(k) / controls_.steps(), 1, shape);
+      return Vec(shape);
+    };
     double forward = 0;
     for (int k = 1; k <= controls_.steps(); ++k)
-      forward += controls_.dot(dy[static_cast<std::size_t>(k) - 1], shape.at(k));
-    const control::Control back =
-        problem_.adjoint([&](int k, Vec density) { check(VecAXPY(density, 1, shape.at(k))); });
+      forward += petsc::dot(dy[static_cast<std::size_t>(k) - 1], shape_of(k));
+    const forward::Load dual{.force = [&](int k, Vec out) { check(VecAXPY(out, 1, shape_of(k))); }};
+    const control::Control back = problem_.adjoint(dual);
     const double backward = controls_.product(back, d_);
     return std::abs(forward - backward) / std::max(std::abs(forward), std::abs(backward));
   }
@@ -205,7 +214,7 @@ double largest_contact_work(const Problem& problem, const forward::Trajectory& t
 }
 
 /// Energy law, momentum, complementarity of a whole trajectory.
-void invariants(const Problem& problem, const forward::AddLoad& load, const forward::Trajectory& trajectory,
+void invariants(const Problem& problem, const forward::Load& load, const forward::Trajectory& trajectory,
                 std::vector<Row>& rows) {
   const std::vector<forward::StepBalance> steps = forward::balance(problem.stepper, load, trajectory);
   double energy = 0, energy_defect = 0, momentum_defect = 0;

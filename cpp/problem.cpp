@@ -26,8 +26,8 @@ petsc::Series desired_states(const Problem& problem, const control::ControlSpace
     const auto timer = problem.timers.time("desired state");
     forward::Trajectory trajectory(problem.stepper, problem.steps());
     Progress progress(console, "desired state", static_cast<std::size_t>(problem.steps()));
-    forward::simulate(problem.stepper, problem.initial, controls.with(problem.load(), *reference), trajectory,
-                      [&](int k) { progress.update(static_cast<std::size_t>(k)); });
+    forward::simulate(problem.stepper, problem.initial, problem.load() + controls.load(*reference),
+                      trajectory, [&](int k) { progress.update(static_cast<std::size_t>(k)); });
     if (trajectory.steps < problem.steps())
       throw Interrupted();
     return std::move(trajectory.y);
@@ -59,18 +59,13 @@ Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs n
   if (stop_requested(comm))
     throw Interrupted();
   if (s.load)
-    body_load.emplace(space, *s.load, stepper.scheme());
+    scene_load.emplace(space, *s.load, stepper.scheme());
 }
 
-forward::AddLoad Problem::load() const {
-  return [this](int k, Vec out) {
-    if (body_load)
-      body_load->add(k, out);
-  };
-}
+forward::Load Problem::load() const { return scene_load ? scene_load->load() : forward::Load{}; }
 
 long Problem::free_dofs() const {
-  long clamped = static_cast<long>(stepper.clamped().nodes().size()) * space.dim();
+  long clamped = static_cast<long>(stepper.clamped().dofs().size());
   MPI_Allreduce(MPI_IN_PLACE, &clamped, 1, MPI_LONG, MPI_SUM, space.comm());
   return static_cast<long>(space.dofs()) - clamped;
 }
@@ -84,16 +79,16 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
   controls_->project(*control_);
 }
 
-forward::AddLoad GivenControl::load() const {
-  return control_ ? controls_->with(problem_.load(), *control_) : problem_.load();
+forward::Load GivenControl::load() const {
+  return control_ ? problem_.load() + controls_->load(*control_) : problem_.load();
 }
 
 ControlProblem::ControlProblem(const Problem& problem, const Console& console)
     : controls(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(),
                *problem.scene.control),
       reference(reference_control(problem.scene, controls)),
-      objective(controls, problem.stepper.scheme(), desired_states(problem, controls, reference, console),
-                problem.scene.objective->alpha, problem.scene.objective->gamma),
+      objective(controls, problem.operators, problem.stepper.scheme(),
+                desired_states(problem, controls, reference, console), *problem.scene.objective),
       reduced(problem.stepper, controls, objective, problem.initial, problem.load(), problem.timers) {}
 
 control::Control ControlProblem::first_guess(const scene::Scene& scene) const {

@@ -19,10 +19,10 @@ struct Problem {
   fem::Operators operators;
   forward::Stepper stepper;
   forward::Initial initial;
-  std::optional<forward::BodyLoad> body_load;
+  std::optional<forward::SceneLoad> scene_load;
 
   /// The load without a control.
-  [[nodiscard]] forward::AddLoad load() const;
+  [[nodiscard]] forward::Load load() const;
   [[nodiscard]] int steps() const { return scene.time.steps; }
   /// Unknowns that no clamp holds, on all ranks. Collective.
   [[nodiscard]] long free_dofs() const;
@@ -35,7 +35,7 @@ public:
   explicit GivenControl(const Problem& problem);
 
   /// All loads, the control's included; valid as long as this object lives.
-  [[nodiscard]] forward::AddLoad load() const;
+  [[nodiscard]] forward::Load load() const;
 
 private:
   const Problem& problem_;
@@ -45,8 +45,8 @@ private:
 
 /// The scene's control and objective on top of it.
 struct ControlProblem {
-  /// Computes the desired states, for which a reference control is simulated. Collective. Throws UserError, SolverFailure,
-  /// Interrupted.
+  /// Computes the desired states, for which a reference control is simulated. Collective. Throws UserError,
+  /// SolverFailure, Interrupted.
   ControlProblem(const Problem& problem, const Console& console);
   ControlProblem(const ControlProblem&) = delete;
   ControlProblem& operator=(const ControlProblem&) = delete;

@@ -79,22 +79,31 @@ std::vector<Vec> pick(const std::vector<int>& steps, At&& at) {
 }
 
 /// scene.toml, steps.csv, contact.csv and state.xdmf.
-void write_motion(const io::OutputFolder& folder, const Problem& problem, const forward::AddLoad& load,
+void write_motion(const io::OutputFolder& folder, const Problem& problem, const forward::Load& load,
                   const forward::Trajectory& trajectory, const control::Objective* objective) {
   const auto timer = problem.timers.time("output");
   const forward::Scheme& scheme = problem.stepper.scheme();
   const std::vector<int> stored = stored_steps(0, trajectory.steps, problem.scene.output.every);
   folder.write("scene.toml", scene::echo(problem.scene, problem.space.dim()));
-  std::vector<double> tracking_error;
-  for (int k = 0; objective && k <= trajectory.steps; ++k)
-    tracking_error.push_back(objective->distance(k, trajectory.y[k]));
-  folder.write("steps.csv", io::steps_table(forward::balance(problem.stepper, load, trajectory),
-                                            trajectory.contact, tracking_error, scheme, problem.space.dim()));
-  if (const contact::Constraints* constraints = problem.stepper.constraints())
+  const scene::Output& output = problem.scene.output;
+  if (output.table("steps")) {
+    std::vector<double> tracking_error;
+    for (int k = 0; objective && k <= trajectory.steps; ++k)
+      tracking_error.push_back(objective->distance(k, trajectory.y[k]));
+    folder.write("steps.csv",
+                 io::steps_table(forward::balance(problem.stepper, load, trajectory), trajectory.contact,
+                                 tracking_error, scheme, problem.space.dim()));
+  }
+  if (const contact::Constraints* constraints = problem.stepper.constraints();
+      constraints && output.table("contact"))
     folder.write("contact.csv", io::contact_table(stored, trajectory.contact, *constraints, scheme));
-  io::write_fields(problem.space, folder, "state.xdmf", times_of(stored, scheme),
-                   {{"displacement", pick(stored, [&](int k) -> Vec { return trajectory.y[k]; })},
-                    {"velocity", pick(stored, [&](int k) -> Vec { return trajectory.v[k]; })}});
+  std::vector<io::FieldSeries> fields;
+  if (output.field("displacement"))
+    fields.push_back({"displacement", pick(stored, [&](int k) -> Vec { return trajectory.y[k]; })});
+  if (output.field("velocity"))
+    fields.push_back({"velocity", pick(stored, [&](int k) -> Vec { return trajectory.v[k]; })});
+  if (!fields.empty())
+    io::write_fields(problem.space, folder, "state.xdmf", times_of(stored, scheme), fields);
 }
 
 void finish(io::OutputFolder& folder, const Console& console) {
@@ -109,7 +118,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   console.line(headline(problem));
 
   const GivenControl given(problem);
-  const forward::AddLoad load = given.load();
+  const forward::Load load = given.load();
   forward::Trajectory trajectory(problem.stepper, problem.steps());
   {
     const auto timer = timers.time("forward");
@@ -173,11 +182,14 @@ void write_control(const io::OutputFolder& folder, const Problem& problem,
   const auto timer = problem.timers.time("output");
   const std::vector<int> stored = stored_steps(1, problem.steps(), problem.scene.output.every);
   const std::vector<double> times = times_of(stored, problem.stepper.scheme());
-  const petsc::Series adjoint = reduced.adjoint_states(stored);
-  io::write_fields(problem.space, folder, "control.xdmf", times,
-                   {{"control", pick(stored, [&](int k) { return reduced.control().at(k); })}});
-  io::write_fields(problem.space, folder, "adjoint.xdmf", times,
-                   {{"adjoint", {adjoint.begin(), adjoint.end()}}});
+  if (problem.scene.output.field("control"))
+    io::write_fields(problem.space, folder, "control.xdmf", times,
+                     {{"control", pick(stored, [&](int k) { return reduced.control().at(k); })}});
+  if (problem.scene.output.field("adjoint")) {
+    const petsc::Series adjoint = reduced.adjoint_states(stored);
+    io::write_fields(problem.space, folder, "adjoint.xdmf", times,
+                     {{"adjoint", {adjoint.begin(), adjoint.end()}}});
+  }
 }
 
 int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, const Console& console) {
@@ -193,8 +205,7 @@ int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   control::ReducedProblem& reduced = control_problem.reduced;
 
   // A control is of the order of one by its scale; the first step is as long as a control of one throughout.
-  const control::Control one =
-      control_problem.controls.interpolate(scene::Components(problem.space.dim(), "1"), "one");
+  const control::Control one = control_problem.controls.constant(1);
   const optimize::Options options{.max_iterations = scene.optimizer.max_iterations,
                                   .tolerance = scene.optimizer.tolerance,
                                   .first_step = control_problem.controls.norm(one)};
@@ -208,7 +219,8 @@ int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   if (rows.empty()) // interrupted before the first guess was evaluated: there is nothing to write
     throw Interrupted();
 
-  folder.write("history.csv", io::history_table(rows));
+  if (scene.output.table("history"))
+    folder.write("history.csv", io::history_table(rows));
   write_motion(folder, problem, reduced.load(), reduced.trajectory(), &control_problem.objective);
   write_control(folder, problem, reduced);
   io::Manifest m = manifest(problem, "optimize", optimize::name(stop), reduced.trajectory().steps);

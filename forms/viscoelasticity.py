@@ -5,11 +5,16 @@ functions; eps(y) = sym grad y. In two dimensions the body is in plane strain: e
 out-of-plane component, the tensors below are its in-plane parts.
 
     L2(y, phi) = int y . phi                                                  W
+    L2_surface(y, phi) = int y . phi over a surface
     m (y, phi) = int rho y . phi                                              M
     a (y, phi) = int [lambda tr eps(y) I + 2 mu eps(y)] : eps(phi)            A
     b (v, phi) = int [(kappa - 2 eta/3) tr eps(v) I + 2 eta eps(v)] : eps(phi)  B
     d = m + tau/2 b + tau^2/4 a      the symmetric, coercive operator of a step  D
     d_elastic = m + tau^2/4 a        the same for a body without viscosity
+    L2_cellwise(u, phi) = int u . phi   for u constant on each cell, _surface likewise
+
+The measure dx(1) stands for the cells of one material or part, ds(1) for the facets of one surface: which these are is
+said when a form is assembled. (Plain ufl.dx would be all cells, once for every material; the program refuses it.)
 
 The build compiles this page for every cell and degree it is asked for (signorini_add_forms in
 forms/CMakeLists.txt) and again whenever it is edited. The names of the forms and of the
@@ -25,7 +30,8 @@ def forms(cell: str, degree: int) -> dict[str, object]:
     dim = {"triangle": 2, "tetrahedron": 3}[cell]
     domain = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(dim,)))
     V = ufl.FunctionSpace(domain, basix.ufl.element("Lagrange", cell, degree, shape=(dim,)))
-    y, phi = ufl.TrialFunction(V), ufl.TestFunction(V)
+    U = ufl.FunctionSpace(domain, basix.ufl.element("Discontinuous Lagrange", cell, 0, shape=(dim,)))
+    y, phi, u = ufl.TrialFunction(V), ufl.TestFunction(V), ufl.TrialFunction(U)
 
     rho = ufl.Constant(domain)  # density, kg/m^3
     young = ufl.Constant(domain)  # Young's modulus E, Pa
@@ -33,6 +39,8 @@ def forms(cell: str, degree: int) -> dict[str, object]:
     kappa = ufl.Constant(domain)  # bulk viscosity, Pa s
     eta = ufl.Constant(domain)  # shear viscosity, Pa s
     tau = ufl.Constant(domain)  # time step, s
+
+    dx, ds = ufl.dx(1), ufl.ds(1)  # the cells and the facets that are given at assembly
 
     lmbda = young * poisson / ((1 + poisson) * (1 - 2 * poisson))
     mu = young / (2 * (1 + poisson))
@@ -43,13 +51,17 @@ def forms(cell: str, degree: int) -> dict[str, object]:
     def isotropic(first, second, w):
         return first * ufl.tr(eps(w)) * ufl.Identity(dim) + 2 * second * eps(w)
 
-    L2 = ufl.inner(y, phi) * ufl.dx
-    m = rho * ufl.inner(y, phi) * ufl.dx
-    a = ufl.inner(isotropic(lmbda, mu, y), eps(phi)) * ufl.dx
-    b = ufl.inner(isotropic(kappa - 2 * eta / 3, eta, y), eps(phi)) * ufl.dx
+    L2 = ufl.inner(y, phi) * dx
+    L2_surface = ufl.inner(y, phi) * ds
+    L2_cellwise = ufl.inner(u, phi) * dx
+    L2_cellwise_surface = ufl.inner(u, phi) * ds
+    m = rho * ufl.inner(y, phi) * dx
+    a = ufl.inner(isotropic(lmbda, mu, y), eps(phi)) * dx
+    b = ufl.inner(isotropic(kappa - 2 * eta / 3, eta, y), eps(phi)) * dx
     d_elastic = m + tau**2 / 4 * a
     d = d_elastic + tau / 2 * b
 
     return dict(rho=rho, young=young, poisson=poisson, kappa=kappa, eta=eta, tau=tau,
-                L2=L2, m=m, a=a, b=b, d=d, d_elastic=d_elastic,
-                forms=[L2, m, a, b, d, d_elastic])  # fmt: skip
+                L2=L2, L2_surface=L2_surface, L2_cellwise=L2_cellwise,
+                L2_cellwise_surface=L2_cellwise_surface, m=m, a=a, b=b, d=d, d_elastic=d_elastic,
+                forms=[L2, L2_surface, L2_cellwise, L2_cellwise_surface, m, a, b, d, d_elastic])  # fmt: skip

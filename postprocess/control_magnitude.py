@@ -31,7 +31,7 @@ def draw(run: RunFolder, time: float | None = None) -> list[Path]:
                              cmap=style.FIELD_COLOURS, vmin=0, rasterized=True)
     style.colour_bar(colours, axes, f"control $|u|$ ({control_unit(run)})")
     style.show_time(axes, control.times[index])
-    if run.has_contact:
+    if run.has_contact and run.has_contact_table:
         mark_contact(axes, run, view, control.times[index], control.mesh.size)
     return [style.save(axes.figure, run.path / "figures" / "control_magnitude.png")]
 

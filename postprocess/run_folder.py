@@ -135,10 +135,14 @@ class RunFolder:
         return self._read("scene.toml", lambda file: tomllib.loads(file.read_text(encoding="utf-8")))
 
     @cached_property
+    def manifest(self) -> dict:
+        """run.json."""
+        return self._read("run.json", lambda file: json.loads(file.read_text(encoding="utf-8")))
+
+    @property
     def verb(self) -> str:
         """What was run: simulate or optimize."""
-        manifest = self._read("run.json", lambda file: json.loads(file.read_text(encoding="utf-8")))
-        return str(manifest.get("verb", "run"))
+        return str(self.manifest.get("verb", "run"))
 
     @cached_property
     def steps(self) -> Table:
@@ -180,9 +184,14 @@ class RunFolder:
         return "contact" in self.scene
 
     @property
+    def has_contact_table(self) -> bool:
+        """Whether the run left contact.csv."""
+        return (self.path / "contact.csv").is_file()
+
+    @property
     def touches(self) -> bool:
-        """Whether the body touches the obstacle at any time step."""
-        return self.has_contact and bool(np.any(self.steps["active"] > 0))
+        """Whether the body touches the obstacle at any time step, or, without steps.csv, at any stored one."""
+        return self.has_contact and bool(self._contact_history[1].any())
 
     def require_contact(self) -> None:
         """Raises NotInRun if there is no contact force to draw."""
@@ -194,7 +203,7 @@ class RunFolder:
     @property
     def dim(self) -> int:
         """Space dimension."""
-        return sum(name.startswith("contact_force_") for name in self.steps)
+        return len(self.scene["initial"]["displacement"])
 
     @cached_property
     def normal_force(self) -> np.ndarray:
@@ -216,19 +225,39 @@ class RunFolder:
 
     def figure_time(self) -> float:
         """The time that shows contact best, s: the seed's if the body touches there, else that of the largest force."""
-        times = self.steps["time"]
-        inside = SEED_TIME <= times[-1]
-        if not self.touches:
-            return SEED_TIME if inside else float(times[-1])
-        if inside and self.steps["active"][nearest(times, SEED_TIME)] > 0:
+        inside = SEED_TIME <= self.last_time
+        try:
+            touches = self.touches
+        except NotInRun:  # no table tells
+            touches = False
+        if not touches:
+            return SEED_TIME if inside else self.last_time
+        times, touching, force = self._contact_history
+        if inside and touching[nearest(times, SEED_TIME)]:
             return SEED_TIME
-        return float(times[np.argmax(self.normal_force)])
+        return float(times[np.argmax(force)])
+
+    @property
+    def last_time(self) -> float:
+        """The time that the run reached, s."""
+        return self.manifest["steps"]["done"] * self.scene["time"]["step"]
 
     def check_time(self, time: float) -> None:
         """Raises Unreadable if the run did not reach the time (s)."""
-        first, last = self.steps["time"][[0, -1]]
-        if not first <= time <= last:
-            raise Unreadable(f"--time: found {time:g} s, allowed are {first:g} to {last:g} s, the times of this run")
+        if not 0 <= time <= self.last_time * (1 + 1e-9):
+            raise Unreadable(f"--time: found {time:g} s, allowed are 0 to {self.last_time:g} s, the times of this run")
+
+    @property
+    def _contact_history(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Times (s), whether the body touches then, and the normal force (N, in the plane N/m).
+
+        Of every time step from steps.csv, or, where a run left none, of the stored ones from contact.csv.
+        """
+        try:
+            return self.steps["time"], self.steps["active"] > 0, self.normal_force
+        except NotInRun:
+            force = self.contact.force.sum(axis=1)
+            return self.contact.times, force > 0, force
 
     def _reference(self, item: ElementTree.Element) -> tuple[Path, str]:
         """The file and the dataset that a DataItem such as `state.h5:/Mesh/mesh/geometry` names."""

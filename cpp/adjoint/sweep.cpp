@@ -1,22 +1,25 @@
 #include "adjoint/sweep.h"
+#include "base/counters.h"
 #include "base/error.h"
 #include "forward/extrapolation.h"
 #include <fmt/format.h>
 
 namespace signorini::adjoint {
 
+namespace {
+long& sweeps = count("adjoint sweeps");
+}
+
 void sweep(const forward::Stepper& stepper, const forward::Trajectory& trajectory,
-           const std::function<void(int k, Vec density)>& add_derivative,
-           const std::function<void(int k, Vec p)>& visit) {
-  petsc::Vector p = stepper.space().vector(), p_next = stepper.space().vector(), q = stepper.space().vector(),
-                density = stepper.space().vector();
+           const forward::Load& derivative, const std::function<void(int k, Vec p)>& visit) {
+  ++sweeps;
+  petsc::Vector p = stepper.space().vector(), p_next = stepper.space().vector(), q = stepper.space().vector();
+  const forward::LoadAtStep derivative_at(stepper.space(), derivative);
   forward::Extrapolation extrapolation(stepper);
   for (int k = trajectory.steps; k >= 1; --k) {
     try {
-      petsc::check(VecZeroEntries(density));
-      add_derivative(k, density);
       extrapolation.guess(p);
-      stepper.adjoint_step(trajectory.contact[static_cast<std::size_t>(k)], density, p_next, q, p);
+      stepper.adjoint_step(trajectory.contact[static_cast<std::size_t>(k)], derivative_at(k), p_next, q, p);
       extrapolation.remember(p);
     } catch (const SolverFailure& failure) {
       throw SolverFailure(fmt::format("adjoint step {}: {}", k, failure.what()));

@@ -6,11 +6,9 @@
 namespace signorini::adjoint {
 
 /// The backward sweep p_N … p_1 (4.40)–(4.41): for each step of `trajectory` the adjoint step on its stored
-/// active set A_k, sliding on the whole of it. `add_derivative(k, d)` adds to nodal values the density d_k
-/// with ∂J/∂y_k = W d_k; `visit(k, p_k)` receives the adjoint states, each valid during the call. Collective.
-/// Throws SolverFailure naming the step.
+/// active set A_k, sliding on the whole of it. `derivative` is ∂J/∂y_k, given like a load; `visit(k, p_k)`
+/// receives the adjoint states, each valid during the call. Collective. Throws SolverFailure naming the step.
 void sweep(const forward::Stepper& stepper, const forward::Trajectory& trajectory,
-           const std::function<void(int k, Vec density)>& add_derivative,
-           const std::function<void(int k, Vec p)>& visit);
+           const forward::Load& derivative, const std::function<void(int k, Vec p)>& visit);
 
 } // namespace signorini::adjoint

@@ -17,13 +17,15 @@ inline int ranks(MPI_Comm comm) {
   return size;
 }
 
-/// The text of rank `root` on every rank. Collective.
-inline std::string broadcast(MPI_Comm comm, std::string text, int root = 0) {
-  auto size = static_cast<long>(text.size());
+/// The text or numbers of rank `root` on every rank. Collective.
+template <class Sequence>
+Sequence broadcast(MPI_Comm comm, Sequence values, int root = 0) {
+  auto size = static_cast<long>(values.size());
   MPI_Bcast(&size, 1, MPI_LONG, root, comm);
-  text.resize(static_cast<std::size_t>(size));
-  MPI_Bcast(text.data(), static_cast<int>(size), MPI_CHAR, root, comm);
-  return text;
+  values.resize(static_cast<std::size_t>(size));
+  MPI_Bcast(values.data(), static_cast<int>(size * sizeof(typename Sequence::value_type)), MPI_BYTE, root,
+            comm);
+  return values;
 }
 
 /// Runs `work` on rank 0; a UserError there is thrown on every rank, so that none waits for the others.

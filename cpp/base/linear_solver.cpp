@@ -1,4 +1,5 @@
 #include "base/linear_solver.h"
+#include "base/counters.h"
 #include "base/error.h"
 #include <algorithm>
 #include <array>
@@ -9,11 +10,14 @@ namespace signorini {
 using petsc::check;
 
 namespace {
+long& solves = count("solves with D");
 constexpr const char* prefix = "step_";
 constexpr double megabyte = 1e6; // in which MUMPS counts
 /// Relative residuals at which a judge is asked: early, where most of what changes shows, and again.
 constexpr std::array judged_at{1e-3, 1e-6};
 } // namespace
+
+void LinearSolver::count_solve() { ++solves; }
 
 MumpsSolver::MumpsSolver(Mat matrix) {
   check(MatConvert(matrix, MATAIJ, MAT_INITIAL_MATRIX, matrix_.put()));
@@ -43,7 +47,10 @@ void MumpsSolver::factorise() {
   matrix_ = {};
 }
 
-void MumpsSolver::solve(Vec b, Vec x) const { check(MatSolve(factor_, b, x)); }
+void MumpsSolver::solve(Vec b, Vec x) const {
+  check(MatSolve(factor_, b, x));
+  count_solve();
+}
 
 double MumpsSolver::bytes() const {
   PetscInt megabytes = 0;
@@ -148,6 +155,7 @@ void ConjugateGradients::run(Vec b, Vec x, Solve solve) const {
   now_ = solve;
   now_.scale = std::sqrt(std::abs(petsc::dot(b, x))); // x·b is about x·D x
   check(KSPSolve(ksp_, b, x));
+  count_solve();
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   check(KSPGetConvergedReason(ksp_, &reason));
   if (reason >= 0)

@@ -19,6 +19,9 @@ public:
 
   /// Memory of the factor or preconditioner on all ranks, bytes. Collective.
   [[nodiscard]] virtual double bytes() const = 0;
+
+protected:
+  static void count_solve();
 };
 
 /// Factorisation by MUMPS on any number of ranks. PETSc options with the prefix `-step_` are honoured.

@@ -251,6 +251,7 @@ void SparseCholesky::backward(std::span<const double> corner, Vec x) const {
   if (double* kept = static_cast<double*>(c_->z->x) + (n - corner.size()); kept != corner.data())
     std::ranges::copy(corner, kept);
   c_->triangular_solve(CHOLMOD_Lt, c_->z, &c_->x);
+  count_solve();
   const petsc::WriteArray values(x);
   const auto* ordered = static_cast<const double*>(c_->x->x);
   for (std::size_t i = 0; i < n; ++i)

@@ -104,6 +104,7 @@ void CondensedVi::solve(Vec r, std::span<const double> psi, const ContactState& 
   condensation_.predict_gap(r, psi, gap0_);
   set_.clear();
   if (std::ranges::any_of(gap0_, [](double g) { return g < 0; })) {
+    count_solved();
     set_ = previous.active;
     constraints_.drop_dependent(set_);
     solve_on_set(state);

@@ -1,5 +1,6 @@
 #include "contact/constraints.h"
 #include "base/collective.h"
+#include "base/counters.h"
 #include "contact/node_basis.h"
 #include <algorithm>
 #include <array>
@@ -10,6 +11,8 @@
 
 namespace signorini::contact {
 namespace {
+
+long& made = count("constraints");
 
 /// The numbers of every rank, in rank order, on every rank.
 template <class T>
@@ -26,7 +29,10 @@ std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine, MPI_Datatype ty
 
 /// The components of a node that can move, a bit for each.
 int free_components(const fem::Clamped& clamped, int node, int dim) {
-  return clamped.contains(node) ? 0 : (1 << dim) - 1;
+  int free = 0;
+  for (int c = 0; c < dim; ++c)
+    free |= clamped.contains(node, c) ? 0 : 1 << c;
+  return free;
 }
 
 } // namespace
@@ -34,6 +40,7 @@ int free_components(const fem::Clamped& clamped, int node, int dim) {
 Constraints::Constraints(const fem::Space& space, const fem::Clamped& clamped,
                          const std::vector<scene::Contact>& contacts)
     : dim_(space.dim()), gap_tolerance_(1e-10 * space.mesh().diameter()), comm_(space.comm()) {
+  ++made;
   std::vector<Obstacle> obstacles;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     keys_.push_back(scene::contact_key(contacts, i));
@@ -95,8 +102,9 @@ void Constraints::add_candidates(const std::vector<scene::Contact>& contacts,
         force[c] = -plane.normal[c]; // ν points into the obstacle, the obstacle's normal out of it
         free = std::hypot(free, force[c]);
       }
-    if (free <= NodeBasis::parallel) // the obstacle meets the clamp, not the body
+    if (free <= NodeBasis::parallel) // the node cannot move towards the obstacle
       continue;
+    held_ |= kind[2 * i + 1] != (1 << dim_) - 1;
     for (int c = 0; c < dim_; ++c) {
       normals_.push_back(-plane.normal[c]);
       directions_.push_back(force[c]);
@@ -109,9 +117,10 @@ void Constraints::add_candidates(const std::vector<scene::Contact>& contacts,
   }
   for (std::size_t i = 0; i < contacts.size(); ++i)
     if (candidates[i] == 0)
-      throw UserError(fmt::format("{}.on: every node of the group \"{}\" is clamped, allowed is a group with "
-                                  "nodes that can move",
-                                  keys_[i], contacts[i].on));
+      throw UserError(fmt::format(
+          "{}.on: every node of the group \"{}\" is clamped against the obstacle, allowed is a group "
+          "with nodes that can move towards it",
+          keys_[i], contacts[i].on));
   const PetscInt end = space.first_dof() + space.owned_nodes() * dim_;
   for (PetscInt dof : first_dofs_)
     local_.push_back(dof >= space.first_dof() && dof < end ? static_cast<int>(dof - space.first_dof()) : -1);
@@ -173,6 +182,8 @@ bool Constraints::place(const Node& node, std::span<const double> gap) const {
 }
 
 void Constraints::require_room(std::span<const double> psi, double t) const {
+  if (held_) // clamps that move make or take room
+    return;
   for (const Node& node : per_node_)
     if (node.crowded && !place(node, psi))
       throw UserError(
@@ -253,6 +264,24 @@ void Constraints::set_normal(std::span<const int> set, std::span<const double> v
     basis.shortest(change);
     basis.add_to(at_node, change);
   }
+}
+
+void Constraints::hold(Vec diagonal, Vec r, Vec y) const {
+  if (!held_)
+    return;
+  const petsc::ReadArray d(diagonal), force(r);
+  const petsc::WriteArray values(y);
+  for (int i = 0; i < count(); ++i)
+    for (int c = 0; local_[i] >= 0 && c < dim_; ++c)
+      if (directions_[i * dim_ + c] != normals_[i * dim_ + c])
+        values[local_[i] + c] = force[local_[i] + c] / d[local_[i] + c];
+}
+
+double Constraints::held_normal(int i, std::span<const double> y) const {
+  double sum = 0;
+  for (int c = 0; c < dim_; ++c)
+    sum += (normals_[i * dim_ + c] - directions_[i * dim_ + c]) * y[local_[i] + c];
+  return sum;
 }
 
 bool Constraints::depends(const ActiveSet& set, int i) const {

@@ -63,6 +63,16 @@ public:
   /// candidates of a node depend on each other, for the first of them.
   void set_normal(std::span<const int> set, std::span<const double> value, Vec x) const;
 
+  /// Whether clamps hold components of some candidate's node along its ν.
+  [[nodiscard]] bool held() const { return held_; }
+
+  /// Sets these components of y to what the step's system says, in which they are decoupled: r over the
+  /// matrix's diagonal.
+  void hold(Vec diagonal, Vec r, Vec y) const;
+
+  /// Their share in ν_i·y for a candidate of this rank and the owned entries of y.
+  [[nodiscard]] double held_normal(int i, std::span<const double> y) const;
+
   /// Whether candidates of some node depend on each other: more obstacles than dimensions, or opposite walls.
   /// The forces of a motion are then not unique, and S is singular.
   [[nodiscard]] bool dependent() const { return dependent_; }
@@ -123,7 +133,7 @@ private:
   std::vector<int> nodes_, obstacles_;
   std::vector<int> local_; ///< first local dof of each candidate's node, −1 on ranks that do not own it (m)
   std::vector<Node> per_node_;
-  bool dependent_ = false;
+  bool dependent_ = false, held_ = false;
 
   /// Work of const members: ψ at the last time asked for, how far each moving obstacle has come by then.
   mutable std::vector<double> now_, advance_;

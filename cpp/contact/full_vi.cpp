@@ -89,6 +89,8 @@ FullVi::FullVi(const Constraints& constraints, Mat D, const Complementarity& com
     : constraints_(constraints), complementarity_(complementarity), length_unit_(constraints.gap_tolerance()),
       axis_(largest_components(constraints)), length_(lengths(constraints)),
       Q_(frames(constraints, D, axis_, length_)) {
+  if (constraints.held())
+    diagonal_ = fem::diagonal(D);
   petsc::Matrix rows; // PETSc multiplies and extracts by rows, not by blocks
   check(MatConvert(D, MATAIJ, MAT_INITIAL_MATRIX, rows.put()));
   check(MatPtAP(rows, Q_, MAT_INITIAL_MATRIX, PETSC_DEFAULT, D_.put()));
@@ -116,13 +118,16 @@ void FullVi::solve(Vec r, std::span<const double> psi, const ContactState&, Cont
   const std::size_t m = psi.size();
   check(MatMultTranspose(Q_, r, r_));
   check(VecScale(r_, -1 / force_unit_));
+  constraints_.hold(diagonal_, r, y);
   check(MatMultTranspose(Q_, y, z_));
   check(VecScale(z_, 1 / length_unit_));
   {
+    const petsc::ReadArray known(y);
     const petsc::WriteArray upper(vi_->upper()), z(z_);
     for (std::size_t i = 0; i < m; ++i)
       if (const PetscInt at = coordinate(i); at >= 0) {
-        upper[at] = psi[i] / length_[i] / length_unit_;
+        upper[at] =
+            (psi[i] - constraints_.held_normal(static_cast<int>(i), known)) / length_[i] / length_unit_;
         // A guess from the bound can come a rounding below it, and the solver would leave it there: one unit,
         // the gap tolerance, is no distance.
         if (z[at] >= upper[at] - 1)
@@ -130,6 +135,7 @@ void FullVi::solve(Vec r, std::span<const double> psi, const ContactState&, Cont
       }
   }
   state.vi_iterations = vi_->solve(r_, z_);
+  count_solved();
 
   std::ranges::fill(state.lambda, 0);
   {

@@ -26,8 +26,9 @@ private:
   double length_unit_, force_unit_; ///< of the VI: a negligible gap, and the force that makes it
   std::vector<int> axis_;           ///< component that the direction of each candidate's force takes over (m)
   std::vector<double> length_;      ///< of these directions, 1 but where a clamp holds components (m)
-  petsc::Matrix Q_; ///< nodal frames: a column of a candidate's block is the direction of its force
-  petsc::Matrix D_; ///< QᵀDQ in these units
+  petsc::Matrix Q_;        ///< nodal frames: a column of a candidate's block is the direction of its force
+  petsc::Matrix D_;        ///< QᵀDQ in these units
+  petsc::Vector diagonal_; ///< of D where clamps hold components of candidates' nodes, else null
   petsc::Vector z_, r_;
   std::optional<LinearVi> vi_;
 };

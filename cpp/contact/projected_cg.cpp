@@ -12,6 +12,8 @@ ProjectedCg::ProjectedCg(const Constraints& constraints, const ConjugateGradient
                          const Complementarity& complementarity)
     : constraints_(constraints), D_(D), matrix_(matrix), complementarity_(complementarity),
       zero_(static_cast<std::size_t>(constraints.count()), 0.0), residual_(petsc::vector_of(matrix)) {
+  if (constraints.held())
+    diagonal_ = fem::diagonal(matrix);
   set_.reserve(zero_.size());
   next_.reserve(zero_.size());
   wrong_.reserve(zero_.size());
@@ -40,6 +42,7 @@ void ProjectedCg::solve(Vec r, std::span<const double> psi, const ContactState& 
   const ConjugateGradients::Judge judge = std::cref(look); // small enough not to be allocated
   set_ = previous.active;
   constraints_.drop_dependent(set_);
+  constraints_.hold(diagonal_, r, y); // on which gaps depend
   // Block principal pivoting (Júdice and Pires): whole primal-dual steps as long as fewer and fewer
   // candidates are on the wrong side, else one node at a time, the last one on the wrong side, which ends
   // after finitely many (Murty).
@@ -64,6 +67,8 @@ void ProjectedCg::solve(Vec r, std::span<const double> psi, const ContactState& 
     else
       constraints_.take_node(next_, wrong_.back(), set_);
   }
+  if (!previous.active.empty() || state.vi_iterations > 0)
+    count_solved();
   complementarity_.classify(state);
 }
 

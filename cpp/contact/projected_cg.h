@@ -27,6 +27,7 @@ private:
   const Complementarity& complementarity_;
   const std::vector<double> zero_; ///< (m)
   petsc::Vector residual_;
+  petsc::Vector diagonal_; ///< of D where clamps hold components of candidates' nodes, else null
   mutable ActiveSet set_, next_, wrong_;
 };
 

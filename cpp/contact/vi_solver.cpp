@@ -1,9 +1,18 @@
 #include "contact/vi_solver.h"
+#include "base/counters.h"
 #include "base/error.h"
 #include <fmt/format.h>
 
 namespace signorini::contact {
 using petsc::check;
+
+namespace {
+long &solvers = count("VI solvers"), &solved = count("VIs solved");
+}
+
+ViSolver::ViSolver() { ++solvers; }
+
+void ViSolver::count_solved() { ++solved; }
 
 Complementarity::Complementarity(const Constraints& constraints, Mat D)
     : gap_tolerance_(constraints.gap_tolerance()) {

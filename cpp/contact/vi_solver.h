@@ -7,6 +7,7 @@ namespace signorini::contact {
 /// Solver of one contact step: minimise ½ y·Dy − r·y over g(y) ≥ 0 (4.22).
 class ViSolver {
 public:
+  ViSolver();
   virtual ~ViSolver() = default;
 
   /// Solves for `y`, which holds a guess on entry, and for `state`, made for the m candidates; `psi` (m) are
@@ -14,6 +15,10 @@ public:
   /// which the search starts. Collective. Throws SolverFailure with reason and residual.
   virtual void solve(Vec r, std::span<const double> psi, const ContactState& previous, ContactState& state,
                      Vec y) const = 0;
+
+protected:
+  /// Counts a step in which the inequality mattered: the motion without contact would have penetrated.
+  static void count_solved();
 };
 
 /// Tells candidates apart as open, weak and strong, and throws SolverFailure unless the state is

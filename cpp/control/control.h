@@ -6,48 +6,59 @@
 
 namespace signorini::control {
 
-/// A control u: one vector of V per time step, constant on (t_{k−1}, t_k).
+/// A control u: one vector per time step, constant on (t_{k−1}, t_k), or one for all of them.
 class Control {
 public:
-  explicit Control(petsc::Series steps) : steps_(std::move(steps)) {}
+  /// `values` holds one vector, for all steps, or one for each.
+  Control(petsc::Series values, int steps) : values_(std::move(values)), steps_(steps) {}
   Control(const Control& other);
   Control& operator=(const Control& other);
   Control(Control&&) = default;
   Control& operator=(Control&&) = default;
 
   /// u_k, k = 1…N.
-  [[nodiscard]] Vec at(int k) const { return steps_[static_cast<std::size_t>(k) - 1]; }
-  [[nodiscard]] int steps() const { return static_cast<int>(steps_.size()); }
+  [[nodiscard]] Vec at(int k) const {
+    return values_[values_.size() == 1 ? 0 : static_cast<std::size_t>(k) - 1];
+  }
+  [[nodiscard]] int steps() const { return steps_; }
+  /// Different vectors: 1 or N.
+  [[nodiscard]] int count() const { return static_cast<int>(values_.size()); }
 
   /// this += a x.
   void add(double a, const Control& x);
   void scale(double a);
 
 private:
-  petsc::Series steps_;
+  petsc::Series values_;
+  int steps_;
 };
 
-/// The space of controls: its products, its bounds, and how it enters the equation of motion. All members
-/// collective.
+/// The space of controls: what they act on, their products, their bounds, and how they enter the equation of
+/// motion. Nodal values of the displacement's degree ("P1"), or one value for each cell ("P0"); on the whole
+/// body, a part of it or a surface (there a cell's value acts on those of its facets that lie on it). All
+/// members collective.
 ///
-/// Two products: product() is that of L2(0,T; L2), τ Σ (u_k, w_k). metric() is what the optimizer measures
-/// with: the same without bounds; with bounds its mass matrix is replaced by a diagonal one (lumped, HRZ),
-/// because clipping the nodal values to the bounds is the projection onto the bounds exactly where the mass
-/// matrix is diagonal.
+/// Two products: product() is that of L2(0,T; L2), τ Σ (u_k, w_k), over what the control acts on. metric() is
+/// what the optimizer measures with: the same where the mass matrix is diagonal or there are no bounds; else
+/// with a diagonal one (lumped, HRZ), because clipping the values to the bounds is the projection onto the
+/// bounds exactly where the mass matrix is diagonal.
 class ControlSpace {
 public:
-  /// The references must outlive this object.
+  /// The references must outlive this object. Throws UserError.
   ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::Scheme scheme, int steps,
                const scene::Control& scene);
 
   [[nodiscard]] Control zero() const;
   /// One whose values are still to be written.
   [[nodiscard]] Control unset() const;
-  /// Nodal values at the middle of each step.
+  /// The same number wherever the control acts.
+  [[nodiscard]] Control constant(double value) const;
+  /// Values at the nodes or midpoints, in the middle of each step; of a control constant in time, at t = 0.
+  /// Throws UserError naming `key`.
   [[nodiscard]] Control interpolate(const scene::Components& components, const std::string& key) const;
+  /// Sets to zero where and in what components the control does not act.
+  void restrict(Control& u) const;
 
-  /// (x, y) in L2 of two fields in V.
-  [[nodiscard]] double dot(Vec x, Vec y) const;
   [[nodiscard]] double product(const Control& u, const Control& w) const;
   [[nodiscard]] double norm(const Control& u) const;
   [[nodiscard]] double metric(const Control& u, const Control& w) const;
@@ -58,25 +69,45 @@ public:
   /// Clips to the bounds: the projection in metric().
   void project(Control& u) const;
 
-  /// s, N/m³ per unit of control.
-  [[nodiscard]] double scale() const { return scale_; }
   [[nodiscard]] int steps() const { return steps_; }
   [[nodiscard]] const fem::Space& space() const { return space_; }
+  /// Whether a control has one value for each cell.
+  [[nodiscard]] bool cellwise() const { return cellwise_; }
+  /// Where the owned values are: nodes or midpoints of cells (× 3), m.
+  [[nodiscard]] const std::vector<double>& points() const { return points_; }
 
-  /// density += s u_k.
-  void add_load(const Control& u, int k, Vec density) const;
-  /// `load` and the control's on top of it; u must outlive the result.
-  [[nodiscard]] forward::AddLoad with(forward::AddLoad load, const Control& u) const;
+  /// s u_k; valid as long as `u` and this object live.
+  [[nodiscard]] forward::Load load(const Control& u) const;
+
+  /// Adds to g what step k contributes to the Riesz representative, by product(), of the functional
+  /// u ↦ Σ_k impulse() p_k · (force of u_k): the transpose of load(). For one vector per step (τ s/2) p_k.
+  void add_riesz(int k, Vec p, Control& g) const;
 
 private:
+  [[nodiscard]] std::size_t vectors() const {
+    return constant_in_time_ ? 1 : static_cast<std::size_t>(steps_);
+  }
+  /// τ, or T where one vector is that of all steps.
+  [[nodiscard]] double duration() const { return scheme_.tau * steps_ / static_cast<double>(vectors()); }
+  /// out = mass matrix · x.
+  void mass(Vec x, Vec out) const;
+  template <class Mass>
+  double product(const Control& u, const Control& w, Mass&& mass) const;
+
   const fem::Space& space_;
-  Mat W_;
   forward::Scheme scheme_;
   int steps_;
   double scale_;
+  bool constant_in_time_, cellwise_, whole_;
+  std::vector<int> components_;
+  std::vector<double> points_;
+  petsc::Matrix own_;     ///< nodal: mass matrix of a part or surface; cellwise: ∫ u·φ (dofs × values)
+  Mat mass_ = nullptr;    ///< nodal: the mass matrix, own_ or W
+  petsc::Vector volumes_; ///< cellwise: the diagonal mass matrix
+  petsc::Vector mask_;    ///< one where the control acts; null if that is everywhere
   std::optional<std::vector<double>> lower_, upper_; ///< one entry per component
   petsc::Vector work_;
-  petsc::Vector lumped_; ///< diagonal of the lumped mass matrix; null without bounds
+  petsc::Vector lumped_; ///< diagonal of the lumped mass matrix; null where metric() is product()
 };
 
 } // namespace signorini::control

@@ -1,45 +1,82 @@
 #include "control/objective.h"
+#include "base/counters.h"
 #include <cmath>
 
 namespace signorini::control {
 using petsc::check;
 
-Objective::Objective(const ControlSpace& controls, forward::Scheme scheme, petsc::Series desired,
-                     double alpha, double gamma)
-    : scheme_(scheme), desired_(std::move(desired)), alpha_(alpha), gamma_(gamma), controls_(controls),
-      error_(controls.space().vector()) {}
-
-double Objective::tracking_weight(int k) const {
-  return k == 0 || k == controls_.steps() ? scheme_.tau / 2 : scheme_.tau;
+namespace {
+long& objectives = count("objectives");
 }
 
-double Objective::terminal_weight(int k) const { return k == controls_.steps() ? 2 * gamma_ : 0; }
+Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, forward::Scheme scheme,
+                     petsc::Series desired, const scene::Objective& scene)
+    : scheme_(scheme), steps_(controls.steps()), desired_(std::move(desired)), tracking_(scene.tracking),
+      alpha_(scene.alpha), gamma_(scene.gamma), controls_(controls),
+      own_(scene.on ? fem::assemble_L2(controls.space(), *scene.on, "objective.on") : petsc::Matrix()),
+      observed_(own_ ? Mat(own_) : Mat(operators.W)), error_(controls.space().vector()),
+      work_(controls.space().vector()) {
+  ++objectives;
+}
+
+double Objective::tracking_weight(int k) const {
+  return tracking_ * (k == 0 || k == steps_ ? scheme_.tau / 2 : scheme_.tau);
+}
+
+double Objective::terminal_weight(int k) const { return k == steps_ ? 2 * gamma_ : 0; }
 
 double Objective::squared_distance(int k, Vec y) const {
   check(VecWAXPY(error_, -1, desired_[static_cast<std::size_t>(k)], y));
-  return controls_.dot(error_, error_);
+  check(MatMult(observed_, error_, work_));
+  return petsc::dot(error_, work_);
 }
 
 double Objective::distance(int k, Vec y) const { return std::sqrt(squared_distance(k, y)); }
 
 Value Objective::value(const forward::Trajectory& trajectory, const Control& u) const {
   Value value;
-  for (int k = 0; k <= controls_.steps(); ++k) {
+  for (int k = 0; k <= steps_; ++k) {
+    if (tracking_weight(k) + terminal_weight(k) == 0)
+      continue;
     const double squared = squared_distance(k, trajectory.y[static_cast<std::size_t>(k)]);
     value.tracking += tracking_weight(k) / 2 * squared;
     value.terminal += terminal_weight(k) / 2 * squared;
   }
-  value.control_cost = alpha_ / 2 * controls_.product(u, u);
+  if (alpha_ > 0)
+    value.control_cost = alpha_ / 2 * controls_.product(u, u);
   return value;
 }
 
-void Objective::add_derivative(int k, Vec y, Vec density) const {
-  const double weight = tracking_weight(k) + terminal_weight(k);
-  check(VecAXPBYPCZ(density, weight, -weight, 1, y, desired_[static_cast<std::size_t>(k)]));
+forward::Load Objective::dual(std::function<void(int k, double weight, Vec out)> add) const {
+  const auto weight = [this](int k) { return tracking_weight(k) + terminal_weight(k); };
+  forward::Load load;
+  if (own_)
+    load.force = [=, this](int k, Vec out) {
+      if (weight(k) == 0)
+        return;
+      check(VecZeroEntries(work_));
+      add(k, weight(k), work_);
+      check(MatMultAdd(observed_, work_, out, out));
+    };
+  else
+    load.density = [=](int k, Vec out) {
+      if (weight(k) != 0)
+        add(k, weight(k), out);
+    };
+  return load;
 }
 
-void Objective::add_second_derivative(int k, Vec delta, Vec density) const {
-  check(VecAXPY(density, tracking_weight(k) + terminal_weight(k), delta));
+forward::Load Objective::derivative(const forward::Trajectory& trajectory) const {
+  return dual([this, &trajectory](int k, double weight, Vec out) {
+    const auto i = static_cast<std::size_t>(k);
+    check(VecAXPBYPCZ(out, weight, -weight, 1, trajectory.y[i], desired_[i]));
+  });
+}
+
+forward::Load Objective::second_derivative(const petsc::Series& dy) const {
+  return dual([&dy](int k, double weight, Vec out) {
+    check(VecAXPY(out, weight, dy[static_cast<std::size_t>(k) - 1]));
+  });
 }
 
 } // namespace signorini::control

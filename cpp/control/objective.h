@@ -12,38 +12,45 @@ struct Value {
   [[nodiscard]] double total() const { return tracking + terminal + control_cost; }
 };
 
-/// J: how far the motion is from the desired one, and what the control costs. All members collective.
+/// J: how far the motion is from the desired one, over the body, a part of it or a surface, and what the
+/// control costs. A term whose weight is zero is not evaluated. All members collective.
 class Objective {
 public:
-  /// `desired` holds y_d,0…y_d,N. The references must outlive this object.
-  Objective(const ControlSpace& controls, forward::Scheme scheme, petsc::Series desired, double alpha,
-            double gamma);
+  /// `desired` holds y_d,0…y_d,N. The references must outlive this object. Throws UserError.
+  Objective(const ControlSpace& controls, const fem::Operators& operators, forward::Scheme scheme,
+            petsc::Series desired, const scene::Objective& scene);
 
   [[nodiscard]] Value value(const forward::Trajectory& trajectory, const Control& u) const;
 
-  /// density += d_k with ∂J/∂y_k = W d_k at y_k; k = 1…N.
-  void add_derivative(int k, Vec y, Vec density) const;
+  /// ∂J/∂y_k along a trajectory, k = 1…N, given like a load; valid as long as both objects live.
+  [[nodiscard]] forward::Load derivative(const forward::Trajectory& trajectory) const;
 
-  /// density += d_k with ∂²J/∂y_k² δ = W d_k.
-  void add_second_derivative(int k, Vec delta, Vec density) const;
+  /// ∂²J/∂y_k² δy_k for δy_1…δy_N, likewise.
+  [[nodiscard]] forward::Load second_derivative(const petsc::Series& dy) const;
 
   /// α: the derivative by the control is α u.
   [[nodiscard]] double alpha() const { return alpha_; }
 
-  /// ‖y − y_d,k‖ in L2.
+  /// ‖y − y_d,k‖ in L2 of what is observed.
   [[nodiscard]] double distance(int k, Vec y) const;
 
 private:
-  /// J's state part is Σ_k ½ state_weight(k) ‖e_k‖², the trapezoidal rule: what value and derivatives share.
+  /// J's state part is Σ_k ½ (tracking + terminal weight) ‖e_k‖², the trapezoidal rule: what value and
+  /// derivatives share.
   [[nodiscard]] double tracking_weight(int k) const;
   [[nodiscard]] double terminal_weight(int k) const;
   double squared_distance(int k, Vec y) const;
+  /// weight · L2 product · δ for add(k, weight, density of δ): as density over the whole body, else as force.
+  [[nodiscard]] forward::Load dual(std::function<void(int k, double weight, Vec out)> add) const;
 
   forward::Scheme scheme_;
+  int steps_;
   petsc::Series desired_;
-  double alpha_, gamma_;
+  double tracking_, alpha_, gamma_;
   const ControlSpace& controls_;
-  petsc::Vector error_;
+  petsc::Matrix own_; ///< the L2 product of what is observed; null for the whole body
+  Mat observed_;      ///< own_ or W
+  petsc::Vector error_, work_;
 };
 
 } // namespace signorini::control

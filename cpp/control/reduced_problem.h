@@ -19,9 +19,9 @@ public:
     int forward = 0, adjoint = 0;
   };
 
-  /// The references must outlive this object. `add_load` is the load without the control.
+  /// The references must outlive this object. `load` is the load without the control.
   ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls, const Objective& objective,
-                 const forward::Initial& initial, forward::AddLoad add_load, Timers& timers);
+                 const forward::Initial& initial, forward::Load load, Timers& timers);
 
   /// J(u) by a forward sweep; u becomes the trial. Throws Interrupted, SolverFailure.
   double value(const Control& u);
@@ -30,7 +30,7 @@ public:
   void accept();
 
   /// The gradient at the current control, as Riesz representative in L2(0,T; L2) by one adjoint sweep:
-  /// g_k = α u_k + (τ s/2) p_k.
+  /// g_k = α u_k + (τ s/2) p_k where the control acts.
   Control l2_gradient();
 
   /// The gradient as Riesz representative in the optimizer's metric.
@@ -43,9 +43,8 @@ public:
   /// S'(u) d: the linearised states δy_1…δy_N at the current control, active sets frozen.
   petsc::Series linearised(const Control& d);
 
-  /// S'(u)* w for duals W d_1…W d_N of the states, given by their densities d_k, as Riesz representative in
-  /// L2(0,T; L2).
-  Control adjoint(const std::function<void(int k, Vec density)>& add_density);
+  /// S'(u)* w for duals w_1…w_N of the states, given like a load, as Riesz representative in L2(0,T; L2).
+  Control adjoint(const forward::Load& dual);
 
   [[nodiscard]] double inner(const Control& u, const Control& w) const { return controls_.metric(u, w); }
   void project(Control& u) const { controls_.project(u); }
@@ -58,14 +57,13 @@ public:
   [[nodiscard]] petsc::Series adjoint_states(const std::vector<int>& steps) const;
   [[nodiscard]] Sweeps sweeps() const { return sweeps_; }
   /// Load with the current control.
-  [[nodiscard]] forward::AddLoad load() const;
+  [[nodiscard]] forward::Load load() const;
   [[nodiscard]] const ControlSpace& controls() const { return controls_; }
   [[nodiscard]] const Objective& objective() const { return objective_; }
 
 private:
   /// scale u + S'(u)* w as Riesz representative in L2(0,T; L2).
-  Control riesz(const std::function<void(int k, Vec density)>& add_density, double scale, const Control& u);
-  void add_derivative(int k, Vec density) const;
+  Control riesz(const forward::Load& dual, double scale, const Control& u);
 
   struct Point {
     Control u;
@@ -77,7 +75,7 @@ private:
   const ControlSpace& controls_;
   const Objective& objective_;
   const forward::Initial& initial_;
-  forward::AddLoad add_load_;
+  forward::Load load_;
   Timers& timers_;
   Point current_, trial_;
   Sweeps sweeps_;

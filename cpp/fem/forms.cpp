@@ -1,24 +1,33 @@
 #include "fem/forms.h"
+#include "base/counters.h"
 #include "viscoelasticity_tetrahedron_1.h"
 #include "viscoelasticity_tetrahedron_2.h"
 #include "viscoelasticity_triangle_1.h"
 #include "viscoelasticity_triangle_2.h"
+#include <algorithm>
 #include <array>
 #include <dolfinx/fem/petsc.h>
 #include <dolfinx/la/petsc.h>
+#include <dolfinx/mesh/Mesh.h>
+#include <numeric>
 #include <stdexcept>
 
 namespace signorini::fem {
 namespace {
 
 /// Generated code of every form, in the order of enum Form.
-using Generated = std::array<const ufcx_form*, 6>;
+using Generated = std::array<const ufcx_form*, 9>;
+constexpr std::array names{"L2", "L2_surface", "L2_cellwise", "L2_cellwise_surface", "m", "a",
+                           "b",  "d",          "d_elastic"};
 
 #define SIGNORINI_GENERATED(cell, degree)                                                                    \
   Generated {                                                                                                \
-    form_viscoelasticity_##cell##_##degree##_L2, form_viscoelasticity_##cell##_##degree##_m,                 \
-        form_viscoelasticity_##cell##_##degree##_a, form_viscoelasticity_##cell##_##degree##_b,              \
-        form_viscoelasticity_##cell##_##degree##_d, form_viscoelasticity_##cell##_##degree##_d_elastic       \
+    form_viscoelasticity_##cell##_##degree##_L2, form_viscoelasticity_##cell##_##degree##_L2_surface,        \
+        form_viscoelasticity_##cell##_##degree##_L2_cellwise,                                                \
+        form_viscoelasticity_##cell##_##degree##_L2_cellwise_surface,                                        \
+        form_viscoelasticity_##cell##_##degree##_m, form_viscoelasticity_##cell##_##degree##_a,              \
+        form_viscoelasticity_##cell##_##degree##_b, form_viscoelasticity_##cell##_##degree##_d,              \
+        form_viscoelasticity_##cell##_##degree##_d_elastic                                                   \
   }
 
 Generated generated(const Space& space) {
@@ -33,10 +42,11 @@ Generated generated(const Space& space) {
   throw std::logic_error("no forms were compiled for this cell and degree (CMakeLists.txt)");
 }
 
-} // namespace
+using Compiled = dolfinx::fem::Form<PetscScalar, double>;
 
-petsc::Matrix assemble(const Space& space, Form form, const scene::Material& material, double tau,
-                       const char* type) {
+/// A form over `entities`: cells, or facets as pairs of a cell and the facet's number in it.
+Compiled compile(const Space& space, Form form, const scene::Material& material, double tau,
+                 const std::vector<std::int32_t>& entities) {
   using Constant = dolfinx::fem::Constant<PetscScalar>;
   const auto constant = [](double value) { return std::make_shared<Constant>(value); };
   const scene::Viscosity viscosity = material.viscosity.value_or(scene::Viscosity{});
@@ -44,16 +54,87 @@ petsc::Matrix assemble(const Space& space, Form form, const scene::Material& mat
       {"rho", constant(material.density)},     {"young", constant(material.young)},
       {"poisson", constant(material.poisson)}, {"kappa", constant(viscosity.bulk)},
       {"eta", constant(viscosity.shear)},      {"tau", constant(tau)}};
+  using enum dolfinx::fem::IntegralType;
+  const bool cellwise_trial = form == Form::L2_cellwise || form == Form::L2_cellwise_surface;
+  const auto type = form == Form::L2_surface || form == Form::L2_cellwise_surface ? exterior_facet : cell;
   const std::shared_ptr<const dolfinx::fem::FunctionSpace<double>> V = space.dolfinx();
-  const auto compiled = dolfinx::fem::create_form<PetscScalar, double>(
-      *generated(space).at(static_cast<std::size_t>(form)), {V, V}, {}, constants, {}, {});
+  Compiled compiled = dolfinx::fem::create_form<PetscScalar, double>(
+      *generated(space).at(static_cast<std::size_t>(form)), {V, cellwise_trial ? cellwise(space.mesh()) : V},
+      {}, constants, {{type, {{1, entities}}}}, {});
+  if (compiled.integral_ids(type) != std::vector{1} || compiled.integral_types() != std::set{type})
+    throw std::runtime_error(
+        "forms/viscoelasticity.py: the measures of a form are dx(1), of L2_surface ds(1)");
+  ++count(std::string("assembled ") + names.at(static_cast<std::size_t>(form)));
+  return compiled;
+}
+
+petsc::Matrix assemble(const Compiled& compiled, const char* type) {
   petsc::Matrix matrix(dolfinx::fem::petsc::create_matrix(compiled, type));
   dolfinx::fem::assemble_matrix(dolfinx::la::petsc::Matrix::set_block_fn(matrix, ADD_VALUES), compiled, {});
   petsc::check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
   petsc::check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
+  return matrix;
+}
+
+petsc::Matrix symmetric(petsc::Matrix matrix) {
   petsc::check(MatSetOption(matrix, MAT_SYMMETRIC, PETSC_TRUE));
   petsc::check(MatSetOption(matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
   return matrix;
+}
+
+std::vector<std::int32_t> all_cells(const Space& space) {
+  const auto topology = space.mesh().dolfinx()->topology();
+  std::vector<std::int32_t> cells(
+      static_cast<std::size_t>(topology->index_map(topology->dim())->size_local()));
+  std::iota(cells.begin(), cells.end(), 0);
+  return cells;
+}
+
+/// The facets that this rank owns, each as a pair of a cell and its number in it. Of a facet inside of the
+/// body one of its two cells: functions of V are the same from either.
+std::vector<std::int32_t> sides(const Space& space, const std::vector<std::int32_t>& facets) {
+  const auto topology = space.mesh().dolfinx()->topology();
+  const int dim = topology->dim();
+  const auto cells_of = topology->connectivity(dim - 1, dim),
+             facets_of = topology->connectivity(dim, dim - 1);
+  std::vector<std::int32_t> sides;
+  for (std::int32_t facet : facets) {
+    if (facet >= topology->index_map(dim - 1)->size_local())
+      continue;
+    const std::int32_t cell = cells_of->links(facet).front();
+    const auto own = facets_of->links(cell);
+    sides.push_back(cell);
+    sides.push_back(static_cast<std::int32_t>(std::ranges::find(own, facet) - own.begin()));
+  }
+  return sides;
+}
+
+/// `volume` over a group of cells or `surface` over one of facets, in rows.
+petsc::Matrix assemble_over(const Space& space, const std::string& group, const std::string& key, Form volume,
+                            Form surface) {
+  const scene::Material none; // nor a time step
+  return assemble(space.mesh().group_dimension(group, key) < space.dim()
+                      ? compile(space, surface, none, 0, sides(space, space.mesh().facets(group, key)))
+                      : compile(space, volume, none, 0, space.mesh().cells(group, key)),
+                  MATAIJ);
+}
+
+} // namespace
+
+petsc::Matrix assemble(const Space& space, Form form, const scene::Material& material, double tau,
+                       const char* type) {
+  return symmetric(assemble(compile(space, form, material, tau, all_cells(space)), type));
+}
+
+petsc::Matrix assemble_part(const Space& space, const std::string& group, const std::string& key) {
+  return symmetric(assemble_over(space, group, key, Form::L2, Form::L2_surface));
+}
+
+petsc::Matrix assemble_cellwise(const Space& space, const std::optional<std::string>& group,
+                                const std::string& key) {
+  if (group)
+    return assemble_over(space, *group, key, Form::L2_cellwise, Form::L2_cellwise_surface);
+  return assemble(compile(space, Form::L2_cellwise, {}, 0, all_cells(space)), MATAIJ);
 }
 
 } // namespace signorini::fem

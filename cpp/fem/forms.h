@@ -2,16 +2,27 @@
 #include "base/petsc.h"
 #include "fem/space.h"
 #include "scene/scene.h"
+#include <optional>
 
 namespace signorini::fem {
 
 /// The bilinear forms of forms/viscoelasticity.py, by their names there.
-enum class Form { L2, m, a, b, d, d_elastic };
+enum class Form { L2, L2_surface, L2_cellwise, L2_cellwise_surface, m, a, b, d, d_elastic };
 
-/// Assembles a form on V for a material and time step, no boundary condition applied: a symmetric matrix of
-/// PETSc type `type` (rows or blocks), its block size the space dimension. Collective. Throws
-/// std::runtime_error if the form asks for a constant that the program does not give.
+/// Assembles a form of cells on V for a material and time step, no boundary condition applied: a symmetric
+/// matrix of PETSc type `type` (rows or blocks), its block size the space dimension. Collective. Throws
+/// std::runtime_error if the form asks for a constant that the program does not give, or is not over dx(1).
 petsc::Matrix assemble(const Space& space, Form form, const scene::Material& material, double tau,
                        const char* type);
+
+/// The L2 product over a group of cells or facets, in rows of which only those that the group touches have
+/// entries other than zero. Collective. Throws UserError, naming the scene's `key`, as
+/// mesh::Mesh::group_dimension does.
+petsc::Matrix assemble_part(const Space& space, const std::string& group, const std::string& key);
+
+/// ∫ u·φ for functions u that are constant on each cell (columns), over the body or a group of cells or
+/// facets, in rows. Collective. Throws as assemble_part does.
+petsc::Matrix assemble_cellwise(const Space& space, const std::optional<std::string>& group,
+                                const std::string& key);
 
 } // namespace signorini::fem

@@ -1,42 +1,76 @@
 #include "fem/operators.h"
+#include "base/collective.h"
+#include "base/error.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
 
 namespace signorini::fem {
 using petsc::check;
 
-Clamped::Clamped(const Space& space, const std::vector<scene::Clamp>& clamps)
-    : dim_(space.dim()), first_dof_(space.first_dof()) {
-  for (std::size_t i = 0; i < clamps.size(); ++i) {
-    const std::vector<int> nodes =
-        space.nodes_on(clamps[i].on, clamps.size() == 1 ? "clamp.on" : fmt::format("clamp[{}].on", i));
-    nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
-  }
-  std::ranges::sort(nodes_);
-  const auto [last, end] = std::ranges::unique(nodes_);
-  nodes_.erase(last, end);
+std::vector<int> component_numbers(const std::optional<std::vector<std::string>>& names, int dim,
+                                   const std::string& key) {
+  std::vector<int> numbers;
+  for (int c = 0; c < dim; ++c)
+    if (!names || std::ranges::find(*names, std::string{"xyz"[c]}) != names->end())
+      numbers.push_back(c);
+  if (names && numbers.size() != names->size())
+    throw UserError(fmt::format("{}: found \"z\", allowed are \"x\", \"y\" in two dimensions", key));
+  return numbers;
 }
 
-bool Clamped::contains(int node) const { return std::ranges::binary_search(nodes_, node); }
+Clamped::Clamped(const Space& space, const std::vector<scene::Clamp>& clamps)
+    : dim_(space.dim()), first_dof_(space.first_dof()) {
+  std::map<int, std::pair<std::string, std::size_t>> motion; // of each dof, and the clamp that says so
+  for (std::size_t i = 0; i < clamps.size(); ++i) {
+    const scene::Clamp& clamp = clamps[i];
+    const auto key = [&](std::size_t j, const char* name) {
+      return clamps.size() == 1 ? fmt::format("clamp.{}", name) : fmt::format("clamp[{}].{}", j, name);
+    };
+    const std::vector<int> components = component_numbers(clamp.components, dim_, key(i, "components"));
+    const std::vector<int> nodes = space.nodes_on(clamp.on, key(i, "on"));
+    together(space.comm(), [&] {
+      for (int node : nodes)
+        for (std::size_t c = 0; c < components.size(); ++c) {
+          const std::string value =
+              clamp.value && !scene::vanishes({clamp.value->at(c)}) ? clamp.value->at(c) : "0";
+          const auto [held, first] = motion.try_emplace(node * dim_ + components[c], value, i);
+          if (!first && held->second.first != value) {
+            const double* x = &space.points()[3 * static_cast<std::size_t>(node)];
+            throw UserError(fmt::format("{}: found \"{}\" where {} holds {} of the node at ({:.6g}, {:.6g}, "
+                                        "{:.6g}) by \"{}\", allowed is the "
+                                        "same motion where clamps meet",
+                                        key(i, "value"), value, key(held->second.second, "value"),
+                                        "xyz"[components[c]], x[0], x[1], x[2], held -> second.first));
+          }
+        }
+    });
+  }
+  for (const auto& [dof, held] : motion)
+    dofs_.push_back(dof);
+}
+
+bool Clamped::contains(int node, int component) const {
+  return std::ranges::binary_search(dofs_, node * dim_ + component);
+}
 
 void Clamped::clear(Vec x) const {
   const petsc::WriteArray values(x);
-  for (int node : nodes_)
-    for (int c = 0; c < dim_; ++c)
-      values[static_cast<std::size_t>(node * dim_ + c)] = 0;
+  for (int dof : dofs_)
+    values[static_cast<std::size_t>(dof)] = 0;
 }
 
-void Clamped::decouple(Mat matrix) const {
+double Clamped::decouple(Mat matrix) const {
   const petsc::Vector diagonal = fem::diagonal(matrix);
   PetscReal largest = 0; // keeps the matrix as well conditioned as its free part, whatever the units
   check(VecMax(diagonal, nullptr, &largest));
   std::vector<PetscInt> rows;
-  for (int node : nodes_)
-    for (int c = 0; c < dim_; ++c)
-      rows.push_back(first_dof_ + node * dim_ + c);
+  for (int dof : dofs_)
+    rows.push_back(first_dof_ + dof);
   check(
       MatZeroRowsColumns(matrix, static_cast<PetscInt>(rows.size()), rows.data(), largest, nullptr, nullptr));
+  return largest;
 }
 
 namespace {
@@ -65,15 +99,24 @@ petsc::Matrix symmetric_half(const petsc::Matrix& blocks) {
   return half;
 }
 
-/// One component of a matrix of blocks, acting on all of them (MAIJ), if it does the same; else in blocks.
-petsc::Matrix compress(petsc::Matrix rows) {
+/// The first component of a matrix in rows.
+petsc::Matrix first_component(Mat rows) {
   PetscInt dim = 1, begin = 0, end = 0;
   check(MatGetBlockSize(rows, &dim));
   check(MatGetOwnershipRange(rows, &begin, &end));
   petsc::IndexSet first;
   check(ISCreateStride(petsc::comm(rows), (end - begin) / dim, begin, dim, first.put()));
-  petsc::Matrix component, all;
+  petsc::Matrix component;
   check(MatCreateSubMatrix(rows, first, first, MAT_INITIAL_MATRIX, component.put()));
+  return component;
+}
+
+/// One component of a matrix of blocks, acting on all of them (MAIJ), if it does the same; else in blocks.
+petsc::Matrix compress(petsc::Matrix rows) {
+  const petsc::Matrix component = first_component(rows);
+  PetscInt dim = 1;
+  check(MatGetBlockSize(rows, &dim));
+  petsc::Matrix all;
   check(MatCreateMAIJ(component, dim, all.put()));
   if (ratio(rows, all) == 1)
     return all;
@@ -111,6 +154,15 @@ Operators assemble_operators(const Space& space, const scene::Material& material
   if (material.viscosity)
     operators.B = symmetric_half(assemble(space, Form::b, material, no_tau, MATBAIJ));
   return operators;
+}
+
+petsc::Matrix assemble_L2(const Space& space, const std::string& group, const std::string& key) {
+  const petsc::Matrix component = first_component(assemble_part(space, group, key));
+  // Zeros between the functions of a surface and those behind it: they vanish there exactly.
+  check(MatEliminateZeros(component, PETSC_FALSE));
+  petsc::Matrix all;
+  check(MatCreateMAIJ(component, space.dim(), all.put()));
+  return all;
 }
 
 petsc::Matrix assemble_step_operator(const Space& space, const scene::Material& material, double tau) {

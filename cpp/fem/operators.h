@@ -4,28 +4,33 @@
 
 namespace signorini::fem {
 
-/// The dofs that a clamp holds at zero.
+/// The dofs that clamps hold.
 class Clamped {
 public:
-  /// Collective. Throws UserError if a group is missing.
+  /// Collective. Throws UserError if a group is missing or two clamps hold a dof differently.
   Clamped(const Space& space, const std::vector<scene::Clamp>& clamps);
 
-  /// Owned nodes that are clamped, ascending local numbers.
-  [[nodiscard]] const std::vector<int>& nodes() const { return nodes_; }
-  [[nodiscard]] bool contains(int node) const;
+  /// Owned dofs that are clamped, ascending local numbers.
+  [[nodiscard]] const std::vector<int>& dofs() const { return dofs_; }
+  [[nodiscard]] bool contains(int node, int component) const;
 
   /// Sets the clamped entries of a vector of V to zero.
   void clear(Vec x) const;
 
-  /// Decouples the clamped dofs of a symmetric matrix: their rows and columns zero but for the diagonal.
-  /// Collective.
-  void decouple(Mat matrix) const;
+  /// Decouples the clamped dofs of a symmetric matrix: their rows and columns zero but for the diagonal,
+  /// whose entry is returned. Collective.
+  double decouple(Mat matrix) const;
 
 private:
-  std::vector<int> nodes_;
+  std::vector<int> dofs_;
   int dim_;
   PetscInt first_dof_;
 };
+
+/// Numbers (0, 1, 2) of the components named, all of them where none is. Throws UserError naming `key` if the
+/// space has no such component.
+std::vector<int> component_numbers(const std::optional<std::vector<std::string>>& names, int dim,
+                                   const std::string& key);
 
 /// The matrices of the body, no boundary condition applied; method.md section 1. The upper half in blocks of
 /// the space dimension (SBAIJ), which makes the products between two solves twice as fast as rows do; where a
@@ -43,6 +48,11 @@ petsc::Vector diagonal(Mat matrix);
 
 /// Collective.
 Operators assemble_operators(const Space& space, const scene::Material& material);
+
+/// The L2 product over a part of the body (a group of cells) or a surface (a group of facets), stored as W
+/// is: one component for all, with entries only where the part's own functions meet. Collective. Throws
+/// UserError naming the scene's `key` if there is no such group.
+petsc::Matrix assemble_L2(const Space& space, const std::string& group, const std::string& key);
 
 /// The operator D of every step, from the form d (d_elastic without viscosity), in blocks (BAIJ). Collective.
 petsc::Matrix assemble_step_operator(const Space& space, const scene::Material& material, double tau);

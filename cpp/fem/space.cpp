@@ -6,17 +6,32 @@
 #include <dolfinx/fem/FunctionSpace.h>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/Mesh.h>
+#include <dolfinx/mesh/utils.h>
+#include <numeric>
 
 namespace signorini::fem {
 
-std::shared_ptr<dolfinx::fem::FunctionSpace<double>> lagrange(const mesh::Mesh& mesh, int degree) {
+namespace {
+
+std::shared_ptr<dolfinx::fem::FunctionSpace<double>> vectors(const mesh::Mesh& mesh, int degree,
+                                                             bool discontinuous) {
   const auto cell = dolfinx::mesh::cell_type_to_basix_type(mesh.dolfinx()->topology()->cell_type());
   // The variant must be that of basix.ufl.element in forms/: dolfinx compares the elements' hashes.
-  const auto element = basix::create_element<double>(
-      basix::element::family::P, cell, degree, basix::element::lagrange_variant::gll_warped,
-      basix::element::dpc_variant::unset, false);
-  return std::make_shared<dolfinx::fem::FunctionSpace<double>>(dolfinx::fem::create_functionspace(
-      mesh.dolfinx(), element, {static_cast<std::size_t>(mesh.dim())}));
+  const auto element = basix::create_element<double>(basix::element::family::P, cell, degree,
+                                                     basix::element::lagrange_variant::gll_warped,
+                                                     basix::element::dpc_variant::unset, discontinuous);
+  return std::make_shared<dolfinx::fem::FunctionSpace<double>>(
+      dolfinx::fem::create_functionspace(mesh.dolfinx(), element, {static_cast<std::size_t>(mesh.dim())}));
+}
+
+} // namespace
+
+std::shared_ptr<dolfinx::fem::FunctionSpace<double>> lagrange(const mesh::Mesh& mesh, int degree) {
+  return vectors(mesh, degree, false);
+}
+
+std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh) {
+  return vectors(mesh, 0, true);
 }
 
 Space::Space(const mesh::Mesh& mesh, int degree) : mesh_(&mesh), degree_(degree), V_(lagrange(mesh, degree)) {
@@ -51,10 +66,22 @@ std::vector<int> Space::nodes_on(const std::string& group, const std::string& ke
 }
 
 void Space::interpolate(const scene::Field& field, double t, Vec out) const {
-  together(comm(), [&] {
+  fem::interpolate(comm(), field, t, points_, out);
+}
+
+std::vector<double> Space::midpoints() const {
+  const auto& mesh = *mesh_->dolfinx();
+  std::vector<std::int32_t> cells(static_cast<std::size_t>(mesh.topology()->index_map(dim())->size_local()));
+  std::iota(cells.begin(), cells.end(), 0);
+  return dolfinx::mesh::compute_midpoints(mesh, dim(), cells);
+}
+
+void interpolate(MPI_Comm comm, const scene::Field& field, double t, const std::vector<double>& points,
+                 Vec out) {
+  together(comm, [&] {
     const petsc::WriteArray values(out);
-    for (int node = 0; node < owned_nodes_; ++node)
-      field.evaluate(&points_[3 * static_cast<std::size_t>(node)], t, &values[static_cast<std::size_t>(node * dim())]);
+    for (std::size_t i = 0; 3 * i < points.size(); ++i)
+      field.evaluate(&points[3 * i], t, &values[i * field.size()]);
   });
 }
 

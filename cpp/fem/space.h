@@ -13,8 +13,8 @@ class FunctionSpace;
 
 namespace signorini::fem {
 
-/// V: continuous vector Lagrange functions of degree 1 or 2 on the mesh. Vectors of V hold the owned nodes' components,
-/// node by node; the values at the nodes are the coefficients.
+/// V: continuous vector Lagrange functions of degree 1 or 2 on the mesh. Vectors of V hold the owned nodes'
+/// components, node by node; the values at the nodes are the coefficients.
 class Space {
 public:
   /// Collective. `mesh` must outlive the space.
@@ -40,8 +40,12 @@ public:
   /// Owned nodes on a boundary group, ascending local numbers. Collective. Throws UserError naming `key`.
   [[nodiscard]] std::vector<int> nodes_on(const std::string& group, const std::string& key) const;
 
-  /// Nodal interpolation of a field at time t. Collective. Throws UserError on every rank if a value is not finite.
+  /// Nodal interpolation of a field at time t. Collective. Throws UserError on every rank if a value is not
+  /// finite.
   void interpolate(const scene::Field& field, double t, Vec out) const;
+
+  /// Midpoints of the owned cells, (cells × 3), m.
+  [[nodiscard]] std::vector<double> midpoints() const;
 
   [[nodiscard]] std::shared_ptr<dolfinx::fem::FunctionSpace<double>> dolfinx() const { return V_; }
 
@@ -53,6 +57,14 @@ private:
   std::vector<double> points_;
   std::shared_ptr<dolfinx::fem::FunctionSpace<double>> V_;
 };
+
+/// A field's values at points (× 3) at time t, point by point. Collective. Throws UserError on every rank if
+/// one is not finite.
+void interpolate(MPI_Comm comm, const scene::Field& field, double t, const std::vector<double>& points,
+                 Vec out);
+
+/// Vector functions that are constant on each cell. Collective.
+std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh);
 
 /// The vector Lagrange space of `degree` on the same mesh, as dolfinx has it: for output. Collective.
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> lagrange(const mesh::Mesh& mesh, int degree);

@@ -31,17 +31,17 @@ void contact_forces(const Stepper& stepper, const contact::ContactState& contact
 
 } // namespace
 
-std::vector<StepBalance> balance(const Stepper& stepper, const AddLoad& add_load,
-                                 const Trajectory& trajectory) {
+std::vector<StepBalance> balance(const Stepper& stepper, const Load& load_of, const Trajectory& trajectory) {
   const fem::Operators& body = stepper.operators();
   const double tau = stepper.scheme().tau;
   std::vector<StepBalance> steps(static_cast<std::size_t>(trajectory.steps) + 1);
   Vec layout = trajectory.y[0];
   petsc::Vector Ay0 = petsc::zero_like(layout), Ay1 = petsc::zero_like(layout),
                 Mv0 = petsc::zero_like(layout), Mv1 = petsc::zero_like(layout), Bw = petsc::zero_like(layout),
-                w = petsc::zero_like(layout), density = petsc::zero_like(layout),
-                load = petsc::zero_like(layout), force = petsc::zero_like(layout),
-                inertia = petsc::zero_like(layout), defect = petsc::zero_like(layout);
+                w = petsc::zero_like(layout), load = petsc::zero_like(layout),
+                force = petsc::zero_like(layout), inertia = petsc::zero_like(layout),
+                defect = petsc::zero_like(layout);
+  const LoadAtStep load_at(stepper.space(), load_of);
   for (int k = 0; k <= trajectory.steps; ++k) {
     StepBalance& now = steps[static_cast<std::size_t>(k)];
     Vec y1 = trajectory.y[k], v1 = trajectory.v[k];
@@ -54,9 +54,12 @@ std::vector<StepBalance> balance(const Stepper& stepper, const AddLoad& add_load
       continue;
     const StepBalance& before = steps[static_cast<std::size_t>(k) - 1];
     check(VecWAXPY(w, -1, trajectory.y[k - 1], y1)); // w holds y_k − y_{k−1} until it is divided by τ
-    check(VecZeroEntries(density));
-    add_load(k, density);
-    check(MatMult(body.W, density, load));
+    const StepLoad parts = load_at(k);
+    check(VecZeroEntries(load));
+    if (parts.density)
+      check(MatMult(body.W, parts.density, load));
+    if (parts.force)
+      check(VecAXPY(load, 1, parts.force));
     contact_forces(stepper, trajectory.contact[k], force);
     now.external_work = dot(load, w);
     now.contact_work = dot(force, w);
@@ -66,10 +69,6 @@ std::vector<StepBalance> balance(const Stepper& stepper, const AddLoad& add_load
       check(MatMult(*body.B, w, Bw)); // w is also the mean of v_{k−1} and v_k
       now.viscous_dissipation = tau * dot(w, Bw);
     }
-    now.energy_residual = now.kinetic_energy + now.elastic_energy - before.kinetic_energy -
-                          before.elastic_energy + now.viscous_dissipation - now.external_work -
-                          now.contact_work;
-
     // Crank–Nicolson form: its defect is the clamp's reaction on the clamped dofs and zero elsewhere.
     check(VecWAXPY(inertia, -1, Mv0, Mv1));
     check(VecScale(inertia, 1 / tau));
@@ -79,7 +78,13 @@ std::vector<StepBalance> balance(const Stepper& stepper, const AddLoad& add_load
     check(VecAXPY(defect, -1, load));
     check(VecAXPY(defect, -1, force));
     const std::array<double, 3> whole = resultant(stepper, defect);
+    const double reaction_work = stepper.motion() ? tau * dot(defect, w) : 0;
     stepper.clamped().clear(defect);
+    if (stepper.motion())
+      now.external_work += reaction_work - tau * dot(defect, w);
+    now.energy_residual = now.kinetic_energy + now.elastic_energy - before.kinetic_energy -
+                          before.elastic_energy + now.viscous_dissipation - now.external_work -
+                          now.contact_work;
     const std::array<double, 3> free = resultant(stepper, defect);
     const std::array<double, 3> rate = resultant(stepper, inertia), applied = resultant(stepper, load);
     now.contact_force = resultant(stepper, force);

@@ -7,26 +7,59 @@
 
 namespace signorini::forward {
 
-/// Adds the force density of step k = 1…N to nodal values (N/m³): f_k + s u_k, whose force on the nodes is
-/// its product with W.
-using AddLoad = std::function<void(int k, Vec density)>;
+/// What acts on the body in step k = 1…N (f_k + s u_k), or what a backward sweep starts from at step k. Each
+/// part adds to a vector of V; an empty part is none and costs nothing.
+struct Load {
+  using Add = std::function<void(int k, Vec out)>;
+  Add density{}; ///< force density at the nodes, N/m³: its force on the nodes is its product with W
+  Add force{};   ///< force on the nodes, N
+};
 
-/// The body force of the scene at the nodes; evaluated again only if it depends on time.
-class BodyLoad {
+Load operator+(Load a, Load b);
+
+/// The load of one step; null parts are none.
+struct StepLoad {
+  Vec density = nullptr, force = nullptr;
+};
+
+/// A load step by step, with vectors for the parts that it has.
+class LoadAtStep {
 public:
-  /// Collective.
-  BodyLoad(const fem::Space& space, const scene::Load& load, Scheme scheme);
+  /// Collective. The references must outlive this object.
+  LoadAtStep(const fem::Space& space, const Load& load);
 
-  /// density += f(t_{k−1/2}). Collective.
-  void add(int k, Vec density) const;
+  /// Valid until the next call. Collective.
+  [[nodiscard]] StepLoad operator()(int k) const;
 
 private:
-  void evaluate(double t) const;
+  const Load& load_;
+  petsc::Vector density_, force_;
+};
+
+/// The body force and the tractions of a scene; evaluated again only if they depend on time.
+class SceneLoad {
+public:
+  /// Collective. The references must outlive this object. Throws UserError.
+  SceneLoad(const fem::Space& space, const scene::Load& scene, Scheme scheme);
+
+  /// f(t_{k−1/2}); valid as long as this object lives.
+  [[nodiscard]] Load load() const;
+
+private:
+  /// An expression at the nodes, and what it contributes: itself, or its product with the surface's mass.
+  struct Term {
+    scene::Field field;
+    petsc::Vector nodal;
+    petsc::Matrix surface; ///< null for a body force
+    petsc::Vector force;   ///< surface · nodal
+  };
+  void evaluate(const Term& term, int k) const;
+  void add(const Term& term, int k, Vec out) const;
 
   const fem::Space& space_;
   Scheme scheme_;
-  scene::Field field_;
-  petsc::Vector nodal_;
+  std::optional<Term> body_;
+  std::vector<Term> tractions_;
 };
 
 } // namespace signorini::forward

@@ -1,6 +1,7 @@
 #pragma once
 #include "fem/operators.h"
-#include "forward/scheme.h"
+#include "forward/load.h"
+#include "forward/motion.h"
 #include "forward/step_solver.h"
 #include <optional>
 
@@ -27,6 +28,8 @@ public:
   [[nodiscard]] const fem::Operators& operators() const { return operators_; }
   [[nodiscard]] const fem::Clamped& clamped() const { return clamped_; }
   [[nodiscard]] const StepSolver& solver() const { return *solver_; }
+  /// Null where no clamp moves.
+  [[nodiscard]] const PrescribedMotion* motion() const { return motion_ ? &*motion_ : nullptr; }
   /// R = D − 2 stiffness() A.
   [[nodiscard]] Mat R() const { return R_; }
   /// Null without contact.
@@ -34,30 +37,30 @@ public:
     return constraints_ ? &*constraints_ : nullptr;
   }
 
-  /// One step from (y0, v0) under the force density f_k + s u_k (N/m³) to (y1, v1) at `time`, where obstacles stand
-  /// as they do then, and its contact;
+  /// Step k from (y0, v0) under a load to (y1, v1) and its contact with the obstacles where they are then;
   /// `previous` is that at y0, and y1 holds a guess on entry if solver().takes_guess(). Allocates nothing,
   /// but where a solver of PETSc's does: in VIs that PETSc solves, with MUMPS. Collective. Throws
-  /// SolverFailure.
-  void step(double time, Vec y0, Vec v0, Vec density, const contact::ContactState& previous,
+  /// UserError, SolverFailure.
+  void step(int k, Vec y0, Vec v0, StepLoad load, const contact::ContactState& previous,
             contact::ContactState& contact, Vec y1, Vec v1) const;
 
-  /// The step's linearisation on the active set of `contact`: (δy0, δv0, δdensity) → (δy1, δv1); y1 as in
+  /// The step's linearisation on the active set of `contact`: (δy0, δv0, δload) → (δy1, δv1); y1 as in
   /// step(). Collective.
-  void linearised_step(Vec y0, Vec v0, Vec density, const contact::ContactState& contact, Vec y1,
+  void linearised_step(Vec y0, Vec v0, StepLoad load, const contact::ContactState& contact, Vec y1,
                        Vec v1) const;
 
   /// The transpose of linearised_step on the active set of `contact` (4.40)–(4.41), with the seed's adjoint
   /// states:
-  ///     D p_k − μ_k = R p_{k+1} − τ M q_{k+1} + W d_k,   q_k = −q_{k+1} + rate() (p_{k+1} − p_k)
-  /// for the density d_k whose product with W is ∂J/∂y_k. `q` is q_{k+1} on entry and q_k on return; `p_next`
+  ///     D p_k − μ_k = R p_{k+1} − τ M q_{k+1} + ∂J/∂y_k,   q_k = −q_{k+1} + rate() (p_{k+1} − p_k)
+  /// where `derivative` is ∂J/∂y_k, given like a load. `q` is q_{k+1} on entry and q_k on return; `p_next`
   /// is p_{k+1}; `p` becomes p_k and holds a guess on entry as y1 in step(). Both states are zero at k = N
-  /// + 1. The dual of step k's force density is impulse() W p_k. Collective.
-  void adjoint_step(const contact::ContactState& contact, Vec density, Vec p_next, Vec q, Vec p) const;
+  /// + 1. The dual of step k's nodal force is impulse() p_k. Collective.
+  void adjoint_step(const contact::ContactState& contact, StepLoad derivative, Vec p_next, Vec q,
+                    Vec p) const;
 
 private:
-  /// r_ = R x + M (a z) + b W density on the free dofs: what a step and an adjoint step share.
-  void right_hand_side(Vec x, double a, Vec z, double b, Vec density) const;
+  /// r_ = R x + M (a z) + b (W density + force) on the free dofs: what a step and an adjoint step share.
+  void right_hand_side(Vec x, double a, Vec z, double b, StepLoad load) const;
   void velocity(Vec y0, Vec v0, Vec y1, Vec v1) const;
   void solve_sliding(const contact::ContactState& contact, Vec p) const;
 
@@ -65,6 +68,8 @@ private:
   const fem::Operators& operators_;
   Scheme scheme_;
   fem::Clamped clamped_;
+  double clamped_diagonal_ = 0; ///< of D on the clamped dofs
+  std::optional<PrescribedMotion> motion_;
   petsc::Matrix R_;
   petsc::Vector r_, work_;
   std::optional<contact::Constraints> constraints_;

@@ -1,4 +1,5 @@
 #include "io/manifest.h"
+#include "base/counters.h"
 #include "version.h"
 #include <chrono>
 #include <fmt/chrono.h>
@@ -61,6 +62,7 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
                          {"metric", scene.control->lower || scene.control->upper ? "lumped L2" : "L2"}};
   for (const auto& [phase, entry] : timers.entries())
     json["timings"][phase] = {{"seconds", entry.seconds}, {"calls", entry.calls}};
+  json["counters"] = counts();
   json["peak_memory_bytes"] = m.peak_memory;
   return json.dump(2) + "\n";
 }

@@ -110,7 +110,7 @@ public:
     require_extent();
     require_single_cells();
     collect_facets();
-    boundary_groups();
+    groups();
     return std::move(raw_);
   }
 
@@ -150,7 +150,7 @@ private:
   }
 
   /// Node tags of the cells; every entity that has cells must be in a physical group.
-  std::vector<std::int64_t> cell_tags() const {
+  std::vector<std::int64_t> cell_tags() {
     gmsh::vectorpair entities;
     gmsh::model::getEntities(entities, raw_.dim);
     std::vector<std::int64_t> cells;
@@ -165,7 +165,10 @@ private:
             fmt::format("{} {} has {} elements and is in no physical group, allowed are {}s in a group, such "
                         "as: Physical {}(\"body\") = {{{}}};",
                         kind(dim), entity, own.size() / (dim + 1), kind(dim), words(dim).body_kind, entity));
+      const auto begin = static_cast<std::int64_t>(cells.size());
       cells.insert(cells.end(), own.begin(), own.end());
+      const auto end = static_cast<std::int64_t>(cells.size());
+      range_[entity] = {begin / (dim + 1), end / (dim + 1)};
     }
     return cells;
   }
@@ -307,17 +310,24 @@ private:
                          words(raw_.dim).facets, words(raw_.dim).cells));
   }
 
-  void boundary_groups() {
+  void groups() {
     gmsh::vectorpair groups;
     gmsh::model::getPhysicalGroups(groups);
     for (const auto& [dim, tag] : groups) {
       const std::string name = group_name(dim, tag);
-      if (dim != raw_.dim - 1) {
+      if (dim < raw_.dim - 1) {
         raw_.other_groups[name] = dim;
         continue;
       }
       std::vector<int> entities;
       gmsh::model::getEntitiesForPhysicalGroup(dim, tag, entities);
+      if (dim == raw_.dim) {
+        std::vector<std::int64_t>& part = raw_.parts[name];
+        for (int entity : entities)
+          if (const auto found = range_.find(entity); found != range_.end())
+            part.insert(part.end(), found->second.begin(), found->second.end());
+        continue;
+      }
       std::vector<std::int64_t>& facets = raw_.facets[name];
       for (int entity : entities) {
         const std::vector<std::int64_t> own = renumber(entity_tags(dim, entity));
@@ -330,6 +340,7 @@ private:
   std::string file_;
   RawMesh raw_;
   std::unordered_map<std::int64_t, std::int64_t> number_;
+  std::map<int, std::array<std::int64_t, 2>> range_; ///< entity → its rows in raw_.cells
   std::vector<Facet> facets_; ///< of every cell, ascending: one between two cells is there twice
 };
 

@@ -14,8 +14,10 @@ struct RawMesh {
   std::vector<double> points;      ///< (nodes × 3), m; only nodes that a cell uses
   std::vector<std::int64_t> cells; ///< (cells × (dim + 1)), rows into points
   std::map<std::string, std::vector<std::int64_t>>
-      facets;                              ///< boundary group → (facets × dim), rows into points
-  std::map<std::string, int> other_groups; ///< groups of another dimension → that dimension
+      facets; ///< boundary group → (facets × dim), rows into points
+  /// Group of cells → (ranges × 2): first row in cells and the one behind the last.
+  std::map<std::string, std::vector<std::int64_t>> parts;
+  std::map<std::string, int> other_groups; ///< groups of lower dimensions → that dimension
 };
 
 /// Reads a .msh, or meshes a .geo at its size. Not collective: call it on one rank.

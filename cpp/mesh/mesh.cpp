@@ -10,6 +10,7 @@
 #include <dolfinx/mesh/MeshTags.h>
 #include <dolfinx/mesh/utils.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace signorini::mesh {
 namespace {
@@ -59,6 +60,20 @@ std::vector<std::int32_t> local_facets(const dolfinx::mesh::Mesh<double>& mesh,
   return local;
 }
 
+/// The cells that this rank owns in ranges of the file's cells.
+std::vector<std::int32_t> owned_cells(const dolfinx::mesh::Topology& topology,
+                                      const std::vector<std::int64_t>& ranges) {
+  const std::vector<std::int64_t>& row = topology.original_cell_index.front();
+  std::vector<std::int32_t> cells;
+  for (std::int32_t cell = 0; cell < topology.index_map(topology.dim())->size_local(); ++cell)
+    for (std::size_t r = 0; r < ranges.size(); r += 2)
+      if (ranges[r] <= row[cell] && row[cell] < ranges[r + 1]) {
+        cells.push_back(cell);
+        break;
+      }
+  return cells;
+}
+
 } // namespace
 
 Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh) : comm_(comm), file_(mesh.file.string()) {
@@ -76,43 +91,73 @@ Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh) : comm_(comm), file_(mesh.fil
   topology->create_connectivity(dim_ - 1, dim_);
   topology->create_connectivity(dim_, dim_ - 1);
 
-  std::string names, others;
-  for (const auto& [name, facets] : raw.facets)
-    names += name + '\n';
+  std::string lines; // of dimension, whether there are elements, and name
   for (const auto& [name, dim] : raw.other_groups)
-    others += fmt::format("{}{}\n", dim, name);
-  names = broadcast(comm, names);
-  others = broadcast(comm, others);
-  for (std::size_t start = 0, end; (end = names.find('\n', start)) != std::string::npos; start = end + 1) {
-    const std::string name = names.substr(start, end - start);
-    Group& group = groups_[name];
-    group.facets = local_facets(*mesh_, raw.facets[name]);
-    group.elements = static_cast<std::int64_t>(raw.facets[name].size()) / dim_;
-    MPI_Bcast(&group.elements, 1, MPI_INT64_T, 0, comm);
+    lines += fmt::format("{}1{}\n", dim, name);
+  for (const auto& [name, facets] : raw.facets)
+    lines += fmt::format("{}{:d}{}\n", dim_ - 1, !facets.empty(), name);
+  for (const auto& [name, ranges] : raw.parts)
+    lines += fmt::format("{}{:d}{}\n", dim_, !ranges.empty(), name);
+  lines = broadcast(comm, lines);
+  for (std::size_t start = 0, end; (end = lines.find('\n', start)) != std::string::npos; start = end + 1) {
+    const int dim = lines[start] - '0';
+    const std::string name = lines.substr(start + 2, end - start - 2);
+    Group& group = groups_[dim][name];
+    group.empty = lines[start + 1] == '0';
+    if (dim == dim_ - 1)
+      group.entities = local_facets(*mesh_, raw.facets[name]);
+    else if (dim == dim_)
+      group.entities = owned_cells(*topology, broadcast(comm, raw.parts[name]));
   }
-  for (std::size_t start = 0, end; (end = others.find('\n', start)) != std::string::npos; start = end + 1)
-    other_groups_[others.substr(start + 1, end - start - 1)] = others[start] - '0';
+}
+
+int Mesh::find(const std::string& group, const std::string& key, const std::vector<int>& dims) const {
+  std::vector<int> found;
+  std::vector<std::string> names, kinds, lists;
+  bool empty = false;
+  for (int dim : dims) {
+    constexpr std::array words{"point", "curve", "surface", "volume"};
+    kinds.emplace_back(words.at(dim));
+    std::vector<std::string> own;
+    for (const auto& [name, g] : groups_.at(dim)) {
+      own.push_back(name);
+      if (name == group)
+        g.empty ? void(empty = true) : found.push_back(dim);
+    }
+    names.insert(names.end(), own.begin(), own.end());
+    if (!own.empty())
+      lists.push_back(fmt::format("{} groups of the file: {}", kinds.back(), scene::list(own)));
+  }
+  if (found.size() == 1)
+    return found.front();
+  const std::string kind = fmt::format("{} group", fmt::join(kinds, " or "));
+  if (found.size() > 1)
+    throw UserError(
+        fmt::format("{}: {} has a {} group and a {} group \"{}\", allowed is a name that one of them has",
+                    key, file_, kinds[0], kinds[1], group));
+  if (empty)
+    throw UserError(fmt::format("{}: the group \"{}\" of {} has no elements, allowed is a {} with elements",
+                                key, group, file_, kind));
+  const std::string allowed = lists.empty() ? "the file has none" : fmt::format("{}", fmt::join(lists, "; "));
+  for (std::size_t dim = 0; dim < groups_.size(); ++dim)
+    if (groups_[dim].contains(group))
+      throw UserError(fmt::format("{}: the group \"{}\" of {} has dimension {}, allowed are {}", key, group,
+                                  file_, dim, allowed));
+  const std::string near = scene::nearest(group, names);
+  throw UserError(fmt::format("{}: {} has no {} \"{}\" with elements{}; {}", key, file_, kind, group,
+                              near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), allowed));
 }
 
 const std::vector<std::int32_t>& Mesh::facets(const std::string& group, const std::string& key) const {
-  const auto found = groups_.find(group);
-  if (found != groups_.end() && found->second.elements > 0)
-    return found->second.facets;
-  const std::string boundary = dim_ == 2 ? "curve" : "surface";
-  if (found != groups_.end())
-    throw UserError(fmt::format("{}: the group \"{}\" of {} has no elements, allowed is a {} group with elements",
-                                key, group, file_, boundary));
-  std::vector<std::string> names;
-  for (const auto& [name, g] : groups_)
-    names.push_back(name);
-  const std::string allowed = names.empty() ? "the file has none"
-                                            : fmt::format("{} groups of the file: {}", boundary, scene::list(names));
-  if (const auto other = other_groups_.find(group); other != other_groups_.end())
-    throw UserError(fmt::format("{}: the group \"{}\" of {} has dimension {}, allowed are {}", key, group, file_,
-                                other->second, allowed));
-  const std::string near = scene::nearest(group, names);
-  throw UserError(fmt::format("{}: {} has no {} group \"{}\" with elements{}; {}", key, file_, boundary, group,
-                              near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), allowed));
+  return groups_.at(find(group, key, {dim_ - 1})).at(group).entities;
+}
+
+const std::vector<std::int32_t>& Mesh::cells(const std::string& group, const std::string& key) const {
+  return groups_.at(find(group, key, {dim_})).at(group).entities;
+}
+
+int Mesh::group_dimension(const std::string& group, const std::string& key) const {
+  return find(group, key, {dim_, dim_ - 1});
 }
 
 } // namespace signorini::mesh

@@ -1,5 +1,6 @@
 #pragma once
 #include "scene/scene.h"
+#include <array>
 #include <concepts>
 #include <cstdint>
 #include <map>
@@ -15,7 +16,8 @@ class Mesh;
 
 namespace signorini::mesh {
 
-/// A distributed mesh of straight simplices with named boundary groups.
+/// A distributed mesh of straight simplices with named groups of cells (parts of the body) and of facets
+/// (surfaces).
 class Mesh {
 public:
   /// Reads a .geo or .msh on rank 0 and distributes it. Collective; throws UserError on every rank alike.
@@ -30,9 +32,20 @@ public:
   /// Number of cells on all ranks.
   [[nodiscard]] std::int64_t cells() const { return cells_; }
 
-  /// This rank's facets of a boundary group, local indices. Throws UserError, naming the scene's `key`, if there is
-  /// no such group or it is empty; the same on every rank.
-  [[nodiscard]] const std::vector<std::int32_t>& facets(const std::string& group, const std::string& key) const;
+  /// This rank's facets of a boundary group, local indices. Throws UserError, naming the scene's `key`, if
+  /// there is no such group or it is empty; the same on every rank.
+  [[nodiscard]] const std::vector<std::int32_t>& facets(const std::string& group,
+                                                        const std::string& key) const;
+
+  /// The cells of a part of the body that this rank owns, local indices ascending. Throws UserError like
+  /// facets().
+  [[nodiscard]] const std::vector<std::int32_t>& cells(const std::string& group,
+                                                       const std::string& key) const;
+
+  /// Dimension of a group: dim() of a part of the body, dim() − 1 of a boundary group. Throws UserError,
+  /// naming the scene's `key`, if no such group has elements or if both kinds have one of that name; the same
+  /// on every rank.
+  [[nodiscard]] int group_dimension(const std::string& group, const std::string& key) const;
 
   [[nodiscard]] std::shared_ptr<dolfinx::mesh::Mesh<double>> dolfinx() const { return mesh_; }
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
@@ -45,11 +58,14 @@ private:
   std::int64_t cells_ = 0;
   std::shared_ptr<dolfinx::mesh::Mesh<double>> mesh_;
   struct Group {
-    std::vector<std::int32_t> facets; ///< on this rank
-    std::int64_t elements = 0;        ///< in the file
+    std::vector<std::int32_t> entities; ///< on this rank; none of those that are neither cells nor facets
+    bool empty = true;                  ///< in the file
   };
-  std::map<std::string, Group> groups_;
-  std::map<std::string, int> other_groups_; ///< name → dimension
+  using Groups = std::map<std::string, Group>;
+  std::array<Groups, 4> groups_; ///< by dimension
+
+  [[nodiscard]] int find(const std::string& group, const std::string& key,
+                         const std::vector<int>& dims) const;
 };
 
 } // namespace signorini::mesh

@@ -109,7 +109,10 @@ void write_boundary(Writer& out, const Scene& s, const std::string& zero) {
   for (const Clamp& clamp : s.clamps) {
     out.table("[[clamp]]");
     out.key("on", text(clamp.on));
-    out.key("value", zero, "m");
+    if (clamp.components)
+      out.key("components", texts(*clamp.components));
+    if (clamp.value || !clamp.components)
+      out.key("value", clamp.value ? texts(*clamp.value) : zero, "m");
   }
   for (const Contact& contact : s.contacts) {
     out.table(s.contacts.size() == 1 ? "[contact]" : "[[contact]]");
@@ -122,7 +125,13 @@ void write_boundary(Writer& out, const Scene& s, const std::string& zero) {
 
 void write_control(Writer& out, const Scene& s, const std::string& zero) {
   out.table("[control]");
-  out.key("scale", number(s.control->scale), "N/m³ per unit of control");
+  out.key("scale", number(s.control->scale), "N/m³ per unit of control, N/m² on a surface");
+  if (s.control->on)
+    out.key("on", text(*s.control->on));
+  if (s.control->components)
+    out.key("components", texts(*s.control->components));
+  out.key("constant_in_time", s.control->constant_in_time ? "true" : "false");
+  out.key("space", text(s.control->space));
   out.key("initial", s.control->initial ? texts(*s.control->initial) : zero);
   if (s.control->lower)
     out.key("lower", bound(*s.control->lower));
@@ -136,6 +145,9 @@ void write_objective(Writer& out, const Scene& s) {
     out.key("desired", fmt::format("{{ control = {} }}", texts(by_control->control)));
   else if (const auto* by_displacement = std::get_if<DesiredDisplacement>(&s.objective->desired))
     out.key("desired", fmt::format("{{ displacement = {} }}", texts(by_displacement->displacement)), "m");
+  if (s.objective->on)
+    out.key("on", text(*s.objective->on));
+  out.key("tracking", number(s.objective->tracking));
   out.key("alpha", number(s.objective->alpha));
   out.key("gamma", number(s.objective->gamma), "s");
   out.table("[optimizer]");
@@ -157,7 +169,13 @@ std::string echo(const Scene& s, int dim) {
   write_boundary(out, s, zero);
   if (s.load) {
     out.table("[load]");
-    out.key("body", texts(s.load->body), "N/m³");
+    if (s.load->body)
+      out.key("body", texts(*s.load->body), "N/m³");
+    for (const Traction& traction : s.load->tractions) {
+      out.table("[[load.traction]]");
+      out.key("on", text(traction.on));
+      out.key("value", texts(traction.value), "N/m²");
+    }
   }
   out.table("[initial]");
   out.key("displacement", s.initial.displacement ? texts(*s.initial.displacement) : zero, "m");
@@ -172,6 +190,8 @@ std::string echo(const Scene& s, int dim) {
   out.key("memory", number(s.solver.memory), "bytes");
   out.table("[output]");
   out.key("every", std::to_string(s.output.every), "steps");
+  out.key("fields", texts(s.output.fields));
+  out.key("tables", texts(s.output.tables));
   return out.result();
 }
 

@@ -119,14 +119,21 @@ Material material(Reader in) {
   return material;
 }
 
+/// The components of a field that something acts on; absent: all.
+std::optional<std::vector<std::string>> components(Reader& in) {
+  if (!in.has("components"))
+    return std::nullopt;
+  std::vector<std::string> names = in.names("components", {"x", "y", "z"});
+  if (names.empty())
+    in.fail("components", "found [], allowed is one component at least, such as [\"y\"]");
+  return names;
+}
+
 Clamp clamp(Reader in) {
-  Clamp clamp{in.text("on"), std::nullopt};
-  if (in.has("value")) {
-    clamp.value = in.expressions("value", true);
-    if (!vanishes(*clamp.value))
-      in.fail("value", "prescribed motion is not available yet; leave it out for a clamp that holds still");
-  }
-  in.not_available("components");
+  Clamp clamp{.on = in.text("on"), .components = std::nullopt, .value = std::nullopt};
+  clamp.components = components(in);
+  if (in.has("value"))
+    clamp.value = in.expressions("value", true, clamp.components ? clamp.components->size() : 0);
   in.finish();
   return clamp;
 }
@@ -203,7 +210,7 @@ Control control(Reader in) {
   Control control;
   control.scale = in.number("scale", {.least = 0, .open = true, .unit = "N/m² (of the body, N/m³)"});
   if (in.has("initial"))
-    control.initial = in.expressions("initial", true);
+    control.initial = in.expressions("initial", !in.flag("constant_in_time", false));
   if (in.has("lower"))
     control.lower = in.number_or_numbers("lower", {});
   if (in.has("upper"))
@@ -219,8 +226,11 @@ Control control(Reader in) {
       if (!(lower <= upper))
         in.fail("lower", fmt::format("found {} above control.upper = {}", lower, upper));
     }
-  for (const char* key : {"on", "constant_in_time", "space", "components"})
-    in.not_available(key);
+  if (in.has("on"))
+    control.on = in.text("on");
+  control.components = components(in);
+  control.constant_in_time = in.flag("constant_in_time", control.constant_in_time);
+  control.space = in.choice("space", {"P1", "P0"}, control.space);
   in.finish();
   return control;
 }
@@ -239,8 +249,14 @@ Objective objective(Reader in) {
   else
     objective.desired = DesiredDisplacement{desired.expressions("displacement", true)};
   desired.finish();
-  objective.alpha = in.number("alpha", {.least = 0, .unit = "weight"});
+  if (in.has("on"))
+    objective.on = in.text("on");
+  objective.tracking = in.number("tracking", {.least = 0, .unit = "weight"}, objective.tracking);
+  objective.alpha = in.number("alpha", {.least = 0, .unit = "weight"}, objective.alpha);
   objective.gamma = in.number("gamma", {.least = 0, .unit = "weight, s"}, objective.gamma);
+  if (objective.tracking == 0 && objective.gamma == 0)
+    in.fail("tracking",
+            "found 0 where gamma is 0 too, allowed is one of them above: nothing would be desired");
   in.finish();
   return objective;
 }
@@ -305,8 +321,13 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
     scene.contacts.push_back(contact(in.table("contact")));
   if (in.has("load")) {
     Reader load = in.table("load");
-    load.not_available("traction");
-    scene.load = Load{load.expressions("body", true)};
+    scene.load.emplace();
+    if (load.has("body"))
+      scene.load->body = load.expressions("body", true);
+    for (Reader& traction : load.tables("traction")) {
+      scene.load->tractions.push_back({traction.text("on"), traction.expressions("value", true)});
+      traction.finish();
+    }
     load.finish();
   }
   if (in.has("initial")) {
@@ -339,6 +360,10 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   if (in.has("output")) {
     Reader output = in.table("output");
     scene.output.every = output.integer("every", 1, 100'000'000, scene.output.every);
+    if (output.has("fields"))
+      scene.output.fields = output.names("fields", Output{}.fields);
+    if (output.has("tables"))
+      scene.output.tables = output.names("tables", Output{}.tables);
     output.finish();
   }
   in.finish();
@@ -371,10 +396,12 @@ void require_dimension(const Scene& scene, int dim) {
       require(cylinder->point.size(), key + "point");
   }
   for (const Clamp& clamp : scene.clamps)
-    if (clamp.value)
+    if (clamp.value && !clamp.components)
       require(clamp.value->size(), "clamp.value");
-  if (scene.load)
-    require(scene.load->body.size(), "load.body");
+  if (scene.load && scene.load->body)
+    require(scene.load->body->size(), "load.body");
+  for (std::size_t i = 0; scene.load && i < scene.load->tractions.size(); ++i)
+    require(scene.load->tractions[i].value.size(), fmt::format("load.traction[{}].value", i).c_str());
   if (scene.initial.displacement)
     require(scene.initial.displacement->size(), "initial.displacement");
   if (scene.initial.velocity)

@@ -107,7 +107,8 @@ const toml::node& Reader::node(const std::string& key) {
   if (!found) {
     // A misspelt key explains a missing one better than its absence.
     for (const auto& [other, value] : table_)
-      if (const std::string name{other.str()}; !known_.contains(name) && edits(name, key) <= (key.size() > 4 ? 2 : 1))
+      if (const std::string name{other.str()};
+          !known_.contains(name) && edits(name, key) <= (key.size() > 4 ? 2 : 1))
         fail(name, fmt::format("unknown key; did you mean \"{}\"?", key));
     fail(key, "missing, and required");
   }
@@ -136,8 +137,8 @@ int Reader::integer(const std::string& key, int least, int greatest, int fallbac
     return fallback;
   const auto value = node(key).as_integer();
   if (!value || value->get() < least || value->get() > greatest)
-    fail(key, fmt::format("found {}, allowed is a whole number from {} to {}", shown(node(key)), least,
-                          greatest));
+    fail(key,
+         fmt::format("found {}, allowed is a whole number from {} to {}", shown(node(key)), least, greatest));
   return static_cast<int>(value->get());
 }
 
@@ -163,6 +164,28 @@ std::string Reader::choice(const std::string& key, const std::vector<std::string
   return value;
 }
 
+std::vector<std::string> Reader::names(const std::string& key, const std::vector<std::string>& allowed) {
+  const toml::array* array = node(key).as_array();
+  if (!array)
+    fail(key, fmt::format("found {}, allowed is a list out of {}, or [] for none", shown(node(key)),
+                          list(allowed)));
+  std::set<std::string> found;
+  for (const toml::node& entry : *array) {
+    const auto name = entry.value<std::string>();
+    if (name && std::ranges::find(allowed, *name) != allowed.end()) {
+      found.insert(*name);
+      continue;
+    }
+    const std::string near = name ? nearest(*name, allowed) : "";
+    fail(key, fmt::format("found {}{}, allowed: {}", shown(entry),
+                          near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), list(allowed)));
+  }
+  std::vector<std::string> ordered;
+  std::ranges::copy_if(allowed, std::back_inserter(ordered),
+                       [&](const auto& name) { return found.contains(name); });
+  return ordered;
+}
+
 std::vector<double> Reader::numbers(const std::string& key, const Limits& limits) {
   const toml::array* array = node(key).as_array();
   if (!array || array->size() < 2 || array->size() > 3)
@@ -180,11 +203,23 @@ std::vector<double> Reader::number_or_numbers(const std::string& key, const Limi
   return {number(key, limits)};
 }
 
-Components Reader::expressions(const std::string& key, bool time) {
+bool Reader::flag(const std::string& key, bool fallback) {
+  if (!has(key))
+    return fallback;
+  const auto* value = node(key).as_boolean();
+  if (!value)
+    fail(key, fmt::format("found {}, allowed are true and false", shown(node(key))));
+  return value->get();
+}
+
+Components Reader::expressions(const std::string& key, bool time, std::size_t count) {
   const toml::array* array = node(key).as_array();
-  const std::string allowed = "an array of one expression per space dimension, such as [\"0\", \"-9.81\"] in the plane "
-                              "and [\"0\", \"0\", \"-9.81\"] in space";
-  if (!array || array->size() < 2 || array->size() > 3)
+  const std::string allowed =
+      count > 0 ? fmt::format("an array of {} expression{}, one for each component held", count,
+                              count == 1 ? "" : "s")
+                : "an array of one expression per space dimension, such as [\"0\", \"-9.81\"] in the plane "
+                  "and [\"0\", \"0\", \"-9.81\"] in space";
+  if (!array || (count > 0 ? array->size() != count : array->size() < 2 || array->size() > 3))
     fail(key, fmt::format("found {}, allowed is {}", shown(node(key)), allowed));
   Components components;
   for (const toml::node& entry : *array) {

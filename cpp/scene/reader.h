@@ -34,12 +34,16 @@ public:
   std::string text(const std::string& key);
   std::string choice(const std::string& key, const std::vector<std::string>& allowed,
                      const std::string& fallback, const std::vector<std::string>& later = {});
+  /// Names out of those allowed, in their order; an empty list is one.
+  std::vector<std::string> names(const std::string& key, const std::vector<std::string>& allowed);
   std::vector<double> numbers(const std::string& key, const Limits& limits);
   /// One number, or one per component.
   std::vector<double> number_or_numbers(const std::string& key, const Limits& limits);
-  Components expressions(const std::string& key, bool time);
+  /// One expression per space dimension, or `count` of them.
+  Components expressions(const std::string& key, bool time, std::size_t count = 0);
   /// One expression.
   std::string expression(const std::string& key, bool time);
+  bool flag(const std::string& key, bool fallback);
   Reader table(const std::string& key);
   std::vector<Reader> tables(const std::string& key);
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <optional>
@@ -39,8 +40,9 @@ struct Material {
 };
 
 struct Clamp {
-  std::string on;                  ///< physical group
-  std::optional<Components> value; ///< zeros, where the scene writes them out
+  std::string on;                                     ///< physical group
+  std::optional<std::vector<std::string>> components; ///< those held, of "x", "y", "z"; absent: all
+  std::optional<Components> value; ///< motion of each component held, m, of x, y, z, t; absent: at rest
 };
 
 struct HalfSpace {
@@ -73,8 +75,14 @@ struct Contact {
   bool project = false; ///< nodes that start inside are moved out of the obstacle; else they are an error
 };
 
+struct Traction {
+  std::string on;   ///< physical group of the surface
+  Components value; ///< N/m², of x, y, z, t
+};
+
 struct Load {
-  Components body; ///< N/m³ in 3D and plane strain, of x, y, z, t
+  std::optional<Components> body; ///< N/m³ in 3D and plane strain, of x, y, z, t
+  std::vector<Traction> tractions;
 };
 
 struct Initial {
@@ -83,7 +91,11 @@ struct Initial {
 };
 
 struct Control {
-  double scale = 1;                         ///< s, N/m³ per unit of control
+  double scale = 1;              ///< s, N/m³ per unit of control; N/m² where it acts on a surface
+  std::optional<std::string> on; ///< physical group of a part of the body or of a surface; absent: the body
+  std::optional<std::vector<std::string>> components; ///< those that act, of "x", "y", "z"; absent: all
+  bool constant_in_time = false;
+  std::string space = "P1";                 ///< nodal values ("P1") or one for each cell ("P0")
   std::optional<Components> initial;        ///< first guess, of x, y, z, t; absent: zero
   std::optional<std::vector<double>> lower; ///< one number or one per component
   std::optional<std::vector<double>> upper;
@@ -98,8 +110,10 @@ struct DesiredDisplacement {
 
 struct Objective {
   std::variant<DesiredControl, DesiredDisplacement> desired;
-  double alpha = 0; ///< weight of the control cost
-  double gamma = 0; ///< weight of the terminal term
+  std::optional<std::string> on; ///< physical group of a part of the body or of a surface; absent: the body
+  double tracking = 1;           ///< weight of the tracking term
+  double alpha = 0;              ///< weight of the control cost
+  double gamma = 0;              ///< weight of the terminal term
 };
 
 struct Optimizer {
@@ -120,6 +134,16 @@ struct Check {
 
 struct Output {
   int every = 1; ///< steps between stored fields
+  std::vector<std::string> fields{"displacement", "velocity", "control",
+                                  "adjoint"};                     ///< stored where a run has them
+  std::vector<std::string> tables{"steps", "contact", "history"}; ///< likewise
+
+  [[nodiscard]] bool field(const std::string& name) const {
+    return std::ranges::find(fields, name) != fields.end();
+  }
+  [[nodiscard]] bool table(const std::string& name) const {
+    return std::ranges::find(tables, name) != tables.end();
+  }
 };
 
 struct Scene {

@@ -63,9 +63,9 @@ private:
 /// contact.
 class Floor {
 public:
-  Floor(const Problem& problem, const forward::AddLoad& load)
-      : problem_(problem), load_(load), r_(problem.space.vector()), y_(problem.space.vector()),
-        f_(problem.space.vector()), guess_(problem.stepper) {
+  Floor(const Problem& problem, const forward::Load& load)
+      : problem_(problem), load_at_(problem.space, load), r_(problem.space.vector()),
+        y_(problem.space.vector()), f_(problem.space.vector()), guess_(problem.stepper) {
     guess_.remember(problem.initial.y);
   }
 
@@ -74,11 +74,10 @@ public:
     const auto i = static_cast<std::size_t>(k);
     const forward::Stepper& stepper = problem_.stepper;
     const forward::Scheme& scheme = stepper.scheme();
-    check(VecZeroEntries(f_));
-    load_(k, f_);
+    const forward::StepLoad load = load_at_(k);
     Watch watch;
-    check(VecAXPBY(f_, scheme.momentum(), scheme.impulse() / *problem_.operators.uniform_density,
-                   trajectory.v[i - 1]));
+    check(VecAXPBYPCZ(f_, scheme.momentum(), scheme.impulse() / *problem_.operators.uniform_density, 0,
+                      trajectory.v[i - 1], load.density));
     watch.lap();
     check(MatMult(problem_.operators.M, f_, r_));
     double products = watch.lap();
@@ -97,7 +96,7 @@ public:
 
 private:
   const Problem& problem_;
-  const forward::AddLoad& load_;
+  forward::LoadAtStep load_at_;
   petsc::Vector r_, y_, f_;
   forward::Extrapolation guess_;
 };
@@ -123,7 +122,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   ControlProblem control_problem(problem, Console(false, false));
   control::ReducedProblem& reduced = control_problem.reduced;
   const control::Control u = control_problem.first_guess(scene);
-  const forward::AddLoad load = control_problem.controls.with(problem.load(), u);
+  const forward::Load load = problem.load() + control_problem.controls.load(u);
 
   forward::Trajectory trajectory(problem.stepper, steps);
   Least forward(steps), adjoint(steps), solve(steps), products(steps), adjoint_floor(steps);
@@ -143,18 +142,14 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   for (int repeat = 0; repeat < repeats; ++repeat) {
     Floor floor(problem, load);
     watch.lap();
-    adjoint::sweep(
-        problem.stepper, trajectory,
-        [&](int k, Vec density) {
-          control_problem.objective.add_derivative(k, trajectory.y[static_cast<std::size_t>(k)], density);
-        },
-        [&](int k, Vec p) {
-          check(VecAXPY(gradient.at(k), 1, p));
-          adjoint.take(k, watch.lap());
-          const auto [s, w] = floor(trajectory, k);
-          adjoint_floor.take(k, s + w);
-          watch.lap();
-        });
+    adjoint::sweep(problem.stepper, trajectory, control_problem.objective.derivative(trajectory),
+                   [&](int k, Vec p) {
+                     check(VecAXPY(gradient.at(k), 1, p));
+                     adjoint.take(k, watch.lap());
+                     const auto [s, w] = floor(trajectory, k);
+                     adjoint_floor.take(k, s + w);
+                     watch.lap();
+                   });
   }
 
   // Whole runs, as the optimizer makes them.

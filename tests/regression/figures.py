@@ -46,6 +46,17 @@ def main() -> int:
                 assert len(colours) > 50, f"{file.name} is blank"
         with Image.open(folder / "o" / "figures" / "animation.gif") as image:
             assert image.n_frames >= 30
+        for tables, fields, expected in ((["contact"], ["displacement", "control"], {"control_magnitude.png", "contact_force.png", "animation.gif"}),
+                                         (["history"], ["control"], {"control_magnitude.png", "objective.png", "distance_to_reference.png"}),
+                                         ([], [], set())):  # fmt: skip
+            out = folder / "part"
+            signorini("optimize", HALF_DISC, out, mesh__size=3, optimizer__max_iterations=1, output__tables=tables,
+                      output__fields=fields, control__initial=["0", "-0.9"])  # fmt: skip
+            done = draw(out)
+            found = {Path(line).name for line in done.stdout.splitlines() if line.endswith((".png", ".gif"))}
+            said = [line for line in done.stdout.splitlines() if line.startswith("no ")]
+            assert done.returncode == 0 and found == expected, f"{tables}, {fields}: {found}\n{done.stdout}{done.stderr}"
+            assert len(said) == len(OPTIMIZE - expected), done.stdout
         wrong = draw(folder)
         assert wrong.returncode == 2 and wrong.stderr.count("\n") == 1, wrong.stderr
         print(f"{len(OPTIMIZE)}, in space as many, and {len(SIMULATE)} figures drawn; not a run: {wrong.stderr.strip()}")

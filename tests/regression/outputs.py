@@ -136,6 +136,28 @@ def half_ball(folder: Path) -> None:
     print("in space: z columns, tetrahedra, fields at their nodes, on several ranks and with degree 2 too")
 
 
+def only_what_is_asked_for(folder: Path) -> None:
+    """[output]: a field or table that is left out is not written, and none are for a timing run."""
+    always, out = {"scene.toml", "run.json"}, folder / "part"
+    for verb, fields, tables, files in (
+        ("simulate", [], [], set()),
+        ("simulate", ["velocity", "control"], ["contact", "history"], {"state.xdmf", "state.h5", "contact.csv"}),
+        ("optimize", ["control"], ["history"], {"control.xdmf", "control.h5", "history.csv"}),
+        ("optimize", ["adjoint", "displacement"], ["steps"],
+         {"adjoint.xdmf", "adjoint.h5", "state.xdmf", "state.h5", "steps.csv"}),
+    ):  # fmt: skip
+        signorini(verb, HALF_DISC, out, mesh__size=3, optimizer__max_iterations=1, output__fields=fields, output__tables=tables)
+        assert {path.name for path in out.iterdir()} == always | files, f"{verb} {fields} {tables}: {list(out.iterdir())}"
+        if "state.xdmf" in files:
+            assert set(grids(out / "state.xdmf")) == {"displacement", "velocity"} & set(fields)
+        output = tomllib.loads((out / "scene.toml").read_text())["output"]
+        assert set(output["fields"]) == set(fields) and set(output["tables"]) == set(tables)
+        run = json.loads((out / "run.json").read_text())
+        if verb == "optimize":  # the adjoint states cost one more sweep, where they are wanted
+            assert run["counters"]["adjoint sweeps"] == run["optimizer"]["adjoint_sweeps"] + ("adjoint" in fields)
+    print("[output]: fields and tables as asked for, or none")
+
+
 def silence_and_plain_lines(folder: Path) -> None:
     quiet = attempt("simulate", HALF_DISC, folder / "q", mesh__size=3)
     assert "\r" not in quiet.stdout + quiet.stderr and "\033" not in quiet.stdout + quiet.stderr
@@ -163,6 +185,7 @@ def main() -> int:
         nodal_force_is_the_resultant(out)
         degree_two(folder)
         half_ball(folder)
+        only_what_is_asked_for(folder)
         silence_and_plain_lines(folder)
     return 0
 

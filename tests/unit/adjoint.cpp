@@ -34,20 +34,20 @@ TEST_CASE("the sweep is the transpose of the linearised steps", "[adjoint]") {
                 product = space.vector();
   double forward = 0, backward = 0;
   for (int k = 1; k <= run.trajectory.steps; ++k) {
-    stepper.linearised_step(y0, v0, test::smooth(space, k),
-                            run.trajectory.contact[static_cast<std::size_t>(k)], y1, v1);
+    const petsc::Vector density = test::smooth(space, k);
+    stepper.linearised_step(y0, v0, {.density = density}, run.trajectory.contact[static_cast<std::size_t>(k)],
+                            y1, v1);
     check(MatMult(run.ready.problem.operators.W, test::smooth(space, -k), product));
     forward += dot(y1, product);
     std::swap(y0, y1);
     std::swap(v0, v1);
   }
-  adjoint::sweep(
-      stepper, run.trajectory,
-      [&](int k, Vec density) { check(VecAXPY(density, 1, test::smooth(space, -k))); },
-      [&](int k, Vec p) {
-        check(MatMult(run.ready.problem.operators.W, test::smooth(space, k), product));
-        backward += stepper.scheme().impulse() * dot(p, product);
-      });
+  adjoint::sweep(stepper, run.trajectory,
+                 {.density = [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(space, -k))); }},
+                 [&](int k, Vec p) {
+                   check(MatMult(run.ready.problem.operators.W, test::smooth(space, k), product));
+                   backward += stepper.scheme().impulse() * dot(p, product);
+                 });
   CHECK(std::abs(forward) > 0);
   CHECK(std::abs(forward - backward) < 1e-12 * std::abs(forward));
 }
@@ -62,16 +62,16 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
                       dload = test::smooth(space, 3);
   petsc::Vector load = space.vector(), y = space.vector(), v = space.vector(), ly = space.vector(),
                 lv = space.vector();
-  run.ready.problem.load()(k, load);
+  run.ready.problem.load().density(k, load);
   constexpr double epsilon = 1e-8; // a step is piecewise affine: no truncation, only rounding
   petsc::Vector y0 = petsc::copy(run.trajectory.y[i - 1]), v0 = petsc::copy(run.trajectory.v[i - 1]);
   check(VecAXPY(y0, epsilon, dy));
   check(VecAXPY(v0, epsilon, dv));
   check(VecAXPY(load, epsilon, dload));
   contact::ContactState moved(stepper.constraints()->count());
-  stepper.step(stepper.scheme().time(k), y0, v0, load, run.trajectory.contact[i - 1], moved, y, v);
+  stepper.step(k, y0, v0, {.density = load}, run.trajectory.contact[i - 1], moved, y, v);
   REQUIRE(moved.active == run.trajectory.contact[i].active);
-  stepper.linearised_step(dy, dv, dload, moved, ly, lv);
+  stepper.linearised_step(dy, dv, {.density = dload}, moved, ly, lv);
   check(VecAXPY(y, -1, run.trajectory.y[i]));
   check(VecScale(y, 1 / epsilon));
   CHECK(test::difference(y, ly) < 1e-6 * test::largest(ly));
@@ -89,10 +89,9 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
     check(MatMult(problem.operators.W, test::smooth(problem.space, k), product));
     return product;
   };
-  adjoint::sweep(
-      stepper, run.trajectory,
-      [&](int k, Vec density) { check(VecAXPY(density, 1, test::smooth(problem.space, k))); },
-      [&](int k, Vec pk) { p[static_cast<std::size_t>(k)] = petsc::copy(pk); });
+  adjoint::sweep(stepper, run.trajectory,
+                 {.density = [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(problem.space, k))); }},
+                 [&](int k, Vec pk) { p[static_cast<std::size_t>(k)] = petsc::copy(pk); });
 
   // The seed's recursion, written out with matrices: D = M + τ/2 B + τ²/4 A, R = M + τ/2 B − τ²/4 A.
   const fem::Operators& body = problem.operators;
@@ -144,7 +143,7 @@ TEST_CASE("adjoint states vanish on the clamp", "[adjoint]") {
   forward::simulate(ready.problem.stepper, ready.problem.initial, ready.problem.load(), trajectory);
   adjoint::sweep(
       ready.problem.stepper, trajectory,
-      [&](int k, Vec density) { check(VecAXPY(density, 1, test::smooth(ready.problem.space, k))); },
+      {.density = [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(ready.problem.space, k))); }},
       [&](int, Vec p) {
         petsc::Vector rest = petsc::copy(p);
         ready.problem.stepper.clamped().clear(rest);

@@ -78,7 +78,7 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
     const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.scheme(),
                                          problem.steps(), *ready.scene.control);
     const control::Control u = controls.interpolate({"0", "-1"}, "u");
-    const forward::AddLoad load = controls.with(problem.load(), u);
+    const forward::Load load = problem.load() + controls.load(u);
     forward::Trajectory trajectory(problem.stepper, problem.steps());
     forward::simulate(problem.stepper, problem.initial, load,
                       trajectory); // work space that CHOLMOD and PETSc make once
@@ -98,12 +98,12 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
     petsc::Vector dual = test::smooth(problem.space, 1);
     long back = 0;
     (void)allocations([&] {
-      adjoint::sweep(
-          problem.stepper, trajectory, [&](int, Vec density) { petsc::check(VecAXPY(density, 1, dual)); },
-          [&](int k, Vec) {
-            back += k < problem.steps() ? calls - before : 0;
-            before = calls;
-          });
+      const forward::Load derivative{
+          .density = [&](int, Vec density) { petsc::check(VecAXPY(density, 1, dual)); }};
+      adjoint::sweep(problem.stepper, trajectory, derivative, [&](int k, Vec) {
+        back += k < problem.steps() ? calls - before : 0;
+        before = calls;
+      });
     });
     CHECK(back == 0);
   }

@@ -1,5 +1,7 @@
+#include "check.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
+#include <fmt/format.h>
 
 using namespace signorini;
 
@@ -17,7 +19,8 @@ control::Control some(const control::ControlSpace& controls, int which) {
 TEST_CASE("the product is that of L2(0,T; L2)", "[control]") {
   const test::Ready ready("tests/data/block.toml");
   const ControlProblem problem(ready.problem, test::silent());
-  const control::Control u = problem.controls.interpolate({"2", "t"}, "test"), one = problem.controls.interpolate({"0", "1"}, "test");
+  const control::Control u = problem.controls.interpolate({"2", "t"}, "test"),
+                         one = problem.controls.interpolate({"0", "1"}, "test");
   const double T = ready.scene.time.end;
   CHECK(std::abs(problem.controls.product(one, one) / T - 1) < 1e-12);
   CHECK(std::abs(problem.controls.product(u, one) / (T * T / 2) - 1) < 1e-12); // midpoint rule, exact for t
@@ -25,7 +28,8 @@ TEST_CASE("the product is that of L2(0,T; L2)", "[control]") {
 
 TEST_CASE("clipping is the projection in the metric of a bounded control", "[control]") {
   for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
-    const test::Ready ready("tests/data/block.toml", {"control.lower=-0.4", "control.upper=[0.3, 0.6]", degree});
+    const test::Ready ready("tests/data/block.toml",
+                            {"control.lower=-0.4", "control.upper=[0.3, 0.6]", degree});
     const ControlProblem problem(ready.problem, test::silent());
     const control::Control u = some(problem.controls, 0);
     control::Control clipped = u;
@@ -52,8 +56,9 @@ TEST_CASE("clipping is the projection in the metric of a bounded control", "[con
 
 TEST_CASE("J is the trapezoidal rule of its integrals", "[control]") {
   // No motion at all: y = 0, y_d = (t, 0): tracking ½∫t² by the trapezoidal rule, terminal γT².
-  const test::Ready ready("tests/data/block.toml", {"objective.desired={displacement=[\"t\", \"0\"]}", "load.body=[\"0\", \"0\"]",
-                                                     "initial.velocity=[\"0\", \"0\"]"});
+  const test::Ready ready("tests/data/block.toml",
+                          {"objective.desired={displacement=[\"t\", \"0\"]}", "load.body=[\"0\", \"0\"]",
+                           "initial.velocity=[\"0\", \"0\"]"});
   ControlProblem problem(ready.problem, test::silent());
   problem.reduced.value(problem.controls.zero());
   problem.reduced.accept();
@@ -73,10 +78,86 @@ TEST_CASE("at the reference control only the cost of the control is left", "[con
   // Not exactly: on several ranks MUMPS sums in no fixed order, so that two runs differ by rounding.
   CHECK(value.tracking < 1e-24);
   CHECK(value.terminal < 1e-24);
-  CHECK(std::abs(value.control_cost / (ready.scene.objective->alpha / 2 * 1.09 * ready.scene.time.end) - 1) < 1e-12);
+  CHECK(std::abs(value.control_cost / (ready.scene.objective->alpha / 2 * 1.09 * ready.scene.time.end) - 1) <
+        1e-12);
   control::Control g = problem.reduced.gradient();
   g.add(-ready.scene.objective->alpha, *problem.reference);
   CHECK(problem.controls.norm(g) < 1e-12);
+}
+
+TEST_CASE("derivatives are exact for every kind of control and objective", "[control]") {
+  const std::string one_component = "objective.desired={control=[\"0\", \"-1\"]}";
+  for (const std::vector<std::string>& overrides : std::vector<std::vector<std::string>>{
+           {},
+           {"control.space=P0"},
+           {"control.on=rest", "control.scale=0.5"},
+           {"control.on=rest", "control.space=P0", "control.scale=0.5"},
+           {"control.constant_in_time=true"},
+           {"control.components=[\"y\"]", one_component},
+           {"control.components=[\"y\"]", "control.space=P0", "control.constant_in_time=true", one_component},
+           {"control.on=rest", "mesh.degree=2", "mesh.size=0.5", "control.constant_in_time=true"},
+           {"objective.on=rest"},
+           {"objective.tracking=0", "objective.gamma=1"},
+           {"objective.gamma=0", "objective.alpha=0", "objective.on=rest"},
+           {"clamp=[{on=\"rest\", value=[\"0\", \"-0.3*t\"]}]", "initial={displacement=[\"0\", \"0\"]}",
+            "time.end=1"}}) {
+    std::string what;
+    for (const std::string& setting : overrides)
+      what += setting + " ";
+    INFO(what);
+    const test::Ready ready("tests/data/block.toml", overrides);
+    CHECK(check_scene(ready.problem, test::silent()));
+  }
+}
+
+TEST_CASE("a control pushes with its resultant where it acts", "[control]") {
+  for (const char* on : {"", "rest"})
+    for (const char* kind : {"P1", "P0"}) {
+      std::vector<std::string> overrides{fmt::format("control.space={}", kind), "control.scale=2"};
+      if (*on)
+        overrides.push_back(fmt::format("control.on={}", on));
+      const test::Ready ready("tests/data/block.toml", overrides);
+      const Problem& problem = ready.problem;
+      const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.scheme(),
+                                           problem.steps(), *ready.scene.control);
+      const control::Control u = controls.interpolate({"0", "3"}, "test");
+      const double size = *on ? 3 : 1; // three sides, or the square
+      CHECK(std::abs(controls.product(u, u) / (9 * size * ready.scene.time.end) - 1) < 1e-12);
+      const forward::Load load = controls.load(u);
+      petsc::Vector force = problem.space.vector();
+      if (load.density) {
+        petsc::Vector density = problem.space.vector();
+        load.density(1, density);
+        petsc::check(MatMult(problem.operators.W, density, force));
+      } else {
+        load.force(1, force);
+      }
+      PetscScalar sum = 0;
+      petsc::check(VecSum(force, &sum));
+      CHECK(std::abs(sum / (2 * 3 * size) - 1) < 1e-12);
+    }
+}
+
+TEST_CASE("the gradient by a control constant in time is the mean of that by steps", "[control]") {
+  const auto gradient = [](bool constant, auto&& use) {
+    const test::Ready ready("tests/data/block.toml",
+                            {"control.constant_in_time=" + std::string(constant ? "true" : "false")});
+    ControlProblem problem(ready.problem, test::silent());
+    problem.reduced.value(problem.controls.constant(-0.5));
+    problem.reduced.accept();
+    use(problem.reduced.gradient());
+  };
+  petsc::Vector mean;
+  gradient(false, [&](const control::Control& g) {
+    mean = petsc::zero_like(g.at(1));
+    for (int k = 1; k <= g.steps(); ++k)
+      petsc::check(VecAXPY(mean, 1.0 / g.steps(), g.at(k)));
+    CHECK(test::difference(g.at(1), mean) > 0.1 * test::largest(mean));
+  });
+  gradient(true, [&](const control::Control& g) {
+    CHECK(g.count() == 1);
+    CHECK(test::difference(g.at(g.steps()), mean) < 1e-11 * test::largest(mean));
+  });
 }
 
 TEST_CASE("a rejected trial changes nothing", "[control]") {

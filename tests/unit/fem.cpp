@@ -35,11 +35,13 @@ TEST_CASE("operators integrate what they should", "[fem]") {
   for (int degree : {1, 2}) {
     const Body body(degree);
     const scene::Material& material = body.scene.material;
-    const petsc::Vector unit = body.field({"1", "0"}), linear = body.field({"x", "y"}), shear = body.field({"y", "0"});
+    const petsc::Vector unit = body.field({"1", "0"}), linear = body.field({"x", "y"}),
+                        shear = body.field({"y", "0"});
     CHECK(std::abs(energy(body.operators.W, unit) - 1) < 1e-13);
     CHECK(std::abs(energy(body.operators.M, unit) - material.density) < 1e-13);
     CHECK(std::abs(energy(body.operators.W, linear) - 2.0 / 3) < 1e-13);
-    const double lambda = material.young * material.poisson / ((1 + material.poisson) * (1 - 2 * material.poisson));
+    const double lambda =
+        material.young * material.poisson / ((1 + material.poisson) * (1 - 2 * material.poisson));
     const double mu = material.young / (2 * (1 + material.poisson));
     // eps = I: tr = 2 in plane strain, so (2 lambda + 2 mu) 2; eps = sym(e1 e2): 2 mu / 2.
     CHECK(std::abs(energy(body.operators.A, linear) / (4 * lambda + 4 * mu) - 1) < 1e-13);
@@ -59,15 +61,20 @@ TEST_CASE("operators integrate what they should in space", "[fem]") {
     CHECK(std::abs(energy(body.operators.W, unit) - 1) < 1e-13);
     CHECK(std::abs(energy(body.operators.M, unit) - material.density) < 1e-13);
     CHECK(std::abs(energy(body.operators.W, linear) - 1) < 1e-13);
-    const double lambda = material.young * material.poisson / ((1 + material.poisson) * (1 - 2 * material.poisson));
+    const double lambda =
+        material.young * material.poisson / ((1 + material.poisson) * (1 - 2 * material.poisson));
     const double mu = material.young / (2 * (1 + material.poisson));
     // eps = I: tr = 3, so (3 lambda + 2 mu) 3; eps = sym(e2 e3): 2 mu / 2.
     CHECK(std::abs(energy(body.operators.A, linear) / (9 * lambda + 6 * mu) - 1) < 1e-13);
     CHECK(std::abs(energy(body.operators.A, shear) / mu - 1) < 1e-13);
-    CHECK(std::abs(energy(*body.operators.B, linear) / (9 * material.viscosity->bulk) - 1) < 1e-13); // no shear
+    CHECK(std::abs(energy(*body.operators.B, linear) / (9 * material.viscosity->bulk) - 1) <
+          1e-13); // no shear
     CHECK(std::abs(energy(*body.operators.B, shear) / material.viscosity->shear - 1) < 1e-13);
-    for (const scene::Components& rigid :
-         {scene::Components{"1", "0", "0"}, {"0", "0", "1"}, {"-y", "x", "0"}, {"0", "-z", "y"}, {"z", "0", "-x"}}) {
+    for (const scene::Components& rigid : {scene::Components{"1", "0", "0"},
+                                           {"0", "0", "1"},
+                                           {"-y", "x", "0"},
+                                           {"0", "-z", "y"},
+                                           {"z", "0", "-x"}}) {
       CHECK(energy(body.operators.A, body.field(rigid)) < 1e-12);
       CHECK(energy(*body.operators.B, body.field(rigid)) < 1e-12);
     }
@@ -84,13 +91,52 @@ TEST_CASE("rigid motions have no elastic or viscous energy", "[fem]") {
   }
 }
 
+TEST_CASE("the L2 product over a part or a surface", "[fem]") {
+  for (const auto& [name, dim] : {std::pair{"tests/data/parts.geo", 2}, {"tests/data/parts-space.geo", 3}})
+    for (int degree : {1, 2}) {
+      const mesh::Mesh mesh(MPI_COMM_WORLD, {.file = test::source(name), .size = 0.4});
+      const fem::Space space(mesh, degree);
+      const petsc::Vector unit = space.vector(), linear = space.vector();
+      scene::Components first(static_cast<std::size_t>(dim), "0");
+      first.back() = "1";
+      space.interpolate(scene::Field(first, "test", false), 0, unit);
+      first.back() = "x";
+      space.interpolate(scene::Field(first, "test", false), 0, linear);
+      const auto holds = [&](const char* group, double size, double second_moment) {
+        const petsc::Matrix W = fem::assemble_L2(space, group, "test");
+        CHECK(petsc::component(W) != nullptr);
+        CHECK(std::abs(energy(W, unit) - size) < 1e-13);
+        CHECK(std::abs(energy(W, linear) - second_moment) < 1e-13);
+      };
+      // Size, and the integral of x squared.
+      holds("body", 2, 8.0 / 3);
+      holds("left", 1, 1.0 / 3);
+      holds("right", 1, 7.0 / 3);
+      holds("interface", 1, 1);
+      holds("end", 1, 4);
+      const double sides = dim == 2 ? 2 : 4; // along x, beside the two ends
+      holds("boundary", 2 + sides * 2, 4 + sides * 8 / 3);
+    }
+}
+
+TEST_CASE("the L2 product over a surface has entries for the surface's own nodes alone", "[fem]") {
+  const Body body(1); // the unit square at element size 0.25
+  const petsc::Matrix W = fem::assemble_L2(body.space, "bottom", "test");
+  MatInfo info;
+  check(MatGetInfo(petsc::component(W), MAT_GLOBAL_SUM, &info));
+  CHECK(info.nz_used == 5 + 2 * 4); // 5 nodes, 4 edges
+  const petsc::Vector behind = body.field({"0", "y"});
+  CHECK(energy(W, behind) == 0);
+}
+
 TEST_CASE("the step operator is m + tau/2 b + tau^2/4 a", "[fem]") {
   const Body body(2);
   constexpr double tau = 0.3;
   const petsc::Vector x = test::smooth(body.space, 1);
   const double expected = energy(body.operators.M, x) + tau / 2 * energy(*body.operators.B, x) +
                           tau * tau / 4 * energy(body.operators.A, x);
-  CHECK(std::abs(energy(fem::assemble_step_operator(body.space, body.scene.material, tau), x) / expected - 1) < 1e-13);
+  CHECK(std::abs(energy(fem::assemble_step_operator(body.space, body.scene.material, tau), x) / expected -
+                 1) < 1e-13);
   scene::Material elastic = body.scene.material;
   elastic.viscosity.reset();
   CHECK_FALSE(fem::assemble_operators(body.space, elastic).B);
@@ -100,7 +146,7 @@ TEST_CASE("the step operator is m + tau/2 b + tau^2/4 a", "[fem]") {
 
 TEST_CASE("decoupled dofs are held and the rest is untouched", "[fem]") {
   const Body body(1);
-  const fem::Clamped clamped(body.space, {{"rest", std::nullopt}});
+  const fem::Clamped clamped(body.space, {{.on = "rest", .components = std::nullopt, .value = std::nullopt}});
   petsc::Matrix D = fem::assemble_step_operator(body.space, body.scene.material, 0.1);
   petsc::Vector x = test::smooth(body.space, 2), whole = petsc::zero_like(x), cut = petsc::zero_like(x);
   clamped.clear(x);

@@ -2,6 +2,7 @@
 #include "fixtures.h"
 #include "forward/balance.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
 #include <fmt/format.h>
 
 using namespace signorini;
@@ -67,6 +68,113 @@ TEST_CASE("without loads and viscosity energy never grows, and is kept without c
   CHECK(balance.back().elastic_energy > 0.01 * start);
 }
 
+TEST_CASE("a traction pushes with its resultant", "[forward]") {
+  // Linear in time and space: the midpoint rule and the interpolation are exact.
+  for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
+    const test::Ready ready("tests/data/block.toml",
+                            {degree, "time.end=0.2", "load={traction=[{on=\"rest\", value=[\"t\", \"y\"]}]}",
+                             "initial.velocity=[\"0\", \"0\"]"});
+    const forward::Trajectory trajectory = run(ready);
+    for (const auto& contact : trajectory.contact)
+      REQUIRE(contact.active.empty());
+    petsc::Vector momentum = ready.problem.space.vector();
+    check(MatMult(ready.problem.operators.M, trajectory.v.back(), momentum));
+    const double T = ready.scene.time.end;
+    for (const auto& [direction, exact] :
+         {std::pair{scene::Components{"1", "0"}, 3 * T * T / 2}, // three sides
+          {{"0", "1"}, (0.5 + 0.5 + 1) * T}}) {
+      petsc::Vector unit = ready.problem.space.vector();
+      ready.problem.space.interpolate(scene::Field(direction, "test", false), 0, unit);
+      CHECK(std::abs(petsc::dot(momentum, unit) / exact - 1) < 1e-11);
+    }
+  }
+}
+
+TEST_CASE("a body moves with its clamps", "[forward]") {
+  // The force that accelerates a rigid body as its boundary moves strains nothing, and Newmark's scheme is
+  // exact.
+  for (const auto& [setting, tolerance] :
+       {std::pair{"solver.linear=direct", 1e-13},
+        {"solver.linear=iterative", 1e-9},
+        {"solver.vi=full", 1e-7}}) { // SNESVI's relative tolerance, added up
+    const test::Ready ready("tests/data/block.toml",
+                            {setting, "clamp=[{on=\"rest\", value=[\"t^2/2\", \"0.1*t\"]}]",
+                             "load.body=[\"1\", \"0\"]", "initial.velocity=[\"0\", \"0.1\"]"});
+    const forward::Trajectory trajectory = run(ready);
+    REQUIRE(trajectory.steps == 30);
+    petsc::Vector exact = ready.problem.space.vector();
+    for (int k = 0; k <= trajectory.steps; ++k) {
+      REQUIRE(trajectory.contact[static_cast<std::size_t>(k)].active.empty());
+      ready.problem.space.interpolate(scene::Field({"t^2/2", "0.1*t"}, "test", true),
+                                      ready.problem.stepper.scheme().time(k), exact);
+      CHECK(test::difference(trajectory.y[static_cast<std::size_t>(k)], exact) < tolerance);
+    }
+  }
+}
+
+TEST_CASE("a clamp of one component leaves the others free", "[forward]") {
+  const test::Ready ready("tests/data/block.toml",
+                          {"clamp=[{on=\"rest\", components=[\"y\"]}]", "load.body=[\"1\", \"0\"]",
+                           "initial.velocity=[\"0\", \"0\"]"});
+  const forward::Trajectory trajectory = run(ready);
+  petsc::Vector exact = ready.problem.space.vector();
+  ready.problem.space.interpolate(scene::Field({"t^2/2", "0"}, "test", true), ready.scene.time.end, exact);
+  CHECK(test::difference(trajectory.y.back(), exact) < 1e-13);
+
+  const test::Ready sagging("tests/data/block.toml",
+                            {"clamp=[{on=\"rest\", components=[\"y\"]}]", "initial.velocity=[\"0\", \"0\"]",
+                             "load.body=[\"0\", \"-5\"]"});
+  const forward::Trajectory sag = run(sagging);
+  double held = 0, largest = 0;
+  {
+    const petsc::ReadArray y(sag.y.back());
+    for (int node = 0; node < sagging.problem.space.owned_nodes(); ++node) {
+      const auto dof = static_cast<std::size_t>(2 * node);
+      largest = std::max(largest, std::abs(y[dof + 1]));
+      if (sagging.problem.stepper.clamped().contains(node, 1))
+        held = std::max(held, std::abs(y[dof + 1]));
+      CHECK_FALSE(sagging.problem.stepper.clamped().contains(node, 0));
+    }
+  }
+  CHECK(held == 0);
+  CHECK(test::total(largest > 0.01) > 0);
+}
+
+TEST_CASE("energy and momentum hold with moving clamps, tractions and contact", "[forward]") {
+  for (const char* linear : {"solver.linear=direct", "solver.linear=iterative"}) {
+    const test::Ready ready("tests/data/block.toml",
+                            {linear, "clamp=[{on=\"rest\", value=[\"0.05*sin(9*t)\", \"-0.3*t\"]}]",
+                             "time.end=1", "load.traction=[{on=\"bottom\", value=[\"x*sin(t)\", \"0.1\"]}]",
+                             "initial={displacement=[\"0\", \"0\"]}"});
+    const forward::Trajectory trajectory = run(ready);
+    const auto balance = forward::balance(ready.problem.stepper, ready.problem.load(), trajectory);
+    int touched = 0;
+    double energy = 0, work = 0;
+    for (const auto& step : balance) {
+      energy = std::max(energy, step.kinetic_energy + step.elastic_energy);
+      work += step.external_work;
+    }
+    for (std::size_t k = 1; k < balance.size(); ++k) {
+      touched += trajectory.contact[k].count(contact::Status::strong) > 0;
+      CHECK(std::abs(balance[k].energy_residual) < 1e-10 * energy);
+      CHECK(std::hypot(balance[k].momentum_residual[0], balance[k].momentum_residual[1]) <
+            1e-10 * balance[k].momentum_scale);
+    }
+    CHECK(touched > 2);
+    CHECK(std::abs(work) > 0.01 * energy);
+  }
+}
+
+TEST_CASE("clamps that meet must agree", "[forward]") {
+  CHECK_THROWS_WITH(
+      test::Ready("tests/data/block.toml", {"clamp=[{on=\"rest\", value=[\"t\", \"0\"]}, {on=\"bottom\", "
+                                            "value=[\"2*t\", \"0\"], components=[\"x\", \"y\"]}]"}),
+      Catch::Matchers::ContainsSubstring("same motion where clamps meet"));
+  CHECK_NOTHROW(test::Ready("tests/data/block.toml",
+                            {"clamp=[{on=\"rest\"}, {on=\"bottom\", components=[\"x\"], value=[\"0\"]}]",
+                             "initial.velocity=[\"0\", \"0\"]"}));
+}
+
 TEST_CASE("initial states that a clamp or an obstacle forbids are refused", "[forward]") {
   CHECK_THROWS_AS(test::Ready("tests/data/manufactured.toml", {"initial.velocity=[\"1\", \"0\"]"}),
                   UserError);
@@ -76,10 +184,10 @@ TEST_CASE("initial states that a clamp or an obstacle forbids are refused", "[fo
 TEST_CASE("a solution that is not finite ends the run with its step", "[forward]") {
   const test::Ready ready("tests/data/block.toml");
   forward::Trajectory trajectory(ready.problem.stepper, ready.problem.steps());
-  const auto poison = [&](int k, Vec out) {
+  const forward::Load poison{.density = [&](int k, Vec out) {
     if (k == 3)
       check(VecSet(out, std::numeric_limits<double>::quiet_NaN()));
-  };
+  }};
   try {
     forward::simulate(ready.problem.stepper, ready.problem.initial, poison, trajectory);
     FAIL("NaN went through");
@@ -122,6 +230,42 @@ TEST_CASE("a plane that meets a body is a body that meets the plane", "[forward]
     };
     CHECK(work(rest, a) < 1e-12);
     CHECK(work(moving, b) > 0.01);
+  }
+}
+
+TEST_CASE("contact where a clamp holds one component, at rest or moving", "[forward]") {
+  for (const auto& [motion, velocity] : {std::pair{"0", "0"}, {"0.3*t", "0.3"}}) {
+    const auto with = [&](const char* solver) {
+      return std::vector<std::string>{solver, "contact.on=boundary",
+                                      fmt::format("initial.velocity=[\"{}\", \"-1\"]", velocity),
+                                      fmt::format("clamp=[{{on=\"left\", components=[\"x\"], value=[\"{}\"]}}]", motion)};
+    };
+    const test::Ready condensed("tests/data/block.toml", with("solver.vi=condensed")),
+        full("tests/data/block.toml", with("solver.vi=full")),
+        iterative("tests/data/block.toml", with("solver.linear=iterative"));
+    const contact::Constraints& constraints = *condensed.problem.stepper.constraints();
+    REQUIRE(constraints.held());
+    const forward::Trajectory a = run(condensed), b = run(full), c = run(iterative);
+    bool touched = false; // by a node that the clamp holds in part
+    for (std::size_t k = 0; k < a.y.size(); ++k) {
+      CHECK(test::difference(a.y[k], b.y[k]) < 1e-12 * test::largest(a.y.back()));
+      CHECK(test::difference(a.y[k], c.y[k]) < 1e-9 * test::largest(a.y.back()));
+      CHECK(std::ranges::min(a.contact[k].gap) > -1e-14);
+      for (int i : a.contact[k].active) {
+        const auto j = static_cast<std::size_t>(i);
+        const bool in_part = constraints.directions()[2 * j] == 0;
+        CHECK(in_part == (std::abs(constraints.points()[3 * j]) < 1e-12));
+        touched |= in_part && a.contact[k].lambda[j] > 0;
+        CHECK(std::abs(a.contact[k].gap[j]) < 1e-12);
+      }
+    }
+    CHECK(touched);
+    const auto balance = forward::balance(condensed.problem.stepper, condensed.problem.load(), a);
+    double energy = 0;
+    for (const auto& step : balance)
+      energy = std::max(energy, step.kinetic_energy + step.elastic_energy);
+    for (const auto& step : balance)
+      CHECK(std::abs(step.energy_residual) < 1e-12 * energy);
   }
 }
 

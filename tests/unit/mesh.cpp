@@ -81,6 +81,43 @@ TEST_CASE("boundary groups hold their nodes once, on any number of ranks", "[mes
   CHECK_THROWS_WITH(mesh.facets("body", "clamp.on"), ContainsSubstring("dimension 2"));
 }
 
+TEST_CASE("groups of cells and of facets make up the body once, on any number of ranks", "[mesh]") {
+  for (const char* name : {"tests/data/parts.geo", "tests/data/parts-space.geo"}) {
+    const scene::Mesh file{.file = test::source(name), .size = 0.4};
+    const mesh::Mesh mesh(MPI_COMM_WORLD, file);
+    const auto cells = [&](const char* group) -> const std::vector<std::int32_t>& {
+      return mesh.cells(group, "test");
+    };
+    const long left = test::total(static_cast<long>(cells("left").size())),
+               right = test::total(static_cast<long>(cells("right").size()));
+    CHECK(left > 0);
+    CHECK(right > 0);
+    CHECK(left + right == mesh.cells());
+    std::vector<std::int32_t> both = cells("left");
+    both.insert(both.end(), cells("right").begin(), cells("right").end());
+    std::ranges::sort(both);
+    CHECK(both == cells("body"));
+    const fem::Space space(mesh, 1);
+    for (int node : space.nodes_on("interface", "test"))
+      CHECK(std::abs(space.points()[static_cast<std::size_t>(3 * node)] - 1) < 1e-14);
+    CHECK(mesh.group_dimension("left", "test") == mesh.dim());
+    CHECK(mesh.group_dimension("interface", "test") == mesh.dim() - 1);
+    const std::string part = mesh.dim() == 2 ? "surface" : "volume",
+                      side = mesh.dim() == 2 ? "curve" : "surface";
+    CHECK_THROWS_WITH(mesh.cells("lft", "material[1].on"),
+                      ContainsSubstring("material[1].on") &&
+                          ContainsSubstring("no " + part + " group \"lft\"") &&
+                          ContainsSubstring("did you mean \"left\"") &&
+                          ContainsSubstring(part + " groups of the file: body, left, right"));
+    CHECK_THROWS_WITH(mesh.cells("end", "material.on"),
+                      ContainsSubstring("has dimension " + std::to_string(mesh.dim() - 1)));
+    CHECK_THROWS_WITH(mesh.group_dimension("interfaces", "control.on"),
+                      ContainsSubstring("no " + part + " or " + side + " group \"interfaces\"") &&
+                          ContainsSubstring("did you mean \"interface\"") &&
+                          ContainsSubstring(side + " groups of the file: boundary, end, interface"));
+  }
+}
+
 TEST_CASE("volume and surfaces of the half ball converge with the square of the size", "[mesh]") {
   const double cube = std::pow(radius, 3), square = std::pow(radius, 2), pi = std::numbers::pi;
   const std::map<std::string, double> exact{{"top", pi * square},

@@ -1,0 +1,20 @@
+// Two unit cubes side by side. Groups: left, right (one cube each), body (both), overlapping the first two;
+// interface (the square between them), end (x = 2), boundary (all round).
+Point(1) = {0, 0, 0};
+Point(2) = {0, 1, 0};
+Point(3) = {0, 1, 1};
+Point(4) = {0, 0, 1};
+Line(1) = {1, 2};
+Line(2) = {2, 3};
+Line(3) = {3, 4};
+Line(4) = {4, 1};
+Curve Loop(1) = {1, 2, 3, 4};
+Plane Surface(1) = {1};
+first[] = Extrude {1, 0, 0} { Surface{1}; };
+second[] = Extrude {1, 0, 0} { Surface{first[0]}; };
+Physical Volume("left") = {first[1]};
+Physical Volume("right") = {second[1]};
+Physical Volume("body") = {first[1], second[1]};
+Physical Surface("interface") = {first[0]};
+Physical Surface("end") = {second[0]};
+Physical Surface("boundary") = {1, first[2], first[3], first[4], first[5], second[0], second[2], second[3], second[4], second[5]};

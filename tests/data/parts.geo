@@ -1,0 +1,25 @@
+// Two unit squares side by side. Groups: left, right (one square each), body (both), overlapping the first two;
+// interface (the edge between them), end (x = 2), boundary (all round).
+Point(1) = {0, 0, 0};
+Point(2) = {1, 0, 0};
+Point(3) = {2, 0, 0};
+Point(4) = {2, 1, 0};
+Point(5) = {1, 1, 0};
+Point(6) = {0, 1, 0};
+Line(1) = {1, 2};
+Line(2) = {2, 3};
+Line(3) = {3, 4};
+Line(4) = {4, 5};
+Line(5) = {5, 6};
+Line(6) = {6, 1};
+Line(7) = {2, 5};
+Curve Loop(1) = {1, 7, 5, 6};
+Curve Loop(2) = {2, 3, 4, -7};
+Plane Surface(1) = {1};
+Plane Surface(2) = {2};
+Physical Surface("left") = {1};
+Physical Surface("right") = {2};
+Physical Surface("body") = {1, 2};
+Physical Curve("interface") = {7};
+Physical Curve("end") = {3};
+Physical Curve("boundary") = {1, 2, 3, 4, 5, 6};

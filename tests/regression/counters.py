@@ -1,0 +1,76 @@
+"""What a scene does not ask for is neither made nor done: the counters of run.json."""
+
+import json
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from harness import HALF_DISC, SOURCE, signorini  # noqa: E402
+
+BLOCK = SOURCE / "tests/data/block.toml"
+FREE = SOURCE / "tests/data/manufactured.toml"  # without contact
+CONTROL = ("control spaces", "objectives", "reduced problems", "adjoint sweeps", "adjoint steps", "linearised steps")
+CONTACT = ("constraints", "VI solvers", "VIs solved")
+
+
+def counters(verb: str, scene: Path, folder: Path, ranks: int = 1, **overrides: object) -> dict[str, int]:
+    signorini(verb, scene, folder / "out", ranks, **overrides)
+    run = json.loads((folder / "out" / "run.json").read_text())
+    return run["counters"] | {"asked": run["steps"]["asked"], "candidates": run["candidates"]}
+
+
+def none_of(found: dict[str, int], names: tuple[str, ...]) -> None:
+    assert all(found[name] == 0 for name in names), {name: found[name] for name in names}
+
+
+def simulate_makes_no_control(folder: Path) -> None:
+    """Though the scene has a control and an objective."""
+    found = counters("simulate", HALF_DISC, folder, mesh__size=2)
+    none_of(found, CONTROL)
+    assert found["steps"] == found["asked"] == 150 and found["load evaluations"] == 0
+    assert {name: found[f"assembled {name}"] for name in ("L2", "m", "b", "d")} == dict.fromkeys(("L2", "m", "b", "d"), 1)
+    found = counters("optimize", HALF_DISC, folder, mesh__size=2, optimizer__max_iterations=1, output__every=50)
+    assert found["control spaces"] == found["objectives"] == found["reduced problems"] == 1
+    assert found["adjoint steps"] == found["asked"] * found["adjoint sweeps"] > 0, "the counters count nothing"
+    print("simulate: no control, objective or adjoint; optimize: one each")
+
+
+def elastic_scene_has_no_b(folder: Path) -> None:
+    edited = folder / "elastic.toml"
+    text = BLOCK.read_text().replace('"square.geo"', f'"{BLOCK.parent}/square.geo"')
+    edited.write_text("\n".join(line for line in text.splitlines() if not line.startswith("viscosity")))
+    found = counters("simulate", edited, folder)
+    assert "assembled b" not in found and "assembled d" not in found and found["assembled d_elastic"] == 1
+    print("an elastic scene assembles no b")
+
+
+def contact_only_where_it_is(folder: Path) -> None:
+    found = counters("simulate", FREE, folder)
+    none_of(found, CONTACT)
+    assert found["solves with D"] == found["steps"] == found["asked"]
+    assert found["load evaluations"] == 2 * found["asked"] + 1, "once before, in every step, and for its balance"
+    far = {"contact__obstacle__point": [0, -100]}
+    for linear in ("direct", "iterative"):
+        found = counters("simulate", BLOCK, folder, solver__linear=linear, **far)
+        assert found["constraints"] == found["VI solvers"] == 1 and found["VIs solved"] == 0
+        assert found["solves with D"] == found["steps"] == found["asked"]
+        assert found["load evaluations"] == 1, "a load that stays the same is evaluated once"
+        found = counters("simulate", BLOCK, folder, solver__linear=linear)
+        assert 0 < found["VIs solved"] < found["steps"], "the body flies and lands"
+    found = counters("simulate", BLOCK, folder, ranks=2, **far)
+    assert found["VIs solved"] == 0 and found["solves with D"] == found["steps"] + found["candidates"] > found["steps"]
+    print("no contact, no VI; in free flight none is solved and every step takes one solve")
+
+
+def main() -> int:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        simulate_makes_no_control(folder)
+        elastic_scene_has_no_b(folder)
+        contact_only_where_it_is(folder)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
