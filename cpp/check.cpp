@@ -217,20 +217,19 @@ double largest_contact_work(const Problem& problem, const forward::Trajectory& t
 void invariants(const Problem& problem, const forward::Load& load, const forward::Trajectory& trajectory,
                 std::vector<Row>& rows) {
   const std::vector<forward::StepBalance> steps = forward::balance(problem.stepper, load, trajectory);
-  double energy = 0, energy_defect = 0, momentum_defect = 0;
+  double energy = 0, energy_defect = 0, momentum_defect = 0, momentum = 0;
   for (const forward::StepBalance& b : steps) {
     energy = std::max(energy, b.kinetic_energy + b.elastic_energy);
     energy_defect = std::max(energy_defect, std::abs(b.energy_residual));
-    if (b.momentum_scale > 0)
-      momentum_defect = std::max(momentum_defect, std::hypot(b.momentum_residual[0], b.momentum_residual[1],
-                                                             b.momentum_residual[2]) /
-                                                      b.momentum_scale);
+    momentum = std::max(momentum, b.momentum_scale); // of the run: in free flight all terms are rounding
+    momentum_defect = std::max(momentum_defect, std::hypot(b.momentum_residual[0], b.momentum_residual[1],
+                                                           b.momentum_residual[2]));
   }
   rows.push_back({"the body moved (largest energy)", shown(energy), "> 0", energy > 0});
   if (!(energy > 0))
     return;
   rows.push_back(below("energy law, residual / largest energy", energy_defect / energy, 1e-10));
-  rows.push_back(below("momentum law, residual / forces", momentum_defect, 1e-10));
+  rows.push_back(below("momentum law, residual / largest forces", momentum > 0 ? momentum_defect / momentum : 0, 1e-10));
   const contact::Constraints* constraints = problem.stepper.constraints();
   if (!constraints)
     return;

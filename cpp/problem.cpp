@@ -24,13 +24,17 @@ petsc::Series desired_states(const Problem& problem, const control::ControlSpace
                              const std::optional<control::Control>& reference, const Console& console) {
   if (reference) {
     const auto timer = problem.timers.time("desired state");
-    forward::Trajectory trajectory(problem.stepper, problem.steps());
+    petsc::Series desired;
     Progress progress(console, "desired state", static_cast<std::size_t>(problem.steps()));
-    forward::simulate(problem.stepper, problem.initial, problem.load() + controls.load(*reference),
-                      trajectory, [&](int k) { progress.update(static_cast<std::size_t>(k)); });
-    if (trajectory.steps < problem.steps())
+    const int done =
+        forward::stream(problem.stepper, problem.initial, problem.load() + controls.load(*reference),
+                        problem.steps(), [&](const forward::Frame& frame) {
+                          desired.push_back(petsc::copy(frame.y1));
+                          progress.update(static_cast<std::size_t>(frame.k));
+                        });
+    if (done < problem.steps())
       throw Interrupted();
-    return std::move(trajectory.y);
+    return desired;
   }
   const auto& given = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
   const scene::Field field(given.displacement, "objective.desired.displacement", true);

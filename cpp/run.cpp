@@ -4,12 +4,10 @@
 #include "base/memory.h"
 #include "base/signals.h"
 #include "check.h"
-#include "io/fields.h"
 #include "io/manifest.h"
 #include "io/output_folder.h"
-#include "io/tables.h"
 #include "optimize/projected_gradient.h"
-#include "problem.h"
+#include "record.h"
 #include <chrono>
 #include <fmt/format.h>
 
@@ -51,61 +49,6 @@ io::Manifest manifest(const Problem& problem, const std::string& verb, const std
   return m;
 }
 
-/// Steps whose fields are stored: every n-th and the last.
-std::vector<int> stored_steps(int first, int last, int every) {
-  std::vector<int> steps;
-  for (int k = 0; k <= last; k += every)
-    if (k >= first)
-      steps.push_back(k);
-  if (last >= first && (steps.empty() || steps.back() != last))
-    steps.push_back(last);
-  return steps;
-}
-
-std::vector<double> times_of(const std::vector<int>& steps, const forward::Scheme& scheme) {
-  std::vector<double> times;
-  for (int k : steps)
-    times.push_back(scheme.time(k));
-  return times;
-}
-
-/// at(k) of the given steps.
-template <class At>
-std::vector<Vec> pick(const std::vector<int>& steps, At&& at) {
-  std::vector<Vec> values;
-  for (int k : steps)
-    values.push_back(at(k));
-  return values;
-}
-
-/// scene.toml, steps.csv, contact.csv and state.xdmf.
-void write_motion(const io::OutputFolder& folder, const Problem& problem, const forward::Load& load,
-                  const forward::Trajectory& trajectory, const control::Objective* objective) {
-  const auto timer = problem.timers.time("output");
-  const forward::Scheme& scheme = problem.stepper.scheme();
-  const std::vector<int> stored = stored_steps(0, trajectory.steps, problem.scene.output.every);
-  folder.write("scene.toml", scene::echo(problem.scene, problem.space.dim()));
-  const scene::Output& output = problem.scene.output;
-  if (output.table("steps")) {
-    std::vector<double> tracking_error;
-    for (int k = 0; objective && k <= trajectory.steps; ++k)
-      tracking_error.push_back(objective->distance(k, trajectory.y[k]));
-    folder.write("steps.csv",
-                 io::steps_table(forward::balance(problem.stepper, load, trajectory), trajectory.contact,
-                                 tracking_error, scheme, problem.space.dim()));
-  }
-  if (const contact::Constraints* constraints = problem.stepper.constraints();
-      constraints && output.table("contact"))
-    folder.write("contact.csv", io::contact_table(stored, trajectory.contact, *constraints, scheme));
-  std::vector<io::FieldSeries> fields;
-  if (output.field("displacement"))
-    fields.push_back({"displacement", pick(stored, [&](int k) -> Vec { return trajectory.y[k]; })});
-  if (output.field("velocity"))
-    fields.push_back({"velocity", pick(stored, [&](int k) -> Vec { return trajectory.v[k]; })});
-  if (!fields.empty())
-    io::write_fields(problem.space, folder, "state.xdmf", times_of(stored, scheme), fields);
-}
-
 void finish(io::OutputFolder& folder, const Console& console) {
   folder.publish();
   console.line(fmt::format("results in {}", folder.path().string()));
@@ -119,21 +62,26 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
 
   const GivenControl given(problem);
   const forward::Load load = given.load();
-  forward::Trajectory trajectory(problem.stepper, problem.steps());
+  Recorder recorder(problem, folder, nullptr);
+  int steps = 0;
   {
     const auto timer = timers.time("forward");
     Progress progress(console, "steps", static_cast<std::size_t>(problem.steps()));
-    forward::simulate(problem.stepper, problem.initial, load, trajectory,
-                      [&](int k) { progress.update(static_cast<std::size_t>(k)); });
+    steps = forward::stream(problem.stepper, problem.initial, load, problem.steps(),
+                            [&](const forward::Frame& frame) {
+                              recorder(frame);
+                              progress.update(static_cast<std::size_t>(frame.k));
+                            });
   }
-  if (trajectory.steps == 0) // nothing that could stand in for an earlier run's results
+  if (steps == 0) // nothing that could stand in for an earlier run's results
     throw Interrupted();
-  const bool complete = trajectory.steps == problem.steps();
-  write_motion(folder, problem, load, trajectory, nullptr);
-  folder.write("run.json", io::to_json(manifest(problem, "simulate", complete ? "end of time" : "interrupted",
-                                                trajectory.steps),
-                                       scene, timers));
-  console.line(fmt::format("{}{} steps in {:.2g} s", complete ? "" : "interrupted after ", trajectory.steps,
+  const bool complete = steps == problem.steps();
+  recorder.finish();
+  folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
+  folder.write("run.json",
+               io::to_json(manifest(problem, "simulate", complete ? "end of time" : "interrupted", steps),
+                           scene, timers));
+  console.line(fmt::format("{}{} steps in {:.2g} s", complete ? "" : "interrupted after ", steps,
                            timers.entries().at("forward").seconds));
   finish(folder, console);
   return complete ? done : interrupted;
@@ -176,20 +124,41 @@ private:
   std::vector<io::HistoryRow> rows_;
 };
 
+/// steps.csv, contact.csv, state.xdmf.
+void write_motion(const io::OutputFolder& folder, const Problem& problem,
+                  const control::ReducedProblem& reduced) {
+  Recorder recorder(problem, folder, &reduced.objective());
+  if (recorder.wanted())
+    forward::replay(problem.stepper, reduced.load(), reduced.trajectory(), std::ref(recorder));
+  recorder.finish();
+}
+
 /// control.xdmf and adjoint.xdmf.
 void write_control(const io::OutputFolder& folder, const Problem& problem,
                    const control::ReducedProblem& reduced) {
   const auto timer = problem.timers.time("output");
-  const std::vector<int> stored = stored_steps(1, problem.steps(), problem.scene.output.every);
-  const std::vector<double> times = times_of(stored, problem.stepper.scheme());
-  if (problem.scene.output.field("control"))
-    io::write_fields(problem.space, folder, "control.xdmf", times,
-                     {{"control", pick(stored, [&](int k) { return reduced.control().at(k); })}});
-  if (problem.scene.output.field("adjoint")) {
-    const petsc::Series adjoint = reduced.adjoint_states(stored);
-    io::write_fields(problem.space, folder, "adjoint.xdmf", times,
-                     {{"adjoint", {adjoint.begin(), adjoint.end()}}});
-  }
+  const scene::Output& output = problem.scene.output;
+  std::vector<int> steps;
+  for (int k = 1; k <= problem.steps(); ++k)
+    if (stored(k, output.every, k == problem.steps()))
+      steps.push_back(k);
+  using enum io::FieldFile::Values;
+  const auto write = [&](const std::string& name, io::FieldFile::Values values, auto&& at) {
+    if (!output.field(name))
+      return;
+    io::FieldFile file(problem.space, folder, name + ".xdmf", steps.size(), values);
+    at([&](int k, Vec x) { file.write(name, x, problem.stepper.scheme().time(k)); });
+    file.close();
+  };
+  write("control", reduced.controls().cellwise() ? cellwise : nodal, [&](auto&& store) {
+    for (int k : steps)
+      store(k, reduced.control().at(k));
+  });
+  write("adjoint", nodal, [&](auto&& store) {
+    const petsc::Series states = reduced.adjoint_states(steps);
+    for (std::size_t i = 0; i < steps.size(); ++i)
+      store(steps[i], states[i]);
+  });
 }
 
 int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, const Console& console) {
@@ -221,7 +190,8 @@ int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, 
 
   if (scene.output.table("history"))
     folder.write("history.csv", io::history_table(rows));
-  write_motion(folder, problem, reduced.load(), reduced.trajectory(), &control_problem.objective);
+  folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
+  write_motion(folder, problem, reduced);
   write_control(folder, problem, reduced);
   io::Manifest m = manifest(problem, "optimize", optimize::name(stop), reduced.trajectory().steps);
   m.objective = reduced.value();
@@ -275,11 +245,10 @@ int info(const scene::Scene& scene, const Console& console) {
     problem.stepper.solver().linear().solve(x, y);
   });
   const double product = seconds([&] { petsc::check(MatMult(problem.stepper.R(), x, y)); });
-  const double bytes =
-      sizeof(PetscScalar) * static_cast<double>(problem.space.dofs()) * (problem.steps() + 1);
+  const double bytes = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
   // One trajectory holds y and v; optimize keeps the current and the trial one, the desired states, and the
-  // controls u of the iterate, current, trial, gradient and step.
-  const double vectors = scene.objective ? 2 * 2 + 1 + 5 : 2;
+  // controls u of the iterate, current, trial, gradient and step. simulate keeps two states.
+  const double vectors = scene.objective ? (2 * 2 + 1 + 5) * (problem.steps() + 1) : 2 * 2;
   double setup = 0;
   for (const auto& [phase, entry] : timers.entries())
     setup += entry.seconds;

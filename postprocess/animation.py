@@ -35,6 +35,7 @@ DOTS_PER_INCH = 100  # on the screen; 640 dots wide
 SMALL = 0.02  # displacements below this part of the body's size are enlarged …
 VISIBLE = 0.05  # … to about this part
 ARROW = 0.15  # longest arrow, as a part of the body's size
+KEY = 0.17  # inches from the axes up to the arrow that tells the length
 SPACING = 0.012  # least distance of arrows, likewise
 OBSTACLE_GREY = "0.85"
 
@@ -146,6 +147,7 @@ class Stage:
         self.edges = motion.mesh.outline()
         largest = motion.magnitude.max()
         self.factor, unit = style.prefixed(largest, "m")
+        self.time_factor, self.time_unit = style.prefixed(motion.times, "s")
 
         axes = scenery(motion)
         self.title = axes.set_title(" ", loc="left")
@@ -179,7 +181,7 @@ class Stage:
         self.body._triangulation.x, self.body._triangulation.y = position.T
         self.body.set_array(self.motion.magnitude[frame] * self.factor)
         self.outline.set_segments(position[self.edges])
-        self.title.set_text(f"$t$ = {1e3 * self.motion.times[frame]:.2f} ms")
+        self.title.set_text(f"$t$ = {self.time_factor * self.motion.times[frame]:.2f} {self.time_unit}")
         if self.arrows is not None:
             obstacle = self.motion.obstacle
             force = obstacle.forces[frame]
@@ -190,8 +192,8 @@ class Stage:
 
 def scenery(motion: Motion) -> Axes:
     """The axes with the obstacle, in a figure of their own."""
-    low, high = view(motion)
-    axes = style.plan(low, high, motion.view.names, DOTS_PER_INCH)
+    axes = style.plan(*view(motion), motion.view.names, DOTS_PER_INCH)
+    low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
     if motion.obstacle:
         half_space = motion.obstacle.half_space
         axes.fill(*clip(rectangle(low, high), half_space).reshape(-1, 2).T, color=OBSTACLE_GREY, linewidth=0)
@@ -244,7 +246,8 @@ def add_arrows(axes: Axes, motion: Motion) -> Quiver | None:
                          color=style.VERMILLION, width=0.007)
     key = round_down(largest)
     factor, unit = style.prefixed(key, motion.obstacle.unit)
-    axes.quiverkey(arrows, 0.72, 1.06, key, f"{key * factor:g} {unit}", labelpos="E", coordinates="axes")
+    height = axes.get_position().height * axes.figure.get_figheight()
+    axes.quiverkey(arrows, 0.72, 1 + KEY / height, key, f"{key * factor:g} {unit}", labelpos="E", coordinates="axes")
     return arrows
 
 

@@ -28,7 +28,7 @@ def draw(run: RunFolder) -> list[Path]:
               label="mean of two neighbouring steps")
     axes.set_ylabel(f"normal contact force ({unit})")
     axes.set_ylim(bottom=0)
-    axes.legend(loc="best")
+    style.legend_above(axes)
     return [style.save(figure, run.path / "figures" / "contact_force_history.png")]
 
 

@@ -19,7 +19,7 @@ FIELD_COLOURS = "viridis"  # even in lightness, so it survives a grey print
 WIDTH = 6.4  # inches; half of it is a journal's column
 GRAPH_HEIGHT = 4.0
 MARGINS = 0.85, 0.7, 1.25, 0.45  # inches to the left, below, to the right and above the plot of a body
-PLAN, LEAST_PLAN = (WIDTH - 2.1, 6.5), (2.5, 1.8)  # inches, largest and smallest place for it
+PLAN, LEAST_PLAN = np.array([WIDTH - 2.1, 6.5]), np.array([3.6, 1.8])  # inches, largest and smallest place for it
 
 matplotlib.rcParams.update(
     {
@@ -54,14 +54,20 @@ def graph() -> tuple[Figure, Axes]:
 
 
 def plan(low: np.ndarray, high: np.ndarray, names: tuple[str, str], dots_per_inch: float | None = None) -> Axes:
-    """Axes of equal scale for the box between two corners (m), with room for a colour bar, in a figure of their own."""
-    box = np.asarray(high) - low
-    plot = box * min(PLAN[0] / box[0], PLAN[1] / box[1])
+    """Axes of equal scale for the box between two corners (m), with room for a colour bar, in a figure of their own.
+
+    They show more than the box where it is too slim for labels.
+    """
+    low, high = np.asarray(low), np.asarray(high)
+    scale = min(PLAN / (high - low))
+    room = np.maximum(0, LEAST_PLAN / scale - (high - low)) / 2
+    low, high = low - room, high + room
+    plot = scale * (high - low)
     left, bottom, right, top = MARGINS
-    width, height = np.maximum(plot, LEAST_PLAN) + (left + right, bottom + top)
+    width, height = plot + (left + right, bottom + top)
     # Placed by hand: the automatic layout does not foresee that equal scales narrow the plot.
     figure = Figure(figsize=(width, height), dpi=dots_per_inch, layout="none")
-    place = [left / width, (height - top - plot[1]) / height, plot[0] / width, plot[1] / height]
+    place = [left / width, bottom / height, plot[0] / width, plot[1] / height]
     axes = figure.add_axes(place, aspect="equal", xlabel=f"{names[0]} (m)", ylabel=f"{names[1]} (m)")
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     axes.grid(False)

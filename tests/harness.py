@@ -41,3 +41,18 @@ def table(file: Path) -> dict[str, np.ndarray]:
 
 def relative(found: float, expected: float) -> float:
     return abs(found / expected - 1)
+
+
+class Figures:
+    """Prints figures beside what they should be and remembers whether one is off."""
+
+    failed = False
+
+    def show(self, name: str, found: float, expected: float, tolerance: float) -> None:
+        holds = abs(found - expected) <= tolerance
+        self.failed |= not holds
+        print(f"  {'ok  ' if holds else 'FAIL'} {name:48} {found:10.5f}   expected {expected:9.5f} +- {tolerance:.2g}")
+
+    def least(self, name: str, found: float, least: float) -> None:
+        self.failed |= not found >= least
+        print(f"  {'ok  ' if found >= least else 'FAIL'} {name:48} {found:10.3f}   at least {least:.3f}")

@@ -1,10 +1,23 @@
 #include "base/timers.h"
 
 namespace signorini {
+using Clock = std::chrono::steady_clock;
+
+Timers::Scope::Scope(Timers& timers, Entry& entry)
+    : timers_(timers), entry_(entry), around_(timers.running_), start_(Clock::now()) {
+  if (around_)
+    around_->stop();
+  timers_.running_ = this;
+}
+
+void Timers::Scope::stop() { entry_.seconds += std::chrono::duration<double>(Clock::now() - start_).count(); }
 
 Timers::Scope::~Scope() {
-  entry_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  stop();
   ++entry_.calls;
+  timers_.running_ = around_;
+  if (around_)
+    around_->start_ = Clock::now();
 }
 
 } // namespace signorini

@@ -1,5 +1,6 @@
 #include "forward/balance.h"
 #include <cmath>
+#include <utility>
 
 namespace signorini::forward {
 using petsc::check;
@@ -31,69 +32,68 @@ void contact_forces(const Stepper& stepper, const contact::ContactState& contact
 
 } // namespace
 
-std::vector<StepBalance> balance(const Stepper& stepper, const Load& load_of, const Trajectory& trajectory) {
-  const fem::Operators& body = stepper.operators();
-  const double tau = stepper.scheme().tau;
-  std::vector<StepBalance> steps(static_cast<std::size_t>(trajectory.steps) + 1);
-  Vec layout = trajectory.y[0];
-  petsc::Vector Ay0 = petsc::zero_like(layout), Ay1 = petsc::zero_like(layout),
-                Mv0 = petsc::zero_like(layout), Mv1 = petsc::zero_like(layout), Bw = petsc::zero_like(layout),
-                w = petsc::zero_like(layout), load = petsc::zero_like(layout),
-                force = petsc::zero_like(layout), inertia = petsc::zero_like(layout),
-                defect = petsc::zero_like(layout);
-  const LoadAtStep load_at(stepper.space(), load_of);
-  for (int k = 0; k <= trajectory.steps; ++k) {
-    StepBalance& now = steps[static_cast<std::size_t>(k)];
-    Vec y1 = trajectory.y[k], v1 = trajectory.v[k];
-    std::swap(Ay0, Ay1), std::swap(Mv0, Mv1);
-    check(MatMult(body.A, y1, Ay1));
-    check(MatMult(body.M, v1, Mv1));
-    now.kinetic_energy = dot(v1, Mv1) / 2;
-    now.elastic_energy = dot(y1, Ay1) / 2;
-    if (k == 0)
-      continue;
-    const StepBalance& before = steps[static_cast<std::size_t>(k) - 1];
-    check(VecWAXPY(w, -1, trajectory.y[k - 1], y1)); // w holds y_k − y_{k−1} until it is divided by τ
-    const StepLoad parts = load_at(k);
-    check(VecZeroEntries(load));
-    if (parts.density)
-      check(MatMult(body.W, parts.density, load));
-    if (parts.force)
-      check(VecAXPY(load, 1, parts.force));
-    contact_forces(stepper, trajectory.contact[k], force);
-    now.external_work = dot(load, w);
-    now.contact_work = dot(force, w);
-    check(VecScale(w, 1 / tau));
-    check(VecZeroEntries(Bw));
-    if (body.B) {
-      check(MatMult(*body.B, w, Bw)); // w is also the mean of v_{k−1} and v_k
-      now.viscous_dissipation = tau * dot(w, Bw);
-    }
-    // Crank–Nicolson form: its defect is the clamp's reaction on the clamped dofs and zero elsewhere.
-    check(VecWAXPY(inertia, -1, Mv0, Mv1));
-    check(VecScale(inertia, 1 / tau));
-    check(VecCopy(inertia, defect));
-    check(VecAXPY(defect, 1, Bw));
-    check(VecAXPBYPCZ(defect, 0.5, 0.5, 1, Ay0, Ay1));
-    check(VecAXPY(defect, -1, load));
-    check(VecAXPY(defect, -1, force));
-    const std::array<double, 3> whole = resultant(stepper, defect);
-    const double reaction_work = stepper.motion() ? tau * dot(defect, w) : 0;
-    stepper.clamped().clear(defect);
-    if (stepper.motion())
-      now.external_work += reaction_work - tau * dot(defect, w);
-    now.energy_residual = now.kinetic_energy + now.elastic_energy - before.kinetic_energy -
-                          before.elastic_energy + now.viscous_dissipation - now.external_work -
-                          now.contact_work;
-    const std::array<double, 3> free = resultant(stepper, defect);
-    const std::array<double, 3> rate = resultant(stepper, inertia), applied = resultant(stepper, load);
-    now.contact_force = resultant(stepper, force);
-    for (std::size_t c = 0; c < 3; ++c)
-      now.momentum_residual[c] = rate[c] - applied[c] - now.contact_force[c] - (whole[c] - free[c]);
-    PetscReal internal = 0;
-    check(VecNorm(Ay1, NORM_1, &internal)); // the internal forces, whose sum must cancel
-    now.momentum_scale = length(rate) + length(applied) + length(now.contact_force) + internal;
+Balance::Balance(const Stepper& stepper) : stepper_(stepper) {
+  for (petsc::Vector* x : {&Ay0_, &Ay1_, &Mv0_, &Mv1_, &Bw_, &w_, &load_, &force_, &inertia_, &defect_})
+    *x = stepper.space().vector();
+}
+
+StepBalance Balance::operator()(const Frame& frame) {
+  const fem::Operators& body = stepper_.operators();
+  const double tau = stepper_.scheme().tau;
+  StepBalance now;
+  std::swap(Ay0_, Ay1_), std::swap(Mv0_, Mv1_);
+  check(MatMult(body.A, frame.y1, Ay1_));
+  check(MatMult(body.M, frame.v1, Mv1_));
+  now.kinetic_energy = dot(frame.v1, Mv1_) / 2;
+  now.elastic_energy = dot(frame.y1, Ay1_) / 2;
+  const double before = std::exchange(energy_, now.kinetic_energy + now.elastic_energy);
+  if (frame.k == 0)
+    return now;
+  check(VecWAXPY(w_, -1, frame.y0, frame.y1)); // w holds y_k − y_{k−1} until it is divided by τ
+  check(VecZeroEntries(load_));
+  if (frame.load.density)
+    check(MatMult(body.W, frame.load.density, load_));
+  if (frame.load.force)
+    check(VecAXPY(load_, 1, frame.load.force));
+  contact_forces(stepper_, frame.contact, force_);
+  now.external_work = dot(load_, w_);
+  now.contact_work = dot(force_, w_);
+  check(VecScale(w_, 1 / tau));
+  check(VecZeroEntries(Bw_));
+  if (body.B) {
+    check(MatMult(*body.B, w_, Bw_)); // w is also the mean of v_{k−1} and v_k
+    now.viscous_dissipation = tau * dot(w_, Bw_);
   }
+  // Crank–Nicolson form: its defect is the clamp's reaction on the clamped dofs and zero elsewhere.
+  check(VecWAXPY(inertia_, -1, Mv0_, Mv1_));
+  check(VecScale(inertia_, 1 / tau));
+  check(VecCopy(inertia_, defect_));
+  check(VecAXPY(defect_, 1, Bw_));
+  check(VecAXPBYPCZ(defect_, 0.5, 0.5, 1, Ay0_, Ay1_));
+  check(VecAXPY(defect_, -1, load_));
+  check(VecAXPY(defect_, -1, force_));
+  const std::array<double, 3> whole = resultant(stepper_, defect_);
+  const double all_work = stepper_.motion() ? tau * dot(defect_, w_) : 0;
+  stepper_.clamped().clear(defect_);
+  if (stepper_.motion()) // of the reaction
+    now.external_work += all_work - tau * dot(defect_, w_);
+  now.energy_residual = energy_ - before + now.viscous_dissipation - now.external_work - now.contact_work;
+  const std::array<double, 3> free = resultant(stepper_, defect_);
+  const std::array<double, 3> rate = resultant(stepper_, inertia_), applied = resultant(stepper_, load_);
+  now.contact_force = resultant(stepper_, force_);
+  for (std::size_t c = 0; c < 3; ++c)
+    now.momentum_residual[c] = rate[c] - applied[c] - now.contact_force[c] - (whole[c] - free[c]);
+  PetscReal internal = 0;
+  check(VecNorm(Ay1_, NORM_1, &internal)); // the internal forces, whose sum must cancel
+  now.momentum_scale = length(rate) + length(applied) + length(now.contact_force) + internal;
+  return now;
+}
+
+std::vector<StepBalance> balance(const Stepper& stepper, const Load& load,
+                                 const Trajectory& trajectory) {
+  std::vector<StepBalance> steps;
+  Balance weigh(stepper);
+  replay(stepper, load, trajectory, [&](const Frame& frame) { steps.push_back(weigh(frame)); });
   return steps;
 }
 

@@ -8,12 +8,12 @@ namespace signorini::forward {
 /// What one step did to energy and momentum: the exact discrete identities of method.md section 2. In 2D
 /// energies are J/m, forces N/m.
 struct StepBalance {
-  double kinetic_energy = 0;      ///< ½ v·Mv at the end of the step
-  double elastic_energy = 0;      ///< ½ y·Ay
-  double viscous_dissipation = 0; ///< τ w·Bw of the step, w = (y_k − y_{k−1})/τ
-  double external_work = 0;   ///< f·(y_k − y_{k−1}) of the step, control and the motion of clamps included
-  double contact_work = 0;    ///< F_k·(y_k − y_{k−1}), never positive where obstacles rest
-  double energy_residual = 0; ///< of the energy law
+  double kinetic_energy = 0;             ///< ½ v·Mv at the end of the step
+  double elastic_energy = 0;             ///< ½ y·Ay
+  double viscous_dissipation = 0;        ///< τ w·Bw of the step, w = (y_k − y_{k−1})/τ
+  double external_work = 0;              ///< f·(y_k − y_{k−1}) of the step, control and the motion of clamps included
+  double contact_work = 0;               ///< F_k·(y_k − y_{k−1}), never positive where obstacles rest
+  double energy_residual = 0;            ///< of the energy law
   std::array<double, 3> contact_force{}; ///< resultant on the body
   std::array<double, 3>
       momentum_residual{}; ///< rate of momentum less loads, contact forces and the clamp's reaction
@@ -21,7 +21,23 @@ struct StepBalance {
       0; ///< sum of the moduli of the terms of the momentum balance, for judging the residual
 };
 
-/// Balance of steps 0…trajectory.steps; entry 0 holds the initial energies only. Collective.
-std::vector<StepBalance> balance(const Stepper& stepper, const Load& load, const Trajectory& trajectory);
+/// Weighs a motion frame by frame, from frame 0 on, whose balance holds the initial energies only.
+class Balance {
+public:
+  /// Collective. `stepper` must outlive this object.
+  explicit Balance(const Stepper& stepper);
+
+  /// Of the frame after the last one. Allocates nothing. Collective.
+  StepBalance operator()(const Frame& frame);
+
+private:
+  const Stepper& stepper_;
+  petsc::Vector Ay0_, Ay1_, Mv0_, Mv1_, Bw_, w_, load_, force_, inertia_, defect_;
+  double energy_ = 0; ///< of the last frame
+};
+
+/// Balance of all frames of a trajectory. Collective.
+std::vector<StepBalance> balance(const Stepper& stepper, const Load& load,
+                                 const Trajectory& trajectory);
 
 } // namespace signorini::forward

@@ -53,32 +53,91 @@ Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
     stepper.constraints()->place_outside(y);
 }
 
-void simulate(const Stepper& stepper, const Initial& initial, const Load& load, Trajectory& trajectory,
-              const std::function<void(int k)>& after_step) {
-  check(VecCopy(initial.y, trajectory.y[0]));
-  check(VecCopy(initial.v, trajectory.v[0]));
-  if (const contact::Constraints* constraints = stepper.constraints()) // open: no step has made a force yet
-    constraints->gap(constraints->psi(), initial.y, trajectory.contact[0].gap);
-  trajectory.steps = 0;
+namespace {
+
+/// Where the state at t_k goes.
+struct Place {
+  Vec y, v;
+  contact::ContactState& contact;
+};
+
+/// step ∘ … ∘ step from the initial state through the places that `at(k)` names, of which two are in use at a
+/// time; `show(frame)` is told of each.
+template <class At, class Show>
+void march(const Stepper& stepper, const Initial& initial, const Load& load, int steps, At&& at,
+           Show&& show) {
   const LoadAtStep load_at(stepper.space(), load);
   Extrapolation extrapolation(stepper);
   extrapolation.remember(initial.y);
-  for (int k = 1; k <= trajectory.capacity(); ++k) {
-    if (stop_requested(stepper.space().comm()))
-      return;
+  const Place start = at(0);
+  check(VecCopy(initial.y, start.y));
+  check(VecCopy(initial.v, start.v));
+  if (const contact::Constraints* constraints = stepper.constraints()) // open: no step has made a force yet
+    constraints->gap(constraints->psi(), initial.y, start.contact.gap);
+  bool last = stop_requested(stepper.space().comm());
+  show(Frame{0, nullptr, nullptr, {}, start.y, start.v, start.contact, last});
+  for (int k = 1; !last; ++k) {
+    const Place before = at(k - 1), after = at(k);
+    StepLoad acting;
     try {
-      extrapolation.guess(trajectory.y[k]);
-      stepper.step(k, trajectory.y[k - 1], trajectory.v[k - 1], load_at(k), trajectory.contact[k - 1],
-                   trajectory.contact[k], trajectory.y[k], trajectory.v[k]);
-      extrapolation.remember(trajectory.y[k]);
+      acting = load_at(k);
+      extrapolation.guess(after.y);
+      stepper.step(k, before.y, before.v, acting, before.contact, after.contact, after.y, after.v);
+      extrapolation.remember(after.y);
     } catch (const SolverFailure& failure) {
       throw SolverFailure(
           fmt::format("step {} (t = {:.6g} s): {}", k, stepper.scheme().time(k), failure.what()));
     }
-    trajectory.steps = k;
-    if (after_step)
-      after_step(k);
+    last = k == steps || stop_requested(stepper.space().comm());
+    show(Frame{k, before.y, before.v, acting, after.y, after.v, after.contact, last});
   }
+}
+
+} // namespace
+
+int stream(const Stepper& stepper, const Initial& initial, const Load& load, int steps,
+           const Watch& watch) {
+  Trajectory two(stepper, 1);
+  int done = 0;
+  march(
+      stepper, initial, load, steps,
+      [&](int k) {
+        const auto i = static_cast<std::size_t>(k % 2);
+        return Place{two.y[i], two.v[i], two.contact[i]};
+      },
+      [&](const Frame& frame) {
+        done = frame.k;
+        if (watch)
+          watch(frame);
+      });
+  return done;
+}
+
+void replay(const Stepper& stepper, const Load& load, const Trajectory& trajectory,
+            const Watch& watch) {
+  const LoadAtStep load_at(stepper.space(), load);
+  watch({0, nullptr, nullptr, {}, trajectory.y[0], trajectory.v[0], trajectory.contact[0],
+         trajectory.steps == 0});
+  for (int k = 1; k <= trajectory.steps; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    watch({k, trajectory.y[i - 1], trajectory.v[i - 1], load_at(k), trajectory.y[i], trajectory.v[i],
+           trajectory.contact[i], k == trajectory.steps});
+  }
+}
+
+void simulate(const Stepper& stepper, const Initial& initial, const Load& load, Trajectory& trajectory,
+              const std::function<void(int k)>& after_step) {
+  march(
+      stepper, initial, load, trajectory.capacity(),
+      [&](int k) {
+        const auto i = static_cast<std::size_t>(k);
+        return Place{trajectory.y[i], trajectory.v[i], trajectory.contact[i]};
+      },
+      [&](const Frame& frame) {
+        trajectory.steps = frame.k;
+        if (after_step && frame.k > 0)
+          after_step(frame.k);
+      });
 }
 
 } // namespace signorini::forward

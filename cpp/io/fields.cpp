@@ -20,54 +20,94 @@ void copy(Vec from, dolfinx::fem::Function<PetscScalar>& to) {
 }
 
 /// A parallel write to a full disk hangs in some MPI libraries, so the room is looked at before.
-void require_room(const fem::Space& space, const OutputFolder& folder, const std::string& name, std::size_t datasets) {
-  const auto map = space.mesh().dolfinx()->geometry().index_map();
-  constexpr double overhead = 8192, mesh_share = 8; // bytes of headers and XML per dataset; mesh in units of a field
-  const double field = 3 * sizeof(double) * static_cast<double>(map->size_global());
+void require_room(const fem::Space& space, const OutputFolder& folder, const std::string& name,
+                  std::size_t datasets) {
+  const double values = static_cast<double>( // nodes or cells, whichever are more
+      std::max(space.mesh().dolfinx()->geometry().index_map()->size_global(), space.mesh().cells()));
+  constexpr double overhead = 8192,
+                   mesh_share = 8; // bytes of headers and XML per dataset; mesh in units of a field
+  const double field = 3 * sizeof(double) * values;
   const double needed = static_cast<double>(datasets) * (field + overhead) + mesh_share * field;
   on_root(space.comm(), [&] {
     std::error_code unknown;
     const auto room = std::filesystem::space(folder.path(), unknown);
     if (!unknown && static_cast<double>(room.available) < needed)
-      throw UserError(fmt::format("{}: cannot be written (it needs {:.3g} MB, and the disk has {:.3g} MB left)",
-                                  (folder.path() / name).string(), needed / 1e6,
-                                  static_cast<double>(room.available) / 1e6));
+      throw UserError(fmt::format(
+          "{}: cannot be written (it needs {:.3g} MB, and the disk has {:.3g} MB left)",
+          (folder.path() / name).string(), needed / 1e6, static_cast<double>(room.available) / 1e6));
   });
 }
 
 } // namespace
 
-void write_fields(const fem::Space& space, const OutputFolder& folder, const std::string& name,
-                  const std::vector<double>& times, const std::vector<FieldSeries>& fields) {
+struct FieldFile::Open {
   using Function = dolfinx::fem::Function<PetscScalar>;
-  require_room(space, folder, name, times.size() * fields.size());
-  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence below says it, instead of HDF5's stack
-  std::unique_ptr<dolfinx::io::XDMFFile> xdmf;
+  Function own, written; ///< of the space, and what the file takes
+  dolfinx::io::XDMFFile xdmf;
+};
+
+FieldFile::FieldFile(const fem::Space& space, const OutputFolder& folder, const std::string& name,
+                     std::size_t fields, Values values)
+    : space_(space), folder_(folder), name_(name),
+      as_they_are_(values == Values::cellwise || space.degree() == 1) {
+  require_room(space, folder, name, fields);
+  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence says it, instead of HDF5's stack
+  guarded([&] {
+    open_.reset(
+        new Open{Open::Function(space.dolfinx()),
+                 Open::Function(values == Values::cellwise ? fem::cellwise(space.mesh())
+                                : as_they_are_             ? space.dolfinx()
+                                                           : fem::lagrange(space.mesh(), 1)),
+                 dolfinx::io::XDMFFile(space.comm(), folder.staged(name), "w")});
+    open_->xdmf.write_mesh(*space.mesh().dolfinx());
+  });
+}
+
+FieldFile::~FieldFile() {
+  if (!open_)
+    return;
+  if (ranks(space_.comm()) > 1) {
+    (void)open_.release();
+    return;
+  }
+  try {
+    open_->xdmf.close();
+  } catch (const std::exception&) { // its destructor would throw the same again, and end the program
+    (void)open_.release();
+  }
+}
+
+template <class Work>
+void FieldFile::guarded(Work&& work) {
   errno = 0;
   try {
-    Function own(space.dolfinx()), nodal(space.degree() == 1 ? space.dolfinx() : fem::lagrange(space.mesh(), 1));
-    xdmf = std::make_unique<dolfinx::io::XDMFFile>(space.comm(), folder.staged(name), "w");
-    xdmf->write_mesh(*space.mesh().dolfinx());
-    for (const FieldSeries& field : fields) {
-      nodal.name = field.name;
-      for (std::size_t i = 0; i < times.size(); ++i) {
-        if (space.degree() == 1) {
-          copy(field.values[i], nodal);
-        } else {
-          copy(field.values[i], own);
-          nodal.interpolate(own);
-          nodal.x()->scatter_fwd();
-        }
-        xdmf->write_function(nodal, times[i]);
-      }
-    }
-    xdmf->close();
+    work();
   } catch (const std::exception& error) {
     const std::string reason = errno != 0 ? std::generic_category().message(errno) : error.what();
-    (void)xdmf.release(); // its destructor would throw the same error again, and end the program
-    folder.discard();
-    throw WriteFailure(fmt::format("{}: cannot be written ({})", (folder.path() / name).string(), reason));
+    (void)open_.release(); // its destructor would throw the same error again, and end the program
+    folder_.discard();
+    throw WriteFailure(fmt::format("{}: cannot be written ({})", (folder_.path() / name_).string(), reason));
   }
+}
+
+void FieldFile::write(const std::string& field, Vec values, double time) {
+  guarded([&] {
+    Open::Function& written = open_->written;
+    if (as_they_are_) {
+      copy(values, written);
+    } else {
+      copy(values, open_->own);
+      written.interpolate(open_->own);
+      written.x()->scatter_fwd();
+    }
+    written.name = field;
+    open_->xdmf.write_function(written, time);
+  });
+}
+
+void FieldFile::close() {
+  guarded([&] { open_->xdmf.close(); });
+  open_.reset();
 }
 
 } // namespace signorini::io

@@ -2,7 +2,6 @@
 #include "base/collective.h"
 #include <array>
 #include <fmt/format.h>
-#include <fstream>
 
 namespace signorini::io {
 namespace fs = std::filesystem;
@@ -10,13 +9,14 @@ namespace fs = std::filesystem;
 namespace {
 
 /// The fixed names of a run's files, data before the files that refer to them.
-constexpr std::array file_names{"state.h5",   "control.h5",   "adjoint.h5",   "state.xdmf", "control.xdmf",
-                                "adjoint.xdmf", "steps.csv", "contact.csv", "history.csv", "scene.toml",
-                                "run.json"};
+constexpr std::array file_names{"state.h5",     "control.h5",   "adjoint.h5", "state.xdmf",
+                                "control.xdmf", "adjoint.xdmf", "steps.csv",  "contact.csv",
+                                "history.csv",  "scene.toml",   "run.json"};
 
 } // namespace
 
-OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder) : comm_(comm), folder_(fs::absolute(folder)) {
+OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder)
+    : comm_(comm), folder_(fs::absolute(folder)) {
   std::string staging;
   on_root(comm, [&] {
     std::error_code error;
@@ -25,13 +25,15 @@ OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder) : comm_(comm),
       made_.push_back(missing);
     for (const char* name : file_names)
       if (fs::is_directory(folder_ / name, error))
-        throw UserError(fmt::format("--out: {} is a folder and in the way of a file of this run, allowed is a folder "
-                                    "without it",
-                                    (folder / name).string()));
+        throw UserError(
+            fmt::format("--out: {} is a folder and in the way of a file of this run, allowed is a folder "
+                        "without it",
+                        (folder / name).string()));
     fs::create_directories(folder_, error);
     staging = (folder_ / ".unfinished-XXXXXX").string();
     if (error || !mkdtemp(staging.data()))
-      throw UserError(fmt::format("--out: {} cannot be written ({}), allowed is a folder that can", folder.string(),
+      throw UserError(fmt::format("--out: {} cannot be written ({}), allowed is a folder that can",
+                                  folder.string(),
                                   error ? error.message() : std::generic_category().message(errno)));
   });
   staging_ = broadcast(comm, staging);
@@ -50,13 +52,32 @@ void OutputFolder::discard() const {
 }
 
 void OutputFolder::write(const std::string& name, const std::string& text) const {
-  on_root(comm_, [&] {
-    std::ofstream out(staged(name), std::ios::binary);
-    out << text;
-    out.close();
-    if (!out)
-      throw UserError(fmt::format("{}: cannot be written ({})", (folder_ / name).string(),
-                                  std::generic_category().message(errno)));
+  TextFile file(*this, name);
+  file.append(text);
+  file.close();
+}
+
+TextFile::TextFile(const OutputFolder& folder, const std::string& name) : folder_(folder), name_(name) {
+  if (rank(folder.comm()) == 0)
+    out_.open(folder.staged(name), std::ios::binary);
+  error_ = out_ ? 0 : errno;
+}
+
+void TextFile::append(std::string_view text) {
+  if (rank(folder_.comm()) != 0 || error_ != 0)
+    return;
+  errno = 0;
+  if (!(out_ << text))
+    error_ = errno;
+}
+
+void TextFile::close() {
+  on_root(folder_.comm(), [&] {
+    errno = 0;
+    out_.close();
+    if (!out_)
+      throw UserError(fmt::format("{}: cannot be written ({})", (folder_.path() / name_).string(),
+                                  std::generic_category().message(error_ != 0 ? error_ : errno)));
   });
 }
 
@@ -70,7 +91,8 @@ void OutputFolder::publish() {
       else
         fs::remove(folder_ / name, error);
       if (error)
-        throw UserError(fmt::format("{}: cannot be replaced ({})", (folder_ / name).string(), error.message()));
+        throw UserError(
+            fmt::format("{}: cannot be replaced ({})", (folder_ / name).string(), error.message()));
     }
   });
 }

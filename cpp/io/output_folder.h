@@ -1,13 +1,16 @@
 #pragma once
 #include <filesystem>
+#include <fstream>
 #include <mpi.h>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace signorini::io {
 
-/// The folder that a run leaves its files in. Files are written into a hidden folder inside it and moved out together at
-/// the end, so that each appears whole or not at all and a failed run leaves everything as it was.
+/// The folder that a run leaves its files in. Files are written into a hidden folder inside it and moved out
+/// together at the end, so that each appears whole or not at all and a failed run leaves everything as it
+/// was.
 class OutputFolder {
 public:
   /// Makes the folder. Collective. Throws UserError on every rank if that cannot be done.
@@ -25,16 +28,36 @@ public:
   /// Removes everything written. Not collective.
   void discard() const;
 
-  /// Moves everything written into place and removes what an earlier run left under the fixed names and this one did not
-  /// write. Collective. Throws UserError.
+  /// Moves everything written into place and removes what an earlier run left under the fixed names and this
+  /// one did not write. Collective. Throws UserError.
   void publish();
 
   [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
+  [[nodiscard]] MPI_Comm comm() const { return comm_; }
 
 private:
   MPI_Comm comm_;
   std::filesystem::path folder_, staging_;
   std::vector<std::filesystem::path> made_; ///< folders that did not exist before, innermost first; on rank 0
+};
+
+/// A text file of the folder, written piece by piece on rank 0.
+class TextFile {
+public:
+  /// `folder` must outlive this object.
+  TextFile(const OutputFolder& folder, const std::string& name);
+
+  /// Not collective; a failure shows at close().
+  void append(std::string_view text);
+
+  /// Collective. Throws UserError if not all of it could be written.
+  void close();
+
+private:
+  const OutputFolder& folder_;
+  std::string name_;
+  std::ofstream out_; ///< open on rank 0
+  int error_ = 0;     ///< errno of the first failure
 };
 
 } // namespace signorini::io

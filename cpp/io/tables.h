@@ -3,20 +3,27 @@
 #include "contact/contact_state.h"
 #include "forward/balance.h"
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 /// The CSV files of a run, as text.
 namespace signorini::io {
 
-/// steps.csv: one row per time step, row 0 the initial state. `tracking_error` holds ‖y_k − y_d,k‖ in L2 (m², in 3D m^5/2),
-/// or nothing if the run has no objective: then the column is left out.
-std::string steps_table(const std::vector<forward::StepBalance>& balance, const std::vector<contact::ContactState>& contact,
-                        const std::vector<double>& tracking_error, const forward::Scheme& scheme, int dim);
+/// steps.csv has one row per time step, row 0 the initial state; the column of the tracking error is left out
+/// in a run without an objective.
+std::string steps_header(int dim, bool tracking);
 
-/// contact.csv: one row per stored step and candidate, at its place in the undeformed body.
-std::string contact_table(const std::vector<int>& steps, const std::vector<contact::ContactState>& contact,
-                          const contact::Constraints& constraints, const forward::Scheme& scheme);
+/// Appends row k; `tracking_error` is ‖y_k − y_d,k‖ in L2 (m², in 3D m^5/2).
+void add_steps_row(std::string& text, int k, double time, int dim, const forward::StepBalance& balance,
+                   const contact::ContactState& contact, std::optional<double> tracking_error);
+
+/// contact.csv has one row per stored step and candidate, at its place in the undeformed body.
+std::string contact_header(int dim);
+
+/// Appends the rows of step k.
+void add_contact_rows(std::string& text, int k, const forward::Scheme& scheme,
+                      const contact::Constraints& constraints, const contact::ContactState& contact);
 
 /// One row of history.csv.
 struct HistoryRow {
@@ -25,7 +32,8 @@ struct HistoryRow {
   double gradient_norm = 0, step_length = 0;
   int forward_sweeps = 0, adjoint_sweeps = 0; ///< so far
   double seconds = 0;                         ///< so far
-  double relative_distance_to_reference = std::numeric_limits<double>::quiet_NaN(); ///< nan without a reference control
+  double relative_distance_to_reference =
+      std::numeric_limits<double>::quiet_NaN(); ///< nan without a reference control
 };
 
 std::string history_table(const std::vector<HistoryRow>& rows);

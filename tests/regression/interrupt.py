@@ -48,10 +48,11 @@ def optimize_is_complete(folder: Path, ranks: int) -> None:
     print(f"optimize on {ranks} ranks: stopped after iteration {history['iteration'][-1]:.0f}, {len(OPTIMIZE_FILES)} whole files")
 
 
-def simulate_is_complete(folder: Path) -> None:
-    out = folder / "simulate"
-    status = interrupted("simulate", out, signal.SIGTERM, "steps", "--set", "time.end=0.4",
-                         "--set", "mesh.size=0.25", "--set", "output.every=1000", "--set", 'load.body=["0", "-1e6"]')  # fmt: skip
+def simulate_is_complete(folder: Path, ranks: int) -> None:
+    out = folder / f"simulate-{ranks}"
+    which = signal.SIGTERM if ranks == 1 else signal.SIGUSR1
+    status = interrupted("simulate", out, which, "steps", "--set", "time.end=0.4", "--set", "mesh.size=0.25",
+                         "--set", "output.every=1000", "--set", 'load.body=["0", "-1e6"]', ranks=ranks)  # fmt: skip
     assert status == 130, f"exit status {status}"
     assert {p.name for p in out.iterdir()} == SIMULATE_FILES
     run, steps = json.loads((out / "run.json").read_text()), table(out / "steps.csv")
@@ -59,7 +60,7 @@ def simulate_is_complete(folder: Path) -> None:
     assert 0 < done < run["steps"]["asked"] and steps["step"][-1] == done
     with h5py.File(out / "state.h5") as file:
         assert len(file["Function/displacement"]) == len(file["Function/velocity"]) == done // 1000 + 1 + (done % 1000 > 0)
-    print(f"simulate: stopped after step {done}, {len(SIMULATE_FILES)} whole files")
+    print(f"simulate on {ranks} ranks: stopped after step {done}, {len(SIMULATE_FILES)} whole files")
 
 
 def earlier_results_survive(folder: Path) -> None:
@@ -78,7 +79,8 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         optimize_is_complete(Path(folder), ranks=1)
         optimize_is_complete(Path(folder), ranks=2)
-        simulate_is_complete(Path(folder))
+        simulate_is_complete(Path(folder), ranks=1)
+        simulate_is_complete(Path(folder), ranks=2)
         earlier_results_survive(Path(folder))
     return 0
 

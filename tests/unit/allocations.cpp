@@ -1,6 +1,7 @@
 #include "adjoint/sweep.h"
 #include "base/collective.h"
 #include "fixtures.h"
+#include "forward/balance.h"
 #include <atomic>
 #include <catch2/catch_test_macros.hpp>
 #include <cstdlib>
@@ -95,6 +96,18 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
     CHECK(contact_steps > 50);
     CHECK(set_changes > 5);
     CHECK(stepping == 0);
+    forward::Balance weigh(problem.stepper);
+    long streaming = 0;
+    const auto stream = [&] {
+      forward::stream(problem.stepper, problem.initial, load, problem.steps(),
+                      [&](const forward::Frame& frame) {
+                        weigh(frame);
+                        streaming += frame.k > 1 ? calls - before : 0;
+                        before = calls;
+                      });
+    };
+    (void)allocations(stream);
+    CHECK(streaming == 0);
     petsc::Vector dual = test::smooth(problem.space, 1);
     long back = 0;
     (void)allocations([&] {

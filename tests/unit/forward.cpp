@@ -56,6 +56,32 @@ TEST_CASE("energy, momentum and complementarity hold through contact", "[forward
   }
 }
 
+TEST_CASE("a motion that goes by is that of a trajectory", "[forward]") {
+  const test::Ready ready("tests/data/block.toml");
+  const forward::Trajectory trajectory = run(ready);
+  const auto expected = forward::balance(ready.problem.stepper, ready.problem.load(), trajectory);
+  forward::Balance weigh(ready.problem.stepper);
+  int shown = 0, touched = 0;
+  const int done = forward::stream(ready.problem.stepper, ready.problem.initial, ready.problem.load(),
+                                   ready.problem.steps(), [&](const forward::Frame& frame) {
+                                     const auto k = static_cast<std::size_t>(frame.k);
+                                     REQUIRE(frame.k == shown++);
+                                     CHECK(frame.last == (frame.k == ready.problem.steps()));
+                                     CHECK(test::difference(frame.y1, trajectory.y[k]) == 0);
+                                     CHECK(test::difference(frame.v1, trajectory.v[k]) == 0);
+                                     CHECK(frame.contact.lambda == trajectory.contact[k].lambda);
+                                     CHECK(frame.contact.gap == trajectory.contact[k].gap);
+                                     touched += !frame.contact.active.empty();
+                                     const forward::StepBalance balance = weigh(frame);
+                                     CHECK(balance.contact_work == expected[k].contact_work);
+                                     CHECK(balance.energy_residual == expected[k].energy_residual);
+                                     if (frame.k > 0)
+                                       CHECK(test::difference(frame.y0, trajectory.y[k - 1]) == 0);
+                                   });
+  CHECK(done == ready.problem.steps());
+  CHECK(touched > 0);
+}
+
 TEST_CASE("without loads and viscosity energy never grows, and is kept without contact", "[forward]") {
   const test::Ready ready("tests/data/manufactured.toml",
                           {"load.body=[\"0\", \"0\"]", "material.viscosity={bulk=0, shear=0}", "time.end=5"});

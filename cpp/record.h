@@ -1,0 +1,41 @@
+#pragma once
+#include "forward/balance.h"
+#include "io/fields.h"
+#include "io/tables.h"
+#include "problem.h"
+#include <optional>
+
+namespace signorini {
+
+/// Steps whose fields and contact a run stores: every n-th, and the last that it makes.
+inline bool stored(int k, int every, bool last) { return k % every == 0 || last; }
+
+/// Writes steps.csv, contact.csv and state.xdmf of a motion as it goes by, as much of them as the scene's
+/// [output] asks for.
+class Recorder {
+public:
+  /// `objective` is null in a run without one. Collective. The arguments must outlive this object. Throws
+  /// UserError, WriteFailure.
+  Recorder(const Problem& problem, const io::OutputFolder& folder, const control::Objective* objective);
+
+  /// Whether it has anything to write.
+  [[nodiscard]] bool wanted() const { return steps_ || contact_ || state_; }
+
+  /// Takes the frame after the last one, from frame 0 on. Collective. Throws UserError, WriteFailure.
+  void operator()(const forward::Frame& frame);
+
+  /// Closes the files. Collective. Throws UserError, WriteFailure.
+  void finish();
+
+private:
+  void store(const forward::Frame& frame);
+
+  const Problem& problem_;
+  const control::Objective* objective_;
+  std::optional<forward::Balance> balance_;
+  std::optional<io::TextFile> steps_, contact_;
+  std::optional<io::FieldFile> state_;
+  std::string text_; ///< rows on their way
+};
+
+} // namespace signorini

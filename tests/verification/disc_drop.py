@@ -1,0 +1,61 @@
+"""D1: an elastic disc falls on a plane. The fall is a parabola until the touch, and energy only ever goes.
+
+What the contact condition takes is the kinetic energy of the nodes that come to rest on the plane, a layer of the body as
+thick as an element: it vanishes with the element size, at order 1.
+"""
+
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from harness import SOURCE, Figures, signorini, table  # noqa: E402
+
+import numpy as np  # noqa: E402
+
+TOUCH, ACCELERATION = 10.0, 0.1  # s, m/s²
+SIZES = {4.0: 0.02, 2.0: 0.01, 1.0: 0.005}  # m, and the step in proportion, s: as shipped in the middle
+END = 40.0
+
+
+def drop(size: float, out: Path, figures: Figures) -> float:
+    """Runs the scene, shows its figures and returns the part of the impact's energy that is lost until the end."""
+    step = SIZES[size]
+    signorini("simulate", SOURCE / "scenes" / "disc-drop.toml", out, mesh__size=size, time__step=step,
+              output__every=round(END / step))  # fmt: skip
+    steps = table(out / "steps.csv")
+    time, gap, force = steps["time"], steps["min_gap"], steps["contact_force_y"]
+    energy = steps["kinetic_energy"] + steps["elastic_energy"] - np.cumsum(steps["external_work"])
+    pushed = np.flatnonzero(force > 0)
+    assert len(pushed) > 500, "hardly any contact: the case says nothing"
+    falling = round(TOUCH / step)
+    impact = steps["kinetic_energy"][falling]
+    parabola = 5 - ACCELERATION / 2 * time[: falling + 1] ** 2
+    print(f"elements of {size:g} m, step {step:g} s:")
+    # Steps are exact for a parabola; 1e-14 of the fall's height in each of up to 2000 of them.
+    figures.show("fall: error of the gap, m", abs(gap[: falling + 1] - parabola).max(), 0, 1e-10)
+    figures.show("first force, s", time[pushed[0]], TOUCH, 1.001 * step)
+    figures.show("speed of the last step before, m/s", (gap[falling - 1] - gap[falling]) / step, 1, ACCELERATION * step)
+    # Sums of the works of up to 8000 steps.
+    figures.show("largest rise of energy / of the impact", max(0, np.diff(energy).max()) / impact, 0, 1e-11)
+    mass = 2 * impact  # at 1 m/s
+    left = pushed[-1]
+    rebound = step * force.sum() / mass - ACCELERATION * time[left]
+    figures.show("rebound, m/s, slower than the fall", rebound, 0.5, 0.5)
+    print(f"       last force at {time[left]:.2f} s")
+    return -energy[-1] / impact
+
+
+def main() -> int:
+    figures = Figures()
+    with tempfile.TemporaryDirectory() as folder:
+        losses = {size: drop(size, Path(folder) / "out", figures) for size in SIZES}
+    print("energy lost, of the impact's:", ", ".join(f"{loss:.5f} at {size:g} m" for size, loss in losses.items()))
+    order = float(np.polyfit(np.log(list(losses)), np.log(list(losses.values())), 1)[0])
+    # Which nodes come to rest when is accidental; halfway to order 1/2, at which a layer of √h would be lost.
+    figures.least("order of the energy lost, 1 expected", order, 0.75)
+    return 1 if figures.failed else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
