@@ -39,7 +39,9 @@ public:
   [[nodiscard]] const std::vector<PetscInt>& first_dofs() const { return first_dofs_; }
   /// Number of each candidate's node among the nodes that have candidates, ascending (m).
   [[nodiscard]] const std::vector<int>& nodes() const { return nodes_; }
-  /// The scene's obstacle of each candidate (m).
+  /// Obstacles of the scene.
+  [[nodiscard]] int obstacle_count() const { return static_cast<int>(keys_.size()); }
+  /// Number of each candidate's obstacle in the scene (m).
   [[nodiscard]] const std::vector<int>& obstacles() const { return obstacles_; }
   /// A gap is closed, and a penetration rounding, below this length: 1e-10 of the body's diameter, m.
   [[nodiscard]] double gap_tolerance() const { return gap_tolerance_; }
