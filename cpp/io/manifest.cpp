@@ -21,7 +21,7 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
   return {{"several materials", scene.materials.size() > 1},
           {"viscosity", viscous},
           {"clamp", !scene.clamps.empty()},
-          {"contact", scene.contact.has_value()},
+          {"contact", !scene.contacts.empty()},
           {"body load", scene.load.has_value()},
           {"initial displacement", given(scene.initial.displacement)},
           {"initial velocity", given(scene.initial.velocity)},

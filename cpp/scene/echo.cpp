@@ -1,4 +1,5 @@
 #include "scene/scene.h"
+#include <charconv>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -29,6 +30,18 @@ std::string texts(const Components& components) {
   for (const std::string& component : components)
     quoted.push_back(text(component));
   return fmt::format("[{}]", fmt::join(quoted, ", "));
+}
+
+/// Expressions, those that are mere numbers as numbers.
+std::string numbers_or_texts(const Components& components) {
+  std::vector<std::string> entries;
+  for (const std::string& component : components) {
+    double value = 0;
+    const char* end = component.data() + component.size();
+    const auto [last, error] = std::from_chars(component.data(), end, value);
+    entries.push_back(error == std::errc() && last == end ? number(value) : text(component));
+  }
+  return fmt::format("[{}]", fmt::join(entries, ", "));
 }
 
 std::string bound(const std::vector<double>& values) {
@@ -72,6 +85,30 @@ void write_body(Writer& out, const Scene& s) {
   }
 }
 
+std::string obstacle(const HalfSpace& shape) {
+  return fmt::format("{{ shape = \"half-space\", point = {}, normal = {} }}", numbers_or_texts(shape.point),
+                     numbers(shape.normal));
+}
+
+std::string radius_and_side(double radius, bool inside) {
+  return fmt::format("radius = {}, side = \"{}\"", number(radius), inside ? "inside" : "outside");
+}
+
+std::string obstacle(const Ball& shape) {
+  return fmt::format("{{ shape = \"ball\", center = {}, {} }}", numbers(shape.center),
+                     radius_and_side(shape.radius, shape.inside));
+}
+
+std::string obstacle(const Cylinder& shape) {
+  const std::string axis = shape.axis.empty() ? "" : fmt::format("axis = {}, ", numbers(shape.axis));
+  return fmt::format("{{ shape = \"cylinder\", point = {}, {}{} }}", numbers(shape.point), axis,
+                     radius_and_side(shape.radius, shape.inside));
+}
+
+std::string obstacle(const SignedDistance& shape) {
+  return fmt::format("{{ shape = \"signed-distance\", distance = {} }}", text(shape.distance));
+}
+
 void write_boundary(Writer& out, const Scene& s, const std::string& zero) {
   for (const Clamp& clamp : s.clamps) {
     out.table("[[clamp]]");
@@ -81,14 +118,12 @@ void write_boundary(Writer& out, const Scene& s, const std::string& zero) {
     if (clamp.value || !clamp.components)
       out.key("value", clamp.value ? texts(*clamp.value) : zero, "m");
   }
-  if (s.contact) {
-    out.table("[contact]");
-    out.key("on", text(s.contact->on));
-    out.key("obstacle",
-            fmt::format("{{ shape = \"half-space\", point = {}, normal = {} }}",
-                        numbers(s.contact->obstacle.point), numbers(s.contact->obstacle.normal)),
-            "m");
+  for (const Contact& contact : s.contacts) {
+    out.table(s.contacts.size() == 1 ? "[contact]" : "[[contact]]");
+    out.key("on", text(contact.on));
+    out.key("obstacle", std::visit([](const auto& shape) { return obstacle(shape); }, contact.obstacle), "m");
     out.key("mass", text("consistent"));
+    out.key("initial", text(contact.project ? "project" : "outside"));
   }
 }
 

@@ -1,9 +1,11 @@
 #include "base/error.h"
 #include "base/memory.h"
+#include "scene/expression.h"
 #include "scene/reader.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <fstream>
 #include <sstream>
 
@@ -162,25 +164,70 @@ Clamp clamp(Reader in) {
   return clamp;
 }
 
+/// A vector that gives a direction: any length but zero.
+std::vector<double> direction(Reader& in, const std::string& key, const std::string& what) {
+  std::vector<double> vector = in.numbers(key, {});
+  if (std::ranges::all_of(vector, [](double x) { return x == 0; }))
+    in.fail(key, fmt::format("found a vector of length zero, allowed is any other: {}", what));
+  return vector;
+}
+
+HalfSpace half_space(Reader& in) {
+  HalfSpace obstacle;
+  obstacle.point = in.expressions("point", true);
+  if (Field(obstacle.point, "point", true).depends_on_place())
+    in.fail("point", fmt::format("found [{}], allowed are expressions of t alone: the point is one for the whole plane",
+                                 fmt::join(obstacle.point, ", ")));
+  obstacle.normal = direction(in, "normal", "it points out of the obstacle");
+  if (obstacle.normal.size() != obstacle.point.size())
+    in.fail("normal", fmt::format("found {} components where point has {}", obstacle.normal.size(),
+                                  obstacle.point.size()));
+  return obstacle;
+}
+
+/// Whether the body is inside of a round obstacle.
+bool inside(Reader& in) { return in.choice("side", {"outside", "inside"}, "outside") == "inside"; }
+
+Cylinder cylinder(Reader& in) {
+  Cylinder obstacle;
+  obstacle.point = in.numbers("point", {.unit = "m"});
+  if (obstacle.point.size() == 3) {
+    obstacle.axis = direction(in, "axis", "it points along the cylinder");
+    if (obstacle.axis.size() != 3)
+      in.fail("axis", fmt::format("found {} components where point has 3", obstacle.axis.size()));
+  } else if (in.has("axis")) {
+    in.fail("axis", "has no effect in the plane, where a cylinder is a disc; allowed with a point of 3 components");
+  }
+  obstacle.radius = in.number("radius", positive_length);
+  obstacle.inside = inside(in);
+  return obstacle;
+}
+
+Obstacle obstacle(Reader in) {
+  in.text("shape");
+  const std::string shape = in.choice("shape", {"half-space", "ball", "cylinder", "signed-distance"}, "");
+  Obstacle obstacle;
+  if (shape == "half-space") {
+    obstacle = half_space(in);
+  } else if (shape == "ball") {
+    Ball ball{in.numbers("center", {.unit = "m"}), in.number("radius", positive_length), false};
+    ball.inside = inside(in);
+    obstacle = ball;
+  } else if (shape == "cylinder") {
+    obstacle = cylinder(in);
+  } else {
+    obstacle = SignedDistance{in.expression("distance", false)};
+  }
+  in.finish();
+  return obstacle;
+}
+
 Contact contact(Reader in) {
   Contact contact;
   contact.on = in.text("on");
   in.choice("mass", {"consistent"}, "consistent", {"massless"});
-  Reader obstacle = in.table("obstacle");
-  obstacle.text("shape");
-  obstacle.choice("shape", {"half-space"}, "");
-  contact.obstacle.point = obstacle.numbers("point", {.unit = "m"});
-  contact.obstacle.normal = obstacle.numbers("normal", {});
-  double length = 0;
-  for (double n : contact.obstacle.normal)
-    length = std::hypot(length, n);
-  if (!(length > 0))
-    obstacle.fail("normal",
-                  "found a vector of length zero, allowed is any other: it points out of the obstacle");
-  if (contact.obstacle.normal.size() != contact.obstacle.point.size())
-    obstacle.fail("normal", fmt::format("found {} components where point has {}",
-                                        contact.obstacle.normal.size(), contact.obstacle.point.size()));
-  obstacle.finish();
+  contact.obstacle = obstacle(in.table("obstacle"));
+  contact.project = in.choice("initial", {"outside", "project"}, "outside") == "project";
   in.finish();
   return contact;
 }
@@ -296,8 +343,11 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   scene.materials = materials(in, root.contains("material") && root.get("material")->is_array());
   for (Reader& table : in.tables("clamp"))
     scene.clamps.push_back(clamp(table));
-  if (in.has("contact"))
-    scene.contact = contact(in.table("contact"));
+  if (in.has("contact") && root.get("contact")->is_array())
+    for (Reader& table : in.tables("contact"))
+      scene.contacts.push_back(contact(table));
+  else if (in.has("contact"))
+    scene.contacts.push_back(contact(in.table("contact")));
   if (in.has("load")) {
     Reader load = in.table("load");
     scene.load.emplace();
@@ -349,20 +399,30 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   return scene;
 }
 
+std::string contact_key(const std::vector<Contact>& contacts, std::size_t i) {
+  return contacts.size() == 1 ? "contact" : fmt::format("contact[{}]", i);
+}
+
 bool vanishes(const Components& components) {
   return std::ranges::all_of(components,
                              [](const std::string& text) { return text == "0" || text == "0.0"; });
 }
 
 void require_dimension(const Scene& scene, int dim) {
-  const auto require = [&](std::size_t size, const char* key, bool one_allowed = false) {
+  const auto require = [&](std::size_t size, const std::string& key, bool one_allowed = false) {
     if (size != static_cast<std::size_t>(dim) && !(one_allowed && size == 1))
       throw UserError(fmt::format("{}: {}: found {} components, allowed are {}: the mesh is {}-dimensional",
                                   scene.file.string(), key, size, dim, dim));
   };
-  if (scene.contact) {
-    require(scene.contact->obstacle.point.size(), "contact.obstacle.point");
-    require(scene.contact->obstacle.normal.size(), "contact.obstacle.normal");
+  for (std::size_t i = 0; i < scene.contacts.size(); ++i) {
+    const std::string key = contact_key(scene.contacts, i) + ".obstacle.";
+    const Obstacle& obstacle = scene.contacts[i].obstacle;
+    if (const auto* half_space = std::get_if<HalfSpace>(&obstacle))
+      require(half_space->point.size(), key + "point");
+    else if (const auto* ball = std::get_if<Ball>(&obstacle))
+      require(ball->center.size(), key + "center");
+    else if (const auto* cylinder = std::get_if<Cylinder>(&obstacle))
+      require(cylinder->point.size(), key + "point");
   }
   for (const Clamp& clamp : scene.clamps)
     if (clamp.value && !clamp.components)

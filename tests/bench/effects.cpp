@@ -66,7 +66,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     given.emplace(problem);
   const forward::Load load = controlled ? problem.load() : given->load();
   std::optional<BareLoop> bare;
-  if (!scene.contact && !load.density && !load.force && !controlled)
+  if (scene.contacts.empty() && !load.density && !load.force && !controlled)
     bare.emplace(problem);
 
   constexpr double never = std::numeric_limits<double>::infinity();
