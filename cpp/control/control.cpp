@@ -95,7 +95,7 @@ ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operat
   }
   if (!whole_)
     own_ = fem::assemble_L2(space, *scene.on, "control.on");
-  mass_ = whole_ ? operators.W : own_;
+  mass_ = whole_ ? *operators.W : own_;
   points_ = space.points();
   work_ = space.vector();
   mask_ = make_mask(fem::diagonal(mass_), space.dim(), components_);

@@ -144,16 +144,19 @@ petsc::Vector diagonal(Mat matrix) {
   return diagonal;
 }
 
-Operators assemble_operators(const Space& space, const std::vector<scene::Material>& materials) {
+Operators assemble_operators(const Space& space, const std::vector<scene::Material>& materials,
+                             bool densities) {
   const std::vector<Part> body = parts(space.mesh(), materials);
   constexpr double no_tau = 0; // none of these forms has a time step
-  Operators operators{compress(assemble(space, Form::L2, body, no_tau, MATAIJ)),
-                      compress(assemble(space, Form::m, body, no_tau, MATAIJ)),
+  Operators operators{compress(assemble(space, Form::m, body, no_tau, MATAIJ)),
                       symmetric_half(assemble(space, Form::a, body, no_tau, MATBAIJ)), std::nullopt,
-                      std::nullopt};
-  operators.uniform_density = ratio(operators.M, operators.W);
+                      std::nullopt, std::nullopt};
   if (std::ranges::any_of(materials, [](const scene::Material& m) { return m.viscosity.has_value(); }))
     operators.B = symmetric_half(assemble(space, Form::b, body, no_tau, MATBAIJ));
+  if (densities) {
+    operators.W = compress(assemble(space, Form::L2, body, no_tau, MATAIJ));
+    operators.uniform_density = ratio(operators.M, *operators.W);
+  }
   return operators;
 }
 

@@ -52,7 +52,7 @@ StepBalance Balance::operator()(const Frame& frame) {
   check(VecWAXPY(w_, -1, frame.y0, frame.y1)); // w holds y_k − y_{k−1} until it is divided by τ
   check(VecZeroEntries(load_));
   if (frame.load.density)
-    check(MatMult(body.W, frame.load.density, load_));
+    check(MatMult(*body.W, frame.load.density, load_));
   if (frame.load.force)
     check(VecAXPY(load_, 1, frame.load.force));
   contact_forces(stepper_, frame.contact, force_);

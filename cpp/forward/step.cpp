@@ -35,7 +35,7 @@ void Stepper::right_hand_side(Vec x, double a, Vec z, double b, StepLoad load) c
     check(MatMult(operators_.M, work_, r_));
   } else {
     check(MatMult(operators_.M, z, r_));
-    check(MatMult(operators_.W, load.density, work_));
+    check(MatMult(*operators_.W, load.density, work_));
     check(VecAXPBY(r_, b, a, work_));
   }
   check(MatMultAdd(R_, x, r_, r_));

@@ -29,9 +29,11 @@ def simulate_makes_no_control(folder: Path) -> None:
     found = counters("simulate", HALF_DISC, folder, mesh__size=2)
     none_of(found, CONTROL)
     assert found["steps"] == found["asked"] == 150 and found["load evaluations"] == 0
-    assert {name: found[f"assembled {name}"] for name in ("L2", "m", "b", "d")} == dict.fromkeys(("L2", "m", "b", "d"), 1)
+    assert {name: count for name, count in found.items() if name.startswith("assembled")} == {
+        "assembled a": 1, "assembled b": 1, "assembled d": 1, "assembled m": 1}  # fmt: skip
     found = counters("optimize", HALF_DISC, folder, mesh__size=2, optimizer__max_iterations=1, output__every=50)
     assert found["control spaces"] == found["objectives"] == found["reduced problems"] == 1
+    assert found["assembled L2"] == 1
     assert found["adjoint steps"] == found["asked"] * found["adjoint sweeps"] > 0, "the counters count nothing"
     print("simulate: no control, objective or adjoint; optimize: one each")
 

@@ -37,7 +37,7 @@ TEST_CASE("the sweep is the transpose of the linearised steps", "[adjoint]") {
     const petsc::Vector density = test::smooth(space, k);
     stepper.linearised_step(y0, v0, {.density = density}, run.trajectory.contact[static_cast<std::size_t>(k)],
                             y1, v1);
-    check(MatMult(run.ready.problem.operators.W, test::smooth(space, -k), product));
+    check(MatMult(*run.ready.problem.operators.W, test::smooth(space, -k), product));
     forward += dot(y1, product);
     std::swap(y0, y1);
     std::swap(v0, v1);
@@ -45,7 +45,7 @@ TEST_CASE("the sweep is the transpose of the linearised steps", "[adjoint]") {
   adjoint::sweep(stepper, run.trajectory,
                  {.density = [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(space, -k))); }},
                  [&](int k, Vec p) {
-                   check(MatMult(run.ready.problem.operators.W, test::smooth(space, k), product));
+                   check(MatMult(*run.ready.problem.operators.W, test::smooth(space, k), product));
                    backward += stepper.scheme().impulse() * dot(p, product);
                  });
   CHECK(std::abs(forward) > 0);
@@ -86,7 +86,7 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
   std::vector<petsc::Vector> p(N + 2);
   const auto dual = [&](int k) {
     petsc::Vector product = problem.space.vector();
-    check(MatMult(problem.operators.W, test::smooth(problem.space, k), product));
+    check(MatMult(*problem.operators.W, test::smooth(problem.space, k), product));
     return product;
   };
   adjoint::sweep(stepper, run.trajectory,
