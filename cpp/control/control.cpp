@@ -110,6 +110,12 @@ Control ControlSpace::unset() const {
   return Control(std::move(values), steps_);
 }
 
+double ControlSpace::control_bytes() const {
+  PetscInt size = 0;
+  check(VecGetSize(work_, &size));
+  return sizeof(PetscScalar) * static_cast<double>(size) * static_cast<double>(vectors());
+}
+
 Control ControlSpace::zero() const { return constant(0); }
 
 Control ControlSpace::constant(double value) const {
