@@ -1,6 +1,7 @@
 #include "problem.h"
 #include "base/error.h"
 #include "base/signals.h"
+#include "io/stored_field.h"
 #include <fmt/format.h>
 
 namespace signorini {
@@ -22,8 +23,8 @@ mesh::Mesh read_mesh(MPI_Comm comm, const scene::Scene& scene) {
 
 petsc::Series desired_states(const Problem& problem, const control::ControlSpace& controls,
                              const std::optional<control::Control>& reference, const Console& console) {
+  const auto timer = problem.timers.time("desired state");
   if (reference) {
-    const auto timer = problem.timers.time("desired state");
     petsc::Series desired;
     Progress progress(console, "desired state", static_cast<std::size_t>(problem.steps()));
     const int done =
@@ -36,13 +37,22 @@ petsc::Series desired_states(const Problem& problem, const control::ControlSpace
       throw Interrupted();
     return desired;
   }
+  const forward::Scheme& scheme = problem.stepper.scheme();
+  const auto each = [&](auto&& at) {
+    petsc::Series desired =
+        petsc::zero_series(problem.initial.y, static_cast<std::size_t>(problem.steps()) + 1);
+    for (int k = 0; k <= problem.steps(); ++k)
+      at(scheme.time(k), desired[static_cast<std::size_t>(k)]);
+    return desired;
+  };
+  if (const auto* run = std::get_if<scene::DesiredRun>(&problem.scene.objective->desired)) {
+    io::StoredField stored(problem.space, run->folder / "state.h5", "displacement", "objective.desired.run",
+                           scheme.time(problem.steps()));
+    return each([&](double t, Vec y) { stored.at(t, y); });
+  }
   const auto& given = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
   const scene::Field field(given.displacement, "objective.desired.displacement", true);
-  petsc::Series desired =
-      petsc::zero_series(problem.initial.y, static_cast<std::size_t>(problem.steps()) + 1);
-  for (int k = 0; k <= problem.steps(); ++k)
-    problem.space.interpolate(field, problem.stepper.scheme().time(k), desired[static_cast<std::size_t>(k)]);
-  return desired;
+  return each([&](double t, Vec y) { problem.space.interpolate(field, t, y); });
 }
 
 std::optional<control::Control> reference_control(const scene::Scene& scene,
@@ -57,7 +67,7 @@ std::optional<control::Control> reference_control(const scene::Scene& scene,
 Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs needs, Timers& t)
     : scene(s), timers(t), mesh(timed(t, "mesh", [&] { return read_mesh(comm, s); })),
       space(mesh, s.mesh.degree),
-      operators(timed(t, "assembly", [&] { return fem::assemble_operators(space, s.material); })),
+      operators(timed(t, "assembly", [&] { return fem::assemble_operators(space, s.materials); })),
       stepper(timed(t, "solver", [&] { return forward::Stepper(space, operators, s, needs); })),
       initial(stepper, s.initial) {
   if (stop_requested(comm))

@@ -15,7 +15,7 @@ Recorder::Recorder(const Problem& problem, const io::OutputFolder& folder,
   }
   if (output.table("contact") && problem.stepper.constraints()) {
     contact_.emplace(folder, "contact.csv");
-    contact_->append(io::contact_header(dim));
+    contact_->append(io::contact_header(*problem.stepper.constraints()));
   }
   const std::size_t fields = output.field("displacement") + output.field("velocity");
   const auto times = static_cast<std::size_t>((problem.steps() - 1) / output.every + 2);

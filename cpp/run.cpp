@@ -166,6 +166,15 @@ int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, 
     throw UserError(
         fmt::format("{}: optimize needs the tables [control] and [objective], and the scene has {}",
                     scene.file.string(), scene.control ? "no objective" : "neither"));
+  if (const auto* run = std::get_if<scene::DesiredRun>(&scene.objective->desired))
+    on_root(world(), [&] {
+      std::error_code missing;
+      if (std::filesystem::equivalent(out, run->folder, missing))
+        throw UserError(
+            fmt::format("--out: found the folder of objective.desired.run, {}, whose files this run "
+                        "would replace, allowed is another",
+                        run->folder.string()));
+    });
   io::OutputFolder folder(world(), out);
   Timers timers;
   const Problem problem(world(), scene, {.sliding = true}, timers);

@@ -173,9 +173,13 @@ class RunFolder:
     @cached_property
     def obstacle(self) -> HalfSpace:
         """What the body may touch, in a scene with contact."""
+        if isinstance(self.scene["contact"], list):
+            raise NotInRun("several obstacles are not drawn, only one")
         obstacle = self.scene["contact"]["obstacle"]
         if obstacle["shape"] != "half-space":
             raise NotInRun(f"an obstacle of the shape \"{obstacle['shape']}\" is not drawn, only a half-space")
+        if any(isinstance(coordinate, str) for coordinate in obstacle["point"]):
+            raise NotInRun("an obstacle that moves is not drawn, only one at rest")
         normal = np.array(obstacle["normal"], dtype=float)
         return HalfSpace(np.array(obstacle["point"], dtype=float), normal / np.linalg.norm(normal))
 

@@ -28,8 +28,17 @@ def attempt(verb: str, scene: Path, out: Path | None = None, ranks: int = 1, **o
     if out:
         command += ["--out", str(out)]
     for key, value in overrides.items():
-        command += ["--set", f"{key.replace('__', '.')}={json.dumps(value)}"]
+        command += ["--set", f"{key.replace('__', '.')}={toml(value)}"]
     return subprocess.run(command, capture_output=True, text=True)
+
+
+def toml(value: object) -> str:
+    """A value as TOML on one line."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {toml(entry)}" for key, entry in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(toml, value)) + "]"
+    return json.dumps(value)
 
 
 def table(file: Path) -> dict[str, np.ndarray]:

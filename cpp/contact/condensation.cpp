@@ -13,6 +13,7 @@ Condensation::Condensation(const Constraints& constraints, const Elimination& el
       zero_(static_cast<std::size_t>(constraints.count()), 0.0) {
   const std::size_t m = zero_.size();
   work_.factorised.reserve(m);
+  work_.independent.reserve(m);
   work_.factor.reserve(m * m);
   work_.b.reserve(m);
   work_.normal.resize(m);
@@ -82,25 +83,30 @@ void Condensation::finish(const ActiveSet& set, std::span<const double> psi, std
   }
 }
 
-void Condensation::predict_gap(Vec r, std::span<double> gap) const {
+void Condensation::predict_gap(Vec r, std::span<const double> psi, std::span<double> gap) const {
   elimination_.predict(r, gap);
   for (std::size_t i = 0; i < gap.size(); ++i)
-    gap[i] = constraints_.psi()[i] - gap[i];
+    gap[i] = psi[i] - gap[i];
 }
 
-void Condensation::finish_closed(const ActiveSet& set, std::span<double> lambda, std::span<double> gap,
-                                 Vec y) const {
-  finish(set, constraints_.psi(), lambda, gap, y);
+void Condensation::finish_closed(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
+                                 std::span<double> gap, Vec y) const {
+  finish(set, psi, lambda, gap, y);
   for (std::size_t i = 0; i < gap.size(); ++i)
-    gap[i] = constraints_.psi()[i] - gap[i];
+    gap[i] = psi[i] - gap[i];
 }
 
-void Condensation::solve_sliding(Vec r, const ActiveSet& set, Vec p) const {
+void Condensation::solve_sliding(Vec r, const ActiveSet& active, Vec p) const {
   elimination_.predict(r, work_.normal);
-  if (set.empty()) {
+  if (active.empty()) {
     elimination_.finish(zero_, p);
     return;
   }
+  if (constraints_.dependent()) {
+    work_.independent = active;
+    constraints_.drop_dependent(work_.independent);
+  }
+  const ActiveSet& set = constraints_.dependent() ? work_.independent : active;
   work_.b.clear();
   for (int i : set)
     work_.b.push_back(work_.normal[static_cast<std::size_t>(i)]);

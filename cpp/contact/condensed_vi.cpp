@@ -1,6 +1,7 @@
 #include "contact/condensed_vi.h"
 #include "base/error.h"
 #include <algorithm>
+#include <functional>
 
 namespace signorini::contact {
 using petsc::check;
@@ -8,9 +9,11 @@ using petsc::check;
 CondensedVi::CondensedVi(const Constraints& constraints, const Condensation& condensation,
                          const Complementarity& complementarity)
     : constraints_(constraints), condensation_(condensation), complementarity_(complementarity),
-      length_unit_(constraints.gap_tolerance()), gap0_(static_cast<std::size_t>(constraints.count())) {
+      length_unit_(constraints.gap_tolerance()), gap0_(static_cast<std::size_t>(constraints.count())),
+      dual_(constraints.dependent() ? gap0_.size() : 0) {
   forces_.reserve(gap0_.size());
   set_.reserve(gap0_.size());
+  next_.reserve(gap0_.size());
 }
 
 const CondensedVi::Petsc& CondensedVi::petsc() const {
@@ -57,10 +60,8 @@ void CondensedVi::solve_on_set(ContactState& state) const {
 
 void CondensedVi::settle(ContactState& state, int most) const {
   for (int i = 0; i < most && !complementarity_.holds(state.lambda, state.gap); ++i, ++state.vi_iterations) {
-    set_.clear();
-    for (std::size_t j = 0; j < gap0_.size(); ++j)
-      if (state.lambda[j] > 0 || (state.lambda[j] == 0 && state.gap[j] < 0))
-        set_.push_back(static_cast<int>(j));
+    constraints_.next_set(set_, state.lambda, state.gap, next_);
+    std::swap(set_, next_);
     solve_on_set(state);
   }
 }
@@ -90,18 +91,30 @@ void CondensedVi::find_set(ContactState& state) const {
       set_.push_back(static_cast<int>(i));
 }
 
-void CondensedVi::solve(Vec r, const ContactState& previous, ContactState& state, Vec y) const {
+void CondensedVi::find_independent_set(ContactState& state) const {
+  const auto depends = [this](const ActiveSet& set, int i) { return constraints_.depends(set, i); };
+  if (!dual_.solve(condensation_.S(), gap0_, constraints_.gap_tolerance(), std::cref(depends), set_,
+                   state.lambda, state.vi_iterations))
+    throw SolverFailure("the obstacles leave no room for the body");
+}
+
+void CondensedVi::solve(Vec r, std::span<const double> psi, const ContactState& previous, ContactState& state,
+                        Vec y) const {
   state.vi_iterations = 0;
-  condensation_.predict_gap(r, gap0_);
+  condensation_.predict_gap(r, psi, gap0_);
   set_.clear();
   if (std::ranges::any_of(gap0_, [](double g) { return g < 0; })) {
     count_solved();
     set_ = previous.active;
+    constraints_.drop_dependent(set_);
     solve_on_set(state);
     constexpr int soon = 5; // a set that moves by a candidate or two is settled by then
     settle(state, soon);
     if (!complementarity_.holds(state.lambda, state.gap)) {
-      find_set(state);
+      if (constraints_.dependent())
+        find_independent_set(state);
+      else
+        find_set(state);
       solve_on_set(state);
       // Candidates within the VI solver's tolerance of both bounds may be on the wrong side.
       constexpr int most = 50;
@@ -110,7 +123,7 @@ void CondensedVi::solve(Vec r, const ContactState& previous, ContactState& state
   } else {
     std::ranges::fill(state.lambda, 0);
   }
-  condensation_.finish_closed(set_, state.lambda, state.gap, y);
+  condensation_.finish_closed(set_, psi, state.lambda, state.gap, y);
   complementarity_.classify(state);
 }
 

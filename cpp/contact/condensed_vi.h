@@ -10,7 +10,8 @@ namespace signorini::contact {
 /// is 0 ≤ λ ⟂ g = g⁰ + Sλ ≥ 0, and y = D⁻¹(r − Nλ). No VI is solved if no predicted gap is negative. Else the
 /// set is sought by primal-dual steps from the previous one, which is mostly the right one or a neighbour;
 /// where that does not settle it soon, PETSc's VI solver finds it, in the gaps: 0 ≤ g ⟂ S⁻¹(g − g⁰) ≥ 0. S⁻¹,
-/// unlike S, is close to an M-matrix, for which reduced-space Newton does not cycle. Solved on every rank
+/// unlike S, is close to an M-matrix, for which reduced-space Newton does not cycle. Where candidates depend
+/// on each other S has no inverse, and a dual active-set method finds the set instead. Solved on every rank
 /// alike.
 class CondensedVi final : public ViSolver {
 public:
@@ -18,7 +19,8 @@ public:
   CondensedVi(const Constraints& constraints, const Condensation& condensation,
               const Complementarity& complementarity);
 
-  void solve(Vec r, const ContactState& previous, ContactState& state, Vec y) const override;
+  void solve(Vec r, std::span<const double> psi, const ContactState& previous, ContactState& state,
+             Vec y) const override;
 
 private:
   /// PETSc's VI solver of the condensed problem, made when it is first needed.
@@ -34,6 +36,8 @@ private:
   void settle(ContactState& state, int most) const;
   /// Lets PETSc's VI solver find set_, starting from the gaps of `state`.
   void find_set(ContactState& state) const;
+  /// Finds set_ where S is singular, from no contact.
+  void find_independent_set(ContactState& state) const;
   const Petsc& petsc() const;
 
   const Constraints& constraints_;
@@ -41,7 +45,8 @@ private:
   const Complementarity& complementarity_;
   double length_unit_; ///< of the VI: a negligible gap
   mutable std::vector<double> gap0_, forces_;
-  mutable ActiveSet set_;
+  mutable ActiveSet set_, next_;
+  mutable DualActiveSet dual_;
   mutable std::unique_ptr<Petsc> petsc_;
 };
 

@@ -29,9 +29,10 @@ void CornerElimination::predict(Vec r, std::span<double> normal) const {
   triangular(L_, "T", corner_);
   const auto dim = static_cast<std::size_t>(constraints_.dim());
   for (std::size_t i = 0; i < normal.size(); ++i) {
+    const auto node = static_cast<std::size_t>(constraints_.nodes()[i]);
     normal[i] = 0;
     for (std::size_t c = 0; c < dim; ++c)
-      normal[i] += constraints_.normals()[i * dim + c] * corner_[i * dim + c];
+      normal[i] += constraints_.normals()[i * dim + c] * corner_[node * dim + c];
   }
 }
 
@@ -41,9 +42,12 @@ void CornerElimination::finish(std::span<const double> lambda, Vec y) const {
     return;
   }
   const auto dim = static_cast<std::size_t>(constraints_.dim());
-  for (std::size_t i = 0; i < lambda.size(); ++i)
+  std::ranges::fill(corner_, 0);
+  for (std::size_t i = 0; i < lambda.size(); ++i) {
+    const auto node = static_cast<std::size_t>(constraints_.nodes()[i]);
     for (std::size_t c = 0; c < dim; ++c)
-      corner_[i * dim + c] = constraints_.normals()[i * dim + c] * lambda[i];
+      corner_[node * dim + c] += constraints_.directions()[i * dim + c] * lambda[i];
+  }
   triangular(L_, "N", corner_);
   for (std::size_t i = 0; i < corner_.size(); ++i)
     corner_[i] = z_[i] - corner_[i];
@@ -56,7 +60,8 @@ std::vector<double> CornerElimination::condensed() const {
   std::vector<double> X(c * m, 0.0), S(m * m, 0.0); // X = L⁻¹N
   for (std::size_t i = 0; i < m; ++i)
     for (std::size_t k = 0; k < dim; ++k)
-      X[i * c + i * dim + k] = constraints_.normals()[i * dim + k];
+      X[i * c + static_cast<std::size_t>(constraints_.nodes()[i]) * dim + k] =
+          constraints_.directions()[i * dim + k];
   const auto rows = static_cast<PetscBLASInt>(c), columns = static_cast<PetscBLASInt>(m);
   const double one = 1, zero = 0;
   BLAStrsm_("L", "L", "N", "N", &rows, &columns, &one, L_.data(), &rows, X.data(), &rows);

@@ -28,7 +28,8 @@ public:
 /// takes one solve like any other.
 class CornerElimination final : public Elimination {
 public:
-  /// The corner of `D` must be the candidates' nodes in their order. The arguments must outlive this object.
+  /// The corner of `D` must be the candidates' nodes, each once, in their order. The arguments must outlive
+  /// this object.
   CornerElimination(const Constraints& constraints, const SparseCholesky& D);
 
   void predict(Vec r, std::span<double> normal) const override;

@@ -1,28 +1,66 @@
 #include "contact/full_vi.h"
+#include "base/error.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fmt/format.h>
+#include <numeric>
 
 namespace signorini::contact {
 using petsc::check;
 
 namespace {
 
-/// An orthonormal frame (dim × dim, row by row) whose first column is ν: the reflection that takes e_1 to ±ν.
-std::array<double, 9> frame(const double* nu, int dim) {
+/// An orthonormal frame (dim × dim, row by row) whose column `axis` is the direction n: the reflection that
+/// takes that coordinate to ±n. Components that n does not have stay as they are.
+std::array<double, 9> frame(const double* n, double length, int dim, int axis) {
   std::array<double, 3> w{};
-  const double sign = nu[0] >= 0 ? 1 : -1; // away from cancellation
+  const double sign = n[axis] >= 0 ? 1 : -1; // away from cancellation
   double ww = 0;
   for (int c = 0; c < dim; ++c)
-    w[c] = nu[c] + (c == 0 ? sign : 0), ww += w[c] * w[c];
+    w[c] = n[c] / length + (c == axis ? sign : 0), ww += w[c] * w[c];
   std::array<double, 9> F{};
   for (int i = 0; i < dim; ++i)
     for (int j = 0; j < dim; ++j)
-      F[i * dim + j] = ((i == j) - 2 * w[i] * w[j] / ww) * (j == 0 ? -sign : 1);
+      F[i * dim + j] = ((i == j) - 2 * w[i] * w[j] / ww) * (j == axis ? -sign : 1);
   return F;
 }
 
-petsc::Matrix frames(const Constraints& constraints, Mat D) {
+/// The largest component of each candidate's direction.
+std::vector<int> largest_components(const Constraints& constraints) {
+  std::vector<int> axes;
+  for (int i = 0; i < constraints.count(); ++i) {
+    const double* n = &constraints.directions()[i * constraints.dim()];
+    const auto smaller = [](double a, double b) { return std::abs(a) < std::abs(b); };
+    axes.push_back(static_cast<int>(std::max_element(n, n + constraints.dim(), smaller) - n));
+  }
+  return axes;
+}
+
+std::vector<double> lengths(const Constraints& constraints) {
+  std::vector<double> lengths;
+  for (int i = 0; i < constraints.count(); ++i) {
+    const double* n = &constraints.directions()[i * constraints.dim()];
+    lengths.push_back(std::sqrt(std::inner_product(n, n + constraints.dim(), n, 0.0)));
+  }
+  return lengths;
+}
+
+void require_one_per_node(const Constraints& constraints) {
+  const std::vector<int>& nodes = constraints.nodes();
+  const auto twin = std::ranges::adjacent_find(nodes);
+  if (twin == nodes.end())
+    return;
+  const double* x = &constraints.points()[3 * static_cast<std::size_t>(twin - nodes.begin())];
+  throw UserError(
+      fmt::format("solver.vi: found \"full\" with {} obstacles for the node at ({:.6g}, {:.6g}, {:.6g}), "
+                  "allowed is \"condensed\": the full VI takes one obstacle per node",
+                  std::ranges::count(nodes, *twin), x[0], x[1], x[2]));
+}
+
+petsc::Matrix frames(const Constraints& constraints, Mat D, const std::vector<int>& axes,
+                     const std::vector<double>& lengths) {
+  require_one_per_node(constraints);
   const int dim = constraints.dim();
   petsc::Matrix Q;
   PetscInt rows = 0, begin = 0, end = 0;
@@ -37,7 +75,7 @@ petsc::Matrix frames(const Constraints& constraints, Mat D) {
     if (first < begin || first >= end)
       continue;
     std::array<PetscInt, 3> dofs{first, first + 1, first + 2};
-    const std::array<double, 9> F = frame(&constraints.normals()[i * dim], dim);
+    const std::array<double, 9> F = frame(&constraints.directions()[i * dim], lengths[i], dim, axes[i]);
     check(MatSetValues(Q, dim, dofs.data(), dim, dofs.data(), F.data(), INSERT_VALUES));
   }
   check(MatAssemblyBegin(Q, MAT_FINAL_ASSEMBLY));
@@ -49,7 +87,10 @@ petsc::Matrix frames(const Constraints& constraints, Mat D) {
 
 FullVi::FullVi(const Constraints& constraints, Mat D, const Complementarity& complementarity)
     : constraints_(constraints), complementarity_(complementarity), length_unit_(constraints.gap_tolerance()),
-      Q_(frames(constraints, D)) {
+      axis_(largest_components(constraints)), length_(lengths(constraints)),
+      Q_(frames(constraints, D, axis_, length_)) {
+  if (constraints.held())
+    diagonal_ = fem::diagonal(D);
   petsc::Matrix rows; // PETSc multiplies and extracts by rows, not by blocks
   check(MatConvert(D, MATAIJ, MAT_INITIAL_MATRIX, rows.put()));
   check(MatPtAP(rows, Q_, MAT_INITIAL_MATRIX, PETSC_DEFAULT, D_.put()));
@@ -62,42 +103,51 @@ FullVi::FullVi(const Constraints& constraints, Mat D, const Complementarity& com
   petsc::Vector lower = petsc::zero_like(z_), upper = petsc::zero_like(z_);
   check(VecSet(lower, PETSC_NINFINITY));
   check(VecSet(upper, PETSC_INFINITY));
-  PetscInt begin = 0, end = 0;
-  check(VecGetOwnershipRange(upper, &begin, &end));
-  {
-    const petsc::WriteArray bound(upper);
-    for (int i = 0; i < constraints.count(); ++i)
-      if (const PetscInt dof = constraints.first_dofs()[i]; dof >= begin && dof < end)
-        bound[dof - begin] = constraints.psi()[i] / length_unit_;
-  }
   vi_.emplace("full_vi", D_, std::move(lower), std::move(upper), MATSOLVERMUMPS);
 }
 
-void FullVi::solve(Vec r, const ContactState&, ContactState& state, Vec y) const {
+PetscInt FullVi::coordinate(std::size_t i) const {
+  PetscInt begin = 0, end = 0;
+  check(VecGetOwnershipRange(z_, &begin, &end));
+  const PetscInt dof = constraints_.first_dofs()[i];
+  return dof >= begin && dof < end ? dof - begin + axis_[i] : -1;
+}
+
+void FullVi::solve(Vec r, std::span<const double> psi, const ContactState&, ContactState& state,
+                   Vec y) const {
+  const std::size_t m = psi.size();
   check(MatMultTranspose(Q_, r, r_));
   check(VecScale(r_, -1 / force_unit_));
+  constraints_.hold(diagonal_, r, y);
   check(MatMultTranspose(Q_, y, z_));
   check(VecScale(z_, 1 / length_unit_));
+  {
+    const petsc::ReadArray known(y);
+    const petsc::WriteArray upper(vi_->upper()), z(z_);
+    for (std::size_t i = 0; i < m; ++i)
+      if (const PetscInt at = coordinate(i); at >= 0) {
+        upper[at] =
+            (psi[i] - constraints_.held_normal(static_cast<int>(i), known)) / length_[i] / length_unit_;
+        // A guess from the bound can come a rounding below it, and the solver would leave it there: one unit,
+        // the gap tolerance, is no distance.
+        if (z[at] >= upper[at] - 1)
+          z[at] = upper[at];
+      }
+  }
   state.vi_iterations = vi_->solve(r_, z_);
   count_solved();
 
-  const std::size_t m = static_cast<std::size_t>(constraints_.count());
   std::ranges::fill(state.lambda, 0);
-  PetscInt begin = 0, end = 0;
-  check(VecGetOwnershipRange(z_, &begin, &end));
   {
     const petsc::ReadArray residual(vi_->residual()), z(z_), upper(vi_->upper());
-    // A warm start from the bound can come a rounding below it, and the solver leaves it there: one unit, the
-    // gap tolerance, is no distance.
     for (std::size_t i = 0; i < m; ++i)
-      if (const PetscInt dof = constraints_.first_dofs()[i];
-          dof >= begin && dof < end && z[dof - begin] >= upper[dof - begin] - 1)
-        state.lambda[i] = std::max(0.0, -force_unit_ * residual[dof - begin]);
+      if (const PetscInt at = coordinate(i); at >= 0 && z[at] >= upper[at] - 1)
+        state.lambda[i] = std::max(0.0, -force_unit_ * residual[at]) / length_[i];
   }
   MPI_Allreduce(MPI_IN_PLACE, state.lambda.data(), static_cast<int>(m), MPI_DOUBLE, MPI_SUM, petsc::comm(r_));
   check(VecScale(z_, length_unit_));
   check(MatMult(Q_, z_, y));
-  constraints_.gap(y, state.gap);
+  constraints_.gap(psi, y, state.gap);
   complementarity_.classify(state);
 }
 

@@ -12,52 +12,49 @@ ProjectedCg::ProjectedCg(const Constraints& constraints, const ConjugateGradient
                          const Complementarity& complementarity)
     : constraints_(constraints), D_(D), matrix_(matrix), complementarity_(complementarity),
       zero_(static_cast<std::size_t>(constraints.count()), 0.0), residual_(petsc::vector_of(matrix)) {
+  if (constraints.held())
+    diagonal_ = fem::diagonal(matrix);
   set_.reserve(zero_.size());
   next_.reserve(zero_.size());
   wrong_.reserve(zero_.size());
 }
 
-void ProjectedCg::evaluate(Vec r, Vec y, ContactState& state) const {
-  constraints_.gap(y, state.gap);
+void ProjectedCg::evaluate(Vec r, std::span<const double> psi, Vec y, ContactState& state) const {
+  constraints_.gap(psi, y, state.gap);
   if (set_.empty()) {
     std::ranges::fill(state.lambda, 0);
   } else {
     check(MatMult(matrix_, y, residual_));
     check(VecAYPX(residual_, -1, r));
-    constraints_.normal_components(residual_, state.lambda); // D y = r − Nλ
+    constraints_.forces(set_, residual_, state.lambda); // D y = r − Nλ
   }
-  next_.clear();
-  for (std::size_t i = 0, in = 0; i < zero_.size(); ++i) {
-    const bool closed = in < set_.size() && set_[in] == static_cast<int>(i);
-    in += closed;
-    if (!closed)
-      state.lambda[i] = 0;
-    if (closed ? state.lambda[i] > 0 : state.gap[i] < 0)
-      next_.push_back(static_cast<int>(i));
-  }
+  constraints_.next_set(set_, state.lambda, state.gap, next_);
 }
 
-void ProjectedCg::solve(Vec r, const ContactState& previous, ContactState& state, Vec y) const {
+void ProjectedCg::solve(Vec r, std::span<const double> psi, const ContactState& previous, ContactState& state,
+                        Vec y) const {
   constexpr int most = 1000, patience = 10;
   const ConjugateGradients::Projector project = [this](Vec x) { constraints_.set_normal(set_, zero_, x); };
   const auto look = [&](Vec x) {
-    evaluate(r, x, state);
+    evaluate(r, psi, x, state);
     return next_ == set_;
   };
   const ConjugateGradients::Judge judge = std::cref(look); // small enough not to be allocated
   set_ = previous.active;
+  constraints_.drop_dependent(set_);
+  constraints_.hold(diagonal_, r, y); // on which gaps depend
   // Block principal pivoting (Júdice and Pires): whole primal-dual steps as long as fewer and fewer
-  // candidates are on the wrong side, else one candidate at a time, the last one on the wrong side, which
-  // ends after finitely many (Murty).
+  // candidates are on the wrong side, else one node at a time, the last one on the wrong side, which ends
+  // after finitely many (Murty).
   std::size_t fewest = zero_.size() + 1;
   int left = patience;
   for (state.vi_iterations = 0;; ++state.vi_iterations) {
     if (state.vi_iterations > most)
       throw SolverFailure(fmt::format("the active set did not settle in {} steps: {} of {} candidates closed",
                                       most, set_.size(), zero_.size()));
-    constraints_.set_normal(set_, constraints_.psi(), y);
+    constraints_.set_normal(set_, psi, y);
     if (D_.solve(r, y, project, left > 0 ? judge : nullptr)) {
-      evaluate(r, y, state);
+      evaluate(r, psi, y, state);
       if (next_ == set_ || complementarity_.holds(state.lambda, state.gap))
         break;
     }
@@ -65,14 +62,10 @@ void ProjectedCg::solve(Vec r, const ContactState& previous, ContactState& state
     std::ranges::set_symmetric_difference(set_, next_, std::back_inserter(wrong_));
     left = wrong_.size() < fewest ? patience : std::max(left - 1, 0);
     fewest = std::min(fewest, wrong_.size());
-    if (left > 0) {
+    if (left > 0)
       std::swap(set_, next_);
-    } else if (const auto at = std::ranges::lower_bound(set_, wrong_.back());
-               at != set_.end() && *at == wrong_.back()) {
-      set_.erase(at);
-    } else {
-      set_.insert(at, wrong_.back());
-    }
+    else
+      constraints_.take_node(next_, wrong_.back(), set_);
   }
   if (!previous.active.empty() || state.vi_iterations > 0)
     count_solved();

@@ -13,12 +13,13 @@ public:
   ProjectedCg(const Constraints& constraints, const ConjugateGradients& D, Mat matrix,
               const Complementarity& complementarity);
 
-  void solve(Vec r, const ContactState& previous, ContactState& state, Vec y) const override;
+  void solve(Vec r, std::span<const double> psi, const ContactState& previous, ContactState& state,
+             Vec y) const override;
   void solve_sliding(Vec r, const ActiveSet& set, Vec p) const override;
 
 private:
   /// λ and g of a motion that keeps set_ closed, and the set that they call for. Collective.
-  void evaluate(Vec r, Vec y, ContactState& state) const;
+  void evaluate(Vec r, std::span<const double> psi, Vec y, ContactState& state) const;
 
   const Constraints& constraints_;
   const ConjugateGradients& D_;
@@ -26,6 +27,7 @@ private:
   const Complementarity& complementarity_;
   const std::vector<double> zero_; ///< (m)
   petsc::Vector residual_;
+  petsc::Vector diagonal_; ///< of D where clamps hold components of candidates' nodes, else null
   mutable ActiveSet set_, next_, wrong_;
 };
 

@@ -17,8 +17,8 @@ void ViSolver::count_solved() { ++solved; }
 Complementarity::Complementarity(const Constraints& constraints, Mat D)
     : gap_tolerance_(constraints.gap_tolerance()) {
   const petsc::Vector diagonal = fem::diagonal(D);
-  // Σ_c ν_c² D_cc is the stiffness against moving the node alone along ν, but for D's entries between its
-  // components.
+  // Σ_c n_c² D_cc is the stiffness against moving the node alone along n, the direction of its force, but for
+  // D's entries between its components.
   const std::size_t m = static_cast<std::size_t>(constraints.count());
   std::vector<double> stiffness(m, 0.0);
   PetscInt begin = 0, end = 0;
@@ -29,8 +29,8 @@ Complementarity::Complementarity(const Constraints& constraints, Mat D)
     for (std::size_t i = 0; i < m; ++i)
       if (const PetscInt first = constraints.first_dofs()[i]; first >= begin && first < end)
         for (std::size_t c = 0; c < dim; ++c) {
-          const double nu = constraints.normals()[i * dim + c];
-          stiffness[i] += nu * nu * d[static_cast<std::size_t>(first - begin) + c];
+          const double n = constraints.directions()[i * dim + c];
+          stiffness[i] += n * n * d[static_cast<std::size_t>(first - begin) + c];
         }
   }
   MPI_Allreduce(MPI_IN_PLACE, stiffness.data(), static_cast<int>(m), MPI_DOUBLE, MPI_SUM, petsc::comm(D));

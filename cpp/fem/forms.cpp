@@ -64,30 +64,25 @@ Compiled compile(const Space& space, Form form, const scene::Material& material,
   if (compiled.integral_ids(type) != std::vector{1} || compiled.integral_types() != std::set{type})
     throw std::runtime_error(
         "forms/viscoelasticity.py: the measures of a form are dx(1), of L2_surface ds(1)");
-  ++count(std::string("assembled ") + names.at(static_cast<std::size_t>(form)));
   return compiled;
 }
 
-petsc::Matrix assemble(const Compiled& compiled, const char* type) {
-  petsc::Matrix matrix(dolfinx::fem::petsc::create_matrix(compiled, type));
-  dolfinx::fem::assemble_matrix(dolfinx::la::petsc::Matrix::set_block_fn(matrix, ADD_VALUES), compiled, {});
+void add(const Space& space, Form form, const scene::Material& material, double tau,
+         const std::vector<std::int32_t>& entities, Mat matrix) {
+  ++count(std::string("assembled ") + names.at(static_cast<std::size_t>(form)));
+  dolfinx::fem::assemble_matrix(dolfinx::la::petsc::Matrix::set_block_fn(matrix, ADD_VALUES),
+                                compile(space, form, material, tau, entities), {});
+}
+
+void finish(Mat matrix) {
   petsc::check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
   petsc::check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
-  return matrix;
 }
 
 petsc::Matrix symmetric(petsc::Matrix matrix) {
   petsc::check(MatSetOption(matrix, MAT_SYMMETRIC, PETSC_TRUE));
   petsc::check(MatSetOption(matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
   return matrix;
-}
-
-std::vector<std::int32_t> all_cells(const Space& space) {
-  const auto topology = space.mesh().dolfinx()->topology();
-  std::vector<std::int32_t> cells(
-      static_cast<std::size_t>(topology->index_map(topology->dim())->size_local()));
-  std::iota(cells.begin(), cells.end(), 0);
-  return cells;
 }
 
 /// The facets that this rank owns, each as a pair of a cell and its number in it. Of a facet inside of the
@@ -109,21 +104,39 @@ std::vector<std::int32_t> sides(const Space& space, const std::vector<std::int32
   return sides;
 }
 
-/// `volume` over a group of cells or `surface` over one of facets, in rows.
+/// A form of no material over `entities`, in rows.
+petsc::Matrix assemble_over(const Space& space, Form form, const std::vector<std::int32_t>& entities) {
+  constexpr double no_tau = 0;
+  petsc::Matrix matrix(
+      dolfinx::fem::petsc::create_matrix(compile(space, form, {}, no_tau, entities), MATAIJ));
+  add(space, form, {}, no_tau, entities, matrix);
+  finish(matrix);
+  return matrix;
+}
+
+/// `volume` over a group of cells or `surface` over one of facets.
 petsc::Matrix assemble_over(const Space& space, const std::string& group, const std::string& key, Form volume,
                             Form surface) {
-  const scene::Material none; // nor a time step
-  return assemble(space.mesh().group_dimension(group, key) < space.dim()
-                      ? compile(space, surface, none, 0, sides(space, space.mesh().facets(group, key)))
-                      : compile(space, volume, none, 0, space.mesh().cells(group, key)),
-                  MATAIJ);
+  return space.mesh().group_dimension(group, key) < space.dim()
+             ? assemble_over(space, surface, sides(space, space.mesh().facets(group, key)))
+             : assemble_over(space, volume, space.mesh().cells(group, key));
 }
 
 } // namespace
 
-petsc::Matrix assemble(const Space& space, Form form, const scene::Material& material, double tau,
+petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& parts, double tau,
                        const char* type) {
-  return symmetric(assemble(compile(space, form, material, tau, all_cells(space)), type));
+  std::vector<std::int32_t> all;
+  for (const Part& part : parts)
+    all.insert(all.end(), part.cells.begin(), part.cells.end());
+  std::ranges::sort(all);
+  petsc::Matrix matrix(dolfinx::fem::petsc::create_matrix(compile(space, form, {}, tau, all), type));
+  for (const Part& part : parts) {
+    const bool elastic = !part.material.viscosity;
+    add(space, form == Form::d && elastic ? Form::d_elastic : form, part.material, tau, part.cells, matrix);
+  }
+  finish(matrix);
+  return symmetric(std::move(matrix));
 }
 
 petsc::Matrix assemble_part(const Space& space, const std::string& group, const std::string& key) {
@@ -134,7 +147,10 @@ petsc::Matrix assemble_cellwise(const Space& space, const std::optional<std::str
                                 const std::string& key) {
   if (group)
     return assemble_over(space, *group, key, Form::L2_cellwise, Form::L2_cellwise_surface);
-  return assemble(compile(space, Form::L2_cellwise, {}, 0, all_cells(space)), MATAIJ);
+  std::vector<std::int32_t> all(static_cast<std::size_t>(
+      space.mesh().dolfinx()->topology()->index_map(space.dim())->size_local()));
+  std::iota(all.begin(), all.end(), 0);
+  return assemble_over(space, Form::L2_cellwise, all);
 }
 
 } // namespace signorini::fem

@@ -1,7 +1,7 @@
 #pragma once
 #include "base/petsc.h"
+#include "fem/parts.h"
 #include "fem/space.h"
-#include "scene/scene.h"
 #include <optional>
 
 namespace signorini::fem {
@@ -9,10 +9,11 @@ namespace signorini::fem {
 /// The bilinear forms of forms/viscoelasticity.py, by their names there.
 enum class Form { L2, L2_surface, L2_cellwise, L2_cellwise_surface, m, a, b, d, d_elastic };
 
-/// Assembles a form of cells on V for a material and time step, no boundary condition applied: a symmetric
-/// matrix of PETSc type `type` (rows or blocks), its block size the space dimension. Collective. Throws
+/// Assembles a form of cells on V for the body's parts and a time step, no boundary condition applied: a symmetric
+/// matrix of PETSc type `type` (rows or blocks), its block size the space dimension. In a part without viscosity b is
+/// zero, its zeros stored so that all forms have the same nonzeros, and d is d_elastic. Collective. Throws
 /// std::runtime_error if the form asks for a constant that the program does not give, or is not over dx(1).
-petsc::Matrix assemble(const Space& space, Form form, const scene::Material& material, double tau,
+petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& parts, double tau,
                        const char* type);
 
 /// The L2 product over a group of cells or facets, in rows of which only those that the group touches have

@@ -144,15 +144,16 @@ petsc::Vector diagonal(Mat matrix) {
   return diagonal;
 }
 
-Operators assemble_operators(const Space& space, const scene::Material& material) {
+Operators assemble_operators(const Space& space, const std::vector<scene::Material>& materials) {
+  const std::vector<Part> body = parts(space.mesh(), materials);
   constexpr double no_tau = 0; // none of these forms has a time step
-  Operators operators{compress(assemble(space, Form::L2, material, no_tau, MATAIJ)),
-                      compress(assemble(space, Form::m, material, no_tau, MATAIJ)),
-                      symmetric_half(assemble(space, Form::a, material, no_tau, MATBAIJ)), std::nullopt,
+  Operators operators{compress(assemble(space, Form::L2, body, no_tau, MATAIJ)),
+                      compress(assemble(space, Form::m, body, no_tau, MATAIJ)),
+                      symmetric_half(assemble(space, Form::a, body, no_tau, MATBAIJ)), std::nullopt,
                       std::nullopt};
   operators.uniform_density = ratio(operators.M, operators.W);
-  if (material.viscosity)
-    operators.B = symmetric_half(assemble(space, Form::b, material, no_tau, MATBAIJ));
+  if (std::ranges::any_of(materials, [](const scene::Material& m) { return m.viscosity.has_value(); }))
+    operators.B = symmetric_half(assemble(space, Form::b, body, no_tau, MATBAIJ));
   return operators;
 }
 
@@ -165,14 +166,15 @@ petsc::Matrix assemble_L2(const Space& space, const std::string& group, const st
   return all;
 }
 
-petsc::Matrix assemble_step_operator(const Space& space, const scene::Material& material, double tau) {
-  return assemble(space, material.viscosity ? Form::d : Form::d_elastic, material, tau, MATBAIJ);
+petsc::Matrix assemble_step_operator(const Space& space, const std::vector<scene::Material>& materials,
+                                     double tau) {
+  return assemble(space, Form::d, parts(space.mesh(), materials), tau, MATBAIJ);
 }
 
-petsc::Matrix assemble_shifted(const Space& space, const scene::Material& material, Mat D, double c) {
-  constexpr double no_tau = 0;
+petsc::Matrix shifted(Mat A, Mat D, double c) {
   // In whole blocks: PETSc 3.22 adds halves wrongly on several ranks (MatAXPY of MPISBAIJ).
-  petsc::Matrix sum = assemble(space, Form::a, material, no_tau, MATBAIJ);
+  petsc::Matrix sum;
+  check(MatConvert(A, MATBAIJ, MAT_INITIAL_MATRIX, sum.put()));
   check(MatAYPX(sum, -c, D, SAME_NONZERO_PATTERN));
   return symmetric_half(sum);
 }

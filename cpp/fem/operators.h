@@ -46,8 +46,8 @@ struct Operators {
 /// The diagonal of one of them. Collective.
 petsc::Vector diagonal(Mat matrix);
 
-/// Collective.
-Operators assemble_operators(const Space& space, const scene::Material& material);
+/// Collective. Throws UserError unless every cell is of one of the materials.
+Operators assemble_operators(const Space& space, const std::vector<scene::Material>& materials);
 
 /// The L2 product over a part of the body (a group of cells) or a surface (a group of facets), stored as W
 /// is: one component for all, with entries only where the part's own functions meet. Collective. Throws
@@ -55,9 +55,11 @@ Operators assemble_operators(const Space& space, const scene::Material& material
 petsc::Matrix assemble_L2(const Space& space, const std::string& group, const std::string& key);
 
 /// The operator D of every step, from the form d (d_elastic without viscosity), in blocks (BAIJ). Collective.
-petsc::Matrix assemble_step_operator(const Space& space, const scene::Material& material, double tau);
+/// Throws as assemble_operators does.
+petsc::Matrix assemble_step_operator(const Space& space, const std::vector<scene::Material>& materials,
+                                     double tau);
 
 /// D − c A, stored as Operators are. Collective.
-petsc::Matrix assemble_shifted(const Space& space, const scene::Material& material, Mat D, double c);
+petsc::Matrix shifted(Mat A, Mat D, double c);
 
 } // namespace signorini::fem

@@ -12,7 +12,7 @@ struct StepBalance {
   double elastic_energy = 0;             ///< ½ y·Ay
   double viscous_dissipation = 0;        ///< τ w·Bw of the step, w = (y_k − y_{k−1})/τ
   double external_work = 0;              ///< f·(y_k − y_{k−1}) of the step, control and the motion of clamps included
-  double contact_work = 0;               ///< F_k·(y_k − y_{k−1}), never positive
+  double contact_work = 0;               ///< F_k·(y_k − y_{k−1}), never positive where obstacles rest
   double energy_residual = 0;            ///< of the energy law
   std::array<double, 3> contact_force{}; ///< resultant on the body
   std::array<double, 3>

@@ -50,7 +50,7 @@ Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
   given(scene.displacement, "initial.displacement", y_held, rounding, y);
   given(scene.velocity, "initial.velocity", v_held, stepper.motion() ? differences : rounding, v);
   if (stepper.constraints())
-    stepper.constraints()->require_outside(y);
+    stepper.constraints()->place_outside(y);
 }
 
 namespace {
@@ -73,7 +73,7 @@ void march(const Stepper& stepper, const Initial& initial, const Load& load, int
   check(VecCopy(initial.y, start.y));
   check(VecCopy(initial.v, start.v));
   if (const contact::Constraints* constraints = stepper.constraints()) // open: no step has made a force yet
-    constraints->gap(initial.y, start.contact.gap);
+    constraints->gap(constraints->psi(), initial.y, start.contact.gap);
   bool last = stop_requested(stepper.space().comm());
   show(Frame{0, nullptr, nullptr, {}, start.y, start.v, start.contact, last});
   for (int k = 1; !last; ++k) {

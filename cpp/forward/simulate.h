@@ -10,8 +10,9 @@ namespace signorini::forward {
 struct Initial {
   petsc::Vector y, v;
 
-  /// Interpolates the scene's initial fields, zero where it has none but for clamps that move. Collective.
-  /// Throws UserError if they differ from what the clamps do or a candidate starts inside the obstacle.
+  /// Interpolates the scene's initial fields, zero where it has none but for clamps that move, and moves nodes
+  /// out of obstacles if the scene asks for it. Collective. Throws UserError if they differ from what the
+  /// clamps do or a candidate starts inside an obstacle.
   Initial(const Stepper& stepper, const scene::Initial& scene);
 };
 

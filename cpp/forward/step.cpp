@@ -15,10 +15,10 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
                  Needs needs)
     : space_(space), operators_(operators), scheme_{scene.time.step}, clamped_(space, scene.clamps),
       r_(space.vector()), work_(space.vector()) {
-  if (scene.contact)
-    constraints_.emplace(space, clamped_, *scene.contact);
-  petsc::Matrix D = fem::assemble_step_operator(space, scene.material, scheme_.tau);
-  R_ = fem::assemble_shifted(space, scene.material, D, 2 * scheme_.stiffness());
+  if (!scene.contacts.empty())
+    constraints_.emplace(space, clamped_, scene.contacts);
+  petsc::Matrix D = fem::assemble_step_operator(space, scene.materials, scheme_.tau);
+  R_ = fem::shifted(operators.A, D, 2 * scheme_.stiffness());
   if (PrescribedMotion::in(scene.clamps))
     motion_.emplace(space, scene.clamps, D, scheme_);
   clamped_diagonal_ = clamped_.decouple(D);
@@ -58,7 +58,7 @@ void Stepper::step(int k, Vec y0, Vec v0, StepLoad load, const contact::ContactS
   if (motion_)
     motion_->apply(k, clamped_, clamped_diagonal_, r_);
   if (const contact::ViSolver* vi = solver_->vi())
-    vi->solve(r_, previous, contact, y1);
+    vi->solve(r_, constraints_->psi(scheme_.time(k)), previous, contact, y1);
   else
     solver_->linear().solve(r_, y1);
   velocity(y0, v0, y1, v1);

@@ -37,10 +37,10 @@ public:
     return constraints_ ? &*constraints_ : nullptr;
   }
 
-  /// Step k from (y0, v0) under a load to (y1, v1) and its contact;
+  /// Step k from (y0, v0) under a load to (y1, v1) and its contact with the obstacles where they are then;
   /// `previous` is that at y0, and y1 holds a guess on entry if solver().takes_guess(). Allocates nothing,
   /// but where a solver of PETSc's does: in VIs that PETSc solves, with MUMPS. Collective. Throws
-  /// SolverFailure.
+  /// UserError, SolverFailure.
   void step(int k, Vec y0, Vec v0, StepLoad load, const contact::ContactState& previous,
             contact::ContactState& contact, Vec y1, Vec v1) const;
 

@@ -1,5 +1,6 @@
 #include "forward/step_solver.h"
 #include "base/collective.h"
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace signorini::forward {
@@ -7,12 +8,13 @@ using petsc::check;
 
 namespace {
 
-/// Local nodes of the candidates of a run on one rank.
+/// Local nodes of the candidates of a run on one rank, each once.
 std::vector<int> candidate_nodes(const contact::Constraints* constraints) {
   std::vector<int> nodes;
   if (constraints)
     for (PetscInt dof : constraints->first_dofs())
       nodes.push_back(static_cast<int>(dof / constraints->dim()));
+  nodes.erase(std::ranges::unique(nodes).begin(), nodes.end()); // several candidates of a node follow each other
   return nodes;
 }
 

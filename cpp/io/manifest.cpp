@@ -1,6 +1,7 @@
 #include "io/manifest.h"
 #include "base/counters.h"
 #include "version.h"
+#include <algorithm>
 #include <chrono>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -15,9 +16,12 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
   const auto given = [](const std::optional<scene::Components>& field) {
     return field && !scene::vanishes(*field);
   };
-  return {{"viscosity", scene.material.viscosity.has_value()},
+  const bool viscous = std::ranges::any_of(
+      scene.materials, [](const scene::Material& material) { return material.viscosity.has_value(); });
+  return {{"several materials", scene.materials.size() > 1},
+          {"viscosity", viscous},
           {"clamp", !scene.clamps.empty()},
-          {"contact", scene.contact.has_value()},
+          {"contact", !scene.contacts.empty()},
           {"body load", scene.load.has_value()},
           {"initial displacement", given(scene.initial.displacement)},
           {"initial velocity", given(scene.initial.velocity)},

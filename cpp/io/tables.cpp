@@ -37,8 +37,9 @@ void add_steps_row(std::string& text, int k, double time, int dim, const forward
   text += '\n';
 }
 
-std::string contact_header(int dim) {
-  return dim == 3 ? "step,time,x,y,z,gap,force\n" : "step,time,x,y,gap,force\n";
+std::string contact_header(const contact::Constraints& constraints) {
+  return fmt::format("step,time,x,y{},gap,force{}\n", constraints.dim() == 3 ? ",z" : "",
+                     constraints.obstacle_count() > 1 ? ",obstacle" : "");
 }
 
 void add_contact_rows(std::string& text, int k, const forward::Scheme& scheme,
@@ -48,7 +49,10 @@ void add_contact_rows(std::string& text, int k, const forward::Scheme& scheme,
     fmt::format_to(out, "{},{:.10g}", k, scheme.time(k));
     for (int c = 0; c < constraints.dim(); ++c)
       fmt::format_to(out, ",{:.17g}", constraints.points()[3 * i + static_cast<std::size_t>(c)]);
-    fmt::format_to(out, ",{:.17g},{:.17g}\n", contact.gap[i], contact.lambda[i] / scheme.impulse());
+    fmt::format_to(out, ",{:.17g},{:.17g}", contact.gap[i], contact.lambda[i] / scheme.impulse());
+    if (constraints.obstacle_count() > 1)
+      fmt::format_to(out, ",{}", constraints.obstacles()[i]);
+    text += '\n';
   }
 }
 

@@ -18,8 +18,9 @@ std::string steps_header(int dim, bool tracking);
 void add_steps_row(std::string& text, int k, double time, int dim, const forward::StepBalance& balance,
                    const contact::ContactState& contact, std::optional<double> tracking_error);
 
-/// contact.csv has one row per stored step and candidate, at its place in the undeformed body.
-std::string contact_header(int dim);
+/// contact.csv has one row per stored step and candidate, at its place in the undeformed body; where a scene has
+/// several obstacles a last column gives the number of the candidate's.
+std::string contact_header(const contact::Constraints& constraints);
 
 /// Appends the rows of step k.
 void add_contact_rows(std::string& text, int k, const forward::Scheme& scheme,

@@ -1,4 +1,5 @@
 #include "scene/scene.h"
+#include <charconv>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -31,6 +32,18 @@ std::string texts(const Components& components) {
   return fmt::format("[{}]", fmt::join(quoted, ", "));
 }
 
+/// Expressions, those that are mere numbers as numbers.
+std::string numbers_or_texts(const Components& components) {
+  std::vector<std::string> entries;
+  for (const std::string& component : components) {
+    double value = 0;
+    const char* end = component.data() + component.size();
+    const auto [last, error] = std::from_chars(component.data(), end, value);
+    entries.push_back(error == std::errc() && last == end ? number(value) : text(component));
+  }
+  return fmt::format("[{}]", fmt::join(entries, ", "));
+}
+
 std::string bound(const std::vector<double>& values) {
   return values.size() == 1 ? number(values.front()) : numbers(values);
 }
@@ -58,14 +71,42 @@ void write_body(Writer& out, const Scene& s) {
   out.key("end", number(s.time.end), "s");
   out.key("step", number(s.time.step), "s");
   out.key("scheme", text(s.time.scheme));
-  out.table("[material]");
-  out.key("density", number(s.material.density), "kg/m³");
-  out.key("young", number(s.material.young), "Pa");
-  out.key("poisson", number(s.material.poisson));
-  if (const auto& viscosity = s.material.viscosity)
-    out.key("viscosity",
-            fmt::format("{{ bulk = {}, shear = {} }}", number(viscosity->bulk), number(viscosity->shear)),
-            "Pa s");
+  for (const Material& material : s.materials) {
+    out.table(material.on ? "[[material]]" : "[material]");
+    if (material.on)
+      out.key("on", text(*material.on));
+    out.key("density", number(material.density), "kg/m³");
+    out.key("young", number(material.young), "Pa");
+    out.key("poisson", number(material.poisson));
+    if (const auto& viscosity = material.viscosity)
+      out.key("viscosity",
+              fmt::format("{{ bulk = {}, shear = {} }}", number(viscosity->bulk), number(viscosity->shear)),
+              "Pa s");
+  }
+}
+
+std::string obstacle(const HalfSpace& shape) {
+  return fmt::format("{{ shape = \"half-space\", point = {}, normal = {} }}", numbers_or_texts(shape.point),
+                     numbers(shape.normal));
+}
+
+std::string radius_and_side(double radius, bool inside) {
+  return fmt::format("radius = {}, side = \"{}\"", number(radius), inside ? "inside" : "outside");
+}
+
+std::string obstacle(const Ball& shape) {
+  return fmt::format("{{ shape = \"ball\", center = {}, {} }}", numbers(shape.center),
+                     radius_and_side(shape.radius, shape.inside));
+}
+
+std::string obstacle(const Cylinder& shape) {
+  const std::string axis = shape.axis.empty() ? "" : fmt::format("axis = {}, ", numbers(shape.axis));
+  return fmt::format("{{ shape = \"cylinder\", point = {}, {}{} }}", numbers(shape.point), axis,
+                     radius_and_side(shape.radius, shape.inside));
+}
+
+std::string obstacle(const SignedDistance& shape) {
+  return fmt::format("{{ shape = \"signed-distance\", distance = {} }}", text(shape.distance));
 }
 
 void write_boundary(Writer& out, const Scene& s, const std::string& zero) {
@@ -77,14 +118,12 @@ void write_boundary(Writer& out, const Scene& s, const std::string& zero) {
     if (clamp.value || !clamp.components)
       out.key("value", clamp.value ? texts(*clamp.value) : zero, "m");
   }
-  if (s.contact) {
-    out.table("[contact]");
-    out.key("on", text(s.contact->on));
-    out.key("obstacle",
-            fmt::format("{{ shape = \"half-space\", point = {}, normal = {} }}",
-                        numbers(s.contact->obstacle.point), numbers(s.contact->obstacle.normal)),
-            "m");
+  for (const Contact& contact : s.contacts) {
+    out.table(s.contacts.size() == 1 ? "[contact]" : "[[contact]]");
+    out.key("on", text(contact.on));
+    out.key("obstacle", std::visit([](const auto& shape) { return obstacle(shape); }, contact.obstacle), "m");
     out.key("mass", text("consistent"));
+    out.key("initial", text(contact.project ? "project" : "outside"));
   }
 }
 
@@ -110,6 +149,8 @@ void write_objective(Writer& out, const Scene& s) {
     out.key("desired", fmt::format("{{ control = {} }}", texts(by_control->control)));
   else if (const auto* by_displacement = std::get_if<DesiredDisplacement>(&s.objective->desired))
     out.key("desired", fmt::format("{{ displacement = {} }}", texts(by_displacement->displacement)), "m");
+  else if (const auto* by_run = std::get_if<DesiredRun>(&s.objective->desired))
+    out.key("desired", fmt::format("{{ run = {} }}", text(by_run->folder.string())));
   if (s.objective->on)
     out.key("on", text(*s.objective->on));
   out.key("tracking", number(s.objective->tracking));

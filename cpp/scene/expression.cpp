@@ -28,7 +28,7 @@ struct Field::Impl {
   std::string key;
   std::array<double, 4> variables{};
   std::vector<mu::Parser> parsers;
-  bool depends_on_time = false;
+  bool depends_on_time = false, depends_on_place = false;
 };
 
 Field::Field(Components components, const std::string& key, bool time) : impl_(std::make_unique<Impl>()) {
@@ -53,7 +53,8 @@ Field::Field(Components components, const std::string& key, bool time) : impl_(s
       parser.Eval(values);
       if (values != 1)
         throw mu::ParserError("a comma makes it a list; a decimal number has a point");
-      impl_->depends_on_time |= parser.GetUsedVar().contains("t");
+      for (const auto& [name, value] : parser.GetUsedVar())
+        (name == "t" ? impl_->depends_on_time : impl_->depends_on_place) = true;
     } catch (const mu::ParserError& error) {
       const int position = std::min(error.GetPos(), static_cast<int>(text.size()));
       throw UserError(fmt::format("{}: the expression \"{}\" is wrong{}: {}; allowed are muParser's functions, the "
@@ -70,6 +71,7 @@ Field& Field::operator=(Field&&) noexcept = default;
 
 std::size_t Field::size() const { return impl_->text.size(); }
 bool Field::depends_on_time() const { return impl_->depends_on_time; }
+bool Field::depends_on_place() const { return impl_->depends_on_place; }
 
 void Field::evaluate(const double* x, double t, double* values) const {
   impl_->variables = {x[0], x[1], x[2], t};

@@ -19,6 +19,8 @@ public:
 
   [[nodiscard]] std::size_t size() const;
   [[nodiscard]] bool depends_on_time() const;
+  /// Whether an expression uses x, y or z.
+  [[nodiscard]] bool depends_on_place() const;
 
   /// Evaluates at point `x` (3 coordinates) and time `t` into `values` (size() entries).
   /// Throws UserError, naming key, point and time, if a value is not finite.

@@ -1,9 +1,11 @@
 #include "base/error.h"
 #include "base/memory.h"
+#include "scene/expression.h"
 #include "scene/reader.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <fstream>
 #include <sstream>
 
@@ -62,10 +64,15 @@ void set(toml::table& root, const std::string& assignment, const std::filesystem
   table->insert_or_assign(key, *parsed.get("value"));
 }
 
+/// A path that the scene gives relative to its own file.
+std::filesystem::path beside(const std::filesystem::path& file, const std::filesystem::path& given) {
+  return std::filesystem::weakly_canonical(given.is_absolute() ? given : file.parent_path() / given);
+}
+
 Mesh mesh(Reader in, const std::filesystem::path& file) {
   Mesh mesh;
   const std::filesystem::path given = in.text("file");
-  mesh.file = std::filesystem::weakly_canonical(given.is_absolute() ? given : file.parent_path() / given);
+  mesh.file = beside(file, given);
   const std::string extension = mesh.file.extension().string();
   if (extension != ".geo" && extension != ".msh")
     in.fail("file", fmt::format("found \"{}\", allowed are files that end in .geo or .msh", given.string()));
@@ -101,9 +108,12 @@ Time time(Reader in) {
   return time;
 }
 
-Material material(Reader in) {
+Material material(Reader& in, bool one_of_several) {
   Material material;
-  in.not_available("on");
+  if (one_of_several)
+    material.on = in.text("on");
+  else if (in.has("on"))
+    in.fail("on", "has no effect on [material], which is the whole body's; allowed in tables [[material]]");
   material.density = in.number("density", {.least = 0, .open = true, .unit = "kg/m³"});
   material.young = in.number("young", {.least = 0, .open = true, .unit = "Pa"});
   material.poisson = in.number("poisson", {.least = -1, .greatest = 0.5, .open = true});
@@ -127,6 +137,24 @@ std::optional<std::vector<std::string>> components(Reader& in) {
   return names;
 }
 
+/// One table [material] for the whole body, or tables [[material]] with a group each.
+std::vector<Material> materials(Reader& root, bool several) {
+  if (!several) {
+    Reader in = root.table("material");
+    return {material(in, false)};
+  }
+  std::vector<Material> materials;
+  for (Reader& in : root.tables("material")) {
+    Material next = material(in, true);
+    for (std::size_t i = 0; i < materials.size(); ++i)
+      if (materials[i].on == next.on)
+        in.fail("on",
+                fmt::format("found \"{}\", which material[{}] is on, allowed is another group", *next.on, i));
+    materials.push_back(std::move(next));
+  }
+  return materials;
+}
+
 Clamp clamp(Reader in) {
   Clamp clamp{.on = in.text("on"), .components = std::nullopt, .value = std::nullopt};
   clamp.components = components(in);
@@ -136,25 +164,70 @@ Clamp clamp(Reader in) {
   return clamp;
 }
 
+/// A vector that gives a direction: any length but zero.
+std::vector<double> direction(Reader& in, const std::string& key, const std::string& what) {
+  std::vector<double> vector = in.numbers(key, {});
+  if (std::ranges::all_of(vector, [](double x) { return x == 0; }))
+    in.fail(key, fmt::format("found a vector of length zero, allowed is any other: {}", what));
+  return vector;
+}
+
+HalfSpace half_space(Reader& in) {
+  HalfSpace obstacle;
+  obstacle.point = in.expressions("point", true);
+  if (Field(obstacle.point, "point", true).depends_on_place())
+    in.fail("point", fmt::format("found [{}], allowed are expressions of t alone: the point is one for the whole plane",
+                                 fmt::join(obstacle.point, ", ")));
+  obstacle.normal = direction(in, "normal", "it points out of the obstacle");
+  if (obstacle.normal.size() != obstacle.point.size())
+    in.fail("normal", fmt::format("found {} components where point has {}", obstacle.normal.size(),
+                                  obstacle.point.size()));
+  return obstacle;
+}
+
+/// Whether the body is inside of a round obstacle.
+bool inside(Reader& in) { return in.choice("side", {"outside", "inside"}, "outside") == "inside"; }
+
+Cylinder cylinder(Reader& in) {
+  Cylinder obstacle;
+  obstacle.point = in.numbers("point", {.unit = "m"});
+  if (obstacle.point.size() == 3) {
+    obstacle.axis = direction(in, "axis", "it points along the cylinder");
+    if (obstacle.axis.size() != 3)
+      in.fail("axis", fmt::format("found {} components where point has 3", obstacle.axis.size()));
+  } else if (in.has("axis")) {
+    in.fail("axis", "has no effect in the plane, where a cylinder is a disc; allowed with a point of 3 components");
+  }
+  obstacle.radius = in.number("radius", positive_length);
+  obstacle.inside = inside(in);
+  return obstacle;
+}
+
+Obstacle obstacle(Reader in) {
+  in.text("shape");
+  const std::string shape = in.choice("shape", {"half-space", "ball", "cylinder", "signed-distance"}, "");
+  Obstacle obstacle;
+  if (shape == "half-space") {
+    obstacle = half_space(in);
+  } else if (shape == "ball") {
+    Ball ball{in.numbers("center", {.unit = "m"}), in.number("radius", positive_length), false};
+    ball.inside = inside(in);
+    obstacle = ball;
+  } else if (shape == "cylinder") {
+    obstacle = cylinder(in);
+  } else {
+    obstacle = SignedDistance{in.expression("distance", false)};
+  }
+  in.finish();
+  return obstacle;
+}
+
 Contact contact(Reader in) {
   Contact contact;
   contact.on = in.text("on");
   in.choice("mass", {"consistent"}, "consistent", {"massless"});
-  Reader obstacle = in.table("obstacle");
-  obstacle.text("shape");
-  obstacle.choice("shape", {"half-space"}, "");
-  contact.obstacle.point = obstacle.numbers("point", {.unit = "m"});
-  contact.obstacle.normal = obstacle.numbers("normal", {});
-  double length = 0;
-  for (double n : contact.obstacle.normal)
-    length = std::hypot(length, n);
-  if (!(length > 0))
-    obstacle.fail("normal",
-                  "found a vector of length zero, allowed is any other: it points out of the obstacle");
-  if (contact.obstacle.normal.size() != contact.obstacle.point.size())
-    obstacle.fail("normal", fmt::format("found {} components where point has {}",
-                                        contact.obstacle.normal.size(), contact.obstacle.point.size()));
-  obstacle.finish();
+  contact.obstacle = obstacle(in.table("obstacle"));
+  contact.project = in.choice("initial", {"outside", "project"}, "outside") == "project";
   in.finish();
   return contact;
 }
@@ -188,19 +261,24 @@ Control control(Reader in) {
   return control;
 }
 
-Objective objective(Reader in) {
+Objective objective(Reader in, const std::filesystem::path& file) {
   Objective objective;
   Reader desired = in.table("desired");
-  const bool by_control = desired.has("control"), by_displacement = desired.has("displacement");
-  if (!by_control && !by_displacement)
+  std::vector<std::string> found;
+  for (const char* key : {"control", "displacement", "run"})
+    if (desired.has(key))
+      found.emplace_back(key);
+  if (found.empty())
     desired.finish(); // a misspelt key is the likeliest reason
-  if (by_control == by_displacement)
-    in.fail("desired", fmt::format("found {}, allowed is one of control, displacement",
-                                   by_control ? "both control and displacement" : "neither"));
-  if (by_control)
+  if (found.size() != 1)
+    in.fail("desired", fmt::format("found {}, allowed is one of control, displacement, run",
+                                   found.empty() ? "none" : list(found)));
+  if (found.front() == "control")
     objective.desired = DesiredControl{desired.expressions("control", true)};
-  else
+  else if (found.front() == "displacement")
     objective.desired = DesiredDisplacement{desired.expressions("displacement", true)};
+  else
+    objective.desired = DesiredRun{beside(file, desired.text("run"))};
   desired.finish();
   if (in.has("on"))
     objective.on = in.text("on");
@@ -260,15 +338,16 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   scene.file = std::filesystem::absolute(file);
   scene.name = file.stem().string();
   in.not_available("run");
-  if (in.has("material") && root.get("material")->is_array())
-    in.fail("material", "several materials are not available yet; allowed is one table headed [material]");
   scene.mesh = mesh(in.table("mesh"), scene.file);
   scene.time = time(in.table("time"));
-  scene.material = material(in.table("material"));
+  scene.materials = materials(in, root.contains("material") && root.get("material")->is_array());
   for (Reader& table : in.tables("clamp"))
     scene.clamps.push_back(clamp(table));
-  if (in.has("contact"))
-    scene.contact = contact(in.table("contact"));
+  if (in.has("contact") && root.get("contact")->is_array())
+    for (Reader& table : in.tables("contact"))
+      scene.contacts.push_back(contact(table));
+  else if (in.has("contact"))
+    scene.contacts.push_back(contact(in.table("contact")));
   if (in.has("load")) {
     Reader load = in.table("load");
     scene.load.emplace();
@@ -293,7 +372,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   if (in.has("objective")) {
     if (!scene.control)
       in.fail("objective", "needs a control to act on; add a table [control] or leave the objective out");
-    scene.objective = objective(in.table("objective"));
+    scene.objective = objective(in.table("objective"), scene.file);
   }
   if (in.has("optimizer"))
     scene.optimizer = optimizer(in.table("optimizer"));
@@ -320,20 +399,30 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   return scene;
 }
 
+std::string contact_key(const std::vector<Contact>& contacts, std::size_t i) {
+  return contacts.size() == 1 ? "contact" : fmt::format("contact[{}]", i);
+}
+
 bool vanishes(const Components& components) {
   return std::ranges::all_of(components,
                              [](const std::string& text) { return text == "0" || text == "0.0"; });
 }
 
 void require_dimension(const Scene& scene, int dim) {
-  const auto require = [&](std::size_t size, const char* key, bool one_allowed = false) {
+  const auto require = [&](std::size_t size, const std::string& key, bool one_allowed = false) {
     if (size != static_cast<std::size_t>(dim) && !(one_allowed && size == 1))
       throw UserError(fmt::format("{}: {}: found {} components, allowed are {}: the mesh is {}-dimensional",
                                   scene.file.string(), key, size, dim, dim));
   };
-  if (scene.contact) {
-    require(scene.contact->obstacle.point.size(), "contact.obstacle.point");
-    require(scene.contact->obstacle.normal.size(), "contact.obstacle.normal");
+  for (std::size_t i = 0; i < scene.contacts.size(); ++i) {
+    const std::string key = contact_key(scene.contacts, i) + ".obstacle.";
+    const Obstacle& obstacle = scene.contacts[i].obstacle;
+    if (const auto* half_space = std::get_if<HalfSpace>(&obstacle))
+      require(half_space->point.size(), key + "point");
+    else if (const auto* ball = std::get_if<Ball>(&obstacle))
+      require(ball->center.size(), key + "center");
+    else if (const auto* cylinder = std::get_if<Cylinder>(&obstacle))
+      require(cylinder->point.size(), key + "point");
   }
   for (const Clamp& clamp : scene.clamps)
     if (clamp.value && !clamp.components)
@@ -357,9 +446,8 @@ void require_dimension(const Scene& scene, int dim) {
   if (scene.objective) {
     if (const auto* desired = std::get_if<DesiredControl>(&scene.objective->desired))
       require(desired->control.size(), "objective.desired.control");
-    else
-      require(std::get<DesiredDisplacement>(scene.objective->desired).displacement.size(),
-              "objective.desired.displacement");
+    if (const auto* desired = std::get_if<DesiredDisplacement>(&scene.objective->desired))
+      require(desired->displacement.size(), "objective.desired.displacement");
   }
   if (scene.check.control)
     require(scene.check.control->size(), "check.control");

@@ -230,13 +230,23 @@ Components Reader::expressions(const std::string& key, bool time, std::size_t co
     else
       fail(key, fmt::format("found {}, allowed is {}", shown(entry), allowed));
   }
+  require_readable(components, key, time);
+  return components;
+}
+
+std::string Reader::expression(const std::string& key, bool time) {
+  const std::string given = text(key);
+  require_readable({given}, key, time);
+  return given;
+}
+
+void Reader::require_readable(const Components& components, const std::string& key, bool time) const {
   try {
     Field(components, full(key), time);
   } catch (const UserError& error) {
     const std::string what = error.what();
     fail(key, what.substr(full(key).size() + 2));
   }
-  return components;
 }
 
 Reader Reader::table(const std::string& key) {

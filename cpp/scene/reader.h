@@ -41,6 +41,8 @@ public:
   std::vector<double> number_or_numbers(const std::string& key, const Limits& limits);
   /// One expression per space dimension, or `count` of them.
   Components expressions(const std::string& key, bool time, std::size_t count = 0);
+  /// One expression.
+  std::string expression(const std::string& key, bool time);
   bool flag(const std::string& key, bool fallback);
   Reader table(const std::string& key);
   std::vector<Reader> tables(const std::string& key);
@@ -58,6 +60,8 @@ private:
   const toml::node& node(const std::string& key);
   double to_number(const toml::node& node, const std::string& key, const Limits& limits) const;
   [[nodiscard]] std::string full(const std::string& key) const;
+  /// Throws unless the expressions can be read.
+  void require_readable(const Components& components, const std::string& key, bool time) const;
 
   const toml::table& table_;
   std::string path_;

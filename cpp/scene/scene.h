@@ -33,9 +33,10 @@ struct Viscosity {
 };
 
 struct Material {
-  double density = 0; ///< ρ, kg/m³
-  double young = 0;   ///< E, Pa
-  double poisson = 0; ///< ν
+  std::optional<std::string> on; ///< physical group of its cells; absent: the whole body
+  double density = 0;            ///< ρ, kg/m³
+  double young = 0;              ///< E, Pa
+  double poisson = 0;            ///< ν
   std::optional<Viscosity> viscosity;
 };
 
@@ -46,13 +47,33 @@ struct Clamp {
 };
 
 struct HalfSpace {
-  std::vector<double> point;  ///< a point of the boundary plane, m
+  Components point;           ///< a point of the boundary plane, m, of t
   std::vector<double> normal; ///< out of the obstacle, any length but zero
 };
 
+struct Ball {
+  std::vector<double> center; ///< m
+  double radius = 0;          ///< m
+  bool inside = false;        ///< the body is within it: the obstacle is all around
+};
+
+struct Cylinder {
+  std::vector<double> point; ///< of the axis, m
+  std::vector<double> axis;  ///< any length but zero; empty in the plane, where the cylinder is a disc
+  double radius = 0;         ///< m
+  bool inside = false;       ///< as for a ball
+};
+
+struct SignedDistance {
+  std::string distance; ///< a level set of x, y, z that is positive outside of the obstacle, any unit
+};
+
+using Obstacle = std::variant<HalfSpace, Ball, Cylinder, SignedDistance>;
+
 struct Contact {
   std::string on; ///< physical group of the contact candidates
-  HalfSpace obstacle;
+  Obstacle obstacle;
+  bool project = false; ///< nodes that start inside are moved out of the obstacle; else they are an error
 };
 
 struct Traction {
@@ -88,8 +109,12 @@ struct DesiredDisplacement {
   Components displacement; ///< m, of x, y, z, t
 };
 
+struct DesiredRun {
+  std::filesystem::path folder; ///< of an earlier run whose displacement is the desired one, absolute
+};
+
 struct Objective {
-  std::variant<DesiredControl, DesiredDisplacement> desired;
+  std::variant<DesiredControl, DesiredDisplacement, DesiredRun> desired;
   std::optional<std::string> on; ///< physical group of a part of the body or of a surface; absent: the body
   double tracking = 1;           ///< weight of the tracking term
   double alpha = 0;              ///< weight of the control cost
@@ -131,9 +156,9 @@ struct Scene {
   std::string name;
   Mesh mesh;
   Time time;
-  Material material;
+  std::vector<Material> materials; ///< one at least
   std::vector<Clamp> clamps;
-  std::optional<Contact> contact;
+  std::vector<Contact> contacts;
   std::optional<Load> load;
   Initial initial;
   std::optional<Control> control;
@@ -151,6 +176,9 @@ std::string read(const std::filesystem::path& file);
 /// Throws UserError naming file, line, key, what was found and what is allowed.
 Scene parse(const std::string& text, const std::filesystem::path& file,
             const std::vector<std::string>& overrides = {});
+
+/// The name of one table of contact in messages: `contact`, or `contact[i]` of several.
+std::string contact_key(const std::vector<Contact>& contacts, std::size_t i);
 
 /// Whether a field is written as zero, which is no effect.
 bool vanishes(const Components& components);

@@ -3,37 +3,12 @@
 // caches and machine.
 //
 // usage: signorini-bench SCENE REPEATS [key.path=value …]    prints one JSON object
-#include "adjoint/sweep.h"
-#include "base/collective.h"
-#include "base/error.h"
-#include "base/memory.h"
-#include "forward/extrapolation.h"
-#include "problem.h"
-#include <chrono>
-#include <fmt/format.h>
-#include <iostream>
-#include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
+#include "bench.h"
 
 using namespace signorini;
 using petsc::check;
 
 namespace {
-
-/// Wall-clock seconds between calls, the slowest rank's.
-class Watch {
-public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    double seconds = std::chrono::duration<double>(now - last_).count();
-    MPI_Allreduce(MPI_IN_PLACE, &seconds, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
-    last_ = std::chrono::steady_clock::now();
-    return seconds;
-  }
-
-private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 /// The least of each step's times over the repeats: what the step takes when nothing disturbs it.
 class Least {
@@ -100,14 +75,6 @@ private:
   petsc::Vector r_, y_, f_;
   forward::Extrapolation guess_;
 };
-
-double operator_bytes(const Problem& problem) {
-  double sum = petsc::bytes(problem.operators.W) + petsc::bytes(problem.operators.M) +
-               petsc::bytes(problem.operators.A) + petsc::bytes(problem.stepper.R());
-  if (problem.operators.B)
-    sum += petsc::bytes(*problem.operators.B);
-  return sum;
-}
 
 double total(double mine) {
   MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
@@ -219,30 +186,4 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
 
 } // namespace
 
-int main(int argc, char** argv) {
-  if (argc < 3 || std::atoi(argv[2]) < 1) {
-    std::cerr << "usage: signorini-bench SCENE REPEATS [key.path=value …]\n";
-    return 2;
-  }
-  std::vector<std::string> overrides(argv + 3, argv + argc);
-  int status = 0;
-  int no_arguments = 1; // PETSc's options come by PETSC_OPTIONS
-  if (PetscInitialize(&no_arguments, &argv, nullptr, nullptr) != PETSC_SUCCESS)
-    return 3;
-  // Defaults that the program sets for solvers not in use are no spelling mistakes.
-  (void)PetscOptionsSetValue(nullptr, "-options_left", "0");
-  try {
-    petsc::keep_error_messages();
-    spdlog::set_level(spdlog::level::warn); // dolfinx tells every step of its own
-    std::string text;
-    on_root(MPI_COMM_WORLD, [&] { text = scene::read(argv[1]); });
-    const scene::Scene scene = scene::parse(broadcast(MPI_COMM_WORLD, text), argv[1], overrides);
-    const nlohmann::ordered_json result = measure(scene, std::atoi(argv[2]));
-    if (rank(MPI_COMM_WORLD) == 0)
-      std::cout << result.dump(2) << std::endl;
-  } catch (const std::exception& error) {
-    std::cerr << "signorini-bench: " << error.what() << "\n";
-    MPI_Abort(MPI_COMM_WORLD, status = 3);
-  }
-  return PetscFinalize() == PETSC_SUCCESS ? status : 3;
-}
+int main(int argc, char** argv) { return bench::run("signorini-bench", argc, argv, measure); }

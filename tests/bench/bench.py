@@ -1,10 +1,11 @@
 """Seconds of a contact step in units of the solve and products that no step can do without, all measured in the same run.
 
-usage: ./dev bench [c0|scaling|space|peers] [--ranks N …] [--sizes H …] [--repeats N] [--json FILE]
+usage: ./dev bench [c0|scaling|space|effects|peers] [--ranks N …] [--sizes H …] [--repeats N] [--json FILE]
 
   c0       the half disc as shipped, at element sizes 0.5, 0.25, 0.125 and 0.0625 m (default; about 3 minutes)
   scaling  the half disc from 1 m to 1/32 m, time step in proportion, contact from the start (about 10 minutes)
   space    the half ball by conjugate gradients, from 20,000 to 400,000 unknowns, 100 steps (about half an hour)
+  effects  the half disc with one effect after another: what each adds (about a minute)
   peers    forward steps beside FreeFem++ and GetFEM (tests/bench/peers)
 
 floor: one solve with D and the products with R and M, timed between the steps. Of each step's time over the repeats the
@@ -15,6 +16,7 @@ import argparse
 import json
 import math
 import subprocess
+import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -45,6 +47,70 @@ def measure(suite: str, size: float, ranks: int, repeats: int) -> dict:
     if done.returncode:
         raise SystemExit(f"signorini-bench ended with {done.returncode}:\n{done.stderr}")
     return json.loads(done.stdout)
+
+
+# The half disc, thrown down from its clamp; each effect adds to those before it, or takes the place of its name.
+BODY = """
+[mesh]
+file = "{meshes}/half-disc.geo"
+size = {size!r}
+[time]
+end = 7.5e-3
+step = 5e-5
+[[clamp]]
+on = "top"
+[initial]
+velocity = ["0", "100*y"]
+[material]
+density = 1.0
+young = 1e8
+poisson = 0.3
+"""
+OBSTACLE = """
+[contact]
+on = "contact"
+obstacle = {{ shape = "half-space", point = [0, {height}], normal = [0, 1] }}
+"""
+EFFECTS = {
+    "elastic body": {"body": BODY},
+    "+ viscosity": {"viscosity": "viscosity = { bulk = 1e4, shear = 1e4 }\n"},
+    "+ contact never touched": {"contact": OBSTACLE.format(height=-100)},
+    "+ contact": {"contact": OBSTACLE.format(height=-15.75)},
+    "+ control": {"control": '[control]\nscale = 1e6\ninitial = ["0", "-0.1"]\n'},
+    "+ objective": {"objective": '[objective]\ndesired = { control = ["0", "-1"] }\nalpha = 1e-2\ngamma = 7.5e-4\n'},
+    "+ bounds": {"control": '[control]\nscale = 1e6\ninitial = ["0", "-0.1"]\nlower = -0.5\nupper = 0.5\n'},
+}
+
+
+def effects(size: float, repeats: int) -> list[dict]:
+    rows, tables = [], {}
+    with tempfile.TemporaryDirectory() as folder:
+        scene = Path(folder) / "effects.toml"
+        for name, added in EFFECTS.items():
+            tables |= added
+            scene.write_text("".join(tables.values()).replace("{meshes}", str(ROOT / "meshes")).replace("{size!r}", repr(size)))
+            done = subprocess.run(["signorini-bench-effects", str(scene), str(repeats)], capture_output=True, text=True)
+            if done.returncode:
+                raise SystemExit(f"signorini-bench-effects ended with {done.returncode}:\n{done.stderr}")
+            rows.append({"effect": name, "size": size} | json.loads(done.stdout))
+    return rows
+
+
+def print_effects(rows: list[dict]) -> None:
+    print("\n    size  effects                   steps  in contact   us per step: forward     bare  gradient  iteration"
+          "   solves a step: forward  gradient   MB: factor  operators  condensation   assembled")  # fmt: skip
+    for r in rows:
+        seconds = {k: f"{1e6 * v:.1f}" if v else "-" for k, v in r["seconds_per_step"].items()}
+        solves = [f"{r['solves'][k] / r['steps']:.2f}" if r["solves"][k] else "-" for k in ("forward", "gradient")]
+        forms = [k.removeprefix("assembled ") for k in r["counters"] if k.startswith("assembled ")]
+        print(f"{r['size']:8g}  {r['effect']:24s} {r['steps']:6d}  {r['contact_steps']:10d}  {seconds['forward']:>21s}"
+              f"  {seconds['bare']:>7s}  {seconds['gradient']:>8s}  {seconds['iteration']:>9s}  {solves[0]:>23s}  {solves[1]:>8s}"
+              f"  {r['bytes']['factor'] / 1e6:11.1f}  {r['bytes']['operators'] / 1e6:9.1f}  {r['bytes']['condensation'] / 1e6:12.2f}"
+              f"   {', '.join(forms)}")  # fmt: skip
+    for r in rows:
+        if bare := r["seconds_per_step"]["bare"]:
+            print(f"\nsize {r['size']:g}, {r['effect']}: {r['seconds_per_step']['forward'] / bare:.3f} times a loop that has"
+                  f" never heard of contact, loads or control (displacements differ by {r['difference_to_bare']:.1e})")  # fmt: skip
 
 
 def print_steps(rows: list[dict]) -> None:
@@ -94,7 +160,7 @@ def print_growth(rows: list[dict]) -> None:
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="./dev bench", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("suite", nargs="?", default="c0", choices=SUITES)
+    parser.add_argument("suite", nargs="?", default="c0", choices=[*SUITES, "effects"])
     parser.add_argument("--sizes", nargs="+", type=float, metavar="H", help="element sizes, m")
     parser.add_argument("--ranks", nargs="+", type=int, default=[1], metavar="N")
     parser.add_argument("--repeats", type=int, metavar="N", help="default 5; in space 1")
@@ -102,13 +168,18 @@ def main() -> int:
     given = parser.parse_args()
     repeats = given.repeats or (1 if given.suite == "space" else 5)
     rows = []
-    for size in given.sizes or SUITES[given.suite]:
+    if given.suite == "effects":
+        for size in given.sizes or [0.5, 0.125]:
+            rows += effects(size, given.repeats or 20)
+        print_effects(rows)
+    for size in [] if given.suite == "effects" else given.sizes or SUITES[given.suite]:
         for ranks in given.ranks:
             rows.append(measure(given.suite, size, ranks, repeats))
             print(f"size {size:g}, {ranks} rank{'s' * (ranks > 1)}: {rows[-1]['solver']}", flush=True)
-    print_steps(rows)
-    print_costs(rows)
-    print_growth(rows)
+    if given.suite != "effects":
+        print_steps(rows)
+        print_costs(rows)
+        print_growth(rows)
     if given.json:
         given.json.write_text(json.dumps(rows, indent=2) + "\n")
     return 0

@@ -1,4 +1,4 @@
-// Unit cube. Groups: body (volume), boundary (all six sides).
+// Unit cube. Groups: body (volume), boundary (all six sides), bottom, top, left (z = 0, z = 1, x = 0).
 Point(1) = {0, 0, 0};
 Point(2) = {1, 0, 0};
 Point(3) = {1, 1, 0};
@@ -12,3 +12,6 @@ Plane Surface(1) = {1};
 Extrude {0, 0, 1} { Surface{1}; }
 Physical Volume("body") = {1};
 Physical Surface("boundary") = Surface{:};
+Physical Surface("bottom") = {1};
+Physical Surface("top") = Surface In BoundingBox {-0.1, -0.1, 0.9, 1.1, 1.1, 1.1};
+Physical Surface("left") = Surface In BoundingBox {-0.1, -0.1, -0.1, 0.1, 1.1, 1.1};

@@ -1,5 +1,5 @@
 // Two unit cubes side by side. Groups: left, right (one cube each), body (both), overlapping the first two;
-// interface (the square between them), end (x = 2), boundary (all round).
+// interface (the square between them), start (x = 0), end (x = 2), boundary (all round).
 Point(1) = {0, 0, 0};
 Point(2) = {0, 1, 0};
 Point(3) = {0, 1, 1};
@@ -16,5 +16,6 @@ Physical Volume("left") = {first[1]};
 Physical Volume("right") = {second[1]};
 Physical Volume("body") = {first[1], second[1]};
 Physical Surface("interface") = {first[0]};
+Physical Surface("start") = {1};
 Physical Surface("end") = {second[0]};
 Physical Surface("boundary") = {1, first[2], first[3], first[4], first[5], second[0], second[2], second[3], second[4], second[5]};

@@ -1,5 +1,5 @@
 // Two unit squares side by side. Groups: left, right (one square each), body (both), overlapping the first two;
-// interface (the edge between them), end (x = 2), boundary (all round).
+// interface (the edge between them), start (x = 0), end (x = 2), bottom (y = 0), boundary (all round).
 Point(1) = {0, 0, 0};
 Point(2) = {1, 0, 0};
 Point(3) = {2, 0, 0};
@@ -21,5 +21,7 @@ Physical Surface("left") = {1};
 Physical Surface("right") = {2};
 Physical Surface("body") = {1, 2};
 Physical Curve("interface") = {7};
+Physical Curve("start") = {6};
 Physical Curve("end") = {3};
+Physical Curve("bottom") = {1, 2};
 Physical Curve("boundary") = {1, 2, 3, 4, 5, 6};

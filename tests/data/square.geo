@@ -1,4 +1,4 @@
-// Unit square. Groups: body, bottom, rest (the other three sides), boundary (all four).
+// Unit square. Groups: body, bottom, left, top, rest (all sides but the bottom), boundary (all four).
 Point(1) = {0, 0, 0};
 Point(2) = {1, 0, 0};
 Point(3) = {1, 1, 0};
@@ -13,3 +13,5 @@ Physical Surface("body") = {1};
 Physical Curve("bottom") = {1};
 Physical Curve("rest") = {2, 3, 4};
 Physical Curve("boundary") = {1, 2, 3, 4};
+Physical Curve("top") = {3};
+Physical Curve("left") = {4};

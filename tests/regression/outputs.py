@@ -172,6 +172,8 @@ def silence_and_plain_lines(folder: Path) -> None:
     assert "viscosity" in info and "candidates: 7" in info
     block = signorini("info", SOURCE / "tests/data/block.toml").stdout
     assert "off" in block and "initial velocity" in block
+    parts = signorini("info", SOURCE / "tests/data/two-materials.toml").stdout
+    assert "several materials     on" in parts and "several materials     off" in block
     print("piped output is plain, --quiet says nothing, info names the effects")
 
 

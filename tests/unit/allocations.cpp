@@ -122,6 +122,35 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
   }
 }
 
+TEST_CASE("steps between several obstacles, one of which moves, allocate nothing", "[forward]") {
+  if (ranks(MPI_COMM_WORLD) > 1)
+    return;
+  // Three obstacles for every node of a body in the plane depend on each other.
+  const test::Ready ready(
+      "tests/data/block.toml",
+      {"initial.velocity=[\"-1\", \"-1\"]",
+       "contact=[{on=\"boundary\", obstacle={shape=\"half-space\", point=[0, \"-0.1 + 0.1*t\"], normal=[0.3, 1]}}, "
+       "{on=\"boundary\", obstacle={shape=\"half-space\", point=[-0.1, 0], normal=[1, 0]}}, "
+       "{on=\"boundary\", obstacle={shape=\"half-space\", point=[0, 1.5], normal=[0, -1]}}]"});
+  const Problem& problem = ready.problem;
+  REQUIRE(problem.stepper.constraints()->dependent());
+  forward::Trajectory trajectory(problem.stepper, problem.steps());
+  forward::simulate(problem.stepper, problem.initial, problem.load(), trajectory);
+  long stepping = 0, before = 0;
+  std::array<bool, 3> touched{};
+  (void)allocations([&] {
+    forward::simulate(problem.stepper, problem.initial, problem.load(), trajectory, [&](int k) {
+      stepping += k > 1 ? calls - before : 0;
+      for (int i : trajectory.contact[static_cast<std::size_t>(k)].active)
+        touched[static_cast<std::size_t>(problem.stepper.constraints()->obstacles()[static_cast<std::size_t>(i)])] = true;
+      before = calls;
+    });
+  });
+  CHECK(touched[0]);
+  CHECK(touched[1]);
+  CHECK(stepping == 0);
+}
+
 } // namespace signorini
 
 #endif

@@ -24,8 +24,8 @@ struct Parts {
   explicit Parts(const std::vector<std::string>& overrides = {})
       : scene(test::parse(test::source("tests/data/block.toml"), overrides)),
         mesh(MPI_COMM_WORLD, scene.mesh), space(mesh, scene.mesh.degree), clamped(space, scene.clamps),
-        D(fem::assemble_step_operator(space, scene.material, scene.time.step)),
-        constraints(space, clamped, *scene.contact), solver(copy(D), &constraints, scene.solver, true) {}
+        D(fem::assemble_step_operator(space, scene.materials, scene.time.step)),
+        constraints(space, clamped, scene.contacts), solver(copy(D), &constraints, scene.solver, true) {}
 
   static petsc::Matrix copy(Mat matrix) {
     petsc::Matrix same;
@@ -39,7 +39,7 @@ struct Parts {
   }
   contact::ContactState solve(Vec r, const contact::ContactState& previous, Vec y) const {
     contact::ContactState state(constraints.count());
-    solver.vi()->solve(r, previous, state, y);
+    solver.vi()->solve(r, constraints.psi(), previous, state, y);
     return state;
   }
 
@@ -68,12 +68,12 @@ TEST_CASE("candidates know their gap to a tilted plane", "[contact]") {
   petsc::Vector y = parts.space.vector();
   check(VecSet(y, -0.05));
   std::vector<double> gap(5);
-  parts.constraints.gap(y, gap);
+  parts.constraints.gap(parts.constraints.psi(), y, gap);
   for (int i = 0; i < 5; ++i)
     CHECK(std::abs(gap[static_cast<std::size_t>(i)] -
                    (parts.constraints.psi()[static_cast<std::size_t>(i)] - 0.05 * 1.3 / n)) < 1e-14);
   check(VecSet(y, -1));
-  CHECK_THROWS_AS(parts.constraints.require_outside(y), UserError);
+  CHECK_THROWS_AS(parts.constraints.place_outside(y), UserError);
 }
 
 TEST_CASE("the condensed matrix is what D says", "[contact]") {
@@ -284,7 +284,7 @@ TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[
   const Option option("-condensed_vi_snes_max_it", "0");
   const forward::StepSolver solver(Parts::copy(parts.D), &parts.constraints, parts.scene.solver, true);
   contact::ContactState other(parts.constraints.count());
-  solver.vi()->solve(r, contact::ContactState(parts.constraints.count()), other, z);
+  solver.vi()->solve(r, parts.constraints.psi(), contact::ContactState(parts.constraints.count()), other, z);
   CHECK(usual.count(contact::Status::strong) > 1);
   CHECK(usual.vi_iterations > 5);
   CHECK(other.vi_iterations != usual.vi_iterations);

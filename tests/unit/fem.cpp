@@ -1,7 +1,9 @@
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
 
 using namespace signorini;
+using Catch::Matchers::ContainsSubstring;
 using petsc::check;
 using petsc::dot;
 
@@ -14,7 +16,7 @@ struct Body {
   fem::Operators operators;
   explicit Body(int degree, const char* file = "tests/data/block.toml")
       : scene(test::parse(test::source(file))), mesh(MPI_COMM_WORLD, scene.mesh), space(mesh, degree),
-        operators(fem::assemble_operators(space, scene.material)) {}
+        operators(fem::assemble_operators(space, scene.materials)) {}
 
   petsc::Vector field(const scene::Components& components) const {
     petsc::Vector x = space.vector();
@@ -34,7 +36,7 @@ double energy(Mat matrix, Vec x) {
 TEST_CASE("operators integrate what they should", "[fem]") {
   for (int degree : {1, 2}) {
     const Body body(degree);
-    const scene::Material& material = body.scene.material;
+    const scene::Material& material = body.scene.materials.front();
     const petsc::Vector unit = body.field({"1", "0"}), linear = body.field({"x", "y"}),
                         shear = body.field({"y", "0"});
     CHECK(std::abs(energy(body.operators.W, unit) - 1) < 1e-13);
@@ -55,7 +57,7 @@ TEST_CASE("operators integrate what they should", "[fem]") {
 TEST_CASE("operators integrate what they should in space", "[fem]") {
   for (int degree : {1, 2}) {
     const Body body(degree, "tests/data/manufactured-space.toml");
-    const scene::Material& material = body.scene.material;
+    const scene::Material& material = body.scene.materials.front();
     const petsc::Vector unit = body.field({"0", "0", "1"}), linear = body.field({"x", "y", "z"}),
                         shear = body.field({"0", "z", "0"});
     CHECK(std::abs(energy(body.operators.W, unit) - 1) < 1e-13);
@@ -85,9 +87,93 @@ TEST_CASE("rigid motions have no elastic or viscous energy", "[fem]") {
   for (int degree : {1, 2}) {
     const Body body(degree);
     for (const scene::Components& rigid : {scene::Components{"1", "0"}, {"0", "1"}, {"-y", "x"}}) {
-      CHECK(energy(body.operators.A, body.field(rigid)) < 1e-12 * body.scene.material.young);
+      CHECK(energy(body.operators.A, body.field(rigid)) < 1e-12 * body.scene.materials.front().young);
       CHECK(energy(*body.operators.B, body.field(rigid)) < 1e-12);
     }
+  }
+}
+
+TEST_CASE("parts with the same material are one body", "[fem]") {
+  for (const char* name : {"tests/data/parts.geo", "tests/data/parts-space.geo"})
+    for (int degree : {1, 2}) {
+      const mesh::Mesh mesh(MPI_COMM_WORLD, {.file = test::source(name), .size = 0.4});
+      const fem::Space space(mesh, degree);
+      const scene::Material material{std::nullopt, 2, 3, 0.3, scene::Viscosity{0.4, 0.7}};
+      const fem::Operators one = fem::assemble_operators(space, {material});
+      const petsc::Matrix D = fem::assemble_step_operator(space, {material}, 0.3);
+      std::vector<scene::Material> parts(2, material);
+      parts[0].on = "left", parts[1].on = "right";
+      const fem::Operators two = fem::assemble_operators(space, parts);
+      const petsc::Vector x = test::smooth(space, 1);
+      const auto same = [&](Mat a, Mat b) {
+        petsc::Vector y = petsc::zero_like(x), z = petsc::zero_like(x);
+        check(MatMult(a, x, y));
+        check(MatMult(b, x, z));
+        CHECK(test::largest(y) > 0);
+        CHECK(test::difference(y, z) < 1e-13 * test::largest(y)); // sums in another order
+      };
+      same(one.W, two.W);
+      same(one.M, two.M);
+      same(one.A, two.A);
+      same(*one.B, *two.B);
+      same(D, fem::assemble_step_operator(space, parts, 0.3));
+      CHECK(std::abs(*two.uniform_density - 2) < 1e-13);
+    }
+}
+
+TEST_CASE("every part has the mass and the energies of its own material", "[fem]") {
+  const mesh::Mesh mesh(MPI_COMM_WORLD, {.file = test::source("tests/data/parts.geo"), .size = 0.3});
+  std::vector<scene::Material> materials{{"left", 2, 3, 0.3, std::nullopt},
+                                         {"right", 7, 5, 0.2, scene::Viscosity{0.4, 0.9}}};
+  for (int degree : {1, 2}) {
+    const fem::Space space(mesh, degree);
+    const fem::Operators operators = fem::assemble_operators(space, materials);
+    const auto field = [&](const scene::Components& components) {
+      petsc::Vector x = space.vector();
+      space.interpolate(scene::Field(components, "test", false), 0, x);
+      return x;
+    };
+    CHECK_FALSE(operators.uniform_density);
+    CHECK(std::abs(energy(operators.M, field({"0", "1"})) / (2 + 7) - 1) < 1e-13);
+    CHECK(std::abs(energy(operators.M, field({"x", "0"})) / (2 * 1.0 / 3 + 7 * 7.0 / 3) - 1) < 1e-13);
+    // Strain e1 e1 in one part alone: lambda + 2 mu, and of the viscosity kappa - 2 eta/3 + 2 eta.
+    const petsc::Vector left = field({"min(x, 1)", "0"}), right = field({"max(x, 1)", "0"});
+    const auto modulus = [](const scene::Material& m) {
+      return m.young * (1 - m.poisson) / ((1 + m.poisson) * (1 - 2 * m.poisson));
+    };
+    CHECK(std::abs(energy(operators.A, left) / modulus(materials[0]) - 1) < 1e-13);
+    CHECK(std::abs(energy(operators.A, right) / modulus(materials[1]) - 1) < 1e-13);
+    CHECK(std::abs(energy(*operators.B, left)) < 1e-13);
+    CHECK(std::abs(energy(*operators.B, right) / (0.4 + 4.0 / 3 * 0.9) - 1) < 1e-13);
+    constexpr double tau = 0.3;
+    const petsc::Matrix D = fem::assemble_step_operator(space, materials, tau);
+    const petsc::Vector x = test::smooth(space, 1);
+    const double expected =
+        energy(operators.M, x) + tau / 2 * energy(*operators.B, x) + tau * tau / 4 * energy(operators.A, x);
+    CHECK(std::abs(energy(D, x) / expected - 1) < 1e-13);
+    const petsc::Matrix R = fem::shifted(operators.A, D, 0.7);
+    CHECK(std::abs(energy(R, x) / (expected - 0.7 * energy(operators.A, x)) - 1) < 1e-13);
+  }
+  materials[1].viscosity.reset();
+  materials[1].density = 2;
+  const fem::Operators elastic = fem::assemble_operators(fem::Space(mesh, 1), materials);
+  CHECK_FALSE(elastic.B);
+  CHECK(std::abs(*elastic.uniform_density - 2) < 1e-13);
+}
+
+TEST_CASE("a cell without a material, or with two, is refused with its place", "[fem]") {
+  const std::string middle = "at (1."; // of a cell on the right
+  for (const char* name : {"tests/data/parts.geo", "tests/data/parts-space.geo"}) {
+    const mesh::Mesh mesh(MPI_COMM_WORLD, {.file = test::source(name), .size = 0.4});
+    const auto on = [](const char* group) { return scene::Material{group, 1, 1, 0, std::nullopt}; };
+    const scene::Material left = on("left"), right = on("right"), body = on("body"), end = on("end");
+    CHECK(fem::parts(mesh, {right, left}).size() == 2);
+    CHECK_THROWS_WITH(fem::parts(mesh, {left}), ContainsSubstring(middle) && ContainsSubstring("no group") &&
+                                                    ContainsSubstring("(left)"));
+    CHECK_THROWS_WITH(fem::parts(mesh, {body, right}),
+                      ContainsSubstring(middle) && ContainsSubstring("\"body\" and \"right\""));
+    CHECK_THROWS_WITH(fem::parts(mesh, {left, end}),
+                      ContainsSubstring("material[1].on") && ContainsSubstring("\"end\""));
   }
 }
 
@@ -135,19 +221,19 @@ TEST_CASE("the step operator is m + tau/2 b + tau^2/4 a", "[fem]") {
   const petsc::Vector x = test::smooth(body.space, 1);
   const double expected = energy(body.operators.M, x) + tau / 2 * energy(*body.operators.B, x) +
                           tau * tau / 4 * energy(body.operators.A, x);
-  CHECK(std::abs(energy(fem::assemble_step_operator(body.space, body.scene.material, tau), x) / expected -
+  CHECK(std::abs(energy(fem::assemble_step_operator(body.space, body.scene.materials, tau), x) / expected -
                  1) < 1e-13);
-  scene::Material elastic = body.scene.material;
+  scene::Material elastic = body.scene.materials.front();
   elastic.viscosity.reset();
-  CHECK_FALSE(fem::assemble_operators(body.space, elastic).B);
+  CHECK_FALSE(fem::assemble_operators(body.space, {elastic}).B);
   const double without = energy(body.operators.M, x) + tau * tau / 4 * energy(body.operators.A, x);
-  CHECK(std::abs(energy(fem::assemble_step_operator(body.space, elastic, tau), x) / without - 1) < 1e-13);
+  CHECK(std::abs(energy(fem::assemble_step_operator(body.space, {elastic}, tau), x) / without - 1) < 1e-13);
 }
 
 TEST_CASE("decoupled dofs are held and the rest is untouched", "[fem]") {
   const Body body(1);
   const fem::Clamped clamped(body.space, {{.on = "rest", .components = std::nullopt, .value = std::nullopt}});
-  petsc::Matrix D = fem::assemble_step_operator(body.space, body.scene.material, 0.1);
+  petsc::Matrix D = fem::assemble_step_operator(body.space, body.scene.materials, 0.1);
   petsc::Vector x = test::smooth(body.space, 2), whole = petsc::zero_like(x), cut = petsc::zero_like(x);
   clamped.clear(x);
   check(MatMult(D, x, whole));

@@ -82,6 +82,24 @@ TEST_CASE("a motion that goes by is that of a trajectory", "[forward]") {
   CHECK(touched > 0);
 }
 
+TEST_CASE("a body of two equal materials moves like one of one", "[forward]") {
+  const std::string data = "density = 2, young = 80, poisson = 0.3, viscosity = { bulk = 0.1, shear = 0.05 }";
+  const test::Ready two("tests/data/two-materials.toml",
+                        {"material=[{ on = \"left\", " + data + " }, { on = \"right\", " + data + " }]"}),
+      one("tests/data/two-materials.toml", {"material={ " + data + " }"});
+  const forward::Trajectory a = run(two), b = run(one);
+  int touched = 0;
+  for (std::size_t k = 0; k < a.contact.size(); ++k) {
+    touched += a.contact[k].count(contact::Status::strong) > 0;
+    CHECK(a.contact[k].active == b.contact[k].active);
+    CHECK(test::difference(a.y[k], b.y[k]) < 1e-12 * test::largest(b.y.back()));
+  }
+  CHECK(touched > 0);
+  // And what the materials are makes a difference.
+  CHECK(test::difference(run(test::Ready("tests/data/two-materials.toml")).y.back(), b.y.back()) >
+        1e-3 * test::largest(b.y.back()));
+}
+
 TEST_CASE("without loads and viscosity energy never grows, and is kept without contact", "[forward]") {
   const test::Ready ready("tests/data/manufactured.toml",
                           {"load.body=[\"0\", \"0\"]", "material.viscosity={bulk=0, shear=0}", "time.end=5"});
@@ -219,6 +237,79 @@ TEST_CASE("a solution that is not finite ends the run with its step", "[forward]
     FAIL("NaN went through");
   } catch (const SolverFailure& failure) {
     CHECK(std::string(failure.what()).starts_with("step 3 "));
+  }
+}
+
+TEST_CASE("a plane that meets a body is a body that meets the plane", "[forward]") {
+  // Seen from a frame that moves at (0.3, 0.7) m/s nothing else changes: the body is free, its load is constant.
+  for (const char* solver : {"solver.vi=condensed", "solver.vi=full", "solver.linear=iterative"}) {
+    const test::Ready rest("tests/data/block.toml", {solver, "initial.velocity=[\"0.2\", \"-1\"]"}),
+        moving("tests/data/block.toml", {solver, "initial.velocity=[\"0.5\", \"-0.3\"]",
+                                         "contact.obstacle.point=[\"0.3*t\", \"-0.1 + 0.7*t\"]"});
+    const forward::Trajectory a = run(rest), b = run(moving);
+    petsc::Vector shift = rest.problem.space.vector();
+    int touched = 0;
+    double force = 0, defect = 0;
+    for (std::size_t k = 0; k < a.contact.size(); ++k) {
+      const double t = rest.problem.stepper.scheme().time(static_cast<int>(k));
+      rest.problem.space.interpolate(
+          scene::Field({fmt::format("{:.17g}", 0.3 * t), fmt::format("{:.17g}", 0.7 * t)}, "test", false), 0, shift);
+      check(VecAXPY(shift, 1, a.y[k]));
+      CHECK(test::difference(shift, b.y[k]) < (rest.problem.stepper.solver().tolerance() > 0 ? 1e-10 : 1e-13));
+      CHECK(a.contact[k].active == b.contact[k].active);
+      touched += a.contact[k].count(contact::Status::strong) > 0;
+      for (std::size_t i = 0; i < a.contact[k].lambda.size(); ++i) {
+        force = std::max(force, a.contact[k].lambda[i]);
+        defect = std::max(defect, std::abs(a.contact[k].lambda[i] - b.contact[k].lambda[i]));
+      }
+    }
+    CHECK(touched > 5);
+    CHECK(defect < 1e-9 * force);
+    // At rest the plane takes energy at most; as it moves it pushes.
+    const auto work = [](const test::Ready& ready, const forward::Trajectory& trajectory) {
+      double largest = 0;
+      for (const auto& step : forward::balance(ready.problem.stepper, ready.problem.load(), trajectory))
+        largest = std::max(largest, step.contact_work);
+      return largest;
+    };
+    CHECK(work(rest, a) < 1e-12);
+    CHECK(work(moving, b) > 0.01);
+  }
+}
+
+TEST_CASE("contact where a clamp holds one component, at rest or moving", "[forward]") {
+  for (const auto& [motion, velocity] : {std::pair{"0", "0"}, {"0.3*t", "0.3"}}) {
+    const auto with = [&](const char* solver) {
+      return std::vector<std::string>{solver, "contact.on=boundary",
+                                      fmt::format("initial.velocity=[\"{}\", \"-1\"]", velocity),
+                                      fmt::format("clamp=[{{on=\"left\", components=[\"x\"], value=[\"{}\"]}}]", motion)};
+    };
+    const test::Ready condensed("tests/data/block.toml", with("solver.vi=condensed")),
+        full("tests/data/block.toml", with("solver.vi=full")),
+        iterative("tests/data/block.toml", with("solver.linear=iterative"));
+    const contact::Constraints& constraints = *condensed.problem.stepper.constraints();
+    REQUIRE(constraints.held());
+    const forward::Trajectory a = run(condensed), b = run(full), c = run(iterative);
+    bool touched = false; // by a node that the clamp holds in part
+    for (std::size_t k = 0; k < a.y.size(); ++k) {
+      CHECK(test::difference(a.y[k], b.y[k]) < 1e-12 * test::largest(a.y.back()));
+      CHECK(test::difference(a.y[k], c.y[k]) < 1e-9 * test::largest(a.y.back()));
+      CHECK(std::ranges::min(a.contact[k].gap) > -1e-14);
+      for (int i : a.contact[k].active) {
+        const auto j = static_cast<std::size_t>(i);
+        const bool in_part = constraints.directions()[2 * j] == 0;
+        CHECK(in_part == (std::abs(constraints.points()[3 * j]) < 1e-12));
+        touched |= in_part && a.contact[k].lambda[j] > 0;
+        CHECK(std::abs(a.contact[k].gap[j]) < 1e-12);
+      }
+    }
+    CHECK(touched);
+    const auto balance = forward::balance(condensed.problem.stepper, condensed.problem.load(), a);
+    double energy = 0;
+    for (const auto& step : balance)
+      energy = std::max(energy, step.kinetic_energy + step.elastic_energy);
+    for (const auto& step : balance)
+      CHECK(std::abs(step.energy_residual) < 1e-12 * energy);
   }
 }
 

@@ -23,11 +23,9 @@ std::filesystem::path temporary(const std::string& text) {
 } // namespace
 
 TEST_CASE("the echoed scene reads back to itself", "[scene]") {
-  for (const auto& [name, dim] : {std::pair{"scenes/half-disc.toml", 2},
-                                  {"tests/data/block.toml", 2},
-                                  {"tests/data/manufactured.toml", 2},
-                                  {"scenes/half-ball.toml", 3},
-                                  {"tests/data/manufactured-space.toml", 3}}) {
+  for (const auto& [name, dim] : {std::pair{"scenes/half-disc.toml", 2}, {"tests/data/block.toml", 2},
+                                  {"tests/data/manufactured.toml", 2}, {"scenes/half-ball.toml", 3},
+                                  {"tests/data/manufactured-space.toml", 3}, {"tests/data/two-materials.toml", 2}}) {
     const scene::Scene scene = test::parse(test::source(name), {"solver.vi=full"});
     CHECK(scene.solver.vi == "full");
     CHECK_NOTHROW(scene::require_dimension(scene, dim));
@@ -57,6 +55,17 @@ TEST_CASE("a list of names is a set, and may be empty", "[scene]") {
   std::filesystem::remove(echo);
 }
 
+TEST_CASE("an earlier run's folder is relative to the scene file, and echoed as it is found", "[scene]") {
+  const std::string text =
+      "[mesh]\nfile = \"a.msh\"\n[time]\nend = 1.0\nstep = 0.5\n[material]\ndensity = 1.0\nyoung = 1.0\npoisson = 0.3\n"
+      "[control]\nscale = 1.0\n[objective]\ndesired = { run = \"../runs/first\" }\nalpha = 1.0\n";
+  const scene::Scene scene = scene::parse(text, "/somewhere/scenes/a.toml");
+  const auto folder = [](const scene::Scene& s) { return std::get<scene::DesiredRun>(s.objective->desired).folder; };
+  CHECK(folder(scene) == "/somewhere/runs/first");
+  CHECK(folder(scene::parse(scene::echo(scene, 2), "/elsewhere/b.toml")) == "/somewhere/runs/first");
+  CHECK_NOTHROW(scene::require_dimension(scene, 2));
+}
+
 TEST_CASE("an override reaches what it names and nothing else", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
   const scene::Scene scene = test::parse(
@@ -67,6 +76,20 @@ TEST_CASE("an override reaches what it names and nothing else", "[scene]") {
   CHECK(scene.load->body->back() == "-9.81*t");
   CHECK(scene.time.steps == test::parse(file).time.steps);
   CHECK_FALSE(test::parse(file).load);
+}
+
+TEST_CASE("an override reaches one of several materials", "[scene]") {
+  const auto file = test::source("tests/data/two-materials.toml");
+  const scene::Scene before = test::parse(file),
+                     scene = test::parse(file, {"material.0.young=7", "material.1.viscosity.bulk=9"});
+  CHECK(before.materials.size() == 2);
+  CHECK(scene.materials.front().on == "left");
+  CHECK(scene.materials.front().young == 7);
+  CHECK_FALSE(scene.materials.front().viscosity);
+  CHECK(scene.materials.back().young == before.materials.back().young);
+  CHECK(scene.materials.back().viscosity->bulk == 9);
+  CHECK(scene.materials.back().viscosity->shear == before.materials.back().viscosity->shear);
+  CHECK_FALSE(test::parse(test::source("tests/data/block.toml")).materials.front().on);
 }
 
 TEST_CASE("the number of steps is exact for decimal steps", "[scene]") {

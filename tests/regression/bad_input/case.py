@@ -5,6 +5,9 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import h5py
+import numpy as np
+
 Expected = str | re.Pattern[str]  # a fragment of the message, or a pattern that it must contain
 Point = tuple[float, float, float]
 Element = tuple[int, int, int, tuple[int, ...]]  # gmsh's type, physical group, entity, nodes
@@ -161,6 +164,18 @@ def square4(empty_curve: bool = False) -> str:
     )
 
 
+def square_of_halves() -> str:
+    """The square as format 2.2, its triangles in a group "left" (x < 0) and a group "right" in place of "body"."""
+    left, right = BODY, 5
+    groups = ((2, left, "left"), (2, right, "right"), *GROUPS[1:])
+    points = square_points()
+    elements = [
+        (kind, right, 2, nodes) if kind == TRIANGLE and sum(points[n - 1][0] for n in nodes) > 0 else (kind, group, entity, nodes)
+        for kind, group, entity, nodes in square_elements()
+    ]
+    return square2(elements=elements, groups=groups)
+
+
 def moved(node: int, point: Point) -> list[Point]:
     """The square's points with one of them elsewhere."""
     points = square_points()
@@ -291,6 +306,21 @@ def keep_tables(path: Path, names: Sequence[str]) -> None:
     """Drops all tables of a scene but some."""
     tables = re.split(r"(?m)^(?=\[)", path.read_text())
     write(path, "".join(table for table in tables if table[1:].startswith(tuple(name + "]" for name in names))))
+
+
+def stored_run(folder: Path, points: Sequence[Point] | None = None, times: Sequence[float] = (0.0, 1.5e-4), dim: int = 2,
+               field: str = "displacement", value: float = 0.0, names: Sequence[str] = (), cut: int | None = None) -> None:
+    """What a run on the square leaves in state.h5; `value` is one of its last time."""
+    folder.mkdir()
+    nodes = np.array(square_points() if points is None else points)
+    with h5py.File(folder / "state.h5", "w") as file:
+        file["Mesh/mesh/geometry"] = nodes[:, :dim]
+        displacement = np.zeros((len(nodes), 3))
+        for name in names or [repr(time).replace(".", "_") for time in times]:
+            file[f"Function/{field}/{name}"] = displacement
+        file[f"Function/{field}/{name}"][4, 1] = value
+    if cut:
+        write(folder / "state.h5", (folder / "state.h5").read_bytes()[:cut])
 
 
 def occupy(path: Path) -> None:

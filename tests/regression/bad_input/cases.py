@@ -3,10 +3,10 @@
 import re
 
 from case import (
-    BODY, BOTTOM, Case, GEO, GROUPS, LINE, LINE_3, PRISM, QUADRILATERAL, SPACE_GEO, SPACE_GROUPS, TETRAHEDRON,
+    BODY, BOTTOM, Case, Expected, GEO, GROUPS, LINE, LINE_3, PRISM, QUADRILATERAL, SPACE_GEO, SPACE_GROUPS, TETRAHEDRON,
     TETRAHEDRON_10, TOP, TRIANGLE, TRIANGLE_6, before, cube2, cube_elements, cube_points, edited, keep_tables,
     meshed, moved, moved_corner, occupy, overridden, prepend, solid, square2, square4, square_elements,
-    square_points, typed, with_element, with_space_element, write,
+    square_of_halves, square_points, stored_run, typed, with_element, with_space_element, write,
 )
 
 FIRST_TABLE = re.compile(r"\bmesh\b")
@@ -68,7 +68,8 @@ def type_cases() -> list[Case]:
         edited("table for a list of tables", "[[clamp]]", "[clamp]", "clamp: found", "[[clamp]]"),
         edited("value for a list of tables", '[[clamp]]\non = "top"', "", "clamp: found", "top", "[[clamp]]",
                prepare=lambda folder: prepend(folder / "scene.toml", 'clamp = "top"\n'), never=(FIRST_TABLE,)),
-        edited("list for a table", "[contact]", "[[contact]]", "contact: found", "a table"),
+        edited("list for a table", "[load]", "[[load]]", "load: found", "a table"),
+        overridden("values for tables of contact", "contact=[1, 2]", "contact: found [1, 2]", "tables headed [[contact]]"),
         edited("value for a table", 'obstacle = { shape = "half-space", point = [0, -0.1], normal = [0, 1] }',
                'obstacle = "half-space"', "contact.obstacle: found", "half-space", "a table"),
         edited("table for a text", 'file = "square.msh"', '[mesh.file]\nname = "square"\nkind = "msh"',
@@ -160,7 +161,91 @@ def dimension_cases() -> list[Case]:
         edited("unknown shape", '"half-space"', '"half-spcae"', 'contact.obstacle.shape: found "half-spcae"',
                'did you mean "half-space"?', at="obstacle ="),
         edited("shape of another kind", '"half-space"', '"sphere"', 'contact.obstacle.shape: found "sphere"',
-               "allowed: half-space", at="obstacle ="),
+               "allowed: half-space, ball, cylinder, signed-distance", at="obstacle ="),
+    ]
+
+
+def obstacle_cases() -> list[Case]:
+    """Obstacles that are none, and contact with them that cannot begin."""
+    plane = '{ shape = "half-space", point = [0, -0.1], normal = [0, 1] }'
+    second = f'obstacle = {plane}\n\n[[contact]]\non = "side"\nobstacle = '
+
+    def shaped(name: str, obstacle: str, *expect: object, **more: object) -> Case:
+        more.setdefault("at", "obstacle =")
+        return edited(name, plane, obstacle, *expect, **more)  # type: ignore[arg-type]
+
+    def two(name: str, obstacle: str, *expect: object, more: tuple[tuple[str, str], ...] = (), **other: object) -> Case:
+        return Case(name, expect, edits=(("[contact]", "[[contact]]"), (f"obstacle = {plane}", second + obstacle), *more),
+                    **other)  # type: ignore[arg-type]
+
+    ball = '{ shape = "ball", center = [0, -1], radius = 0.5 }'
+    return [
+        shaped("point of an expression of place", plane.replace("-0.1", '"-0.1 + x"'), "contact.obstacle.point: found",
+               "-0.1 + x", "expressions of t alone"),
+        shaped("point of an expression that cannot be read", plane.replace("-0.1", '"2*t +"'), "contact.obstacle.point: ",
+               '"2*t +"'),
+        shaped("point that leaves the finite", plane.replace("-0.1", '"-0.1/(1 - t/5e-5)"'), "contact.obstacle.point: ",
+               "t = 5e-05", "finite", at=""),
+        shaped("point that leaves the finite, two ranks", plane.replace("-0.1", '"-0.1/(1 - t/5e-5)"'),
+               "contact.obstacle.point: ", "finite", at="", ranks=2),
+        shaped("truth for a point", plane.replace("-0.1", "true"), "contact.obstacle.point: found true"),
+        shaped("ball without a center", '{ shape = "ball", radius = 0.5 }', "contact.obstacle.center: missing"),
+        shaped("ball by a point", ball.replace("center", "point"), "contact.obstacle.center: missing"),
+        shaped("ball of radius zero", ball.replace("0.5", "0"), "contact.obstacle.radius: found 0", "greater than 0", "m)"),
+        shaped("text for a radius", ball.replace("0.5", '"t"'), "contact.obstacle.radius: found", "a number"),
+        shaped("unknown side", ball.replace(" }", ', side = "within" }'), 'contact.obstacle.side: found "within"',
+               "outside, inside"),
+        shaped("ball with a normal", ball.replace(" }", ", normal = [0, 1] }"), "contact.obstacle.normal: unknown key"),
+        shaped("ball in space", ball.replace("[0, -1]", "[0, 0, -1]"), "contact.obstacle.center: found 3 components",
+               "2-dimensional", at=""),
+        shaped("ball around a node", ball.replace("[0, -1]", "[0, 0]"), "contact.obstacle: ", "(0, 0, 0)", "middle", at=""),
+        shaped("ball around a node, two ranks", ball.replace("[0, -1]", "[0, 0]"), "contact.obstacle: ", "(0, 0, 0)", at="",
+               ranks=2),
+        shaped("body inside a ball", ball.replace("[0, -1]", "[0, -0.4]"), "contact: the node at (0, 0, 0)",
+               "0.1 m inside the obstacle", at=""),
+        shaped("body outside a ball that holds it", ball.replace(" }", ', side = "inside" }').replace("0.5", "1"),
+               "contact: the node at", "inside the obstacle", "start outside", at=""),
+        shaped("cylinder in space without an axis", '{ shape = "cylinder", point = [0, 0, 0], radius = 1 }',
+               "contact.obstacle.axis: missing"),
+        shaped("cylinder with an axis of length zero", '{ shape = "cylinder", point = [0, 0, 0], axis = [0, 0, 0], radius = 1 }',
+               "contact.obstacle.axis: found", "length zero"),
+        shaped("cylinder with a plane axis", '{ shape = "cylinder", point = [0, 0, 0], axis = [0, 1], radius = 1 }',
+               "contact.obstacle.axis: found 2 components", "point has 3"),
+        shaped("disc with an axis", '{ shape = "cylinder", point = [0, -2], axis = [0, 1], radius = 1 }',
+               "contact.obstacle.axis: ", "in the plane", "disc"),
+        shaped("cylinder of a negative radius", '{ shape = "cylinder", point = [0, -2], radius = -1 }',
+               "contact.obstacle.radius: found -1", "greater than 0"),
+        shaped("cylinder in space for a plane body", '{ shape = "cylinder", point = [0, 0, 0], axis = [0, 1, 0], radius = 1 }',
+               "contact.obstacle.point: found 3 components", "2-dimensional", at=""),
+        shaped("distance that cannot be read", '{ shape = "signed-distance", distance = "y +" }',
+               "contact.obstacle.distance: ", '"y +"', "x, y, z"),
+        shaped("distance that depends on time", '{ shape = "signed-distance", distance = "y + 1 - t" }',
+               "contact.obstacle.distance: ", '"y + 1 - t"'),
+        shaped("list for a distance", '{ shape = "signed-distance", distance = ["y", "y"] }',
+               "contact.obstacle.distance: found", "a text"),
+        shaped("distance without a slope", '{ shape = "signed-distance", distance = "1" }', "contact.obstacle.distance: ",
+               "no slope", "node at (-0.5, 0, 0)", at=""),
+        shaped("distance that is not finite", '{ shape = "signed-distance", distance = "log(y)" }',
+               "contact.obstacle.distance: ", '"log(y)"', "y = 0", "finite", at=""),
+        shaped("distance that is not finite beside a node", '{ shape = "signed-distance", distance = "sqrt(y)" }',
+               "contact.obstacle.distance: ", "around the node at (-0.5, 0, 0)", at="", ranks=2),
+        edited("unknown way to begin", "[load]", 'initial = "inside"\n[load]', 'contact.initial: found "inside"',
+               "outside, project", at="initial ="),
+        two("misspelt group of the second contact", plane, "contact[1].on: ", '"sid"', 'did you mean "side"?',
+            more=(('on = "side"', 'on = "sid"'),)),
+        two("second contact with a wrong radius", ball.replace("0.5", "-1"), "contact[1].obstacle.radius: found -1"),
+        two("second obstacle in space", ball.replace("[0, -1]", "[0, 0, -1]"), "contact[1].obstacle.center: found 3"),
+        two("body inside the second obstacle", ball.replace("[0, -1]", "[0.9, 0.5]"), "contact[1]: the node at (0.5, 0.5, 0)",
+            "inside the obstacle"),
+        two("second contact's nodes all clamped", plane, "contact[1].on: ", '"top"', "clamped",
+            more=(('on = "side"', 'on = "top"'),)),
+        two("obstacles without room between them", '{ shape = "half-space", point = [0.5, -0.2], normal = [0, -1] }', "no room",
+            "(-0.5, 0, 0)", "t = 0 s"),
+        two("obstacles without room between them after a while",
+            '{ shape = "half-space", point = ["0", "0.5 - 1e4*t"], normal = [0, -1] }', "no room", "t = 0.0001 s",
+            more=(('on = "side"', 'on = "bottom"'),), ranks=2),
+        two("several obstacles for the full VI", ball, "solver.vi: ", "2 obstacles", "(-0.5, 0, 0)", "condensed",
+            options=("--set", "solver.vi=full")),
     ]
 
 
@@ -249,9 +334,6 @@ def later_cases() -> list[Case]:
                '"contact-stabilized" is not available yet', "contact-implicit"),
         edited("massless contact", "[load]", 'mass = "massless"\n[load]', "contact.mass: ",
                '"massless" is not available yet', "consistent"),
-        edited("several materials", "[material]", "[[material]]", "material: ", "not available yet", "[material]"),
-        edited("material of a group", "density = 1.0", 'density = 1.0\non = "body"', "material.on: not available yet",
-               at='on = "body"'),
         edited("misspelt linear solver", 'linear = "auto"', 'linear = "interactive"', "solver.linear: ", '"interactive"',
                "auto, direct, iterative"),
         edited("negative memory", 'linear = "auto"', 'linear = "auto"\nmemory = -1.0', "solver.memory: ", "-1", "bytes",
@@ -265,6 +347,50 @@ def later_cases() -> list[Case]:
         Case("study", ("study: not available yet", "simulate, optimize, check, info"), verb="study", earlier=True),
         Case("resume", ("--resume: not available yet",), options=("--resume",), earlier=True),
         Case("resume, two ranks", ("--resume: not available yet",), options=("--resume",), ranks=2),
+    ]
+
+
+def material_cases() -> list[Case]:
+    """Materials that do not cover the body once."""
+    def table(on: str) -> str:
+        return f'[[material]]\non = "{on}"\ndensity = 1.0\nyoung = 1e8\npoisson = 0.3\n\n'
+
+    one = "[material]\ndensity = 1.0\nyoung = 1e8\npoisson = 0.3\nviscosity = { bulk = 1e4, shear = 1e4 }\n\n"
+    halves = {"mesh": square_of_halves(), "mesh_file": "square.msh"}
+    overlap = GEO + 'Physical Surface("disc") = {1};\n'
+    geo = {"mesh": overlap, "mesh_file": "square.geo"}
+    to_geo = ('file = "square.msh"', 'file = "square.geo"\nsize = 4')
+
+    def on(name: str, groups: tuple[str, ...], *expect: Expected, **more: object) -> Case:
+        edits = ((one, "".join(table(group) for group in groups)), *more.pop("edits", ()))
+        return Case(name, expect, edits=edits, **more)  # type: ignore[arg-type]
+
+    return [
+        edited("material of a group in one table", "density = 1.0", 'density = 1.0\non = "body"',
+               "material.on: has no effect", "[[material]]", at='on = "body"'),
+        edited("materials without a group", "[material]", "[[material]]", "material[0].on: missing", "required"),
+        edited("misspelt group key of a material", "[material]", '[[material]]\nonn = "body"',
+               "material[0].onn: unknown", 'did you mean "on"?', at="onn ="),
+        edited("list of no materials", one, "", "material: found []", "[[material]]",
+               prepare=lambda folder: prepend(folder / "scene.toml", "material = []\n")),
+        edited("one table and several", one, one + table("body"), "not valid TOML", at="[[material]]"),
+        on("group of two materials", ("body", "body"), 'material[1].on: found "body"', "material[0]", "another group"),
+        on("unknown group of a material", ("left", "rigth"), "material[1].on: ", "square.msh", 'no surface group "rigth"',
+           'did you mean "right"?', "surface groups of the file: left, right", **halves, earlier=True),
+        on("unknown group of a material, two ranks", ("left", "rigth"), "material[1].on: ", '"rigth"', **halves, ranks=2),
+        on("boundary as a material's group", ("left", "top"), "material[1].on: ", '"top"', "dimension 1",
+           "surface groups of the file: left, right", **halves),
+        on("cells without a material", ("left",), "material: the cell at (0.", "no group of a material (left)",
+           "allowed is one material for every cell", **halves, earlier=True),
+        on("cells without a material, two ranks", ("left",), "material: the cell at (0.", "(left)", **halves, ranks=2),
+        on("cells of two materials", ("body", "disc"), "material: the cell at (", '"body" and "disc"', "two materials",
+           **geo, edits=(to_geo,)),
+        on("negative density of one material", ("left", "right"), "material[1].density: found -1", "greater than 0",
+           **halves, options=("--set", "material.1.density=-1")),
+        on("set on materials without a number", ("left", "right"), "--set material.young=1", "list of 2 tables",
+           "material.0.on", **halves, options=("--set", "material.young=1")),
+        on("set beyond the materials", ("left", "right"), "--set material.2.young=1", "list of 2 tables", **halves,
+           options=("--set", "material.2.young=1")),
     ]
 
 
@@ -311,8 +437,8 @@ def option_cases() -> list[Case]:
         edited("objective without a control", "[control]\nscale = 1e6\nlower = -2.0\nupper = 2.0\n", "",
                "objective: needs a control", "[control]", at="[objective]"),
         edited("both desired kinds", 'control = ["0", "-1"]', 'control = ["0", "-1"], displacement = ["0", "0"]',
-               "objective.desired: found both", "control, displacement", at="desired ="),
-        edited("no desired kind", 'control = ["0", "-1"]', "", "objective.desired: found neither",
+               "objective.desired: found control, displacement", "allowed is one of", at="desired ="),
+        edited("no desired kind", 'control = ["0", "-1"]', "", "objective.desired: found none",
                "control, displacement", at="desired ="),
         edited("misspelt desired kind", 'control = ["0", "-1"]', 'contrl = ["0", "-1"]', "objective.desired", "contrl",
                at="desired ="),
@@ -514,6 +640,49 @@ def space_cases() -> list[Case]:
     ]
 
 
+def desired_run_cases() -> list[Case]:
+    """Desired states that no earlier run left as they are needed."""
+    by_run = (('desired = { control = ["0", "-1"] }', 'desired = { run = "earlier" }'),)
+    other = [(x, 2 * y, z) for x, y, z in square_points()]
+
+    def wrong(name: str, *expect: Expected, ranks: int = 1, **change: object) -> Case:
+        return Case(name, ("objective.desired.run: ", *expect), edits=by_run, verb="optimize", earlier=True, ranks=ranks,
+                    prepare=lambda folder: stored_run(folder / "earlier", **change))  # type: ignore[arg-type]
+
+    allowed = ("earlier/state.h5", "allowed")
+    return [
+        Case("desired run that is missing", ("objective.desired.run: ", *allowed, "no such file"), edits=by_run,
+             verb="optimize", earlier=True),
+        Case("desired run that is missing, check, two ranks", ("objective.desired.run: ", "no such file"), edits=by_run,
+             verb="check", ranks=2),
+        edited("desired run that is a number", 'control = ["0", "-1"]', "run = 3", "objective.desired.run: found 3", "a text",
+               at="desired ="),
+        edited("desired run and control", 'control = ["0", "-1"]', 'control = ["0", "-1"], run = "earlier"',
+               "objective.desired: found control, run", "allowed is one of", at="desired ="),
+        Case("desired run that is text", ("objective.desired.run: ", *allowed, "damaged"), edits=by_run, verb="optimize",
+             prepare=lambda folder: write(folder / "earlier" / "state.h5", "fields") if not (folder / "earlier").mkdir() else None),
+        wrong("desired run cut short", *allowed, "damaged", cut=2000),
+        wrong("desired run cut short, two ranks", *allowed, "damaged", cut=2000, ranks=2),
+        wrong("desired run without displacement", *allowed, 'no field "displacement"', "output.fields", field="velocity"),
+        wrong("desired run that ends early", *allowed, "from 0 to 0.0001 s", "0.00015 s", times=(0.0, 1e-4)),
+        wrong("desired run that starts late", *allowed, "from 5e-05 to 0.00015 s", times=(5e-5, 1.5e-4)),
+        wrong("desired run of another mesh", *allowed, "no node at (", points=other),
+        wrong("desired run of another mesh, three ranks", *allowed, "no node at (", points=other, ranks=3),
+        wrong("desired run of a larger mesh", *allowed, "12 nodes in 2 dimensions", "9 nodes in 2",
+              points=[*square_points(), (2.0, 0.0, 0.0), (2.0, 1.0, 0.0), (2.0, 0.5, 0.0)]),
+        wrong("desired run in space", *allowed, "9 nodes in 3 dimensions", "9 nodes in 2", dim=3),
+        wrong("desired run with two nodes in one place", *allowed, "two nodes at (-0.5, 0)",
+              points=[square_points()[0], *square_points()[:-1]]),
+        wrong("desired run with a value that is no number", *allowed, '"displacement" at 0.00015 s is damaged', value=float("nan")),
+        wrong("desired run with a value that is no number, two ranks", "is damaged", value=float("inf"), ranks=2),
+        wrong("desired run with a time that is none", *allowed, "damaged", names=("0_0", "later")),
+        Case("desired run of degree 2", ("objective.desired.run: ", "mesh.degree = 2", "allowed is 1"),
+             edits=(*by_run, ("[time]", "degree = 2\n\n[time]")), verb="optimize"),
+        Case("desired run in the way", ("--out: ", "objective.desired.run", "allowed is another"), edits=(
+            ('desired = { control = ["0", "-1"] }', 'desired = { run = "results" }'),), verb="optimize", earlier=True),
+    ]
+
+
 def folder_cases() -> list[Case]:
     """Folders that cannot take results."""
     return [
@@ -551,12 +720,15 @@ def all_cases() -> list[Case]:
         *type_cases(),
         *range_cases(),
         *dimension_cases(),
+        *obstacle_cases(),
         *expression_cases(),
         *effect_cases(),
         *later_cases(),
+        *material_cases(),
         *option_cases(),
         *mesh_file_cases(),
         *mesh_content_cases(),
         *space_cases(),
+        *desired_run_cases(),
         *folder_cases(),
     ]

@@ -1,0 +1,102 @@
+#include "contact/dual_active_set.h"
+#include "base/error.h"
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <petscblaslapack.h>
+
+namespace signorini::contact {
+
+DualActiveSet::DualActiveSet(std::size_t m) {
+  factor_.reserve(m * m);
+  r_.reserve(m);
+}
+
+void DualActiveSet::solve_on_set(std::span<const double> S, std::size_t m, const ActiveSet& set,
+                                 std::span<double> b) const {
+  const auto n = static_cast<PetscBLASInt>(set.size());
+  const PetscBLASInt one = 1;
+  PetscBLASInt info = 0;
+  if (n == 0)
+    return;
+  factor_.clear();
+  for (int i : set)
+    for (int j : set)
+      factor_.push_back(S[static_cast<std::size_t>(i) * m + static_cast<std::size_t>(j)]);
+  LAPACKpotrf_("L", &n, factor_.data(), &n, &info);
+  if (info != 0)
+    throw SolverFailure(
+        fmt::format("the condensed matrix of {} independent constraints is singular (pivot {})", set.size(),
+                    static_cast<int>(info)));
+  LAPACKpotrs_("L", &n, &one, factor_.data(), &n, b.data(), &n, &info);
+}
+
+bool DualActiveSet::solve(std::span<const double> S, std::span<const double> gap0, double tolerance,
+                          const Depends& depends, ActiveSet& set, std::span<double> lambda,
+                          int& steps) const {
+  const std::size_t m = gap0.size();
+  const auto gap = [&](std::size_t j) {
+    double g = gap0[j];
+    for (int i : set)
+      g += S[j * m + static_cast<std::size_t>(i)] * lambda[static_cast<std::size_t>(i)];
+    return g;
+  };
+  const int most = 100 * static_cast<int>(m) + 100; // each full step raises the dual objective: a few times m
+  set.clear();
+  std::ranges::fill(lambda, 0);
+  for (;;) {
+    std::size_t j = m;
+    double deepest = -tolerance;
+    for (std::size_t i = 0; i < m; ++i)
+      if (const double g = gap(i); g < deepest && !std::ranges::binary_search(set, static_cast<int>(i)))
+        deepest = g, j = i;
+    if (j == m)
+      break;
+    // Constraint j is closed by its own force; those that this would make pull leave the set on the way.
+    for (bool closed = false; !closed;) {
+      if (++steps > most)
+        throw SolverFailure(fmt::format(
+            "the active set did not settle in {} steps: {} of {} candidates closed", most, set.size(), m));
+      r_.clear();
+      for (int i : set)
+        r_.push_back(S[static_cast<std::size_t>(i) * m + j]);
+      solve_on_set(S, m, set, r_);
+      double slope = S[j * m + j], largest = 0;
+      for (std::size_t i = 0; i < set.size(); ++i) {
+        slope -= r_[i] * S[static_cast<std::size_t>(set[i]) * m + j];
+        largest = std::max(largest, std::abs(r_[i]));
+      }
+      const bool dependent = depends(set, static_cast<int>(j));
+      const double g = gap(j) + S[j * m + j] * lambda[j];
+      double step = dependent ? std::numeric_limits<double>::infinity() : std::max(0.0, -g / slope);
+      std::size_t leaves = set.size();
+      for (std::size_t i = 0; i < set.size(); ++i)
+        if (r_[i] > 1e-10 * largest) // else it is rounding
+          if (const double limit = lambda[static_cast<std::size_t>(set[i])] / r_[i]; limit < step)
+            step = limit, leaves = i;
+      if (std::isinf(step))
+        return false;
+      for (std::size_t i = 0; i < set.size(); ++i) {
+        double& force = lambda[static_cast<std::size_t>(set[i])];
+        force = std::max(0.0, force - step * r_[i]);
+      }
+      lambda[j] += step;
+      closed = leaves == set.size();
+      if (!closed) {
+        lambda[static_cast<std::size_t>(set[leaves])] = 0;
+        set.erase(set.begin() + static_cast<std::ptrdiff_t>(leaves));
+      }
+    }
+    set.insert(std::ranges::lower_bound(set, static_cast<int>(j)), static_cast<int>(j));
+    // λ afresh, so that rounding does not gather.
+    r_.clear();
+    for (int i : set)
+      r_.push_back(-gap0[static_cast<std::size_t>(i)]);
+    solve_on_set(S, m, set, r_);
+    for (std::size_t i = 0; i < set.size(); ++i)
+      lambda[static_cast<std::size_t>(set[i])] = std::max(0.0, r_[i]);
+  }
+  return true;
+}
+
+} // namespace signorini::contact

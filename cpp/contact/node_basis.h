@@ -1,0 +1,82 @@
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace signorini::contact {
+
+/// Orthonormal basis q of the force directions n of constraints at one node, by Gram and Schmidt: n_j = Σ_k
+/// R_jk q_k.
+class NodeBasis {
+public:
+  /// Directions depend on each other if less than this is left of one of them beside the others: forces that
+  /// tell them apart would keep four digits.
+  static constexpr double parallel = 1e-6;
+
+  explicit NodeBasis(int dim) : dim_(static_cast<std::size_t>(dim)) {}
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+  void clear() { size_ = 0; }
+
+  /// Adds a direction (dim); false, and nothing is added, if it depends on those there.
+  bool add(const double* n) {
+    std::array<double, 3> left{};
+    std::copy(n, n + dim_, left.begin());
+    std::array<double, 3> row{};
+    for (int pass = 0; pass < 2; ++pass) // the second one takes out the rounding of the first
+      for (std::size_t k = 0; k < size_; ++k) {
+        const double part = along(k, left.data());
+        row[k] += part;
+        for (std::size_t c = 0; c < dim_; ++c)
+          left[c] -= part * q_[k][c];
+      }
+    const double rest = std::hypot(left[0], left[1], left[2]);
+    if (size_ == dim_ || !(rest > parallel * std::hypot(n[0], n[1], dim_ == 3 ? n[2] : 0)))
+      return false;
+    for (std::size_t c = 0; c < dim_; ++c)
+      q_[size_][c] = left[c] / rest;
+    row[size_] = rest;
+    R_[size_++] = row;
+    return true;
+  }
+
+  /// q_k·x.
+  [[nodiscard]] double along(std::size_t k, const double* x) const {
+    double sum = 0;
+    for (std::size_t c = 0; c < dim_; ++c)
+      sum += q_[k][c] * x[c];
+    return sum;
+  }
+
+  /// x += Σ_k b_k q_k.
+  void add_to(double* x, const std::array<double, 3>& b) const {
+    for (std::size_t k = 0; k < size_; ++k)
+      for (std::size_t c = 0; c < dim_; ++c)
+        x[c] += b[k] * q_[k][c];
+  }
+
+  /// Coordinates of the shortest vector with the products b_j with the directions: b ← R⁻¹ b.
+  void shortest(std::array<double, 3>& b) const {
+    for (std::size_t j = 0; j < size_; ++j) {
+      for (std::size_t k = 0; k < j; ++k)
+        b[j] -= R_[j][k] * b[k];
+      b[j] /= R_[j][j];
+    }
+  }
+
+  /// Coefficients a of the directions in a vector of coordinates b, Σ_j a_j n_j = Σ_k b_k q_k: b ← R⁻ᵀ b.
+  void combine(std::array<double, 3>& b) const {
+    for (std::size_t k = size_; k-- > 0;) {
+      for (std::size_t j = k + 1; j < size_; ++j)
+        b[k] -= R_[j][k] * b[j];
+      b[k] /= R_[k][k];
+    }
+  }
+
+private:
+  std::size_t dim_, size_ = 0;
+  std::array<std::array<double, 3>, 3> q_{}, R_{};
+};
+
+} // namespace signorini::contact

@@ -1,0 +1,235 @@
+#include "io/stored_field.h"
+#include "base/collective.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <fmt/format.h>
+#include <hdf5.h>
+#include <map>
+
+namespace signorini::io {
+using petsc::check;
+
+namespace {
+
+/// Sole owner of something that HDF5 opened.
+class Opened {
+public:
+  Opened(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  ~Opened() {
+    if (id_ >= 0)
+      close_(id_);
+  }
+  Opened(const Opened&) = delete;
+  Opened& operator=(const Opened&) = delete;
+  operator hid_t() const { return id_; }
+  explicit operator bool() const { return id_ >= 0; }
+
+private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+Opened open_file(const std::filesystem::path& file) {
+  return {H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
+}
+
+/// Rows and columns of a dataset, zero if it is no table.
+std::array<hsize_t, 2> shape(hid_t dataset) {
+  std::array<hsize_t, 2> rows_columns{};
+  const Opened space(H5Dget_space(dataset), H5Sclose);
+  if (space && H5Sget_simple_extent_ndims(space) == 2)
+    H5Sget_simple_extent_dims(space, rows_columns.data(), nullptr);
+  return rows_columns;
+}
+
+/// All of a dataset, row by row; empty if it cannot be read.
+std::vector<double> values(hid_t dataset) {
+  const auto [rows, columns] = shape(dataset);
+  std::vector<double> all(rows * columns);
+  if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) < 0)
+    all.clear();
+  return all;
+}
+
+/// Names of a group's members and the times that they stand for, ascending; empty if a name is no time. The
+/// writer calls the dataset of 0.25 s "0_25".
+std::vector<std::pair<double, std::string>> times_of(hid_t group) {
+  H5G_info_t info{};
+  if (H5Gget_info(group, &info) < 0)
+    return {};
+  std::vector<std::pair<double, std::string>> times;
+  for (hsize_t i = 0; i < info.nlinks; ++i) {
+    std::array<char, 64> name{};
+    if (H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_NATIVE, i, name.data(), name.size(),
+                           H5P_DEFAULT) < 0)
+      return {};
+    std::string number = name.data();
+    std::ranges::replace(number, '_', '.');
+    char* end = nullptr;
+    const double time = std::strtod(number.c_str(), &end);
+    if (*end != '\0' || !std::isfinite(time))
+      return {};
+    times.emplace_back(time, name.data());
+  }
+  std::ranges::sort(times);
+  return times;
+}
+
+bool finite(const std::vector<double>& values) {
+  return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
+}
+
+std::string place(const double* x, int dim) {
+  return dim == 2 ? fmt::format("({:.6g}, {:.6g})", x[0], x[1])
+                  : fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
+}
+
+} // namespace
+
+StoredField::StoredField(const fem::Space& space, const std::filesystem::path& file, const std::string& field,
+                         const std::string& key, double end)
+    : space_(space), file_(file), field_(field), key_(key),
+      nodes_(static_cast<std::size_t>(space.dofs() / space.dim())) {
+  if (space.degree() > 1)
+    fail(fmt::format("found mesh.degree = {}, allowed is 1: fields are stored at the mesh's own nodes",
+                     space.degree()));
+  std::vector<double> points;
+  on_root(space.comm(), [&] { look(end, points); });
+  auto count = static_cast<int>(times_.size());
+  MPI_Bcast(&count, 1, MPI_INT, 0, space.comm());
+  times_.resize(static_cast<std::size_t>(count));
+  MPI_Bcast(times_.data(), count, MPI_DOUBLE, 0, space.comm());
+  points.resize(nodes_ * static_cast<std::size_t>(space.dim()));
+  MPI_Bcast(points.data(), static_cast<int>(points.size()), MPI_DOUBLE, 0, space.comm());
+  match(points);
+}
+
+void StoredField::fail(const std::string& problem) const {
+  throw UserError(fmt::format("{}: {}: {}", key_, file_.string(), problem));
+}
+
+void StoredField::look(double end, std::vector<double>& points) {
+  if (!std::filesystem::is_regular_file(file_))
+    fail(fmt::format("there is no such file, allowed is the folder of an earlier run that stored \"{}\"",
+                     field_));
+  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence says it, instead of HDF5's stack
+  const std::string damaged = "the file is damaged, or was not written by a run; allowed is a whole one";
+  const Opened file = open_file(file_);
+  if (!file)
+    fail(damaged);
+  const Opened geometry(H5Dopen(file, "/Mesh/mesh/geometry", H5P_DEFAULT), H5Dclose);
+  if (!geometry)
+    fail(damaged);
+  const auto [rows, columns] = shape(geometry);
+  if (rows != nodes_ || columns != static_cast<hsize_t>(space_.dim()))
+    fail(fmt::format(
+        "found a mesh of {} nodes in {} dimensions, allowed is the mesh of this scene, of {} nodes in {}",
+        rows, columns, nodes_, space_.dim()));
+  points = values(geometry);
+  if (points.empty() || !finite(points))
+    fail(damaged);
+  const Opened group(H5Gopen(file, ("/Function/" + field_).c_str(), H5P_DEFAULT), H5Gclose);
+  if (!group)
+    fail(fmt::format("found no field \"{}\", allowed is a run whose output.fields has it", field_));
+  for (const auto& [time, name] : times_of(group)) {
+    times_.push_back(time);
+    names_.push_back(name);
+  }
+  if (times_.empty())
+    fail(damaged);
+  constexpr double rounding = 1e-9;
+  if (times_.front() > rounding * end || times_.back() < (1 - rounding) * end)
+    fail(fmt::format(
+        "found \"{}\" from {:.6g} to {:.6g} s, allowed are runs that cover this one, from 0 to {:.6g} s",
+        field_, times_.front(), times_.back(), end));
+}
+
+void StoredField::match(const std::vector<double>& points) {
+  const auto dim = static_cast<std::size_t>(space_.dim());
+  // Nodes of one mesh agree to the last digits; a cell is so much larger than that that few nodes lie near
+  // its sides, and so small that it holds one node.
+  const double near = 1e-10 * space_.mesh().diameter(), cell = 100 * near;
+  using Cell = std::array<std::int64_t, 3>;
+  const auto cell_of = [&](const double* x, double shift) {
+    Cell at{};
+    for (std::size_t c = 0; c < dim; ++c)
+      at[c] = static_cast<std::int64_t>(std::floor((x[c] + shift) / cell + 0.5));
+    return at;
+  };
+  together(space_.comm(), [&] {
+    std::map<Cell, std::size_t> rows;
+    for (std::size_t row = 0; row < nodes_; ++row)
+      if (!rows.emplace(cell_of(&points[row * dim], 0), row).second)
+        fail(fmt::format("found two nodes at {} m, allowed are meshes whose nodes are apart",
+                         place(&points[row * dim], space_.dim())));
+    for (int node = 0; node < space_.owned_nodes(); ++node) {
+      const double* x = &space_.points()[3 * static_cast<std::size_t>(node)];
+      const Cell low = cell_of(x, -near), high = cell_of(x, near);
+      const auto found = [&] {
+        for (Cell at = low; at[0] <= high[0]; ++at[0])
+          for (at[1] = low[1]; at[1] <= high[1]; ++at[1])
+            for (at[2] = low[2]; at[2] <= high[2]; ++at[2])
+              if (const auto entry = rows.find(at); entry != rows.end())
+                return entry;
+        return rows.end();
+      }();
+      if (found == rows.end())
+        fail(fmt::format("found no node at {} m, where this scene has one; allowed is a run on the same mesh",
+                         place(x, space_.dim())));
+      rows_.push_back(found->second);
+    }
+  });
+}
+
+Vec StoredField::stored(std::size_t number) {
+  if (const auto known = std::ranges::find(kept_, number, &Stored::number); known != kept_.end()) {
+    std::rotate(known, known + 1, kept_.end()); // the first one makes room for the next
+    return kept_.back().values;
+  }
+  constexpr std::size_t padded = 3; // vectors in an XDMF file have three components
+  std::vector<double> all;
+  on_root(space_.comm(), [&] {
+    const Opened file = open_file(file_);
+    const Opened dataset(
+        file ? H5Dopen(file, ("/Function/" + field_ + "/" + names_[number]).c_str(), H5P_DEFAULT)
+             : H5I_INVALID_HID,
+        H5Dclose);
+    if (dataset && shape(dataset) == std::array<hsize_t, 2>{nodes_, padded})
+      all = values(dataset);
+    if (all.empty() || !finite(all))
+      fail(fmt::format("\"{}\" at {:.6g} s is damaged, allowed are {} finite vectors", field_, times_[number],
+                       nodes_));
+  });
+  all.resize(nodes_ * padded);
+  MPI_Bcast(all.data(), static_cast<int>(all.size()), MPI_DOUBLE, 0, space_.comm());
+  if (kept_.size() == 2)
+    kept_.erase(kept_.begin());
+  kept_.push_back({number, space_.vector()});
+  const petsc::WriteArray out(kept_.back().values);
+  const auto dim = static_cast<std::size_t>(space_.dim());
+  for (std::size_t node = 0; node < rows_.size(); ++node)
+    for (std::size_t c = 0; c < dim; ++c)
+      out[node * dim + c] = all[rows_[node] * padded + c];
+  return kept_.back().values;
+}
+
+void StoredField::at(double t, Vec out) {
+  // Two times at least, since they cover an interval.
+  const auto above = static_cast<std::size_t>(std::ranges::lower_bound(times_, t) - times_.begin());
+  const std::size_t second = std::clamp<std::size_t>(above, 1, times_.size() - 1), first = second - 1;
+  const double weight = (t - times_[first]) / (times_[second] - times_[first]);
+  constexpr double rounding = 1e-7; // a time that is stored but for this is taken as it is
+  if (weight < rounding) {
+    check(VecCopy(stored(first), out));
+  } else if (weight > 1 - rounding) {
+    check(VecCopy(stored(second), out));
+  } else {
+    const Vec from = stored(first), to = stored(second);
+    check(VecAXPBYPCZ(out, 1 - weight, weight, 0, from, to));
+  }
+}
+
+} // namespace signorini::io

@@ -1,0 +1,43 @@
+#pragma once
+#include "fem/space.h"
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace signorini::io {
+
+/// A field that an earlier run stored over time (FieldFile), on the same mesh and any number of ranks.
+class StoredField {
+public:
+  /// Finds `field` in an HDF5 file and matches its nodes with those of the space by their coordinates. `key`
+  /// of the scene asks for it. Collective. `space` must outlive this object. Throws UserError if the file is
+  /// missing or damaged, holds no such field, or holds it on another mesh or not from 0 to `end` (s).
+  StoredField(const fem::Space& space, const std::filesystem::path& file, const std::string& field,
+              const std::string& key, double end);
+
+  /// The field at time t (s), linear between two stored times. Cheap if t grows from call to call.
+  /// Collective. Throws UserError if its values are damaged.
+  void at(double t, Vec out);
+
+private:
+  /// A stored field in memory.
+  struct Stored {
+    std::size_t number;
+    petsc::Vector values;
+  };
+  [[noreturn]] void fail(const std::string& problem) const;
+  void look(double end, std::vector<double>& points);
+  void match(const std::vector<double>& points);
+  Vec stored(std::size_t number);
+
+  const fem::Space& space_;
+  std::filesystem::path file_;
+  std::string field_, key_;
+  std::vector<double> times_;      ///< s, ascending
+  std::vector<std::string> names_; ///< datasets; on rank 0
+  std::size_t nodes_;              ///< on all ranks
+  std::vector<std::size_t> rows_;  ///< of the owned nodes in the file
+  std::vector<Stored> kept_;       ///< the two around the last time asked for
+};
+
+} // namespace signorini::io
