@@ -58,6 +58,13 @@ def stored(out: Path, file: str, name: str) -> tuple[np.ndarray, np.ndarray, np.
         return mesh["geometry"][:], mesh["topology"][:], np.array([states[key][:] for key in order])
 
 
+def boundary(cells: np.ndarray) -> np.ndarray:
+    """The facets that belong to one cell only, their nodes ascending."""
+    facets = np.concatenate([np.delete(cells, i, axis=1) for i in range(cells.shape[1])])
+    facets, cells_there = np.unique(np.sort(facets, axis=1), axis=0, return_counts=True)
+    return facets[cells_there == 1]
+
+
 def relative(found: float, expected: float) -> float:
     return abs(found / expected - 1)
 

@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import SOURCE, Figures, signorini, stored, table  # noqa: E402
+from harness import SOURCE, Figures, boundary, signorini, stored, table  # noqa: E402
 
 import numpy as np  # noqa: E402
 
@@ -39,9 +39,7 @@ def areas(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
 
 def hand(points: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The edges on which the traction acts, within 60 degrees of the leftmost point, and their lengths."""
-    edges = np.sort(np.concatenate([cells[:, [i, (i + 1) % 3]] for i in range(3)]), axis=1)
-    edges, cells_there = np.unique(edges, axis=0, return_counts=True)
-    edges = edges[cells_there == 1]
+    edges = boundary(cells)
     middle = points[edges].mean(axis=1)
     edges = edges[-middle[:, 0] > np.cos(np.pi / 3) * np.linalg.norm(middle, axis=1)]
     return edges, np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)

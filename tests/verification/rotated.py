@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_BALL, HALF_DISC, signorini, stored, table  # noqa: E402
+from harness import HALF_BALL, HALF_DISC, boundary, signorini, stored, table  # noqa: E402
 
 import numpy as np  # noqa: E402
 
@@ -28,10 +28,7 @@ def turn(dim: int) -> np.ndarray:
 
 def groups(points: np.ndarray, cells: np.ndarray) -> dict[str, np.ndarray]:
     """The facets of the boundary, by the groups of half-disc.geo and half-ball.geo."""
-    corners = cells.shape[1]
-    facets = np.sort(np.concatenate([np.delete(cells, i, axis=1) for i in range(corners)]), axis=1)
-    facets, cells_there = np.unique(facets, axis=0, return_counts=True)
-    facets = facets[cells_there == 1]
+    facets = boundary(cells)
     middle = points[facets].mean(axis=1)
     top = abs(middle[:, -1]) < 1e-9
     contact = -middle[:, -1] > np.cos(np.pi / 6) * np.linalg.norm(middle, axis=1)
