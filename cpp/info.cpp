@@ -41,6 +41,11 @@ std::map<std::string, Cost> costs(const Problem& problem) {
     costs["contact"] = {fmt::format("of the {} candidates", constraints->count()),
                         stepper.solver().memory().condensation,
                         "in flight a look at the gaps; in contact an inequality"};
+    if (stepper.predictor())
+      costs["contact-stabilized"] = {"the factor of M", stepper.scheme_bytes(),
+                                     "in contact an inequality with M"};
+    else if (stepper.scheme_bytes() > 0)
+      costs["massless contact"] = {"M with mass moved", stepper.scheme_bytes(), "nothing: it is in D and R"};
     if (constraints->moving())
       costs["moving obstacle"].step = "the gaps anew";
   }
@@ -96,7 +101,7 @@ StepTimes time_steps(const Problem& problem, int steps) {
       petsc::check(VecCopy(frame.y1, p_next));
       start = Clock::now();
       for (int k = 0; k < steps; ++k)
-        problem.stepper.adjoint_step(frame.contact, {}, p_next, q, p);
+        problem.stepper.adjoint_step(frame.contact, &frame.contact, {}, p_next, q, p);
       times.adjoint = seconds_since(start) / steps;
     }
     start = Clock::now();

@@ -73,6 +73,12 @@ double Clamped::decouple(Mat matrix) const {
   return largest;
 }
 
+petsc::Matrix symmetric_half(const petsc::Matrix& blocks) {
+  petsc::Matrix half;
+  check(MatConvert(blocks, MATSBAIJ, MAT_INITIAL_MATRIX, half.put()));
+  return half;
+}
+
 namespace {
 
 /// c with matrix = c other to rounding, if there is one; told by a random vector.
@@ -90,13 +96,6 @@ std::optional<double> ratio(Mat matrix, Mat other) {
   if (!(difference * c <= rounding * size))
     return std::nullopt;
   return std::abs(c - 1) <= rounding ? 1 : c;
-}
-
-/// The upper half of a symmetric matrix of blocks (SBAIJ).
-petsc::Matrix symmetric_half(const petsc::Matrix& blocks) {
-  petsc::Matrix half;
-  check(MatConvert(blocks, MATSBAIJ, MAT_INITIAL_MATRIX, half.put()));
-  return half;
 }
 
 /// The first component of a matrix in rows.
@@ -174,11 +173,17 @@ petsc::Matrix assemble_step_operator(const Space& space, const std::vector<scene
   return assemble(space, Form::d, parts(space.mesh(), materials), tau, MATBAIJ);
 }
 
+petsc::Matrix assemble_mass(const Space& space, const std::vector<scene::Material>& materials) {
+  constexpr double no_tau = 0;
+  return assemble(space, Form::m, parts(space.mesh(), materials), no_tau, MATBAIJ);
+}
+
 petsc::Matrix shifted(Mat A, Mat D, double c) {
   // In whole blocks: PETSc 3.22 adds halves wrongly on several ranks (MatAXPY of MPISBAIJ).
-  petsc::Matrix sum;
-  check(MatConvert(A, MATBAIJ, MAT_INITIAL_MATRIX, sum.put()));
-  check(MatAYPX(sum, -c, D, SAME_NONZERO_PATTERN));
+  petsc::Matrix blocks, sum;
+  check(MatConvert(A, MATBAIJ, MAT_INITIAL_MATRIX, blocks.put()));
+  check(MatDuplicate(D, MAT_COPY_VALUES, sum.put()));
+  check(MatAXPY(sum, -c, blocks, SUBSET_NONZERO_PATTERN));
   return symmetric_half(sum);
 }
 

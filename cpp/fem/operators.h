@@ -60,6 +60,12 @@ petsc::Matrix assemble_L2(const Space& space, const std::string& group, const st
 petsc::Matrix assemble_step_operator(const Space& space, const std::vector<scene::Material>& materials,
                                      double tau);
 
+/// The operator m of the mass alone, in blocks (BAIJ). Collective. Throws as assemble_operators does.
+petsc::Matrix assemble_mass(const Space& space, const std::vector<scene::Material>& materials);
+
+/// The upper half of a symmetric matrix of blocks (SBAIJ). Collective.
+petsc::Matrix symmetric_half(const petsc::Matrix& blocks);
+
 /// D − c A, stored as Operators are. Collective.
 petsc::Matrix shifted(Mat A, Mat D, double c);
 

@@ -30,6 +30,8 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
           {"clamp", !scene.clamps.empty()},
           {"moving clamp", std::ranges::any_of(scene.clamps, moves)},
           {"contact", !scene.contacts.empty()},
+          {"contact-stabilized", !scene.contacts.empty() && scene.time.stabilized()},
+          {"massless contact", std::ranges::any_of(scene.contacts, &scene::Contact::massless)},
           {"moving obstacle", std::ranges::any_of(scene.contacts, obstacle_moves)},
           {"body load", scene.load && scene.load->body},
           {"traction", scene.load && !scene.load->tractions.empty()},
