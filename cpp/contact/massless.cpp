@@ -24,11 +24,18 @@ struct Surroundings {
   std::array<std::vector<PetscInt>, rings> nodes;
 };
 
-/// Weights of `around` that extrapolate fields to `x`: linear ones exactly where that can be done without
-/// cancellation, the nearer a node the greater its part. Empty if it cannot.
-std::vector<double> extrapolation(const Point& x, const std::vector<Point>& around, int dim, bool linear) {
-  constexpr double cancellation = 5; // sum of absolute weights; 3 is two nodes in a row behind the surface
-  const auto rows = static_cast<PetscBLASInt>(linear ? dim + 1 : 1);
+/// What an extrapolation is to be exact for, and the sum of absolute weights that it may have: 3 is two nodes
+/// in a row behind a surface, 9 such behind an edge, 27 behind a corner.
+struct Demand {
+  bool linear;
+  double cancellation;
+};
+constexpr Demand demands[] = {{true, 10}, {true, 30}, {false, 1 + 1e-9}};
+
+/// Weights of `around` that extrapolate fields to `x`, the nearer a node the greater its part; empty if they
+/// cannot be had.
+std::vector<double> extrapolation(const Point& x, const std::vector<Point>& around, int dim, Demand demand) {
+  const auto rows = static_cast<PetscBLASInt>(demand.linear ? dim + 1 : 1);
   const auto n = static_cast<std::size_t>(rows);
   double size = 0;
   for (const Point& y : around)
@@ -59,17 +66,19 @@ std::vector<double> extrapolation(const Point& x, const std::vector<Point>& arou
     return {};
   LAPACKpotrs_("L", &rows, &one, normal.data(), &rows, b.data(), &rows, &info);
   std::vector<double> w(around.size());
-  double sum = 0, absolute = 0;
+  std::array<double, 4> moments{};
+  double absolute = 0;
   for (std::size_t j = 0; j < w.size(); ++j) {
     for (std::size_t i = 0; i < n; ++i)
       w[j] += V[j] * C[j][i] * b[i];
-    sum += w[j];
+    for (std::size_t i = 0; i < n; ++i)
+      moments[i] += w[j] * C[j][i];
     absolute += std::abs(w[j]);
   }
-  if (!(absolute <= cancellation))
+  constexpr double rounding = 1e-12; // nodes in a line: no linear field is known beside it
+  const double defect = std::hypot(std::abs(moments[0] - 1) + std::abs(moments[1]), moments[2], moments[3]);
+  if (!(absolute <= demand.cancellation && defect <= rounding * absolute))
     return {};
-  for (double& weight : w)
-    weight /= sum; // to the last digit, for the mass
   return w;
 }
 
@@ -180,7 +189,7 @@ petsc::Matrix massless(const fem::Space& space, const Constraints& constraints,
       const PetscInt node = constraints.first_dofs()[here.candidate] / dim;
       std::vector<PetscInt> neighbours;
       std::vector<double> weights;
-      for (const bool linear : {true, false})
+      for (const Demand& demand : demands)
         for (int ring = 0; ring < Surroundings::rings && weights.empty(); ++ring) {
           neighbours.clear();
           std::vector<Point> around;
@@ -190,13 +199,14 @@ petsc::Matrix massless(const fem::Space& space, const Constraints& constraints,
               around.push_back(place.at(other));
             }
           if (!around.empty())
-            weights = extrapolation(place.at(node), around, dim, linear);
+            weights = extrapolation(place.at(node), around, dim, demand);
         }
       if (weights.empty()) {
         const double* x = &constraints.points()[3 * static_cast<std::size_t>(here.candidate)];
-        throw UserError(fmt::format("contact.mass: found \"massless\" where the node at ({:.6g}, {:.6g}, {:.6g}) "
-                                    "has only contact nodes around it, allowed are meshes with others near",
-                                    x[0], x[1], x[2]));
+        throw UserError(
+            fmt::format("contact.mass: found \"massless\" where the node at ({:.6g}, {:.6g}, {:.6g}) "
+                        "has only contact nodes around it, allowed are meshes with others near",
+                        x[0], x[1], x[2]));
       }
       std::array<double, 9> onto{}; // the constrained directions
       const NodeBasis& basis = bases.at(node);

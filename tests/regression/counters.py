@@ -60,6 +60,9 @@ def contact_only_where_it_is(folder: Path) -> None:
         assert found["load evaluations"] == 1, "a load that stays the same is evaluated once"
         found = counters("simulate", BLOCK, folder, solver__linear=linear)
         assert 0 < found["VIs solved"] < found["steps"], "the body flies and lands"
+    found = counters("simulate", BLOCK, folder, time__scheme="contact-stabilized", **far)
+    assert found["VI solvers"] == 2 and found["VIs solved"] == 0, "the predictor has its own"
+    assert found["solves with D"] == found["steps"] == found["asked"]
     found = counters("simulate", BLOCK, folder, ranks=2, **far)
     assert found["VIs solved"] == 0 and found["solves with D"] == found["steps"] + found["candidates"] > found["steps"]
     print("no contact, no VI; in free flight none is solved and every step takes one solve")
