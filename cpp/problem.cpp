@@ -55,6 +55,10 @@ petsc::Series desired_states(const Problem& problem, const control::ControlSpace
   return each([&](double t, Vec y) { problem.space.interpolate(field, t, y); });
 }
 
+control::Control first_guess(const control::ControlSpace& controls, const scene::Control& scene) {
+  return scene.initial ? controls.interpolate(*scene.initial, "control.initial") : controls.zero();
+}
+
 std::optional<control::Control> reference_control(const scene::Scene& scene,
                                                   const control::ControlSpace& controls) {
   if (const auto* desired = std::get_if<scene::DesiredControl>(&scene.objective->desired))
@@ -86,10 +90,10 @@ long Problem::free_dofs() const {
 
 GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
   const std::optional<scene::Control>& control = problem.scene.control;
-  if (!control || !control->initial || scene::vanishes(*control->initial))
+  if (!control || scene::rests(*control))
     return;
   controls_.emplace(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(), *control);
-  control_ = controls_->interpolate(*control->initial, "control.initial");
+  control_ = first_guess(*controls_, *control);
   controls_->project(*control_);
 }
 
@@ -106,8 +110,7 @@ ControlProblem::ControlProblem(const Problem& problem, const Console& console)
       reduced(problem.stepper, controls, objective, problem.initial, problem.load(), problem.timers) {}
 
 control::Control ControlProblem::first_guess(const scene::Scene& scene) const {
-  return scene.control->initial ? controls.interpolate(*scene.control->initial, "control.initial")
-                                : controls.zero();
+  return signorini::first_guess(controls, *scene.control);
 }
 
 } // namespace signorini

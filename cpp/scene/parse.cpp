@@ -408,6 +408,14 @@ bool vanishes(const Components& components) {
                              [](const std::string& text) { return text == "0" || text == "0.0"; });
 }
 
+bool rests(const Control& control) {
+  const auto all = [](const std::optional<std::vector<double>>& bound, auto&& allows) {
+    return !bound || std::ranges::all_of(*bound, allows);
+  };
+  return (!control.initial || vanishes(*control.initial)) && all(control.lower, [](double x) { return x <= 0; }) &&
+         all(control.upper, [](double x) { return x >= 0; });
+}
+
 void require_dimension(const Scene& scene, int dim) {
   const auto require = [&](std::size_t size, const std::string& key, bool one_allowed = false) {
     if (size != static_cast<std::size_t>(dim) && !(one_allowed && size == 1))

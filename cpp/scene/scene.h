@@ -183,6 +183,9 @@ std::string contact_key(const std::vector<Contact>& contacts, std::size_t i);
 /// Whether a field is written as zero, which is no effect.
 bool vanishes(const Components& components);
 
+/// Whether the first guess of a control is zero, which is no load: written so, or absent, and within the bounds.
+bool rests(const Control& control);
+
 /// Throws UserError unless every vector of the scene has `dim` components.
 void require_dimension(const Scene& scene, int dim);
 
