@@ -122,12 +122,6 @@ Control ControlSpace::constant(double value) const {
 
 Control ControlSpace::interpolate(const scene::Components& components, const std::string& key) const {
   const scene::Field field(components, key, !constant_in_time_);
-  for (std::size_t c = 0; c < components.size(); ++c)
-    if (std::ranges::find(components_, static_cast<int>(c)) == components_.end() &&
-        !scene::vanishes({components[c]}))
-      throw UserError(
-          fmt::format("{}: found \"{}\" for {}, allowed is \"0\": control.components leaves it out", key,
-                      components[c], "xyz"[c]));
   Control u = unset();
   for (int k = 1; k <= u.count(); ++k) {
     if (k > 1 && !field.depends_on_time())

@@ -232,11 +232,27 @@ Contact contact(Reader in) {
   return contact;
 }
 
+/// One of the controls that a scene allows: the same at all times if it is constant in time, and zero in the
+/// components that it leaves out.
+Components controls(Reader& in, const std::string& key, const Control& control) {
+  Components values = in.expressions(key, !control.constant_in_time);
+  for (std::size_t c = 0; control.components && c < values.size(); ++c)
+    if (!vanishes({values[c]}) && std::ranges::find(*control.components, std::string{"xyz"[c]}) == control.components->end())
+      in.fail(key, fmt::format("found \"{}\" for {}, allowed is \"0\": control.components leaves it out", values[c],
+                               "xyz"[c]));
+  return values;
+}
+
 Control control(Reader in) {
   Control control;
   control.scale = in.number("scale", {.least = 0, .open = true, .unit = "N/m² (of the body, N/m³)"});
+  if (in.has("on"))
+    control.on = in.text("on");
+  control.components = components(in);
+  control.constant_in_time = in.flag("constant_in_time", control.constant_in_time);
+  control.space = in.choice("space", {"P1", "P0"}, control.space);
   if (in.has("initial"))
-    control.initial = in.expressions("initial", !in.flag("constant_in_time", false));
+    control.initial = controls(in, "initial", control);
   if (in.has("lower"))
     control.lower = in.number_or_numbers("lower", {});
   if (in.has("upper"))
@@ -252,16 +268,11 @@ Control control(Reader in) {
       if (!(lower <= upper))
         in.fail("lower", fmt::format("found {} above control.upper = {}", lower, upper));
     }
-  if (in.has("on"))
-    control.on = in.text("on");
-  control.components = components(in);
-  control.constant_in_time = in.flag("constant_in_time", control.constant_in_time);
-  control.space = in.choice("space", {"P1", "P0"}, control.space);
   in.finish();
   return control;
 }
 
-Objective objective(Reader in, const std::filesystem::path& file) {
+Objective objective(Reader in, const Control& control, const std::filesystem::path& file) {
   Objective objective;
   Reader desired = in.table("desired");
   std::vector<std::string> found;
@@ -274,7 +285,7 @@ Objective objective(Reader in, const std::filesystem::path& file) {
     in.fail("desired", fmt::format("found {}, allowed is one of control, displacement, run",
                                    found.empty() ? "none" : list(found)));
   if (found.front() == "control")
-    objective.desired = DesiredControl{desired.expressions("control", true)};
+    objective.desired = DesiredControl{controls(desired, "control", control)};
   else if (found.front() == "displacement")
     objective.desired = DesiredDisplacement{desired.expressions("displacement", true)};
   else
@@ -372,7 +383,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   if (in.has("objective")) {
     if (!scene.control)
       in.fail("objective", "needs a control to act on; add a table [control] or leave the objective out");
-    scene.objective = objective(in.table("objective"), scene.file);
+    scene.objective = objective(in.table("objective"), *scene.control, scene.file);
   }
   if (in.has("optimizer"))
     scene.optimizer = optimizer(in.table("optimizer"));
@@ -383,7 +394,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
       in.fail(
           "check",
           "takes derivatives of an objective by a control; add [control] and [objective] or leave it out");
-    scene.check.control = check.expressions("control", true);
+    scene.check.control = controls(check, "control", *scene.control);
     check.finish();
   }
   if (in.has("output")) {
