@@ -18,6 +18,11 @@ auto timed(Timers& timers, const char* phase, Make&& make) {
 mesh::Mesh read_mesh(MPI_Comm comm, const scene::Scene& scene) {
   mesh::Mesh mesh(comm, scene.mesh);
   scene::require_dimension(scene, mesh.dim());
+  // Whether or not this run makes a control and an objective.
+  if (scene.control && scene.control->on)
+    (void)mesh.group_dimension(*scene.control->on, "control.on");
+  if (scene.objective && scene.objective->on)
+    (void)mesh.group_dimension(*scene.objective->on, "objective.on");
   return mesh;
 }
 

@@ -79,7 +79,7 @@ ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operat
                            int steps, const scene::Control& scene)
     : space_(space), scheme_(scheme), steps_(steps), scale_(scene.scale),
       constant_in_time_(scene.constant_in_time), cellwise_(scene.space == "P0"), whole_(!scene.on),
-      components_(fem::component_numbers(scene.components, space.dim(), "control.components")),
+      components_(fem::component_numbers(scene.components, space.dim())),
       lower_(per_component(scene.lower, space.dim())), upper_(per_component(scene.upper, space.dim())) {
   ++spaces;
   if (cellwise_) {

@@ -414,6 +414,16 @@ std::string contact_key(const std::vector<Contact>& contacts, std::size_t i) {
   return contacts.size() == 1 ? "contact" : fmt::format("contact[{}]", i);
 }
 
+std::string clamp_key(const std::vector<Clamp>& clamps, std::size_t i) {
+  return clamps.size() == 1 ? "clamp" : fmt::format("clamp[{}]", i);
+}
+
+std::vector<std::string> component_names(int dim) {
+  std::vector<std::string> names{"x", "y", "z"};
+  names.resize(static_cast<std::size_t>(dim));
+  return names;
+}
+
 bool vanishes(const Components& components) {
   return std::ranges::all_of(components,
                              [](const std::string& text) { return text == "0" || text == "0.0"; });
@@ -443,9 +453,19 @@ void require_dimension(const Scene& scene, int dim) {
     else if (const auto* cylinder = std::get_if<Cylinder>(&obstacle))
       require(cylinder->point.size(), key + "point");
   }
-  for (const Clamp& clamp : scene.clamps)
+  const std::vector<std::string> names = component_names(dim);
+  const auto require_names = [&](const std::optional<std::vector<std::string>>& components, const std::string& key) {
+    for (const std::string& name : components.value_or(names))
+      if (std::ranges::find(names, name) == names.end())
+        throw UserError(fmt::format("{}: {}: found \"{}\", allowed: {}: the mesh is {}-dimensional", scene.file.string(),
+                                    key, name, list(names), dim));
+  };
+  for (std::size_t i = 0; i < scene.clamps.size(); ++i) {
+    const Clamp& clamp = scene.clamps[i];
+    require_names(clamp.components, clamp_key(scene.clamps, i) + ".components");
     if (clamp.value && !clamp.components)
-      require(clamp.value->size(), "clamp.value");
+      require(clamp.value->size(), clamp_key(scene.clamps, i) + ".value");
+  }
   if (scene.load && scene.load->body)
     require(scene.load->body->size(), "load.body");
   for (std::size_t i = 0; scene.load && i < scene.load->tractions.size(); ++i)
@@ -455,6 +475,7 @@ void require_dimension(const Scene& scene, int dim) {
   if (scene.initial.velocity)
     require(scene.initial.velocity->size(), "initial.velocity");
   if (scene.control) {
+    require_names(scene.control->components, "control.components");
     if (scene.control->initial)
       require(scene.control->initial->size(), "control.initial");
     if (scene.control->lower)

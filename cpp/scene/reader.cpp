@@ -169,21 +169,19 @@ std::vector<std::string> Reader::names(const std::string& key, const std::vector
   if (!array)
     fail(key, fmt::format("found {}, allowed is a list out of {}, or [] for none", shown(node(key)),
                           list(allowed)));
-  std::set<std::string> found;
+  std::vector<std::string> found;
   for (const toml::node& entry : *array) {
     const auto name = entry.value<std::string>();
     if (name && std::ranges::find(allowed, *name) != allowed.end()) {
-      found.insert(*name);
+      if (std::ranges::find(found, *name) == found.end())
+        found.push_back(*name);
       continue;
     }
     const std::string near = name ? nearest(*name, allowed) : "";
     fail(key, fmt::format("found {}{}, allowed: {}", shown(entry),
                           near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), list(allowed)));
   }
-  std::vector<std::string> ordered;
-  std::ranges::copy_if(allowed, std::back_inserter(ordered),
-                       [&](const auto& name) { return found.contains(name); });
-  return ordered;
+  return found;
 }
 
 std::vector<double> Reader::numbers(const std::string& key, const Limits& limits) {

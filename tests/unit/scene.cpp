@@ -46,7 +46,7 @@ TEST_CASE("a list of names is a set, and may be empty", "[scene]") {
   const scene::Output some =
       test::parse(file, {"output.fields=[\"adjoint\", \"velocity\", \"adjoint\"]", "output.tables=[]"})
           .output;
-  CHECK(some.fields == std::vector<std::string>{"velocity", "adjoint"});
+  CHECK(some.fields == std::vector<std::string>{"adjoint", "velocity"});
   CHECK(some.tables.empty());
   CHECK((some.field("adjoint") && !some.field("control") && !some.table("steps")));
   const scene::Scene scene = test::parse(file, {"output.fields=[]", "output.tables=[\"contact\"]"});
