@@ -385,8 +385,11 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
       in.fail("objective", "needs a control to act on; add a table [control] or leave the objective out");
     scene.objective = objective(in.table("objective"), *scene.control, scene.file);
   }
-  if (in.has("optimizer"))
+  if (in.has("optimizer")) {
+    if (!scene.objective)
+      in.fail("optimizer", "has no effect without an objective; add [control] and [objective] or leave it out");
     scene.optimizer = optimizer(in.table("optimizer"));
+  }
   scene.solver = in.has("solver") ? solver(in.table("solver")) : Solver{.memory = machine_memory() / 2};
   if (in.has("check")) {
     Reader check = in.table("check");

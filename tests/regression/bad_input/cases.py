@@ -35,7 +35,8 @@ def scene_file_cases() -> list[Case]:
 def key_cases() -> list[Case]:
     """Names that are not known, and names that are missing."""
     return [
-        edited("unknown table", "[output]", "[gravity]\ng = 9.81\n[output]", "gravity: unknown", "contact, control"),
+        edited("unknown table", "[output]", "[gravity]\ng = 9.81\n[output]", "gravity: unknown", "contact, control",
+               never=(re.compile(r"\brun\b"),)),
         edited("misspelt table", "[contact]", "[contcat]", "contcat: unknown", 'did you mean "contact"?', earlier=True),
         edited("misspelt required table", "[material]", "[matrial]", "matrial: unknown", 'did you mean "material"?'),
         edited("table in British spelling", "[optimizer]", "[optimiser]", "optimiser: unknown", 'mean "optimizer"?'),
@@ -417,6 +418,8 @@ def material_cases() -> list[Case]:
 def option_cases() -> list[Case]:
     """Command lines that are wrong, and overrides that do not fit the scene."""
     verbs = ("simulate", "optimize", "check", "info")
+    objective = '[objective]\ndesired = { control = ["0", "-1"] }\nalpha = 1e-2\ngamma = 7.5e-4\n\n'
+    optimizer = "[optimizer]\nmax_iterations = 1\ntolerance = 1e-6\n\n"
     return [
         overridden("set without =", "mesh.size", '--set: found "mesh.size"', "key.path=value"),
         overridden("set without a key", "=4", '--set: found "=4"', "key.path=value"),
@@ -450,8 +453,10 @@ def option_cases() -> list[Case]:
         Case("misspelt option", ("--quite", '"--quiet"'), options=("--quite",)),
         typed("out without a folder", "simulate scene.toml --out", "--out"),
         typed("set without a word", "simulate scene.toml --out results --set", "--set"),
-        edited("optimize without an objective", '[objective]\ndesired = { control = ["0", "-1"] }\nalpha = 1e-2\n'
-               "gamma = 7.5e-4\n", "", "scene.toml", "optimize needs", "[objective]", verb="optimize", earlier=True),
+        edited("optimize without an objective", objective + optimizer, "", "scene.toml", "optimize needs", "[objective]",
+               verb="optimize", earlier=True),
+        edited("optimizer without an objective", objective, "", "optimizer: has no effect without an objective", at="[optimizer]"),
+        edited("objective that is a list", "[objective]", "[[objective]]", "objective: found", "a table"),
         edited("optimize without a control", "", "", "optimize needs", "[control] and [objective]", verb="optimize",
                prepare=lambda folder: keep_tables(folder / "scene.toml", ("mesh", "time", "material"))),
         edited("objective without a control", "[control]\nscale = 1e6\nlower = -2.0\nupper = 2.0\n", "",
@@ -462,9 +467,8 @@ def option_cases() -> list[Case]:
                "control, displacement", at="desired ="),
         edited("misspelt desired kind", 'control = ["0", "-1"]', 'contrl = ["0", "-1"]', "objective.desired", "contrl",
                at="desired ="),
-        edited("check without a control", "[control]\nscale = 1e6\nlower = -2.0\nupper = 2.0\n\n[objective]\n"
-               'desired = { control = ["0", "-1"] }\nalpha = 1e-2\ngamma = 7.5e-4\n', '[check]\ncontrol = ["0", "1"]\n',
-               "check: ", "[control]", verb="check"),
+        edited("check without a control", "[control]\nscale = 1e6\nlower = -2.0\nupper = 2.0\n\n" + objective + optimizer,
+               '[check]\ncontrol = ["0", "1"]\n', "check: ", "[control]", verb="check"),
     ]
 
 
