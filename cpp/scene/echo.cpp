@@ -128,6 +128,18 @@ void write_boundary(Writer& out, const Scene& s, int dim) {
   }
 }
 
+void write_initial(Writer& out, const Scene& s, int dim) {
+  // Where clamps move the default is what they do at the start, which no expression says.
+  const bool rests = std::ranges::all_of(s.clamps, [](const Clamp& clamp) { return !clamp.value || vanishes(*clamp.value); });
+  const auto field = [&](const char* name, const std::optional<Components>& given, const char* unit) {
+    if (given || rests)
+      out.key(name, texts(given.value_or(zero(static_cast<std::size_t>(dim)))), unit);
+  };
+  out.table("[initial]");
+  field("displacement", s.initial.displacement, "m");
+  field("velocity", s.initial.velocity, "m/s");
+}
+
 void write_control(Writer& out, const Scene& s, int dim) {
   out.table("[control]");
   out.key("scale", number(s.control->scale), "N/m³ per unit of control, N/m² on a surface");
@@ -182,10 +194,7 @@ std::string echo(const Scene& s, int dim) {
       out.key("value", texts(traction.value), "N/m²");
     }
   }
-  out.table("[initial]");
-  const Components rest = zero(static_cast<std::size_t>(dim));
-  out.key("displacement", texts(s.initial.displacement.value_or(rest)), "m");
-  out.key("velocity", texts(s.initial.velocity.value_or(rest)), "m/s");
+  write_initial(out, s, dim);
   if (s.control)
     write_control(out, s, dim);
   if (s.objective)

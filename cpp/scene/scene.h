@@ -195,7 +195,7 @@ bool rests(const Control& control);
 void require_dimension(const Scene& scene, int dim);
 
 /// The scene as TOML with every default and unit written out, for a mesh of `dim` dimensions; parse() reads
-/// it back to the same scene.
+/// it back to the same scene. What the clamps do at the start is a default that is left out.
 std::string echo(const Scene& scene, int dim);
 
 } // namespace signorini::scene

@@ -4,6 +4,7 @@
 #include "scene/names.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <fmt/format.h>
 #include <fstream>
 #include <unistd.h>
 
@@ -36,6 +37,18 @@ TEST_CASE("the echoed scene reads back to itself", "[scene]") {
         scene::require_dimension(test::parse(file), dim)); // defaults have as many components as the body
     CHECK(scene::echo(test::parse(file), dim) == text);
     std::filesystem::remove(file);
+  }
+}
+
+TEST_CASE("the echo leaves the start to clamps that move", "[scene]") {
+  const auto file = test::source("tests/data/block.toml"); // gives a velocity and no displacement
+  for (const auto& [value, moves] : {std::pair{"[\"0\", \"0\"]", false}, {"[\"0\", \"t\"]", true}}) {
+    const scene::Scene scene = test::parse(file, {fmt::format("clamp=[{{ on = \"left\", value = {} }}]", value)});
+    const auto echo = temporary(scene::echo(scene, 2));
+    const scene::Initial initial = test::parse(echo).initial;
+    CHECK(initial.displacement.has_value() == !moves);
+    CHECK(initial.velocity == scene.initial.velocity);
+    std::filesystem::remove(echo);
   }
 }
 
