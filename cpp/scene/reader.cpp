@@ -120,7 +120,8 @@ double Reader::to_number(const toml::node& node, const std::string& key, const L
   if (!value || !node.is_number())
     fail(key, fmt::format("found {}, allowed is {}", shown(node), limits.text()));
   if (!limits.contain(*value))
-    fail(key, fmt::format("found {}, allowed is {}", shown(node), limits.text()));
+    fail(key, fmt::format("found {}, allowed is {}{}", shown(node), limits.text(),
+                          std::isfinite(*value) ? "" : " that is finite"));
   return *value;
 }
 
