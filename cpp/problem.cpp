@@ -18,13 +18,16 @@ auto timed(Timers& timers, const char* phase, Make&& make) {
 mesh::Mesh read_mesh(MPI_Comm comm, const scene::Scene& scene) {
   mesh::Mesh mesh(comm, scene.mesh);
   scene::require_dimension(scene, mesh.dim());
+  // Whether or not this run makes a control and an objective.
+  if (scene.control && scene.control->on)
+    (void)mesh.group_dimension(*scene.control->on, "control.on");
+  if (scene.objective && scene.objective->on)
+    (void)mesh.group_dimension(*scene.objective->on, "objective.on");
   return mesh;
 }
 
 /// Whether simulate applies a control.
-bool has_given_control(const scene::Scene& scene) {
-  return scene.control && scene.control->initial && !scene::vanishes(*scene.control->initial);
-}
+bool has_given_control(const scene::Scene& scene) { return scene.control && !scene::rests(*scene.control); }
 
 /// Whether something is given by its density in the body, and so enters by its product with W.
 bool has_densities(const scene::Scene& scene, bool optimal_control) {
@@ -68,6 +71,10 @@ petsc::Series desired_states(const Problem& problem, const control::ControlSpace
   return each([&](double t, Vec y) { problem.space.interpolate(field, t, y); });
 }
 
+control::Control first_guess(const control::ControlSpace& controls, const scene::Control& scene) {
+  return scene.initial ? controls.interpolate(*scene.initial, "control.initial") : controls.zero();
+}
+
 std::optional<control::Control> reference_control(const scene::Scene& scene,
                                                   const control::ControlSpace& controls) {
   if (const auto* desired = std::get_if<scene::DesiredControl>(&scene.objective->desired))
@@ -104,7 +111,7 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
     return;
   const scene::Control& control = *problem.scene.control;
   controls_.emplace(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(), control);
-  control_ = controls_->interpolate(*control.initial, "control.initial");
+  control_ = first_guess(*controls_, control);
   controls_->project(*control_);
 }
 
@@ -121,8 +128,7 @@ ControlProblem::ControlProblem(const Problem& problem, const Console& console)
       reduced(problem.stepper, controls, objective, problem.initial, problem.load(), problem.timers) {}
 
 control::Control ControlProblem::first_guess(const scene::Scene& scene) const {
-  return scene.control->initial ? controls.interpolate(*scene.control->initial, "control.initial")
-                                : controls.zero();
+  return signorini::first_guess(controls, *scene.control);
 }
 
 } // namespace signorini

@@ -79,7 +79,7 @@ ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operat
                            int steps, const scene::Control& scene)
     : space_(space), scheme_(scheme), steps_(steps), scale_(scene.scale),
       constant_in_time_(scene.constant_in_time), cellwise_(scene.space == "P0"), whole_(!scene.on),
-      components_(fem::component_numbers(scene.components, space.dim(), "control.components")),
+      components_(fem::component_numbers(scene.components, space.dim())),
       lower_(per_component(scene.lower, space.dim())), upper_(per_component(scene.upper, space.dim())) {
   ++spaces;
   if (cellwise_) {
@@ -128,12 +128,6 @@ Control ControlSpace::constant(double value) const {
 
 Control ControlSpace::interpolate(const scene::Components& components, const std::string& key) const {
   const scene::Field field(components, key, !constant_in_time_);
-  for (std::size_t c = 0; c < components.size(); ++c)
-    if (std::ranges::find(components_, static_cast<int>(c)) == components_.end() &&
-        !scene::vanishes({components[c]}))
-      throw UserError(
-          fmt::format("{}: found \"{}\" for {}, allowed is \"0\": control.components leaves it out", key,
-                      components[c], "xyz"[c]));
   Control u = unset();
   for (int k = 1; k <= u.count(); ++k) {
     if (k > 1 && !field.depends_on_time())

@@ -9,14 +9,10 @@
 namespace signorini::fem {
 using petsc::check;
 
-std::vector<int> component_numbers(const std::optional<std::vector<std::string>>& names, int dim,
-                                   const std::string& key) {
+std::vector<int> component_numbers(const std::optional<std::vector<std::string>>& names, int dim) {
   std::vector<int> numbers;
-  for (int c = 0; c < dim; ++c)
-    if (!names || std::ranges::find(*names, std::string{"xyz"[c]}) != names->end())
-      numbers.push_back(c);
-  if (names && numbers.size() != names->size())
-    throw UserError(fmt::format("{}: found \"z\", allowed are \"x\", \"y\" in two dimensions", key));
+  for (const std::string& name : names.value_or(scene::component_names(dim)))
+    numbers.push_back(name.front() - 'x');
   return numbers;
 }
 
@@ -26,9 +22,9 @@ Clamped::Clamped(const Space& space, const std::vector<scene::Clamp>& clamps)
   for (std::size_t i = 0; i < clamps.size(); ++i) {
     const scene::Clamp& clamp = clamps[i];
     const auto key = [&](std::size_t j, const char* name) {
-      return clamps.size() == 1 ? fmt::format("clamp.{}", name) : fmt::format("clamp[{}].{}", j, name);
+      return fmt::format("{}.{}", scene::clamp_key(clamps, j), name);
     };
-    const std::vector<int> components = component_numbers(clamp.components, dim_, key(i, "components"));
+    const std::vector<int> components = component_numbers(clamp.components, dim_);
     const std::vector<int> nodes = space.nodes_on(clamp.on, key(i, "on"));
     together(space.comm(), [&] {
       for (int node : nodes)

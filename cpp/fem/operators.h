@@ -27,10 +27,8 @@ private:
   PetscInt first_dof_;
 };
 
-/// Numbers (0, 1, 2) of the components named, all of them where none is. Throws UserError naming `key` if the
-/// space has no such component.
-std::vector<int> component_numbers(const std::optional<std::vector<std::string>>& names, int dim,
-                                   const std::string& key);
+/// Numbers (0, 1, 2) of the components named, in their order; all of them where none is.
+std::vector<int> component_numbers(const std::optional<std::vector<std::string>>& names, int dim);
 
 /// The matrices of the body, no boundary condition applied; method.md section 1. The upper half in blocks of
 /// the space dimension (SBAIJ), which makes the products between two solves twice as fast as rows do; where a

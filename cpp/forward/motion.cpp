@@ -22,10 +22,10 @@ PrescribedMotion::PrescribedMotion(const fem::Space& space, const std::vector<sc
     : space_(space), scheme_(scheme), position_(space.vector()), force_(space.vector()) {
   for (std::size_t i = 0; i < clamps.size(); ++i)
     if (moves(clamps[i])) {
-      const std::string key = clamps.size() == 1 ? "clamp" : fmt::format("clamp[{}]", i);
+      const std::string key = scene::clamp_key(clamps, i);
       clamps_.push_back({scene::Field(*clamps[i].value, key + ".value", true),
                          space.nodes_on(clamps[i].on, key + ".on"),
-                         fem::component_numbers(clamps[i].components, space.dim(), key + ".components")});
+                         fem::component_numbers(clamps[i].components, space.dim())});
     }
   check(MatConvert(D, MATSBAIJ, MAT_INITIAL_MATRIX, D_.put()));
 }

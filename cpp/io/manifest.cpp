@@ -33,7 +33,7 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
           {"contact-stabilized", !scene.contacts.empty() && scene.time.stabilized()},
           {"massless contact", std::ranges::any_of(scene.contacts, &scene::Contact::massless)},
           {"moving obstacle", std::ranges::any_of(scene.contacts, obstacle_moves)},
-          {"body load", scene.load && scene.load->body},
+          {"body load", scene.load && given(scene.load->body)},
           {"traction", scene.load && !scene.load->tractions.empty()},
           {"initial displacement", given(scene.initial.displacement)},
           {"initial velocity", given(scene.initial.velocity)},

@@ -32,6 +32,8 @@ std::string texts(const Components& components) {
   return fmt::format("[{}]", fmt::join(quoted, ", "));
 }
 
+Components zero(std::size_t size) { return Components(size, "0"); }
+
 /// Expressions, those that are mere numbers as numbers.
 std::string numbers_or_texts(const Components& components) {
   std::vector<std::string> entries;
@@ -109,14 +111,13 @@ std::string obstacle(const SignedDistance& shape) {
   return fmt::format("{{ shape = \"signed-distance\", distance = {} }}", text(shape.distance));
 }
 
-void write_boundary(Writer& out, const Scene& s, const std::string& zero) {
+void write_boundary(Writer& out, const Scene& s, int dim) {
   for (const Clamp& clamp : s.clamps) {
     out.table("[[clamp]]");
     out.key("on", text(clamp.on));
-    if (clamp.components)
-      out.key("components", texts(*clamp.components));
-    if (clamp.value || !clamp.components)
-      out.key("value", clamp.value ? texts(*clamp.value) : zero, "m");
+    const std::vector<std::string> components = clamp.components.value_or(component_names(dim));
+    out.key("components", texts(components));
+    out.key("value", texts(clamp.value.value_or(zero(components.size()))), "m");
   }
   for (const Contact& contact : s.contacts) {
     out.table(s.contacts.size() == 1 ? "[contact]" : "[[contact]]");
@@ -127,16 +128,27 @@ void write_boundary(Writer& out, const Scene& s, const std::string& zero) {
   }
 }
 
-void write_control(Writer& out, const Scene& s, const std::string& zero) {
+void write_initial(Writer& out, const Scene& s, int dim) {
+  // Where clamps move the default is what they do at the start, which no expression says.
+  const bool rests = std::ranges::all_of(s.clamps, [](const Clamp& clamp) { return !clamp.value || vanishes(*clamp.value); });
+  const auto field = [&](const char* name, const std::optional<Components>& given, const char* unit) {
+    if (given || rests)
+      out.key(name, texts(given.value_or(zero(static_cast<std::size_t>(dim)))), unit);
+  };
+  out.table("[initial]");
+  field("displacement", s.initial.displacement, "m");
+  field("velocity", s.initial.velocity, "m/s");
+}
+
+void write_control(Writer& out, const Scene& s, int dim) {
   out.table("[control]");
   out.key("scale", number(s.control->scale), "N/m³ per unit of control, N/m² on a surface");
   if (s.control->on)
     out.key("on", text(*s.control->on));
-  if (s.control->components)
-    out.key("components", texts(*s.control->components));
+  out.key("components", texts(s.control->components.value_or(component_names(dim))));
   out.key("constant_in_time", s.control->constant_in_time ? "true" : "false");
   out.key("space", text(s.control->space));
-  out.key("initial", s.control->initial ? texts(*s.control->initial) : zero);
+  out.key("initial", texts(s.control->initial.value_or(zero(static_cast<std::size_t>(dim)))));
   if (s.control->lower)
     out.key("lower", bound(*s.control->lower));
   if (s.control->upper)
@@ -169,10 +181,9 @@ void write_objective(Writer& out, const Scene& s) {
 } // namespace
 
 std::string echo(const Scene& s, int dim) {
-  const std::string zero = texts(Components(static_cast<std::size_t>(dim), "0"));
   Writer out;
   write_body(out, s);
-  write_boundary(out, s, zero);
+  write_boundary(out, s, dim);
   if (s.load) {
     out.table("[load]");
     if (s.load->body)
@@ -183,11 +194,9 @@ std::string echo(const Scene& s, int dim) {
       out.key("value", texts(traction.value), "N/m²");
     }
   }
-  out.table("[initial]");
-  out.key("displacement", s.initial.displacement ? texts(*s.initial.displacement) : zero, "m");
-  out.key("velocity", s.initial.velocity ? texts(*s.initial.velocity) : zero, "m/s");
+  write_initial(out, s, dim);
   if (s.control)
-    write_control(out, s, zero);
+    write_control(out, s, dim);
   if (s.objective)
     write_objective(out, s);
   out.table("[solver]");

@@ -235,11 +235,27 @@ Contact contact(Reader in, const Time& time) {
   return contact;
 }
 
+/// One of the controls that a scene allows: the same at all times if it is constant in time, and zero in the
+/// components that it leaves out.
+Components controls(Reader& in, const std::string& key, const Control& control) {
+  Components values = in.expressions(key, !control.constant_in_time);
+  for (std::size_t c = 0; control.components && c < values.size(); ++c)
+    if (!vanishes({values[c]}) && std::ranges::find(*control.components, std::string{"xyz"[c]}) == control.components->end())
+      in.fail(key, fmt::format("found \"{}\" for {}, allowed is \"0\": control.components leaves it out", values[c],
+                               "xyz"[c]));
+  return values;
+}
+
 Control control(Reader in) {
   Control control;
   control.scale = in.number("scale", {.least = 0, .open = true, .unit = "N/m² (of the body, N/m³)"});
+  if (in.has("on"))
+    control.on = in.text("on");
+  control.components = components(in);
+  control.constant_in_time = in.flag("constant_in_time", control.constant_in_time);
+  control.space = in.choice("space", {"P1", "P0"}, control.space);
   if (in.has("initial"))
-    control.initial = in.expressions("initial", !in.flag("constant_in_time", false));
+    control.initial = controls(in, "initial", control);
   if (in.has("lower"))
     control.lower = in.number_or_numbers("lower", {});
   if (in.has("upper"))
@@ -255,16 +271,11 @@ Control control(Reader in) {
       if (!(lower <= upper))
         in.fail("lower", fmt::format("found {} above control.upper = {}", lower, upper));
     }
-  if (in.has("on"))
-    control.on = in.text("on");
-  control.components = components(in);
-  control.constant_in_time = in.flag("constant_in_time", control.constant_in_time);
-  control.space = in.choice("space", {"P1", "P0"}, control.space);
   in.finish();
   return control;
 }
 
-Objective objective(Reader in, const std::filesystem::path& file) {
+Objective objective(Reader in, const Control& control, const std::filesystem::path& file) {
   Objective objective;
   Reader desired = in.table("desired");
   std::vector<std::string> found;
@@ -277,7 +288,7 @@ Objective objective(Reader in, const std::filesystem::path& file) {
     in.fail("desired", fmt::format("found {}, allowed is one of control, displacement, run",
                                    found.empty() ? "none" : list(found)));
   if (found.front() == "control")
-    objective.desired = DesiredControl{desired.expressions("control", true)};
+    objective.desired = DesiredControl{controls(desired, "control", control)};
   else if (found.front() == "displacement")
     objective.desired = DesiredDisplacement{desired.expressions("displacement", true)};
   else
@@ -375,10 +386,13 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   if (in.has("objective")) {
     if (!scene.control)
       in.fail("objective", "needs a control to act on; add a table [control] or leave the objective out");
-    scene.objective = objective(in.table("objective"), scene.file);
+    scene.objective = objective(in.table("objective"), *scene.control, scene.file);
   }
-  if (in.has("optimizer"))
+  if (in.has("optimizer")) {
+    if (!scene.objective)
+      in.fail("optimizer", "has no effect without an objective; add [control] and [objective] or leave it out");
     scene.optimizer = optimizer(in.table("optimizer"));
+  }
   scene.solver = in.has("solver") ? solver(in.table("solver")) : Solver{.memory = machine_memory() / 2};
   if (in.has("check")) {
     Reader check = in.table("check");
@@ -386,7 +400,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
       in.fail(
           "check",
           "takes derivatives of an objective by a control; add [control] and [objective] or leave it out");
-    scene.check.control = check.expressions("control", true);
+    scene.check.control = controls(check, "control", *scene.control);
     check.finish();
   }
   if (in.has("output")) {
@@ -406,9 +420,27 @@ std::string contact_key(const std::vector<Contact>& contacts, std::size_t i) {
   return contacts.size() == 1 ? "contact" : fmt::format("contact[{}]", i);
 }
 
+std::string clamp_key(const std::vector<Clamp>& clamps, std::size_t i) {
+  return clamps.size() == 1 ? "clamp" : fmt::format("clamp[{}]", i);
+}
+
+std::vector<std::string> component_names(int dim) {
+  std::vector<std::string> names{"x", "y", "z"};
+  names.resize(static_cast<std::size_t>(dim));
+  return names;
+}
+
 bool vanishes(const Components& components) {
   return std::ranges::all_of(components,
                              [](const std::string& text) { return text == "0" || text == "0.0"; });
+}
+
+bool rests(const Control& control) {
+  const auto all = [](const std::optional<std::vector<double>>& bound, auto&& allows) {
+    return !bound || std::ranges::all_of(*bound, allows);
+  };
+  return (!control.initial || vanishes(*control.initial)) && all(control.lower, [](double x) { return x <= 0; }) &&
+         all(control.upper, [](double x) { return x >= 0; });
 }
 
 void require_dimension(const Scene& scene, int dim) {
@@ -427,9 +459,19 @@ void require_dimension(const Scene& scene, int dim) {
     else if (const auto* cylinder = std::get_if<Cylinder>(&obstacle))
       require(cylinder->point.size(), key + "point");
   }
-  for (const Clamp& clamp : scene.clamps)
+  const std::vector<std::string> names = component_names(dim);
+  const auto require_names = [&](const std::optional<std::vector<std::string>>& components, const std::string& key) {
+    for (const std::string& name : components.value_or(names))
+      if (std::ranges::find(names, name) == names.end())
+        throw UserError(fmt::format("{}: {}: found \"{}\", allowed: {}: the mesh is {}-dimensional", scene.file.string(),
+                                    key, name, list(names), dim));
+  };
+  for (std::size_t i = 0; i < scene.clamps.size(); ++i) {
+    const Clamp& clamp = scene.clamps[i];
+    require_names(clamp.components, clamp_key(scene.clamps, i) + ".components");
     if (clamp.value && !clamp.components)
-      require(clamp.value->size(), "clamp.value");
+      require(clamp.value->size(), clamp_key(scene.clamps, i) + ".value");
+  }
   if (scene.load && scene.load->body)
     require(scene.load->body->size(), "load.body");
   for (std::size_t i = 0; scene.load && i < scene.load->tractions.size(); ++i)
@@ -439,6 +481,7 @@ void require_dimension(const Scene& scene, int dim) {
   if (scene.initial.velocity)
     require(scene.initial.velocity->size(), "initial.velocity");
   if (scene.control) {
+    require_names(scene.control->components, "control.components");
     if (scene.control->initial)
       require(scene.control->initial->size(), "control.initial");
     if (scene.control->lower)

@@ -120,7 +120,8 @@ double Reader::to_number(const toml::node& node, const std::string& key, const L
   if (!value || !node.is_number())
     fail(key, fmt::format("found {}, allowed is {}", shown(node), limits.text()));
   if (!limits.contain(*value))
-    fail(key, fmt::format("found {}, allowed is {}", shown(node), limits.text()));
+    fail(key, fmt::format("found {}, allowed is {}{}", shown(node), limits.text(),
+                          std::isfinite(*value) ? "" : " that is finite"));
   return *value;
 }
 
@@ -169,21 +170,19 @@ std::vector<std::string> Reader::names(const std::string& key, const std::vector
   if (!array)
     fail(key, fmt::format("found {}, allowed is a list out of {}, or [] for none", shown(node(key)),
                           list(allowed)));
-  std::set<std::string> found;
+  std::vector<std::string> found;
   for (const toml::node& entry : *array) {
     const auto name = entry.value<std::string>();
     if (name && std::ranges::find(allowed, *name) != allowed.end()) {
-      found.insert(*name);
+      if (std::ranges::find(found, *name) == found.end())
+        found.push_back(*name);
       continue;
     }
     const std::string near = name ? nearest(*name, allowed) : "";
     fail(key, fmt::format("found {}{}, allowed: {}", shown(entry),
                           near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), list(allowed)));
   }
-  std::vector<std::string> ordered;
-  std::ranges::copy_if(allowed, std::back_inserter(ordered),
-                       [&](const auto& name) { return found.contains(name); });
-  return ordered;
+  return found;
 }
 
 std::vector<double> Reader::numbers(const std::string& key, const Limits& limits) {
@@ -269,7 +268,7 @@ std::vector<Reader> Reader::tables(const std::string& key) {
 }
 
 void Reader::not_available(const std::string& key) {
-  if (has(key))
+  if (table_.contains(key)) // not has(): it is none of the keys that are allowed
     fail(key, "not available yet; leave it out");
 }
 

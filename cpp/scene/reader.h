@@ -34,7 +34,7 @@ public:
   std::string text(const std::string& key);
   std::string choice(const std::string& key, const std::vector<std::string>& allowed,
                      const std::string& fallback, const std::vector<std::string>& later = {});
-  /// Names out of those allowed, in their order; an empty list is one.
+  /// Names out of those allowed, each once, in the order given; an empty list is one.
   std::vector<std::string> names(const std::string& key, const std::vector<std::string>& allowed);
   std::vector<double> numbers(const std::string& key, const Limits& limits);
   /// One number, or one per component.

@@ -182,15 +182,23 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
 
 /// The name of one table of contact in messages: `contact`, or `contact[i]` of several.
 std::string contact_key(const std::vector<Contact>& contacts, std::size_t i);
+/// Likewise of a clamp.
+std::string clamp_key(const std::vector<Clamp>& clamps, std::size_t i);
+
+/// The components of a vector: "x", "y" and in space "z".
+std::vector<std::string> component_names(int dim);
 
 /// Whether a field is written as zero, which is no effect.
 bool vanishes(const Components& components);
 
-/// Throws UserError unless every vector of the scene has `dim` components.
+/// Whether the first guess of a control is zero, which is no load: written so, or absent, and within the bounds.
+bool rests(const Control& control);
+
+/// Throws UserError unless every vector of the scene has `dim` components, and no other component is named.
 void require_dimension(const Scene& scene, int dim);
 
 /// The scene as TOML with every default and unit written out, for a mesh of `dim` dimensions; parse() reads
-/// it back to the same scene.
+/// it back to the same scene. What the clamps do at the start is a default that is left out.
 std::string echo(const Scene& scene, int dim);
 
 } // namespace signorini::scene

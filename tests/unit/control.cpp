@@ -54,6 +54,18 @@ TEST_CASE("clipping is the projection in the metric of a bounded control", "[con
   }
 }
 
+TEST_CASE("a first guess that is not written is moved into the bounds too", "[control]") {
+  const test::Ready bounded("tests/data/block.toml", {"control.lower=[0.5, -3]", "control.upper=[1, -0.25]"}),
+      loaded("tests/data/block.toml", {"load.body=[\"0.5\", \"-1.25\"]"}), free("tests/data/block.toml");
+  const auto density = [](const test::Ready& ready) {
+    const GivenControl given(ready.problem);
+    const forward::Load load = given.load();
+    return petsc::copy(forward::LoadAtStep(ready.problem.space, load)(1).density);
+  };
+  CHECK(test::difference(density(bounded), density(loaded)) == 0);
+  CHECK(test::difference(density(bounded), density(free)) == 0.5);
+}
+
 TEST_CASE("J is the trapezoidal rule of its integrals", "[control]") {
   // No motion at all: y = 0, y_d = (t, 0): tracking ½∫t² by the trapezoidal rule, terminal γT².
   const test::Ready ready("tests/data/block.toml",

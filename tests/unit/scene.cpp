@@ -4,6 +4,7 @@
 #include "scene/names.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <fmt/format.h>
 #include <fstream>
 #include <unistd.h>
 
@@ -39,6 +40,18 @@ TEST_CASE("the echoed scene reads back to itself", "[scene]") {
   }
 }
 
+TEST_CASE("the echo leaves the start to clamps that move", "[scene]") {
+  const auto file = test::source("tests/data/block.toml"); // gives a velocity and no displacement
+  for (const auto& [value, moves] : {std::pair{"[\"0\", \"0\"]", false}, {"[\"0\", \"t\"]", true}}) {
+    const scene::Scene scene = test::parse(file, {fmt::format("clamp=[{{ on = \"left\", value = {} }}]", value)});
+    const auto echo = temporary(scene::echo(scene, 2));
+    const scene::Initial initial = test::parse(echo).initial;
+    CHECK(initial.displacement.has_value() == !moves);
+    CHECK(initial.velocity == scene.initial.velocity);
+    std::filesystem::remove(echo);
+  }
+}
+
 TEST_CASE("a list of names is a set, and may be empty", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
   const scene::Output all = test::parse(file).output;
@@ -46,7 +59,7 @@ TEST_CASE("a list of names is a set, and may be empty", "[scene]") {
   const scene::Output some =
       test::parse(file, {"output.fields=[\"adjoint\", \"velocity\", \"adjoint\"]", "output.tables=[]"})
           .output;
-  CHECK(some.fields == std::vector<std::string>{"velocity", "adjoint"});
+  CHECK(some.fields == std::vector<std::string>{"adjoint", "velocity"});
   CHECK(some.tables.empty());
   CHECK((some.field("adjoint") && !some.field("control") && !some.table("steps")));
   const scene::Scene scene = test::parse(file, {"output.fields=[]", "output.tables=[\"contact\"]"});

@@ -35,7 +35,8 @@ def scene_file_cases() -> list[Case]:
 def key_cases() -> list[Case]:
     """Names that are not known, and names that are missing."""
     return [
-        edited("unknown table", "[output]", "[gravity]\ng = 9.81\n[output]", "gravity: unknown", "contact, control"),
+        edited("unknown table", "[output]", "[gravity]\ng = 9.81\n[output]", "gravity: unknown", "contact, control",
+               never=(re.compile(r"\brun\b"),)),
         edited("misspelt table", "[contact]", "[contcat]", "contcat: unknown", 'did you mean "contact"?', earlier=True),
         edited("misspelt required table", "[material]", "[matrial]", "matrial: unknown", 'did you mean "material"?'),
         edited("table in British spelling", "[optimizer]", "[optimiser]", "optimiser: unknown", 'mean "optimizer"?'),
@@ -105,6 +106,8 @@ def range_cases() -> list[Case]:
         edited("stiffness that is no number", "young = 1e8", "young = nan", "material.young: found nan", "a number"),
         edited("negative viscosity", "bulk = 1e4", "bulk = -1e4", "material.viscosity.bulk: found -1", "at least 0",
                at="viscosity ="),
+        edited("negative shear viscosity", "shear = 1e4", "shear = -1e4", "material.viscosity.shear: found -1", "at least 0",
+               "Pa s", at="viscosity ="),
         edited("degree 3", "[time]", "degree = 3\n[time]", "mesh.degree: found 3", "from 1 to 2"),
         edited("degree 0", "[time]", "degree = 0\n[time]", "mesh.degree: found 0", "from 1 to 2"),
         Case("size of zero", ("mesh.size: found 0", "greater than 0", "m)"), mesh=GEO, mesh_file="square.geo",
@@ -125,10 +128,12 @@ def range_cases() -> list[Case]:
                "energies", "steps, contact, history", at="tables ="),
         edited("scale of zero", "scale = 1e6", "scale = 0", "control.scale: found 0", "greater than 0"),
         edited("negative alpha", "alpha = 1e-2", "alpha = -1e-2", "objective.alpha: found -0.01", "at least 0"),
+        edited("negative gamma", "gamma = 7.5e-4", "gamma = -7.5e-4", "objective.gamma: found -0.00075", "at least 0"),
+        edited("upper bound that is no number", "upper = 2.0", "upper = [2.0, nan]", "control.upper: found nan", "that is finite"),
         edited("lower above upper", bounds, "lower = 3.0\nupper = 2.0", "control.lower: found 3", "control.upper = 2"),
         edited("lower above upper in one component", bounds, "lower = [0, 3]\nupper = 2.0", "control.lower: found 3",
                "control.upper = 2"),
-        edited("infinite bound", bounds, "lower = -inf\nupper = 2.0", "control.lower: found -inf", "a number"),
+        edited("infinite bound", bounds, "lower = -inf\nupper = 2.0", "control.lower: found -inf", "a number", "that is finite"),
     ]
 
 
@@ -139,6 +144,11 @@ def dimension_cases() -> list[Case]:
     return [
         edited("bound of one component", "lower = -2.0", "lower = [-2.0]", "control.lower: found", "[-2.0]", "allowed"),
         edited("bound of three components", "lower = -2.0", "lower = [-2, -2, -2]", "control.lower", *found, at=""),
+        edited("upper bound of three components", "upper = 2.0", "upper = [2, 2, 2]", "control.upper: ", *found, at=""),
+        edited("desired displacement of three components", 'control = ["0", "-1"]', 'displacement = ["0", "-t", "0"]',
+               "objective.desired.displacement: ", *found, at="", verb="check"),
+        edited("desired displacement that cannot be read", 'control = ["0", "-1"]', 'displacement = ["0", "-t*"]',
+               "objective.desired.displacement: ", '"-t*"', "x, y, z, t", at="desired ="),
         edited("bounds of two and three components", "lower = -2.0\nupper = 2.0",
                "lower = [-2, -2]\nupper = [2, 2, 2]", "control.", "3 components", at=""),
         edited("body load of three components", '["0", "-9.81"]', '["0", "0", "-9.81"]', "load.body", *found, at=""),
@@ -300,27 +310,47 @@ def effect_cases() -> list[Case]:
         edited("traction on a missing group", "[initial]", traction.replace('"side"', '"nowhere"'), "load.traction[0].on: ",
                '"nowhere"', at=""),
         edited("traction on the body", "[initial]", traction.replace('"side"', '"body"'), "load.traction[0].on: ", '"body"', at=""),
-        edited("clamp of no component", 'on = "top"', 'on = "top"\ncomponents = []', "components: ", "found []", "one component at least",
+        edited("clamp of no component", 'on = "top"', 'on = "top"\ncomponents = []', "clamp[0].components: ", "found []", "one component at least",
                at="components ="),
-        edited("clamp of z in the plane", 'on = "top"', 'on = "top"\ncomponents = ["z"]', "components: ", 'found "z"', '"x", "y"',
-               at=""),
-        edited("motion of one component, two values", 'on = "top"', 'on = "top"\ncomponents = ["y"]\nvalue = ["0", "t"]', "value: ",
+        edited("clamp of z in the plane", 'on = "top"', 'on = "top"\ncomponents = ["z"]', 'clamp.components: found "z"',
+               "allowed: x, y", "2-dimensional", at=""),
+        edited("motion of three components of the second clamp", '[[clamp]]\non = "top"', '[[clamp]]\non = "top"\n\n[[clamp]]\n'
+               'on = "side"\nvalue = ["0", "0", "t"]', "clamp[1].value: found 3 components", "allowed are 2", at=""),
+        edited("motion of one component, two values", 'on = "top"', 'on = "top"\ncomponents = ["y"]\nvalue = ["0", "t"]', "clamp[0].value: ",
                "1 expression", at="value ="),
-        edited("motion that is not finite", 'on = "top"', 'on = "top"\nvalue = ["0", "1/t"]', "value: ", at=""),
-        edited("start off a moving clamp", 'on = "top"', 'on = "top"\nvalue = ["0", "1e-3 + t"]', "initial.", "clamps",
+        edited("motion that is not finite", 'on = "top"', 'on = "top"\nvalue = ["0", "1/t"]', "clamp.value: ", '"1/t" is inf', at=""),
+        edited("start off a moving clamp", 'on = "top"', 'on = "top"\nvalue = ["0", "1e-3 + t"]', "initial.displacement: ", "0.001", "clamps",
                at=""),
         edited("control on a missing group", "scale = 1e6", 'scale = 1e6\non = "nowhere"', "control.on: ", '"nowhere"', at="",
                verb="optimize"),
+        edited("control on a missing group, forward run", "scale = 1e6", 'scale = 1e6\non = "nowhere"', "control.on: ", '"nowhere"',
+               at=""),
+        edited("control on a missing group, info, two ranks", "scale = 1e6", 'scale = 1e6\non = "nowhere"', "control.on: ",
+               '"nowhere"', at="", verb="info", ranks=2),
+        edited("control of z in the plane", "scale = 1e6", 'scale = 1e6\ncomponents = ["y", "z"]', 'control.components: found "z"',
+               "allowed: x, y", "2-dimensional", at=""),
         edited("control of unknown space", "scale = 1e6", 'scale = 1e6\nspace = "P3"', "control.space: ", '"P3"', "P1, P0",
                at="space ="),
         edited("control constant by text", "scale = 1e6", 'scale = 1e6\nconstant_in_time = "yes"', "control.constant_in_time: ",
                '"yes"', "true and false", at="constant_in_time ="),
         edited("control of an unknown component", "scale = 1e6", 'scale = 1e6\ncomponents = ["w"]', "control.components: ", "w",
                "x, y, z", at="components ="),
-        edited("reference control of a component left out", "scale = 1e6", 'scale = 1e6\ncomponents = ["x"]', "control",
-               "leaves it out", at="", verb="optimize"),
+        Case("reference control of a component left out", ('objective.desired.control: found "-1" for y', "leaves it out"),
+             edits=(("scale = 1e6", 'scale = 1e6\ncomponents = ["x"]'),), at="desired ="),
+        edited("first guess of a component left out", "scale = 1e6", 'scale = 1e6\ncomponents = ["y"]\ninitial = ["t", "0"]',
+               'control.initial: found "t" for x', 'allowed is "0"', at="initial ="),
+        Case("check at a component left out", ('check.control: found "x" for x', "leaves it out"), at='control = ["x"', edits=(
+            ("scale = 1e6", 'scale = 1e6\ncomponents = ["y"]'), ("[output]", '[check]\ncontrol = ["x", "1"]\n[output]'))),
+        Case("reference control of time, control constant in time", ('objective.desired.control: the expression "-t"',
+             "variables x, y, z"), edits=(("scale = 1e6", "scale = 1e6\nconstant_in_time = true"),
+                                          ('control = ["0", "-1"]', 'control = ["0", "-t"]')), at="desired ="),
+        Case("check of time, control constant in time", ('check.control: the expression "t"', "variables x, y, z"), edits=(
+            ("scale = 1e6", "scale = 1e6\nconstant_in_time = true"), ("[output]", '[check]\ncontrol = ["0", "t"]\n[output]')),
+             at='control = ["0", "t"]'),
         edited("objective on a missing group", "gamma =", 'on = "nowhere"\ngamma =', "objective.on: ", '"nowhere"', at="",
                verb="optimize"),
+        edited("objective on a missing group, forward run", "gamma =", 'on = "nowhere"\ngamma =', "objective.on: ", '"nowhere"',
+               at=""),
         edited("negative tracking", "gamma =", "tracking = -1.0\ngamma =", "objective.tracking: ", "-1", at="tracking ="),
         edited("nothing desired", "gamma = 7.5e-4", "tracking = 0.0\ngamma = 0.0", "objective.tracking: ", "nothing would be desired",
                at="tracking ="),
@@ -399,6 +429,8 @@ def material_cases() -> list[Case]:
 def option_cases() -> list[Case]:
     """Command lines that are wrong, and overrides that do not fit the scene."""
     verbs = ("simulate", "optimize", "check", "info")
+    objective = '[objective]\ndesired = { control = ["0", "-1"] }\nalpha = 1e-2\ngamma = 7.5e-4\n\n'
+    optimizer = "[optimizer]\nmax_iterations = 1\ntolerance = 1e-6\n\n"
     return [
         overridden("set without =", "mesh.size", '--set: found "mesh.size"', "key.path=value"),
         overridden("set without a key", "=4", '--set: found "=4"', "key.path=value"),
@@ -432,8 +464,10 @@ def option_cases() -> list[Case]:
         Case("misspelt option", ("--quite", '"--quiet"'), options=("--quite",)),
         typed("out without a folder", "simulate scene.toml --out", "--out"),
         typed("set without a word", "simulate scene.toml --out results --set", "--set"),
-        edited("optimize without an objective", '[objective]\ndesired = { control = ["0", "-1"] }\nalpha = 1e-2\n'
-               "gamma = 7.5e-4\n", "", "scene.toml", "optimize needs", "[objective]", verb="optimize", earlier=True),
+        edited("optimize without an objective", objective + optimizer, "", "scene.toml", "optimize needs", "[objective]",
+               verb="optimize", earlier=True),
+        edited("optimizer without an objective", objective, "", "optimizer: has no effect without an objective", at="[optimizer]"),
+        edited("objective that is a list", "[objective]", "[[objective]]", "objective: found", "a table"),
         edited("optimize without a control", "", "", "optimize needs", "[control] and [objective]", verb="optimize",
                prepare=lambda folder: keep_tables(folder / "scene.toml", ("mesh", "time", "material"))),
         edited("objective without a control", "[control]\nscale = 1e6\nlower = -2.0\nupper = 2.0\n", "",
@@ -444,9 +478,8 @@ def option_cases() -> list[Case]:
                "control, displacement", at="desired ="),
         edited("misspelt desired kind", 'control = ["0", "-1"]', 'contrl = ["0", "-1"]', "objective.desired", "contrl",
                at="desired ="),
-        edited("check without a control", "[control]\nscale = 1e6\nlower = -2.0\nupper = 2.0\n\n[objective]\n"
-               'desired = { control = ["0", "-1"] }\nalpha = 1e-2\ngamma = 7.5e-4\n', '[check]\ncontrol = ["0", "1"]\n',
-               "check: ", "[control]", verb="check"),
+        edited("check without a control", "[control]\nscale = 1e6\nlower = -2.0\nupper = 2.0\n\n" + objective + optimizer,
+               '[check]\ncontrol = ["0", "1"]\n', "check: ", "[control]", verb="check"),
     ]
 
 
