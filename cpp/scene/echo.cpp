@@ -203,6 +203,9 @@ std::string echo(const Scene& s, int dim) {
   out.key("vi", text(s.solver.vi));
   out.key("linear", text(s.solver.linear));
   out.key("memory", number(s.solver.memory), "bytes");
+  out.table("[run]");
+  out.key("invariants", text(s.run.invariants));
+  out.key("tolerance", number(s.run.tolerance));
   out.table("[output]");
   out.key("every", std::to_string(s.output.every), "steps");
   out.key("fields", texts(s.output.fields));

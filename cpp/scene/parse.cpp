@@ -351,7 +351,6 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   Scene scene;
   scene.file = std::filesystem::absolute(file);
   scene.name = file.stem().string();
-  in.not_available("run");
   scene.mesh = mesh(in.table("mesh"), scene.file);
   scene.time = time(in.table("time"));
   scene.materials = materials(in, root.contains("material") && root.get("material")->is_array());
@@ -402,6 +401,12 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
           "takes derivatives of an objective by a control; add [control] and [objective] or leave it out");
     scene.check.control = controls(check, "control", *scene.control);
     check.finish();
+  }
+  if (in.has("run")) {
+    Reader run = in.table("run");
+    scene.run.invariants = run.choice("invariants", {"warn", "stop", "off"}, scene.run.invariants);
+    scene.run.tolerance = run.number("tolerance", {.least = 0, .greatest = 1, .open = true}, scene.run.tolerance);
+    run.finish();
   }
   if (in.has("output")) {
     Reader output = in.table("output");

@@ -140,6 +140,14 @@ struct Check {
   std::optional<Components> control; ///< where `check` takes derivatives, of x, y, z, t
 };
 
+/// What is watched while a scene runs.
+struct Run {
+  std::string invariants = "warn"; ///< where one is off: "warn" at the end, "stop" there; or "off"
+  double tolerance = 1e-10;        ///< relative
+
+  [[nodiscard]] bool watched() const { return invariants != "off"; }
+};
+
 struct Output {
   int every = 1; ///< steps between stored fields
   std::vector<std::string> fields{"displacement", "velocity", "control",
@@ -169,6 +177,7 @@ struct Scene {
   Optimizer optimizer;
   Solver solver;
   Check check;
+  Run run;
   Output output;
 };
 
