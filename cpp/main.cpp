@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <thread>
@@ -23,7 +24,7 @@ struct Verb {
 constexpr Verb verbs[] = {{"simulate", "forward run only"},
                           {"optimize", "forward, adjoint, update, until the stopping criterion"},
                           {"check", "derivatives and discrete invariants of this scene"},
-                          {"info", "effects, unknowns, candidates, steps, memory and time; runs nothing"}};
+                          {"info", "effects and what each adds, unknowns, memory; --time N: the time, from N steps"}};
 
 std::string did_you_mean(const std::string& found, const std::vector<std::string>& valid) {
   const std::string near = signorini::scene::nearest(found, valid);
@@ -62,6 +63,9 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     sub->add_flag("--quiet", quiet, "say nothing but errors");
     sub->add_flag("--resume", resume, "go on from a checkpoint (not available yet)");
+    if (std::string_view(verb.name) == "info")
+      sub->add_option("--time", request.timed_steps, "time this many steps, for an estimate of the whole")
+          ->check(CLI::Range(1, std::numeric_limits<int>::max()));
     sub->callback([&request, &verb] { request.verb = verb.name; });
   }
   try {

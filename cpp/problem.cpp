@@ -26,6 +26,17 @@ mesh::Mesh read_mesh(MPI_Comm comm, const scene::Scene& scene) {
   return mesh;
 }
 
+/// Whether simulate applies a control.
+bool has_given_control(const scene::Scene& scene) { return scene.control && !scene::rests(*scene.control); }
+
+/// Whether something is given by its density in the body, and so enters by its product with W.
+bool has_densities(const scene::Scene& scene, bool optimal_control) {
+  const bool controlled = optimal_control ? scene.control.has_value() : has_given_control(scene);
+  return (scene.load && scene.load->body) ||
+         (controlled && !scene.control->on && scene.control->space == "P1") ||
+         (optimal_control && scene.objective && !scene.objective->on);
+}
+
 petsc::Series desired_states(const Problem& problem, const control::ControlSpace& controls,
                              const std::optional<control::Control>& reference, const Console& console) {
   const auto timer = problem.timers.time("desired state");
@@ -76,7 +87,9 @@ std::optional<control::Control> reference_control(const scene::Scene& scene,
 Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs needs, Timers& t)
     : scene(s), timers(t), mesh(timed(t, "mesh", [&] { return read_mesh(comm, s); })),
       space(mesh, s.mesh.degree),
-      operators(timed(t, "assembly", [&] { return fem::assemble_operators(space, s.materials); })),
+      operators(timed(
+          t, "assembly",
+          [&] { return fem::assemble_operators(space, s.materials, has_densities(s, needs.sliding)); })),
       stepper(timed(t, "solver", [&] { return forward::Stepper(space, operators, s, needs); })),
       initial(stepper, s.initial) {
   if (stop_requested(comm))
@@ -94,11 +107,11 @@ long Problem::free_dofs() const {
 }
 
 GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
-  const std::optional<scene::Control>& control = problem.scene.control;
-  if (!control || scene::rests(*control))
+  if (!has_given_control(problem.scene))
     return;
-  controls_.emplace(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(), *control);
-  control_ = first_guess(*controls_, *control);
+  const scene::Control& control = *problem.scene.control;
+  controls_.emplace(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(), control);
+  control_ = first_guess(*controls_, control);
   controls_->project(*control_);
 }
 

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/signals.h"
 #include "check.h"
+#include "info.h"
 #include "io/manifest.h"
 #include "io/output_folder.h"
 #include "optimize/projected_gradient.h"
@@ -228,59 +229,6 @@ int check(const scene::Scene& scene, const Console& console) {
   return check_scene(problem, console) ? done : 1;
 }
 
-/// Seconds of one call, the best of three.
-template <class Call>
-double seconds(Call&& call) {
-  double best = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 3; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    call();
-    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
-  return best;
-}
-
-int info(const scene::Scene& scene, const Console& console) {
-  Timers timers;
-  const Problem problem(world(), scene, {.sliding = scene.objective.has_value()}, timers);
-  console.line(scene.name);
-  for (const auto& [name, on] : io::effects(scene))
-    console.line(fmt::format("  {:<22}{}", name, on ? "on" : "off"));
-  petsc::Vector x = problem.space.vector(), y = problem.space.vector();
-  petsc::check(VecSetRandom(x, nullptr));
-  problem.stepper.clamped().clear(x);
-  const double solve = seconds([&] {
-    petsc::check(VecZeroEntries(y)); // no guess
-    problem.stepper.solver().linear().solve(x, y);
-  });
-  const double product = seconds([&] { petsc::check(MatMult(problem.stepper.R(), x, y)); });
-  const double bytes = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
-  // One trajectory holds y and v; optimize keeps the current and the trial one, the desired states, and the
-  // controls u of the iterate, current, trial, gradient and step. simulate keeps two states.
-  const double vectors = scene.objective ? (2 * 2 + 1 + 5) * (problem.steps() + 1) : 2 * 2;
-  double setup = 0;
-  for (const auto& [phase, entry] : timers.entries())
-    setup += entry.seconds;
-  const double sweep = problem.steps() * (solve + 2 * product);
-  console.line(fmt::format("unknowns: {} ({} free), cells: {}, candidates: {}, steps: {}",
-                           problem.space.dofs(), problem.free_dofs(), problem.mesh.cells(),
-                           problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0,
-                           problem.steps()));
-  const forward::StepSolver::Memory memory = problem.stepper.solver().memory();
-  console.line(fmt::format("solver: {}; factor or preconditioner {:.3g} MB, condensed contact {:.3g} MB",
-                           problem.stepper.solver().choice(), memory.factor / 1e6,
-                           memory.condensation / 1e6));
-  console.line(fmt::format("setup: {:.2f} s, {:.0f} MB by now; states{} will add {:.0f} MB", setup,
-                           peak_memory() / 1e6, scene.objective ? " and controls" : "",
-                           vectors * bytes / 1e6));
-  console.line(fmt::format(
-      "a forward sweep: about {:.2g} s ({:.2g} ms per solve with D, {:.2g} ms per product){}", sweep,
-      1e3 * solve, 1e3 * product,
-      scene.objective ? fmt::format("; an optimizer's iteration, with its gradient: {:.2g} s", 2 * sweep)
-                      : ""));
-  return done;
-}
-
 } // namespace
 
 int run(const Request& request, const Console& console) {
@@ -296,7 +244,10 @@ int run(const Request& request, const Console& console) {
     return optimize_scene(scene, out, console);
   if (request.verb == "check")
     return check(scene, console);
-  return info(scene, console);
+  Timers timers;
+  const Problem problem(world(), scene, {.sliding = scene.objective.has_value()}, timers);
+  tell(problem, request.timed_steps, console);
+  return done;
 }
 
 } // namespace signorini

@@ -12,6 +12,7 @@ struct Request {
   std::filesystem::path scene;
   std::filesystem::path out; ///< empty: results/<scene name>
   std::vector<std::string> overrides;
+  int timed_steps = 0; ///< that info makes to time them
 };
 
 /// Does it, on MPI_COMM_WORLD, and returns the exit status. Collective. Throws UserError, SolverFailure, Interrupted.

@@ -48,6 +48,23 @@ def table(file: Path) -> dict[str, np.ndarray]:
     return {key: np.array([float(row[key]) for row in rows]) for key in rows[0]}
 
 
+def stored(out: Path, file: str, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes, cells and the values (times × nodes × 3, in the order of time) of a field of a run's `file`.h5."""
+    import h5py
+
+    with h5py.File(out / f"{file}.h5") as data:
+        mesh, states = data["Mesh/mesh"], data[f"Function/{name}"]
+        order = sorted(states, key=lambda key: float(key.replace("_", ".")))
+        return mesh["geometry"][:], mesh["topology"][:], np.array([states[key][:] for key in order])
+
+
+def boundary(cells: np.ndarray) -> np.ndarray:
+    """The facets that belong to one cell only, their nodes ascending."""
+    facets = np.concatenate([np.delete(cells, i, axis=1) for i in range(cells.shape[1])])
+    facets, cells_there = np.unique(np.sort(facets, axis=1), axis=0, return_counts=True)
+    return facets[cells_there == 1]
+
+
 def relative(found: float, expected: float) -> float:
     return abs(found / expected - 1)
 

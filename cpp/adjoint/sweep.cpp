@@ -19,7 +19,9 @@ void sweep(const forward::Stepper& stepper, const forward::Trajectory& trajector
   for (int k = trajectory.steps; k >= 1; --k) {
     try {
       extrapolation.guess(p);
-      stepper.adjoint_step(trajectory.contact[static_cast<std::size_t>(k)], derivative_at(k), p_next, q, p);
+      const auto i = static_cast<std::size_t>(k);
+      stepper.adjoint_step(trajectory.contact[i], k < trajectory.steps ? &trajectory.contact[i + 1] : nullptr,
+                           derivative_at(k), p_next, q, p);
       extrapolation.remember(p);
     } catch (const SolverFailure& failure) {
       throw SolverFailure(fmt::format("adjoint step {}: {}", k, failure.what()));

@@ -21,6 +21,7 @@ struct ContactState {
   std::vector<double> gap;    ///< g_i, m
   std::vector<Status> status;
   ActiveSet active;      ///< A = S ∪ W
+  ActiveSet predictor;   ///< Z: candidates that the step's projected predictor touches; contact-stabilized alone
   int vi_iterations = 0; ///< Newton steps that found the active set; 0 where the previous step's was right
 
   /// All m candidates open. Holds room for every active set, so that steps do not allocate.
@@ -28,6 +29,7 @@ struct ContactState {
       : lambda(static_cast<std::size_t>(m)), gap(static_cast<std::size_t>(m)),
         status(static_cast<std::size_t>(m), Status::open) {
     active.reserve(static_cast<std::size_t>(m));
+    predictor.reserve(static_cast<std::size_t>(m));
   }
 
   [[nodiscard]] int count(Status which) const { return static_cast<int>(std::ranges::count(status, which)); }

@@ -95,7 +95,7 @@ ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operat
   }
   if (!whole_)
     own_ = fem::assemble_L2(space, *scene.on, "control.on");
-  mass_ = whole_ ? operators.W : own_;
+  mass_ = whole_ ? *operators.W : own_;
   points_ = space.points();
   work_ = space.vector();
   mask_ = make_mask(fem::diagonal(mass_), space.dim(), components_);
@@ -108,6 +108,12 @@ Control ControlSpace::unset() const {
   for (petsc::Vector& value : values)
     check(VecDuplicate(work_, value.put()));
   return Control(std::move(values), steps_);
+}
+
+double ControlSpace::control_bytes() const {
+  PetscInt size = 0;
+  check(VecGetSize(work_, &size));
+  return sizeof(PetscScalar) * static_cast<double>(size) * static_cast<double>(vectors());
 }
 
 Control ControlSpace::zero() const { return constant(0); }

@@ -69,6 +69,11 @@ public:
   /// Clips to the bounds: the projection in metric().
   void project(Control& u) const;
 
+  /// Memory of one control, bytes. Collective.
+  [[nodiscard]] double control_bytes() const;
+  /// Memory of the matrix that only the control needs, bytes; 0 if W does. Collective.
+  [[nodiscard]] double matrix_bytes() const { return own_ ? petsc::bytes(own_) : 0; }
+
   [[nodiscard]] int steps() const { return steps_; }
   [[nodiscard]] const fem::Space& space() const { return space_; }
   /// Whether a control has one value for each cell.

@@ -14,7 +14,7 @@ Objective::Objective(const ControlSpace& controls, const fem::Operators& operato
     : scheme_(scheme), steps_(controls.steps()), desired_(std::move(desired)), tracking_(scene.tracking),
       alpha_(scene.alpha), gamma_(scene.gamma), controls_(controls),
       own_(scene.on ? fem::assemble_L2(controls.space(), *scene.on, "objective.on") : petsc::Matrix()),
-      observed_(own_ ? Mat(own_) : Mat(operators.W)), error_(controls.space().vector()),
+      observed_(own_ ? Mat(own_) : Mat(*operators.W)), error_(controls.space().vector()),
       work_(controls.space().vector()) {
   ++objectives;
 }

@@ -69,6 +69,12 @@ double Clamped::decouple(Mat matrix) const {
   return largest;
 }
 
+petsc::Matrix symmetric_half(const petsc::Matrix& blocks) {
+  petsc::Matrix half;
+  check(MatConvert(blocks, MATSBAIJ, MAT_INITIAL_MATRIX, half.put()));
+  return half;
+}
+
 namespace {
 
 /// c with matrix = c other to rounding, if there is one; told by a random vector.
@@ -86,13 +92,6 @@ std::optional<double> ratio(Mat matrix, Mat other) {
   if (!(difference * c <= rounding * size))
     return std::nullopt;
   return std::abs(c - 1) <= rounding ? 1 : c;
-}
-
-/// The upper half of a symmetric matrix of blocks (SBAIJ).
-petsc::Matrix symmetric_half(const petsc::Matrix& blocks) {
-  petsc::Matrix half;
-  check(MatConvert(blocks, MATSBAIJ, MAT_INITIAL_MATRIX, half.put()));
-  return half;
 }
 
 /// The first component of a matrix in rows.
@@ -140,16 +139,19 @@ petsc::Vector diagonal(Mat matrix) {
   return diagonal;
 }
 
-Operators assemble_operators(const Space& space, const std::vector<scene::Material>& materials) {
+Operators assemble_operators(const Space& space, const std::vector<scene::Material>& materials,
+                             bool densities) {
   const std::vector<Part> body = parts(space.mesh(), materials);
   constexpr double no_tau = 0; // none of these forms has a time step
-  Operators operators{compress(assemble(space, Form::L2, body, no_tau, MATAIJ)),
-                      compress(assemble(space, Form::m, body, no_tau, MATAIJ)),
+  Operators operators{compress(assemble(space, Form::m, body, no_tau, MATAIJ)),
                       symmetric_half(assemble(space, Form::a, body, no_tau, MATBAIJ)), std::nullopt,
-                      std::nullopt};
-  operators.uniform_density = ratio(operators.M, operators.W);
+                      std::nullopt, std::nullopt};
   if (std::ranges::any_of(materials, [](const scene::Material& m) { return m.viscosity.has_value(); }))
     operators.B = symmetric_half(assemble(space, Form::b, body, no_tau, MATBAIJ));
+  if (densities) {
+    operators.W = compress(assemble(space, Form::L2, body, no_tau, MATAIJ));
+    operators.uniform_density = ratio(operators.M, *operators.W);
+  }
   return operators;
 }
 
@@ -167,11 +169,17 @@ petsc::Matrix assemble_step_operator(const Space& space, const std::vector<scene
   return assemble(space, Form::d, parts(space.mesh(), materials), tau, MATBAIJ);
 }
 
+petsc::Matrix assemble_mass(const Space& space, const std::vector<scene::Material>& materials) {
+  constexpr double no_tau = 0;
+  return assemble(space, Form::m, parts(space.mesh(), materials), no_tau, MATBAIJ);
+}
+
 petsc::Matrix shifted(Mat A, Mat D, double c) {
   // In whole blocks: PETSc 3.22 adds halves wrongly on several ranks (MatAXPY of MPISBAIJ).
-  petsc::Matrix sum;
-  check(MatConvert(A, MATBAIJ, MAT_INITIAL_MATRIX, sum.put()));
-  check(MatAYPX(sum, -c, D, SAME_NONZERO_PATTERN));
+  petsc::Matrix blocks, sum;
+  check(MatConvert(A, MATBAIJ, MAT_INITIAL_MATRIX, blocks.put()));
+  check(MatDuplicate(D, MAT_COPY_VALUES, sum.put()));
+  check(MatAXPY(sum, -c, blocks, SUBSET_NONZERO_PATTERN));
   return symmetric_half(sum);
 }
 

@@ -34,18 +34,19 @@ std::vector<int> component_numbers(const std::optional<std::vector<std::string>>
 /// the space dimension (SBAIJ), which makes the products between two solves twice as fast as rows do; where a
 /// form acts on each component alike, as L2 and m do, one component is stored for all (MAIJ).
 struct Operators {
-  petsc::Matrix W;                       ///< L2
   petsc::Matrix M;                       ///< m, kg
   petsc::Matrix A;                       ///< a
   std::optional<petsc::Matrix> B;        ///< b; absent in an elastic body
+  std::optional<petsc::Matrix> W;        ///< L2; absent where nothing is given by its density in the body
   std::optional<double> uniform_density; ///< ρ with M = ρ W, if there is one, kg/m³
 };
 
 /// The diagonal of one of them. Collective.
 petsc::Vector diagonal(Mat matrix);
 
-/// Collective. Throws UserError unless every cell is of one of the materials.
-Operators assemble_operators(const Space& space, const std::vector<scene::Material>& materials);
+/// `densities`: whether W is wanted. Collective. Throws UserError unless every cell is of one of the materials.
+Operators assemble_operators(const Space& space, const std::vector<scene::Material>& materials,
+                             bool densities);
 
 /// The L2 product over a part of the body (a group of cells) or a surface (a group of facets), stored as W
 /// is: one component for all, with entries only where the part's own functions meet. Collective. Throws
@@ -56,6 +57,12 @@ petsc::Matrix assemble_L2(const Space& space, const std::string& group, const st
 /// Throws as assemble_operators does.
 petsc::Matrix assemble_step_operator(const Space& space, const std::vector<scene::Material>& materials,
                                      double tau);
+
+/// The operator m of the mass alone, in blocks (BAIJ). Collective. Throws as assemble_operators does.
+petsc::Matrix assemble_mass(const Space& space, const std::vector<scene::Material>& materials);
+
+/// The upper half of a symmetric matrix of blocks (SBAIJ). Collective.
+petsc::Matrix symmetric_half(const petsc::Matrix& blocks);
 
 /// D − c A, stored as Operators are. Collective.
 petsc::Matrix shifted(Mat A, Mat D, double c);

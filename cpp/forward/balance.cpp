@@ -33,7 +33,7 @@ void contact_forces(const Stepper& stepper, const contact::ContactState& contact
 } // namespace
 
 Balance::Balance(const Stepper& stepper) : stepper_(stepper) {
-  for (petsc::Vector* x : {&Ay0_, &Ay1_, &Mv0_, &Mv1_, &Bw_, &w_, &load_, &force_, &inertia_, &defect_})
+  for (petsc::Vector* x : {&Ay0_, &Ay1_, &Mv0_, &Mv1_, &Bw_, &w_, &jump_, &load_, &force_, &inertia_, &defect_})
     *x = stepper.space().vector();
 }
 
@@ -43,7 +43,7 @@ StepBalance Balance::operator()(const Frame& frame) {
   StepBalance now;
   std::swap(Ay0_, Ay1_), std::swap(Mv0_, Mv1_);
   check(MatMult(body.A, frame.y1, Ay1_));
-  check(MatMult(body.M, frame.v1, Mv1_));
+  check(MatMult(stepper_.M(), frame.v1, Mv1_));
   now.kinetic_energy = dot(frame.v1, Mv1_) / 2;
   now.elastic_energy = dot(frame.y1, Ay1_) / 2;
   const double before = std::exchange(energy_, now.kinetic_energy + now.elastic_energy);
@@ -52,7 +52,7 @@ StepBalance Balance::operator()(const Frame& frame) {
   check(VecWAXPY(w_, -1, frame.y0, frame.y1)); // w holds y_k − y_{k−1} until it is divided by τ
   check(VecZeroEntries(load_));
   if (frame.load.density)
-    check(MatMult(body.W, frame.load.density, load_));
+    check(MatMult(*body.W, frame.load.density, load_));
   if (frame.load.force)
     check(VecAXPY(load_, 1, frame.load.force));
   contact_forces(stepper_, frame.contact, force_);
@@ -72,6 +72,11 @@ StepBalance Balance::operator()(const Frame& frame) {
   check(VecAXPBYPCZ(defect_, 0.5, 0.5, 1, Ay0_, Ay1_));
   check(VecAXPY(defect_, -1, load_));
   check(VecAXPY(defect_, -1, force_));
+  if (stepper_.predictor()) { // the jump j moves the body without work, but the forces act through it too
+    check(VecWAXPY(jump_, 1, frame.v0, frame.v1));
+    check(VecAXPBY(jump_, tau, -tau / 2, w_)); // y_k − y_{k−1} − τ (v_{k−1} + v_k)/2
+    now.contact_work -= dot(jump_, inertia_);
+  }
   const std::array<double, 3> whole = resultant(stepper_, defect_);
   const double all_work = stepper_.motion() ? tau * dot(defect_, w_) : 0;
   stepper_.clamped().clear(defect_);

@@ -32,7 +32,7 @@ public:
 
 private:
   const Stepper& stepper_;
-  petsc::Vector Ay0_, Ay1_, Mv0_, Mv1_, Bw_, w_, load_, force_, inertia_, defect_;
+  petsc::Vector Ay0_, Ay1_, Mv0_, Mv1_, Bw_, w_, jump_, load_, force_, inertia_, defect_;
   double energy_ = 0; ///< of the last frame
 };
 

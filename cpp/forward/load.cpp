@@ -1,5 +1,6 @@
 #include "forward/load.h"
 #include "base/counters.h"
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace signorini::forward {
@@ -70,6 +71,18 @@ void SceneLoad::add(const Term& term, int k, Vec out) const {
   if (term.field.depends_on_time())
     evaluate(term, k);
   check(VecAXPY(out, 1, term.surface ? term.force : term.nodal));
+}
+
+bool SceneLoad::depends_on_time() const {
+  return (body_ && body_->field.depends_on_time()) ||
+         std::ranges::any_of(tractions_, [](const Term& term) { return term.field.depends_on_time(); });
+}
+
+double SceneLoad::surface_bytes() const {
+  double sum = 0;
+  for (const Term& term : tractions_)
+    sum += petsc::bytes(term.surface);
+  return sum;
 }
 
 Load SceneLoad::load() const {

@@ -45,6 +45,11 @@ public:
   /// f(t_{k−1/2}); valid as long as this object lives.
   [[nodiscard]] Load load() const;
 
+  /// Whether any part of it is evaluated in every step.
+  [[nodiscard]] bool depends_on_time() const;
+  /// Memory of the surfaces' mass matrices, bytes. Collective.
+  [[nodiscard]] double surface_bytes() const;
+
 private:
   /// An expression at the nodes, and what it contributes: itself, or its product with the surface's mass.
   struct Term {

@@ -15,6 +15,9 @@ public:
   /// Whether any of the clamps moves.
   [[nodiscard]] static bool in(const std::vector<scene::Clamp>& clamps);
 
+  /// Memory of the D that it keeps, bytes. Collective.
+  [[nodiscard]] double bytes() const { return petsc::bytes(D_); }
+
   /// Writes g(t) to the moving dofs. Collective. Throws UserError if it is not finite.
   void position(double t, Vec y) const;
 

@@ -1,6 +1,8 @@
 #include "forward/step.h"
 #include "base/counters.h"
 #include "base/error.h"
+#include "contact/massless.h"
+#include <algorithm>
 #include <cmath>
 
 namespace signorini::forward {
@@ -18,6 +20,13 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
   if (!scene.contacts.empty())
     constraints_.emplace(space, clamped_, scene.contacts);
   petsc::Matrix D = fem::assemble_step_operator(space, scene.materials, scheme_.tau);
+  if (std::ranges::any_of(scene.contacts, &scene::Contact::massless))
+    move_mass(scene, D);
+  if (constraints_ && scene.time.stabilized()) {
+    predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_, *constraints_,
+                       scene.solver, needs.sliding);
+    moved_ = space.vector();
+  }
   R_ = fem::shifted(operators.A, D, 2 * scheme_.stiffness());
   if (PrescribedMotion::in(scene.clamps))
     motion_.emplace(space, scene.clamps, D, scheme_);
@@ -25,17 +34,32 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
   solver_.emplace(std::move(D), constraints(), scene.solver, needs.sliding);
 }
 
+void Stepper::move_mass(const scene::Scene& scene, Mat D) {
+  std::vector<bool> massless;
+  for (const scene::Contact& contact : scene.contacts)
+    massless.push_back(contact.massless);
+  const petsc::Matrix M = fem::assemble_mass(space_, scene.materials);
+  const petsc::Matrix moved = contact::massless(space_, *constraints_, massless, M);
+  check(MatAXPY(D, -1, M, SUBSET_NONZERO_PATTERN));
+  check(MatAXPY(D, 1, moved, DIFFERENT_NONZERO_PATTERN));
+  massless_ = fem::symmetric_half(moved);
+}
+
+double Stepper::scheme_bytes() const {
+  return (massless_ ? petsc::bytes(*massless_) : 0) + (predictor_ ? predictor_->bytes() : 0);
+}
+
 void Stepper::right_hand_side(Vec x, double a, Vec z, double b, StepLoad load) const {
-  const std::optional<double> rho = operators_.uniform_density;
+  const std::optional<double> rho = massless_ ? std::nullopt : operators_.uniform_density;
   if (!load.density) {
     check(VecAXPBY(work_, a, 0, z));
-    check(MatMult(operators_.M, work_, r_));
+    check(MatMult(M(), work_, r_));
   } else if (rho) { // one product does for both
     check(VecAXPBYPCZ(work_, a, b / *rho, 0, z, load.density));
-    check(MatMult(operators_.M, work_, r_));
+    check(MatMult(M(), work_, r_));
   } else {
-    check(MatMult(operators_.M, z, r_));
-    check(MatMult(operators_.W, load.density, work_));
+    check(MatMult(M(), z, r_));
+    check(MatMult(*operators_.W, load.density, work_));
     check(VecAXPBY(r_, b, a, work_));
   }
   check(MatMultAdd(R_, x, r_, r_));
@@ -44,24 +68,43 @@ void Stepper::right_hand_side(Vec x, double a, Vec z, double b, StepLoad load) c
   clamped_.clear(r_);
 }
 
-void Stepper::velocity(Vec y0, Vec v0, Vec y1, Vec v1) const {
-  const petsc::ReadArray from(y0), to(y1), before(v0);
-  const petsc::WriteArray after(v1);
+Vec Stepper::with_jump(Vec x, double c, Vec jump) const {
+  if (!jump)
+    return x;
+  check(VecWAXPY(moved_, c, jump, x));
+  return moved_;
+}
+
+Vec Stepper::predicted(Vec y, Vec v) const {
+  check(VecWAXPY(work_, scheme_.tau, v, y));
+  return work_;
+}
+
+void Stepper::velocity(Vec y0, Vec v0, Vec jump, Vec y1, Vec v1) const {
   const double rate = scheme_.rate();
-  for (std::size_t i = 0; i < after.size(); ++i) // one pass, and the difference before it is scaled
-    after[i] = rate * (to[i] - from[i]) - before[i];
+  {
+    const petsc::ReadArray from(y0), to(y1), before(v0);
+    const petsc::WriteArray after(v1);
+    for (std::size_t i = 0; i < after.size(); ++i) // one pass, and the difference before it is scaled
+      after[i] = rate * (to[i] - from[i]) - before[i];
+  }
+  if (jump)
+    check(VecAXPY(v1, -rate, jump));
 }
 
 void Stepper::step(int k, Vec y0, Vec v0, StepLoad load, const contact::ContactState& previous,
                    contact::ContactState& contact, Vec y1, Vec v1) const {
-  right_hand_side(y0, scheme_.momentum(), v0, scheme_.impulse(), load);
+  const std::span<const double> psi =
+      constraints_ ? constraints_->psi(scheme_.time(k)) : std::span<const double>();
+  const Vec jump = predictor_ ? predictor_->jump(psi, predicted(y0, v0), contact.predictor) : nullptr;
+  right_hand_side(y0, scheme_.momentum(), with_jump(v0, 1 / scheme_.tau, jump), scheme_.impulse(), load);
   if (motion_)
     motion_->apply(k, clamped_, clamped_diagonal_, r_);
   if (const contact::ViSolver* vi = solver_->vi())
-    vi->solve(r_, constraints_->psi(scheme_.time(k)), previous, contact, y1);
+    vi->solve(r_, psi, previous, contact, y1);
   else
     solver_->linear().solve(r_, y1);
-  velocity(y0, v0, y1, v1);
+  velocity(y0, v0, jump, y1, v1);
   PetscReal size = 0;
   check(VecNorm(v1, NORM_2, &size));
   if (!std::isfinite(size))
@@ -78,21 +121,27 @@ void Stepper::solve_sliding(const contact::ContactState& contact, Vec p) const {
 
 void Stepper::linearised_step(Vec y0, Vec v0, StepLoad load, const contact::ContactState& contact, Vec y1,
                               Vec v1) const {
-  right_hand_side(y0, scheme_.momentum(), v0, scheme_.impulse(), load);
+  const Vec jump = predictor_ ? predictor_->linearised_jump(contact.predictor, predicted(y0, v0)) : nullptr;
+  right_hand_side(y0, scheme_.momentum(), with_jump(v0, 1 / scheme_.tau, jump), scheme_.impulse(), load);
   solve_sliding(contact, y1);
-  velocity(y0, v0, y1, v1);
+  velocity(y0, v0, jump, y1, v1);
   ++linearised_steps;
 }
 
-void Stepper::adjoint_step(const contact::ContactState& contact, StepLoad derivative, Vec p_next, Vec q,
-                           Vec p) const {
-  right_hand_side(p_next, -scheme_.momentum(), q, 1, derivative);
+void Stepper::adjoint_step(const contact::ContactState& contact, const contact::ContactState* next,
+                           StepLoad derivative, Vec p_next, Vec q, Vec p) const {
+  const Vec jump = predictor_ && next ? predictor_->linearised_jump(next->predictor, q) : nullptr;
+  right_hand_side(p_next, -scheme_.momentum(), with_jump(q, 1.5, jump), 1, derivative);
   solve_sliding(contact, p);
-  const petsc::ReadArray next(p_next), now(p);
-  const petsc::WriteArray velocity(q);
   const double rate = scheme_.rate();
-  for (std::size_t i = 0; i < velocity.size(); ++i)
-    velocity[i] = rate * (next[i] - now[i]) - velocity[i];
+  {
+    const petsc::ReadArray later(p_next), now(p);
+    const petsc::WriteArray velocity(q);
+    for (std::size_t i = 0; i < velocity.size(); ++i)
+      velocity[i] = rate * (later[i] - now[i]) - velocity[i];
+  }
+  if (jump)
+    check(VecAXPY(q, -2, jump));
   ++adjoint_steps;
 }
 

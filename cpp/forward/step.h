@@ -2,6 +2,7 @@
 #include "fem/operators.h"
 #include "forward/load.h"
 #include "forward/motion.h"
+#include "forward/predictor.h"
 #include "forward/step_solver.h"
 #include <optional>
 
@@ -28,6 +29,10 @@ public:
   [[nodiscard]] const fem::Operators& operators() const { return operators_; }
   [[nodiscard]] const fem::Clamped& clamped() const { return clamped_; }
   [[nodiscard]] const StepSolver& solver() const { return *solver_; }
+  /// M of this run: the body's, or with massless contact that with the contact nodes' mass moved.
+  [[nodiscard]] Mat M() const { return massless_ ? Mat(*massless_) : Mat(operators_.M); }
+  /// Null but in contact-stabilized stepping.
+  [[nodiscard]] const Predictor* predictor() const { return predictor_ ? &*predictor_ : nullptr; }
   /// Null where no clamp moves.
   [[nodiscard]] const PrescribedMotion* motion() const { return motion_ ? &*motion_ : nullptr; }
   /// R = D − 2 stiffness() A.
@@ -36,6 +41,9 @@ public:
   [[nodiscard]] const contact::Constraints* constraints() const {
     return constraints_ ? &*constraints_ : nullptr;
   }
+
+  /// Memory of what the scheme adds to contact-implicit stepping, bytes. Collective.
+  [[nodiscard]] double scheme_bytes() const;
 
   /// Step k from (y0, v0) under a load to (y1, v1) and its contact with the obstacles where they are then;
   /// `previous` is that at y0, and y1 holds a guess on entry if solver().takes_guess(). Allocates nothing,
@@ -52,16 +60,26 @@ public:
   /// The transpose of linearised_step on the active set of `contact` (4.40)–(4.41), with the seed's adjoint
   /// states:
   ///     D p_k − μ_k = R p_{k+1} − τ M q_{k+1} + ∂J/∂y_k,   q_k = −q_{k+1} + rate() (p_{k+1} − p_k)
-  /// where `derivative` is ∂J/∂y_k, given like a load. `q` is q_{k+1} on entry and q_k on return; `p_next`
+  /// and in contact-stabilized stepping, with j = Π_{k+1} q_{k+1} − q_{k+1} (the step of method.md section 5,
+  /// transposed, for v̄ = M (τ/2 p + τ²/4 q)),
+  ///     D p_k − μ_k = R p_{k+1} − τ M (q_{k+1} + 3/2 j) + ∂J/∂y_k,
+  ///     q_k = −q_{k+1} − 2 j + rate() (p_{k+1} − p_k)
+  /// `next` is the contact of step k + 1, null at N; `derivative` is ∂J/∂y_k, given like a load. `q` is q_{k+1} on entry and q_k on return; `p_next`
   /// is p_{k+1}; `p` becomes p_k and holds a guess on entry as y1 in step(). Both states are zero at k = N
   /// + 1. The dual of step k's nodal force is impulse() p_k. Collective.
-  void adjoint_step(const contact::ContactState& contact, StepLoad derivative, Vec p_next, Vec q,
-                    Vec p) const;
+  void adjoint_step(const contact::ContactState& contact, const contact::ContactState* next,
+                    StepLoad derivative, Vec p_next, Vec q, Vec p) const;
 
 private:
+  /// D and M with the contact nodes' mass moved into the body.
+  void move_mass(const scene::Scene& scene, Mat D);
   /// r_ = R x + M (a z) + b (W density + force) on the free dofs: what a step and an adjoint step share.
   void right_hand_side(Vec x, double a, Vec z, double b, StepLoad load) const;
-  void velocity(Vec y0, Vec v0, Vec y1, Vec v1) const;
+  /// x + c j, or x itself without a jump j.
+  Vec with_jump(Vec x, double c, Vec jump) const;
+  /// y + τ v.
+  Vec predicted(Vec y, Vec v) const;
+  void velocity(Vec y0, Vec v0, Vec jump, Vec y1, Vec v1) const;
   void solve_sliding(const contact::ContactState& contact, Vec p) const;
 
   const fem::Space& space_;
@@ -71,8 +89,10 @@ private:
   double clamped_diagonal_ = 0; ///< of D on the clamped dofs
   std::optional<PrescribedMotion> motion_;
   petsc::Matrix R_;
-  petsc::Vector r_, work_;
+  petsc::Vector r_, work_, moved_;
   std::optional<contact::Constraints> constraints_;
+  std::optional<petsc::Matrix> massless_;
+  std::optional<Predictor> predictor_;
   std::optional<StepSolver> solver_;
 };
 

@@ -1,5 +1,6 @@
 #include "io/manifest.h"
 #include "base/counters.h"
+#include "scene/expression.h"
 #include "version.h"
 #include <algorithm>
 #include <chrono>
@@ -16,19 +17,34 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
   const auto given = [](const std::optional<scene::Components>& field) {
     return field && !scene::vanishes(*field);
   };
+  const auto moves = [](const scene::Clamp& clamp) { return clamp.value && !scene::vanishes(*clamp.value); };
+  const auto obstacle_moves = [](const scene::Contact& contact) {
+    const auto* half_space = std::get_if<scene::HalfSpace>(&contact.obstacle);
+    return half_space && scene::Field(half_space->point, "contact.obstacle.point", true).depends_on_time();
+  };
+  const auto& objective = scene.objective;
   const bool viscous = std::ranges::any_of(
       scene.materials, [](const scene::Material& material) { return material.viscosity.has_value(); });
   return {{"several materials", scene.materials.size() > 1},
           {"viscosity", viscous},
           {"clamp", !scene.clamps.empty()},
+          {"moving clamp", std::ranges::any_of(scene.clamps, moves)},
           {"contact", !scene.contacts.empty()},
+          {"contact-stabilized", !scene.contacts.empty() && scene.time.stabilized()},
+          {"massless contact", std::ranges::any_of(scene.contacts, &scene::Contact::massless)},
+          {"moving obstacle", std::ranges::any_of(scene.contacts, obstacle_moves)},
           {"body load", scene.load && given(scene.load->body)},
           {"traction", scene.load && !scene.load->tractions.empty()},
           {"initial displacement", given(scene.initial.displacement)},
           {"initial velocity", given(scene.initial.velocity)},
           {"control", scene.control.has_value()},
           {"control bounds", scene.control && (scene.control->lower || scene.control->upper)},
-          {"objective", scene.objective.has_value()}};
+          {"objective", objective.has_value()},
+          {"tracking term", objective && objective->tracking > 0},
+          {"terminal term", objective && objective->gamma > 0},
+          {"control cost", objective && objective->alpha > 0},
+          {"stored fields", !scene.output.fields.empty()},
+          {"tables", !scene.output.tables.empty()}};
 }
 
 std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& timers) {

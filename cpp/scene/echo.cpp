@@ -123,7 +123,7 @@ void write_boundary(Writer& out, const Scene& s, int dim) {
     out.table(s.contacts.size() == 1 ? "[contact]" : "[[contact]]");
     out.key("on", text(contact.on));
     out.key("obstacle", std::visit([](const auto& shape) { return obstacle(shape); }, contact.obstacle), "m");
-    out.key("mass", text("consistent"));
+    out.key("mass", text(contact.massless ? "massless" : "consistent"));
     out.key("initial", text(contact.project ? "project" : "outside"));
   }
 }

@@ -92,7 +92,7 @@ Time time(Reader in) {
   Time time;
   time.end = in.number("end", positive_time);
   time.step = in.number("step", positive_time);
-  time.scheme = in.choice("scheme", {"contact-implicit"}, time.scheme, {"contact-stabilized"});
+  time.scheme = in.choice("scheme", {"contact-implicit", "contact-stabilized"}, time.scheme);
   const double steps = std::round(time.end / time.step);
   constexpr double most = 1e8;
   if (!(steps >= 1 && steps <= most))
@@ -228,10 +228,13 @@ Obstacle obstacle(Reader in) {
   return obstacle;
 }
 
-Contact contact(Reader in) {
+Contact contact(Reader in, const Time& time) {
   Contact contact;
   contact.on = in.text("on");
-  in.choice("mass", {"consistent"}, "consistent", {"massless"});
+  contact.massless = in.choice("mass", {"consistent", "massless"}, "consistent") == "massless";
+  if (contact.massless && time.stabilized())
+    in.fail("mass", "found \"massless\" with time.scheme \"contact-stabilized\", which projects in the norm of the "
+                    "mass; allowed is \"consistent\"");
   contact.obstacle = obstacle(in.table("obstacle"));
   contact.project = in.choice("initial", {"outside", "project"}, "outside") == "project";
   in.finish();
@@ -364,9 +367,9 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
     scene.clamps.push_back(clamp(table));
   if (in.has("contact") && root.get("contact")->is_array())
     for (Reader& table : in.tables("contact"))
-      scene.contacts.push_back(contact(table));
+      scene.contacts.push_back(contact(table, scene.time));
   else if (in.has("contact"))
-    scene.contacts.push_back(contact(in.table("contact")));
+    scene.contacts.push_back(contact(in.table("contact"), scene.time));
   if (in.has("load")) {
     Reader load = in.table("load");
     scene.load.emplace();

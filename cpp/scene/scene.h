@@ -24,7 +24,9 @@ struct Time {
   double end = 0;  ///< s
   double step = 0; ///< s
   int steps = 0;   ///< end / step
-  std::string scheme = "contact-implicit";
+  std::string scheme = "contact-implicit"; ///< or "contact-stabilized"
+
+  [[nodiscard]] bool stabilized() const { return scheme == "contact-stabilized"; }
 };
 
 struct Viscosity {
@@ -73,7 +75,8 @@ using Obstacle = std::variant<HalfSpace, Ball, Cylinder, SignedDistance>;
 struct Contact {
   std::string on; ///< physical group of the contact candidates
   Obstacle obstacle;
-  bool project = false; ///< nodes that start inside are moved out of the obstacle; else they are an error
+  bool massless = false; ///< contact nodes carry no mass in the directions of their constraints
+  bool project = false;  ///< nodes that start inside are moved out of the obstacle; else they are an error
 };
 
 struct Traction {

@@ -33,8 +33,8 @@ private:
 inline double operator_bytes(const Problem& problem) {
   const fem::Operators& operators = problem.operators;
   double sum = petsc::bytes(operators.M) + petsc::bytes(operators.A) + petsc::bytes(problem.stepper.R());
-  for (const petsc::Matrix* matrix : {&operators.W, operators.B ? &*operators.B : nullptr})
-    if (matrix && *matrix)
+  for (const std::optional<petsc::Matrix>& matrix : {std::cref(operators.B), std::cref(operators.W)})
+    if (matrix)
       sum += petsc::bytes(*matrix);
   return sum;
 }

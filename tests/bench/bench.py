@@ -5,7 +5,7 @@ usage: ./dev bench [c0|scaling|space|effects|peers] [--ranks N â€¦] [--sizes H â
   c0       the half disc as shipped, at element sizes 0.5, 0.25, 0.125 and 0.0625 m (default; about 3 minutes)
   scaling  the half disc from 1 m to 1/32 m, time step in proportion, contact from the start (about 10 minutes)
   space    the half ball by conjugate gradients, from 20,000 to 400,000 unknowns, 100 steps (about half an hour)
-  effects  the half disc with one effect after another: what each adds (about a minute)
+  effects  the half disc with one effect after another: what each adds (about four minutes)
   peers    forward steps beside FreeFem++ and GetFEM (tests/bench/peers)
 
 floor: one solve with D and the products with R and M, timed between the steps. Of each step's time over the repeats the

@@ -73,8 +73,9 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
             int* volatile kept = new int; // not to be optimised away
             delete kept;
           }) == 1);
-  for (const char* linear : {"solver.linear=direct", "solver.linear=iterative"}) {
-    const test::Ready ready("scenes/half-disc.toml", {"mesh.size=1", linear});
+  for (const char* setting : {"solver.linear=direct", "solver.linear=iterative", "contact.mass=massless",
+                              "time.scheme=contact-stabilized"}) {
+    const test::Ready ready("scenes/half-disc.toml", {"mesh.size=1", setting});
     const Problem& problem = ready.problem;
     const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.scheme(),
                                          problem.steps(), *ready.scene.control);

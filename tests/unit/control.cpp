@@ -140,7 +140,7 @@ TEST_CASE("a control pushes with its resultant where it acts", "[control]") {
       if (load.density) {
         petsc::Vector density = problem.space.vector();
         load.density(1, density);
-        petsc::check(MatMult(problem.operators.W, density, force));
+        petsc::check(MatMult(*problem.operators.W, density, force));
       } else {
         load.force(1, force);
       }

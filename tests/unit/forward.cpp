@@ -34,7 +34,14 @@ TEST_CASE("a free body falls as Newton says", "[forward]") {
 
 TEST_CASE("energy, momentum and complementarity hold through contact", "[forward]") {
   for (const std::vector<std::string>& overrides :
-       {std::vector<std::string>{}, {"mesh.degree=2"}, {"solver.vi=full"}, {"time.step=0.2"}}) {
+       {std::vector<std::string>{},
+        {"mesh.degree=2"},
+        {"solver.vi=full"},
+        {"time.step=0.2"},
+        {"contact.mass=massless"},
+        {"contact.mass=massless", "mesh.degree=2", "solver.vi=full"},
+        {"time.scheme=contact-stabilized"},
+        {"time.scheme=contact-stabilized", "mesh.degree=2", "solver.vi=full"}}) {
     const test::Ready ready("tests/data/block.toml", overrides);
     const forward::Trajectory trajectory = run(ready);
     const auto balance = forward::balance(ready.problem.stepper, ready.problem.load(), trajectory);

@@ -360,8 +360,10 @@ def effect_cases() -> list[Case]:
 def later_cases() -> list[Case]:
     """What the interface promises and this version does not have."""
     return [
-        edited("stabilized scheme", "[material]", 'scheme = "contact-stabilized"\n[material]', "time.scheme: ",
-               '"contact-stabilized" is not available yet', "contact-implicit"),
+        edited("unknown scheme", "[material]", 'scheme = "contact-stable"\n[material]', "time.scheme: ",
+               '"contact-stable"', 'did you mean "contact-stabilized"', "contact-implicit"),
+        edited("massless and stabilized", "[material]", 'scheme = "contact-stabilized"\n[material]', "contact.mass: ",
+               '"massless"', '"consistent"', **{"contact__mass": "massless"}),
         edited("massless contact", "[load]", 'mass = "massless"\n[load]', "contact.mass: ",
                '"massless" is not available yet', "consistent"),
         edited("misspelt linear solver", 'linear = "auto"', 'linear = "interactive"', "solver.linear: ", '"interactive"',

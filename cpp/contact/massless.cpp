@@ -1,0 +1,243 @@
+#include "contact/massless.h"
+#include "base/collective.h"
+#include "base/error.h"
+#include "contact/node_basis.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+#include <petscblaslapack.h>
+#include <set>
+
+namespace signorini::contact {
+using petsc::check;
+
+namespace {
+
+using Point = std::array<double, 3>;
+
+/// A node of a group, owned by this rank, and the nodes around it, ring by ring of elements.
+struct Surroundings {
+  static constexpr int rings = 3;
+  int candidate; ///< the first one of the node
+  std::array<std::vector<PetscInt>, rings> nodes;
+};
+
+/// What an extrapolation is to be exact for, and the sum of absolute weights that it may have: 3 is two nodes
+/// in a row behind a surface, 9 such behind an edge, 27 behind a corner.
+struct Demand {
+  bool linear;
+  double cancellation;
+};
+constexpr Demand demands[] = {{true, 10}, {true, 30}, {false, 1 + 1e-9}};
+
+/// Weights of `around` that extrapolate fields to `x`, the nearer a node the greater its part; empty if they
+/// cannot be had.
+std::vector<double> extrapolation(const Point& x, const std::vector<Point>& around, int dim, Demand demand) {
+  const auto rows = static_cast<PetscBLASInt>(demand.linear ? dim + 1 : 1);
+  const auto n = static_cast<std::size_t>(rows);
+  double size = 0;
+  for (const Point& y : around)
+    size = std::max(size, std::hypot(y[0] - x[0], y[1] - x[1], y[2] - x[2]));
+  // The least weighted norm under Σ w = 1, Σ w (y − x) = 0: w = V Cᵀ (C V Cᵀ)⁻¹ (1, 0).
+  std::vector<std::array<double, 4>> C;
+  std::vector<double> V;
+  std::array<double, 16> normal{};
+  for (const Point& y : around) {
+    std::array<double, 4> column{1};
+    double distance = 0;
+    for (int c = 0; c < dim; ++c) {
+      column[c + 1] = (y[c] - x[c]) / size;
+      distance = std::hypot(distance, column[c + 1]);
+    }
+    const double weight = 1 / (distance * distance * distance * distance);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j)
+        normal[i * n + j] += weight * column[i] * column[j];
+    C.push_back(column);
+    V.push_back(weight);
+  }
+  std::array<double, 4> b{1};
+  const PetscBLASInt one = 1;
+  PetscBLASInt info = 0;
+  LAPACKpotrf_("L", &rows, normal.data(), &rows, &info);
+  if (info != 0)
+    return {};
+  LAPACKpotrs_("L", &rows, &one, normal.data(), &rows, b.data(), &rows, &info);
+  std::vector<double> w(around.size());
+  std::array<double, 4> moments{};
+  double absolute = 0;
+  for (std::size_t j = 0; j < w.size(); ++j) {
+    for (std::size_t i = 0; i < n; ++i)
+      w[j] += V[j] * C[j][i] * b[i];
+    for (std::size_t i = 0; i < n; ++i)
+      moments[i] += w[j] * C[j][i];
+    absolute += std::abs(w[j]);
+  }
+  constexpr double rounding = 1e-12; // nodes in a line: no linear field is known beside it
+  const double defect = std::hypot(std::abs(moments[0] - 1) + std::abs(moments[1]), moments[2], moments[3]);
+  if (!(absolute <= demand.cancellation && defect <= rounding * absolute))
+    return {};
+  return w;
+}
+
+std::vector<Surroundings> surroundings(const Constraints& constraints, const std::vector<int>& candidates,
+                                       Mat rows) {
+  const int dim = constraints.dim();
+  std::vector<Surroundings> all;
+  std::vector<IS> sets;
+  for (int i : candidates) {
+    all.push_back({i, {}});
+    sets.emplace_back();
+    check(ISCreateGeneral(PETSC_COMM_SELF, 1, &constraints.first_dofs()[i], PETSC_COPY_VALUES, &sets.back()));
+  }
+  for (int ring = 0; ring < Surroundings::rings; ++ring) {
+    check(MatIncreaseOverlap(rows, static_cast<PetscInt>(sets.size()), sets.data(), 1));
+    for (std::size_t j = 0; j < all.size(); ++j) {
+      PetscInt size = 0;
+      const PetscInt* dofs = nullptr;
+      check(ISGetLocalSize(sets[j], &size));
+      check(ISGetIndices(sets[j], &dofs));
+      std::set<PetscInt> nodes;
+      for (PetscInt i = 0; i < size; ++i)
+        nodes.insert(dofs[i] / dim);
+      all[j].nodes[ring].assign(nodes.begin(), nodes.end());
+      check(ISRestoreIndices(sets[j], &dofs));
+    }
+  }
+  for (IS& set : sets)
+    check(ISDestroy(&set));
+  return all;
+}
+
+/// Where nodes are, those of other ranks too. Collective.
+std::map<PetscInt, Point> places(const fem::Space& space, const std::vector<Surroundings>& all) {
+  const int dim = space.dim();
+  std::set<PetscInt> nodes;
+  for (const Surroundings& here : all)
+    nodes.insert(here.nodes.back().begin(), here.nodes.back().end());
+  std::vector<PetscInt> dofs;
+  for (PetscInt node : nodes)
+    for (int c = 0; c < dim; ++c)
+      dofs.push_back(node * dim + c);
+  const petsc::Vector x = space.vector();
+  {
+    const petsc::WriteArray values(x);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = space.points()[3 * (i / dim) + i % dim];
+  }
+  petsc::IndexSet wanted;
+  check(ISCreateGeneral(PETSC_COMM_SELF, static_cast<PetscInt>(dofs.size()), dofs.data(), PETSC_COPY_VALUES,
+                        wanted.put()));
+  petsc::Vector gathered;
+  check(VecCreateSeq(PETSC_COMM_SELF, static_cast<PetscInt>(dofs.size()), gathered.put()));
+  VecScatter scatter = nullptr;
+  check(VecScatterCreate(x, wanted, gathered, nullptr, &scatter));
+  check(VecScatterBegin(scatter, x, gathered, INSERT_VALUES, SCATTER_FORWARD));
+  check(VecScatterEnd(scatter, x, gathered, INSERT_VALUES, SCATTER_FORWARD));
+  check(VecScatterDestroy(&scatter));
+  std::map<PetscInt, Point> places;
+  const petsc::ReadArray values(gathered);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    places[dofs[i] / dim][dofs[i] % dim] = values[i];
+  return places;
+}
+
+} // namespace
+
+petsc::Matrix massless(const fem::Space& space, const Constraints& constraints,
+                       const std::vector<bool>& massless, Mat M) {
+  const int dim = space.dim();
+  petsc::Matrix rows;
+  check(MatConvert(M, MATAIJ, MAT_INITIAL_MATRIX, rows.put()));
+  PetscInt begin = 0, end = 0;
+  check(MatGetOwnershipRange(rows, &begin, &end));
+
+  // All directions at a node in which an obstacle whose contact is massless holds it.
+  std::map<PetscInt, NodeBasis> bases;
+  std::vector<int> owned;
+  for (int i = 0; i < constraints.count(); ++i)
+    if (massless[static_cast<std::size_t>(constraints.obstacles()[i])]) {
+      const PetscInt first = constraints.first_dofs()[i];
+      const auto [basis, added] = bases.try_emplace(first / dim, dim);
+      basis->second.add(&constraints.directions()[static_cast<std::size_t>(i * dim)]);
+      if (added && first >= begin && first < end)
+        owned.push_back(i);
+    }
+
+  petsc::Matrix E;
+  check(MatCreate(petsc::comm(rows), E.put()));
+  check(MatSetSizes(E, end - begin, end - begin, PETSC_DETERMINE, PETSC_DETERMINE));
+  check(MatSetBlockSize(E, dim));
+  check(MatSetType(E, MATAIJ));
+  check(MatSetUp(E));
+  const auto insert = [&](PetscInt row, PetscInt column, const std::array<double, 9>& block) {
+    check(MatSetValuesBlocked(E, 1, &row, 1, &column, block.data(), INSERT_VALUES)); // whole, for BAIJ
+  };
+  std::array<double, 9> identity{};
+  for (int c = 0; c < dim; ++c)
+    identity[c * dim + c] = 1;
+  for (PetscInt node = begin / dim; node < end / dim; ++node)
+    if (!bases.contains(node))
+      insert(node, node, identity);
+
+  const std::vector<Surroundings> all = surroundings(constraints, owned, rows);
+  const std::map<PetscInt, Point> place = places(space, all);
+  together(space.comm(), [&] {
+    for (const Surroundings& here : all) {
+      const PetscInt node = constraints.first_dofs()[here.candidate] / dim;
+      std::vector<PetscInt> neighbours;
+      std::vector<double> weights;
+      for (const Demand& demand : demands)
+        for (int ring = 0; ring < Surroundings::rings && weights.empty(); ++ring) {
+          neighbours.clear();
+          std::vector<Point> around;
+          for (PetscInt other : here.nodes[ring])
+            if (!bases.contains(other)) {
+              neighbours.push_back(other);
+              around.push_back(place.at(other));
+            }
+          if (!around.empty())
+            weights = extrapolation(place.at(node), around, dim, demand);
+        }
+      if (weights.empty()) {
+        const double* x = &constraints.points()[3 * static_cast<std::size_t>(here.candidate)];
+        throw UserError(
+            fmt::format("contact.mass: found \"massless\" where the node at ({:.6g}, {:.6g}, {:.6g}) "
+                        "has only contact nodes around it, allowed are meshes with others near",
+                        x[0], x[1], x[2]));
+      }
+      std::array<double, 9> onto{}; // the constrained directions
+      const NodeBasis& basis = bases.at(node);
+      for (int c = 0; c < dim; ++c) {
+        Point unit{}, part{}, column{};
+        unit[c] = 1;
+        for (std::size_t k = 0; k < basis.size(); ++k)
+          part[k] = basis.along(k, unit.data());
+        basis.add_to(column.data(), part);
+        for (int row = 0; row < dim; ++row)
+          onto[row * dim + c] = column[row];
+      }
+      std::array<double, 9> block{};
+      for (int i = 0; i < dim * dim; ++i)
+        block[i] = identity[i] - onto[i];
+      insert(node, node, block);
+      for (std::size_t j = 0; j < neighbours.size(); ++j) {
+        for (int i = 0; i < dim * dim; ++i)
+          block[i] = weights[j] * onto[i];
+        insert(node, neighbours[j], block);
+      }
+    }
+  });
+  check(MatAssemblyBegin(E, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(E, MAT_FINAL_ASSEMBLY));
+
+  petsc::Matrix moved, blocks;
+  check(MatPtAP(rows, E, MAT_INITIAL_MATRIX, PETSC_DETERMINE, moved.put()));
+  check(MatSetBlockSize(moved, dim));
+  check(MatConvert(moved, MATBAIJ, MAT_INITIAL_MATRIX, blocks.put()));
+  return blocks;
+}
+
+} // namespace signorini::contact

@@ -1,0 +1,150 @@
+#include "contact/massless.h"
+#include "fixtures.h"
+#include <catch2/catch_test_macros.hpp>
+#include <random>
+
+using namespace signorini;
+using petsc::check;
+
+namespace {
+
+const std::string in_a_corner =
+    "contact=[{on=\"bottom\", mass=\"massless\", obstacle={shape=\"half-space\", point=[0, -0.1], "
+    "normal=[0.1, 1]}}, "
+    "{on=\"left\", mass=\"massless\", obstacle={shape=\"half-space\", point=[-0.1, 0], normal=[1, 0.2]}}]";
+
+/// Body, candidates, and the mass before and after it was moved from the contact nodes.
+struct Moved {
+  scene::Scene scene;
+  mesh::Mesh mesh;
+  fem::Space space;
+  fem::Clamped clamped;
+  contact::Constraints constraints;
+  petsc::Matrix before, after;
+
+  Moved(const std::string& file, const std::vector<std::string>& overrides)
+      : scene(test::parse(test::source(file), overrides)), mesh(MPI_COMM_WORLD, scene.mesh),
+        space(mesh, scene.mesh.degree), clamped(space, scene.clamps),
+        constraints(space, clamped, scene.contacts), before(fem::assemble_mass(space, scene.materials)),
+        after(contact::massless(space, constraints, std::vector<bool>(scene.contacts.size(), true), before)) {
+  }
+};
+
+double product(Mat matrix, Vec x, Vec y) {
+  const petsc::Vector work = petsc::zero_like(x);
+  check(MatMult(matrix, x, work));
+  return petsc::dot(work, y);
+}
+
+/// Random nodal values, the same on any number of ranks only in distribution.
+petsc::Vector noise(const fem::Space& space, unsigned seed) {
+  petsc::Vector x = space.vector();
+  std::mt19937 generator(seed + 1000 * static_cast<unsigned>(space.first_dof()));
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const petsc::WriteArray values(x);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = uniform(generator);
+  return petsc::copy(x);
+}
+
+} // namespace
+
+TEST_CASE("massless contact keeps the mass, its moments and the moments of inertia", "[contact]") {
+  for (const auto& [file, overrides] : std::vector<std::pair<std::string, std::vector<std::string>>>{
+           {"tests/data/block.toml", {}},
+           {"tests/data/block.toml", {"mesh.size=0.1", "mesh.degree=2"}},
+           {"tests/data/block.toml", {"mesh.size=0.1", in_a_corner}},
+           {"tests/data/cube.toml", {}}}) {
+    const Moved body(file, overrides);
+    REQUIRE(body.constraints.count() > 0);
+    // All linear velocity fields, of which rigid motions are some.
+    std::vector<scene::Components> fields;
+    for (int c = 0; c < body.space.dim(); ++c)
+      for (const char* value : {"1", "x", "y", "z"}) {
+        if (body.space.dim() == 2 && *value == 'z')
+          continue;
+        scene::Components field(static_cast<std::size_t>(body.space.dim()), "0");
+        field[static_cast<std::size_t>(c)] = value;
+        fields.push_back(field);
+      }
+    petsc::Vector x = body.space.vector(), y = body.space.vector();
+    for (const scene::Components& a : fields)
+      for (const scene::Components& b : fields) {
+        body.space.interpolate(scene::Field(a, "test", false), 0, x);
+        body.space.interpolate(scene::Field(b, "test", false), 0, y);
+        CHECK(std::abs(product(body.after, x, y) - product(body.before, x, y)) < 1e-12);
+      }
+    // None is left where contact acts, none of it is negative, and the rest of the body keeps its own.
+    const auto m = static_cast<std::size_t>(body.constraints.count());
+    for (std::size_t i = 0; i < m; ++i) {
+      std::vector<double> one(m, 0.0);
+      one[i] = 1;
+      check(VecZeroEntries(x));
+      body.constraints.add_normal(1, one, x);
+      check(MatMult(body.after, x, y));
+      CHECK(test::largest(y) < 1e-14 * product(body.before, x, x));
+    }
+    for (unsigned seed = 0; seed < 5; ++seed)
+      CHECK(product(body.after, noise(body.space, seed), noise(body.space, seed)) > 0);
+  }
+}
+
+TEST_CASE("the predictor goes to the nearest place in the norm of the mass", "[forward]") {
+  for (const auto& [file, overrides] : std::vector<std::pair<std::string, std::vector<std::string>>>{
+           {"tests/data/block.toml", {}},
+           {"tests/data/block.toml", {"solver.linear=\"iterative\""}},
+           {"tests/data/block.toml", {"solver.vi=\"full\""}},
+           {"tests/data/block.toml", {"clamp=[{on=\"top\"}]", "initial.velocity=[\"0\", \"0\"]"}},
+           {"tests/data/cube.toml", {}}}) {
+    std::vector<std::string> settings = overrides;
+    settings.emplace_back("time.scheme=\"contact-stabilized\"");
+    const test::Ready ready(file, settings);
+    const forward::Stepper& stepper = ready.problem.stepper;
+    const contact::Constraints& constraints = *stepper.constraints();
+    const auto m = static_cast<std::size_t>(constraints.count());
+    contact::ActiveSet touched;
+    petsc::Vector x = ready.problem.space.vector(), work = petsc::zero_like(x);
+    CHECK_FALSE(stepper.predictor()->jump(constraints.psi(), x, touched));
+    CHECK(touched.empty());
+    // Half of the candidates are pushed in by as much as they are away, all of them unevenly.
+    std::vector<double> push(m), gap(m), normal(m);
+    for (std::size_t i = 0; i < m; ++i)
+      push[i] = constraints.psi()[i] + (i % 2 ? 0.05 : -0.05);
+    constraints.add_normal(1, push, x);
+    stepper.clamped().clear(x);
+    const Vec jump = stepper.predictor()->jump(constraints.psi(), x, touched);
+    REQUIRE(jump);
+    REQUIRE(!touched.empty());
+    petsc::Vector z = petsc::copy(x);
+    check(VecAXPY(z, 1, jump));
+    constraints.gap(constraints.psi(), z, gap);
+    for (std::size_t i = 0; i < m; ++i) {
+      CHECK(gap[i] > -constraints.gap_tolerance());
+      if (std::ranges::find(touched, static_cast<int>(i)) != touched.end())
+        CHECK(gap[i] < constraints.gap_tolerance());
+    }
+    // M (z − x) is made of pushes off the obstacle, at touched candidates alone.
+    check(MatMult(stepper.M(), jump, work));
+    stepper.clamped().clear(work);
+    const double size = test::largest(work);
+    constraints.normal_components(work, normal);
+    for (std::size_t i = 0; i < m; ++i)
+      if (std::ranges::find(touched, static_cast<int>(i)) == touched.end())
+        normal[i] = 0;
+      else
+        CHECK(normal[i] < 1e-8 * size);
+    constraints.add_normal(-1, normal, work);
+    CHECK(test::largest(work) < 1e-8 * size);
+    // The linearised projection: its own transpose with M, and nothing is left of a projected vector.
+    const petsc::Vector a = test::smooth(ready.problem.space, 1), b = test::smooth(ready.problem.space, 2);
+    stepper.clamped().clear(a);
+    stepper.clamped().clear(b);
+    petsc::Vector ja = petsc::copy(stepper.predictor()->linearised_jump(touched, a)),
+                  jb = petsc::copy(stepper.predictor()->linearised_jump(touched, b));
+    const double scale = std::abs(product(stepper.M(), a, b));
+    CHECK(std::abs(product(stepper.M(), ja, b) - product(stepper.M(), a, jb)) < 1e-9 * scale);
+    check(VecAXPY(ja, 1, a));
+    const Vec again = stepper.predictor()->linearised_jump(touched, ja);
+    CHECK(test::largest(again) < 1e-9 * test::largest(a));
+  }
+}

@@ -1,0 +1,38 @@
+"""What the families of hard cases share: their table, one line for each case."""
+
+import json
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+from harness import signorini, table  # noqa: E402
+
+import numpy as np  # noqa: E402
+
+SCHEMES = {
+    "contact-implicit": {},
+    "contact-stabilized": {"time__scheme": "contact-stabilized"},
+    "massless": {"contact__mass": "massless"},
+}
+
+
+class Table:
+    """Prints a line for each case of a family and remembers whether one failed."""
+
+    def __init__(self, family: str) -> None:
+        self.family = family
+        self.failed = False
+
+    def row(self, case: str, figures: str, holds: bool) -> None:
+        self.failed |= not holds
+        print(f"{'ok  ' if holds else 'FAIL'}  {self.family:18} {case:58} {figures}", flush=True)
+
+
+def run(verb: str, scene: Path, out: Path, **overrides: object) -> tuple[dict[str, np.ndarray], dict]:
+    """A run without stored fields: steps.csv and run.json."""
+    signorini(verb, scene, out, **({"output__fields": []} | overrides))
+    return table(out / "steps.csv"), json.loads((out / "run.json").read_text())
+
+
+def energy(steps: dict[str, np.ndarray]) -> np.ndarray:
+    return steps["kinetic_energy"] + steps["elastic_energy"]
