@@ -362,10 +362,10 @@ def later_cases() -> list[Case]:
     return [
         edited("unknown scheme", "[material]", 'scheme = "contact-stable"\n[material]', "time.scheme: ",
                '"contact-stable"', 'did you mean "contact-stabilized"', "contact-implicit"),
-        edited("massless and stabilized", "[material]", 'scheme = "contact-stabilized"\n[material]', "contact.mass: ",
-               '"massless"', '"consistent"', **{"contact__mass": "massless"}),
-        edited("massless contact", "[load]", 'mass = "massless"\n[load]', "contact.mass: ",
-               '"massless" is not available yet', "consistent"),
+        Case("massless and stabilized", ('contact.mass: found "massless"', '"contact-stabilized"', 'allowed is "consistent"'), edits=(
+            ("[material]", 'scheme = "contact-stabilized"\n[material]'), ("[load]", 'mass = "massless"\n[load]')), at="mass ="),
+        edited("unknown mass of contact", "[load]", 'mass = "lumped"\n[load]', 'contact.mass: found "lumped"',
+               "consistent, massless"),
         edited("misspelt linear solver", 'linear = "auto"', 'linear = "interactive"', "solver.linear: ", '"interactive"',
                "auto, direct, iterative"),
         edited("negative memory", 'linear = "auto"', 'linear = "auto"\nmemory = -1.0', "solver.memory: ", "-1", "bytes",
