@@ -200,7 +200,8 @@ std::vector<std::string> component_names(int dim);
 /// Whether a field is written as zero, which is no effect.
 bool vanishes(const Components& components);
 
-/// Whether the first guess of a control is zero, which is no load: written so, or absent, and within the bounds.
+/// Whether the first guess of a control is zero, which is no load: written so, or absent, and within the
+/// bounds.
 bool rests(const Control& control);
 
 /// Throws UserError unless every vector of the scene has `dim` components, and no other component is named.
