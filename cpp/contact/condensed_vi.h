@@ -32,8 +32,8 @@ private:
 
   /// λ with gap zero on set_, and all the gaps that follow.
   void solve_on_set(ContactState& state) const;
-  /// Primal-dual steps until the state is complementary, `most` at most.
-  void settle(ContactState& state, int most) const;
+  /// Primal-dual steps until the state is complementary but for a `negligible` gap (m), `most` at most.
+  void settle(ContactState& state, double negligible, int most) const;
   /// Lets PETSc's VI solver find set_, starting from the gaps of `state`.
   void find_set(ContactState& state) const;
   /// Finds set_ where S is singular, from no contact.
