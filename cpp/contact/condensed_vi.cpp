@@ -128,6 +128,11 @@ void CondensedVi::solve(Vec r, std::span<const double> psi, const ContactState& 
       // Candidates within the VI solver's tolerance of both bounds may be on the wrong side.
       constexpr int most = 50;
       settle(state, length_unit_, most);
+      // A body that hardly deforms within a step can lead both of them in circles, but not this one.
+      if (!complementarity_.holds(state.lambda, state.gap)) {
+        find_independent_set(state);
+        solve_on_set(state);
+      }
     }
   } else {
     std::ranges::fill(state.lambda, 0);
