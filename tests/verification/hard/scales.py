@@ -26,7 +26,7 @@ STEP = 0.08  # s
 
 def mesh(file: Path, dim: int, length: float) -> None:
     """A block [−½, ½]^(d−1) × [0, 1] of simplices with a bulging bottom, no two of whose nodes are equally high. Written
-    out, because gmsh's own tolerances are lengths."""
+    out, so that all scales have the same one."""
     n = 6 if dim == 2 else 3
     count = n + 1
     nodes = np.array(list(product(range(count), repeat=dim)))
