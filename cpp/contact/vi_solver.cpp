@@ -66,7 +66,8 @@ bool Complementarity::holds_within(double negligible, std::span<const double> la
                                    std::span<const double> gap) const {
   for (std::size_t i = 0; i < lambda.size(); ++i) {
     const double zero_force = negligible * stiffness_[i];
-    if (!(gap[i] >= -negligible && lambda[i] >= -zero_force && (lambda[i] <= zero_force || gap[i] <= negligible)))
+    if (!(gap[i] >= -negligible && lambda[i] >= -zero_force &&
+          (lambda[i] <= zero_force || gap[i] <= negligible)))
       return false;
   }
   return true;

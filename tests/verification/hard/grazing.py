@@ -13,9 +13,10 @@ and no force acts. Predictors that are less than 1e-10 of the body deep are left
 Rest. A block without lateral contraction rests under its weight with the displacement −(w/E)(H y − y²/2): elements of degree 2
 hold it exactly, and so the start is the discrete equilibrium; whatever moves is rounding. A step rounds the velocity to
 (2/τ) ε |y|; if that adds up all the same way, a body that nothing holds sideways drifts by 2 ε |y| n² in n steps (as a walk
-it would by n^(3/2)), with |y| at most w H²/2E. With lateral contraction the block starts undeformed on the plane, without motion, and settles with
-viscosity, which damps its slowest vibrations (2 a second) by e^-100 and more until half of the run; from then on to the end
-it may not drift either. Flat bodies, since a disc on one node may roll as it likes, and does where its mesh leans.
+it would by n^(3/2)), with |y| at most w H²/2E. With lateral contraction the block starts undeformed on the plane, without
+motion, and settles with viscosity, which damps its slowest vibrations (2 a second) by e^-100 and more until half of the run;
+from then on to the end it may not drift either. Flat bodies, since a disc on one node may roll as it likes, and does where
+its mesh leans.
 """
 
 import sys
