@@ -31,7 +31,8 @@ def drops(folder: Path, table: Table) -> None:
         lost = {}
         for size in (4.0, 2.0):
             worst, out = Worst(), folder / "out"
-            # Without mass a contact node keeps its weight f h/2: let go, it hangs lower by up to twice f h²/2E.
+            # Without mass a contact node keeps its weight f h/2, hangs by f h²/2E below its body, and as trapezoidal
+            # steps let what has no mass alternate about its equilibrium, by up to twice that.
             sag = disc_drop.ACCELERATION * size**2 / 50 if scheme == "massless" else 0
             lost[size] = quietly(disc_drop.drop, size, out, worst, sag, output__fields=[], **overrides)
             steps = read(out / "steps.csv")
