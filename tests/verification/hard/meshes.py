@@ -93,12 +93,15 @@ def weighed(scene: Path, overrides: dict, out: Path) -> tuple[str, bool]:
     # Each unknown's force E l/h y, of which a rigid motion has none, cancels to its last digit, and its work with it.
     rounding = np.finfo(float).eps * record["unknowns"] * YOUNG * ASPECT * moved**2 / energy(steps).max()
     off = abs(steps["energy_residual"]).max() / energy(steps).max()
-    # A gap is closed within 1e-10 of the body, and so are the products.
+    # A gap is closed within 1e-10 of the body, and a force none if it moves its node, alone, by no more: that of the six
+    # triangles around it, of L/h/2 each, by A/2 + B/τ. It may pull by as much.
+    closed = 1e-10
+    negligible = closed * 6 * ASPECT / 2 * (YOUNG * 0.7 / (1.3 * 0.4) / 2 + (0.05 + 4 / 3 * 0.05) / 1e-3)
     open_under_force = abs(contact["force"] * contact["gap"]).max() / largest
-    penetration, adhesion = max(0, -contact["gap"].min()), max(0, -contact["force"].min()) / largest
+    penetration, adhesion = max(0, -contact["gap"].min()), max(0, -contact["force"].min())
     return (f"{(steps['contact_force_y'] > 0).sum()} steps in contact, energy law {off:.1e} (<= {rounding:.0e}), penetration "
-            f"{penetration:.0e} m, force x gap {open_under_force:.0e} m, adhesion {adhesion:.0e}",
-            off <= rounding and max(penetration, open_under_force, adhesion) <= 1e-10)  # fmt: skip
+            f"{penetration:.0e} m, force x gap {open_under_force:.0e} m, adhesion {adhesion:.0e} N (<= {negligible:.0e}) of {largest:.0e}",
+            off <= rounding and max(penetration, open_under_force) <= closed and adhesion <= negligible)  # fmt: skip
 
 
 def main() -> int:
