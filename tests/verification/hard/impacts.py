@@ -6,7 +6,9 @@ delays is a step or an element's passage, and what it takes of the energy is tha
 The scatter of the force, its standard deviation over its mean on (0.55, 1.1) s, is that of the scheme and that of the
 mesh: triangles at the end share out its mass unequally, and the impact makes them shake across the strip. The solution is
 one-dimensional, so a strip of any width has it: one as wide as its elements are long has triangles of one shape at all
-sizes, in which the mesh's part falls with the elements, too; both are shown.
+sizes, in which the mesh's part falls with the elements, too; both are shown. How large that part is depends on the shape:
+of strips half to four elements wide, in one, two or four columns, the stabilized scatter falls in all twelve, and at 80
+elements is 0.2 to 2.6 %, within 1 % in five.
 """
 
 import sys
