@@ -61,7 +61,7 @@ class Run:
 
     def __init__(self, verb: str, scene: Path, overrides: dict[str, object]):
         self.folder = FOLDER / str(next(Run.numbers))
-        signorini(verb, scene, self.folder, **overrides)
+        self.stdout = signorini(verb, scene, self.folder, **overrides).stdout
 
     @functools.cached_property
     def steps(self) -> dict[str, np.ndarray]:
@@ -570,6 +570,20 @@ def check_control() -> None:
     assert "contact included" in own and "Derivatives at the reference control" in own
     away = attempt("check", BLOCK, check__control=["0", "9"])
     assert away.returncode == 1 and "Derivatives at the control of [check]" in away.stdout and "never" in away.stdout
+
+
+@key("run.invariants", "run.tolerance")
+def invariants() -> None:
+    less_than_rounding = {"run__tolerance": 1e-30}
+    warned = simulate(run__invariants="warn", **less_than_rounding)
+    assert "warning: " in warned.stdout and "warning" not in plain_run().stdout
+    same(warned, plain_run())
+    stopped = attempt("simulate", BLOCK, FOLDER / "stopped", run__invariants="stop", **less_than_rounding)
+    assert stopped.returncode == 3 and "run.tolerance" in stopped.stderr and not (FOLDER / "stopped").exists()
+    same(simulate(run__invariants="stop"), plain_run())
+    off = simulate(run__invariants="off", output__tables=[], **less_than_rounding)
+    assert "warning" not in off.stdout and "invariants" in warned.manifest and "invariants" not in off.manifest
+    assert attempt("check", BLOCK, **less_than_rounding).returncode == 1
 
 
 @key("output.every")
