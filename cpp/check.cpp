@@ -1,8 +1,10 @@
 #include "check.h"
 #include "base/error.h"
 #include "forward/invariants.h"
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <iterator>
 #include <limits>
 
 namespace signorini {
@@ -57,11 +59,50 @@ control::Control check_point(const Problem& problem, const ControlProblem& contr
   return control_problem.first_guess(scene);
 }
 
-bool same_sets(const forward::Trajectory& a, const forward::Trajectory& b) {
-  for (int k = 1; k <= a.steps; ++k)
-    if (a.contact[static_cast<std::size_t>(k)].active != b.contact[static_cast<std::size_t>(k)].active)
-      return false;
-  return true;
+/// Candidates that are in one of two ascending sets alone.
+int apart(const contact::ActiveSet& a, const contact::ActiveSet& b) {
+  contact::ActiveSet difference;
+  std::ranges::set_symmetric_difference(a, b, std::back_inserter(difference));
+  return static_cast<int>(difference.size());
+}
+
+/// Changes of candidates between closed and open from one motion to another, those of projected predictors
+/// included.
+struct Switches {
+  int steps = 0, candidates = 0;
+};
+
+Switches switches(const forward::Trajectory& a, const forward::Trajectory& b) {
+  Switches sum;
+  for (int k = 1; k <= a.steps; ++k) {
+    const contact::ContactState &one = a.contact[static_cast<std::size_t>(k)],
+                                &other = b.contact[static_cast<std::size_t>(k)];
+    const int here = apart(one.active, other.active) + apart(one.predictor, other.predictor);
+    sum.steps += here > 0;
+    sum.candidates += here;
+  }
+  return sum;
+}
+
+/// How near a motion is to one with other active sets.
+struct Margins {
+  double force = 0; ///< the least on closed candidates, relative to the largest
+  double gap = 0;   ///< the least of open ones, m
+};
+
+Margins margins(const forward::Trajectory& trajectory) {
+  double least = std::numeric_limits<double>::infinity(), largest = 0, gap = least;
+  for (int k = 1; k <= trajectory.steps; ++k) {
+    const contact::ContactState& state = trajectory.contact[static_cast<std::size_t>(k)];
+    for (std::size_t i = 0; i < state.lambda.size(); ++i)
+      if (state.status[i] == contact::Status::open) {
+        gap = std::min(gap, state.gap[i]);
+      } else {
+        least = std::min(least, state.lambda[i]);
+        largest = std::max(largest, state.lambda[i]);
+      }
+  }
+  return {largest > 0 ? least / largest : 0, gap};
 }
 
 std::string shown(double value) { return fmt::format("{:.2e}", value); }
@@ -96,9 +137,11 @@ public:
     // Rounding; and what an iterative solver leaves of each step of both sweeps, a few times its tolerance.
     const double solves = 10 * controls_.steps() * solver_tolerance_;
     rows.push_back(below("transpose identity <S'd, w> = <d, S'*w>", transpose_defect(), 1e-12 + solves));
-    taylor(rows);
+    const double slope = taylor(rows);
     hessian(rows);
     settle(u_);
+    if (contact_occurs())
+      judge(slope);
   }
 
 private:
@@ -130,7 +173,7 @@ private:
     return std::abs(forward - backward) / std::max(std::abs(forward), std::abs(backward));
   }
 
-  void taylor(std::vector<Row>& rows) {
+  double taylor(std::vector<Row>& rows) {
     const control::Control g = problem_.l2_gradient();
     const double slope = controls_.product(g, d_);
     // Rounding of J, accumulated over the steps, hides remainders below this.
@@ -144,11 +187,13 @@ private:
     for (int j = 0; j < sizes; ++j) {
       const double epsilon = std::pow(10, -2 - 0.5 * j);
       const double remainder = std::abs(problem_.value(moved(epsilon)) - objective_ - epsilon * slope);
-      const bool kept = same_sets(problem_.trajectory(), problem_.trial_trajectory());
+      const Switches changed = switches(problem_.trajectory(), problem_.trial_trajectory());
+      const bool kept = changed.steps == 0;
       console_.line(fmt::format(
           "  {:8.1e}   {:10.3e}  {:>6}  {}{}", epsilon, remainder,
           j > 0 ? fmt::format("{:.2f}", std::log(last / remainder) / std::log(std::sqrt(10))) : "",
-          kept ? "kept" : "changed", remainder > floor ? "" : ", rounding"));
+          kept ? "kept" : fmt::format("{} changes in {} steps", changed.candidates, changed.steps),
+          remainder > floor ? "" : ", rounding"));
       last = remainder;
       if (kept && remainder > floor)
         usable.emplace_back(epsilon, remainder);
@@ -160,11 +205,54 @@ private:
                       "3 sizes that keep the active sets", false});
     else if (const double p = order(usable); true)
       rows.push_back({"Taylor order", fmt::format("{:.3f}", p), "2.00 +- 0.05", std::abs(p - 2) <= 0.05});
+    return slope;
   }
 
   bool same_sets_at(double epsilon) {
     problem_.value(moved(epsilon));
-    return same_sets(problem_.trajectory(), problem_.trial_trajectory());
+    return switches(problem_.trajectory(), problem_.trial_trajectory()).steps == 0;
+  }
+
+  [[nodiscard]] bool contact_occurs() const {
+    return std::ranges::any_of(problem_.trajectory().contact,
+                               [](const contact::ContactState& state) { return !state.active.empty(); });
+  }
+
+  /// The largest ε = 10^(−j/2) within which no active set changes, on both sides; 0 if there is none.
+  double invariance_radius() {
+    for (double epsilon = kept_size_ > 0 ? kept_size_ : 1e-6; epsilon > 1e-12; epsilon /= std::sqrt(10))
+      if (same_sets_at(epsilon) && same_sets_at(-epsilon))
+        return epsilon;
+    return 0;
+  }
+
+  /// Says how far the derivative can be trusted: exact it is as long as no active set changes, useful only if
+  /// changes of the control that matter see the same slope.
+  void judge(double slope) {
+    constexpr double macroscopic = 0.1, alike = 0.05, narrow = 1e-6;
+    const double above = problem_.value(moved(macroscopic));
+    const int changed = switches(problem_.trajectory(), problem_.trial_trajectory()).candidates;
+    const double secant = (above - problem_.value(moved(-macroscopic))) / (2 * macroscopic);
+    const double off = std::abs(secant - slope) / std::max(std::abs(secant), std::abs(slope));
+    const double radius = invariance_radius();
+    const Margins margin = margins(problem_.trajectory());
+    console_.line(fmt::format(
+        "Active sets are kept within {:.1e} of the control; least force on a closed candidate {:.1e} of the "
+        "largest, least gap of an open one {:.1e} m.\nThe derivative along d is {:.6e}; over +- {} d, with {} "
+        "changes of the sets, J has the slope {:.6e}.",
+        radius, margin.force, margin.gap, slope, macroscopic, changed, secant));
+    const bool massless = problem_.stepper().massless();
+    if (radius > narrow && off <= alike)
+      console_.line("Verdict: exact, and what larger changes of the control see.");
+    else if (radius > narrow)
+      console_.line(fmt::format("Verdict: exact, but valid only within {:.1e}: beyond it contact changes, and "
+                                "larger changes of the control see a slope that differs by {:.0f} %.",
+                                radius, 100 * off));
+    else
+      console_.line(fmt::format("Verdict: exact, but valid only within {:.1e}: the contact chatters, and larger "
+                                "changes of the control see a slope that differs by {:.0f} %; {}.",
+                                radius, 100 * off,
+                                massless ? "try more viscosity" : "try massless contact (contact.mass)"));
   }
 
   void hessian(std::vector<Row>& rows) {

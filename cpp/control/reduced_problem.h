@@ -60,6 +60,7 @@ public:
   [[nodiscard]] forward::Load load() const;
   [[nodiscard]] const ControlSpace& controls() const { return controls_; }
   [[nodiscard]] const Objective& objective() const { return objective_; }
+  [[nodiscard]] const forward::Stepper& stepper() const { return stepper_; }
 
 private:
   /// scale u + S'(u)* w as Riesz representative in L2(0,T; L2).

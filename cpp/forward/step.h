@@ -29,6 +29,8 @@ public:
   [[nodiscard]] const fem::Operators& operators() const { return operators_; }
   [[nodiscard]] const fem::Clamped& clamped() const { return clamped_; }
   [[nodiscard]] const StepSolver& solver() const { return *solver_; }
+  /// Whether contact nodes carry no mass.
+  [[nodiscard]] bool massless() const { return massless_.has_value(); }
   /// M of this run: the body's, or with massless contact that with the contact nodes' mass moved.
   [[nodiscard]] Mat M() const { return massless_ ? Mat(*massless_) : Mat(operators_.M); }
   /// Null but in contact-stabilized stepping.
