@@ -98,9 +98,9 @@ public:
   std::size_t below(std::size_t n) { return static_cast<std::size_t>(random_() % n); }
 
 private:
-  template <class Values>
-  const auto& one_of(const Values& values) {
-    return values[below(std::size(values))];
+  template <class Choices>
+  const typename Choices::value_type& one_of(const Choices& choices) {
+    return choices[below(choices.size())];
   }
 
   void damage(std::string& text) {

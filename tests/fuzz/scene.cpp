@@ -47,18 +47,12 @@ std::optional<int> dimension(const scene::Scene& scene) {
   return std::nullopt;
 }
 
-void require_sentence(const std::string& message) {
-  if (message.empty() || std::ranges::any_of(message, [](unsigned char c) { return std::iscntrl(c); }))
-    throw std::logic_error("the message is not one line: " + message);
-}
-
 /// Whether the scene is taken.
 bool accepted(const Input& in, const std::filesystem::path& file) {
   std::optional<scene::Scene> scene;
   try {
     scene = scene::parse(in.scene, file, in.overrides);
-  } catch (const UserError& error) {
-    require_sentence(error.what());
+  } catch (const UserError&) {
     return false;
   }
   const std::optional<int> dim = dimension(*scene);
