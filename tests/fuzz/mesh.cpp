@@ -171,7 +171,8 @@ int main(int argc, char** argv) {
     run.take(mutator.next());
   std::filesystem::remove(folder / "last.msh");
   std::filesystem::remove(folder / "last.log");
-  fmt::print("meshes: {} inputs of seed {} and {} found before in {:.1f} s: {} accepted, {} rejected ({} of them by gmsh's crash), {} given up after 1 s in gmsh, {} failed\n",
+  fmt::print("meshes: {} inputs of seed {} and {} found before in {:.1f} s: {} accepted, {} rejected ({} of them by gmsh's crash), "
+             "{} given up after 1 s in gmsh, {} failed\n",
              run.inputs - replayed, seed, replayed, clock.seconds(), run.accepted, run.rejected, run.crashes, run.unended, run.failed);
   return run.failed == 0 ? 0 : 1;
 }
