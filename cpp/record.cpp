@@ -1,4 +1,6 @@
 #include "record.h"
+#include "base/error.h"
+#include <fmt/format.h>
 
 namespace signorini {
 
@@ -8,8 +10,11 @@ Recorder::Recorder(const Problem& problem, const io::OutputFolder& folder,
   const auto timer = problem.timers.time("output");
   const scene::Output& output = problem.scene.output;
   const int dim = problem.space.dim();
-  if (output.table("steps")) {
+  if (output.table("steps") || problem.scene.run.watched())
     balance_.emplace(problem.stepper);
+  if (balance_)
+    invariants_.emplace(problem.stepper);
+  if (output.table("steps")) {
     steps_.emplace(folder, "steps.csv");
     steps_->append(io::steps_header(dim, objective != nullptr));
   }
@@ -27,13 +32,22 @@ void Recorder::operator()(const forward::Frame& frame) {
   if (!wanted())
     return;
   const auto timer = problem_.timers.time("output");
+  forward::StepBalance balance;
+  if (balance_) {
+    balance = (*balance_)(frame);
+    invariants_->observe(frame, balance);
+    if (problem_.scene.run.invariants == "stop")
+      if (const auto violation = invariants_->violation(problem_.scene.run.tolerance))
+        throw SolverFailure(fmt::format("step {} (t = {:.6g} s): {}", frame.k,
+                                        problem_.stepper.scheme().time(frame.k), *violation));
+  }
   if (steps_) {
     std::optional<double> tracking_error;
     if (objective_)
       tracking_error = objective_->distance(frame.k, frame.y1);
     text_.clear();
-    io::add_steps_row(text_, frame.k, problem_.stepper.scheme().time(frame.k), problem_.space.dim(),
-                      (*balance_)(frame), frame.contact, tracking_error);
+    io::add_steps_row(text_, frame.k, problem_.stepper.scheme().time(frame.k), problem_.space.dim(), balance,
+                      *invariants_, frame.contact, tracking_error);
     steps_->append(text_);
   }
   if (stored(frame.k, problem_.scene.output.every, frame.last))

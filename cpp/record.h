@@ -1,5 +1,5 @@
 #pragma once
-#include "forward/balance.h"
+#include "forward/invariants.h"
 #include "io/fields.h"
 #include "io/tables.h"
 #include "problem.h"
@@ -18,11 +18,17 @@ public:
   /// UserError, WriteFailure.
   Recorder(const Problem& problem, const io::OutputFolder& folder, const control::Objective* objective);
 
-  /// Whether it has anything to write.
-  [[nodiscard]] bool wanted() const { return steps_ || contact_ || state_; }
+  /// Whether it has anything to write or to watch.
+  [[nodiscard]] bool wanted() const { return balance_ || contact_ || state_; }
 
-  /// Takes the frame after the last one, from frame 0 on. Collective. Throws UserError, WriteFailure.
+  /// Takes the frame after the last one, from frame 0 on. Collective. Throws UserError, WriteFailure; where
+  /// the scene says so SolverFailure at the step that breaks an invariant.
   void operator()(const forward::Frame& frame);
+
+  /// What was watched; null if nothing was.
+  [[nodiscard]] const forward::Invariants* invariants() const {
+    return invariants_ ? &*invariants_ : nullptr;
+  }
 
   /// Closes the files. Collective. Throws UserError, WriteFailure.
   void finish();
@@ -33,6 +39,7 @@ private:
   const Problem& problem_;
   const control::Objective* objective_;
   std::optional<forward::Balance> balance_;
+  std::optional<forward::Invariants> invariants_;
   std::optional<io::TextFile> steps_, contact_;
   std::optional<io::FieldFile> state_;
   std::string text_; ///< rows on their way

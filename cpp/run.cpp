@@ -55,6 +55,19 @@ void finish(io::OutputFolder& folder, const Console& console) {
   console.line(fmt::format("results in {}", folder.path().string()));
 }
 
+/// What the recorder watched, and a warning for each invariant that is off.
+std::vector<forward::Invariants::Defect> watched(const Recorder& recorder, const scene::Run& run,
+                                                 const Console& console) {
+  std::vector<forward::Invariants::Defect> defects;
+  if (recorder.invariants())
+    defects.assign(recorder.invariants()->defects().begin(), recorder.invariants()->defects().end());
+  for (const forward::Invariants::Defect& defect : defects)
+    if (run.watched() && !(defect.worst <= run.tolerance))
+      console.line(fmt::format("warning: {} is {:.2e} at step {}, allowed is {:.0e} (run.tolerance)",
+                               defect.name, defect.worst, defect.step, run.tolerance));
+  return defects;
+}
+
 int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, const Console& console) {
   io::OutputFolder folder(world(), out);
   Timers timers;
@@ -79,9 +92,9 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   const bool complete = steps == problem.steps();
   recorder.finish();
   folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
-  folder.write("run.json",
-               io::to_json(manifest(problem, "simulate", complete ? "end of time" : "interrupted", steps),
-                           scene, timers));
+  io::Manifest m = manifest(problem, "simulate", complete ? "end of time" : "interrupted", steps);
+  m.invariants = watched(recorder, scene.run, console);
+  folder.write("run.json", io::to_json(m, scene, timers));
   console.line(fmt::format("{}{} steps in {:.2g} s", complete ? "" : "interrupted after ", steps,
                            timers.entries().at("forward").seconds));
   finish(folder, console);
@@ -125,13 +138,15 @@ private:
   std::vector<io::HistoryRow> rows_;
 };
 
-/// steps.csv, contact.csv, state.xdmf.
-void write_motion(const io::OutputFolder& folder, const Problem& problem,
-                  const control::ReducedProblem& reduced) {
+/// steps.csv, contact.csv, state.xdmf. Returns how well the motion keeps what it should.
+std::vector<forward::Invariants::Defect> write_motion(const io::OutputFolder& folder, const Problem& problem,
+                                                      const control::ReducedProblem& reduced,
+                                                      const Console& console) {
   Recorder recorder(problem, folder, &reduced.objective());
   if (recorder.wanted())
     forward::replay(problem.stepper, reduced.load(), reduced.trajectory(), std::ref(recorder));
   recorder.finish();
+  return watched(recorder, problem.scene.run, console);
 }
 
 /// control.xdmf and adjoint.xdmf.
@@ -201,9 +216,10 @@ int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   if (scene.output.table("history"))
     folder.write("history.csv", io::history_table(rows));
   folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
-  write_motion(folder, problem, reduced);
+  const auto invariants = write_motion(folder, problem, reduced, console);
   write_control(folder, problem, reduced);
   io::Manifest m = manifest(problem, "optimize", optimize::name(stop), reduced.trajectory().steps);
+  m.invariants = invariants;
   m.objective = reduced.value();
   m.iterations = rows.back().iteration;
   m.forward_sweeps = reduced.sweeps().forward;

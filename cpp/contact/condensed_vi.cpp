@@ -1,7 +1,9 @@
 #include "contact/condensed_vi.h"
 #include "base/error.h"
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
 
 namespace signorini::contact {
 using petsc::check;
@@ -58,8 +60,9 @@ void CondensedVi::solve_on_set(ContactState& state) const {
   }
 }
 
-void CondensedVi::settle(ContactState& state, int most) const {
-  for (int i = 0; i < most && !complementarity_.holds(state.lambda, state.gap); ++i, ++state.vi_iterations) {
+void CondensedVi::settle(ContactState& state, double negligible, int most) const {
+  for (int i = 0; i < most && !complementarity_.holds_within(negligible, state.lambda, state.gap);
+       ++i, ++state.vi_iterations) {
     constraints_.next_set(set_, state.lambda, state.gap, next_);
     std::swap(set_, next_);
     solve_on_set(state);
@@ -108,8 +111,14 @@ void CondensedVi::solve(Vec r, std::span<const double> psi, const ContactState& 
     set_ = previous.active;
     constraints_.drop_dependent(set_);
     solve_on_set(state);
+    // A penetration that is left over does work on the body when it is closed: to what is negligible beside
+    // the body that can be much beside a short step's motion, and so the set is right to rounding if it can.
+    double size = 0;
+    for (std::size_t i = 0; i < gap0_.size(); ++i)
+      size = std::max({size, std::abs(psi[i]), std::abs(gap0_[i])});
+    const double rounding = 10 * std::numeric_limits<double>::epsilon() * size;
     constexpr int soon = 5; // a set that moves by a candidate or two is settled by then
-    settle(state, soon);
+    settle(state, std::min(rounding, length_unit_), soon);
     if (!complementarity_.holds(state.lambda, state.gap)) {
       if (constraints_.dependent())
         find_independent_set(state);
@@ -118,7 +127,12 @@ void CondensedVi::solve(Vec r, std::span<const double> psi, const ContactState& 
       solve_on_set(state);
       // Candidates within the VI solver's tolerance of both bounds may be on the wrong side.
       constexpr int most = 50;
-      settle(state, most);
+      settle(state, length_unit_, most);
+      // A body that hardly deforms within a step can lead both of them in circles, but not this one.
+      if (!complementarity_.holds(state.lambda, state.gap)) {
+        find_independent_set(state);
+        solve_on_set(state);
+      }
     }
   } else {
     std::ranges::fill(state.lambda, 0);

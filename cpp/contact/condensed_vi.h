@@ -11,8 +11,8 @@ namespace signorini::contact {
 /// set is sought by primal-dual steps from the previous one, which is mostly the right one or a neighbour;
 /// where that does not settle it soon, PETSc's VI solver finds it, in the gaps: 0 ≤ g ⟂ S⁻¹(g − g⁰) ≥ 0. S⁻¹,
 /// unlike S, is close to an M-matrix, for which reduced-space Newton does not cycle. Where candidates depend
-/// on each other S has no inverse, and a dual active-set method finds the set instead. Solved on every rank
-/// alike.
+/// on each other S has no inverse, and a dual active-set method finds the set instead; so it does where the
+/// other two do not. Solved on every rank alike.
 class CondensedVi final : public ViSolver {
 public:
   /// The arguments must outlive this object. PETSc options with the prefix `-condensed_vi_` are honoured.
@@ -32,11 +32,11 @@ private:
 
   /// λ with gap zero on set_, and all the gaps that follow.
   void solve_on_set(ContactState& state) const;
-  /// Primal-dual steps until the state is complementary, `most` at most.
-  void settle(ContactState& state, int most) const;
+  /// Primal-dual steps until the state is complementary but for a `negligible` gap (m), `most` at most.
+  void settle(ContactState& state, double negligible, int most) const;
   /// Lets PETSc's VI solver find set_, starting from the gaps of `state`.
   void find_set(ContactState& state) const;
-  /// Finds set_ where S is singular, from no contact.
+  /// Finds set_ one candidate at a time, from no contact, which ends for every S.
   void find_independent_set(ContactState& state) const;
   const Petsc& petsc() const;
 

@@ -84,31 +84,45 @@ std::vector<double> extrapolation(const Point& x, const std::vector<Point>& arou
 
 std::vector<Surroundings> surroundings(const Constraints& constraints, const std::vector<int>& candidates,
                                        Mat rows) {
+  // One set for all of a rank's nodes, since PETSc wants as many sets on every rank; the rings of each node are
+  // then found in the part of the matrix that they span.
   const int dim = constraints.dim();
-  std::vector<Surroundings> all;
-  std::vector<IS> sets;
+  std::vector<PetscInt> first;
+  for (int i : candidates)
+    first.push_back(constraints.first_dofs()[i]);
+  IS all = nullptr;
+  check(ISCreateGeneral(PETSC_COMM_SELF, static_cast<PetscInt>(first.size()), first.data(), PETSC_COPY_VALUES,
+                        &all));
+  check(MatIncreaseOverlap(rows, 1, &all, Surroundings::rings));
+  const petsc::IndexSet spanned(all);
+  check(ISSort(spanned));
+  Mat* parts = nullptr;
+  check(MatCreateSubMatrices(rows, 1, &all, &all, MAT_INITIAL_MATRIX, &parts));
+  PetscInt size = 0;
+  const PetscInt *dofs = nullptr, *begin = nullptr, *columns = nullptr;
+  PetscBool done = PETSC_FALSE;
+  check(ISGetIndices(spanned, &dofs));
+  check(MatGetRowIJ(parts[0], 0, PETSC_FALSE, PETSC_FALSE, &size, &begin, &columns, &done));
+  std::vector<Surroundings> found;
   for (int i : candidates) {
-    all.push_back({i, {}});
-    sets.emplace_back();
-    check(ISCreateGeneral(PETSC_COMM_SELF, 1, &constraints.first_dofs()[i], PETSC_COPY_VALUES, &sets.back()));
-  }
-  for (int ring = 0; ring < Surroundings::rings; ++ring) {
-    check(MatIncreaseOverlap(rows, static_cast<PetscInt>(sets.size()), sets.data(), 1));
-    for (std::size_t j = 0; j < all.size(); ++j) {
-      PetscInt size = 0;
-      const PetscInt* dofs = nullptr;
-      check(ISGetLocalSize(sets[j], &size));
-      check(ISGetIndices(sets[j], &dofs));
+    found.push_back({i, {}});
+    std::set<PetscInt> reached{
+        static_cast<PetscInt>(std::lower_bound(dofs, dofs + size, constraints.first_dofs()[i]) - dofs)};
+    for (std::vector<PetscInt>& ring : found.back().nodes) {
+      std::set<PetscInt> next = reached;
+      for (PetscInt row : reached)
+        next.insert(columns + begin[row], columns + begin[row + 1]);
+      reached = std::move(next);
       std::set<PetscInt> nodes;
-      for (PetscInt i = 0; i < size; ++i)
-        nodes.insert(dofs[i] / dim);
-      all[j].nodes[ring].assign(nodes.begin(), nodes.end());
-      check(ISRestoreIndices(sets[j], &dofs));
+      for (PetscInt row : reached)
+        nodes.insert(dofs[row] / dim);
+      ring.assign(nodes.begin(), nodes.end());
     }
   }
-  for (IS& set : sets)
-    check(ISDestroy(&set));
-  return all;
+  check(MatRestoreRowIJ(parts[0], 0, PETSC_FALSE, PETSC_FALSE, &size, &begin, &columns, &done));
+  check(ISRestoreIndices(spanned, &dofs));
+  check(MatDestroySubMatrices(1, &parts));
+  return found;
 }
 
 /// Where nodes are, those of other ranks too. Collective.

@@ -22,7 +22,7 @@ Complementarity::Complementarity(const Constraints& constraints, Mat D)
   // Σ_c n_c² D_cc is the stiffness against moving the node alone along n, the direction of its force, but for
   // D's entries between its components.
   const std::size_t m = static_cast<std::size_t>(constraints.count());
-  std::vector<double> stiffness(m, 0.0);
+  stiffness_.assign(m, 0.0);
   PetscInt begin = 0, end = 0;
   check(VecGetOwnershipRange(diagonal, &begin, &end));
   {
@@ -32,12 +32,10 @@ Complementarity::Complementarity(const Constraints& constraints, Mat D)
       if (const PetscInt first = constraints.first_dofs()[i]; first >= begin && first < end)
         for (std::size_t c = 0; c < dim; ++c) {
           const double n = constraints.directions()[i * dim + c];
-          stiffness[i] += n * n * d[static_cast<std::size_t>(first - begin) + c];
+          stiffness_[i] += n * n * d[static_cast<std::size_t>(first - begin) + c];
         }
   }
-  MPI_Allreduce(MPI_IN_PLACE, stiffness.data(), static_cast<int>(m), MPI_DOUBLE, MPI_SUM, petsc::comm(D));
-  for (double k : stiffness)
-    zero_force_.push_back(gap_tolerance_ * k);
+  MPI_Allreduce(MPI_IN_PLACE, stiffness_.data(), static_cast<int>(m), MPI_DOUBLE, MPI_SUM, petsc::comm(D));
 }
 
 void Complementarity::classify(ContactState& state) const {
@@ -45,9 +43,10 @@ void Complementarity::classify(ContactState& state) const {
   std::ranges::fill(state.status, Status::open);
   state.active.clear();
   for (std::size_t i = 0; i < state.lambda.size(); ++i) {
+    const double zero_force = gap_tolerance_ * stiffness_[i];
     penetration = std::max(penetration, -state.gap[i]);
-    adhesion = std::max(adhesion, -state.lambda[i] / zero_force_[i]);
-    if (state.lambda[i] > zero_force_[i]) {
+    adhesion = std::max(adhesion, -state.lambda[i] / zero_force);
+    if (state.lambda[i] > zero_force) {
       state.status[i] = Status::strong;
       distance = std::max(distance, state.gap[i]);
     } else if (state.gap[i] <= gap_tolerance_) {
@@ -68,11 +67,14 @@ void Complementarity::classify(ContactState& state) const {
                     state.count(Status::weak), state.lambda.size()));
 }
 
-bool Complementarity::holds(std::span<const double> lambda, std::span<const double> gap) const {
-  for (std::size_t i = 0; i < lambda.size(); ++i)
-    if (!(gap[i] >= -gap_tolerance_ && lambda[i] >= -zero_force_[i] &&
-          (lambda[i] <= zero_force_[i] || gap[i] <= gap_tolerance_)))
+bool Complementarity::holds_within(double negligible, std::span<const double> lambda,
+                                   std::span<const double> gap) const {
+  for (std::size_t i = 0; i < lambda.size(); ++i) {
+    const double zero_force = negligible * stiffness_[i];
+    if (!(gap[i] >= -negligible && lambda[i] >= -zero_force &&
+          (lambda[i] <= zero_force || gap[i] <= negligible)))
       return false;
+  }
   return true;
 }
 

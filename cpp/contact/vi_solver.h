@@ -32,11 +32,17 @@ public:
   void classify(ContactState& state) const;
 
   /// Whether g ≥ 0 and λ ≥ 0 to within the tolerance.
-  [[nodiscard]] bool holds(std::span<const double> lambda, std::span<const double> gap) const;
+  [[nodiscard]] bool holds(std::span<const double> lambda, std::span<const double> gap) const {
+    return holds_within(gap_tolerance_, lambda, gap);
+  }
+
+  /// The same for a gap (m) other than the tolerance.
+  [[nodiscard]] bool holds_within(double negligible, std::span<const double> lambda,
+                                  std::span<const double> gap) const;
 
 private:
   double gap_tolerance_;
-  std::vector<double> zero_force_;
+  std::vector<double> stiffness_; ///< of D against moving the candidate's node alone (m)
 };
 
 } // namespace signorini::contact

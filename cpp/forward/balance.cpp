@@ -88,9 +88,10 @@ StepBalance Balance::operator()(const Frame& frame) {
   now.contact_force = resultant(stepper_, force_);
   for (std::size_t c = 0; c < 3; ++c)
     now.momentum_residual[c] = rate[c] - applied[c] - now.contact_force[c] - (whole[c] - free[c]);
-  PetscReal internal = 0;
+  PetscReal internal = 0, momentum = 0;
   check(VecNorm(Ay1_, NORM_1, &internal)); // the internal forces, whose sum must cancel
-  now.momentum_scale = length(rate) + length(applied) + length(now.contact_force) + internal;
+  check(VecNorm(Mv1_, NORM_1, &momentum)); // of which the rate is a difference
+  now.momentum_scale = length(rate) + length(applied) + length(now.contact_force) + internal + momentum / tau;
   return now;
 }
 

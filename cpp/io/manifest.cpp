@@ -81,6 +81,8 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
                          {"forward_sweeps", m.forward_sweeps.value_or(0)},
                          {"adjoint_sweeps", m.adjoint_sweeps.value_or(0)},
                          {"metric", scene.control->lower || scene.control->upper ? "lumped L2" : "L2"}};
+  for (const forward::Invariants::Defect& defect : m.invariants)
+    json["invariants"][defect.name] = {{"worst", defect.worst}, {"step", defect.step}};
   for (const auto& [phase, entry] : timers.entries())
     json["timings"][phase] = {{"seconds", entry.seconds}, {"calls", entry.calls}};
   json["counters"] = counts();

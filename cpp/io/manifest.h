@@ -1,6 +1,7 @@
 #pragma once
 #include "base/timers.h"
 #include "control/objective.h"
+#include "forward/invariants.h"
 #include "scene/scene.h"
 #include <optional>
 #include <string>
@@ -19,6 +20,7 @@ struct Manifest {
   std::string solver;     ///< of the steps, and why
   double peak_memory = 0; ///< bytes, summed over the ranks
   std::optional<control::Value> objective;
+  std::vector<forward::Invariants::Defect> invariants; ///< of the motion stored, none if none was watched
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 #include "contact/constraints.h"
 #include "contact/contact_state.h"
-#include "forward/balance.h"
+#include "forward/invariants.h"
 #include <limits>
 #include <optional>
 #include <string>
@@ -16,10 +16,11 @@ std::string steps_header(int dim, bool tracking);
 
 /// Appends row k; `tracking_error` is ‖y_k − y_d,k‖ in L2 (m², in 3D m^5/2).
 void add_steps_row(std::string& text, int k, double time, int dim, const forward::StepBalance& balance,
-                   const contact::ContactState& contact, std::optional<double> tracking_error);
+                   const forward::Invariants& invariants, const contact::ContactState& contact,
+                   std::optional<double> tracking_error);
 
-/// contact.csv has one row per stored step and candidate, at its place in the undeformed body; where a scene has
-/// several obstacles a last column gives the number of the candidate's.
+/// contact.csv has one row per stored step and candidate, at its place in the undeformed body; where a scene
+/// has several obstacles a last column gives the number of the candidate's.
 std::string contact_header(const contact::Constraints& constraints);
 
 /// Appends the rows of step k.

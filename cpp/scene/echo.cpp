@@ -130,7 +130,8 @@ void write_boundary(Writer& out, const Scene& s, int dim) {
 
 void write_initial(Writer& out, const Scene& s, int dim) {
   // Where clamps move the default is what they do at the start, which no expression says.
-  const bool rests = std::ranges::all_of(s.clamps, [](const Clamp& clamp) { return !clamp.value || vanishes(*clamp.value); });
+  const bool rests = std::ranges::all_of(
+      s.clamps, [](const Clamp& clamp) { return !clamp.value || vanishes(*clamp.value); });
   const auto field = [&](const char* name, const std::optional<Components>& given, const char* unit) {
     if (given || rests)
       out.key(name, texts(given.value_or(zero(static_cast<std::size_t>(dim)))), unit);
@@ -203,6 +204,9 @@ std::string echo(const Scene& s, int dim) {
   out.key("vi", text(s.solver.vi));
   out.key("linear", text(s.solver.linear));
   out.key("memory", number(s.solver.memory), "bytes");
+  out.table("[run]");
+  out.key("invariants", text(s.run.invariants));
+  out.key("tolerance", number(s.run.tolerance));
   out.table("[output]");
   out.key("every", std::to_string(s.output.every), "steps");
   out.key("fields", texts(s.output.fields));

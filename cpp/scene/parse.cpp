@@ -56,14 +56,16 @@ void set(toml::table& root, const std::string& assignment, const std::filesystem
       if (next.empty() || next.find_first_not_of("0123456789") != std::string::npos ||
           (index = std::stoul(next.substr(0, 6))) >= array->size() || !array->get(index)->is_table() ||
           !std::getline(keys, next, '.'))
-        throw UserError(fmt::format("--set {}: \"{}\" of {} is a list of {} tables, name one by its number "
+        throw UserError(fmt::format("--set {}: \"{}\" of {} is a list of {} table{}, name one by its number "
                                     "and one of its keys, such as {}.0.on=...",
-                                    assignment, key, file.string(), array->size(), key));
+                                    assignment, key, file.string(), array->size(),
+                                    array->size() == 1 ? "" : "s", key));
       child = array->get(index);
     }
     table = child->as_table();
     if (!table)
-      throw UserError(fmt::format("--set {}: \"{}\" is not a table", assignment, key));
+      throw UserError(
+          fmt::format("--set {}: \"{}\" is not a table, allowed are keys of tables", assignment, key));
     key = next;
   }
   table->insert_or_assign(key, *parsed.get("value"));
@@ -185,12 +187,14 @@ HalfSpace half_space(Reader& in) {
   HalfSpace obstacle;
   obstacle.point = in.expressions("point", true);
   if (Field(obstacle.point, "point", true).depends_on_place())
-    in.fail("point", fmt::format("found [{}], allowed are expressions of t alone: the point is one for the whole plane",
-                                 fmt::join(obstacle.point, ", ")));
+    in.fail(
+        "point",
+        fmt::format("found [{}], allowed are expressions of t alone: the point is one for the whole plane",
+                    fmt::join(obstacle.point, ", ")));
   obstacle.normal = direction(in, "normal", "it points out of the obstacle");
   if (obstacle.normal.size() != obstacle.point.size())
-    in.fail("normal", fmt::format("found {} components where point has {}", obstacle.normal.size(),
-                                  obstacle.point.size()));
+    in.fail("normal", fmt::format("found {} components where point has {}, allowed are as many",
+                                  obstacle.normal.size(), obstacle.point.size()));
   return obstacle;
 }
 
@@ -203,9 +207,11 @@ Cylinder cylinder(Reader& in) {
   if (obstacle.point.size() == 3) {
     obstacle.axis = direction(in, "axis", "it points along the cylinder");
     if (obstacle.axis.size() != 3)
-      in.fail("axis", fmt::format("found {} components where point has 3", obstacle.axis.size()));
+      in.fail("axis", fmt::format("found {} components where point has 3, allowed are as many",
+                                  obstacle.axis.size()));
   } else if (in.has("axis")) {
-    in.fail("axis", "has no effect in the plane, where a cylinder is a disc; allowed with a point of 3 components");
+    in.fail("axis",
+            "has no effect in the plane, where a cylinder is a disc; allowed with a point of 3 components");
   }
   obstacle.radius = in.number("radius", positive_length);
   obstacle.inside = inside(in);
@@ -249,9 +255,10 @@ Contact contact(Reader in, const Time& time) {
 Components controls(Reader& in, const std::string& key, const Control& control) {
   Components values = in.expressions(key, !control.constant_in_time);
   for (std::size_t c = 0; control.components && c < values.size(); ++c)
-    if (!vanishes({values[c]}) && std::ranges::find(*control.components, std::string{"xyz"[c]}) == control.components->end())
-      in.fail(key, fmt::format("found \"{}\" for {}, allowed is \"0\": control.components leaves it out", values[c],
-                               "xyz"[c]));
+    if (!vanishes({values[c]}) &&
+        std::ranges::find(*control.components, std::string{"xyz"[c]}) == control.components->end())
+      in.fail(key, fmt::format("found \"{}\" for {}, allowed is \"0\": control.components leaves it out",
+                               values[c], "xyz"[c]));
   return values;
 }
 
@@ -271,14 +278,15 @@ Control control(Reader in) {
     control.upper = in.number_or_numbers("upper", {});
   if (control.lower && control.upper && control.lower->size() > 1 && control.upper->size() > 1 &&
       control.lower->size() != control.upper->size())
-    in.fail("upper", fmt::format("found {} components where lower has {}", control.upper->size(),
-                                 control.lower->size()));
+    in.fail("upper", fmt::format("found {} components where lower has {}, allowed are as many, or one number",
+                                 control.upper->size(), control.lower->size()));
   if (control.lower && control.upper)
     for (std::size_t i = 0; i < std::max(control.lower->size(), control.upper->size()); ++i) {
       const double lower = control.lower->size() == 1 ? control.lower->front() : control.lower->at(i);
       const double upper = control.upper->size() == 1 ? control.upper->front() : control.upper->at(i);
       if (!(lower <= upper))
-        in.fail("lower", fmt::format("found {} above control.upper = {}", lower, upper));
+        in.fail("lower",
+                fmt::format("found {} above control.upper = {}, allowed is at most that", lower, upper));
     }
   in.finish();
   return control;
@@ -360,7 +368,6 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   Scene scene;
   scene.file = std::filesystem::absolute(file);
   scene.name = file.stem().string();
-  in.not_available("run");
   scene.mesh = mesh(in.table("mesh"), scene.file);
   scene.time = time(in.table("time"));
   scene.materials = materials(in, root.contains("material") && root.get("material")->is_array());
@@ -399,7 +406,8 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   }
   if (in.has("optimizer")) {
     if (!scene.objective)
-      in.fail("optimizer", "has no effect without an objective; add [control] and [objective] or leave it out");
+      in.fail("optimizer",
+              "has no effect without an objective; add [control] and [objective] or leave it out");
     scene.optimizer = optimizer(in.table("optimizer"));
   }
   scene.solver = in.has("solver") ? solver(in.table("solver")) : Solver{.memory = machine_memory() / 2};
@@ -411,6 +419,12 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
           "takes derivatives of an objective by a control; add [control] and [objective] or leave it out");
     scene.check.control = controls(check, "control", *scene.control);
     check.finish();
+  }
+  if (in.has("run")) {
+    Reader run = in.table("run");
+    scene.run.invariants = run.choice("invariants", {"warn", "stop", "off"}, scene.run.invariants);
+    scene.run.tolerance = run.number("tolerance", {.least = 0, .greatest = 1, .open = true}, scene.run.tolerance);
+    run.finish();
   }
   if (in.has("output")) {
     Reader output = in.table("output");
@@ -448,7 +462,8 @@ bool rests(const Control& control) {
   const auto all = [](const std::optional<std::vector<double>>& bound, auto&& allows) {
     return !bound || std::ranges::all_of(*bound, allows);
   };
-  return (!control.initial || vanishes(*control.initial)) && all(control.lower, [](double x) { return x <= 0; }) &&
+  return (!control.initial || vanishes(*control.initial)) &&
+         all(control.lower, [](double x) { return x <= 0; }) &&
          all(control.upper, [](double x) { return x >= 0; });
 }
 
@@ -469,11 +484,12 @@ void require_dimension(const Scene& scene, int dim) {
       require(cylinder->point.size(), key + "point");
   }
   const std::vector<std::string> names = component_names(dim);
-  const auto require_names = [&](const std::optional<std::vector<std::string>>& components, const std::string& key) {
+  const auto require_names = [&](const std::optional<std::vector<std::string>>& components,
+                                 const std::string& key) {
     for (const std::string& name : components.value_or(names))
       if (std::ranges::find(names, name) == names.end())
-        throw UserError(fmt::format("{}: {}: found \"{}\", allowed: {}: the mesh is {}-dimensional", scene.file.string(),
-                                    key, name, list(names), dim));
+        throw UserError(fmt::format("{}: {}: found \"{}\", allowed: {}: the mesh is {}-dimensional",
+                                    scene.file.string(), key, name, list(names), dim));
   };
   for (std::size_t i = 0; i < scene.clamps.size(); ++i) {
     const Clamp& clamp = scene.clamps[i];

@@ -140,6 +140,14 @@ struct Check {
   std::optional<Components> control; ///< where `check` takes derivatives, of x, y, z, t
 };
 
+/// What is watched while a scene runs.
+struct Run {
+  std::string invariants = "warn"; ///< where one is off: "warn" at the end, "stop" there; or "off"
+  double tolerance = 1e-10;        ///< relative
+
+  [[nodiscard]] bool watched() const { return invariants != "off"; }
+};
+
 struct Output {
   int every = 1; ///< steps between stored fields
   std::vector<std::string> fields{"displacement", "velocity", "control",
@@ -169,6 +177,7 @@ struct Scene {
   Optimizer optimizer;
   Solver solver;
   Check check;
+  Run run;
   Output output;
 };
 
@@ -191,7 +200,8 @@ std::vector<std::string> component_names(int dim);
 /// Whether a field is written as zero, which is no effect.
 bool vanishes(const Components& components);
 
-/// Whether the first guess of a control is zero, which is no load: written so, or absent, and within the bounds.
+/// Whether the first guess of a control is zero, which is no load: written so, or absent, and within the
+/// bounds.
 bool rests(const Control& control);
 
 /// Throws UserError unless every vector of the scene has `dim` components, and no other component is named.

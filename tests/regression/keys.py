@@ -61,7 +61,7 @@ class Run:
 
     def __init__(self, verb: str, scene: Path, overrides: dict[str, object]):
         self.folder = FOLDER / str(next(Run.numbers))
-        signorini(verb, scene, self.folder, **overrides)
+        self.stdout = signorini(verb, scene, self.folder, **overrides).stdout
 
     @functools.cached_property
     def steps(self) -> dict[str, np.ndarray]:
@@ -176,11 +176,6 @@ def edited(name: str, *edits: tuple[str, str], source: Path = BLOCK) -> Path:
     return copy
 
 
-def alone(name: str, value: str) -> None:
-    """The only value there is, as yet: the default, and the same when written. Others are cases of bad input."""
-    same(simulate(**{name: value}), plain_run())
-
-
 # --- The body -----------------------------------------------------------------------------------------------------------
 
 
@@ -221,7 +216,15 @@ def time_step() -> None:
 
 @key("time.scheme")
 def time_scheme() -> None:
-    alone("time__scheme", "contact-implicit")
+    flying = [simulate(time__scheme=scheme, **FREE | {"initial__velocity": ["x", "y"]}) for scheme in
+              ("contact-implicit", "contact-stabilized")]  # fmt: skip
+    same(*flying, ROUNDING)
+    implicit, stabilized = plain_run(), simulate(time__scheme="contact-stabilized")
+    touch = np.flatnonzero(implicit.steps["active"])[0]
+    for name in ("kinetic_energy", "elastic_energy"):
+        near(stabilized.steps[name][:touch], implicit.steps[name][:touch])
+        assert abs(stabilized.steps[name] - implicit.steps[name]).max() > 1e-3
+    assert [done.manifest["counters"]["VI solvers"] for done in (implicit, stabilized)] == [1, 2], "the predictor has its own"
 
 
 @key("material.density")
@@ -305,7 +308,11 @@ def contact_on() -> None:
 
 @key("contact.mass")
 def contact_mass() -> None:
-    alone("contact__mass", "consistent")
+    for mass, moved in (("consistent", 1), ("massless", 0)):
+        done = simulate(contact__mass=mass, **FLAT)
+        near(done.steps["kinetic_energy"][0], 0.5)  # the whole mass stays
+        towards = simulate(contact__mass=mass, initial__velocity=["0", "y < 0.01 ? -1 : 0"], **FLAT).steps["kinetic_energy"][0]
+        assert (towards > 0.03) if moved else (abs(towards) < ROUNDING), "that of the lower nodes, towards the plane"
 
 
 @key("contact.initial")
@@ -565,6 +572,20 @@ def check_control() -> None:
     assert away.returncode == 1 and "Derivatives at the control of [check]" in away.stdout and "never" in away.stdout
 
 
+@key("run.invariants", "run.tolerance")
+def invariants() -> None:
+    less_than_rounding = {"run__tolerance": 1e-30}
+    warned = simulate(run__invariants="warn", **less_than_rounding)
+    assert "warning: " in warned.stdout and "warning" not in plain_run().stdout
+    same(warned, plain_run())
+    stopped = attempt("simulate", BLOCK, FOLDER / "stopped", run__invariants="stop", **less_than_rounding)
+    assert stopped.returncode == 3 and "run.tolerance" in stopped.stderr and not (FOLDER / "stopped").exists()
+    same(simulate(run__invariants="stop"), plain_run())
+    off = simulate(run__invariants="off", output__tables=[], **less_than_rounding)
+    assert "warning" not in off.stdout and "invariants" in warned.manifest and "invariants" not in off.manifest
+    assert attempt("check", BLOCK, **less_than_rounding).returncode == 1
+
+
 @key("output.every")
 def output_every() -> None:
     for every, stored in ((1, 31), (7, 6), (30, 2), (100, 2)):  # the first and the last state always
@@ -655,20 +676,37 @@ def keys_of_bad_values() -> set[str]:
     return found
 
 
+def choices(run: Run) -> Iterator[tuple[str, list[str]]]:
+    """The names that the program allows where it allows no others."""
+
+    def refused(path: tuple[str, ...]) -> str:
+        return attempt("info", run.folder / "scene.toml", **{"__".join(path): "nonsense"}).stderr
+
+    texts = [path for path in leaves(run.echo) if isinstance(get(run.echo, path), str)]
+    with ThreadPoolExecutor(WORKERS) as workers:
+        for path, message in zip(texts, workers.map(refused, texts)):
+            if match := re.search(r"allowed: (.*)", message):
+                yield plain(path), match[1].split(", ")
+
+
 def keys_of_the_readme() -> set[str]:
-    """Those of the introductory scene, and of the table of all others with the defaults that scene.toml confirms."""
+    """Those of the introductory scene, and of the table of all others with what can be chosen and the defaults that
+    scene.toml confirms."""
     readme = (SOURCE / "README.md").read_text()
     scene = "".join(block for block in re.findall(r"(?s)```toml\n(.*?)```", readme))
     found = {plain(path) for path in leaves(tomllib.loads(scene))}
-    rows = re.findall(r"(?m)^\| `([a-z_]+\.[a-z_.]+)` \| ?(.*?) \| .* \|$", readme)
-    assert sum(value != "" for _, value in rows) > 20, "the README has no table of keys with defaults"
-    assert len({name for name, _ in rows}) == len(rows), "the table has a key twice"
+    rows = re.findall(r"(?m)^\| `([a-z_]+\.[a-z_.]+)` \| ?(.*?) \| (.*) \|$", readme)
+    assert sum(value != "" for _, value, _ in rows) > 20, "the README has no table of keys with defaults"
+    assert len({name for name, _, _ in rows}) == len(rows), "the table has a key twice"
     default = simulate(edited("default.toml", ("max_iterations.*", "")), clamp=[{"on": "left"}], initial__velocity=["0", "0"],
-                       contact__obstacle={"shape": "ball", "center": [0, -2], "radius": 1}).echo  # fmt: skip
-    for name, value in rows:
+                       contact__obstacle={"shape": "ball", "center": [0, -2], "radius": 1})  # fmt: skip
+    for name, names in choices(default):
+        row = next((" ".join(row) for row in rows if row[0] == name), "")
+        assert all(f'"{choice}"' in row for choice in names), f"the README's {name} is not all of {names}"
+    for name, value, _ in rows:
         found.add(name)
         if re.fullmatch("`[^`]*`", value):
-            echoed = get(default, name.replace("clamp", "clamp.0").split("."))
+            echoed = get(default.echo, name.replace("clamp", "clamp.0").split("."))
             assert echoed == tomllib.loads(f"value = {value[1:-1]}")["value"], f"the README's default of {name} is {value}, not {echoed}"
     return found
 

@@ -83,10 +83,10 @@ def hertz_pressure(x: np.ndarray, load: float) -> np.ndarray:
     return mean
 
 
-def press(size: float, load: str, folder: Path, figures: Figures) -> float:
+def press(size: float, load: str, folder: Path, figures: Figures, **overrides: object) -> float:
     """Runs the scene, shows its figures and returns the profile's relative error."""
     out = folder / "out"
-    signorini("simulate", scene(load, folder), out, mesh__file=str(mesh(size, folder)), output__every=1)
+    signorini("simulate", scene(load, folder), out, mesh__file=str(mesh(size, folder)), output__every=1, **overrides)
     x, length, force = pressure(out)
     assert (force > 0).sum() > 10, "hardly any contact: the case says nothing"
     p = force / length

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
-from harness import signorini, table  # noqa: E402
+from harness import Figures, signorini, table  # noqa: E402
 
 import numpy as np  # noqa: E402
 
@@ -26,6 +26,24 @@ class Table:
     def row(self, case: str, figures: str, holds: bool) -> None:
         self.failed |= not holds
         print(f"{'ok  ' if holds else 'FAIL'}  {self.family:18} {case:58} {figures}", flush=True)
+
+
+class Worst(Figures):
+    """Of many figures the one that is farthest off, in units of its tolerance."""
+
+    def __init__(self) -> None:
+        self.count, self.ratio, self.name = 0, 0.0, "none"
+
+    def show(self, name: str, found: float, expected: float, tolerance: float) -> None:
+        ratio = abs(found - expected) / tolerance
+        self.count += 1
+        self.failed |= not ratio <= 1
+        if not ratio <= self.ratio:
+            self.ratio, self.name = ratio, name
+
+    def __str__(self) -> str:
+        name = self.name.split(",")[0].split(":")[0].split(" / ")[0]
+        return f"{self.count} figures, {name} worst, at {self.ratio:.2f} of its tolerance"
 
 
 def run(verb: str, scene: Path, out: Path, **overrides: object) -> tuple[dict[str, np.ndarray], dict]:

@@ -1,0 +1,56 @@
+#include "forward/invariants.h"
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace signorini::forward {
+using petsc::check;
+
+Invariants::Invariants(const Stepper& stepper) : stepper_(stepper) {
+  PetscReal largest = 0;
+  check(VecNorm(fem::diagonal(stepper.operators().A), NORM_INFINITY, &largest));
+  stiffness_ = largest;
+}
+
+void Invariants::observe(const Frame& frame, const StepBalance& balance) {
+  // Of y·Ay where strains are small beside the motion itself, as of a stiff body in flight: no energy is
+  // known better than to this.
+  PetscReal size = 0;
+  check(VecNorm(frame.y1, NORM_2, &size));
+  const double rounding = 10 * std::numeric_limits<double>::epsilon() * stiffness_ * size * size;
+  energy_ = std::max(energy_, balance.kinetic_energy + balance.elastic_energy);
+  forces_ = std::max(forces_, balance.momentum_scale);
+  const auto part = [](double value, double whole) { return value > 0 ? value / whole : 0; };
+  now_ = {};
+  now_[0] = part(std::abs(balance.energy_residual) - rounding, energy_);
+  now_[1] = part(
+      std::hypot(balance.momentum_residual[0], balance.momentum_residual[1], balance.momentum_residual[2]),
+      forces_);
+  const double length = stepper_.space().mesh().diameter();
+  const contact::ContactState& state = frame.contact;
+  for (double force : state.lambda)
+    contact_force_ = std::max(contact_force_, std::abs(force));
+  for (std::size_t i = 0; i < state.lambda.size(); ++i) {
+    now_[2] = std::max(now_[2], part(-state.gap[i], length));
+    now_[3] = std::max(now_[3], part(-state.lambda[i], contact_force_));
+    now_[4] = std::max(now_[4], part(std::abs(state.lambda[i] * state.gap[i]), contact_force_ * length));
+  }
+  for (std::size_t j = 0; j < now_.size(); ++j)
+    if (!(now_[j] <= defects_[j].worst)) { // NaN too
+      defects_[j].worst = now_[j];
+      defects_[j].step = frame.k;
+    }
+}
+
+std::optional<std::string> Invariants::violation(double tolerance) const {
+  std::size_t worst = 0;
+  for (std::size_t j = 1; j < now_.size(); ++j)
+    if (!(now_[j] <= now_[worst]))
+      worst = j;
+  if (now_[worst] <= tolerance)
+    return std::nullopt;
+  return fmt::format("{} is {:.2e}, allowed is {:.0e} (run.tolerance)", defects_[worst].name, now_[worst],
+                     tolerance);
+}
+
+} // namespace signorini::forward
