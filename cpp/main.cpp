@@ -4,6 +4,7 @@
 #include "scene/names.h"
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <limits>
 #include <fmt/format.h>
@@ -86,12 +87,18 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
   return std::nullopt;
 }
 
+/// Prints an error as one line, whatever the names in it are made of.
+void complain(std::string text) {
+  std::ranges::replace_if(text, [](unsigned char c) { return std::iscntrl(c); }, ' ');
+  fmt::print(stderr, "signorini: {}\n", text);
+}
+
 /// A failure that this rank saw and others may not have: say it once and end them all.
 [[noreturn]] void abort_all(int rank, const std::string& text, int status) {
   // Where every rank fails alike rank 0 speaks and ends the others while they wait.
   if (rank != 0)
     std::this_thread::sleep_for(std::chrono::seconds(2));
-  fmt::print(stderr, "signorini: {}\n", text);
+  complain(text);
   MPI_Abort(MPI_COMM_WORLD, status);
   std::abort();
 }
@@ -120,7 +127,7 @@ int guarded(int argc, char** argv, int rank, int ranks) {
     return signorini::run(request, signorini::Console(speaks, speaks && isatty(STDERR_FILENO)));
   } catch (const UserError& error) { // thrown on every rank alike
     if (rank == 0)
-      fmt::print(stderr, "signorini: {}\n", error.what());
+      complain(error.what());
     return wrong_input;
   } catch (const signorini::Interrupted&) {
     if (rank == 0)
@@ -129,12 +136,12 @@ int guarded(int argc, char** argv, int rank, int ranks) {
   } catch (const signorini::WriteFailure& error) {
     if (ranks > 1)
       abort_all(rank, error.what(), wrong_input);
-    fmt::print(stderr, "signorini: {}\n", error.what());
+    complain(error.what());
     return wrong_input;
   } catch (const std::exception& error) {
     if (ranks > 1)
       abort_all(rank, error.what(), solver_failed);
-    fmt::print(stderr, "signorini: {}\n", error.what());
+    complain(error.what());
     return solver_failed;
   }
 }

@@ -1,6 +1,8 @@
 #include "contact/vi_solver.h"
 #include "base/counters.h"
 #include "base/error.h"
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace signorini::contact {
@@ -53,6 +55,9 @@ void Complementarity::classify(ContactState& state) const {
     if (state.status[i] != Status::open)
       state.active.push_back(static_cast<int>(i));
   }
+  const auto finite = [](double x) { return std::isfinite(x); };
+  if (!std::ranges::all_of(state.gap, finite) || !std::ranges::all_of(state.lambda, finite))
+    throw SolverFailure("the solution is not finite");
   if (!holds(state.lambda, state.gap))
     throw SolverFailure(
         fmt::format("the contact solution is not complementary: penetration {:.3e} m and forces at a gap of "

@@ -28,6 +28,11 @@ void set(toml::table& root, const std::string& assignment, const std::filesystem
     if (parsed.size() != 1)
       throw UserError(fmt::format("--set {}: found several lines, allowed is one value", path));
   } catch (const toml::parse_error&) {
+    try {
+      (void)toml::parse("# " + value);
+    } catch (const toml::parse_error&) {
+      throw UserError(fmt::format("--set {}: found neither a value of TOML nor a text, allowed is a text on one line in UTF-8", path));
+    }
     parsed.insert("value", value);
   }
   if (path.front() == '.' || path.back() == '.' || path.find("..") != std::string::npos)
@@ -67,17 +72,21 @@ void set(toml::table& root, const std::string& assignment, const std::filesystem
 }
 
 /// A path that the scene gives relative to its own file.
-std::filesystem::path beside(const std::filesystem::path& file, const std::filesystem::path& given) {
-  return std::filesystem::weakly_canonical(given.is_absolute() ? given : file.parent_path() / given);
+std::filesystem::path beside(const std::filesystem::path& file, Reader& in, const std::string& key) {
+  const std::filesystem::path given = in.text(key);
+  std::error_code error;
+  const auto path = std::filesystem::weakly_canonical(given.is_absolute() ? given : file.parent_path() / given, error);
+  if (error)
+    in.fail(key, fmt::format("found a path that cannot be followed ({}), allowed is another", error.message()));
+  return path;
 }
 
 Mesh mesh(Reader in, const std::filesystem::path& file) {
   Mesh mesh;
-  const std::filesystem::path given = in.text("file");
-  mesh.file = beside(file, given);
+  mesh.file = beside(file, in, "file");
   const std::string extension = mesh.file.extension().string();
   if (extension != ".geo" && extension != ".msh")
-    in.fail("file", fmt::format("found \"{}\", allowed are files that end in .geo or .msh", given.string()));
+    in.fail("file", fmt::format("found \"{}\", allowed are files that end in .geo or .msh", in.text("file")));
   if (in.has("size")) {
     if (extension == ".msh")
       in.fail("size", "has no effect on a .msh, which is meshed already; allowed with a .geo");
@@ -300,7 +309,7 @@ Objective objective(Reader in, const Control& control, const std::filesystem::pa
   else if (found.front() == "displacement")
     objective.desired = DesiredDisplacement{desired.expressions("displacement", true)};
   else
-    objective.desired = DesiredRun{beside(file, desired.text("run"))};
+    objective.desired = DesiredRun{beside(file, desired, "run")};
   desired.finish();
   if (in.has("on"))
     objective.on = in.text("on");

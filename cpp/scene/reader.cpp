@@ -50,7 +50,12 @@ std::string shown(const toml::node& node) {
     node.visit([&](const auto& n) { out << n; });
     text = out.str();
   }
-  return text.size() > most ? text.substr(0, most - 3) + "..." : text;
+  if (text.size() <= most)
+    return text;
+  std::size_t end = most - 3;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) // within a character of several bytes
+    --end;
+  return text.substr(0, end) + "...";
 }
 
 bool on_one_line(const std::string& text) {
