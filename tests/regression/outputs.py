@@ -14,7 +14,7 @@ import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 
 STEPS = ("step,time,kinetic_energy,elastic_energy,viscous_dissipation,external_work,contact_work,energy_residual,"
-         "contact_force_x,contact_force_y,active,weak,min_gap,vi_iterations")  # fmt: skip
+         "contact_force_x,contact_force_y,active,weak,min_gap,vi_iterations,momentum_residual,complementarity")  # fmt: skip
 CONTACT = "step,time,x,y,gap,force"
 STEPS_IN_SPACE = STEPS.replace("contact_force_y,", "contact_force_y,contact_force_z,")
 CONTACT_IN_SPACE = "step,time,x,y,z,gap,force"
