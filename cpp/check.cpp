@@ -185,7 +185,7 @@ private:
     double last = 0;
     constexpr int sizes = 8;
     for (int j = 0; j < sizes; ++j) {
-      const double epsilon = std::pow(10, -2 - 0.5 * j);
+      const double epsilon = epsilon_of(j);
       const double remainder = std::abs(problem_.value(moved(epsilon)) - objective_ - epsilon * slope);
       const Switches changed = switches(problem_.trajectory(), problem_.trial_trajectory());
       const bool kept = changed.steps == 0;
@@ -200,11 +200,20 @@ private:
       if (kept && kept_size_ == 0 && same_sets_at(-epsilon))
         kept_size_ = epsilon;
     }
-    if (usable.size() < 3)
-      rows.push_back({"Taylor order", fmt::format("{} usable sizes", usable.size()),
-                      "3 sizes that keep the active sets", false});
-    else if (const double p = order(usable); true)
+    if (kept_size_ == 0)
+      kept_size_ = invariance_radius(epsilon_of(sizes));
+    const std::string difference = "derivative against the difference of J";
+    if (usable.size() >= 3) {
+      const double p = order(usable);
       rows.push_back({"Taylor order", fmt::format("{:.3f}", p), "2.00 +- 0.05", std::abs(p - 2) <= 0.05});
+    } else if (kept_size_ == 0) {
+      rows.push_back({difference, "no size keeps the active sets", "a size that keeps them", false});
+    } else {
+      // While sets are kept J is quadratic and its central difference exact.
+      const double quotient =
+          (problem_.value(moved(kept_size_)) - problem_.value(moved(-kept_size_))) / (2 * kept_size_);
+      rows.push_back(beyond_rounding(difference, std::abs(quotient / slope - 1), floor / (kept_size_ * std::abs(slope))));
+    }
     return slope;
   }
 
@@ -218,12 +227,24 @@ private:
                                [](const contact::ContactState& state) { return !state.active.empty(); });
   }
 
-  /// The largest ε = 10^(−j/2) within which no active set changes, on both sides; 0 if there is none.
-  double invariance_radius() {
-    for (double epsilon = kept_size_ > 0 ? kept_size_ : 1e-6; epsilon > 1e-12; epsilon /= std::sqrt(10))
+  static double epsilon_of(int j) { return std::pow(10, -2 - 0.5 * j); }
+
+  /// The largest of 10^(−j/2) below `from` within which no active set changes, on both sides; 0 if there is none.
+  double invariance_radius(double from) {
+    constexpr double rounding = 1e-12;
+    for (double epsilon = from; epsilon > rounding; epsilon /= std::sqrt(10))
       if (same_sets_at(epsilon) && same_sets_at(-epsilon))
         return epsilon;
     return 0;
+  }
+
+  /// A row for a quotient of differences that rounding disturbs.
+  static Row beyond_rounding(const std::string& name, double value, double rounding) {
+    constexpr double most = 1e-6, useless = 0.1;
+    Row row = below(name, value, std::max(most, rounding));
+    if (rounding > useless)
+      row = {name, "lost in rounding", "sets kept within more", false};
+    return row;
   }
 
   /// Says how far the derivative can be trusted: exact it is as long as no active set changes, useful only if
@@ -234,7 +255,7 @@ private:
     const int changed = switches(problem_.trajectory(), problem_.trial_trajectory()).candidates;
     const double secant = (above - problem_.value(moved(-macroscopic))) / (2 * macroscopic);
     const double off = std::abs(secant - slope) / std::max(std::abs(secant), std::abs(slope));
-    const double radius = invariance_radius();
+    const double radius = kept_size_;
     const Margins margin = margins(problem_.trajectory());
     console_.line(fmt::format(
         "Active sets are kept within {:.1e} of the control; least force on a closed candidate {:.1e} of the "
@@ -262,12 +283,14 @@ private:
       return;
     }
     control::Control h = problem_.hessian_product(d_);
-    const double size = controls_.norm(h);
+    const double size = controls_.norm(h), gradient = controls_.norm(problem_.l2_gradient());
     settle(moved(kept_size_));
     h.add(-1 / (2 * kept_size_), problem_.l2_gradient());
     settle(moved(-kept_size_));
     h.add(1 / (2 * kept_size_), problem_.l2_gradient());
-    rows.push_back(below(name, controls_.norm(h) / size, 1e-6));
+    const double rounding = 100 * std::numeric_limits<double>::epsilon() *
+                            std::sqrt(static_cast<double>(controls_.steps())) * gradient / (kept_size_ * size);
+    rows.push_back(beyond_rounding(name, controls_.norm(h) / size, rounding));
   }
 
   control::ReducedProblem& problem_;
@@ -277,7 +300,7 @@ private:
   double solver_tolerance_;
   const Console& console_;
   double objective_ = 0;
-  double kept_size_ = 0; ///< the largest size that keeps the active sets on both sides
+  double kept_size_ = 0; ///< the invariance radius: the largest size that keeps the active sets on both sides
 };
 
 /// The largest work of contact in one step beyond that of the obstacles' own motion, −F_k·Δψ_k of their normal forces: −F_k·g_{k−1} ≤ 0.

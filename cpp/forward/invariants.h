@@ -39,7 +39,7 @@ private:
   const Stepper& stepper_;
   double stiffness_ = 0; ///< a norm of A
   double energy_ = 0, forces_ = 0, contact_force_ = 0;
-  std::array<Defect, 5> defects_{{{"energy law, residual / largest energy"},
+  std::array<Defect, 5> defects_{{{"energy law, residual beyond rounding / largest energy"},
                                   {"momentum law, residual / largest forces"},
                                   {"penetration / diameter"},
                                   {"adhesion / largest force"},
