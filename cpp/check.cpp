@@ -343,19 +343,23 @@ void invariants(const Problem& problem, const forward::Load& load, const forward
     rows.push_back(below(defect.name, defect.worst, tolerance));
   if (!constraints)
     return;
-  int contact_steps = 0, weak = 0, largest = 0;
+  int contact_steps = 0, weak = 0, largest = 0, projected = 0;
   for (int k = 1; k <= trajectory.steps; ++k) {
     const contact::ContactState& state = trajectory.contact[static_cast<std::size_t>(k)];
     const int strong = state.count(contact::Status::strong);
     contact_steps += strong > 0;
     weak += state.count(contact::Status::weak);
     largest = std::max(largest, strong);
+    projected += !state.predictor.empty();
   }
   rows.push_back({"contact occurred",
                   contact_steps > 0 ? fmt::format("{} steps, at most {} nodes, {} weak in all", contact_steps,
                                                   largest, weak)
                                     : "never: this checks nothing of contact",
                   "in one step at least", contact_steps > 0});
+  if (problem.stepper.predictor())
+    rows.push_back({"the predictor was projected", fmt::format("in {} steps", projected), "in one step at least",
+                    projected > 0});
   if (contact_steps == 0)
     return;
   rows.push_back(below(constraints->moving() ? "contact adds no work to the obstacles', work / largest energy"
