@@ -23,6 +23,7 @@ namespace {
 using namespace signorini;
 
 constexpr int taken = 0, refused = 1, crashed_in_gmsh = 2, wrong = 3, slow = 4; // the crash's status is the program's own
+constexpr int stopped_by_sanitizer = 99;
 
 /// Where the time went, for whoever reads the log.
 void out_of_time(int) {
@@ -86,6 +87,12 @@ int attempt(const std::filesystem::path& file) {
   }
 }
 
+/// Whether the sanitizer's report is of gmsh's own doing: the caller of what it stopped is gmsh.
+bool in_gmsh(const std::string& report) {
+  const std::size_t frame = report.find("#1 ");
+  return frame != std::string::npos && report.substr(frame, report.find('\n', frame) - frame).find("libgmsh") != std::string::npos;
+}
+
 struct Outcome {
   bool ended = false;
   int status = 0; ///< or the signal
@@ -125,6 +132,10 @@ public:
       accepted += outcome.status == taken;
       rejected += outcome.status != taken;
       crashes += outcome.status == crashed_in_gmsh;
+      return;
+    }
+    if (outcome.ended && outcome.status == stopped_by_sanitizer && in_gmsh(outcome.said)) {
+      ++rejected, ++crashes; // without the sanitizer memory may survive this, or the program ends with its sentence
       return;
     }
     if (outcome.ended && outcome.status == slow && outcome.said.find("libgmsh") != std::string::npos) {
