@@ -47,6 +47,17 @@ Value Objective::value(const forward::Trajectory& trajectory, const Control& u) 
   return value;
 }
 
+double Objective::quadrature_error(const forward::Trajectory& trajectory) const {
+  if (tracking_ == 0 || steps_ < 2)
+    return 0;
+  // 2 τ (½ ‖e‖²)' at an end from the three points next to it.
+  const auto rate = [&](int end, int inwards) {
+    const auto at = [&](int k) { return squared_distance(k, trajectory.y[static_cast<std::size_t>(k)]) / 2; };
+    return -inwards * (3 * at(end) - 4 * at(end + inwards) + at(end + 2 * inwards));
+  };
+  return -tracking_ * scheme_.tau / 24 * (rate(steps_, -1) - rate(0, 1));
+}
+
 forward::Load Objective::dual(std::function<void(int k, double weight, Vec out)> add) const {
   const auto weight = [this](int k) { return tracking_weight(k) + terminal_weight(k); };
   forward::Load load;

@@ -1,14 +1,15 @@
 #include "mesh/gmsh_model.h"
 #include "base/error.h"
+#include "base/own_process.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <csignal>
+#include <cstring>
 #include <fmt/format.h>
 #include <fstream>
 #include <gmsh.h>
 #include <limits>
-#include <unistd.h>
+#include <string_view>
 #include <unordered_map>
 
 namespace signorini::mesh {
@@ -16,45 +17,10 @@ namespace {
 
 using Tag = std::size_t;
 
-/// While it lives, a crash ends the program with one sentence and the status of wrong input: gmsh crashes on some damaged
-/// files, and after that its memory is not to be trusted with an exception.
-class CrashGuard {
-public:
-  explicit CrashGuard(const std::string& file) {
-    sentence() = fmt::format("signorini: {}: gmsh crashes on this file, allowed are whole .geo and .msh files\n", file);
-    struct sigaction action {};
-    action.sa_handler = crashed;
-    for (std::size_t i = 0; i < signals.size(); ++i)
-      sigaction(signals[i], &action, &earlier_[i]);
-  }
-  ~CrashGuard() {
-    for (std::size_t i = 0; i < signals.size(); ++i)
-      sigaction(signals[i], &earlier_[i], nullptr);
-  }
-  CrashGuard(const CrashGuard&) = delete;
-  CrashGuard& operator=(const CrashGuard&) = delete;
-
-private:
-  static constexpr std::array signals{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
-  std::array<struct sigaction, signals.size()> earlier_{};
-
-  static std::string& sentence() {
-    static std::string text;
-    return text;
-  }
-
-  static void crashed(int) {
-    constexpr int wrong_input = 2;
-    const std::string& text = sentence(); // made beforehand: a handler must not allocate
-    (void)!write(STDERR_FILENO, text.data(), text.size());
-    _exit(wrong_input);
-  }
-};
-
-/// gmsh's process-wide state, for as long as one file is read; what gmsh damages may show in any use of the heap until then.
+/// gmsh's process-wide state, for as long as one file is read.
 class Session {
 public:
-  explicit Session(const std::string& file) : guard_(file) {
+  Session() {
     gmsh::initialize(0, nullptr, false, false);
     gmsh::option::setNumber("General.Terminal", 0);
     gmsh::logger::start();
@@ -67,9 +33,6 @@ public:
   }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
-
-private:
-  CrashGuard guard_;
 };
 
 /// gmsh's first complaint: its exceptions often carry only the last.
@@ -399,16 +362,102 @@ void require_whole(const std::string& file) {
       file));
 }
 
+/// A mesh as bytes, on its way from one process to another.
+class Packer {
+public:
+  template <class T>
+  void add(const std::vector<T>& values) {
+    add_number(values.size());
+    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+  }
+  void add(const std::string& text) { add(std::vector<char>(text.begin(), text.end())); }
+  void add(int value) { add_number(static_cast<std::uint64_t>(value)); }
+  template <class T>
+  void add(const std::map<std::string, T>& groups) {
+    add_number(groups.size());
+    for (const auto& [name, value] : groups) {
+      add(name);
+      add(value);
+    }
+  }
+  std::string take() { return std::move(bytes_); }
+
+private:
+  void add_number(std::uint64_t n) { bytes_.append(reinterpret_cast<const char*>(&n), sizeof n); }
+  std::string bytes_;
+};
+
+class Unpacker {
+public:
+  explicit Unpacker(std::string_view bytes) : bytes_(bytes) {}
+
+  template <class T>
+  void get(std::vector<T>& values) {
+    values.resize(number());
+    read(values.data(), values.size() * sizeof(T));
+  }
+  void get(std::string& text) {
+    text.resize(number());
+    read(text.data(), text.size());
+  }
+  void get(int& value) { value = static_cast<int>(number()); }
+  template <class T>
+  void get(std::map<std::string, T>& groups) {
+    for (std::uint64_t left = number(); left > 0; --left) {
+      std::string name;
+      get(name);
+      get(groups[name]);
+    }
+  }
+
+private:
+  std::uint64_t number() {
+    std::uint64_t n = 0;
+    read(reinterpret_cast<char*>(&n), sizeof n);
+    return n;
+  }
+  void read(void* to, std::size_t count) {
+    if (count > bytes_.size())
+      throw std::logic_error("a mesh was cut short on its way");
+    std::memcpy(to, bytes_.data(), count);
+    bytes_.remove_prefix(count);
+  }
+  std::string_view bytes_;
+};
+
+template <class Packing, class Mesh>
+void each_part(Packing&& packing, Mesh& mesh) {
+  packing(mesh.dim);
+  packing(mesh.points);
+  packing(mesh.cells);
+  packing(mesh.facets);
+  packing(mesh.parts);
+  packing(mesh.other_groups);
+}
+
+std::string packed(const RawMesh& mesh) {
+  Packer packer;
+  each_part([&](const auto& part) { packer.add(part); }, mesh);
+  return packer.take();
+}
+
+RawMesh unpacked(std::string_view bytes) {
+  Unpacker unpacker(bytes);
+  RawMesh mesh;
+  each_part([&](auto& part) { unpacker.get(part); }, mesh);
+  return mesh;
+}
+
 } // namespace
 
-RawMesh read_gmsh(const scene::Mesh& mesh) {
+RawMesh read_gmsh_here(const scene::Mesh& mesh) {
   const std::string file = mesh.file.string();
   if (!std::ifstream(file) || std::filesystem::is_directory(mesh.file))
     throw UserError(
         fmt::format("mesh.file: {} cannot be read, allowed is the path of a .geo or .msh file", file));
   if (mesh.file.extension() == ".msh")
     require_whole(file);
-  const Session session(file);
+  const Session session;
   try {
     gmsh::open(file);
     if (mesh.file.extension() == ".geo") {
@@ -426,6 +475,31 @@ RawMesh read_gmsh(const scene::Mesh& mesh) {
   } catch (const std::exception& error) {
     throw UserError(fmt::format("{}: gmsh cannot read it: {}", file, complaint(error.what())));
   }
+}
+
+RawMesh read_gmsh(const scene::Mesh& mesh) {
+  constexpr char good = 'm', bad = 'e';
+  // gmsh believes counts that no file could hold, and goes on for ever; it reads tens of megabytes a second.
+  std::optional<unsigned> seconds;
+  if (std::error_code missing; mesh.file.extension() == ".msh")
+    if (const auto size = std::filesystem::file_size(mesh.file, missing); !missing)
+      seconds = 5 + static_cast<unsigned>(size / 1'000'000);
+  const std::optional<std::string> answer = in_own_process(
+      [&]() -> std::string {
+        try {
+          return good + packed(read_gmsh_here(mesh));
+        } catch (const std::exception& error) {
+          return bad + std::string(error.what());
+        }
+      },
+      seconds);
+  if (!answer)
+    throw UserError(fmt::format(
+        "{}: gmsh crashes on this file or does not come to its end, allowed are whole .geo and .msh files",
+        mesh.file.string()));
+  if (answer->front() == bad)
+    throw UserError(answer->substr(1));
+  return unpacked(std::string_view(*answer).substr(1));
 }
 
 } // namespace signorini::mesh

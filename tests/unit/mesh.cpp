@@ -1,4 +1,5 @@
 #include "base/error.h"
+#include "base/own_process.h"
 #include "fixtures.h"
 #include "mesh/gmsh_model.h"
 #include <catch2/catch_test_macros.hpp>
@@ -170,4 +171,16 @@ TEST_CASE("surface groups hold their nodes once, on any number of ranks", "[mesh
   }
   CHECK_THROWS_WITH(mesh.facets("botom", "clamp.on"), ContainsSubstring("surface group"));
   CHECK_THROWS_WITH(mesh.facets("body", "clamp.on"), ContainsSubstring("dimension 3"));
+}
+
+TEST_CASE("a file that makes gmsh crash is refused by one sentence", "[mesh]") {
+  int found = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(test::source("tests/fuzz/found")))
+    if (entry.path().extension() == ".msh") {
+      ++found;
+      CHECK_THROWS_AS(mesh::read_gmsh({.file = entry.path(), .size = {}}), UserError);
+    }
+  CHECK(found > 0);
+  CHECK(in_own_process([] { return std::string("whole"); }) == "whole");
+  CHECK_FALSE(in_own_process([]() -> std::string { std::abort(); }));
 }
