@@ -70,7 +70,7 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
     if (parts.space)
       *parts.space -= *other.space;
   }
-  parts.time += control_problem.objective.quadrature_error(reduced.trajectory());
+  parts.time += control_problem.objective.quadrature_error(reduced.trajectory(), reduced.control());
   return parts;
 }
 

@@ -165,6 +165,11 @@ double ControlSpace::product(const Control& u, const Control& w) const {
   return product(u, w, [this](Vec x, Vec out) { mass(x, out); });
 }
 
+double ControlSpace::product_at(int k, const Control& u, const Control& w) const {
+  mass(w.at(k), work_);
+  return petsc::dot(u.at(k), work_);
+}
+
 double ControlSpace::norm(const Control& u) const { return std::sqrt(product(u, u)); }
 
 double ControlSpace::metric(const Control& u, const Control& w) const {

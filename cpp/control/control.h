@@ -60,6 +60,8 @@ public:
   void restrict(Control& u) const;
 
   [[nodiscard]] double product(const Control& u, const Control& w) const;
+  /// (u_k, w_k)
+  [[nodiscard]] double product_at(int k, const Control& u, const Control& w) const;
   [[nodiscard]] double norm(const Control& u) const;
   [[nodiscard]] double metric(const Control& u, const Control& w) const;
   /// From the Riesz representative of a functional by product() to that by metric(), in place.

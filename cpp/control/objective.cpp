@@ -1,5 +1,6 @@
 #include "control/objective.h"
 #include "base/counters.h"
+#include <array>
 #include <cmath>
 
 namespace signorini::control {
@@ -47,15 +48,25 @@ Value Objective::value(const forward::Trajectory& trajectory, const Control& u) 
   return value;
 }
 
-double Objective::quadrature_error(const forward::Trajectory& trajectory) const {
-  if (tracking_ == 0 || steps_ < 2)
+double Objective::quadrature_error(const forward::Trajectory& trajectory, const Control& u) const {
+  constexpr int points = 3;
+  if (steps_ < points)
     return 0;
-  // 2 τ (½ ‖e‖²)' at an end from the three points next to it.
-  const auto rate = [&](int end, int inwards) {
-    const auto at = [&](int k) { return squared_distance(k, trajectory.y[static_cast<std::size_t>(k)]) / 2; };
-    return -inwards * (3 * at(end) - 4 * at(end + inwards) + at(end + 2 * inwards));
+  // τ times the change of a rate from t = 0 to T, from the three values next to each end: `first` and `last` are their numbers,
+  // `weights` the rate's, outermost value first.
+  const auto change = [](auto&& at, int first, int last, const std::array<double, points>& weights) {
+    double sum = 0;
+    for (int i = 0; i < points; ++i)
+      sum -= weights[static_cast<std::size_t>(i)] * (at(first + i) + at(last - i));
+    return sum;
   };
-  return -tracking_ * scheme_.tau / 24 * (rate(steps_, -1) - rate(0, 1));
+  double error = 0;
+  if (tracking_ > 0)
+    error -= tracking_ * scheme_.tau / 12 *
+             change([&](int k) { return squared_distance(k, trajectory.y[static_cast<std::size_t>(k)]) / 2; }, 0, steps_, {-1.5, 2, -0.5});
+  if (alpha_ > 0 && u.count() == steps_)
+    error += alpha_ * scheme_.tau / 24 * change([&](int k) { return controls_.product_at(k, u, u) / 2; }, 1, steps_, {-2, 3, -1});
+  return error;
 }
 
 forward::Load Objective::dual(std::function<void(int k, double weight, Vec out)> add) const {

@@ -28,8 +28,9 @@ public:
   /// ∂²J/∂y_k² δy_k for δy_1…δy_N, likewise.
   [[nodiscard]] forward::Load second_derivative(const petsc::Series& dy) const;
 
-  /// Of the tracking term: the integral less its trapezoidal rule, to leading order −τ²/12 of the change of ½ ‖e‖²'s rate.
-  [[nodiscard]] double quadrature_error(const forward::Trajectory& trajectory) const;
+  /// The integrals over time less their quadrature, to leading order: −τ²/12 of the change of ½ θ ‖e‖²'s rate (trapezoidal
+  /// rule) and, if u_k is that in the middle of step k, +τ²/24 of that of α/2 ‖u‖²'s (midpoint rule).
+  [[nodiscard]] double quadrature_error(const forward::Trajectory& trajectory, const Control& u) const;
 
   /// α: the derivative by the control is α u.
   [[nodiscard]] double alpha() const { return alpha_; }
