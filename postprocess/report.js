@@ -105,7 +105,9 @@ function sceneOf(motion, plot) {
     zoom *= times;
     // On a plane body that is seen as a whole there is nothing to drag.
     plot.style.pointerEvents = TOUCH && plane && zoom === 1 ? "none" : "";
-    Plotly.relayout(plot, { "scene.aspectratio": ratio(zoom) });
+    const seen = structuredClone(plot.layout.scene.camera);
+    for (const axis of plane ? ["x", "y"] : []) seen.eye[axis] = seen.center[axis] *= times; // what was in the middle stays there
+    Plotly.relayout(plot, { "scene.aspectratio": ratio(zoom), "scene.camera": seen });
   };
   const whole = () => {
     look(1 / zoom);

@@ -96,7 +96,7 @@ def rungs(study: StudyFolder) -> Table:
 
 def row(rung: Rung, names: list[str]) -> list[object]:
     cells = [rung.name, f"{rung['size']:g}", f"{rung['step']:g}", str(rung.method), whole(rung["unknowns"]),
-             whole(rung["steps"]), f"{rung['seconds']:.3g}", whole(rung["memory_bytes"] / 1e6)]  # fmt: skip
+             whole(rung["steps"]), digits(rung["seconds"]), whole(rung["memory_bytes"] / 1e6)]  # fmt: skip
     for name in names:
         star = " ★" if rung[f"{name}_pareto"] == 1 else ""
         cells += [digits(rung[name], 6), percent(rung[f"{name}_error"]) + star, percent(rung[f"{name}_estimate"])]
