@@ -1,0 +1,67 @@
+"""Makes one page of all that a run or a study found: FOLDER/report.html, which needs no other file and no network.
+
+A run's page has the body in motion, contact forces, energies, convergence and times; a study's page has what accuracy
+costs. What the folder holds no data for is left out, and the page says so.
+"""
+
+import argparse
+import base64
+import gzip
+import json
+import sys
+from pathlib import Path
+
+import jinja2
+from plotly.offline import get_plotlyjs
+
+import report_run
+import report_study
+from command_line import complain
+from report_parts import Page
+from run_folder import NotInRun, RunFolder, Unreadable
+from style import whole_file
+from study_folder import StudyFolder, is_study
+
+TEMPLATE = "report.html.jinja"
+
+
+def page_of(folder: Path) -> Page:
+    """What the page of a run's or a study's folder shows."""
+    if is_study(folder):
+        return report_study.page(StudyFolder(folder))
+    if folder.is_dir() and not (folder / "scene.toml").is_file():
+        raise Unreadable(f"{folder}: this is the folder of neither a run nor a study, since there is no scene.toml "
+                         "and no study.json in it")
+    return report_run.page(RunFolder(folder))
+
+
+def html(page: Page) -> str:
+    """The page with all that it needs inside."""
+    templates = jinja2.Environment(loader=jinja2.FileSystemLoader(Path(__file__).parent), autoescape=True,
+                                   trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
+    return templates.get_template(TEMPLATE).render(page=page, plotly=compressed(get_plotlyjs()),
+                                                   data=compressed(json.dumps(page.data(), allow_nan=False)))
+
+
+def compressed(text: str) -> str:
+    """The text as a browser can unpack it from within a page."""
+    return base64.b64encode(gzip.compress(text.encode(), 6, mtime=0)).decode()
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="where a run or a study left its files")
+    folder = parser.parse_args().folder
+    try:
+        text = html(page_of(folder))
+        with whole_file(folder / "report.html") as partial:
+            partial.write_text(text, encoding="utf-8")
+    except (NotInRun, Unreadable, OSError) as error:
+        complain(error)
+        return 2
+    print(folder / "report.html")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

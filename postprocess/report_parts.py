@@ -1,0 +1,127 @@
+"""What a page is made of: sections of charts and tables, and numbers as plotly.js reads them."""
+
+import base64
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from run_folder import NotInRun
+from style import prefixed
+
+GREY = "#8c8c8c"
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A chart of plotly.js. Of several views (data and layout by name) a selector shows one at a time."""
+
+    name: str
+    title: str
+    views: dict[str, dict]
+    note: str = ""
+
+    @staticmethod
+    def single(name: str, title: str, view: dict, note: str = "") -> "Chart":
+        """A chart with nothing to select."""
+        return Chart(name, title, {"": view}, note)
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of texts and numbers below a head."""
+
+    title: str
+    head: list[str]
+    rows: list[list[object]]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page under a heading."""
+
+    name: str
+    title: str
+    charts: list[Chart] = field(default_factory=list)
+    tables: list[Table] = field(default_factory=list)
+    texts: list[str] = field(default_factory=list)
+    motion: dict | None = None
+    file: tuple[str, str] | None = None  # name and content, folded
+
+
+@dataclass(frozen=True)
+class Page:
+    """All of a page; facts are names and values; left_out names the parts without data."""
+
+    title: str
+    kind: str
+    facts: list[tuple[str, str]]
+    sections: list[Section]
+    left_out: list[str]
+
+    def shown(self) -> list[Section]:
+        """The sections with anything in them."""
+        return [s for s in self.sections if s.charts or any(table.rows for table in s.tables) or s.motion or s.file]
+
+    def data(self) -> dict:
+        """What the page's script draws."""
+        motion = next((section.motion for section in self.sections if section.motion), None)
+        charts = {chart.name: chart.views for section in self.sections for chart in section.charts}
+        return {"charts": charts, "motion": motion}
+
+
+class Gathering:
+    """Takes what parts a folder has data for and remembers why there are no others."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.missing: dict[str, list[str]] = {}
+
+    def __call__(self, name: str, make: Callable, *given: object) -> list:
+        """A list of what `make` returns, empty if the run has no data for it."""
+        try:
+            return [make(*given)]
+        except NotInRun as reason:
+            # Whoever reads the page knows no folders.
+            self.missing.setdefault(str(reason).replace(f" in {self.folder}", ""), []).append(name)
+            return []
+
+    def left_out(self) -> list[str]:
+        return [f"{', '.join(names)} ({reason})" for reason, names in self.missing.items()]
+
+
+def packed(values: np.ndarray, kind: str = "f4") -> dict:
+    """An array as plotly.js reads it, of little-endian numbers of a kind such as f4, i2, u2, u1."""
+    values = np.asarray(values)
+    array = {"dtype": kind, "bdata": base64.b64encode(values.astype(f"<{kind}").tobytes()).decode()}
+    return array | ({"shape": ",".join(map(str, values.shape))} if values.ndim > 1 else {})
+
+
+def line(name: str, x: np.ndarray, y: np.ndarray, colour: str, dash: str = "solid", width: float = 2.2) -> dict:
+    """A curve."""
+    return {"type": "scatter", "mode": "lines", "name": name, "x": packed(x), "y": packed(y),
+            "line": {"color": colour, "dash": dash, "width": width}}
+
+
+def dots(name: str, x: np.ndarray, y: np.ndarray, colour: str, symbol: str = "circle", size: float = 5) -> dict:
+    """Points that no line joins."""
+    return {"type": "scatter", "mode": "markers", "name": name, "x": packed(x), "y": packed(y),
+            "marker": {"color": colour, "symbol": symbol, "size": size}}
+
+
+def figure(data: list[dict], x: str, y: str, **layout: dict) -> dict:
+    """Traces under the titles of their axes; axes' further properties by the names that plotly.js has for them."""
+    titles = {"xaxis": x, "yaxis": y}
+    return {"data": data, "layout": {axis: {"title": {"text": title}} | layout.get(axis, {}) for axis, title in titles.items()}}
+
+
+def quantity(value: float, unit: str) -> str:
+    """A number with its unit, prefixed such that it is short."""
+    factor, unit = prefixed(value, unit)
+    return f"{value * factor:.4g} {unit}"
+
+
+def whole(number: float) -> str:
+    """A count with its thousands apart, nothing for NaN."""
+    return "" if np.isnan(number) else f"{number:,.0f}"

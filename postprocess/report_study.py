@@ -1,0 +1,111 @@
+"""A study's page: what accuracy costs, by which degree and scheme."""
+
+import math
+
+import numpy as np
+
+import style
+from report_parts import GREY, Chart, Page, Section, Table, figure, packed, quantity, whole
+from run_folder import Unreadable
+from study_folder import Method, Rung, StudyFolder
+
+COLOURS = [style.BLUE, style.VERMILLION, style.GREEN, style.ORANGE, "#CC79A7", "#56B4E9"]
+SYMBOLS = ["circle", "square", "diamond", "triangle-up", "x", "cross"]
+
+
+def page(study: StudyFolder) -> Page:
+    """Raises Unreadable where study.json or study.csv is not as a study writes it."""
+    try:
+        given = study.manifest
+        facts = [("Rungs", whole(len(study.rungs))), ("Errors against", str(given["reference"])),
+                 ("Seconds in all", quantity(np.nansum([rung["seconds"] for rung in study.rungs]), "s")),
+                 ("Versions", ", ".join(f"{name} {version}" for name, version in given["versions"].items()))]
+        sections = [Section("precision", "What accuracy costs", charts=[work_precision(study)], texts=list(given["sentences"])),
+                    Section("orders", "Observed orders", tables=[orders(study)]),
+                    Section("rungs", "All rungs", tables=[rungs(study)])]  # fmt: skip
+        return Page(str(given["scene"]), "study", facts, sections, [])
+    except KeyError as error:
+        raise Unreadable(f"{study.path / 'study.json'}: there is no entry {error.args[0]}") from None
+    except (TypeError, AttributeError) as error:
+        raise Unreadable(f"{study.path / 'study.json'}: is not as a study writes it ({error})") from None
+
+
+def work_precision(study: StudyFolder) -> Chart:
+    """Error over seconds, a view for each quantity that has an error at all."""
+    views = {heading(study, name): view(study, name) for name in study.manifest["quantities"]
+             if any(rung[f"{name}_error"] > 0 for rung in study.rungs)}
+    if not views:
+        raise Unreadable(f"{study.path / 'study.csv'}: no rung has an error")
+    return Chart("work-precision", "Error against time", views,
+                 "Each mark is one rung. Nothing below and left of the dashed line is to be had: there no rung is both "
+                 "faster and more accurate.")
+
+
+def view(study: StudyFolder, name: str) -> dict:
+    """One trace for each method, and the Pareto front through those rungs that no other beats in both."""
+    shown = [rung for rung in study.rungs if rung[f"{name}_error"] > 0]
+    best = sorted((rung for rung in shown if rung[f"{name}_pareto"] == 1), key=lambda rung: rung["seconds"])
+    data = [{"type": "scatter", "mode": "lines", "name": "Pareto front", **place(best, name), "hoverinfo": "skip",
+             "line": {"color": GREY, "dash": "dash", "shape": "hv", "width": 1.5}}]
+    for i, method in enumerate(study.methods):
+        own = [rung for rung in shown if rung.method == method]
+        front = [rung in best for rung in own]
+        data.append({"type": "scatter", "mode": "markers", "name": str(method), **place(own, name),
+                     "text": [described(rung, name) for rung in own], "hovertemplate": "%{text}<extra></extra>",
+                     "marker": {"color": COLOURS[i % len(COLOURS)], "symbol": SYMBOLS[i % len(SYMBOLS)], "size": 11,
+                                "opacity": [1.0 if on else 0.55 for on in front],
+                                "line": {"color": "black", "width": [1.5 if on else 0 for on in front]}}})  # fmt: skip
+    scale = {"type": "log", "exponentformat": "power", "dtick": 1, "minor": {"ticks": "outside"}}
+    return figure(data, "time of the run (s)", "relative error", xaxis=scale, yaxis=scale)
+
+
+def place(rungs: list[Rung], name: str) -> dict:
+    return {"x": packed([rung["seconds"] for rung in rungs]), "y": packed([rung[f"{name}_error"] for rung in rungs])}
+
+
+def described(rung: Rung, name: str) -> str:
+    """What is said of a rung that is pointed at."""
+    lines = [f"<b>{rung.method}</b>", f"size {rung['size']:g} m, step {rung['step']:g} s",
+             f"{whole(rung['unknowns'])} unknowns, {whole(rung['steps'])} steps",
+             f"error {percent(rung[f'{name}_error'])} in {quantity(rung['seconds'], 's')}"]  # fmt: skip
+    if not math.isnan(rung[f"{name}_estimate"]):
+        lines.append(f"estimated {percent(rung[f'{name}_estimate'])}")
+    return "<br>".join(lines)
+
+
+def heading(study: StudyFolder, name: str) -> str:
+    return str(study.manifest["quantities"][name]["title"])
+
+
+def orders(study: StudyFolder) -> Table:
+    rows = [[heading(study, order["quantity"]), str(Method(order["degree"], order["scheme"], order["mass"])),
+             *(digits(order.get(part)) for part in ("space", "time", "both"))] for order in study.manifest["orders"]]  # fmt: skip
+    return Table("Powers of the element size, the time step and of both refined together with which errors fall",
+                 ["Quantity", "Method", "Space", "Time", "Both"], rows)
+
+
+def rungs(study: StudyFolder) -> Table:
+    names = study.manifest["quantities"]
+    head = ["Rung", "Size (m)", "Step (s)", "Method", "Unknowns", "Steps", "Time (s)", "Memory (MB)"]
+    for name, what in names.items():
+        unit = f" ({what['unit']})" if what["unit"] else ""
+        head += [f"{heading(study, name)}{unit}", "Error", "Estimate"]
+    rows = [row(rung, list(names)) for rung in study.rungs]
+    return Table("A star marks the rungs of the Pareto front of a quantity", head, rows)
+
+
+def row(rung: Rung, names: list[str]) -> list[object]:
+    cells = [rung.name, f"{rung['size']:g}", f"{rung['step']:g}", str(rung.method), whole(rung["unknowns"]),
+             whole(rung["steps"]), digits(rung["seconds"]), whole(rung["memory_bytes"] / 1e6)]  # fmt: skip
+    for name in names:
+        star = " ★" if rung[f"{name}_pareto"] == 1 else ""
+        cells += [digits(rung[name], 6), percent(rung[f"{name}_error"]) + star, percent(rung[f"{name}_estimate"])]
+    return cells
+
+
+def digits(value: float | None, count: int = 3) -> str:
+    return "" if value is None or math.isnan(value) else f"{value:.{count}g}"
+
+
+def percent(value: float) -> str:
+    return "" if math.isnan(value) else f"{100 * value:.3g} %"

@@ -1,0 +1,270 @@
+"""The page of a run and of a study: whole in one file, drawn without network, and driven by mouse, keyboard and finger's width.
+
+A headless browser opens it and does what a reader does.
+"""
+
+import csv
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from harness import HALF_BALL, HALF_DISC, SOURCE, signorini  # noqa: E402
+
+from selenium.webdriver import Chrome, ChromeOptions, Keys  # noqa: E402
+from selenium.webdriver.chrome.service import Service  # noqa: E402
+from selenium.webdriver.common.by import By  # noqa: E402
+from selenium.webdriver.support.select import Select  # noqa: E402
+from selenium.webdriver.support.wait import WebDriverWait  # noqa: E402
+
+SCRIPT = SOURCE / "postprocess" / "report.py"
+LARGEST = 8_000_000  # bytes, for the half disc as shipped: a page that can be mailed
+PATIENCE = 60  # s
+BODY = "document.getElementById('body-plot').data"
+MAP = "document.querySelector('#contact-surface-plot .hm image').href.baseVal"
+
+
+def make(folder: Path) -> subprocess.CompletedProcess:
+    return subprocess.run([sys.executable, str(SCRIPT), str(folder)], capture_output=True, text=True)
+
+
+def page_of(folder: Path) -> Path:
+    done = make(folder)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == str(folder / "report.html") and not done.stderr, done.stdout + done.stderr
+    return folder / "report.html"
+
+
+@contextmanager
+def browser(folder: Path) -> Iterator[Chrome]:
+    """A browser with an empty profile that writes down its complaints and what it asks of the network."""
+    options = ChromeOptions()
+    options.binary_location = shutil.which("chromium")
+    for flag in ("headless", "no-sandbox", "use-gl=angle", "use-angle=swiftshader", "enable-unsafe-swiftshader", "disable-quic",
+                 "no-first-run", "disable-background-networking", "disable-component-update", "disable-sync",
+                 "window-size=1280,900", f"user-data-dir={folder}"):  # fmt: skip
+        options.add_argument(f"--{flag}")
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    driver = Chrome(options=options, service=Service(shutil.which("chromedriver")))
+    try:
+        yield driver
+    finally:
+        driver.quit()
+
+
+class Reader:
+    """Opens a page and uses it. Fails where the page asks for another file or the browser reports an error."""
+
+    def __init__(self, driver: Chrome, page: Path, width: int, height: int) -> None:
+        self.driver = driver
+        driver.get("about:blank")
+        for log in ("browser", "performance"):
+            driver.get_log(log)
+        self.size(width, height)
+        driver.get(page.as_uri())
+        self.wait("'ready' in document.documentElement.dataset || !document.getElementById('trouble').hidden")
+        trouble = self.ask("document.getElementById('trouble').textContent")
+        assert not trouble, trouble
+        self.page = page
+
+    def size(self, width: int, height: int) -> None:
+        screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
+
+    def ask(self, expression: str) -> object:
+        return self.driver.execute_script(f"return {expression}")
+
+    def wait(self, expression: str) -> None:
+        WebDriverWait(self.driver, PATIENCE).until(lambda _: self.ask(expression), f"never true: {expression}")
+
+    def changed(self, expression: str, act: Callable[[], object]) -> None:
+        """Asserts that the action changes the expression's value."""
+        before = self.ask(f"JSON.stringify({expression})")
+        act()
+        WebDriverWait(self.driver, PATIENCE).until(lambda _: self.ask(f"JSON.stringify({expression})") != before,
+                                                   f"did not change: {expression}")  # fmt: skip
+
+    def find(self, selector: str) -> object:
+        return self.driver.find_element(By.CSS_SELECTOR, selector)
+
+    def select(self, selector: str, index: int) -> None:
+        Select(self.find(selector)).select_by_index(index)
+
+    def fits(self) -> None:
+        """Nothing makes the page wider than the screen."""
+        wide, screen = self.ask("document.documentElement.scrollWidth"), self.ask("document.documentElement.clientWidth")
+        assert wide <= screen, f"{self.page}: {wide} pixels wide on a screen of {screen}"
+
+    def close(self) -> None:
+        """Looks at what the browser wrote down."""
+        errors = [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
+        assert not errors, errors
+        events = [json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance")]
+        asked = {event["params"]["request"]["url"] for event in events if event["method"] == "Network.requestWillBeSent"}
+        assert {url for url in asked if not url.startswith(("data:", "blob:"))} == {self.page.as_uri()}, asked
+
+
+def read_run(driver: Chrome, page: Path) -> None:
+    """What there is to do on a run's page."""
+    reader = Reader(driver, page, 1280, 900)
+    slider = reader.find("#frame")
+    vertices = f"Array.from({BODY}[0].{'y' if 'half-disc' in page.read_text() else 'z'}).slice(0, 500)"
+    for key in (Keys.ARROW_RIGHT, Keys.END, Keys.PAGE_DOWN * 3 + Keys.ARROW_LEFT):
+        reader.changed(vertices, lambda key=key: slider.send_keys(key))
+    reader.changed(vertices, slider.click)  # in its middle
+    frame = int(slider.get_attribute("value"))
+    assert 0 < frame < int(slider.get_attribute("max")), frame
+    assert reader.ask("document.getElementById('now').textContent") == f"t = {slider.get_attribute('aria-valuetext')}"
+    assert reader.ask(f"{BODY}.find((trace) => trace.name === 'in contact')") is not None
+    for index in range(1, len(Select(reader.find("#field")).options)):
+        reader.changed(f"[Array.from({BODY}[0].intensity).slice(0, 500), {BODY}[0].colorbar.title.text]",
+                       lambda index=index: reader.select("#field", index))  # fmt: skip
+    reader.changed(vertices, lambda: slider.send_keys(Keys.END + Keys.PAGE_DOWN))
+    reader.changed("document.getElementById('frame').value", lambda: reader.find("#play").send_keys(Keys.SPACE))
+    reader.wait("document.getElementById('play').textContent === 'Play'")
+    assert slider.get_attribute("value") == slider.get_attribute("max"), "playing did not go to the end"
+    reader.changed("document.getElementById('body-plot').layout.scene.aspectratio", reader.find("#nearer").click)
+    legend_of(reader, "energies")
+    for view in (1, 2):
+        reader.changed(MAP, lambda view=view: reader.select("#contact-surface-view", view))
+    reader.close()
+    narrow(driver, page)
+
+
+def legend_of(reader: Reader, chart: str) -> None:
+    """A click hides a curve, a key shows it again."""
+    button = reader.find(f"#{chart} .legend button")
+    visible = f"document.getElementById('{chart}-plot').data[0].visible !== false"
+    reader.changed(visible, button.click)
+    assert button.get_attribute("aria-pressed") == "false" and not reader.ask(visible)
+    reader.changed(visible, lambda: button.send_keys(Keys.ENTER))
+    assert button.get_attribute("aria-pressed") == "true" and reader.ask(visible)
+
+
+def narrow(driver: Chrome, page: Path) -> None:
+    """On a phone's screen, also after it was turned."""
+    reader = Reader(driver, page, 390, 844)
+    reader.fits()
+    reader.size(844, 390)
+    reader.wait("document.documentElement.clientWidth > 700")
+    reader.fits()
+    reader.close()
+
+
+def read_study(driver: Chrome, page: Path) -> None:
+    reader = Reader(driver, page, 1280, 900)
+    plot = "document.getElementById('work-precision-plot')"
+    names = reader.ask(f"{plot}.data.map((trace) => trace.name)")
+    assert names == ["Pareto front", "degree 1, contact-implicit", "degree 2, contact-stabilized",
+                     "degree 1, contact-implicit, massless"], names  # fmt: skip
+    assert reader.ask(f"{plot}.layout.xaxis.type + {plot}.layout.yaxis.type") == "loglog"
+    marks = "Array.from(document.querySelectorAll('#work-precision-plot .points path'), (mark) => mark.getAttribute('transform'))"
+    reader.changed(marks, lambda: reader.select("#work-precision-view", 1))
+    legend_of(reader, "work-precision")
+    text = reader.ask("document.body.innerText")
+    for expected in ("for 1 % in J: size 0.5", "finest rung", "1.9", "★"):
+        assert expected in text, f"{expected} is not on the page"
+    assert reader.ask("document.querySelectorAll('#rungs tbody tr').length") == len(rungs())
+    reader.close()
+    narrow(driver, page)
+
+
+def rungs() -> list[dict]:
+    """Of a study: one failed, one the reference, and errors that fall by different methods."""
+    rows = []
+    for degree, scheme, mass in ((1, "contact-implicit", "consistent"), (2, "contact-stabilized", "consistent"),
+                                 (1, "contact-implicit", "massless")):  # fmt: skip
+        for level in range(3):
+            error, seconds = 0.1 * 4.0 ** (-level * degree), 0.1 * 8.0**level * degree
+            reference, failed = degree == 2 and level == 2, mass == "massless" and level == 2
+            row = {"rung": len(rows), "size": 2.0 / 2**level, "step": 1e-4 / 2**level,
+                   "degree": degree, "scheme": scheme, "mass": mass, "unknowns": 900 * 4**level, "steps": 75 * 2**level,
+                   "seconds": "" if failed else seconds, "memory_bytes": 1e8}  # fmt: skip
+            for name, found in (("objective", error), ("force", error ** (0.5 * degree))):
+                row |= {name: 0.01 * (1 + error) if name == "objective" else "",
+                        f"{name}_error": "" if reference or failed else found,
+                        f"{name}_estimate": 1.2 * found if level and not failed else "",
+                        f"{name}_pareto": int(mass == "consistent" and not reference)}  # fmt: skip
+            rows.append(row)
+    return rows
+
+
+def write_study(folder: Path) -> Path:
+    folder.mkdir()
+    with (folder / "study.csv").open("w", newline="") as file:
+        table = csv.DictWriter(file, rungs()[0])
+        table.writeheader()
+        table.writerows(rungs())
+    (folder / "study.json").write_text(json.dumps({
+        "scene": "half-disc", "reference": "finest rung", "versions": {"signorini": "0.1.0"},
+        "quantities": {"objective": {"title": "objective J", "unit": "m⁴ s"}, "force": {"title": "contact force", "unit": ""}},
+        "orders": [{"quantity": "objective", "degree": 1, "scheme": "contact-implicit", "mass": "consistent", "space": 1.9,
+                    "time": 2.0, "both": 1.9}],
+        "sentences": ["for 1 % in J: size 0.5, step 2.5e-5, degree 1, 6.4 s"]}))  # fmt: skip
+    return folder
+
+
+def refused(folder: Path, *expected: str) -> None:
+    """One sentence, and no page."""
+    (folder / "report.html").unlink(missing_ok=True)
+    done = make(folder)
+    assert done.returncode == 2 and done.stderr.startswith("report.py: ") and done.stderr.count("\n") == 1, done.stderr
+    assert not done.stdout and all(part in done.stderr for part in expected), done.stderr
+    assert not folder.is_dir() or not list(folder.glob("*report*")), list(folder.iterdir())
+
+
+def damaged(whole: Path, folder: Path, file: str, change: Callable[[bytes], bytes], *expected: str) -> None:
+    """A copy of a folder with one file changed is refused."""
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(whole, folder)
+    (folder / file).write_bytes(change((folder / file).read_bytes()))
+    refused(folder, file, *expected)
+
+
+def main() -> int:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        signorini("optimize", HALF_DISC, folder / "disc", optimizer__max_iterations=3)
+        signorini("optimize", HALF_BALL, folder / "ball", mesh__size=3, time__step=2.5e-4, optimizer__max_iterations=2,
+                  control__initial=["0", "0", "-0.9"])  # fmt: skip
+        signorini("optimize", HALF_DISC, folder / "bare", mesh__size=3, optimizer__max_iterations=1, output__tables=[],
+                  output__fields=[])  # fmt: skip
+        signorini("optimize", HALF_DISC, folder / "cells", mesh__size=2, mesh__degree=2, control__space="P0", optimizer__max_iterations=1)
+        study = write_study(folder / "study")
+        start = time.perf_counter()
+        disc = page_of(folder / "disc")
+        seconds, size = time.perf_counter() - start, disc.stat().st_size
+        assert size <= LARGEST, f"{size} bytes"
+        with browser(folder / "profile") as driver:
+            read_run(driver, disc)
+            read_run(driver, page_of(folder / "ball"))
+            read_study(driver, page_of(study))
+            for part in ("bare", "cells"):
+                narrow(driver, page_of(folder / part))
+        bare = (folder / "bare" / "report.html").read_text(encoding="utf-8")
+        assert "there is no state.xdmf" in bare and 'id="body"' not in bare, "a run without fields"
+
+        (folder / "empty").mkdir()
+        refused(folder / "empty", "neither a run nor a study")
+        refused(folder / "nowhere", "there is no such folder")
+        half = lambda content: content[: len(content) // 2]  # noqa: E731
+        for file in ("run.json", "scene.toml", "steps.csv", "state.xdmf", "state.h5"):
+            damaged(folder / "disc", folder / "damaged", file, half)
+        damaged(folder / "disc", folder / "damaged", "run.json", lambda _: b"[]")
+        damaged(folder / "disc", folder / "damaged", "run.json", lambda text: text.replace(b'"unknowns"', b'"known"'), "unknowns")
+        damaged(study, folder / "damaged", "study.json", half)
+        damaged(study, folder / "damaged", "study.json", lambda text: text.replace(b'"orders"', b'"order"'), "orders")
+        damaged(study, folder / "damaged", "study.csv", lambda text: text.replace(b"force_error", b"force_eror"), "force_error")
+        damaged(study, folder / "damaged", "study.csv", half)
+        print(f"the half disc's page has {size / 1e6:.1f} MB and was made in {seconds:.1f} s")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
