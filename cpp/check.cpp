@@ -1,5 +1,6 @@
 #include "check.h"
 #include "base/error.h"
+#include "evaluation_point.h"
 #include "forward/invariants.h"
 #include <algorithm>
 #include <cmath>
@@ -16,48 +17,6 @@ struct Row {
   std::string name, measured, allowed;
   bool holds;
 };
-
-/// A smooth field at points (× 3) and time t / T, the same on any number of ranks; `which` picks one of
-/// several.
-void wave(const fem::Space& space, const std::vector<double>& points, double t, int which, Vec out) {
-  const double unit = 2 * M_PI / space.mesh().diameter();
-  const auto dim = static_cast<std::size_t>(space.dim());
-  const petsc::WriteArray values(out);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double* x = &points[i / dim * 3];
-    const auto c = static_cast<double>(i % dim);
-    values[i] =
-        std::cos(unit * ((1 + c) * x[0] + 2 * x[1] - x[2]) + (1 + which) * 2 * M_PI * t + which + 0.7 * c);
-  }
-}
-
-control::Control wave(const control::ControlSpace& controls, int which) {
-  control::Control u = controls.zero();
-  for (int k = 1; k <= u.count(); ++k)
-    wave(controls.space(), controls.points(), static_cast<double>(k) / controls.steps(), which, u.at(k));
-  controls.restrict(u);
-  return u;
-}
-
-/// Where derivatives are taken: the scene's [check] control, else near the reference control (at the
-/// reference itself the tracking error and with it the adjoint vanish), else the first guess.
-control::Control check_point(const Problem& problem, const ControlProblem& control_problem,
-                             std::string& description) {
-  const scene::Scene& scene = problem.scene;
-  if (scene.check.control) {
-    description = "the control of [check]";
-    return control_problem.controls.interpolate(*scene.check.control, "check.control");
-  }
-  if (control_problem.reference) {
-    description = "the reference control, disturbed by a fifth of its size";
-    control::Control u = *control_problem.reference;
-    const control::Control disturbance = wave(control_problem.controls, 2);
-    u.add(0.2 * control_problem.controls.norm(u) / control_problem.controls.norm(disturbance), disturbance);
-    return u;
-  }
-  description = "the first guess";
-  return control_problem.first_guess(scene);
-}
 
 /// Candidates that are in one of two ascending sets alone.
 int apart(const contact::ActiveSet& a, const contact::ActiveSet& b) {
@@ -377,7 +336,7 @@ bool check_scene(const Problem& problem, const Console& console) {
   if (scene.objective) {
     ControlProblem control_problem(problem, console);
     std::string where;
-    const control::Control u = check_point(problem, control_problem, where);
+    const control::Control u = evaluation_point(problem, control_problem, where);
     console.line(fmt::format("Derivatives at {}.", where));
     DerivativeCheck(control_problem.reduced, u, problem.stepper.solver().tolerance(), console).run(rows);
     invariants(problem, control_problem.reduced.load(), control_problem.reduced.trajectory(), rows);

@@ -5,7 +5,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -25,6 +27,7 @@ struct Verb {
 constexpr Verb verbs[] = {{"simulate", "forward run only"},
                           {"optimize", "forward, adjoint, update, until the stopping criterion"},
                           {"check", "derivatives and discrete invariants of this scene"},
+                          {"study", "what accuracy costs in time: a ladder of sizes, steps, degrees and schemes"},
                           {"info", "effects and what each adds, unknowns, memory; --time N: the time, from N steps"}};
 
 std::string did_you_mean(const std::string& found, const std::vector<std::string>& valid) {
@@ -40,11 +43,44 @@ void require_verb(int argc, char** argv) {
   if (argc < 2)
     throw UserError(fmt::format("command line: found no verb, allowed: {}; see signorini --help", allowed));
   const std::string found = argv[1];
-  if (found == "study")
-    throw UserError(fmt::format("study: not available yet; available: {}", allowed));
   if (!found.starts_with("-") && std::ranges::find(names, found) == names.end())
     throw UserError(fmt::format("command line: found the verb \"{}\"{}, allowed: {}; see signorini --help", found,
                                 did_you_mean(found, names), allowed));
+}
+
+/// A time such as 90, 90s, 10min or 2h, in seconds.
+std::string to_seconds(std::string& text) {
+  constexpr std::pair<std::string_view, double> units[] = {{"min", 60}, {"h", 3600}, {"s", 1}};
+  std::string_view number = text;
+  double unit = 1;
+  for (const auto& [name, factor] : units)
+    if (number.ends_with(name)) {
+      number.remove_suffix(name.size());
+      unit = factor;
+      break;
+    }
+  double value = 0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+  if (error != std::errc() || end != number.data() + number.size() || !(value > 0) || !std::isfinite(value))
+    return fmt::format("found {}, allowed are times above 0 such as 90s, 10min or 2h", text);
+  text = fmt::format("{}", value * unit);
+  return {};
+}
+
+void add_study_options(CLI::App& app, Request& request) {
+  const auto list = [&](const char* name, auto& values, const char* text) {
+    app.add_option(name, values, text)->delimiter(',')->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  };
+  list("--sizes", request.study.choice.sizes, "element sizes, m, such as 1,0.5 (default: the scene's, 2 and 4 times that)");
+  list("--steps", request.study.choice.steps, "time steps, s (default: the scene's, 2 and 4 times that)");
+  list("--degrees", request.study.choice.degrees, "1,2 (default: the scene's)");
+  list("--schemes", request.study.choice.schemes, "of contact-implicit,contact-stabilized,massless (default: the scene's)");
+  list("--quantity", request.study.quantities, "what is compared, such as J,displacement,gradient,impulse (default: all but the gradient)");
+  app.add_option("--budget", request.study.budget, "stop before a rung that would end later, such as 90s, 10min or 2h")
+      ->transform(CLI::Validator(to_seconds, "TIME"));
+  app.add_flag("--dry-run", request.study.dry_run, "price the ladder and run nothing");
+  app.add_option("--suggest", request.suggest, "instead: a size and a step for this relative error of J, such as 1e-2")
+      ->check(CLI::Range(1e-12, 1.0));
 }
 
 /// Parses the command line; returns an exit status if there is nothing to run.
@@ -67,6 +103,8 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
     if (std::string_view(verb.name) == "info")
       sub->add_option("--time", request.timed_steps, "time this many steps, for an estimate of the whole")
           ->check(CLI::Range(1, std::numeric_limits<int>::max()));
+    if (std::string_view(verb.name) == "study")
+      add_study_options(*sub, request);
     sub->callback([&request, &verb] { request.verb = verb.name; });
   }
   try {

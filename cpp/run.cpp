@@ -251,8 +251,9 @@ int run(const Request& request, const Console& console) {
   std::string text; // read once: ranks that saw different scenes would wait for each other for ever
   on_root(world(), [&] { text = scene::read(request.scene); });
   const scene::Scene scene = scene::parse(broadcast(world(), text), request.scene, request.overrides);
-  const std::filesystem::path out =
-      request.out.empty() ? std::filesystem::path("results") / scene.name : request.out;
+  const std::filesystem::path out = !request.out.empty() ? request.out
+                                    : std::filesystem::path("results") /
+                                          (request.verb == "study" ? scene.name + "-study" : scene.name);
   catch_stop_signals();
   if (request.verb == "simulate")
     return simulate_scene(scene, out, console);
@@ -260,6 +261,9 @@ int run(const Request& request, const Console& console) {
     return optimize_scene(scene, out, console);
   if (request.verb == "check")
     return check(scene, console);
+  if (request.verb == "study")
+    return request.suggest ? study::suggest(world(), scene, *request.suggest, console)
+                           : study::run_study(world(), scene, out, request.study, console);
   Timers timers;
   const Problem problem(world(), scene, {.sliding = scene.objective.has_value()}, timers);
   tell(problem, request.timed_steps, console);

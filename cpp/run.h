@@ -1,5 +1,6 @@
 #pragma once
 #include "base/progress.h"
+#include "study/study.h"
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -8,11 +9,13 @@ namespace signorini {
 
 /// What the command line asks for.
 struct Request {
-  std::string verb; ///< simulate, optimize, check or info
+  std::string verb; ///< simulate, optimize, check, study or info
   std::filesystem::path scene;
   std::filesystem::path out; ///< empty: results/<scene name>
   std::vector<std::string> overrides;
   int timed_steps = 0; ///< that info makes to time them
+  study::Options study;
+  std::optional<double> suggest; ///< tolerance for which study proposes size and step
 };
 
 /// Does it, on MPI_COMM_WORLD, and returns the exit status. Collective. Throws UserError, SolverFailure, Interrupted.

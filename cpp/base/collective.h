@@ -1,7 +1,9 @@
 #pragma once
 #include "base/error.h"
 #include <mpi.h>
+#include <numeric>
 #include <string>
+#include <vector>
 
 namespace signorini {
 
@@ -26,6 +28,18 @@ Sequence broadcast(MPI_Comm comm, Sequence values, int root = 0) {
   MPI_Bcast(values.data(), static_cast<int>(size * sizeof(typename Sequence::value_type)), MPI_BYTE, root,
             comm);
   return values;
+}
+
+/// The entries of all ranks, by rank, on every rank. Collective.
+template <class T>
+std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine) {
+  const int size = ranks(comm), bytes = static_cast<int>(mine.size() * sizeof(T));
+  std::vector<int> counts(static_cast<std::size_t>(size)), starts(static_cast<std::size_t>(size), 0);
+  MPI_Allgather(&bytes, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
+  std::partial_sum(counts.begin(), counts.end() - 1, starts.begin() + 1);
+  std::vector<T> all(static_cast<std::size_t>(starts.back() + counts.back()) / sizeof(T));
+  MPI_Allgatherv(mine.data(), bytes, MPI_BYTE, all.data(), counts.data(), starts.data(), MPI_BYTE, comm);
+  return all;
 }
 
 /// Runs `work` on rank 0; a UserError there is thrown on every rank, so that none waits for the others.

@@ -14,19 +14,6 @@ namespace {
 
 long& made = count("constraints");
 
-/// The numbers of every rank, in rank order, on every rank.
-template <class T>
-std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine, MPI_Datatype type) {
-  const int size = ranks(comm);
-  const int count = static_cast<int>(mine.size());
-  std::vector<int> counts(size), offsets(size + 1);
-  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
-  std::partial_sum(counts.begin(), counts.end(), offsets.begin() + 1);
-  std::vector<T> all(offsets.back());
-  MPI_Allgatherv(mine.data(), count, type, all.data(), counts.data(), offsets.data(), type, comm);
-  return all;
-}
-
 /// The components of a node that can move, a bit for each.
 int free_components(const fem::Clamped& clamped, int node, int dim) {
   int free = 0;
@@ -77,9 +64,9 @@ void Constraints::add_candidates(const std::vector<scene::Contact>& contacts,
       kind.push_back(static_cast<int>(obstacle));
       kind.push_back(free_components(clamped, node, dim_));
     }
-  x = gather(comm_, x, MPI_DOUBLE);
-  first = gather(comm_, first, MPI_INT64_T);
-  kind = gather(comm_, kind, MPI_INT);
+  x = gather(comm_, x);
+  first = gather(comm_, first);
+  kind = gather(comm_, kind);
   std::vector<std::size_t> order(first.size());
   std::iota(order.begin(), order.end(), 0);
   // Coordinates of a node may differ in the last digits from one partition of the mesh to another.

@@ -47,6 +47,13 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
           {"tables", !scene.output.tables.empty()}};
 }
 
+nlohmann::ordered_json versions() {
+  return {{"signorini", SIGNORINI_VERSION},
+          {"dolfinx", DOLFINX_VERSION},
+          {"petsc", fmt::format("{}.{}.{}", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR)},
+          {"gmsh", GMSH_API_VERSION}};
+}
+
 std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& timers) {
   using nlohmann::ordered_json;
   char host[256] = "";
@@ -57,11 +64,7 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
   json["scene"] = scene.name;
   json["stop_reason"] = m.stop_reason;
   json["finished"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
-  json["versions"] = {
-      {"signorini", SIGNORINI_VERSION},
-      {"dolfinx", DOLFINX_VERSION},
-      {"petsc", fmt::format("{}.{}.{}", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR)},
-      {"gmsh", GMSH_API_VERSION}};
+  json["versions"] = versions();
   json["host"] = {{"name", host}, {"ranks", m.ranks}};
   json["unknowns"] = m.unknowns;
   json["free_unknowns"] = m.free_unknowns;

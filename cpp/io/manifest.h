@@ -3,6 +3,7 @@
 #include "control/objective.h"
 #include "forward/invariants.h"
 #include "scene/scene.h"
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,9 @@ struct Manifest {
   std::vector<forward::Invariants::Defect> invariants; ///< of the motion stored, none if none was watched
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
 };
+
+/// Of this program and the libraries whose versions matter.
+nlohmann::ordered_json versions();
 
 /// run.json.
 std::string to_json(const Manifest& manifest, const scene::Scene& scene, const Timers& timers);

@@ -179,6 +179,22 @@ void write_objective(Writer& out, const Scene& s) {
   }
 }
 
+void write_exact(Writer& out, const Exact& exact) {
+  out.table("[exact]");
+  if (exact.displacement)
+    out.key("displacement", texts(*exact.displacement), "m");
+  if (exact.pressure)
+    out.key("pressure", text(*exact.pressure), "N/m²");
+  const auto value = [&](const char* key, const std::optional<double>& given, const char* unit) {
+    if (given)
+      out.key(key, number(*given), unit);
+  };
+  value("impulse", exact.impulse, "N s");
+  value("peak_force", exact.peak_force, "N");
+  value("contact_start", exact.contact_start, "s");
+  value("contact_time", exact.contact_time, "s");
+}
+
 } // namespace
 
 std::string echo(const Scene& s, int dim) {
@@ -200,6 +216,8 @@ std::string echo(const Scene& s, int dim) {
     write_control(out, s, dim);
   if (s.objective)
     write_objective(out, s);
+  if (s.exact)
+    write_exact(out, *s.exact);
   out.table("[solver]");
   out.key("vi", text(s.solver.vi));
   out.key("linear", text(s.solver.linear));

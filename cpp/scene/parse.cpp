@@ -341,6 +341,30 @@ Solver solver(Reader in) {
   return solver;
 }
 
+Exact exact(Reader in, bool contact) {
+  Exact exact;
+  if (in.has("displacement"))
+    exact.displacement = in.expressions("displacement", true);
+  for (const char* key : {"pressure", "impulse", "peak_force", "contact_start", "contact_time"})
+    if (in.has(key) && !contact)
+      in.fail(key, "has no meaning without contact; allowed with a table [contact]");
+  if (in.has("pressure")) {
+    exact.pressure = in.text("pressure");
+    if (Field({*exact.pressure}, "exact.pressure", true).depends_on_time())
+      in.fail("pressure", fmt::format("found \"{}\", allowed is an expression of x, y and z: it is that at time.end", *exact.pressure));
+  }
+  const auto number = [&](const char* key, const char* unit, std::optional<double>& value) {
+    if (in.has(key))
+      value = in.number(key, {.least = 0, .open = true, .unit = unit});
+  };
+  number("impulse", "N s", exact.impulse);
+  number("peak_force", "N", exact.peak_force);
+  number("contact_start", "s", exact.contact_start);
+  number("contact_time", "s", exact.contact_time);
+  in.finish();
+  return exact;
+}
+
 } // namespace
 
 std::string read(const std::filesystem::path& file) {
@@ -420,6 +444,8 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
     scene.check.control = controls(check, "control", *scene.control);
     check.finish();
   }
+  if (in.has("exact"))
+    scene.exact = exact(in.table("exact"), !scene.contacts.empty());
   if (in.has("run")) {
     Reader run = in.table("run");
     scene.run.invariants = run.choice("invariants", {"warn", "stop", "off"}, scene.run.invariants);
@@ -522,6 +548,8 @@ void require_dimension(const Scene& scene, int dim) {
   }
   if (scene.check.control)
     require(scene.check.control->size(), "check.control");
+  if (scene.exact && scene.exact->displacement)
+    require(scene.exact->displacement->size(), "exact.displacement");
 }
 
 } // namespace signorini::scene

@@ -148,6 +148,16 @@ struct Run {
   [[nodiscard]] bool watched() const { return invariants != "off"; }
 };
 
+/// What is known of the solution, for errors.
+struct Exact {
+  std::optional<Components> displacement; ///< m, of x, y, z, t
+  std::optional<std::string> pressure;    ///< N/m² on the contact surface at time.end, of x, y, z
+  std::optional<double> impulse;          ///< N s (in the plane N s/m): modulus of the contact forces' in all
+  std::optional<double> peak_force;       ///< N (in the plane N/m): largest modulus of the contact forces' resultant
+  std::optional<double> contact_start;    ///< s
+  std::optional<double> contact_time;     ///< s in all
+};
+
 struct Output {
   int every = 1; ///< steps between stored fields
   std::vector<std::string> fields{"displacement", "velocity", "control",
@@ -177,6 +187,7 @@ struct Scene {
   Optimizer optimizer;
   Solver solver;
   Check check;
+  std::optional<Exact> exact;
   Run run;
   Output output;
 };

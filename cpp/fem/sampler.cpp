@@ -1,0 +1,183 @@
+#include "fem/sampler.h"
+#include "base/collective.h"
+#include <array>
+#include <basix/quadrature.h>
+#include <dolfinx/fem/CoordinateElement.h>
+#include <dolfinx/fem/FiniteElement.h>
+#include <dolfinx/fem/FunctionSpace.h>
+#include <dolfinx/geometry/BoundingBoxTree.h>
+#include <dolfinx/geometry/utils.h>
+#include <dolfinx/mesh/Mesh.h>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace signorini::fem {
+using petsc::check;
+
+namespace {
+
+std::vector<std::int32_t> owned_cells(const dolfinx::mesh::Mesh<double>& mesh) {
+  std::vector<std::int32_t> cells(static_cast<std::size_t>(mesh.topology()->index_map(mesh.topology()->dim())->size_local()));
+  std::iota(cells.begin(), cells.end(), 0);
+  return cells;
+}
+
+/// A straight simplex: x = corner + J ξ.
+struct Simplex {
+  std::array<double, 3> corner{};
+  std::array<std::array<double, 3>, 3> edges{}; ///< columns of J
+
+  Simplex(const dolfinx::mesh::Mesh<double>& mesh, std::int32_t cell) {
+    const auto& geometry = mesh.geometry();
+    const auto dofs = geometry.dofmap();
+    const std::span<const double> x = geometry.x();
+    const int dim = mesh.topology()->dim();
+    const auto vertex = [&](int i) { return &x[3 * static_cast<std::size_t>(dofs(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))]; };
+    std::copy_n(vertex(0), 3, corner.begin());
+    for (int e = 0; e < dim; ++e)
+      for (int c = 0; c < 3; ++c)
+        edges[e][c] = vertex(e + 1)[c] - corner[c];
+    if (dim == 2)
+      edges[2] = {0, 0, 1};
+  }
+
+  [[nodiscard]] double determinant() const {
+    const auto& [a, b, c] = edges;
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  }
+
+  /// ξ of a point, by Cramer's rule.
+  [[nodiscard]] std::array<double, 3> reference(const double* x) const {
+    std::array<double, 3> xi{};
+    for (int k = 0; k < 3; ++k) {
+      Simplex replaced = *this;
+      for (int c = 0; c < 3; ++c)
+        replaced.edges[k][c] = x[c] - corner[c];
+      xi[k] = replaced.determinant() / determinant();
+    }
+    return xi;
+  }
+};
+
+/// For each point the owned cell that holds it or, if none does, the nearest one, with the distance squared.
+std::vector<std::pair<double, std::int32_t>> nearest_cells(const dolfinx::mesh::Mesh<double>& mesh, const std::vector<double>& points) {
+  std::vector<std::pair<double, std::int32_t>> found(points.size() / 3, {std::numeric_limits<double>::infinity(), -1});
+  const std::vector<std::int32_t> cells = owned_cells(mesh);
+  if (cells.empty())
+    return found;
+  const int dim = mesh.topology()->dim();
+  const dolfinx::geometry::BoundingBoxTree<double> tree(mesh, dim, cells);
+  const auto midpoints = dolfinx::geometry::create_midpoint_tree(mesh, dim, cells);
+  const auto candidates = dolfinx::geometry::compute_collisions<double>(tree, points);
+  const auto holding = dolfinx::geometry::compute_colliding_cells<double>(mesh, candidates, points);
+  std::vector<double> outside;
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (const auto links = holding.links(static_cast<std::int32_t>(i)); !links.empty()) {
+      found[i] = {0, *std::ranges::min_element(links)};
+    } else {
+      numbers.push_back(i);
+      outside.insert(outside.end(), &points[3 * i], &points[3 * i] + 3);
+    }
+  if (outside.empty())
+    return found;
+  const std::vector<std::int32_t> near = dolfinx::geometry::compute_closest_entity<double>(tree, midpoints, mesh, outside);
+  const std::vector<double> distance = dolfinx::geometry::squared_distance<double>(mesh, dim, near, outside);
+  for (std::size_t j = 0; j < numbers.size(); ++j)
+    found[numbers[j]] = {distance[j], near[j]};
+  return found;
+}
+
+/// Values of the scalar basis functions at ξ.
+std::vector<double> basis(const dolfinx::fem::FiniteElement<double>& element, const std::array<double, 3>& xi, int dim) {
+  const auto [values, shape] = element.basix_element().tabulate(0, std::span(xi.data(), static_cast<std::size_t>(dim)),
+                                                                {1, static_cast<std::size_t>(dim)});
+  return values;
+}
+
+} // namespace
+
+Quadrature quadrature(const mesh::Mesh& mesh) {
+  const auto& cells = *mesh.dolfinx();
+  const int dim = mesh.dim();
+  constexpr int order = 2;
+  const auto [x, w] = basix::quadrature::make_quadrature<double>(
+      basix::quadrature::type::Default, dim == 2 ? basix::cell::type::triangle : basix::cell::type::tetrahedron,
+      basix::polyset::type::standard, order);
+  std::vector<std::array<double, 4>> rows; // x, y, z, weight
+  for (std::int32_t c : owned_cells(cells)) {
+    const Simplex simplex(cells, c);
+    for (std::size_t q = 0; q < w.size(); ++q) {
+      std::array<double, 4> row{simplex.corner[0], simplex.corner[1], simplex.corner[2], w[q] * std::abs(simplex.determinant())};
+      for (int e = 0; e < dim; ++e)
+        for (int k = 0; k < 3; ++k)
+          row[k] += x[q * static_cast<std::size_t>(dim) + static_cast<std::size_t>(e)] * simplex.edges[e][k];
+      rows.push_back(row);
+    }
+  }
+  rows = gather(mesh.comm(), rows);
+  std::ranges::sort(rows);
+  Quadrature result;
+  for (const auto& row : rows) {
+    result.points.insert(result.points.end(), row.begin(), row.begin() + 3);
+    result.weights.push_back(row[3]);
+  }
+  return result;
+}
+
+Sampler::Sampler(const Space& space, const std::vector<double>& points)
+    : dim_(space.dim()), comm_(space.comm()), count_(points.size() / 3) {
+  const auto& mesh = *space.mesh().dolfinx();
+  const auto found = nearest_cells(mesh, points);
+  // Each point is evaluated where it is nearest, by the lowest of ranks alike.
+  std::vector<double> least(count_);
+  std::ranges::transform(found, least.begin(), [](const auto& cell) { return cell.first; });
+  MPI_Allreduce(MPI_IN_PLACE, least.data(), static_cast<int>(count_), MPI_DOUBLE, MPI_MIN, comm_);
+  std::vector<int> owner(count_);
+  for (std::size_t i = 0; i < count_; ++i)
+    owner[i] = found[i].second >= 0 && found[i].first <= least[i] ? rank(comm_) : ranks(comm_);
+  MPI_Allreduce(MPI_IN_PLACE, owner.data(), static_cast<int>(count_), MPI_INT, MPI_MIN, comm_);
+  for (std::size_t i = 0; i < count_; ++i)
+    if (owner[i] == rank(comm_))
+      mine_.push_back(i);
+
+  petsc::Matrix one;
+  check(MatCreate(comm_, one.put()));
+  check(MatSetSizes(one, static_cast<PetscInt>(mine_.size()), space.owned_nodes(), PETSC_DETERMINE, PETSC_DETERMINE));
+  check(MatSetType(one, MATAIJ));
+  check(MatSetUp(one));
+  PetscInt row = 0;
+  check(MatGetOwnershipRange(one, &row, nullptr));
+  const auto dofmap = space.dolfinx()->dofmap();
+  const auto element = space.dolfinx()->element();
+  for (std::size_t i : mine_) {
+    const auto nodes = dofmap->cell_dofs(found[i].second);
+    std::vector<std::int64_t> columns(nodes.size());
+    dofmap->index_map->local_to_global(nodes, columns);
+    const std::vector<double> phi = basis(*element, Simplex(mesh, found[i].second).reference(&points[3 * i]), dim_);
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      check(MatSetValue(one, row, static_cast<PetscInt>(columns[j]), phi[j], INSERT_VALUES));
+    ++row;
+  }
+  check(MatAssemblyBegin(one, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(one, MAT_FINAL_ASSEMBLY));
+  check(MatCreateMAIJ(one, dim_, at_points_.put()));
+  check(MatCreateVecs(at_points_, nullptr, values_.put()));
+}
+
+std::vector<double> Sampler::operator()(Vec y) const {
+  check(MatMult(at_points_, y, values_));
+  std::vector<double> all(count_ * static_cast<std::size_t>(dim_));
+  {
+    const petsc::ReadArray values(values_);
+    const auto dim = static_cast<std::size_t>(dim_);
+    for (std::size_t j = 0; j < mine_.size(); ++j)
+      for (std::size_t c = 0; c < dim; ++c)
+        all[mine_[j] * dim + c] = values[j * dim + c];
+  }
+  MPI_Allreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  return all;
+}
+
+} // namespace signorini::fem

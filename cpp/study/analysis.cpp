@@ -1,0 +1,232 @@
+#include "study/analysis.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace signorini::study {
+namespace {
+
+double norm(const std::vector<double>& field) {
+  double sum = 0;
+  for (double x : field)
+    sum += x * x;
+  return std::sqrt(sum);
+}
+
+double difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(sum);
+}
+
+double relative(double difference, double size) { return size > 0 ? difference / size : std::numeric_limits<double>::quiet_NaN(); }
+
+double distance_to_exact(const Quantity& quantity, const Measured& run, const Exact& exact) {
+  if (quantity.field) {
+    const std::vector<double>& b = exact.fields.at(quantity.name);
+    return relative(difference(run.fields.at(quantity.name), b), norm(b));
+  }
+  const double b = exact.numbers.at(quantity.name), off = std::abs(run.numbers.at(quantity.name) - b);
+  return quantity.absolute ? off : relative(off, std::abs(b));
+}
+
+bool finer(const Rung& a, const Rung& b) { return std::tuple(-a.size, a.steps, a.degree) > std::tuple(-b.size, b.steps, b.degree); }
+
+bool alike(const Rung& a, const Rung& b) { return a.degree == b.degree && a.scheme == b.scheme; }
+
+/// log(differences) over log(widths), and the slopes between neighbours.
+std::optional<Orders::Order> fit(const std::vector<std::pair<double, double>>& points) {
+  if (points.size() < 2)
+    return std::nullopt;
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  Orders::Order order{0, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double a = std::log(points[i].first), b = std::log(points[i].second);
+    n += 1, x += a, y += b, xx += a * a, xy += a * b;
+    if (i > 0) {
+      const double local = (b - std::log(points[i - 1].second)) / (a - std::log(points[i - 1].first));
+      order.least = std::min(order.least, local);
+      order.largest = std::max(order.largest, local);
+    }
+  }
+  order.slope = (n * xy - x * y) / (n * xx - x * x);
+  return std::isfinite(order.slope) ? std::optional(order) : std::nullopt;
+}
+
+/// Order along a chain of rungs from coarse to fine whose widths are given: of errors, or of the differences of neighbours.
+std::optional<Orders::Order> order(const Quantity& quantity, const std::vector<std::pair<double, const Measured*>>& chain,
+                                   const Exact& exact) {
+  std::vector<std::pair<double, double>> points;
+  const auto add = [&](double width, double value) {
+    if (value > 0 && std::isfinite(value))
+      points.emplace_back(width, value);
+  };
+  if (exact.knows(quantity))
+    for (const auto& [width, run] : chain)
+      add(width, distance_to_exact(quantity, *run, exact));
+  else
+    for (std::size_t i = 0; i + 1 < chain.size(); ++i)
+      add(chain[i].first, distance(quantity, *chain[i].second, *chain[i + 1].second));
+  return fit(points);
+}
+
+/// The rungs of one degree and scheme that have run, by size and steps.
+std::vector<const Result*> family(const std::vector<Result>& results, const Rung& like) {
+  std::vector<const Result*> members;
+  for (const Result& result : results)
+    if (result.measured && alike(result.rung, like))
+      members.push_back(&result);
+  std::ranges::sort(members, [](const Result* a, const Result* b) { return finer(b->rung, a->rung); });
+  return members;
+}
+
+Orders orders_of(const Quantity& quantity, const std::vector<const Result*>& members, const Exact& exact) {
+  const Rung& finest = members.back()->rung;
+  Orders found{quantity.name, finest.degree, finest.scheme, {}, {}, {}};
+  using Chain = std::vector<std::pair<double, const Measured*>>;
+  Chain space, time, both;
+  int most_steps = 0;
+  double least_size = finest.size;
+  for (const Result* member : members)
+    most_steps = std::max(most_steps, member->rung.steps);
+  for (const Result* member : members) {
+    if (member->rung.steps == most_steps)
+      space.emplace_back(member->rung.size, &*member->measured);
+    if (member->rung.size == least_size)
+      time.emplace_back(1.0 / member->rung.steps, &*member->measured);
+  }
+  // From the finest rung back, each time to the next coarser size with the next longer step.
+  const Rung* last = nullptr;
+  for (auto member = members.rbegin(); member != members.rend(); ++member) {
+    const Rung& rung = (*member)->rung;
+    const bool next = !last ? rung.steps == most_steps && rung.size == least_size : rung.size > last->size && rung.steps < last->steps;
+    if (!next)
+      continue;
+    both.emplace_back(1.0 / rung.steps, &*(*member)->measured);
+    last = &rung;
+  }
+  std::ranges::reverse(both);
+  found.space = order(quantity, space, exact);
+  found.time = order(quantity, time, exact);
+  found.both = order(quantity, both, exact);
+  return found;
+}
+
+/// The error of a run from its differences to the next coarser ones, if they fall with the observed orders.
+std::optional<double> extrapolated(const Quantity& quantity, const std::vector<const Result*>& members, const Result& result,
+                                   const Orders& orders) {
+  if (!orders.space || !orders.time || orders.space->slope <= 0 || orders.time->slope <= 0)
+    return std::nullopt;
+  const Result *wider = nullptr, *longer = nullptr;
+  for (const Result* other : members) {
+    if (other->rung.steps == result.rung.steps && other->rung.size > result.rung.size && (!wider || other->rung.size < wider->rung.size))
+      wider = other;
+    if (other->rung.size == result.rung.size && other->rung.steps < result.rung.steps && (!longer || other->rung.steps > longer->rung.steps))
+      longer = other;
+  }
+  if (!wider || !longer)
+    return std::nullopt;
+  const auto part = [&](const Result& coarse, double ratio, double slope) {
+    return distance(quantity, *coarse.measured, *result.measured) / (std::pow(ratio, slope) - 1);
+  };
+  return part(*wider, wider->rung.size / result.rung.size, orders.space->slope) +
+         part(*longer, static_cast<double>(result.rung.steps) / longer->rung.steps, orders.time->slope);
+}
+
+std::vector<bool> pareto_front(const std::vector<Result>& results, const std::vector<std::optional<double>>& error) {
+  std::vector<bool> front(results.size(), false);
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (!error[i])
+      continue;
+    front[i] = true;
+    for (std::size_t j = 0; j < results.size() && front[i]; ++j)
+      if (error[j] && results[j].measured->seconds < results[i].measured->seconds && *error[j] <= *error[i])
+        front[i] = false;
+  }
+  return front;
+}
+
+} // namespace
+
+double distance(const Quantity& quantity, const Measured& a, const Measured& b) {
+  return distance_to_exact(quantity, a,
+                           quantity.field ? Exact{{}, {{quantity.name, b.fields.at(quantity.name)}}}
+                                          : Exact{{{quantity.name, b.numbers.at(quantity.name)}}, {}});
+}
+
+Errors errors(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact) {
+  Errors found{quantity, exact.knows(quantity), {}, {}, {}, {}, {}};
+  if (!found.exact)
+    for (std::size_t i = 0; i < results.size(); ++i)
+      if (results[i].measured && (!found.reference || finer(results[i].rung, results[*found.reference].rung)))
+        found.reference = i;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const std::optional<Measured>& run = results[i].measured;
+    found.error.emplace_back();
+    found.estimate.emplace_back();
+    if (!run)
+      continue;
+    if (found.exact)
+      found.error.back() = distance_to_exact(quantity, *run, exact);
+    else if (i != *found.reference)
+      found.error.back() = distance(quantity, *run, *results[*found.reference].measured);
+    if (quantity.name == "J") {
+      if (run->estimate_space)
+        found.estimate.back() = std::abs(*run->estimate_space + *run->estimate_time) / std::abs(run->numbers.at("J"));
+    } else if (const auto members = family(results, results[i].rung); !members.empty()) {
+      found.estimate.back() = extrapolated(quantity, members, results[i], orders_of(quantity, members, {}));
+    }
+  }
+  constexpr double small = 1.0 / 3;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const std::optional<double> of_reference = found.reference ? found.estimate[*found.reference] : std::optional(0.0);
+    found.effectivity.emplace_back();
+    if (found.error[i] && found.estimate[i] && of_reference && *found.error[i] > 0 && *of_reference <= small * *found.error[i])
+      found.effectivity.back() = *found.estimate[i] / *found.error[i];
+  }
+  found.pareto = pareto_front(results, found.error);
+  return found;
+}
+
+std::vector<Orders> orders(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact) {
+  std::vector<Orders> all;
+  std::vector<const Rung*> seen;
+  for (const Result& result : results) {
+    if (!result.measured || std::ranges::any_of(seen, [&](const Rung* rung) { return alike(*rung, result.rung); }))
+      continue;
+    seen.push_back(&result.rung);
+    const Orders found = orders_of(quantity, family(results, result.rung), exact);
+    if (found.space || found.time || found.both)
+      all.push_back(found);
+  }
+  return all;
+}
+
+std::vector<std::string> sentences(const Errors& errors, const std::vector<Result>& results, double end) {
+  std::vector<std::string> texts;
+  std::optional<double> best;
+  for (const std::optional<double>& error : errors.error)
+    if (error && !(best && *best <= *error))
+      best = error;
+  if (!best)
+    return texts;
+  for (double target : {0.1, 0.01, 0.001}) {
+    const Result* cheapest = nullptr;
+    for (std::size_t i = 0; i < results.size(); ++i)
+      if (errors.error[i] && *errors.error[i] <= target && (!cheapest || results[i].measured->seconds < cheapest->measured->seconds))
+        cheapest = &results[i];
+    if (cheapest) {
+      texts.push_back(fmt::format("for {} % in {}: {}, {:.2g} s", 100 * target, errors.quantity.title, words(cheapest->rung, end),
+                                  cheapest->measured->seconds));
+    } else {
+      texts.push_back(fmt::format("{} % in {} is out of this ladder's reach: its best is {:.2g} %", 100 * target, errors.quantity.title,
+                                  100 * *best));
+      break;
+    }
+  }
+  return texts;
+}
+
+} // namespace signorini::study

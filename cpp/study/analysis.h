@@ -1,0 +1,74 @@
+#pragma once
+#include "study/ladder.h"
+#include <optional>
+
+namespace signorini::study {
+
+/// What is measured of a run. A field is compared in its norm, a number by its modulus.
+struct Measured {
+  long unknowns = 0;
+  double seconds = 0; ///< of set-up and sweeps
+  double memory = 0;  ///< bytes, at most, beside what the program had before
+  std::map<std::string, double> numbers;             ///< by quantity
+  std::map<std::string, std::vector<double>> fields; ///< by quantity: samples, scaled so that their sum of squares is the norm's
+  std::optional<double> estimate_space, estimate_time; ///< of the error of J, J(exact) − J
+};
+
+struct Quantity {
+  std::string name, title, unit;
+  bool field = false;
+  bool absolute = false; ///< already relative to something: errors are plain differences
+};
+
+/// One rung and what it gave; empty if it has not run.
+struct Result {
+  Rung rung;
+  std::optional<Measured> measured;
+};
+
+/// The values that errors are taken against, by quantity; a quantity that is absent is compared with the finest rung.
+struct Exact {
+  std::map<std::string, double> numbers;
+  std::map<std::string, std::vector<double>> fields;
+  [[nodiscard]] bool knows(const Quantity& quantity) const {
+    return quantity.field ? fields.contains(quantity.name) : numbers.contains(quantity.name);
+  }
+};
+
+/// Of one quantity, rung by rung.
+struct Errors {
+  Quantity quantity;
+  bool exact = false;
+  std::optional<std::size_t> reference;           ///< the finest rung that has run, without an exact value
+  std::vector<std::optional<double>> error;       ///< relative
+  std::vector<std::optional<double>> estimate;    ///< of it, from the run and coarser ones alone
+  /// Estimate over error; absent where the reference's own error, by its estimate, is not small beside that.
+  std::vector<std::optional<double>> effectivity;
+  std::vector<bool> pareto;                       ///< no cheaper rung is as accurate
+};
+
+/// Observed orders of one degree and scheme.
+struct Orders {
+  std::string quantity;
+  int degree = 1;
+  std::string scheme;
+  /// Slope of the difference between neighbours, and its smallest and largest values.
+  struct Order {
+    double slope = 0, least = 0, largest = 0;
+  };
+  std::optional<Order> space, time, both;
+};
+
+/// ‖a − b‖/‖b‖ of one quantity.
+double distance(const Quantity& quantity, const Measured& a, const Measured& b);
+
+Errors errors(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact);
+
+/// From the differences of neighbouring rungs (against the exact value, if it is known): in space at the shortest step, in time
+/// at the smallest size, both along rungs that refine both. Needs three rungs, two with an exact value.
+std::vector<Orders> orders(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact);
+
+/// For 10, 1 and 0.1 per cent: the cheapest rung that is as accurate, or that none is.
+std::vector<std::string> sentences(const Errors& errors, const std::vector<Result>& results, double end);
+
+} // namespace signorini::study

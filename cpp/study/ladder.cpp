@@ -1,0 +1,86 @@
+#include "study/ladder.h"
+#include "base/error.h"
+#include "scene/names.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace signorini::study {
+
+const std::vector<std::string>& scheme_names() {
+  static const std::vector<std::string> names{"contact-implicit", "contact-stabilized", "massless"};
+  return names;
+}
+
+namespace {
+
+std::string own_scheme(const scene::Scene& scene) {
+  if (std::ranges::any_of(scene.contacts, [](const scene::Contact& contact) { return contact.massless; }))
+    return "massless";
+  return scene.time.scheme;
+}
+
+template <class T>
+std::vector<T> or_default(const std::vector<T>& given, std::vector<T> otherwise) {
+  return given.empty() ? std::move(otherwise) : given;
+}
+
+void require_positive(const std::vector<double>& values, const char* option, const char* unit) {
+  for (double value : values)
+    if (!(value > 0 && std::isfinite(value)))
+      throw UserError(fmt::format("{}: found {}, allowed are numbers above 0 {}", option, value, unit));
+}
+
+} // namespace
+
+std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
+  require_positive(choice.sizes, "--sizes", "m");
+  require_positive(choice.steps, "--steps", "s");
+  for (int degree : choice.degrees)
+    if (degree != 1 && degree != 2)
+      throw UserError(fmt::format("--degrees: found {}, allowed are 1 and 2", degree));
+  for (const std::string& scheme : choice.schemes) {
+    if (std::ranges::find(scheme_names(), scheme) == scheme_names().end())
+      throw UserError(fmt::format("--schemes: found \"{}\", allowed: {}", scheme, scene::list(scheme_names())));
+    if (scheme != scheme_names().front() && scene.contacts.empty())
+      throw UserError(fmt::format("--schemes: found \"{}\" in a scene without contact, where it makes no difference, allowed is {}",
+                                  scheme, scheme_names().front()));
+  }
+  if (!choice.sizes.empty() && !scene.mesh.size && scene.mesh.file.extension() == ".msh")
+    throw UserError("--sizes: have no effect on a .msh, which is meshed already; allowed with a .geo");
+  const double step = scene.time.step;
+  std::vector<double> sizes = or_default(choice.sizes, scene.mesh.size ? std::vector{4 * *scene.mesh.size, 2 * *scene.mesh.size, *scene.mesh.size}
+                                                                       : std::vector{0.0});
+  std::vector<Rung> rungs;
+  for (double size : sizes)
+    for (double tau : or_default(choice.steps, {4 * step, 2 * step, step}))
+      for (int degree : or_default(choice.degrees, {scene.mesh.degree}))
+        for (const std::string& scheme : or_default(choice.schemes, {own_scheme(scene)}))
+          rungs.push_back({size, std::max(1, static_cast<int>(std::lround(scene.time.end / tau))), degree, scheme});
+  std::ranges::sort(rungs);
+  const auto twice = std::ranges::unique(rungs);
+  rungs.erase(twice.begin(), twice.end());
+  return rungs;
+}
+
+scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
+  scene::Scene changed = scene;
+  if (rung.size > 0)
+    changed.mesh.size = rung.size;
+  changed.mesh.degree = rung.degree;
+  changed.time.steps = rung.steps;
+  changed.time.step = scene.time.end / rung.steps;
+  const bool massless = rung.scheme == "massless";
+  changed.time.scheme = massless ? "contact-implicit" : rung.scheme;
+  for (scene::Contact& contact : changed.contacts)
+    contact.massless = massless;
+  return changed;
+}
+
+std::string words(const Rung& rung, double end) {
+  std::string text = rung.size > 0 ? fmt::format("size {:.4g}, ", rung.size) : "";
+  text += fmt::format("step {:.3g}, degree {}", end / rung.steps, rung.degree);
+  return rung.scheme == scheme_names().front() ? text : text + ", " + rung.scheme;
+}
+
+} // namespace signorini::study

@@ -1,0 +1,40 @@
+#pragma once
+#include "scene/scene.h"
+#include <map>
+#include <string>
+#include <vector>
+
+/// What accuracy costs in time: a ladder of runs of one scene, their errors and what follows from them.
+namespace signorini::study {
+
+/// One run of a ladder.
+struct Rung {
+  double size = 0; ///< element size, m; 0: the mesh file's own
+  int steps = 0;
+  int degree = 1;
+  std::string scheme = "contact-implicit"; ///< or "contact-stabilized", or "massless": contact-implicit with massless contact
+
+  friend auto operator<=>(const Rung&, const Rung&) = default;
+};
+
+/// What a ladder is made of; an empty list stands for the default.
+struct Choice {
+  std::vector<double> sizes, steps; ///< m, s
+  std::vector<int> degrees;
+  std::vector<std::string> schemes;
+};
+
+/// Names that --schemes takes.
+const std::vector<std::string>& scheme_names();
+
+/// Every size with every step, degree and scheme; the default is the scene's own with twice and four times its size and step.
+/// Steps are the nearest that divide time.end. Throws UserError.
+std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice);
+
+/// The scene with the size, step, degree and scheme of a rung.
+scene::Scene on_rung(const scene::Scene& scene, const Rung& rung);
+
+/// "size 0.5, step 5e-05, degree 1"; the scheme too where it is not contact-implicit.
+std::string words(const Rung& rung, double end);
+
+} // namespace signorini::study

@@ -1,0 +1,35 @@
+#pragma once
+#include "base/progress.h"
+#include "fem/sampler.h"
+#include "study/analysis.h"
+
+namespace signorini::study {
+
+/// Where and when fields are compared, the same for every rung of a scene.
+struct Samples {
+  fem::Quadrature body;
+  int dim = 2;
+  std::vector<double> times; ///< s, from 0 to time.end at equal distances
+
+  /// Points of the scene's own mesh or of one twice, four times … as wide, until there are few enough. Collective. Throws
+  /// UserError.
+  Samples(MPI_Comm comm, const scene::Scene& scene);
+
+  /// Scales samples (times × points × dim), in place, so that the sum of their squares is the square of the norm in
+  /// L2(0,T; L2).
+  void scale(std::vector<double>& values) const;
+};
+
+/// What can be compared in a scene: displacement, energy_loss where it has contact with obstacles at rest, contact_start,
+/// contact_time, peak_force, impulse with contact, pressure where the exact one is given, J and gradient with an objective.
+std::vector<Quantity> quantities(const scene::Scene& scene);
+
+/// Those quantities that are known: the scene's [exact] at the samples. Throws UserError.
+Exact exact_values(const scene::Scene& scene, const Samples& samples);
+
+/// Runs a rung's scene and measures these quantities. With an objective, at the control that `check` looks at (first_guess
+/// otherwise); the gradient costs an adjoint sweep; `estimate`: that of J's error, which is not part of the seconds. Collective.
+/// Throws UserError, SolverFailure, Interrupted.
+Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& samples, const std::vector<Quantity>& wanted, bool estimate);
+
+} // namespace signorini::study

@@ -1,0 +1,161 @@
+#include "study/store.h"
+#include "base/error.h"
+#include "io/manifest.h"
+#include <cstring>
+#include <fmt/format.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace signorini::study {
+namespace {
+
+using Json = nlohmann::json;
+
+Json packed(const std::vector<double>& values) {
+  std::vector<std::uint8_t> bytes(values.size() * sizeof(double));
+  std::memcpy(bytes.data(), values.data(), bytes.size());
+  return Json::binary(std::move(bytes));
+}
+
+std::vector<double> unpacked(const Json& json) {
+  const auto& bytes = json.get_binary();
+  std::vector<double> values(bytes.size() / sizeof(double));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(double));
+  return values;
+}
+
+void replace(const std::filesystem::path& file, const char* data, std::size_t size) {
+  std::filesystem::path partial = file;
+  partial += ".partial";
+  std::ofstream out(partial, std::ios::binary | std::ios::trunc);
+  out.write(data, static_cast<std::streamsize>(size));
+  out.close();
+  std::error_code error;
+  if (out)
+    std::filesystem::rename(partial, file, error);
+  if (!out || error) {
+    std::error_code ignored;
+    std::filesystem::remove(partial, ignored);
+    throw UserError(fmt::format("--out: {} cannot be written, allowed is a folder that can be", file.string()));
+  }
+}
+
+/// A number as text; nothing for one that there is not.
+std::string shown(const std::optional<double>& value) { return value ? fmt::format("{:.17g}", *value) : ""; }
+
+Json given(const std::optional<Orders::Order>& order) { return order ? Json(order->slope) : Json(); }
+
+Json scatter(const std::optional<Orders::Order>& order) {
+  return order ? Json{order->least, order->largest} : Json();
+}
+
+} // namespace
+
+Store::Store(const std::filesystem::path& folder) : folder_(folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder_ / "rungs", error);
+  if (error)
+    throw UserError(fmt::format("--out: the folder {} cannot be made ({}), allowed is one that can be", folder_.string(), error.message()));
+}
+
+std::filesystem::path Store::file(const Rung& rung) const {
+  return folder_ / "rungs" / fmt::format("size-{:.10g}-steps-{}-degree-{}-{}.cbor", rung.size, rung.steps, rung.degree, rung.scheme);
+}
+
+std::optional<Measured> Store::load(const Rung& rung, const std::string& echo, const std::vector<Quantity>& wanted) const {
+  std::ifstream in(file(rung), std::ios::binary);
+  if (!in)
+    return std::nullopt;
+  const Json json = Json::from_cbor(in, true, false);
+  if (json.is_discarded() || json.value("scene", "") != echo)
+    return std::nullopt; // of another scene, or damaged: it runs again
+  Measured measured;
+  measured.unknowns = json.at("unknowns");
+  measured.seconds = json.at("seconds");
+  measured.memory = json.at("memory");
+  measured.numbers = json.at("numbers").get<std::map<std::string, double>>();
+  for (const auto& [name, values] : json.at("fields").items())
+    measured.fields[name] = unpacked(values);
+  if (json.contains("estimate_space"))
+    measured.estimate_space = json.at("estimate_space");
+  if (json.contains("estimate_time"))
+    measured.estimate_time = json.at("estimate_time");
+  for (const Quantity& quantity : wanted)
+    if (!(quantity.field ? measured.fields.contains(quantity.name) : measured.numbers.contains(quantity.name)))
+      return std::nullopt;
+  return measured;
+}
+
+void Store::save(const Rung& rung, const std::string& echo, const Measured& measured) const {
+  Json json{{"scene", echo},
+            {"unknowns", measured.unknowns},
+            {"seconds", measured.seconds},
+            {"memory", measured.memory},
+            {"numbers", measured.numbers},
+            {"fields", Json::object()}};
+  for (const auto& [name, values] : measured.fields)
+    json["fields"][name] = packed(values);
+  if (measured.estimate_space)
+    json["estimate_space"] = *measured.estimate_space;
+  if (measured.estimate_time)
+    json["estimate_time"] = *measured.estimate_time;
+  const std::vector<std::uint8_t> bytes = Json::to_cbor(json);
+  replace(file(rung), reinterpret_cast<const char*>(bytes.data()), bytes.size());
+}
+
+void Store::write(const std::string& name, const std::string& text) const { replace(folder_ / name, text.data(), text.size()); }
+
+std::string csv(const std::vector<Result>& results, const std::vector<Errors>& errors, double end) {
+  std::string text = "rung,size,step,degree,scheme,mass,unknowns,steps,seconds,memory_bytes";
+  for (const Errors& one : errors)
+    text += fmt::format(",{0},{0}_error,{0}_estimate,{0}_effectivity,{0}_pareto", one.quantity.name);
+  text += '\n';
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const auto& [rung, run] = results[i];
+    if (!run)
+      continue;
+    const bool massless = rung.scheme == "massless";
+    text += fmt::format("{},{:.17g},{:.17g},{},{},{},{},{},{:.6g},{:.0f}", i + 1, rung.size, end / rung.steps, rung.degree,
+                        massless ? "contact-implicit" : rung.scheme, massless ? "massless" : "consistent", run->unknowns, rung.steps,
+                        run->seconds, run->memory);
+    for (const Errors& one : errors) {
+      const std::optional<double> &error = one.error[i], &estimate = one.estimate[i];
+      text += fmt::format(",{},{},{},{},{:d}",
+                          one.quantity.field ? "" : shown(run->numbers.at(one.quantity.name)), shown(error), shown(estimate),
+                          shown(one.effectivity[i]), bool(one.pareto[i]));
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string json(const scene::Scene& scene, const std::vector<Errors>& errors, const std::vector<Orders>& orders,
+                 const std::vector<std::string>& sentences) {
+  nlohmann::ordered_json json;
+  json["scene"] = scene.name;
+  bool any_exact = false, all_exact = true;
+  for (const Errors& one : errors)
+    (one.exact ? any_exact : all_exact) = one.exact;
+  json["reference"] = all_exact ? "exact" : any_exact ? "exact where it is known, else the finest rung" : "finest rung";
+  json["versions"] = io::versions();
+  json["quantities"] = nlohmann::ordered_json::object();
+  for (const Errors& one : errors)
+    json["quantities"][one.quantity.name] = {
+        {"title", one.quantity.title}, {"unit", one.quantity.unit}, {"reference", one.exact ? "exact" : "finest rung"}};
+  json["orders"] = nlohmann::ordered_json::array();
+  for (const Orders& one : orders) {
+    const bool massless = one.scheme == "massless";
+    json["orders"].push_back({{"quantity", one.quantity},
+                              {"degree", one.degree},
+                              {"scheme", massless ? "contact-implicit" : one.scheme},
+                              {"mass", massless ? "massless" : "consistent"},
+                              {"space", given(one.space)},
+                              {"time", given(one.time)},
+                              {"both", given(one.both)},
+                              {"scatter", {{"space", scatter(one.space)}, {"time", scatter(one.time)}, {"both", scatter(one.both)}}}});
+  }
+  json["sentences"] = sentences;
+  return json.dump(2) + "\n";
+}
+
+} // namespace signorini::study

@@ -1,0 +1,32 @@
+#pragma once
+#include "study/analysis.h"
+#include <filesystem>
+
+namespace signorini::study {
+
+/// The folder of a study: one file for each rung that has run, from which a later study of the same scene goes on, and the tables
+/// of all of them. Used on rank 0. Files are replaced as a whole. Throws UserError.
+class Store {
+public:
+  explicit Store(const std::filesystem::path& folder);
+
+  /// What a rung gave, if it ran with the same resolved scene (`echo`) and these quantities among others.
+  [[nodiscard]] std::optional<Measured> load(const Rung& rung, const std::string& echo, const std::vector<Quantity>& wanted) const;
+  void save(const Rung& rung, const std::string& echo, const Measured& measured) const;
+
+  /// Writes a text file.
+  void write(const std::string& name, const std::string& text) const;
+
+private:
+  [[nodiscard]] std::filesystem::path file(const Rung& rung) const;
+  std::filesystem::path folder_;
+};
+
+/// study.csv: a row for each rung that has run.
+std::string csv(const std::vector<Result>& results, const std::vector<Errors>& errors, double end);
+
+/// study.json: the scene, quantities, orders and sentences.
+std::string json(const scene::Scene& scene, const std::vector<Errors>& errors, const std::vector<Orders>& orders,
+                 const std::vector<std::string>& sentences);
+
+} // namespace signorini::study

@@ -1,0 +1,240 @@
+#include "study/study.h"
+#include "base/collective.h"
+#include "base/error.h"
+#include "scene/names.h"
+#include "study/measure.h"
+#include "study/store.h"
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace signorini::study {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::string>& names) {
+  const std::vector<Quantity> all = quantities(scene);
+  std::vector<std::string> allowed;
+  for (const Quantity& quantity : all)
+    allowed.push_back(quantity.name);
+  std::vector<Quantity> wanted;
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(all, name, &Quantity::name);
+    if (found == all.end()) {
+      const std::string near = scene::nearest(name, allowed);
+      throw UserError(fmt::format("--quantity: found \"{}\"{}, allowed with this scene: {}", name,
+                                  near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), scene::list(allowed)));
+    }
+    if (std::ranges::find(wanted, name, &Quantity::name) == wanted.end())
+      wanted.push_back(*found);
+  }
+  if (wanted.empty())
+    std::ranges::copy_if(all, std::back_inserter(wanted), [](const Quantity& quantity) { return quantity.name != "gradient"; });
+  return wanted;
+}
+
+/// What a rung will take: steps · unknowns^p, by the last run that is known.
+class Prices {
+public:
+  Prices(int dim, const Rung& base, long unknowns) : dim_(dim), base_(base), unknowns_(static_cast<double>(unknowns)) {}
+
+  [[nodiscard]] double unknowns(const Rung& rung) const {
+    const double finer = rung.size > 0 ? base_.size / rung.size : 1;
+    return unknowns_ * std::pow(finer * rung.degree / base_.degree, dim_);
+  }
+  void learn(const Rung& rung, double seconds) { unit_ = seconds / work(rung); }
+  [[nodiscard]] double seconds(const Rung& rung) const { return unit_ * work(rung); }
+
+private:
+  [[nodiscard]] double work(const Rung& rung) const {
+    const double power = dim_ == 2 ? 1.2 : 1.4; // of steps with a factor: ./dev bench scaling, space
+    return rung.steps * std::pow(unknowns(rung), power);
+  }
+
+  int dim_;
+  Rung base_;
+  double unknowns_, unit_ = 0;
+};
+
+/// Prices from a few steps of the coarsest rung.
+Prices prices(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& rungs, const Samples& samples) {
+  const Rung* coarsest = &rungs.front();
+  for (const Rung& rung : rungs)
+    if (std::tuple(-rung.size, rung.degree, rung.steps) < std::tuple(-coarsest->size, coarsest->degree, coarsest->steps))
+      coarsest = &rung;
+  Rung few = *coarsest;
+  constexpr int timed = 10;
+  few.steps = std::min(few.steps, timed);
+  scene::Scene part = on_rung(scene, few);
+  part.time.end = scene.time.end / coarsest->steps * few.steps;
+  part.time.step = part.time.end / few.steps;
+  const auto start = Clock::now();
+  const Measured measured = measure(comm, part, samples, {{"displacement", "", "", true}}, scene.objective.has_value());
+  Prices prices(samples.dim, few, measured.unknowns);
+  prices.learn(few, seconds_since(start));
+  return prices;
+}
+
+std::string duration(double seconds) {
+  if (seconds < 100)
+    return fmt::format("{:.2g} s", seconds);
+  return seconds < 6000 ? fmt::format("{:.0f} min", seconds / 60) : fmt::format("{:.1f} h", seconds / 3600);
+}
+
+void show_prices(const Console& console, const std::vector<Rung>& rungs, const Prices& prices, double end) {
+  double all = 0;
+  console.line(fmt::format("{:>5} {:>12} {:>10}  {}", "rung", "unknowns", "about", ""));
+  for (std::size_t i = 0; i < rungs.size(); ++i) {
+    all += prices.seconds(rungs[i]);
+    console.line(fmt::format("{:>5} {:>12.0f} {:>10}  {}", i + 1, prices.unknowns(rungs[i]), duration(prices.seconds(rungs[i])),
+                             words(rungs[i], end)));
+  }
+  console.line(fmt::format("all {}: about {}", rungs.size(), duration(all)));
+}
+
+std::string percent(const std::optional<double>& value) { return value ? fmt::format("{:.3g} %", 100 * *value) : "-"; }
+
+std::string shown(const std::optional<Orders::Order>& order) {
+  return order ? fmt::format("{:.2f} ({:.2f} to {:.2f})", order->slope, order->least, order->largest) : "-";
+}
+
+/// The tables of what has run, on rank 0: to files and, at the end, to the console.
+class Summary {
+public:
+  Summary(const scene::Scene& scene, const std::vector<Quantity>& wanted, const std::vector<Result>& results, const Exact& exact)
+      : end_(scene.time.end), results_(results) {
+    for (const Quantity& quantity : wanted) {
+      errors_.push_back(errors(quantity, results, exact));
+      std::ranges::move(orders(quantity, results, exact), std::back_inserter(orders_));
+      std::ranges::move(study::sentences(errors_.back(), results, end_), std::back_inserter(sentences_));
+    }
+  }
+
+  void write(const scene::Scene& scene, const Store& store) const {
+    store.write("study.csv", csv(results_, errors_, end_));
+    store.write("study.json", json(scene, errors_, orders_, sentences_));
+  }
+
+  void show(const Console& console) const {
+    for (const Errors& one : errors_) {
+      console.line(fmt::format("\n{}: error against the {}", one.quantity.title, one.exact ? "exact one" : "finest rung"));
+      console.line(fmt::format("{:>5} {:>10} {:>9} {:>8}  {:>9} {:>10} {:>11}    {}", "rung", "unknowns", "seconds", "MB", "error",
+                               "estimate", "effectivity", "(* no cheaper rung is as accurate)"));
+      for (std::size_t i = 0; i < results_.size(); ++i)
+        if (const std::optional<Measured>& run = results_[i].measured)
+          console.line(fmt::format("{:>5} {:>10} {:>9.3g} {:>8.0f}  {:>9} {:>10} {:>11}  {} {}", i + 1, run->unknowns, run->seconds,
+                                   run->memory / 1e6, one.reference == i ? "reference" : percent(one.error[i]), percent(one.estimate[i]),
+                                   effectivity(one, i), one.pareto[i] ? '*' : ' ', words(results_[i].rung, end_)));
+    }
+    if (!orders_.empty())
+      console.line(fmt::format("\n{:<14} {:<8} {:<20} {:<24} {:<24} {}", "order of", "degree", "scheme", "in space", "in time", "in both"));
+    for (const Orders& one : orders_)
+      console.line(fmt::format("{:<14} {:<8} {:<20} {:<24} {:<24} {}", one.quantity, one.degree, one.scheme, shown(one.space),
+                               shown(one.time), shown(one.both)));
+    console.line("");
+    for (const std::string& sentence : sentences_)
+      console.line(sentence);
+  }
+
+private:
+  static std::string effectivity(const Errors& one, std::size_t i) {
+    return one.effectivity[i] ? fmt::format("{:.2f}", *one.effectivity[i]) : "-";
+  }
+
+  double end_;
+  const std::vector<Result>& results_;
+  std::vector<Errors> errors_;
+  std::vector<Orders> orders_;
+  std::vector<std::string> sentences_;
+};
+
+/// What a rung's file must have been made from: its scene without what makes no difference to the numbers.
+std::string fingerprint(const scene::Scene& scene, const Rung& rung, int dim) {
+  scene::Scene changed = on_rung(scene, rung);
+  changed.output = {};
+  changed.exact.reset();
+  return scene::echo(changed, dim);
+}
+
+bool on_all(MPI_Comm comm, bool root_says) {
+  int flag = root_says;
+  MPI_Bcast(&flag, 1, MPI_INT, 0, comm);
+  return flag != 0;
+}
+
+} // namespace
+
+int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, const Options& options, const Console& console) {
+  const auto start = Clock::now();
+  const bool root = rank(comm) == 0;
+  const std::vector<Quantity> wanted = chosen(scene, options.quantities);
+  std::vector<Rung> rungs = ladder(scene, options.choice);
+  const Samples samples(comm, scene);
+  const Exact exact = exact_values(scene, samples);
+  Prices price = prices(comm, scene, rungs, samples);
+  std::ranges::stable_sort(rungs, {}, [&](const Rung& rung) { return price.seconds(rung); });
+  if (options.dry_run) {
+    show_prices(console, rungs, price, scene.time.end);
+    return 0;
+  }
+  std::optional<Store> store;
+  on_root(comm, [&] { store.emplace(out); });
+  std::vector<Result> results;
+  for (const Rung& rung : rungs)
+    results.push_back({rung, std::nullopt});
+  int ran = 0, kept = 0, status = 0;
+  std::optional<std::size_t> left;
+  for (std::size_t i = 0; i < results.size() && status == 0; ++i) {
+    const Rung& rung = results[i].rung;
+    const std::string echo = fingerprint(scene, rung, samples.dim);
+    if (root)
+      results[i].measured = store->load(rung, echo, wanted);
+    if (on_all(comm, results[i].measured.has_value())) {
+      ++kept;
+      continue;
+    }
+    if (on_all(comm, options.budget && seconds_since(start) + price.seconds(rung) > *options.budget)) {
+      left = i;
+      break;
+    }
+    const auto began = Clock::now();
+    try {
+      results[i].measured = measure(comm, on_rung(scene, rung), samples, wanted, scene.objective.has_value());
+    } catch (const Interrupted&) {
+      constexpr int interrupted = 130;
+      status = interrupted;
+      break;
+    }
+    price.learn(rung, seconds_since(began));
+    ++ran;
+    on_root(comm, [&] {
+      store->save(rung, echo, *results[i].measured);
+      Summary(scene, wanted, results, exact).write(scene, *store);
+    });
+    console.line(fmt::format("rung {} of {}: {}: {} unknowns, {:.3g} s; {} so far", i + 1, results.size(), words(rung, scene.time.end),
+                             results[i].measured->unknowns, results[i].measured->seconds, duration(seconds_since(start))));
+  }
+  if (ran + kept == 0) {
+    console.line("no rung has run: nothing is written");
+    return status;
+  }
+  on_root(comm, [&] {
+    const Summary summary(scene, wanted, results, exact);
+    summary.write(scene, *store);
+    summary.show(console);
+  });
+  if (kept > 0)
+    console.line(fmt::format("{} of {} rungs were there already", kept, results.size()));
+  if (left)
+    console.line(fmt::format("the budget ends before rung {} of {}, which would take about {}; the same command with a larger --budget goes "
+                             "on from here",
+                             *left + 1, results.size(), duration(price.seconds(results[*left].rung))));
+  console.line(fmt::format("results in {}", out.string()));
+  return status;
+}
+
+} // namespace signorini::study

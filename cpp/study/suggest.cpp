@@ -1,0 +1,86 @@
+#include "base/error.h"
+#include "study/measure.h"
+#include "study/study.h"
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace signorini::study {
+namespace {
+
+/// A run and the parts of its estimated error, relative to J.
+struct Trial {
+  Rung rung;
+  double space, time, seconds;
+  [[nodiscard]] double error() const { return std::abs(space + time); }
+};
+
+/// The order between two trials, if their difference tells one.
+double order(double coarse, double fine, double ratio, double otherwise) {
+  if (!(ratio > 1.1) || !(coarse > 0) || !(fine > 0))
+    return otherwise;
+  return std::clamp(std::log(coarse / fine) / std::log(ratio), 0.8, 2.5);
+}
+
+/// The cheapest size and step by which both parts together make `target`: cost h^(-dim p) / τ, parts like h^r and τ^q.
+Rung proposal(const Trial& from, double target, int dim, double r, double q) {
+  const double power = dim == 2 ? 1.2 : 1.4;
+  const double share = (dim * power / r) / (dim * power / r + 1 / q);
+  // Neither is to change by more than the first terms of an error can be trusted for.
+  constexpr double most = 8;
+  const auto factor = [&](double part, double budget, double slope) {
+    return part > 0 ? std::clamp(std::pow(budget / part, 1 / slope), 1 / most, 2.0) : 2.0;
+  };
+  Rung next = from.rung;
+  next.size *= factor(std::abs(from.space), share * target, r);
+  next.size = std::stod(fmt::format("{:.2g}", next.size));
+  next.steps = static_cast<int>(std::ceil(from.rung.steps / factor(std::abs(from.time), (1 - share) * target, q)));
+  return next;
+}
+
+} // namespace
+
+int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Console& console) {
+  if (!scene.objective)
+    throw UserError("--suggest: needs an objective, whose error is estimated; allowed with [control] and [objective]");
+  if (scene.mesh.degree != 1)
+    throw UserError(fmt::format("--suggest: found mesh.degree = {}, allowed is 1: the estimate in space looks at what functions of degree 2 "
+                                "have beyond those of degree 1",
+                                scene.mesh.degree));
+  if (!scene.mesh.size)
+    throw UserError("--suggest: found no mesh.size to change, allowed is a .geo with one");
+  using Clock = std::chrono::steady_clock;
+  const Samples samples(comm, scene);
+  const auto run = [&](const Rung& rung) {
+    const Measured measured = measure(comm, on_rung(scene, rung), samples, {}, true);
+    const double J = std::abs(measured.numbers.at("J"));
+    const Trial trial{rung, *measured.estimate_space / J, *measured.estimate_time / J, measured.seconds};
+    console.line(fmt::format("{}: J {:.6e}, estimated error {:.2e} (space {:+.2e}, time {:+.2e}), {} unknowns, {:.2g} s",
+                             words(rung, scene.time.end), measured.numbers.at("J"), trial.error(), trial.space, trial.time,
+                             measured.unknowns, measured.seconds));
+    return trial;
+  };
+  const auto start = Clock::now();
+  Trial last = run(ladder(scene, {{*scene.mesh.size}, {scene.time.step}, {}, {}}).front());
+  double r = 2, q = 2;
+  constexpr int trials = 5;
+  constexpr double aim = 0.8; // of the tolerance, so that a little more error than foreseen does not cost another run
+  for (int i = 0; i < trials; ++i) {
+    const Rung next = proposal(last, aim * tolerance, samples.dim, r, q);
+    if (next == last.rung)
+      break;
+    const Trial trial = run(next);
+    r = order(std::abs(last.space), std::abs(trial.space), last.rung.size / next.size, r);
+    q = order(std::abs(last.time), std::abs(trial.time), static_cast<double>(next.steps) / last.rung.steps, q);
+    last = trial;
+    if (last.error() <= tolerance)
+      break;
+  }
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const bool met = last.error() <= tolerance;
+  console.line(fmt::format("{:g} in J is {}: {}, by their own estimate {:.2e}, {:.2g} s; found in {:.2g} s", tolerance,
+                           met ? "met by" : "not met; the nearest is", words(last.rung, scene.time.end), last.error(), last.seconds, seconds));
+  return met ? 0 : 1;
+}
+
+} // namespace signorini::study
