@@ -45,7 +45,15 @@ def table(file: Path) -> dict[str, np.ndarray]:
     """The columns of a CSV file."""
     with open(file) as lines:
         rows = list(csv.DictReader(lines))
-    return {key: np.array([float(row[key]) for row in rows]) for key in rows[0]}
+    return {key: column([row[key] for row in rows]) for key in rows[0]}
+
+
+def column(texts: list[str]) -> np.ndarray:
+    """Numbers, NaN where there is none; texts if one is no number."""
+    try:
+        return np.array([float(text) if text else np.nan for text in texts])
+    except ValueError:
+        return np.array(texts)
 
 
 def stored(out: Path, file: str, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -465,6 +465,7 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh) {
         gmsh::option::setNumber("Mesh.MeshSizeMin", *mesh.size);
         gmsh::option::setNumber("Mesh.MeshSizeMax", *mesh.size);
       }
+      gmsh::option::setNumber("Mesh.MeshSizeFactor", mesh.scale);
       gmsh::model::mesh::generate(gmsh::model::getDimension());
     }
     if (const std::string error = complaint(""); !error.empty())

@@ -68,6 +68,8 @@ void write_body(Writer& out, const Scene& s) {
   out.key("file", text(s.mesh.file.string()));
   if (s.mesh.size)
     out.key("size", number(*s.mesh.size), "m");
+  else if (s.mesh.file.extension() == ".geo")
+    out.key("scale", number(s.mesh.scale));
   out.key("degree", std::to_string(s.mesh.degree));
   out.table("[time]");
   out.key("end", number(s.time.end), "s");

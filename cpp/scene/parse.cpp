@@ -92,6 +92,12 @@ Mesh mesh(Reader in, const std::filesystem::path& file) {
       in.fail("size", "has no effect on a .msh, which is meshed already; allowed with a .geo");
     mesh.size = in.number("size", positive_length);
   }
+  if (in.has("scale")) {
+    if (extension == ".msh" || mesh.size)
+      in.fail("scale", fmt::format("has no effect {}; allowed with a .geo that sets its own sizes",
+                                   mesh.size ? "beside mesh.size" : "on a .msh, which is meshed already"));
+    mesh.scale = in.number("scale", {.least = 0, .open = true});
+  }
   mesh.degree = in.integer("degree", 1, 2, mesh.degree);
   in.finish();
   return mesh;

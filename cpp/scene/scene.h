@@ -17,6 +17,7 @@ using Components = std::vector<std::string>;
 struct Mesh {
   std::filesystem::path file; ///< .geo or .msh, absolute
   std::optional<double> size; ///< element size for a .geo, m; absent: the sizes that the .geo itself sets
+  double scale = 1;           ///< of these
   int degree = 1;             ///< Lagrange degree of the displacement
 };
 

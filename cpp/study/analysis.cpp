@@ -55,12 +55,14 @@ std::optional<Orders::Order> fit(const std::vector<std::pair<double, double>>& p
   return std::isfinite(order.slope) ? std::optional(order) : std::nullopt;
 }
 
-/// Order along a chain of rungs from coarse to fine whose widths are given: of errors, or of the differences of neighbours.
+/// Order along a chain of rungs from coarse to fine whose widths are given: of the differences of neighbours or, given an exact
+/// value, of errors.
 std::optional<Orders::Order> order(const Quantity& quantity, const std::vector<std::pair<double, const Measured*>>& chain,
-                                   const Exact& exact) {
+                                   const Exact& exact = {}) {
+  constexpr double rounding = 1e-9; // below, and some way above for long runs, nothing converges
   std::vector<std::pair<double, double>> points;
   const auto add = [&](double width, double value) {
-    if (value > 0 && std::isfinite(value))
+    if (value > rounding)
       points.emplace_back(width, value);
   };
   if (exact.knows(quantity))
@@ -108,8 +110,9 @@ Orders orders_of(const Quantity& quantity, const std::vector<const Result*>& mem
     last = &rung;
   }
   std::ranges::reverse(both);
-  found.space = order(quantity, space, exact);
-  found.time = order(quantity, time, exact);
+  // Errors would stop at that of the other kind.
+  found.space = order(quantity, space);
+  found.time = order(quantity, time);
   found.both = order(quantity, both, exact);
   return found;
 }
@@ -204,7 +207,7 @@ std::vector<Orders> orders(const Quantity& quantity, const std::vector<Result>& 
   return all;
 }
 
-std::vector<std::string> sentences(const Errors& errors, const std::vector<Result>& results, double end) {
+std::vector<std::string> sentences(const Errors& errors, const std::vector<Result>& results, const scene::Scene& scene) {
   std::vector<std::string> texts;
   std::optional<double> best;
   for (const std::optional<double>& error : errors.error)
@@ -218,7 +221,7 @@ std::vector<std::string> sentences(const Errors& errors, const std::vector<Resul
       if (errors.error[i] && *errors.error[i] <= target && (!cheapest || results[i].measured->seconds < cheapest->measured->seconds))
         cheapest = &results[i];
     if (cheapest) {
-      texts.push_back(fmt::format("for {} % in {}: {}, {:.2g} s", 100 * target, errors.quantity.title, words(cheapest->rung, end),
+      texts.push_back(fmt::format("for {} % in {}: {}, {:.2g} s", 100 * target, errors.quantity.title, words(cheapest->rung, scene),
                                   cheapest->measured->seconds));
     } else {
       texts.push_back(fmt::format("{} % in {} is out of this ladder's reach: its best is {:.2g} %", 100 * target, errors.quantity.title,

@@ -64,11 +64,11 @@ double distance(const Quantity& quantity, const Measured& a, const Measured& b);
 
 Errors errors(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact);
 
-/// From the differences of neighbouring rungs (against the exact value, if it is known): in space at the shortest step, in time
-/// at the smallest size, both along rungs that refine both. Needs three rungs, two with an exact value.
+/// From the differences of neighbouring rungs: in space at the shortest step, in time at the smallest size, both along rungs that
+/// refine both; there from the errors if the exact value is known. Needs three rungs, two with an exact value.
 std::vector<Orders> orders(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact);
 
 /// For 10, 1 and 0.1 per cent: the cheapest rung that is as accurate, or that none is.
-std::vector<std::string> sentences(const Errors& errors, const std::vector<Result>& results, double end);
+std::vector<std::string> sentences(const Errors& errors, const std::vector<Result>& results, const scene::Scene& scene);
 
 } // namespace signorini::study

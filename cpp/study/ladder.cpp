@@ -46,17 +46,17 @@ std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
       throw UserError(fmt::format("--schemes: found \"{}\" in a scene without contact, where it makes no difference, allowed is {}",
                                   scheme, scheme_names().front()));
   }
-  if (!choice.sizes.empty() && !scene.mesh.size && scene.mesh.file.extension() == ".msh")
+  const bool meshed = scene.mesh.file.extension() == ".msh";
+  if (!choice.sizes.empty() && meshed)
     throw UserError("--sizes: have no effect on a .msh, which is meshed already; allowed with a .geo");
-  const double step = scene.time.step;
-  std::vector<double> sizes = or_default(choice.sizes, scene.mesh.size ? std::vector{4 * *scene.mesh.size, 2 * *scene.mesh.size, *scene.mesh.size}
-                                                                       : std::vector{0.0});
+  const double step = scene.time.step, size = scene.mesh.size.value_or(scene.mesh.scale);
+  const std::vector<double> sizes = or_default(choice.sizes, meshed ? std::vector{size} : std::vector{4 * size, 2 * size, size});
   std::vector<Rung> rungs;
-  for (double size : sizes)
+  for (double width : sizes)
     for (double tau : or_default(choice.steps, {4 * step, 2 * step, step}))
       for (int degree : or_default(choice.degrees, {scene.mesh.degree}))
         for (const std::string& scheme : or_default(choice.schemes, {own_scheme(scene)}))
-          rungs.push_back({size, std::max(1, static_cast<int>(std::lround(scene.time.end / tau))), degree, scheme});
+          rungs.push_back({width, std::max(1, static_cast<int>(std::lround(scene.time.end / tau))), degree, scheme});
   std::ranges::sort(rungs);
   const auto twice = std::ranges::unique(rungs);
   rungs.erase(twice.begin(), twice.end());
@@ -65,8 +65,7 @@ std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
 
 scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
   scene::Scene changed = scene;
-  if (rung.size > 0)
-    changed.mesh.size = rung.size;
+  (scene.mesh.size ? *changed.mesh.size : changed.mesh.scale) = rung.size;
   changed.mesh.degree = rung.degree;
   changed.time.steps = rung.steps;
   changed.time.step = scene.time.end / rung.steps;
@@ -77,9 +76,11 @@ scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
   return changed;
 }
 
-std::string words(const Rung& rung, double end) {
-  std::string text = rung.size > 0 ? fmt::format("size {:.4g}, ", rung.size) : "";
-  text += fmt::format("step {:.3g}, degree {}", end / rung.steps, rung.degree);
+std::string words(const Rung& rung, const scene::Scene& scene) {
+  std::string text;
+  if (scene.mesh.file.extension() != ".msh")
+    text = fmt::format("{} {:.4g}, ", scene.mesh.size ? "size" : "scale", rung.size);
+  text += fmt::format("step {:.3g}, degree {}", scene.time.end / rung.steps, rung.degree);
   return rung.scheme == scheme_names().front() ? text : text + ", " + rung.scheme;
 }
 

@@ -9,7 +9,7 @@ namespace signorini::study {
 
 /// One run of a ladder.
 struct Rung {
-  double size = 0; ///< element size, m; 0: the mesh file's own
+  double size = 1; ///< element size, m; in a scene without mesh.size the scale of the .geo's own
   int steps = 0;
   int degree = 1;
   std::string scheme = "contact-implicit"; ///< or "contact-stabilized", or "massless": contact-implicit with massless contact
@@ -27,14 +27,18 @@ struct Choice {
 /// Names that --schemes takes.
 const std::vector<std::string>& scheme_names();
 
-/// Every size with every step, degree and scheme; the default is the scene's own with twice and four times its size and step.
+/// Every size with every step, degree and scheme; the default is the scene's own with twice and four times its size and step. Where
+/// the .geo sets its own sizes they are scales of these; a .msh has one.
 /// Steps are the nearest that divide time.end. Throws UserError.
 std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice);
 
 /// The scene with the size, step, degree and scheme of a rung.
 scene::Scene on_rung(const scene::Scene& scene, const Rung& rung);
 
+/// Time of a step with a factor grows like its unknowns to this power: ./dev bench scaling, space.
+constexpr double step_power(int dim) { return dim == 2 ? 1.2 : 1.4; }
+
 /// "size 0.5, step 5e-05, degree 1"; the scheme too where it is not contact-implicit.
-std::string words(const Rung& rung, double end);
+std::string words(const Rung& rung, const scene::Scene& scene);
 
 } // namespace signorini::study

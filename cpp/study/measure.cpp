@@ -204,9 +204,9 @@ Samples::Samples(MPI_Comm comm, const scene::Scene& scene) {
     const mesh::Mesh read(comm, mesh);
     dim = read.dim();
     body = fem::quadrature(read);
-    if (body.weights.size() <= most || !mesh.size)
+    if (body.weights.size() <= most || mesh.file.extension() == ".msh")
       break;
-    mesh.size = 2 * *mesh.size;
+    (mesh.size ? *mesh.size : mesh.scale) *= 2;
   }
   for (int j = 0; j <= intervals; ++j)
     times.push_back(scene.time.end * j / intervals);

@@ -43,16 +43,14 @@ public:
   Prices(int dim, const Rung& base, long unknowns) : dim_(dim), base_(base), unknowns_(static_cast<double>(unknowns)) {}
 
   [[nodiscard]] double unknowns(const Rung& rung) const {
-    const double finer = rung.size > 0 ? base_.size / rung.size : 1;
-    return unknowns_ * std::pow(finer * rung.degree / base_.degree, dim_);
+    return unknowns_ * std::pow(base_.size / rung.size * rung.degree / base_.degree, dim_);
   }
   void learn(const Rung& rung, double seconds) { unit_ = seconds / work(rung); }
   [[nodiscard]] double seconds(const Rung& rung) const { return unit_ * work(rung); }
 
 private:
   [[nodiscard]] double work(const Rung& rung) const {
-    const double power = dim_ == 2 ? 1.2 : 1.4; // of steps with a factor: ./dev bench scaling, space
-    return rung.steps * std::pow(unknowns(rung), power);
+    return rung.steps * std::pow(unknowns(rung), step_power(dim_));
   }
 
   int dim_;
@@ -85,13 +83,13 @@ std::string duration(double seconds) {
   return seconds < 6000 ? fmt::format("{:.0f} min", seconds / 60) : fmt::format("{:.1f} h", seconds / 3600);
 }
 
-void show_prices(const Console& console, const std::vector<Rung>& rungs, const Prices& prices, double end) {
+void show_prices(const Console& console, const std::vector<Rung>& rungs, const Prices& prices, const scene::Scene& scene) {
   double all = 0;
   console.line(fmt::format("{:>5} {:>12} {:>10}  {}", "rung", "unknowns", "about", ""));
   for (std::size_t i = 0; i < rungs.size(); ++i) {
     all += prices.seconds(rungs[i]);
     console.line(fmt::format("{:>5} {:>12.0f} {:>10}  {}", i + 1, prices.unknowns(rungs[i]), duration(prices.seconds(rungs[i])),
-                             words(rungs[i], end)));
+                             words(rungs[i], scene)));
   }
   console.line(fmt::format("all {}: about {}", rungs.size(), duration(all)));
 }
@@ -106,17 +104,17 @@ std::string shown(const std::optional<Orders::Order>& order) {
 class Summary {
 public:
   Summary(const scene::Scene& scene, const std::vector<Quantity>& wanted, const std::vector<Result>& results, const Exact& exact)
-      : end_(scene.time.end), results_(results) {
+      : scene_(scene), results_(results) {
     for (const Quantity& quantity : wanted) {
       errors_.push_back(errors(quantity, results, exact));
       std::ranges::move(orders(quantity, results, exact), std::back_inserter(orders_));
-      std::ranges::move(study::sentences(errors_.back(), results, end_), std::back_inserter(sentences_));
+      std::ranges::move(study::sentences(errors_.back(), results, scene), std::back_inserter(sentences_));
     }
   }
 
-  void write(const scene::Scene& scene, const Store& store) const {
-    store.write("study.csv", csv(results_, errors_, end_));
-    store.write("study.json", json(scene, errors_, orders_, sentences_));
+  void write(const Store& store) const {
+    store.write("study.csv", csv(results_, errors_, scene_.time.end));
+    store.write("study.json", json(scene_, errors_, orders_, sentences_));
   }
 
   void show(const Console& console) const {
@@ -128,7 +126,7 @@ public:
         if (const std::optional<Measured>& run = results_[i].measured)
           console.line(fmt::format("{:>5} {:>10} {:>9.3g} {:>8.0f}  {:>9} {:>10} {:>11}  {} {}", i + 1, run->unknowns, run->seconds,
                                    run->memory / 1e6, one.reference == i ? "reference" : percent(one.error[i]), percent(one.estimate[i]),
-                                   effectivity(one, i), one.pareto[i] ? '*' : ' ', words(results_[i].rung, end_)));
+                                   effectivity(one, i), one.pareto[i] ? '*' : ' ', words(results_[i].rung, scene_)));
     }
     if (!orders_.empty())
       console.line(fmt::format("\n{:<14} {:<8} {:<20} {:<24} {:<24} {}", "order of", "degree", "scheme", "in space", "in time", "in both"));
@@ -145,7 +143,7 @@ private:
     return one.effectivity[i] ? fmt::format("{:.2f}", *one.effectivity[i]) : "-";
   }
 
-  double end_;
+  const scene::Scene& scene_;
   const std::vector<Result>& results_;
   std::vector<Errors> errors_;
   std::vector<Orders> orders_;
@@ -178,7 +176,7 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   Prices price = prices(comm, scene, rungs, samples);
   std::ranges::stable_sort(rungs, {}, [&](const Rung& rung) { return price.seconds(rung); });
   if (options.dry_run) {
-    show_prices(console, rungs, price, scene.time.end);
+    show_prices(console, rungs, price, scene);
     return 0;
   }
   std::optional<Store> store;
@@ -213,9 +211,9 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
     ++ran;
     on_root(comm, [&] {
       store->save(rung, echo, *results[i].measured);
-      Summary(scene, wanted, results, exact).write(scene, *store);
+      Summary(scene, wanted, results, exact).write(*store);
     });
-    console.line(fmt::format("rung {} of {}: {}: {} unknowns, {:.3g} s; {} so far", i + 1, results.size(), words(rung, scene.time.end),
+    console.line(fmt::format("rung {} of {}: {}: {} unknowns, {:.3g} s; {} so far", i + 1, results.size(), words(rung, scene),
                              results[i].measured->unknowns, results[i].measured->seconds, duration(seconds_since(start))));
   }
   if (ran + kept == 0) {
@@ -224,7 +222,7 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   }
   on_root(comm, [&] {
     const Summary summary(scene, wanted, results, exact);
-    summary.write(scene, *store);
+    summary.write(*store);
     summary.show(console);
   });
   if (kept > 0)

@@ -19,8 +19,8 @@ struct Options {
 int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, const Options& options, const Console& console);
 
 /// Proposes a size and step for an error of J below `tolerance`, relative, from the estimate of one run, runs them, and says whether
-/// by their own estimate the tolerance is met; again from there if not, a few times. Returns the exit status: 1 if it is not met.
+/// by their own estimate the tolerance is met; again from there if not, a few times and as long as a budget (s) lasts. Returns the exit status: 1 if it is not met.
 /// Collective. Throws UserError, SolverFailure.
-int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Console& console);
+int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, std::optional<double> budget, const Console& console);
 
 } // namespace signorini::study

@@ -22,10 +22,14 @@ double order(double coarse, double fine, double ratio, double otherwise) {
   return std::clamp(std::log(coarse / fine) / std::log(ratio), 0.8, 2.5);
 }
 
+/// How many times as long a run takes.
+double growth(const Rung& from, const Rung& to, int dim) {
+  return static_cast<double>(to.steps) / from.steps * std::pow(from.size / to.size, dim * step_power(dim));
+}
+
 /// The cheapest size and step by which both parts together make `target`: cost h^(-dim p) / τ, parts like h^r and τ^q.
 Rung proposal(const Trial& from, double target, int dim, double r, double q) {
-  const double power = dim == 2 ? 1.2 : 1.4;
-  const double share = (dim * power / r) / (dim * power / r + 1 / q);
+  const double share = (dim * step_power(dim) / r) / (dim * step_power(dim) / r + 1 / q);
   // Neither is to change by more than the first terms of an error can be trusted for.
   constexpr double most = 8;
   const auto factor = [&](double part, double budget, double slope) {
@@ -40,15 +44,15 @@ Rung proposal(const Trial& from, double target, int dim, double r, double q) {
 
 } // namespace
 
-int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Console& console) {
+int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, std::optional<double> budget, const Console& console) {
   if (!scene.objective)
     throw UserError("--suggest: needs an objective, whose error is estimated; allowed with [control] and [objective]");
   if (scene.mesh.degree != 1)
     throw UserError(fmt::format("--suggest: found mesh.degree = {}, allowed is 1: the estimate in space looks at what functions of degree 2 "
                                 "have beyond those of degree 1",
                                 scene.mesh.degree));
-  if (!scene.mesh.size)
-    throw UserError("--suggest: found no mesh.size to change, allowed is a .geo with one");
+  if (scene.mesh.file.extension() == ".msh")
+    throw UserError("--suggest: found a .msh, which is meshed already, allowed is a .geo");
   using Clock = std::chrono::steady_clock;
   const Samples samples(comm, scene);
   const auto run = [&](const Rung& rung) {
@@ -56,12 +60,12 @@ int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Co
     const double J = std::abs(measured.numbers.at("J"));
     const Trial trial{rung, *measured.estimate_space / J, *measured.estimate_time / J, measured.seconds};
     console.line(fmt::format("{}: J {:.6e}, estimated error {:.2e} (space {:+.2e}, time {:+.2e}), {} unknowns, {:.2g} s",
-                             words(rung, scene.time.end), measured.numbers.at("J"), trial.error(), trial.space, trial.time,
+                             words(rung, scene), measured.numbers.at("J"), trial.error(), trial.space, trial.time,
                              measured.unknowns, measured.seconds));
     return trial;
   };
   const auto start = Clock::now();
-  Trial last = run(ladder(scene, {{*scene.mesh.size}, {scene.time.step}, {}, {}}).front());
+  Trial last = run(ladder(scene, {{scene.mesh.size.value_or(scene.mesh.scale)}, {scene.time.step}, {}, {}}).front());
   double r = 2, q = 2;
   constexpr int trials = 5;
   constexpr double aim = 0.8; // of the tolerance, so that a little more error than foreseen does not cost another run
@@ -69,6 +73,14 @@ int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Co
     const Rung next = proposal(last, aim * tolerance, samples.dim, r, q);
     if (next == last.rung)
       break;
+    const double predicted = last.seconds * growth(last.rung, next, samples.dim);
+    console.line(fmt::format("next: {}, about {:.2g} s", words(next, scene), predicted));
+    double passed = std::chrono::duration<double>(Clock::now() - start).count();
+    MPI_Bcast(&passed, 1, MPI_DOUBLE, 0, comm);
+    if (budget && passed + predicted > *budget) {
+      console.line("that is beyond the budget");
+      break;
+    }
     const Trial trial = run(next);
     r = order(std::abs(last.space), std::abs(trial.space), last.rung.size / next.size, r);
     q = order(std::abs(last.time), std::abs(trial.time), static_cast<double>(next.steps) / last.rung.steps, q);
@@ -79,7 +91,7 @@ int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Co
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const bool met = last.error() <= tolerance;
   console.line(fmt::format("{:g} in J is {}: {}, by their own estimate {:.2e}, {:.2g} s; found in {:.2g} s", tolerance,
-                           met ? "met by" : "not met; the nearest is", words(last.rung, scene.time.end), last.error(), last.seconds, seconds));
+                           met ? "met by" : "not met; the nearest is", words(last.rung, scene), last.error(), last.seconds, seconds));
   return met ? 0 : 1;
 }
 

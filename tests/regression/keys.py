@@ -193,6 +193,14 @@ def mesh_size() -> None:
         assert simulate(scene, **overrides).manifest["candidates"] == nodes
 
 
+@key("mesh.scale")
+def mesh_scale() -> None:
+    own = edited("scaled.geo", (r"(Point.*), 0\}", r"\1, 0, 0.5}"), source=DATA / "square.geo")
+    scene = edited("scaled.toml", (r"(?m)^file = .*", f'file = "{own.name}"'), (r"(?m)^size = .*\n", ""))
+    for scale, nodes in ((1, 3), (0.5, 5), (0.25, 9)):  # of the lower side
+        assert simulate(scene, mesh__scale=scale).manifest["candidates"] == nodes
+
+
 @key("mesh.degree")
 def mesh_degree() -> None:
     one, two = plain_run().manifest, simulate(mesh__degree=2).manifest
@@ -607,8 +615,38 @@ def output_files() -> None:
         assert {path.name for path in done.folder.iterdir()} == always | {f"{name}.csv"}
 
 
+def study(**overrides: object) -> dict[str, np.ndarray]:
+    """study.csv of the block without an objective, thrown onto its plane; its default ladder."""
+    folder = FOLDER / f"study-{next(Run.numbers)}"
+    scene = edited(f"{folder.name}.toml", (r"(?s)\[control\].*", ""))
+    signorini("study", scene, folder, **overrides)
+    return table(folder / "study.csv")
+
+
+@key("exact.displacement")
+def exact_displacement() -> None:
+    free = {"contact__obstacle__point": [0, -100], "load__body": ["0", "0"]}
+    assert max(study(**free, exact__displacement=["0", "-t"])["displacement_error"]) < 1e-9
+    near(study(**free, exact__displacement=["0", "-2*t"])["displacement_error"], 0.5, 1e-9)
+
+
+@key("exact.impulse", "exact.peak_force", "exact.contact_start", "exact.contact_time")
+def exact_numbers() -> None:
+    for name in ("impulse", "peak_force", "contact_start", "contact_time"):
+        known = study(**{f"exact__{name}": 0.125})
+        assert min(known[name]) > 0
+        near(known[f"{name}_error"], abs(known[name] / 0.125 - 1), 1e-9)
+
+
+@key("exact.pressure")
+def exact_pressure() -> None:
+    small, large = (study(exact__pressure=value)["pressure_error"] for value in ("0.1", "1e9"))
+    assert abs(large - 1).max() < 1e-6 and min(small) > 0 and abs(small - 1).max() > 1e-3
+
+
 # --- All keys -----------------------------------------------------------------------------------------------------------
 
+EXACT = {"displacement": ["0", "0"], "pressure": "1", "impulse": 1, "peak_force": 1, "contact_start": 1, "contact_time": 1}
 # Scenes in which every table and every optional key occurs.
 FULL = (
     (BLOCK, {
@@ -624,6 +662,7 @@ FULL = (
     }),
     (DATA / "two-materials.toml", {"objective__desired": {"displacement": ["0", "0"]}}),
     (BLOCK, {"objective__desired": {"run": "somewhere"}}),
+    (SOURCE / "scenes" / "hertz-press.toml", {"time__end": 0.05, "mesh__scale": 8, "exact": EXACT}),
     (DATA / "cube.toml", {"contact__obstacle": {"shape": "cylinder", "point": [0, 0, -2], "axis": [1, 0, 0], "radius": 1}}),
 )  # fmt: skip
 
