@@ -280,7 +280,7 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& sample
   measured.unknowns = problem.free_dofs();
   Watch watch(problem, samples, wanted);
   const auto peak = [&] {
-    double memory = peak_memory() - before;
+    double memory = std::max(0.0, peak_memory() - before);
     MPI_Allreduce(MPI_IN_PLACE, &memory, 1, MPI_DOUBLE, MPI_SUM, comm);
     return memory;
   };

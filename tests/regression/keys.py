@@ -627,7 +627,7 @@ def study(**overrides: object) -> dict[str, np.ndarray]:
 def exact_displacement() -> None:
     free = {"contact__obstacle__point": [0, -100], "load__body": ["0", "0"]}
     assert max(study(**free, exact__displacement=["0", "-t"])["displacement_error"]) < 1e-9
-    near(study(**free, exact__displacement=["0", "-2*t"])["displacement_error"], 0.5, 1e-9)
+    assert abs(study(**free, exact__displacement=["0", "-2*t"])["displacement_error"] - 0.5).max() < 1e-9
 
 
 @key("exact.impulse", "exact.peak_force", "exact.contact_start", "exact.contact_time")

@@ -387,7 +387,8 @@ def later_cases() -> list[Case]:
                at="memory ="),
         edited("lbfgs", "[optimizer]", '[optimizer]\nmethod = "lbfgs"', "optimizer.method: ",
                '"lbfgs" is not available yet', "projected-gradient", at="method ="),
-        Case("study", ("study: not available yet", "simulate, optimize, check, info"), verb="study", earlier=True),
+        Case("study of a quantity that the scene has not", ("--quantity: found \"heat\"", "displacement"), verb="study",
+             options=("--quantity", "heat")),
         Case("resume", ("--resume: not available yet",), options=("--resume",), earlier=True),
         Case("resume, two ranks", ("--resume: not available yet",), options=("--resume",), ranks=2),
     ]

@@ -1,0 +1,68 @@
+"""Work and precision of a study: error over seconds, a curve for each degree and scheme through its most accurate rungs."""
+
+import argparse
+import sys
+from pathlib import Path
+
+import style
+from command_line import complain
+from matplotlib.lines import Line2D
+from run_folder import Unreadable
+from study_folder import Method, StudyFolder, is_study
+
+COLOURS = {("contact-implicit", "consistent"): style.BLUE, ("contact-stabilized", "consistent"): style.VERMILLION,
+           ("contact-implicit", "massless"): style.GREEN}  # fmt: skip
+NAMES = {("contact-implicit", "consistent"): "contact-implicit", ("contact-stabilized", "consistent"): "contact-stabilized",
+         ("contact-implicit", "massless"): "massless contact"}  # fmt: skip
+
+
+def front(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Those that no quicker one is as accurate as, by seconds."""
+    best: list[tuple[float, float]] = []
+    for seconds, error in sorted(points):
+        if not best or error < best[-1][1]:
+            best.append((seconds, error))
+    return best
+
+
+def draw(study: StudyFolder, quantity: str) -> Path:
+    """All rungs as dots, the front of each method as a curve."""
+    methods: dict[Method, list[tuple[float, float]]] = {}
+    for rung in study.rungs:
+        if rung[f"{quantity}_error"] > 0:
+            methods.setdefault(rung.method, []).append((rung["seconds"], rung[f"{quantity}_error"]))
+    figure, axes = style.graph()
+    for method, points in methods.items():
+        colour = COLOURS[method.scheme, method.mass]
+        axes.loglog(*zip(*points), ".", color=colour, alpha=0.3, markersize=5)
+        axes.loglog(*zip(*front(points)), "-" if method.degree == 1 else "--", color=colour)
+    axes.set_xlabel("seconds")
+    axes.set_ylabel(f"error of {study.manifest['quantities'][quantity]['title']}")
+    kinds = sorted({(method.scheme, method.mass) for method in methods}, key=list(COLOURS).index)
+    handles = [Line2D([], [], color=COLOURS[kind], label=NAMES[kind]) for kind in kinds]
+    if len({method.degree for method in methods}) > 1:
+        handles += [Line2D([], [], color="0.3", ls=line, label=f"degree {degree}") for degree, line in ((1, "-"), (2, "--"))]
+    axes.legend(handles=handles, fontsize=10, loc="lower left")
+    return style.save(figure, study.path / "figures" / f"work_precision_{quantity}.png")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path, metavar="STUDY_FOLDER", help="where a study left its files")
+    folder = parser.parse_args().folder
+    if not is_study(folder):
+        complain(Unreadable(f"{folder}: found no study.json, allowed is the folder of a study"))
+        return 2
+    try:
+        study = StudyFolder(folder)
+        for quantity in study.manifest["quantities"]:
+            if any(rung[f"{quantity}_error"] > 0 for rung in study.rungs):
+                print(draw(study, quantity))
+    except (Unreadable, KeyError) as error:
+        complain(error)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

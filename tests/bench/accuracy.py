@@ -1,0 +1,104 @@
+"""What accuracy costs: studies of the cases whose solutions are known and of the half disc, and what each decade of a solver's
+tolerance costs and buys.
+
+usage: ./dev bench accuracy [CASE …] [--out FOLDER]
+
+Leaves a study's folder for each case and work_precision.png in it; study.csv of each is committed as tests/bench/accuracy/CASE.csv.
+  c0             the half disc: J, displacement and gradient against the finest rung
+  bar-impact     B2, bouncing-bar B3, hertz-press H1, standing-wave M1: against the exact solution
+  solvers        tolerances of the iterative solver, of the full VI and of the optimizer: one line each
+"""
+
+import argparse
+import csv
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+SCENES = ROOT / "scenes"
+ALL_SCHEMES = "contact-implicit,contact-stabilized,massless"
+
+
+def steps(first: float, count: int) -> str:
+    return ",".join(repr(first / 2**k) for k in range(count))
+
+
+# Scene and options of each study. Ladders reach from what is too coarse to be of use to about a minute for a run.
+STUDIES = {
+    "c0": ("half-disc", ["--sizes", "2,1,0.5,0.25", "--steps", steps(2.5e-4, 5), "--degrees", "1,2", "--schemes", ALL_SCHEMES,
+                         "--quantity", "J,displacement,gradient,impulse"]),
+    "bar-impact": ("bar-impact", ["--sizes", "1,0.5,0.25,0.125,0.0625", "--steps", steps(1 / 30, 5), "--degrees", "1,2", "--schemes",
+                                  ALL_SCHEMES, "--quantity", "displacement,impulse,contact_start,contact_time,energy_loss,peak_force"]),
+    "bouncing-bar": ("bouncing-bar", ["--set", "time.end=5.333333333333333", "--set", "exact.impulse=533.3333333333333", "--set",
+                                      "exact.contact_time=1.3333333333333333", "--sizes", "1,0.5,0.25,0.125", "--steps",
+                                      steps(1 / 30, 4), "--degrees", "1,2", "--schemes", ALL_SCHEMES, "--quantity",
+                                      "displacement,impulse,contact_start,contact_time,energy_loss"]),
+    "hertz-press": ("hertz-press", ["--sizes", "8,4,2,1,0.5", "--steps", "0.2,0.1,0.05", "--degrees", "1,2", "--schemes", ALL_SCHEMES,
+                                    "--quantity", "pressure,displacement"]),
+    "standing-wave": ("standing-wave", ["--sizes", "4,2,1,0.5,0.25", "--steps", steps(4 / 30, 6), "--degrees", "1,2"]),
+}  # fmt: skip
+
+
+def study(name: str, out: Path) -> None:
+    scene, options = STUDIES[name]
+    folder = out / name
+    print(f"{name}: signorini study scenes/{scene}.toml {' '.join(options)}", flush=True)
+    subprocess.run(["signorini", "study", SCENES / f"{scene}.toml", "--out", folder, *options], check=True)
+    subprocess.run([sys.executable, ROOT / "postprocess" / "work_precision.py", folder], check=True)
+    shutil.copy(folder / "study.csv", out / f"{name}.csv")
+
+
+def run(verb: str, scene: str, out: Path, *settings: str, petsc: tuple[str, ...] = ()) -> dict:
+    """run.json of a run whose first guess pushes onto the plane."""
+    overrides = [word for setting in (*settings, "output.fields=[]") for word in ("--set", setting)]
+    subprocess.run(["signorini", verb, SCENES / f"{scene}.toml", "--quiet", "--out", out, *overrides, "--", *petsc], check=True)
+    return json.loads((out / "run.json").read_text())
+
+
+def objective(run: dict) -> float:
+    return run["objective"]["total"]
+
+
+def solvers(out: Path) -> None:
+    """Every decade of a tolerance: what it costs and how far J is off that at the tightest one."""
+    guess = ('control.initial=["0", "0", "-0.9"]', "optimizer.max_iterations=0", "mesh.size=1.5", "time.step=1e-4")
+    exact = objective(run("optimize", "half-ball", out / "solvers", *guess, 'solver.linear="direct"'))
+    print(f"{'conjugate gradients':<28}{'tolerance':>10}{'s':>8}{'J off by':>12}")
+    for decade in range(4, 14, 2):
+        one = run("optimize", "half-ball", out / "solvers", *guess, 'solver.linear="iterative"', petsc=("-step_ksp_rtol", f"1e-{decade}"))
+        seconds = one["timings"]["forward"]["seconds"] + one["timings"]["adjoint"]["seconds"]
+        print(f"{'half-ball':<28}{f'1e-{decade}':>10}{seconds:>8.2f}{abs(objective(one) / exact - 1):>12.1e}", flush=True)
+    guess = ('control.initial=["0", "-0.9"]', "optimizer.max_iterations=0", "mesh.size=1")
+    exact = objective(run("optimize", "half-disc", out / "solvers", *guess))
+    print(f"{'full VI':<28}{'tolerance':>10}{'s':>8}{'J off by':>12}")
+    for decade in range(-8, 3, 2):  # in units of the gap tolerance, 1e-10 of the body
+        one = run("optimize", "half-disc", out / "solvers", *guess, 'solver.vi="full"', petsc=("-full_vi_snes_atol", f"1e{-decade}"))
+        print(f"{'half-disc':<28}{f'1e{-decade}':>10}{one['timings']['forward']['seconds']:>8.2f}{abs(objective(one) / exact - 1):>12.1e}",
+              flush=True)  # fmt: skip
+    run("optimize", "half-disc", out / "solvers", "mesh.size=1", "optimizer.max_iterations=1000")
+    with open(out / "solvers" / "history.csv") as lines:
+        rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(lines)]
+    print(f"{'optimizer':<28}{'tolerance':>10}{'s':>8}{'J above last':>14}{'iterations':>12}")
+    best, first = rows[-1]["objective"], rows[0]["gradient_norm"]
+    for half in range(0, 12):
+        tolerance = 10 ** (-half / 2)
+        if met := next((row for row in rows if row["gradient_norm"] <= tolerance * first), None):
+            print(f"{'half-disc':<28}{tolerance:>10.1e}{met['seconds']:>8.2f}{met['objective'] / best - 1:>14.1e}{met['iteration']:>12.0f}")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("cases", nargs="*", choices=[*STUDIES, "solvers", []], metavar="CASE")
+    parser.add_argument("--out", type=Path, default=ROOT / "results" / "accuracy")
+    given = parser.parse_args()
+    given.out.mkdir(parents=True, exist_ok=True)
+    for case in given.cases or [*STUDIES, "solvers"]:
+        solvers(given.out) if case == "solvers" else study(case, given.out)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
