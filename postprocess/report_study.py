@@ -79,9 +79,17 @@ def heading(study: StudyFolder, name: str) -> str:
 
 def orders(study: StudyFolder) -> Table:
     rows = [[heading(study, order["quantity"]), str(Method(order["degree"], order["scheme"], order["mass"])),
-             *(digits(order.get(part)) for part in ("space", "time", "both"))] for order in study.manifest["orders"]]  # fmt: skip
-    return Table("Powers of the element size, the time step and of both refined together with which errors fall",
+             *(observed(order, part) for part in ("space", "time", "both"))] for order in study.manifest["orders"]]  # fmt: skip
+    return Table("Powers of the element size, the time step and of both refined together with which errors fall, and "
+                 "their range from rung to rung",
                  ["Quantity", "Method", "Space", "Time", "Both"], rows)
+
+
+def observed(order: dict, part: str) -> str:
+    if order.get(part) is None:
+        return digits(None)
+    least, largest = order["scatter"][part]
+    return f"{order[part]:.2f} ({least:.2f} to {largest:.2f})"
 
 
 def rungs(study: StudyFolder) -> Table:
@@ -89,7 +97,7 @@ def rungs(study: StudyFolder) -> Table:
     head = ["Rung", "Size (m)", "Step (s)", "Method", "Unknowns", "Steps", "Time (s)", "Memory (MB)"]
     for name, what in names.items():
         unit = f" ({what['unit']})" if what["unit"] else ""
-        head += [f"{heading(study, name)}{unit}", "Error", "Estimate"]
+        head += [f"{heading(study, name)}{unit}", "Error", "Estimate", "Effectivity"]
     rows = [row(rung, list(names)) for rung in study.rungs]
     return Table("A star marks the rungs of the Pareto front of a quantity", head, rows)
 
@@ -99,7 +107,8 @@ def row(rung: Rung, names: list[str]) -> list[object]:
              whole(rung["steps"]), digits(rung["seconds"]), whole(rung["memory_bytes"] / 1e6)]  # fmt: skip
     for name in names:
         star = " ★" if rung[f"{name}_pareto"] == 1 else ""
-        cells += [digits(rung[name], 6), percent(rung[f"{name}_error"]) + star, percent(rung[f"{name}_estimate"])]
+        cells += [digits(rung[name], 6), percent(rung[f"{name}_error"]) + star, percent(rung[f"{name}_estimate"]),
+                  digits(rung[f"{name}_effectivity"])]  # fmt: skip
     return cells
 
 

@@ -59,7 +59,7 @@ class StudyFolder:
     def rungs(self) -> list[Rung]:
         """study.csv."""
         file = self.path / "study.csv"
-        parts = ("", "_error", "_estimate", "_pareto")
+        parts = ("", "_error", "_estimate", "_effectivity", "_pareto")
         columns = NUMBERS + [f"{name}{part}" for name in self.manifest["quantities"] for part in parts]
         try:
             with file.open(encoding="utf-8", newline="") as lines:
