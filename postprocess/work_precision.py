@@ -42,7 +42,7 @@ def draw(study: StudyFolder, quantity: str) -> Path:
     handles = [Line2D([], [], color=COLOURS[kind], label=NAMES[kind]) for kind in kinds]
     if len({method.degree for method in methods}) > 1:
         handles += [Line2D([], [], color="0.3", ls=line, label=f"degree {degree}") for degree, line in ((1, "-"), (2, "--"))]
-    axes.legend(handles=handles, fontsize=10, loc="lower left")
+    figure.legend(handles=handles, loc="outside upper center", ncols=2, columnspacing=1.2, handlelength=1.8)
     return style.save(figure, study.path / "figures" / f"work_precision_{quantity}.png")
 
 

@@ -175,9 +175,8 @@ Errors errors(const Quantity& quantity, const std::vector<Result>& results, cons
       found.error.back() = distance_to_exact(quantity, *run, exact);
     else if (i != *found.reference)
       found.error.back() = distance(quantity, *run, *results[*found.reference].measured);
-    if (quantity.name == "J") {
-      if (run->estimate_space)
-        found.estimate.back() = std::abs(*run->estimate_space + *run->estimate_time) / std::abs(run->numbers.at("J"));
+    if (quantity.name == "J" && run->estimate_space) {
+      found.estimate.back() = std::abs(*run->estimate_space + *run->estimate_time) / std::abs(run->numbers.at("J"));
     } else if (const auto members = family(results, results[i].rung); !members.empty()) {
       found.estimate.back() = extrapolated(quantity, members, results[i], orders_of(quantity, members, {}));
     }
