@@ -1,7 +1,7 @@
 #include "fem/enrichment.h"
+#include "fem/simplex.h"
 #include <array>
 #include <basix/cell.h>
-#include <cmath>
 #include <dolfinx/fem/FunctionSpace.h>
 #include <dolfinx/mesh/Mesh.h>
 
@@ -10,36 +10,7 @@ using petsc::check;
 
 namespace {
 
-using Point = std::array<double, 3>;
-
-Point difference(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-
-Point cross(const Point& a, const Point& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/// Gradients of the barycentric coordinates of a simplex, and its volume (in units of dim!).
-struct Gradients {
-  std::array<Point, 4> of{};
-  double volume = 0;
-};
-
-Gradients gradients(const std::array<Point, 4>& x, int dim) {
-  const Point a = difference(x[1], x[0]), b = difference(x[2], x[0]);
-  const Point c = dim == 3 ? difference(x[3], x[0]) : Point{0, 0, 1};
-  const double volume = dot(a, cross(b, c));
-  const std::array<Point, 3> dual{cross(b, c), cross(c, a), cross(a, b)};
-  Gradients result;
-  for (int i = 1; i <= dim; ++i)
-    for (int k = 0; k < 3; ++k) {
-      result.of[i][k] = dual[i - 1][k] / volume;
-      result.of[0][k] -= result.of[i][k];
-    }
-  result.volume = std::abs(volume);
-  return result;
-}
+using Point = Simplex::Point;
 
 /// A matrix between the nodes of two spaces.
 petsc::Matrix between(const Space& rows, const Space& columns) {
@@ -92,12 +63,14 @@ std::vector<petsc::Matrix> averaged_gradient(const Space& linear, const Space& q
   petsc::Vector volume;
   check(MatCreateVecs(gradient.front(), nullptr, volume.put()));
   for_each_owned_cell(linear, quadratic, [&](const Cell& cell) {
-    const Gradients phi = gradients(cell.x, dim);
+    const Simplex simplex(dim, [&](int i) { return cell.x[i]; });
     for (PetscInt row : cell.linear) {
-      check(VecSetValue(volume, row, phi.volume, ADD_VALUES));
-      for (int c = 0; c < dim; ++c)
-        for (std::size_t j = 0; j < cell.linear.size(); ++j)
-          check(MatSetValue(gradient[c], row, cell.linear[j], phi.volume * phi.of[j][c], ADD_VALUES));
+      check(VecSetValue(volume, row, simplex.volume(), ADD_VALUES));
+      for (std::size_t j = 0; j < cell.linear.size(); ++j) {
+        const Point phi = simplex.gradient(static_cast<int>(j));
+        for (int c = 0; c < dim; ++c)
+          check(MatSetValue(gradient[c], row, cell.linear[j], simplex.volume() * phi[c], ADD_VALUES));
+      }
     }
   });
   check(VecAssemblyBegin(volume));
@@ -132,12 +105,12 @@ Enrichment enrich(const Space& linear, const Space& quadratic) {
     for (std::size_t e = 0; e < edges.size(); ++e) {
       const PetscInt middle = cell.quadratic[cell.linear.size() + e];
       const auto a = static_cast<std::size_t>(edges[e][0]), b = static_cast<std::size_t>(edges[e][1]);
-      const Point along = difference(cell.x[b], cell.x[a]);
+      const auto along = [&](int c) { return cell.x[b][c] - cell.x[a][c]; };
       for (std::size_t end : {a, b})
         check(MatSetValue(embed, middle, cell.linear[end], 0.5, INSERT_VALUES));
       for (int c = 0; c < dim; ++c) {
-        check(MatSetValue(bend[c], middle, cell.linear[a], along[c] / 8, INSERT_VALUES));
-        check(MatSetValue(bend[c], middle, cell.linear[b], -along[c] / 8, INSERT_VALUES));
+        check(MatSetValue(bend[c], middle, cell.linear[a], along(c) / 8, INSERT_VALUES));
+        check(MatSetValue(bend[c], middle, cell.linear[b], -along(c) / 8, INSERT_VALUES));
       }
     }
   });

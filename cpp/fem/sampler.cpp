@@ -1,5 +1,6 @@
 #include "fem/sampler.h"
 #include "base/collective.h"
+#include "fem/simplex.h"
 #include <array>
 #include <basix/quadrature.h>
 #include <dolfinx/fem/CoordinateElement.h>
@@ -23,42 +24,12 @@ std::vector<std::int32_t> owned_cells(const dolfinx::mesh::Mesh<double>& mesh) {
   return cells;
 }
 
-/// A straight simplex: x = corner + J ξ.
-struct Simplex {
-  std::array<double, 3> corner{};
-  std::array<std::array<double, 3>, 3> edges{}; ///< columns of J
-
-  Simplex(const dolfinx::mesh::Mesh<double>& mesh, std::int32_t cell) {
-    const auto& geometry = mesh.geometry();
-    const auto dofs = geometry.dofmap();
-    const std::span<const double> x = geometry.x();
-    const int dim = mesh.topology()->dim();
-    const auto vertex = [&](int i) { return &x[3 * static_cast<std::size_t>(dofs(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))]; };
-    std::copy_n(vertex(0), 3, corner.begin());
-    for (int e = 0; e < dim; ++e)
-      for (int c = 0; c < 3; ++c)
-        edges[e][c] = vertex(e + 1)[c] - corner[c];
-    if (dim == 2)
-      edges[2] = {0, 0, 1};
-  }
-
-  [[nodiscard]] double determinant() const {
-    const auto& [a, b, c] = edges;
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-  }
-
-  /// ξ of a point, by Cramer's rule.
-  [[nodiscard]] std::array<double, 3> reference(const double* x) const {
-    std::array<double, 3> xi{};
-    for (int k = 0; k < 3; ++k) {
-      Simplex replaced = *this;
-      for (int c = 0; c < 3; ++c)
-        replaced.edges[k][c] = x[c] - corner[c];
-      xi[k] = replaced.determinant() / determinant();
-    }
-    return xi;
-  }
-};
+Simplex simplex(const dolfinx::mesh::Mesh<double>& mesh, std::int32_t cell) {
+  const auto dofs = mesh.geometry().dofmap();
+  const std::span<const double> x = mesh.geometry().x();
+  return {mesh.topology()->dim(),
+          [&](int i) { return &x[3 * static_cast<std::size_t>(dofs(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))]; }};
+}
 
 /// For each point the owned cell that holds it or, if none does, the nearest one, with the distance squared.
 std::vector<std::pair<double, std::int32_t>> nearest_cells(const dolfinx::mesh::Mesh<double>& mesh, const std::vector<double>& points) {
@@ -107,13 +78,10 @@ Quadrature quadrature(const mesh::Mesh& mesh) {
       basix::polyset::type::standard, order);
   std::vector<std::array<double, 4>> rows; // x, y, z, weight
   for (std::int32_t c : owned_cells(cells)) {
-    const Simplex simplex(cells, c);
+    const Simplex here = simplex(cells, c);
     for (std::size_t q = 0; q < w.size(); ++q) {
-      std::array<double, 4> row{simplex.corner[0], simplex.corner[1], simplex.corner[2], w[q] * std::abs(simplex.determinant())};
-      for (int e = 0; e < dim; ++e)
-        for (int k = 0; k < 3; ++k)
-          row[k] += x[q * static_cast<std::size_t>(dim) + static_cast<std::size_t>(e)] * simplex.edges[e][k];
-      rows.push_back(row);
+      const Simplex::Point point = here.point(&x[q * static_cast<std::size_t>(dim)]);
+      rows.push_back({point[0], point[1], point[2], w[q] * here.volume()});
     }
   }
   rows = gather(mesh.comm(), rows);
@@ -155,7 +123,7 @@ Sampler::Sampler(const Space& space, const std::vector<double>& points)
     const auto nodes = dofmap->cell_dofs(found[i].second);
     std::vector<std::int64_t> columns(nodes.size());
     dofmap->index_map->local_to_global(nodes, columns);
-    const std::vector<double> phi = basis(*element, Simplex(mesh, found[i].second).reference(&points[3 * i]), dim_);
+    const std::vector<double> phi = basis(*element, simplex(mesh, found[i].second).reference(&points[3 * i]), dim_);
     for (std::size_t j = 0; j < columns.size(); ++j)
       check(MatSetValue(one, row, static_cast<PetscInt>(columns[j]), phi[j], INSERT_VALUES));
     ++row;

@@ -1,0 +1,68 @@
+#pragma once
+#include <array>
+#include <cmath>
+
+namespace signorini::fem {
+
+/// A straight triangle in the plane z = 0, or a tetrahedron: x = corner + J ξ.
+class Simplex {
+public:
+  using Point = std::array<double, 3>;
+
+  /// `vertex(i)` points to the coordinates of vertex i.
+  template <class Vertex>
+  Simplex(int dim, Vertex&& vertex) : dim_(dim) {
+    for (int k = 0; k < 3; ++k)
+      corner_[k] = vertex(0)[k];
+    for (int e = 0; e < dim; ++e)
+      for (int k = 0; k < 3; ++k)
+        edges_[e][k] = vertex(e + 1)[k] - corner_[k];
+    const Point& a = edges_[0];
+    const Point& b = edges_[1];
+    if (dim == 2)
+      edges_[2] = {0, 0, 1};
+    const Point& c = edges_[2];
+    dual_ = {cross(b, c), cross(c, a), cross(a, b)};
+    determinant_ = dot(a, dual_[0]);
+  }
+
+  /// dim! times the volume.
+  [[nodiscard]] double volume() const { return std::abs(determinant_); }
+
+  /// ∇ of the barycentric coordinate of vertex i.
+  [[nodiscard]] Point gradient(int i) const {
+    Point g{};
+    for (int e = 0; e < dim_; ++e)
+      for (int k = 0; k < 3; ++k)
+        g[k] += (i == 0 ? -1 : i == e + 1) * dual_[e][k] / determinant_;
+    return g;
+  }
+
+  /// ξ of a point, inside or not.
+  [[nodiscard]] Point reference(const double* x) const {
+    const Point from{x[0] - corner_[0], x[1] - corner_[1], x[2] - corner_[2]};
+    return {dot(dual_[0], from) / determinant_, dot(dual_[1], from) / determinant_, dot(dual_[2], from) / determinant_};
+  }
+
+  /// The point at ξ (dim).
+  [[nodiscard]] Point point(const double* xi) const {
+    Point x = corner_;
+    for (int e = 0; e < dim_; ++e)
+      for (int k = 0; k < 3; ++k)
+        x[k] += xi[e] * edges_[e][k];
+    return x;
+  }
+
+private:
+  static Point cross(const Point& a, const Point& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+  }
+  static double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+  int dim_;
+  Point corner_{};
+  std::array<Point, 3> edges_{}, dual_{}; ///< columns of J, rows of its inverse times its determinant
+  double determinant_ = 0;
+};
+
+} // namespace signorini::fem
