@@ -112,7 +112,7 @@ TEST_CASE("errors in contact are estimated, those of the desired motion included
       return estimated("scenes/half-disc.toml",
                        with({size, degree, "control.initial=[\"0\", \"-0.8\"]", "time.step=1e-4"}, scheme), true);
     };
-    const double exact = at("mesh.size=0.25", "mesh.degree=1").J;
+    const double exact = at("mesh.size=0.5", "mesh.degree=1").J;
     const Estimated run = at("mesh.size=1", "mesh.degree=1");
     const double effectivity = *run.error.space / (exact - run.J);
     INFO("effectivity " << effectivity);
