@@ -386,7 +386,7 @@ def later_cases() -> list[Case]:
         edited("memory as text", 'linear = "auto"', 'linear = "auto"\nmemory = "8 GB"', "solver.memory: ", "8 GB", "bytes",
                at="memory ="),
         edited("misspelt optimizer", "[optimizer]", '[optimizer]\nmethod = "lbgfs"', "optimizer.method: ", '"lbgfs"',
-               'mean "lbfgs"?', "projected-gradient, lbfgs, newton-cg", at="method ="),
+               'mean "lbfgs"?', "lbfgs, newton-cg, projected-gradient", at="method ="),
         Case("study of a quantity that the scene has not", ("--quantity: found \"heat\"", "displacement"), verb="study",
              options=("--quantity", "heat")),
         Case("resume", ("--resume: not available yet",), options=("--resume",), earlier=True),
