@@ -241,7 +241,7 @@ private:
       rows.push_back({name, "no size keeps the active sets", "<= 1e-06", false});
       return;
     }
-    control::Control h = problem_.hessian_product(d_);
+    control::Control h = problem_.l2_hessian_product(d_);
     const double size = controls_.norm(h), gradient = controls_.norm(problem_.l2_gradient());
     settle(moved(kept_size_));
     h.add(-1 / (2 * kept_size_), problem_.l2_gradient());

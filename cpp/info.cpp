@@ -2,6 +2,7 @@
 #include "base/collective.h"
 #include "base/memory.h"
 #include "io/manifest.h"
+#include "optimize/lbfgs.h"
 #include <chrono>
 #include <fmt/format.h>
 #include <map>
@@ -68,6 +69,8 @@ std::map<std::string, Cost> costs(const Problem& problem) {
                       own ? "a product" : density_product};
   if (controls.bounded())
     costs["control bounds"].bytes = own && controls.cellwise() ? 0 : vector;
+  if (scene.optimizer.method == "lbfgs")
+    costs["control"].bytes += 2 * optimize::lbfgs_pairs * controls.control_bytes();
   // The trajectories of the iterate and of the trial, and the desired states.
   costs["objective"] = {scene.objective->on ? "L2 of what is observed" : "W",
                         2 * trajectory_bytes(problem) + trajectory_bytes(problem) / 2,

@@ -7,6 +7,8 @@
 #include "info.h"
 #include "io/manifest.h"
 #include "io/output_folder.h"
+#include "optimize/lbfgs.h"
+#include "optimize/newton_cg.h"
 #include "optimize/projected_gradient.h"
 #include "record.h"
 #include <chrono>
@@ -207,7 +209,12 @@ int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   std::vector<io::HistoryRow> rows;
   {
     History history(control_problem, scene.optimizer, console);
-    stop = optimize::projected_gradient(reduced, control_problem.first_guess(scene), options, history);
+    control::Control guess = control_problem.first_guess(scene);
+    const std::string& method = scene.optimizer.method;
+    stop = method == "lbfgs" ? optimize::lbfgs(reduced, std::move(guess), options, history)
+           : method == "newton-cg"
+               ? optimize::newton_cg(reduced, std::move(guess), options, history)
+               : optimize::projected_gradient(reduced, std::move(guess), options, history);
     rows = history.rows();
   }
   if (rows.empty()) // interrupted before the first guess was evaluated: there is nothing to write
@@ -251,9 +258,10 @@ int run(const Request& request, const Console& console) {
   std::string text; // read once: ranks that saw different scenes would wait for each other for ever
   on_root(world(), [&] { text = scene::read(request.scene); });
   const scene::Scene scene = scene::parse(broadcast(world(), text), request.scene, request.overrides);
-  const std::filesystem::path out = !request.out.empty() ? request.out
-                                    : std::filesystem::path("results") /
-                                          (request.verb == "study" ? scene.name + "-study" : scene.name);
+  const std::filesystem::path out =
+      !request.out.empty()
+          ? request.out
+          : std::filesystem::path("results") / (request.verb == "study" ? scene.name + "-study" : scene.name);
   catch_stop_signals();
   if (request.verb == "simulate")
     return simulate_scene(scene, out, console);

@@ -202,6 +202,20 @@ void ControlSpace::project(Control& u) const {
   restrict(u);
 }
 
+void ControlSpace::hold(Control& w, const Control& u, const Control& d) const {
+  if (!bounded())
+    return;
+  const auto dim = static_cast<std::size_t>(space_.dim());
+  for (int k = 1; k <= w.count(); ++k) {
+    const petsc::WriteArray values(w.at(k));
+    const petsc::ReadArray at(u.at(k)), direction(d.at(k));
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if ((lower_ && at[i] <= (*lower_)[i % dim] && direction[i] < 0) ||
+          (upper_ && at[i] >= (*upper_)[i % dim] && direction[i] > 0))
+        values[i] = 0;
+  }
+}
+
 forward::Load ControlSpace::load(const Control& u) const {
   forward::Load load;
   if (whole_ && !cellwise_)

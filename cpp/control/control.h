@@ -70,6 +70,8 @@ public:
   [[nodiscard]] bool bounded() const { return lower_ || upper_; }
   /// Clips to the bounds: the projection in metric().
   void project(Control& u) const;
+  /// Sets w to zero where u is at a bound and d points out of it.
+  void hold(Control& w, const Control& u, const Control& d) const;
 
   /// Memory of one control, bytes. Collective.
   [[nodiscard]] double control_bytes() const;

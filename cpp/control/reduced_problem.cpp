@@ -1,6 +1,7 @@
 #include "control/reduced_problem.h"
 #include "base/counters.h"
 #include "base/error.h"
+#include "base/signals.h"
 #include "forward/extrapolation.h"
 #include <algorithm>
 #include <utility>
@@ -40,21 +41,23 @@ double ReducedProblem::value(const Control& u) {
 
 void ReducedProblem::accept() { std::swap(current_, trial_); }
 
-Control ReducedProblem::riesz(const forward::Load& dual, double scale, const Control& u) {
+Control ReducedProblem::riesz(const Point& at, const forward::Load& dual, double scale, const Control& u) {
   const auto timer = timers_.time("adjoint");
   Control g = controls_.unset();
   for (int k = 1; k <= g.count(); ++k)
     check(VecAXPBY(g.at(k), scale, 0, u.at(k)));
-  adjoint::sweep(stepper_, current_.trajectory, dual, [&](int k, Vec p) { controls_.add_riesz(k, p, g); });
+  adjoint::sweep(stepper_, at.trajectory, dual, [&](int k, Vec p) { controls_.add_riesz(k, p, g); });
   ++sweeps_.adjoint;
   return g;
 }
 
-Control ReducedProblem::adjoint(const forward::Load& dual) { return riesz(dual, 0, current_.u); }
+Control ReducedProblem::adjoint(const forward::Load& dual) { return riesz(current_, dual, 0, current_.u); }
 
-Control ReducedProblem::l2_gradient() {
-  return riesz(objective_.derivative(current_.trajectory), objective_.alpha(), current_.u);
+Control ReducedProblem::l2_gradient(const Point& at) {
+  return riesz(at, objective_.derivative(at.trajectory), objective_.alpha(), at.u);
 }
+
+Control ReducedProblem::l2_gradient() { return l2_gradient(current_); }
 
 petsc::Series ReducedProblem::adjoint_states(const std::vector<int>& steps) const {
   petsc::Series states(steps.size());
@@ -67,7 +70,13 @@ petsc::Series ReducedProblem::adjoint_states(const std::vector<int>& steps) cons
 }
 
 Control ReducedProblem::gradient() {
-  Control g = l2_gradient();
+  Control g = l2_gradient(current_);
+  controls_.to_metric(g);
+  return g;
+}
+
+Control ReducedProblem::trial_gradient() {
+  Control g = l2_gradient(trial_);
   controls_.to_metric(g);
   return g;
 }
@@ -82,18 +91,27 @@ petsc::Series ReducedProblem::linearised(const Control& d) {
   const forward::LoadAtStep load_at(stepper_.space(), load);
   forward::Extrapolation extrapolation(stepper_);
   for (std::size_t k = 1; k <= n; ++k) {
+    if (stop_requested(stepper_.space().comm()))
+      throw Interrupted();
     extrapolation.guess(dy[k - 1]);
     stepper_.linearised_step(k == 1 ? Vec(y0) : Vec(dy[k - 2]), v0, load_at(static_cast<int>(k)),
                              current_.trajectory.contact[k], dy[k - 1], v1);
     extrapolation.remember(dy[k - 1]);
     std::swap(v0, v1);
   }
+  ++sweeps_.forward;
   return dy;
 }
 
-Control ReducedProblem::hessian_product(const Control& d) {
+Control ReducedProblem::l2_hessian_product(const Control& d) {
   const petsc::Series dy = linearised(d);
-  return riesz(objective_.second_derivative(dy), objective_.alpha(), d);
+  return riesz(current_, objective_.second_derivative(dy), objective_.alpha(), d);
+}
+
+Control ReducedProblem::hessian_product(const Control& d) {
+  Control h = l2_hessian_product(d);
+  controls_.to_metric(h);
+  return h;
 }
 
 } // namespace signorini::control

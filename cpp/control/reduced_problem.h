@@ -14,7 +14,7 @@ class ReducedProblem {
 public:
   using Vector = Control;
 
-  /// What the sweeps cost so far.
+  /// Those made so far; a linearised one counts as a forward one.
   struct Sweeps {
     int forward = 0, adjoint = 0;
   };
@@ -35,12 +35,16 @@ public:
 
   /// The gradient as Riesz representative in the optimizer's metric.
   Control gradient();
+  /// The same at the trial.
+  Control trial_gradient();
 
   /// Hessian product H d at the current control, active sets frozen, as Riesz representative in L2(0,T; L2):
-  /// one linearised and one adjoint sweep.
+  /// one linearised and one adjoint sweep. Throws Interrupted.
+  Control l2_hessian_product(const Control& d);
+  /// The Hessian product as Riesz representative in the optimizer's metric.
   Control hessian_product(const Control& d);
 
-  /// S'(u) d: the linearised states δy_1…δy_N at the current control, active sets frozen.
+  /// S'(u) d: the linearised states δy_1…δy_N at the current control, active sets frozen. Throws Interrupted.
   petsc::Series linearised(const Control& d);
 
   /// S'(u)* w for duals w_1…w_N of the states, given like a load, as Riesz representative in L2(0,T; L2).
@@ -48,6 +52,7 @@ public:
 
   [[nodiscard]] double inner(const Control& u, const Control& w) const { return controls_.metric(u, w); }
   void project(Control& u) const { controls_.project(u); }
+  void hold(Control& w, const Control& u, const Control& d) const { controls_.hold(w, u, d); }
 
   [[nodiscard]] const Control& control() const { return current_.u; }
   [[nodiscard]] const Value& value() const { return current_.value; }
@@ -63,14 +68,15 @@ public:
   [[nodiscard]] const forward::Stepper& stepper() const { return stepper_; }
 
 private:
-  /// scale u + S'(u)* w as Riesz representative in L2(0,T; L2).
-  Control riesz(const forward::Load& dual, double scale, const Control& u);
-
   struct Point {
     Control u;
     forward::Trajectory trajectory;
     Value value;
   };
+
+  /// scale u + S'(at)* w as Riesz representative in L2(0,T; L2).
+  Control riesz(const Point& at, const forward::Load& dual, double scale, const Control& u);
+  Control l2_gradient(const Point& at);
 
   const forward::Stepper& stepper_;
   const ControlSpace& controls_;

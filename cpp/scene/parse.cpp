@@ -331,7 +331,7 @@ Objective objective(Reader in, const Control& control, const std::filesystem::pa
 
 Optimizer optimizer(Reader in) {
   Optimizer optimizer;
-  optimizer.method = in.choice("method", {"projected-gradient"}, optimizer.method, {"lbfgs", "newton-cg"});
+  optimizer.method = in.choice("method", {"lbfgs", "newton-cg", "projected-gradient"}, optimizer.method);
   optimizer.max_iterations = in.integer("max_iterations", 0, 1'000'000, optimizer.max_iterations);
   optimizer.tolerance = in.number("tolerance", {.least = 0, .greatest = 1}, optimizer.tolerance);
   in.finish();

@@ -156,12 +156,10 @@ std::string Reader::text(const std::string& key) {
 }
 
 std::string Reader::choice(const std::string& key, const std::vector<std::string>& allowed,
-                           const std::string& fallback, const std::vector<std::string>& later) {
+                           const std::string& fallback) {
   if (!has(key))
     return fallback;
   const std::string value = text(key);
-  if (std::ranges::find(later, value) != later.end())
-    fail(key, fmt::format("\"{}\" is not available yet; available: {}", value, list(allowed)));
   if (std::ranges::find(allowed, value) == allowed.end()) {
     const std::string near = nearest(value, allowed);
     fail(key, fmt::format("found \"{}\"{}, allowed: {}", value,

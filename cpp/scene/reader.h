@@ -33,7 +33,7 @@ public:
   int integer(const std::string& key, int least, int greatest, int fallback);
   std::string text(const std::string& key);
   std::string choice(const std::string& key, const std::vector<std::string>& allowed,
-                     const std::string& fallback, const std::vector<std::string>& later = {});
+                     const std::string& fallback);
   /// Names out of those allowed, each once, in the order given; an empty list is one.
   std::vector<std::string> names(const std::string& key, const std::vector<std::string>& allowed);
   std::vector<double> numbers(const std::string& key, const Limits& limits);

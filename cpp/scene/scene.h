@@ -126,7 +126,7 @@ struct Objective {
 };
 
 struct Optimizer {
-  std::string method = "projected-gradient";
+  std::string method = "lbfgs"; ///< or "newton-cg", "projected-gradient"
   int max_iterations = 1000;
   double tolerance = 1e-6; ///< of the gradient norm, relative to the first guess's
 };

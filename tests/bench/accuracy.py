@@ -79,7 +79,7 @@ def solvers(out: Path) -> None:
         one = run("optimize", "half-disc", out / "solvers", *guess, 'solver.vi="full"', petsc=("-full_vi_snes_atol", f"1e{-decade}"))
         print(f"{'half-disc':<28}{f'1e{-decade}':>10}{one['timings']['forward']['seconds']:>8.2f}{abs(objective(one) / exact - 1):>12.1e}",
               flush=True)  # fmt: skip
-    run("optimize", "half-disc", out / "solvers", "mesh.size=1", "optimizer.max_iterations=1000")
+    run("optimize", "half-disc", out / "solvers", "mesh.size=1", "optimizer.max_iterations=1000", 'optimizer.method="projected-gradient"')
     with open(out / "solvers" / "history.csv") as lines:
         rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(lines)]
     print(f"{'optimizer':<28}{'tolerance':>10}{'s':>8}{'J above last':>14}{'iterations':>12}")

@@ -531,8 +531,16 @@ def desired_motion() -> None:
 
 @key("optimizer.method")
 def optimizer_method() -> None:
-    a, b = optimize(iterations=2), optimize(iterations=2, optimizer__method="projected-gradient")
-    near(a.history["objective"], b.history["objective"], 0)
+    """Each goes down; of the first iterations only those of newton-cg make products, and projected-gradient's goes along the
+    gradient."""
+    sweeps = {}
+    for method in ("lbfgs", "newton-cg", "projected-gradient"):
+        history = optimize(iterations=3, optimizer__method=method).history
+        assert len(history["iteration"]) == 4 and (np.diff(history["objective"]) < 0).all()
+        sweeps[method] = history["adjoint_sweeps"][1]
+    assert sweeps["newton-cg"] > sweeps["lbfgs"] == sweeps["projected-gradient"] == 2
+    usual, named = optimize(iterations=3), optimize(iterations=3, optimizer__method="lbfgs")
+    near(usual.history["objective"], named.history["objective"], 0)
 
 
 @key("optimizer.max_iterations")
@@ -544,10 +552,11 @@ def max_iterations() -> None:
 
 @key("optimizer.tolerance")
 def tolerance() -> None:
-    norms = optimize(iterations=5, optimizer__tolerance=0).history["gradient_norm"]
+    steady = {"iterations": 5, "optimizer__method": "projected-gradient"}  # whose gradients shrink from the start
+    norms = optimize(**steady, optimizer__tolerance=0).history["gradient_norm"]
     assert len(norms) == 6 and (np.diff(norms) < 0).all()
     between = float(np.sqrt(norms[2] * norms[3]) / norms[0])
-    done = optimize(iterations=5, optimizer__tolerance=between)
+    done = optimize(**steady, optimizer__tolerance=between)
     assert len(done.history["iteration"]) == 4 and done.manifest["stop_reason"] == "gradient norm below tolerance"
 
 

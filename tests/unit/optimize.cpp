@@ -1,7 +1,9 @@
+#include "optimize/lbfgs.h"
+#include "optimize/newton_cg.h"
 #include "optimize/projected_gradient.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
-#include <numeric>
+#include <utility>
 #include <vector>
 
 using namespace signorini;
@@ -14,17 +16,50 @@ struct Point {
     for (std::size_t i = 0; i < x.size(); ++i)
       x[i] += a * other.x[i];
   }
+  void scale(double a) {
+    for (double& value : x)
+      value *= a;
+  }
 };
 
-/// ½ Σ c_i (x_i − t_i)² over lower ≤ x ≤ upper in the metric Σ w_i x_i y_i: minimiser clip(t).
-struct Quadratic {
+/// What the test problems share: the metric Σ w_i x_i y_i, bounds, and the points.
+struct Bounded {
   using Vector = Point;
-  std::vector<double> c{1, 4, 8, 3}, t{2, -3, 0.5, 0.1}, w{1, 2, 0.5, 4};
+  std::vector<double> w;
   double lower = -1, upper = 1;
-  double poison_at = std::numeric_limits<double>::infinity(); ///< the evaluation that returns NaN
-  int evaluations = 0, stop_at = 1'000'000;
   Point current, trial;
 
+  void accept() { current = trial; }
+  double inner(const Point& a, const Point& b) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < w.size(); ++i)
+      sum += w[i] * a.x[i] * b.x[i];
+    return sum;
+  }
+  void project(Point& u) const {
+    for (double& x : u.x)
+      x = std::clamp(x, lower, upper);
+  }
+  void hold(Point& v, const Point& u, const Point& d) const {
+    for (std::size_t i = 0; i < v.x.size(); ++i)
+      if ((u.x[i] <= lower && d.x[i] < 0) || (u.x[i] >= upper && d.x[i] > 0))
+        v.x[i] = 0;
+  }
+  /// From partial derivatives to the Riesz representative.
+  Point riesz(Point derivative) const {
+    for (std::size_t i = 0; i < w.size(); ++i)
+      derivative.x[i] /= w[i];
+    return derivative;
+  }
+};
+
+/// ½ Σ c_i (x_i − t_i)²: minimiser clip(t).
+struct Quadratic : Bounded {
+  std::vector<double> c{1, 4, 8, 3}, t{2, -3, 0.5, 0.1};
+  double poison_at = std::numeric_limits<double>::infinity(); ///< the evaluation that returns NaN
+  int evaluations = 0, stop_at = 1'000'000;
+
+  Quadratic() { w = {1, 2, 0.5, 4}; }
   double value(const Point& u) {
     if (++evaluations >= stop_at)
       throw Interrupted();
@@ -36,22 +71,126 @@ struct Quadratic {
       sum += c[i] / 2 * (u.x[i] - t[i]) * (u.x[i] - t[i]);
     return sum;
   }
-  void accept() { current = trial; }
-  Point gradient() {
-    Point g = current;
+  Point trial_gradient() {
+    Point g = trial;
     for (std::size_t i = 0; i < c.size(); ++i)
-      g.x[i] = c[i] * (current.x[i] - t[i]) / w[i];
-    return g;
+      g.x[i] = c[i] * (trial.x[i] - t[i]);
+    return riesz(g);
   }
-  double inner(const Point& a, const Point& b) const {
+  Point hessian_product(const Point& d) {
+    Point h = d;
+    for (std::size_t i = 0; i < c.size(); ++i)
+      h.x[i] *= c[i];
+    return riesz(h);
+  }
+};
+
+/// ½ xᵀQx − bᵀx with Q = tridiagonal (−1, 2 + i, −1): coupled, so that what is held changes the rest.
+struct Coupled : Bounded {
+  static constexpr std::size_t n = 40;
+  Coupled() {
+    for (std::size_t i = 0; i < n; ++i)
+      w.push_back(1 + 0.1 * static_cast<double>(i % 7));
+    lower = -0.5, upper = 0.25;
+  }
+  static double b(std::size_t i) { return 3 * std::sin(0.4 * static_cast<double>(i)); }
+  static Point product(const Point& x) {
+    Point q = x;
+    for (std::size_t i = 0; i < n; ++i)
+      q.x[i] =
+          (2 + static_cast<double>(i)) * x.x[i] - (i > 0 ? x.x[i - 1] : 0) - (i + 1 < n ? x.x[i + 1] : 0);
+    return q;
+  }
+  double value(const Point& u) {
+    trial = u;
+    const Point q = product(u);
     double sum = 0;
-    for (std::size_t i = 0; i < w.size(); ++i)
-      sum += w[i] * a.x[i] * b.x[i];
+    for (std::size_t i = 0; i < n; ++i)
+      sum += u.x[i] * (q.x[i] / 2 - b(i));
     return sum;
   }
-  void project(Point& u) const {
-    for (double& x : u.x)
-      x = std::clamp(x, lower, upper);
+  Point derivative(const Point& u) const {
+    Point g = product(u);
+    for (std::size_t i = 0; i < n; ++i)
+      g.x[i] -= b(i);
+    return g;
+  }
+  Point trial_gradient() { return riesz(derivative(trial)); }
+  Point hessian_product(const Point& d) { return riesz(product(d)); }
+};
+
+/// max over two quadratics, ½|x − a|² and ½|x + a|² + 1/2, without bounds. With |a| = 1 both are 25/32 at the
+/// minimiser, x = −a/4, where the gradients −5a/4 and 3a/4 have 0 between them.
+struct Kinked : Bounded {
+  std::vector<double> a{0.6, 0.8, 0};
+  Kinked() { w = {1, 3, 2}, lower = -1e300, upper = 1e300; }
+  std::pair<double, double> parts(const Point& u) const {
+    double first = 0, second = 0.5;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      first += (u.x[i] - a[i]) * (u.x[i] - a[i]) / 2;
+      second += (u.x[i] + a[i]) * (u.x[i] + a[i]) / 2;
+    }
+    return {first, second};
+  }
+  double value(const Point& u) {
+    trial = u;
+    const auto [first, second] = parts(u);
+    return std::max(first, second);
+  }
+  Point trial_gradient() {
+    const auto [first, second] = parts(trial);
+    Point g = trial;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      g.x[i] += (first > second ? -1 : 1) * a[i];
+    return riesz(g);
+  }
+  Point hessian_product(const Point& d) { return riesz(d); }
+};
+
+/// Rosenbrock's function in the plane.
+struct Valley : Bounded {
+  Valley() { w = {2, 0.5}, lower = -1e300, upper = 1e300; }
+  double value(const Point& u) {
+    trial = u;
+    const double x = u.x[0], y = u.x[1];
+    return 100 * (y - x * x) * (y - x * x) + (1 - x) * (1 - x);
+  }
+  Point trial_gradient() {
+    const double x = trial.x[0], y = trial.x[1];
+    return riesz({{-400 * x * (y - x * x) - 2 * (1 - x), 200 * (y - x * x)}});
+  }
+  Point hessian_product(const Point& d) {
+    const double x = current.x[0], y = current.x[1];
+    const Point h{
+        {(1200 * x * x - 400 * y + 2) * d.x[0] - 400 * x * d.x[1], -400 * x * d.x[0] + 200 * d.x[1]}};
+    return riesz(h);
+  }
+};
+
+/// Σ (x_i² − 1)²/4: minimisers at ±1 in each direction, maxima at zero.
+struct Wells : Bounded {
+  int negative = 0; ///< Hessian products with negative curvature
+  Wells() { w = {1, 2, 0.5}, lower = -1e300, upper = 1e300; }
+  double value(const Point& u) {
+    trial = u;
+    double sum = 0;
+    for (double x : u.x)
+      sum += (x * x - 1) * (x * x - 1) / 4;
+    return sum;
+  }
+  Point trial_gradient() {
+    Point g = trial;
+    for (double& x : g.x)
+      x = x * x * x - x;
+    return riesz(g);
+  }
+  Point hessian_product(const Point& d) {
+    Point h = d;
+    for (std::size_t i = 0; i < d.x.size(); ++i)
+      h.x[i] *= 3 * current.x[i] * current.x[i] - 1;
+    const Point product = riesz(h);
+    negative += inner(product, d) < 0;
+    return product;
   }
 };
 
@@ -62,75 +201,180 @@ struct Record {
 
 const Point start{{0, 0, 0, 5}};
 
-} // namespace
+enum class Method { projected_gradient, lbfgs, newton_cg };
+constexpr Method methods[] = {Method::projected_gradient, Method::lbfgs, Method::newton_cg};
 
-TEST_CASE("projected gradient finds the bounded minimiser, downhill all the way", "[optimize]") {
-  Quadratic problem;
-  Record record;
-  const auto stop = optimize::projected_gradient(problem, start, {.max_iterations = 500, .tolerance = 1e-6}, record);
-  CHECK(stop == optimize::Stop::gradient_tolerance);
-  for (std::size_t i = 0; i < problem.t.size(); ++i)
-    CHECK(std::abs(problem.current.x[i] - std::clamp(problem.t[i], -1.0, 1.0)) < 1e-5);
-  CHECK(record.rows.size() > 3);
-  for (std::size_t i = 1; i < record.rows.size(); ++i)
-    CHECK(record.rows[i].objective < record.rows[i - 1].objective);
-}
-
-TEST_CASE("a first step that is much too long or short is repaired", "[optimize]") {
-  for (double length : {1e8, 1e-8}) {
-    Quadratic problem;
-    Record record;
-    const auto stop = optimize::projected_gradient(
-        problem, start, {.max_iterations = 5000, .tolerance = 1e-4, .first_step = length}, record);
-    CHECK(stop == optimize::Stop::gradient_tolerance);
+template <class P>
+optimize::Stop minimise(Method method, P& problem, const Point& from, const optimize::Options& options,
+                        Record& record) {
+  INFO("method " << static_cast<int>(method));
+  switch (method) {
+  case Method::lbfgs:
+    return optimize::lbfgs(problem, from, options, record);
+  case Method::newton_cg:
+    return optimize::newton_cg(problem, from, options, record);
+  default:
+    return optimize::projected_gradient(problem, from, options, record);
   }
 }
 
+} // namespace
+
+TEST_CASE("all methods find the bounded minimiser, downhill all the way", "[optimize]") {
+  for (Method method : methods) {
+    Quadratic problem;
+    Record record;
+    const auto stop = minimise(method, problem, start, {.max_iterations = 500, .tolerance = 1e-6}, record);
+    CHECK(stop == optimize::Stop::gradient_tolerance);
+    for (std::size_t i = 0; i < problem.t.size(); ++i)
+      CHECK(std::abs(problem.current.x[i] - std::clamp(problem.t[i], -1.0, 1.0)) < 1e-5);
+    CHECK(record.rows.size() > 2);
+    for (std::size_t i = 1; i < record.rows.size(); ++i)
+      CHECK(record.rows[i].objective < record.rows[i - 1].objective);
+  }
+}
+
+TEST_CASE("a first step that is much too long or short is repaired", "[optimize]") {
+  for (Method method : methods)
+    for (double length : {1e8, 1e-8}) {
+      Quadratic problem;
+      Record record;
+      const auto stop = minimise(method, problem, start,
+                                 {.max_iterations = 5000, .tolerance = 1e-4, .first_step = length}, record);
+      CHECK(stop == optimize::Stop::gradient_tolerance);
+    }
+}
+
 TEST_CASE("the search says why it stopped", "[optimize]") {
-  Record record;
-  Quadratic limited;
-  CHECK(optimize::projected_gradient(limited, start, {.max_iterations = 3, .tolerance = 0}, record) ==
-        optimize::Stop::iteration_limit);
-  CHECK(record.rows.size() == 4);
-  Quadratic exhausted;
-  CHECK(optimize::projected_gradient(exhausted, start, {.max_iterations = 100'000, .tolerance = 0}, record) ==
-        optimize::Stop::no_decrease);
-  Quadratic stopped;
-  stopped.stop_at = 6;
-  CHECK(optimize::projected_gradient(stopped, start, {.max_iterations = 100, .tolerance = 0}, record) ==
-        optimize::Stop::interrupted);
-  CHECK(stopped.current.x.size() == 4);
+  for (Method method : methods) {
+    Record record;
+    Coupled limited;
+    const Point origin{std::vector<double>(Coupled::n)};
+    CHECK(minimise(method, limited, origin, {.max_iterations = 2, .tolerance = 0}, record) ==
+          optimize::Stop::iteration_limit);
+    CHECK(record.rows.size() == 3);
+    Coupled exhausted;
+    const auto stop =
+        minimise(method, exhausted, origin, {.max_iterations = 100'000, .tolerance = 0}, record);
+    // Newton's method may end exactly at the minimiser.
+    CHECK((stop == optimize::Stop::no_decrease || record.rows.back().gradient_norm == 0));
+    Quadratic stopped;
+    stopped.stop_at = 3;
+    CHECK(minimise(method, stopped, start, {.max_iterations = 100, .tolerance = 0}, record) ==
+          optimize::Stop::interrupted);
+    CHECK(stopped.current.x.size() == 4);
+    CHECK(stopped.evaluations == 3);
+  }
 }
 
 TEST_CASE("a value that is not finite is never accepted", "[optimize]") {
-  Record record;
-  Quadratic trial;
-  trial.poison_at = 4;
-  CHECK(optimize::projected_gradient(trial, start, {.max_iterations = 500, .tolerance = 1e-6}, record) ==
-        optimize::Stop::gradient_tolerance);
-  for (const auto& row : record.rows)
-    CHECK(std::isfinite(row.objective));
-  Quadratic first;
-  first.poison_at = 1;
-  CHECK_THROWS_AS((void)optimize::projected_gradient(first, start, {}, record), SolverFailure);
+  for (Method method : methods) {
+    Record record;
+    Quadratic trial;
+    trial.poison_at = 2;
+    CHECK(minimise(method, trial, start, {.max_iterations = 500, .tolerance = 1e-6}, record) ==
+          optimize::Stop::gradient_tolerance);
+    for (const auto& row : record.rows)
+      CHECK(std::isfinite(row.objective));
+    Quadratic first;
+    first.poison_at = 1;
+    CHECK_THROWS_AS((void)minimise(method, first, start, {}, record), SolverFailure);
+  }
 }
 
-TEST_CASE("a trial that the solver fails at is shortened, and a start that it fails at is an error", "[optimize]") {
+TEST_CASE("a trial that the solver fails at is shortened, and a start that it fails at is an error",
+          "[optimize]") {
   struct Fragile : Quadratic {
-    double radius = 6; ///< the solver fails outside
+    double radius = 6;                  ///< the solver fails outside
+    int failures = 0, last = 1'000'000; ///< evaluations after the last one fail too
+    Fragile() { lower = -1e300, upper = 1e300; }
     double value(const Point& u) {
-      for (double x : u.x)
-        if (std::abs(x) > radius)
-          throw SolverFailure("too far");
+      const bool outside = std::ranges::any_of(u.x, [&](double x) { return std::abs(x) > radius; });
+      if (outside || evaluations >= last) {
+        ++failures;
+        throw SolverFailure("too far");
+      }
       return Quadratic::value(u);
     }
-    void project(Point&) const {}
   };
+  for (Method method : methods) {
+    Record record;
+    Fragile fragile;
+    if (method == Method::newton_cg) // whose first step is else the exact one, within the radius
+      fragile.radius = 5;
+    CHECK(minimise(method, fragile, start, {.max_iterations = 500, .tolerance = 1e-5, .first_step = 1e6},
+                   record) == optimize::Stop::gradient_tolerance);
+    CHECK((fragile.failures > 0 || method == Method::newton_cg));
+    Fragile broken;
+    broken.last = 1;
+    CHECK(minimise(method, broken, start, {}, record) == optimize::Stop::solver_failed);
+    CHECK(broken.current.x == start.x);
+    Fragile lost;
+    lost.radius = 1;
+    CHECK_THROWS_AS((void)minimise(method, lost, start, {}, record), SolverFailure);
+  }
+}
+
+TEST_CASE("what is held couples to the rest: all methods end where Karush, Kuhn and Tucker's conditions hold",
+          "[optimize]") {
+  for (Method method : methods) {
+    Coupled problem;
+    Record record;
+    const auto stop = minimise(method, problem, Point{std::vector<double>(Coupled::n)},
+                               {.max_iterations = 5000, .tolerance = 1e-6}, record);
+    CHECK(stop == optimize::Stop::gradient_tolerance);
+    const Point g = problem.derivative(problem.current);
+    int held = 0;
+    for (std::size_t i = 0; i < Coupled::n; ++i) {
+      const double x = problem.current.x[i];
+      held += x == problem.lower || x == problem.upper;
+      if (x > problem.lower)
+        CHECK(g.x[i] < 1e-4);
+      if (x < problem.upper)
+        CHECK(g.x[i] > -1e-4);
+    }
+    CHECK(held > 3);
+    CHECK(held < static_cast<int>(Coupled::n) - 3);
+    if (method != Method::projected_gradient)
+      CHECK(record.rows.size() < 60);
+  }
+}
+
+TEST_CASE("a minimiser on a kink is found where the gradient does not vanish", "[optimize]") {
+  Kinked problem;
   Record record;
-  Fragile fragile;
-  CHECK(optimize::projected_gradient(fragile, start, {.max_iterations = 500, .tolerance = 1e-5, .first_step = 1e6},
-                                     record) == optimize::Stop::gradient_tolerance);
-  Fragile lost;
-  lost.radius = 1;
-  CHECK_THROWS_AS((void)optimize::projected_gradient(lost, start, {}, record), SolverFailure);
+  const auto stop =
+      optimize::lbfgs(problem, Point{{2, -1, 1}}, {.max_iterations = 500, .tolerance = 1e-8}, record);
+  CHECK(stop == optimize::Stop::no_decrease);
+  const double x[] = {-0.15, -0.2, 0};
+  for (std::size_t i = 0; i < 3; ++i)
+    CHECK(std::abs(problem.current.x[i] - x[i]) < 1e-5);
+  CHECK(record.rows.back().gradient_norm > 0.1);
+}
+
+TEST_CASE("the curved valley is followed to its end", "[optimize]") {
+  for (Method method : {Method::lbfgs, Method::newton_cg}) {
+    Valley problem;
+    Record record;
+    const auto stop =
+        minimise(method, problem, Point{{1, 3}}, {.max_iterations = 200, .tolerance = 1e-9}, record);
+    CHECK(stop == optimize::Stop::gradient_tolerance);
+    CHECK(std::abs(problem.current.x[0] - 1) < 1e-6);
+    CHECK(std::abs(problem.current.x[1] - 1) < 1e-6);
+    CHECK(record.rows.size() < 60);
+  }
+}
+
+TEST_CASE("negative curvature leads away from a maximum", "[optimize]") {
+  for (Method method : {Method::lbfgs, Method::newton_cg}) {
+    Wells problem;
+    Record record;
+    const auto stop = minimise(method, problem, Point{{0.1, -0.01, 0.5}},
+                               {.max_iterations = 200, .tolerance = 1e-9}, record);
+    CHECK(stop == optimize::Stop::gradient_tolerance);
+    for (double x : problem.current.x)
+      CHECK(std::abs(std::abs(x) - 1) < 1e-6);
+    CHECK(record.rows.size() < 40);
+    CHECK((problem.negative > 0) == (method == Method::newton_cg));
+  }
 }

@@ -33,7 +33,8 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "out"
         start = time.perf_counter()
-        signorini("optimize", HALF_DISC, out, optimizer__max_iterations=1000, optimizer__tolerance=0)
+        signorini("optimize", HALF_DISC, out, optimizer__method="projected-gradient", optimizer__max_iterations=1000,
+                  optimizer__tolerance=0)  # fmt: skip
         minutes = (time.perf_counter() - start) / 60
         history, steps, contact = (table(out / f"{name}.csv") for name in ("history", "steps", "contact"))
         run = json.loads((out / "run.json").read_text())

@@ -49,7 +49,7 @@ def main() -> int:
         reasons = set()
         for scheme, over in SCHEMES.items():
             for case, more in CASES.items():
-                given = {"optimizer__max_iterations": MOST, "optimizer__tolerance": 1e-6} | more
+                given = {"optimizer__method": "projected-gradient", "optimizer__max_iterations": MOST, "optimizer__tolerance": 1e-6} | more
                 signorini("optimize", HALF_DISC, out, mesh__size=1.0, control__initial=FAR, output__fields=[], **(over | given))
                 history, run = table(out / "history.csv"), json.loads((out / "run.json").read_text())
                 objective, norm = history["objective"], history["gradient_norm"]

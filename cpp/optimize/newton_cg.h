@@ -1,0 +1,98 @@
+#pragma once
+#include "optimize/descent.h"
+#include <algorithm>
+#include <utility>
+
+namespace signorini::optimize {
+
+template <class P>
+concept TwiceDifferentiable = BoundedProblem<P> && requires(P problem, const typename P::Vector& d) {
+  // H d at the current point, Riesz representative by inner()
+  { problem.hessian_product(d) } -> std::same_as<typename P::Vector>;
+};
+
+/// Conjugate gradients on the free values, ended by the trust region or negative curvature (Steihaug 1983,
+/// Toint 1981) or as soon as the Newton equation is solved well enough for superlinear convergence; better is
+/// lost where the active sets change. Where the whole step is too long it is shortened rather than solved for
+/// again (Nocedal, Yuan 1998): a trial costs one sweep, a product two. On a kink the model is that of one
+/// side, so that the search may end above the minimiser there.
+template <TwiceDifferentiable P>
+class TruncatedNewton {
+public:
+  using Vector = typename P::Vector;
+
+  explicit TruncatedNewton(double first_step) : radius_(first_step) {}
+
+  Vector direction(P& problem, const Iterate<P>& at) {
+    constexpr int most_products = 200;
+    Vector down = at.g;
+    down.scale(-1);
+    Vector r = tangential(problem, at.u, down);
+    double rr = problem.inner(r, r);
+    const double first = std::sqrt(rr);
+    first_ = std::max(first_, first);
+    if (steepest_) {
+      r.scale(radius_ / first);
+      return r;
+    }
+    const double enough = std::min(0.2, std::pow(first / first_, 0.25)) * first;
+    Vector d = r, p = r;
+    d.scale(0);
+    double dd = 0, dp = 0, pp = rr;
+    predicted_ = 0;
+    on_boundary_ = false;
+    for (int products = 0; products < most_products && std::sqrt(rr) > enough; ++products) {
+      Vector Hp = problem.hessian_product(p);
+      problem.hold(Hp, at.u, down);
+      const double curvature = problem.inner(p, Hp), step = rr / curvature;
+      if (!(curvature > 0) || dd + 2 * step * dp + step * step * pp >= radius_ * radius_) {
+        const double rest = radius_ * radius_ - dd;
+        const double to_boundary = rest / (dp + std::sqrt(dp * dp + pp * rest));
+        d.add(to_boundary, p);
+        predicted_ += to_boundary * rr - to_boundary * to_boundary / 2 * curvature;
+        on_boundary_ = true;
+        break;
+      }
+      d.add(step, p);
+      r.add(-step, Hp);
+      predicted_ += step * rr / 2;
+      dd += 2 * step * dp + step * step * pp;
+      const double before = std::exchange(rr, problem.inner(r, r));
+      const double beta = rr / before;
+      dp = beta * (dp + step * pp);
+      pp = rr + beta * beta * pp;
+      p.scale(beta);
+      p.add(1, r);
+    }
+    return tangential(problem, at.u, d);
+  }
+
+  void learn(const P& problem, const Iterate<P>& from, const Iterate<P>& to, double t) {
+    constexpr double poor = 0.25, good = 0.75;
+    Vector step = to.u;
+    step.add(-1, from.u);
+    const double length = norm(problem, step), ratio = (from.objective - to.objective) / predicted_;
+    if (std::exchange(steepest_, false) || t < 1)
+      radius_ = length;
+    else if (ratio < poor)
+      radius_ = length / 2;
+    else if (t > 1 || (on_boundary_ && ratio > good))
+      radius_ = std::max(radius_, 2 * length);
+  }
+
+  bool restart() { return !std::exchange(steepest_, true); }
+
+private:
+  double radius_;
+  double first_ = 0;     ///< largest gradient norm on free values so far
+  double predicted_ = 0; ///< decrease of the quadratic model by the last direction
+  bool on_boundary_ = false, steepest_ = false;
+};
+
+/// Newton's method with bounds, by Hessian products.
+template <TwiceDifferentiable P, class Report>
+[[nodiscard]] Stop newton_cg(P& problem, typename P::Vector u, const Options& options, Report&& report) {
+  return descend(problem, std::move(u), options, TruncatedNewton<P>(options.first_step), report);
+}
+
+} // namespace signorini::optimize

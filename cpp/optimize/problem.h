@@ -1,0 +1,88 @@
+#pragma once
+#include "base/error.h"
+#include <cmath>
+#include <concepts>
+#include <limits>
+#include <string>
+
+/// Algorithms against a concept: they know neither PETSc nor dolfinx. PETSc's TAO is not among them: it
+/// measures with the Euclidean product of the coefficients, whose iterations grow in number as the mesh is
+/// refined, and the change of variables by the root of the mass matrix that would cure this exists for a
+/// diagonal one only.
+namespace signorini::optimize {
+
+/// A smooth (or piecewise smooth) function on a Hilbert space with simple bounds.
+template <class P>
+concept BoundedProblem = requires(P problem, const typename P::Vector& u, typename P::Vector& w) {
+  { problem.value(u) } -> std::convertible_to<double>;              // J(u); u becomes the trial
+  { problem.trial_gradient() } -> std::same_as<typename P::Vector>; // there, Riesz representative by inner()
+  { problem.accept() };                                             // the trial becomes the current point
+  { problem.inner(u, u) } -> std::convertible_to<double>;
+  { problem.project(w) }; // onto the bounds, in the norm of inner()
+  {
+    problem.hold(w, u, u)
+  }; // (w, u, d): w = 0 where u is at a bound and d points out of it; symmetric by inner()
+  { w.add(1.0, u) };
+  { w.scale(1.0) };
+};
+
+enum class Stop { gradient_tolerance, iteration_limit, no_decrease, solver_failed, interrupted };
+
+inline std::string name(Stop stop) {
+  switch (stop) {
+  case Stop::gradient_tolerance:
+    return "gradient norm below tolerance";
+  case Stop::iteration_limit:
+    return "iteration limit";
+  case Stop::no_decrease:
+    return "no further decrease: the predicted one is below rounding (at a minimiser or a kink of J)";
+  case Stop::solver_failed:
+    return "solver failed in every trial step";
+  case Stop::interrupted:
+    return "interrupted";
+  }
+  return "unknown";
+}
+
+struct Options {
+  int max_iterations = 1000;
+  double tolerance = 1e-6; ///< of the stationarity measure, relative to the first
+  double first_step = 1;   ///< length of the first trial step
+};
+
+/// What an iteration did.
+struct Iteration {
+  int number = 0;
+  double objective = 0;
+  double gradient_norm = 0; ///< ‖u − P(u − g)‖; without bounds ‖g‖
+  double step_length =
+      0; ///< multiple taken of the direction, projected gradient: of the gradient; 0 in row 0
+};
+
+template <BoundedProblem P>
+double norm(const P& problem, const typename P::Vector& u) {
+  return std::sqrt(problem.inner(u, u));
+}
+
+/// Norm of u − P(u − g), which is zero exactly at stationary points.
+template <BoundedProblem P>
+double stationarity(const P& problem, const typename P::Vector& u, const typename P::Vector& g) {
+  typename P::Vector step = u;
+  step.add(-1, g);
+  problem.project(step);
+  step.add(-1, u);
+  return norm(problem, step);
+}
+
+inline void require_finite(const Iteration& iteration) {
+  if (!std::isfinite(iteration.objective) || !std::isfinite(iteration.gradient_norm))
+    throw SolverFailure("the objective or its gradient is not finite at iteration " +
+                        std::to_string(iteration.number));
+}
+
+/// A decrease below the rounding of J itself cannot be told from none.
+inline double rounding(double objective) {
+  return 4 * std::numeric_limits<double>::epsilon() * std::abs(objective);
+}
+
+} // namespace signorini::optimize
