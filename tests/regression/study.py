@@ -65,7 +65,7 @@ def orders(folder: Path) -> None:
 
 def ladder(folder: Path) -> None:
     """Prices ascend and are of the size of what then passes; a budget stops, what is there is kept, and a damaged rung runs again."""
-    choice = ("--sizes", "4,2,1,0.7,0.5", "--steps", "2.5e-4,1.25e-4,1e-4,7.5e-5,5e-5,3.75e-5", "--quantity", "J")
+    choice = ("--sizes", "4,2,1,0.5,0.35", "--steps", "2.5e-4,1.25e-4,1e-4,7.5e-5,5e-5,3.75e-5", "--quantity", "J")
     priced = study(HALF_DISC, None, *choice, "--dry-run").stdout
     assert "all 30: about" in priced and priced.count("size") == 30
     out = folder / "ladder"
