@@ -1,5 +1,6 @@
 #include "check.h"
 #include "base/error.h"
+#include "base/fit.h"
 #include "evaluation_point.h"
 #include "forward/invariants.h"
 #include <algorithm>
@@ -68,16 +69,6 @@ std::string shown(double value) { return fmt::format("{:.2e}", value); }
 
 Row below(const std::string& name, double value, double limit) {
   return {name, shown(value), "<= " + fmt::format("{:.0e}", limit), value <= limit};
-}
-
-/// Least-squares slope of log r over log ε.
-double order(const std::vector<std::pair<double, double>>& points) {
-  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-  for (const auto& [epsilon, remainder] : points) {
-    const double a = std::log(epsilon), b = std::log(remainder);
-    n += 1, x += a, y += b, xx += a * a, xy += a * b;
-  }
-  return (n * xy - x * y) / (n * xx - x * x);
 }
 
 class DerivativeCheck {
@@ -163,7 +154,7 @@ private:
       kept_size_ = invariance_radius(epsilon_of(sizes));
     const std::string difference = "derivative against the difference of J";
     if (usable.size() >= 3) {
-      const double p = order(usable);
+      const double p = log_log_slope(usable);
       rows.push_back({"Taylor order", fmt::format("{:.3f}", p), "2.00 +- 0.05", std::abs(p - 2) <= 0.05});
     } else if (kept_size_ == 0) {
       rows.push_back({difference, "no size keeps the active sets", "a size that keeps them", false});

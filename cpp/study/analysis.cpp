@@ -1,4 +1,5 @@
 #include "study/analysis.h"
+#include "base/fit.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -23,12 +24,14 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
 
 double relative(double difference, double size) { return size > 0 ? difference / size : std::numeric_limits<double>::quiet_NaN(); }
 
-double distance_to_exact(const Quantity& quantity, const Measured& run, const Exact& exact) {
+/// From what is known: another run, or exact values.
+template <class Known>
+double distance_to(const Quantity& quantity, const Measured& run, const Known& known) {
   if (quantity.field) {
-    const std::vector<double>& b = exact.fields.at(quantity.name);
+    const std::vector<double>& b = known.fields.at(quantity.name);
     return relative(difference(run.fields.at(quantity.name), b), norm(b));
   }
-  const double b = exact.numbers.at(quantity.name), off = std::abs(run.numbers.at(quantity.name) - b);
+  const double b = known.numbers.at(quantity.name), off = std::abs(run.numbers.at(quantity.name) - b);
   return quantity.absolute ? off : relative(off, std::abs(b));
 }
 
@@ -36,23 +39,18 @@ bool finer(const Rung& a, const Rung& b) { return std::tuple(-a.size, a.steps, a
 
 bool alike(const Rung& a, const Rung& b) { return a.degree == b.degree && a.scheme == b.scheme; }
 
-/// log(differences) over log(widths), and the slopes between neighbours.
+/// The slope of all points, and of neighbours.
 std::optional<Orders::Order> fit(const std::vector<std::pair<double, double>>& points) {
-  if (points.size() < 2)
+  const double slope = log_log_slope(points);
+  if (!std::isfinite(slope))
     return std::nullopt;
-  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-  Orders::Order order{0, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double a = std::log(points[i].first), b = std::log(points[i].second);
-    n += 1, x += a, y += b, xx += a * a, xy += a * b;
-    if (i > 0) {
-      const double local = (b - std::log(points[i - 1].second)) / (a - std::log(points[i - 1].first));
-      order.least = std::min(order.least, local);
-      order.largest = std::max(order.largest, local);
-    }
+  Orders::Order order{slope, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double local = log_log_slope({points[i - 1], points[i]});
+    order.least = std::min(order.least, local);
+    order.largest = std::max(order.largest, local);
   }
-  order.slope = (n * xy - x * y) / (n * xx - x * x);
-  return std::isfinite(order.slope) ? std::optional(order) : std::nullopt;
+  return order;
 }
 
 /// Order along a chain of rungs from coarse to fine whose widths are given: of the differences of neighbours or, given an exact
@@ -67,24 +65,30 @@ std::optional<Orders::Order> order(const Quantity& quantity, const std::vector<s
   };
   if (exact.knows(quantity))
     for (const auto& [width, run] : chain)
-      add(width, distance_to_exact(quantity, *run, exact));
+      add(width, distance_to(quantity, *run, exact));
   else
     for (std::size_t i = 0; i + 1 < chain.size(); ++i)
-      add(chain[i].first, distance(quantity, *chain[i].second, *chain[i + 1].second));
+      add(chain[i].first, distance_to(quantity, *chain[i].second, *chain[i + 1].second));
   return fit(points);
 }
 
-/// The rungs of one degree and scheme that have run, by size and steps.
-std::vector<const Result*> family(const std::vector<Result>& results, const Rung& like) {
-  std::vector<const Result*> members;
-  for (const Result& result : results)
-    if (result.measured && alike(result.rung, like))
-      members.push_back(&result);
-  std::ranges::sort(members, [](const Result* a, const Result* b) { return finer(b->rung, a->rung); });
-  return members;
+/// Rungs of one degree and scheme that have run, from coarse to fine.
+using Family = std::vector<const Result*>;
+
+std::vector<Family> families(const std::vector<Result>& results) {
+  std::vector<Family> all;
+  for (const Result& result : results) {
+    if (!result.measured)
+      continue;
+    const auto own = std::ranges::find_if(all, [&](const Family& family) { return alike(family.front()->rung, result.rung); });
+    (own == all.end() ? all.emplace_back() : *own).push_back(&result);
+  }
+  for (Family& family : all)
+    std::ranges::sort(family, [](const Result* a, const Result* b) { return finer(b->rung, a->rung); });
+  return all;
 }
 
-Orders orders_of(const Quantity& quantity, const std::vector<const Result*>& members, const Exact& exact) {
+Orders orders_of(const Quantity& quantity, const Family& members, const Exact& exact) {
   const Rung& finest = members.back()->rung;
   Orders found{quantity.name, finest.degree, finest.scheme, {}, {}, {}};
   using Chain = std::vector<std::pair<double, const Measured*>>;
@@ -118,7 +122,7 @@ Orders orders_of(const Quantity& quantity, const std::vector<const Result*>& mem
 }
 
 /// The error of a run from its differences to the next coarser ones, if they fall with the observed orders.
-std::optional<double> extrapolated(const Quantity& quantity, const std::vector<const Result*>& members, const Result& result,
+std::optional<double> extrapolated(const Quantity& quantity, const Family& members, const Result& result,
                                    const Orders& orders) {
   if (!orders.space || !orders.time || orders.space->slope <= 0 || orders.time->slope <= 0)
     return std::nullopt;
@@ -132,7 +136,7 @@ std::optional<double> extrapolated(const Quantity& quantity, const std::vector<c
   if (!wider || !longer)
     return std::nullopt;
   const auto part = [&](const Result& coarse, double ratio, double slope) {
-    return distance(quantity, *coarse.measured, *result.measured) / (std::pow(ratio, slope) - 1);
+    return distance_to(quantity, *coarse.measured, *result.measured) / (std::pow(ratio, slope) - 1);
   };
   return part(*wider, wider->rung.size / result.rung.size, orders.space->slope) +
          part(*longer, static_cast<double>(result.rung.steps) / longer->rung.steps, orders.time->slope);
@@ -153,12 +157,6 @@ std::vector<bool> pareto_front(const std::vector<Result>& results, const std::ve
 
 } // namespace
 
-double distance(const Quantity& quantity, const Measured& a, const Measured& b) {
-  return distance_to_exact(quantity, a,
-                           quantity.field ? Exact{{}, {{quantity.name, b.fields.at(quantity.name)}}}
-                                          : Exact{{{quantity.name, b.numbers.at(quantity.name)}}, {}});
-}
-
 Errors errors(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact) {
   Errors found{quantity, exact.knows(quantity), {}, {}, {}, {}, {}};
   if (!found.exact)
@@ -172,14 +170,17 @@ Errors errors(const Quantity& quantity, const std::vector<Result>& results, cons
     if (!run)
       continue;
     if (found.exact)
-      found.error.back() = distance_to_exact(quantity, *run, exact);
+      found.error.back() = distance_to(quantity, *run, exact);
     else if (i != *found.reference)
-      found.error.back() = distance(quantity, *run, *results[*found.reference].measured);
-    if (quantity.name == "J" && run->estimate_space) {
+      found.error.back() = distance_to(quantity, *run, *results[*found.reference].measured);
+    if (quantity.name == "J" && run->estimate_space)
       found.estimate.back() = std::abs(*run->estimate_space + *run->estimate_time) / std::abs(run->numbers.at("J"));
-    } else if (const auto members = family(results, results[i].rung); !members.empty()) {
-      found.estimate.back() = extrapolated(quantity, members, results[i], orders_of(quantity, members, {}));
-    }
+  }
+  for (const Family& family : families(results)) {
+    const Orders orders = orders_of(quantity, family, {});
+    for (const Result* member : family)
+      if (std::optional<double>& estimate = found.estimate[static_cast<std::size_t>(member - results.data())]; !estimate)
+        estimate = extrapolated(quantity, family, *member, orders);
   }
   constexpr double small = 1.0 / 3;
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -194,15 +195,9 @@ Errors errors(const Quantity& quantity, const std::vector<Result>& results, cons
 
 std::vector<Orders> orders(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact) {
   std::vector<Orders> all;
-  std::vector<const Rung*> seen;
-  for (const Result& result : results) {
-    if (!result.measured || std::ranges::any_of(seen, [&](const Rung* rung) { return alike(*rung, result.rung); }))
-      continue;
-    seen.push_back(&result.rung);
-    const Orders found = orders_of(quantity, family(results, result.rung), exact);
-    if (found.space || found.time || found.both)
+  for (const Family& family : families(results))
+    if (const Orders found = orders_of(quantity, family, exact); found.space || found.time || found.both)
       all.push_back(found);
-  }
   return all;
 }
 

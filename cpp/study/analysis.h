@@ -59,9 +59,6 @@ struct Orders {
   std::optional<Order> space, time, both;
 };
 
-/// ‖a − b‖/‖b‖ of one quantity.
-double distance(const Quantity& quantity, const Measured& a, const Measured& b);
-
 Errors errors(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact);
 
 /// From the differences of neighbouring rungs: in space at the shortest step, in time at the smallest size, both along rungs that

@@ -76,6 +76,10 @@ scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
   return changed;
 }
 
+double relative_unknowns(const Rung& rung, int dim) { return std::pow(rung.degree / rung.size, dim); }
+
+double work(const Rung& rung, int dim) { return rung.steps * std::pow(relative_unknowns(rung, dim), step_power(dim)); }
+
 std::string words(const Rung& rung, const scene::Scene& scene) {
   std::string text;
   if (scene.mesh.file.extension() != ".msh")

@@ -38,6 +38,12 @@ scene::Scene on_rung(const scene::Scene& scene, const Rung& rung);
 /// Time of a step with a factor grows like its unknowns to this power: ./dev bench scaling, space.
 constexpr double step_power(int dim) { return dim == 2 ? 1.2 : 1.4; }
 
+/// What the unknowns of rungs are in proportion to.
+double relative_unknowns(const Rung& rung, int dim);
+
+/// What their time is in proportion to.
+double work(const Rung& rung, int dim);
+
 /// "size 0.5, step 5e-05, degree 1"; the scheme too where it is not contact-implicit.
 std::string words(const Rung& rung, const scene::Scene& scene);
 

@@ -37,24 +37,20 @@ std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::s
   return wanted;
 }
 
-/// What a rung will take: steps · unknowns^p, by the last run that is known.
+/// What rungs will take, by the last run that is known.
 class Prices {
 public:
-  Prices(int dim, const Rung& base, long unknowns) : dim_(dim), base_(base), unknowns_(static_cast<double>(unknowns)) {}
-
-  [[nodiscard]] double unknowns(const Rung& rung) const {
-    return unknowns_ * std::pow(base_.size / rung.size * rung.degree / base_.degree, dim_);
+  Prices(int dim, const Rung& known, const Measured& measured, double seconds)
+      : dim_(dim), unknowns_(static_cast<double>(measured.unknowns) / relative_unknowns(known, dim)) {
+    learn(known, seconds);
   }
-  void learn(const Rung& rung, double seconds) { unit_ = seconds / work(rung); }
-  [[nodiscard]] double seconds(const Rung& rung) const { return unit_ * work(rung); }
+
+  [[nodiscard]] double unknowns(const Rung& rung) const { return unknowns_ * relative_unknowns(rung, dim_); }
+  void learn(const Rung& rung, double seconds) { unit_ = seconds / work(rung, dim_); }
+  [[nodiscard]] double seconds(const Rung& rung) const { return unit_ * work(rung, dim_); }
 
 private:
-  [[nodiscard]] double work(const Rung& rung) const {
-    return rung.steps * std::pow(unknowns(rung), step_power(dim_));
-  }
-
   int dim_;
-  Rung base_;
   double unknowns_, unit_ = 0;
 };
 
@@ -72,9 +68,7 @@ Prices prices(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>&
   part.time.step = part.time.end / few.steps;
   const auto start = Clock::now();
   const Measured measured = measure(comm, part, samples, {{"displacement", "", "", true}}, scene.objective.has_value());
-  Prices prices(samples.dim, few, measured.unknowns);
-  prices.learn(few, seconds_since(start));
-  return prices;
+  return {samples.dim, few, measured, seconds_since(start)};
 }
 
 std::string duration(double seconds) {
@@ -154,6 +148,8 @@ private:
 std::string fingerprint(const scene::Scene& scene, const Rung& rung, int dim) {
   scene::Scene changed = on_rung(scene, rung);
   changed.output = {};
+  changed.run = {};
+  changed.optimizer = {};
   changed.exact.reset();
   return scene::echo(changed, dim);
 }
@@ -173,10 +169,12 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   std::vector<Rung> rungs = ladder(scene, options.choice);
   const Samples samples(comm, scene);
   const Exact exact = exact_values(scene, samples);
-  Prices price = prices(comm, scene, rungs, samples);
-  std::ranges::stable_sort(rungs, {}, [&](const Rung& rung) { return price.seconds(rung); });
+  std::ranges::stable_sort(rungs, {}, [&](const Rung& rung) { return work(rung, samples.dim); });
+  std::optional<Prices> price;
+  if (options.dry_run || options.budget)
+    price = prices(comm, scene, rungs, samples);
   if (options.dry_run) {
-    show_prices(console, rungs, price, scene);
+    show_prices(console, rungs, *price, scene);
     return 0;
   }
   std::optional<Store> store;
@@ -195,7 +193,7 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
       ++kept;
       continue;
     }
-    if (on_all(comm, options.budget && seconds_since(start) + price.seconds(rung) > *options.budget)) {
+    if (on_all(comm, options.budget && seconds_since(start) + price->seconds(rung) > *options.budget)) {
       left = i;
       break;
     }
@@ -206,13 +204,15 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
       constexpr int interrupted = 130;
       status = interrupted;
       break;
+    } catch (const SolverFailure&) { // perhaps of one rank alone
+      if (root && ran + kept > 0)
+        Summary(scene, wanted, results, exact).write(*store);
+      throw;
     }
-    price.learn(rung, seconds_since(began));
+    if (price)
+      price->learn(rung, seconds_since(began));
     ++ran;
-    on_root(comm, [&] {
-      store->save(rung, echo, *results[i].measured);
-      Summary(scene, wanted, results, exact).write(*store);
-    });
+    on_root(comm, [&] { store->save(rung, echo, *results[i].measured); });
     console.line(fmt::format("rung {} of {}: {}: {} unknowns, {:.3g} s; {} so far", i + 1, results.size(), words(rung, scene),
                              results[i].measured->unknowns, results[i].measured->seconds, duration(seconds_since(start))));
   }
@@ -230,7 +230,7 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   if (left)
     console.line(fmt::format("the budget ends before rung {} of {}, which would take about {}; the same command with a larger --budget goes "
                              "on from here",
-                             *left + 1, results.size(), duration(price.seconds(results[*left].rung))));
+                             *left + 1, results.size(), duration(price->seconds(results[*left].rung))));
   console.line(fmt::format("results in {}", out.string()));
   return status;
 }

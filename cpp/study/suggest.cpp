@@ -22,11 +22,6 @@ double order(double coarse, double fine, double ratio, double otherwise) {
   return std::clamp(std::log(coarse / fine) / std::log(ratio), 0.8, 2.5);
 }
 
-/// How many times as long a run takes.
-double growth(const Rung& from, const Rung& to, int dim) {
-  return static_cast<double>(to.steps) / from.steps * std::pow(from.size / to.size, dim * step_power(dim));
-}
-
 /// The cheapest size and step by which both parts together make `target`: cost h^(-dim p) / τ, parts like h^r and τ^q.
 Rung proposal(const Trial& from, double target, int dim, double r, double q) {
   const double share = (dim * step_power(dim) / r) / (dim * step_power(dim) / r + 1 / q);
@@ -73,7 +68,7 @@ int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, std::opt
     const Rung next = proposal(last, aim * tolerance, samples.dim, r, q);
     if (next == last.rung)
       break;
-    const double predicted = last.seconds * growth(last.rung, next, samples.dim);
+    const double predicted = last.seconds * work(next, samples.dim) / work(last.rung, samples.dim);
     console.line(fmt::format("next: {}, about {:.2g} s", words(next, scene), predicted));
     double passed = std::chrono::duration<double>(Clock::now() - start).count();
     MPI_Bcast(&passed, 1, MPI_DOUBLE, 0, comm);
