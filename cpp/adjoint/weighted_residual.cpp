@@ -68,12 +68,7 @@ public:
   Vec operator()(int k) {
     const auto i = static_cast<std::size_t>(k);
     const fem::Operators& operators = body_.operators();
-    const forward::StepLoad load = load_at_(k);
-    check(VecZeroEntries(sum_));
-    if (load.density)
-      check(MatMult(*operators.W, load.density, sum_));
-    if (load.force)
-      check(VecAXPY(sum_, 1, load.force));
+    forward::force_of(load_at_(k), operators, sum_);
     subtract(operators.M, 1 / tau_, trajectory_.v[i], -1 / tau_, trajectory_.v[i - 1]);
     if (operators.B)
       subtract(*operators.B, 1 / tau_, trajectory_.y[i], -1 / tau_, trajectory_.y[i - 1]);
@@ -108,7 +103,7 @@ public:
   /// Takes p_k after p_{k+1}.
   void take(int k, Vec p) {
     std::swap(force_, force_later_);
-    evaluate_force(k);
+    forward::force_of(load_at_(k), stepper_.operators(), force_);
     // π' = (p_{k+1} − p_k)/2, with p_{N+1} = 0
     check(VecAXPBYPCZ(rate_, -0.5, 0.5, 0, p, later_));
     const bool last = k == trajectory_.steps;
@@ -122,15 +117,6 @@ public:
 
 private:
   [[nodiscard]] Vec y(int k) const { return trajectory_.y[static_cast<std::size_t>(k)]; }
-
-  void evaluate_force(int k) {
-    const forward::StepLoad load = load_at_(k);
-    check(VecZeroEntries(force_));
-    if (load.density)
-      check(MatMult(*stepper_.operators().W, load.density, force_));
-    if (load.force)
-      check(VecAXPY(force_, 1, load.force));
-  }
 
   double weighed(Mat matrix) {
     check(MatMult(matrix, motion_, product_));

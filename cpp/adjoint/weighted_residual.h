@@ -41,7 +41,6 @@ private:
 struct ErrorParts {
   std::optional<double> space; ///< of the mesh's elements, not of its boundary; absent for degree 2
   double time = 0;
-  [[nodiscard]] double total() const { return space.value_or(0) + time; }
 };
 
 /// The adjoint-weighted residual of a computed motion (Becker and Rannacher 2001), active sets frozen, by one backward sweep.

@@ -33,6 +33,14 @@ Load operator+(Load a, Load b) {
   return {both(std::move(a.density), std::move(b.density)), both(std::move(a.force), std::move(b.force))};
 }
 
+void force_of(StepLoad load, const fem::Operators& operators, Vec out) {
+  check(VecZeroEntries(out));
+  if (load.density)
+    check(MatMult(*operators.W, load.density, out));
+  if (load.force)
+    check(VecAXPY(out, 1, load.force));
+}
+
 LoadAtStep::LoadAtStep(const fem::Space& space, const Load& load) : load_(load) {
   if (load.density)
     density_ = space.vector();

@@ -22,6 +22,9 @@ struct StepLoad {
   Vec density = nullptr, force = nullptr;
 };
 
+/// The force on the nodes of both parts. Collective.
+void force_of(StepLoad load, const fem::Operators& operators, Vec out);
+
 /// A load step by step, with vectors for the parts that it has.
 class LoadAtStep {
 public:

@@ -91,12 +91,8 @@ template <BoundedProblem P, class Method, class Report>
     Iteration iteration{0, first, stationarity(problem, current.u, current.g), 0};
     const double tolerance = options.tolerance * iteration.gradient_norm;
     for (;;) {
-      require_finite(iteration);
-      report(iteration);
-      if (!(iteration.gradient_norm > tolerance))
-        return Stop::gradient_tolerance;
-      if (iteration.number >= options.max_iterations)
-        return Stop::iteration_limit;
+      if (const auto end = reported(iteration, tolerance, options, report))
+        return *end;
       Search<P> search;
       do
         search = weak_wolfe_search(problem, current, method.direction(problem, current));

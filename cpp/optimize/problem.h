@@ -3,6 +3,7 @@
 #include <cmath>
 #include <concepts>
 #include <limits>
+#include <optional>
 #include <string>
 
 /// Algorithms against a concept: they know neither PETSc nor dolfinx. PETSc's TAO is not among them: it
@@ -74,10 +75,18 @@ double stationarity(const P& problem, const typename P::Vector& u, const typenam
   return norm(problem, step);
 }
 
-inline void require_finite(const Iteration& iteration) {
+/// Reports an iterate, and says whether the search ends there. Throws SolverFailure if it is not finite.
+template <class Report>
+std::optional<Stop> reported(const Iteration& iteration, double tolerance, const Options& options, Report&& report) {
   if (!std::isfinite(iteration.objective) || !std::isfinite(iteration.gradient_norm))
     throw SolverFailure("the objective or its gradient is not finite at iteration " +
                         std::to_string(iteration.number));
+  report(iteration);
+  if (!(iteration.gradient_norm > tolerance))
+    return Stop::gradient_tolerance;
+  if (iteration.number >= options.max_iterations)
+    return Stop::iteration_limit;
+  return std::nullopt;
 }
 
 /// A decrease below the rounding of J itself cannot be told from none.

@@ -27,12 +27,8 @@ template <BoundedProblem P, class Report>
     const double tolerance = options.tolerance * iteration.gradient_norm;
     double omega = norm(problem, g) / options.first_step;
     for (;;) {
-      require_finite(iteration);
-      report(iteration);
-      if (!(iteration.gradient_norm > tolerance))
-        return Stop::gradient_tolerance;
-      if (iteration.number >= options.max_iterations)
-        return Stop::iteration_limit;
+      if (const auto end = reported(iteration, tolerance, options, report))
+        return *end;
       for (bool failed = false;;) {
         typename P::Vector trial = u;
         trial.add(-1 / omega, g);
