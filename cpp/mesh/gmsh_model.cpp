@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <fmt/format.h>
 #include <fstream>
 #include <gmsh.h>
@@ -360,92 +359,6 @@ void require_whole(const std::string& file) {
       "{}: not a whole .msh file: its last line is not the end of a section ($End...); allowed are "
       "complete .msh files",
       file));
-}
-
-/// A mesh as bytes, on its way from one process to another.
-class Packer {
-public:
-  template <class T>
-  void add(const std::vector<T>& values) {
-    add_number(values.size());
-    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
-  }
-  void add(const std::string& text) { add(std::vector<char>(text.begin(), text.end())); }
-  void add(int value) { add_number(static_cast<std::uint64_t>(value)); }
-  template <class T>
-  void add(const std::map<std::string, T>& groups) {
-    add_number(groups.size());
-    for (const auto& [name, value] : groups) {
-      add(name);
-      add(value);
-    }
-  }
-  std::string take() { return std::move(bytes_); }
-
-private:
-  void add_number(std::uint64_t n) { bytes_.append(reinterpret_cast<const char*>(&n), sizeof n); }
-  std::string bytes_;
-};
-
-class Unpacker {
-public:
-  explicit Unpacker(std::string_view bytes) : bytes_(bytes) {}
-
-  template <class T>
-  void get(std::vector<T>& values) {
-    values.resize(number());
-    read(values.data(), values.size() * sizeof(T));
-  }
-  void get(std::string& text) {
-    text.resize(number());
-    read(text.data(), text.size());
-  }
-  void get(int& value) { value = static_cast<int>(number()); }
-  template <class T>
-  void get(std::map<std::string, T>& groups) {
-    for (std::uint64_t left = number(); left > 0; --left) {
-      std::string name;
-      get(name);
-      get(groups[name]);
-    }
-  }
-
-private:
-  std::uint64_t number() {
-    std::uint64_t n = 0;
-    read(reinterpret_cast<char*>(&n), sizeof n);
-    return n;
-  }
-  void read(void* to, std::size_t count) {
-    if (count > bytes_.size())
-      throw std::logic_error("a mesh was cut short on its way");
-    std::memcpy(to, bytes_.data(), count);
-    bytes_.remove_prefix(count);
-  }
-  std::string_view bytes_;
-};
-
-template <class Packing, class Mesh>
-void each_part(Packing&& packing, Mesh& mesh) {
-  packing(mesh.dim);
-  packing(mesh.points);
-  packing(mesh.cells);
-  packing(mesh.facets);
-  packing(mesh.parts);
-  packing(mesh.other_groups);
-}
-
-std::string packed(const RawMesh& mesh) {
-  Packer packer;
-  each_part([&](const auto& part) { packer.add(part); }, mesh);
-  return packer.take();
-}
-
-RawMesh unpacked(std::string_view bytes) {
-  Unpacker unpacker(bytes);
-  RawMesh mesh;
-  each_part([&](auto& part) { unpacker.get(part); }, mesh);
-  return mesh;
 }
 
 } // namespace

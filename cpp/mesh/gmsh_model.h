@@ -1,24 +1,8 @@
 #pragma once
+#include "mesh/raw_mesh.h"
 #include "scene/scene.h"
-#include <array>
-#include <cstdint>
-#include <map>
-#include <string>
-#include <vector>
 
 namespace signorini::mesh {
-
-/// A mesh of straight simplices as gmsh has it: plain numbers, no distribution.
-struct RawMesh {
-  int dim = 0;
-  std::vector<double> points;      ///< (nodes × 3), m; only nodes that a cell uses
-  std::vector<std::int64_t> cells; ///< (cells × (dim + 1)), rows into points
-  std::map<std::string, std::vector<std::int64_t>>
-      facets; ///< boundary group → (facets × dim), rows into points
-  /// Group of cells → (ranges × 2): first row in cells and the one behind the last.
-  std::map<std::string, std::vector<std::int64_t>> parts;
-  std::map<std::string, int> other_groups; ///< groups of lower dimensions → that dimension
-};
 
 /// Reads a .msh, or meshes a .geo at its size. Not collective: call it on one rank.
 /// A .geo is meshed up to the dimension of its highest entities: triangles in the plane z = 0, or tetrahedra.
