@@ -155,19 +155,13 @@ extern "C" const char* __asan_default_options() { return "exitcode=99"; }
 extern "C" const char* __ubsan_default_options() { return "exitcode=99"; }
 
 int main(int argc, char** argv) {
-  if (argc != 5) {
-    fmt::print(stderr, "usage: signorini-fuzz-mesh SEED COUNT SOURCE_DIR FOLDER\n");
+  const std::optional<fuzz::Task> task = fuzz::task(argc, argv);
+  if (!task)
     return 2;
-  }
-  const std::uint64_t seed = std::stoull(argv[1]);
-  const long count = std::stol(argv[2]);
-  const std::filesystem::path source = argv[3], folder = argv[4];
-  std::filesystem::create_directories(folder);
+  const auto& [seed, count, source, folder] = *task;
   const fuzz::Stopwatch clock;
   Run run(folder);
-  for (const auto& file : fuzz::files(source / "tests/fuzz/found", ".msh"))
-    run.take(fuzz::read(file));
-  const int replayed = run.inputs;
+  const int replayed = fuzz::replay(run, *task, ".msh");
   fuzz::Mutator mutator(seed, meshes(source / "tests/data", folder),
                         {"$Nodes", "$EndNodes", "$Elements", "$EndElements", "$PhysicalNames", "$Periodic", "$Comments", "$NodeData",
                          "$ParametricNodes", "$PartitionedEntities", "$GhostElements", "$MeshFormat", "\"body\"", "\"\"", "15", "92", "4.1", "2.2"});

@@ -4,10 +4,12 @@
 #include <cctype>
 #include <chrono>
 #include <cstdint>
+#include <cstdio>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -193,5 +195,30 @@ public:
 private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+/// What the command line of a fuzzer asks for: SEED COUNT SOURCE_DIR FOLDER.
+struct Task {
+  std::uint64_t seed;
+  long count;
+  std::filesystem::path source, folder; ///< the folder is made
+};
+
+/// Nothing, and a line on stderr, where it is not that.
+inline std::optional<Task> task(int argc, char** argv) {
+  if (argc != 5) {
+    std::fprintf(stderr, "usage: %s SEED COUNT SOURCE_DIR FOLDER\n", std::filesystem::path(argv[0]).filename().c_str());
+    return std::nullopt;
+  }
+  std::filesystem::create_directories(argv[4]);
+  return Task{std::stoull(argv[1]), std::stol(argv[2]), argv[3], argv[4]};
+}
+
+/// Tries the inputs that were found before, of one ending; how many there are.
+template <class Run>
+int replay(Run& run, const Task& task, const std::string& ending) {
+  for (const auto& file : files(task.source / "tests/fuzz/found", ending))
+    run.take(read(file));
+  return run.inputs;
+}
 
 } // namespace signorini::fuzz

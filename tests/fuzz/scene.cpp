@@ -110,19 +110,13 @@ private:
 } // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 5) {
-    fmt::print(stderr, "usage: signorini-fuzz-scene SEED COUNT SOURCE_DIR FOLDER\n");
+  const std::optional<fuzz::Task> task = fuzz::task(argc, argv);
+  if (!task)
     return 2;
-  }
-  const std::uint64_t seed = std::stoull(argv[1]);
-  const long count = std::stol(argv[2]);
-  const std::filesystem::path source = argv[3], folder = argv[4];
-  std::filesystem::create_directories(folder);
+  const auto& [seed, count, source, folder] = *task;
   const fuzz::Stopwatch clock;
   Run run(folder);
-  for (const auto& file : fuzz::files(source / "tests/fuzz/found", ".toml"))
-    run.take(fuzz::read(file));
-  const int replayed = run.inputs;
+  const int replayed = fuzz::replay(run, *task, ".toml");
   fuzz::Pieces scenes;
   for (const char* place : {"scenes", "tests/data", "tests/fuzz"})
     for (const auto& file : fuzz::files(source / place, ".toml"))

@@ -23,19 +23,11 @@ import sys
 import tempfile
 from pathlib import Path
 
-from table import SCHEMES, Table, run
+from table import DISC, SCHEMES, Table, run
 from harness import stored
 
 import numpy as np
 
-DISC = """
-Point(1) = {0, 0, 0};  Point(2) = {0, -1, 0};  Point(3) = {0.8, -0.6, 0};  Point(4) = {0, 1, 0};  Point(5) = {-0.8, -0.6, 0};
-Circle(1) = {2, 1, 3};  Circle(2) = {3, 1, 4};  Circle(3) = {4, 1, 5};  Circle(4) = {5, 1, 2};
-Curve Loop(1) = {1, 2, 3, 4};
-Plane Surface(1) = {1};
-Physical Surface("body") = {1};
-Physical Curve("contact") = {4, 1};
-"""
 BLOCK = """
 Point(1) = {-0.5, 0, 0};  Point(2) = {0.5, 0, 0};  Point(3) = {0.5, 1, 0};  Point(4) = {-0.5, 1, 0};
 Line(1) = {1, 2};  Line(2) = {2, 3};  Line(3) = {3, 4};  Line(4) = {4, 1};

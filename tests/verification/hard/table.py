@@ -14,6 +14,15 @@ SCHEMES = {
     "contact-stabilized": {"time__scheme": "contact-stabilized"},
     "massless": {"contact__mass": "massless"},
 }
+# A disc of radius 1 m; contact below.
+DISC = """
+Point(1) = {0, 0, 0};  Point(2) = {0, -1, 0};  Point(3) = {0.8, -0.6, 0};  Point(4) = {0, 1, 0};  Point(5) = {-0.8, -0.6, 0};
+Circle(1) = {2, 1, 3};  Circle(2) = {3, 1, 4};  Circle(3) = {4, 1, 5};  Circle(4) = {5, 1, 2};
+Curve Loop(1) = {1, 2, 3, 4};
+Plane Surface(1) = {1};
+Physical Surface("body") = {1};
+Physical Curve("contact") = {4, 1};
+"""
 
 
 class Table:

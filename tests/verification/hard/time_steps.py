@@ -16,7 +16,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from table import SCHEMES, Table, energy, run
+from table import DISC, SCHEMES, Table, energy, run
 
 import numpy as np
 
@@ -27,14 +27,6 @@ WAVE = np.sqrt(YOUNG * (1 - POISSON) / (1 + POISSON) / (1 - 2 * POISSON))
 DECADES = range(-4, 5)  # of the Courant number
 GAP = 1.3  # steps
 
-DISC = """
-Point(1) = {0, 0, 0};  Point(2) = {0, -1, 0};  Point(3) = {0.8, -0.6, 0};  Point(4) = {0, 1, 0};  Point(5) = {-0.8, -0.6, 0};
-Circle(1) = {2, 1, 3};  Circle(2) = {3, 1, 4};  Circle(3) = {4, 1, 5};  Circle(4) = {5, 1, 2};
-Curve Loop(1) = {1, 2, 3, 4};
-Plane Surface(1) = {1};
-Physical Surface("body") = {1};
-Physical Curve("contact") = {4, 1};
-"""
 BLOCK = """
 Point(1) = {-0.5, -1, 0};  Point(2) = {0.5, -1, 0};  Point(3) = {0.5, 0, 0};  Point(4) = {-0.5, 0, 0};
 Line(1) = {1, 2};  Line(2) = {2, 3};  Line(3) = {3, 4};  Line(4) = {4, 1};
