@@ -35,7 +35,6 @@ struct Cell {
 
 template <class Visit>
 void for_each_owned_cell(const Space& linear, const Space& quadratic, Visit&& visit) {
-  const auto topology = linear.mesh().dolfinx()->topology();
   const auto one = linear.dolfinx()->dofmap(), two = quadratic.dolfinx()->dofmap();
   const std::vector<double> points = linear.dolfinx()->tabulate_dof_coordinates(false);
   const auto numbers = [](const auto& dofmap, std::int32_t c) {
@@ -44,8 +43,7 @@ void for_each_owned_cell(const Space& linear, const Space& quadratic, Visit&& vi
     dofmap->index_map->local_to_global(local, global);
     return std::vector<PetscInt>(global.begin(), global.end());
   };
-  const std::int32_t cells = topology->index_map(topology->dim())->size_local();
-  for (std::int32_t c = 0; c < cells; ++c) {
+  for (std::int32_t c : linear.mesh().owned_cells()) {
     Cell cell{numbers(one, c), numbers(two, c)};
     const auto local = one->cell_dofs(c);
     for (std::size_t i = 0; i < local.size(); ++i)

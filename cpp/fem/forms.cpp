@@ -9,7 +9,6 @@
 #include <dolfinx/fem/petsc.h>
 #include <dolfinx/la/petsc.h>
 #include <dolfinx/mesh/Mesh.h>
-#include <numeric>
 #include <stdexcept>
 
 namespace signorini::fem {
@@ -147,10 +146,7 @@ petsc::Matrix assemble_cellwise(const Space& space, const std::optional<std::str
                                 const std::string& key) {
   if (group)
     return assemble_over(space, *group, key, Form::L2_cellwise, Form::L2_cellwise_surface);
-  std::vector<std::int32_t> all(static_cast<std::size_t>(
-      space.mesh().dolfinx()->topology()->index_map(space.dim())->size_local()));
-  std::iota(all.begin(), all.end(), 0);
-  return assemble_over(space, Form::L2_cellwise, all);
+  return assemble_over(space, Form::L2_cellwise, space.mesh().owned_cells());
 }
 
 } // namespace signorini::fem

@@ -4,18 +4,9 @@
 #include <dolfinx/mesh/Mesh.h>
 #include <dolfinx/mesh/utils.h>
 #include <fmt/format.h>
-#include <numeric>
 
 namespace signorini::fem {
 namespace {
-
-std::vector<std::int32_t> owned_cells(const mesh::Mesh& mesh) {
-  const auto topology = mesh.dolfinx()->topology();
-  std::vector<std::int32_t> cells(
-      static_cast<std::size_t>(topology->index_map(topology->dim())->size_local()));
-  std::iota(cells.begin(), cells.end(), 0);
-  return cells;
-}
 
 /// Where a cell is, for messages.
 std::string place(const mesh::Mesh& mesh, std::int32_t cell) {
@@ -27,7 +18,7 @@ std::string place(const mesh::Mesh& mesh, std::int32_t cell) {
 
 void require_one_material(const mesh::Mesh& mesh, const std::vector<Part>& parts) {
   constexpr std::size_t none = -1;
-  std::vector<std::size_t> part_of(owned_cells(mesh).size(), none);
+  std::vector<std::size_t> part_of(mesh.owned_cells().size(), none);
   for (std::size_t p = 0; p < parts.size(); ++p)
     for (std::int32_t cell : parts[p].cells) {
       std::size_t& part = part_of[static_cast<std::size_t>(cell)];
@@ -57,7 +48,7 @@ std::vector<Part> parts(const mesh::Mesh& mesh, const std::vector<scene::Materia
   for (std::size_t i = 0; i < materials.size(); ++i)
     parts.push_back({materials[i], materials[i].on
                                        ? mesh.cells(*materials[i].on, fmt::format("material[{}].on", i))
-                                       : owned_cells(mesh)});
+                                       : mesh.owned_cells()});
   together(mesh.comm(), [&] { require_one_material(mesh, parts); });
   return parts;
 }

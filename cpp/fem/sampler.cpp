@@ -1,6 +1,7 @@
 #include "fem/sampler.h"
 #include "base/collective.h"
 #include "fem/simplex.h"
+#include <algorithm>
 #include <array>
 #include <basix/quadrature.h>
 #include <dolfinx/fem/CoordinateElement.h>
@@ -9,20 +10,12 @@
 #include <dolfinx/geometry/BoundingBoxTree.h>
 #include <dolfinx/geometry/utils.h>
 #include <dolfinx/mesh/Mesh.h>
-#include <algorithm>
-#include <cmath>
-#include <numeric>
+#include <limits>
 
 namespace signorini::fem {
 using petsc::check;
 
 namespace {
-
-std::vector<std::int32_t> owned_cells(const dolfinx::mesh::Mesh<double>& mesh) {
-  std::vector<std::int32_t> cells(static_cast<std::size_t>(mesh.topology()->index_map(mesh.topology()->dim())->size_local()));
-  std::iota(cells.begin(), cells.end(), 0);
-  return cells;
-}
 
 Simplex simplex(const dolfinx::mesh::Mesh<double>& mesh, std::int32_t cell) {
   const auto dofs = mesh.geometry().dofmap();
@@ -32,9 +25,10 @@ Simplex simplex(const dolfinx::mesh::Mesh<double>& mesh, std::int32_t cell) {
 }
 
 /// For each point the owned cell that holds it or, if none does, the nearest one, with the distance squared.
-std::vector<std::pair<double, std::int32_t>> nearest_cells(const dolfinx::mesh::Mesh<double>& mesh, const std::vector<double>& points) {
+std::vector<std::pair<double, std::int32_t>> nearest_cells(const mesh::Mesh& body, const std::vector<double>& points) {
+  const auto& mesh = *body.dolfinx();
   std::vector<std::pair<double, std::int32_t>> found(points.size() / 3, {std::numeric_limits<double>::infinity(), -1});
-  const std::vector<std::int32_t> cells = owned_cells(mesh);
+  const std::vector<std::int32_t> cells = body.owned_cells();
   if (cells.empty())
     return found;
   const int dim = mesh.topology()->dim();
@@ -77,7 +71,7 @@ Quadrature quadrature(const mesh::Mesh& mesh) {
       basix::quadrature::type::Default, dim == 2 ? basix::cell::type::triangle : basix::cell::type::tetrahedron,
       basix::polyset::type::standard, order);
   std::vector<std::array<double, 4>> rows; // x, y, z, weight
-  for (std::int32_t c : owned_cells(cells)) {
+  for (std::int32_t c : mesh.owned_cells()) {
     const Simplex here = simplex(cells, c);
     for (std::size_t q = 0; q < w.size(); ++q) {
       const Simplex::Point point = here.point(&x[q * static_cast<std::size_t>(dim)]);
@@ -97,7 +91,7 @@ Quadrature quadrature(const mesh::Mesh& mesh) {
 Sampler::Sampler(const Space& space, const std::vector<double>& points)
     : dim_(space.dim()), comm_(space.comm()), count_(points.size() / 3) {
   const auto& mesh = *space.mesh().dolfinx();
-  const auto found = nearest_cells(mesh, points);
+  const auto found = nearest_cells(space.mesh(), points);
   // Each point is evaluated where it is nearest, by the lowest of ranks alike.
   std::vector<double> least(count_);
   std::ranges::transform(found, least.begin(), [](const auto& cell) { return cell.first; });

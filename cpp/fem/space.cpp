@@ -7,7 +7,6 @@
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <dolfinx/mesh/utils.h>
-#include <numeric>
 
 namespace signorini::fem {
 
@@ -70,10 +69,7 @@ void Space::interpolate(const scene::Field& field, double t, Vec out) const {
 }
 
 std::vector<double> Space::midpoints() const {
-  const auto& mesh = *mesh_->dolfinx();
-  std::vector<std::int32_t> cells(static_cast<std::size_t>(mesh.topology()->index_map(dim())->size_local()));
-  std::iota(cells.begin(), cells.end(), 0);
-  return dolfinx::mesh::compute_midpoints(mesh, dim(), cells);
+  return dolfinx::mesh::compute_midpoints(*mesh_->dolfinx(), dim(), mesh_->owned_cells());
 }
 
 void interpolate(MPI_Comm comm, const scene::Field& field, double t, const std::vector<double>& points,

@@ -10,6 +10,7 @@
 #include <dolfinx/mesh/MeshTags.h>
 #include <dolfinx/mesh/utils.h>
 #include <fmt/format.h>
+#include <numeric>
 #include <fmt/ranges.h>
 
 namespace signorini::mesh {
@@ -61,7 +62,7 @@ std::vector<std::int32_t> local_facets(const dolfinx::mesh::Mesh<double>& mesh,
 }
 
 /// The cells that this rank owns in ranges of the file's cells.
-std::vector<std::int32_t> owned_cells(const dolfinx::mesh::Topology& topology,
+std::vector<std::int32_t> owned_of(const dolfinx::mesh::Topology& topology,
                                       const std::vector<std::int64_t>& ranges) {
   const std::vector<std::int64_t>& row = topology.original_cell_index.front();
   std::vector<std::int32_t> cells;
@@ -107,7 +108,7 @@ Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh) : comm_(comm), file_(mesh.fil
     if (dim == dim_ - 1)
       group.entities = local_facets(*mesh_, raw.facets[name]);
     else if (dim == dim_)
-      group.entities = owned_cells(*topology, broadcast(comm, raw.parts[name]));
+      group.entities = owned_of(*topology, broadcast(comm, raw.parts[name]));
   }
 }
 
@@ -146,6 +147,12 @@ int Mesh::find(const std::string& group, const std::string& key, const std::vect
   const std::string near = scene::nearest(group, names);
   throw UserError(fmt::format("{}: {} has no {} \"{}\" with elements{}; {}", key, file_, kind, group,
                               near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), allowed));
+}
+
+std::vector<std::int32_t> Mesh::owned_cells() const {
+  std::vector<std::int32_t> cells(static_cast<std::size_t>(mesh_->topology()->index_map(dim_)->size_local()));
+  std::iota(cells.begin(), cells.end(), 0);
+  return cells;
 }
 
 const std::vector<std::int32_t>& Mesh::facets(const std::string& group, const std::string& key) const {

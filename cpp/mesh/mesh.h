@@ -32,6 +32,9 @@ public:
   /// Number of cells on all ranks.
   [[nodiscard]] std::int64_t cells() const { return cells_; }
 
+  /// All cells that this rank owns, local indices ascending.
+  [[nodiscard]] std::vector<std::int32_t> owned_cells() const;
+
   /// This rank's facets of a boundary group, local indices. Throws UserError, naming the scene's `key`, if
   /// there is no such group or it is empty; the same on every rank.
   [[nodiscard]] const std::vector<std::int32_t>& facets(const std::string& group,
