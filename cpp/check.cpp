@@ -111,7 +111,8 @@ private:
     const fem::Space& space = controls_.space();
     petsc::Vector shape = space.vector();
     const auto shape_of = [&](int k) {
-      wave(space, space.points(), static_cast<double>(k) / controls_.steps(), 1, shape);
+      wave(space, space.points(), fem::component_numbers({}, space.dim()), static_cast<double>(k) / controls_.steps(), 1,
+           shape);
       return Vec(shape);
     };
     double forward = 0;

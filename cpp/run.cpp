@@ -169,8 +169,11 @@ void write_control(const io::OutputFolder& folder, const Problem& problem,
     file.close();
   };
   write("control", reduced.controls().cellwise() ? cellwise : nodal, [&](auto&& store) {
-    for (int k : steps)
-      store(k, reduced.control().at(k));
+    const petsc::Vector field = reduced.controls().field();
+    for (int k : steps) {
+      reduced.controls().extend(reduced.control().at(k), field);
+      store(k, field);
+    }
   });
   write("adjoint", nodal, [&](auto&& store) {
     const petsc::Series states = reduced.adjoint_states(steps);

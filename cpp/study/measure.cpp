@@ -180,16 +180,19 @@ void simulate(const Problem& problem, Watch& watch) {
     throw Interrupted();
 }
 
-std::vector<double> sampled(const Problem& problem, const Samples& samples, const control::Control& g) {
+std::vector<double> sampled(const Problem& problem, const Samples& samples, const control::ControlSpace& controls,
+                            const control::Control& g) {
   Series series(samples, problem.space);
+  const petsc::Vector mean = petsc::copy(g.at(1));
   const int n = g.count();
   const double tau = problem.scene.time.end / n;
   for (int k = 1; k <= n; ++k) // values in the middle of steps, linear in between and beyond
     series.take_until((k - 0.5) * tau, k == n, [&](double t, Vec out) {
       const double s = k == 1 ? 1 : std::clamp(1 + (t - (k - 0.5) * tau) / tau, 0.0, 1.0);
-      check(VecCopy(g.at(k), out));
+      check(VecCopy(g.at(k), mean));
       if (s < 1)
-        check(VecAXPBY(out, 1 - s, s, g.at(k - 1)));
+        check(VecAXPBY(mean, 1 - s, s, g.at(k - 1)));
+      controls.extend(mean, out);
     });
   return series.take();
 }
@@ -296,7 +299,7 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& sample
     if (has(wanted, "gradient")) {
       const control::Control g = reduced.l2_gradient();
       measured.memory = peak();
-      measured.fields["gradient"] = sampled(problem, samples, g);
+      measured.fields["gradient"] = sampled(problem, samples, control_problem.controls, g);
     } else {
       measured.memory = peak();
     }
