@@ -51,25 +51,32 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
     body.emplace(problem.space, stepper.constraints(), problem.scene);
     loads.emplace(*body, problem, control_problem.controls);
   }
-  const forward::Load derivative = control_problem.objective.derivative(reduced.trajectory());
-  const auto weigh = [&](const forward::Trajectory& trajectory, const control::Control& u, const forward::Load& dual) {
+  // Motions of their own, since velocities are wanted; that of the current control is looked at beside the other one.
+  const auto run = [&](forward::Trajectory& trajectory, const control::Control& u) {
+    trajectory.run(problem.load() + control_problem.controls.load(u));
+    if (trajectory.steps() < problem.steps())
+      throw Interrupted();
+  };
+  forward::Trajectory motion(stepper, problem.initial, problem.steps(), control_problem.storage, true);
+  run(motion, reduced.control());
+  const forward::Load derivative = control_problem.objective.derivative([&](int k) { return motion.y(k); });
+  const auto weigh = [&](const forward::Trajectory& trajectory, const control::Control& u) {
     return adjoint::weighted_residual(stepper, body ? &*body : nullptr, trajectory,
                                       problem.load() + control_problem.controls.load(u),
-                                      loads ? loads->load(u) : forward::Load{}, dual);
+                                      loads ? loads->load(u) : forward::Load{}, derivative);
   };
-  adjoint::ErrorParts parts = weigh(reduced.trajectory(), reduced.control(), derivative);
+  adjoint::ErrorParts parts = weigh(motion, reduced.control());
   if (control_problem.reference) {
     const control::Control& u = *control_problem.reference;
-    forward::Trajectory desired(stepper, problem.steps());
-    forward::simulate(stepper, problem.initial, problem.load() + control_problem.controls.load(u), desired);
-    if (desired.steps < problem.steps())
-      throw Interrupted();
-    const adjoint::ErrorParts other = weigh(desired, u, derivative);
+    const forward::Storage storage(stepper, problem.scene.trajectory, problem.steps(), 0.5, problem.timers);
+    forward::Trajectory desired(stepper, problem.initial, problem.steps(), storage, true);
+    run(desired, u);
+    const adjoint::ErrorParts other = weigh(desired, u);
     parts.time -= other.time;
     if (parts.space)
       *parts.space -= *other.space;
   }
-  parts.time += control_problem.objective.quadrature_error(reduced.trajectory(), reduced.control());
+  parts.time += control_problem.objective.quadrature_error(reduced.squared_distances(), reduced.control());
   return parts;
 }
 

@@ -163,16 +163,16 @@ private:
 /// Of phases that a run cannot do without.
 double seconds(const Timers& timers) {
   double sum = 0;
-  for (const char* phase : {"mesh", "assembly", "solver", "desired state", "forward", "objective", "adjoint"})
+  for (const char* phase : {"mesh", "assembly", "solver", "desired state", "forward", "objective", "adjoint", "states written",
+                            "states read", "states recomputed"})
     if (const auto found = timers.entries().find(phase); found != timers.entries().end())
       sum += found->second.seconds;
   return sum;
 }
 
-void simulate(const Problem& problem, Watch& watch) {
-  const GivenControl given(problem);
+void simulate(const Problem& problem, const forward::Load& load, Watch& watch) {
   const auto timer = problem.timers.time("forward");
-  const int done = forward::stream(problem.stepper, problem.initial, given.load(), problem.steps(), [&](const forward::Frame& frame) {
+  const int done = forward::stream(problem.stepper, problem.initial, load, problem.steps(), [&](const forward::Frame& frame) {
     const auto other = problem.timers.time("watching");
     watch(frame);
   });
@@ -288,7 +288,8 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& sample
     return memory;
   };
   if (!scene.objective) {
-    simulate(problem, watch);
+    const GivenControl given(problem);
+    simulate(problem, given.load(), watch);
     measured.memory = peak();
   } else {
     ControlProblem control_problem(problem, Console(false, false));
@@ -304,7 +305,7 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& sample
       measured.memory = peak();
     }
     measured.seconds = seconds(timers);
-    forward::replay(problem.stepper, reduced.load(), reduced.trajectory(), std::ref(watch));
+    simulate(problem, reduced.load(), watch);
     if (estimate) {
       const adjoint::ErrorParts error = estimate_error(problem, control_problem);
       measured.estimate_space = error.space;
