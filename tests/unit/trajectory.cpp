@@ -196,8 +196,10 @@ TEST_CASE("errors are estimated alike from every storage", "[adjoint]") {
       if (!expected)
         expected = error;
       CHECK(std::abs(error.time) > 0);
-      CHECK(error.time == expected->time);
-      CHECK(error.space == expected->space);
+      // On more than two ranks the matrices of degree 2, made anew each time, are summed up in no fixed order.
+      const double rounding = ranks(MPI_COMM_WORLD) > 2 ? 1e-12 : 0;
+      CHECK(std::abs(error.time - expected->time) <= rounding * std::abs(error.time));
+      CHECK(std::abs(*error.space - *expected->space) <= rounding * std::abs(*error.space));
     }
   }
 }
