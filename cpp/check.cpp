@@ -34,9 +34,9 @@ struct Switches {
 
 Switches switches(const forward::Trajectory& a, const forward::Trajectory& b) {
   Switches sum;
-  for (int k = 1; k <= a.steps; ++k) {
-    const contact::ContactState &one = a.contact[static_cast<std::size_t>(k)],
-                                &other = b.contact[static_cast<std::size_t>(k)];
+  for (int k = 1; k <= a.steps(); ++k) {
+    const contact::ContactState &one = a.contact()[static_cast<std::size_t>(k)],
+                                &other = b.contact()[static_cast<std::size_t>(k)];
     const int here = apart(one.active, other.active) + apart(one.predictor, other.predictor);
     sum.steps += here > 0;
     sum.candidates += here;
@@ -52,8 +52,8 @@ struct Margins {
 
 Margins margins(const forward::Trajectory& trajectory) {
   double least = std::numeric_limits<double>::infinity(), largest = 0, gap = least;
-  for (int k = 1; k <= trajectory.steps; ++k) {
-    const contact::ContactState& state = trajectory.contact[static_cast<std::size_t>(k)];
+  for (int k = 1; k <= trajectory.steps(); ++k) {
+    const contact::ContactState& state = trajectory.contact()[static_cast<std::size_t>(k)];
     for (std::size_t i = 0; i < state.lambda.size(); ++i)
       if (state.status[i] == contact::Status::open) {
         gap = std::min(gap, state.gap[i]);
@@ -107,16 +107,15 @@ private:
   }
 
   double transpose_defect() {
-    const petsc::Series dy = problem_.linearised(d_);
     const fem::Space& space = controls_.space();
     petsc::Vector shape = space.vector();
     const auto shape_of = [&](int k) {
-      wave(space, space.points(), static_cast<double>(k) / controls_.steps(), 1, shape);
+      wave(space, space.points(), fem::component_numbers({}, space.dim()), static_cast<double>(k) / controls_.steps(), 1,
+           shape);
       return Vec(shape);
     };
     double forward = 0;
-    for (int k = 1; k <= controls_.steps(); ++k)
-      forward += petsc::dot(dy[static_cast<std::size_t>(k) - 1], shape_of(k));
+    problem_.linearised(d_, [&](int k, Vec dy) { forward += petsc::dot(dy, shape_of(k)); });
     const forward::Load dual{.force = [&](int k, Vec out) { check(VecAXPY(out, 1, shape_of(k))); }};
     const control::Control back = problem_.adjoint(dual);
     const double backward = controls_.product(back, d_);
@@ -173,7 +172,7 @@ private:
   }
 
   [[nodiscard]] bool contact_occurs() const {
-    return std::ranges::any_of(problem_.trajectory().contact,
+    return std::ranges::any_of(problem_.trajectory().contact(),
                                [](const contact::ContactState& state) { return !state.active.empty(); });
   }
 
@@ -253,68 +252,78 @@ private:
   double kept_size_ = 0; ///< the invariance radius: the largest size that keeps the active sets on both sides
 };
 
-/// The largest work of contact in one step beyond that of the obstacles' own motion, −F_k·Δψ_k of their normal forces: −F_k·g_{k−1} ≤ 0.
-double largest_contact_work(const Problem& problem, const forward::Trajectory& trajectory,
-                            const std::vector<forward::StepBalance>& steps) {
-  const contact::Constraints& constraints = *problem.stepper.constraints();
-  const forward::Scheme& scheme = problem.stepper.scheme();
-  std::vector<double> before(constraints.psi().begin(), constraints.psi().end());
-  double largest = 0;
-  for (int k = 1; k <= trajectory.steps; ++k) {
-    double work = steps[static_cast<std::size_t>(k)].contact_work;
-    if (constraints.moving()) {
-      const std::span<const double> psi = constraints.psi(scheme.time(k));
-      const std::vector<double>& lambda = trajectory.contact[static_cast<std::size_t>(k)].lambda;
-      for (std::size_t i = 0; i < lambda.size(); ++i)
-        work += lambda[i] / scheme.impulse() * (psi[i] - before[i]);
-      before.assign(psi.begin(), psi.end());
-    }
-    largest = std::max(largest, work);
-  }
-  return largest;
-}
+/// What contact does in a motion that goes by.
+class ContactWatch {
+public:
+  explicit ContactWatch(const forward::Stepper& stepper)
+      : constraints_(*stepper.constraints()), scheme_(stepper.scheme()),
+        before_(constraints_.psi().begin(), constraints_.psi().end()) {}
 
-/// Energy law, momentum, complementarity of a whole trajectory.
-void invariants(const Problem& problem, const forward::Load& load, const forward::Trajectory& trajectory,
-                std::vector<Row>& rows) {
-  std::vector<forward::StepBalance> steps;
+  void observe(const forward::Frame& frame, double contact_work) {
+    if (frame.k == 0)
+      return;
+    const contact::ContactState& state = frame.contact;
+    const int strong = state.count(contact::Status::strong);
+    steps += strong > 0;
+    weak += state.count(contact::Status::weak);
+    most = std::max(most, strong);
+    projected += !state.predictor.empty();
+    if (constraints_.moving()) {
+      const std::span<const double> psi = constraints_.psi(scheme_.time(frame.k));
+      for (std::size_t i = 0; i < psi.size(); ++i)
+        contact_work += state.lambda[i] / scheme_.impulse() * (psi[i] - before_[i]);
+      before_.assign(psi.begin(), psi.end());
+    }
+    work = std::max(work, contact_work);
+  }
+
+  int steps = 0, weak = 0, most = 0, projected = 0;
+  /// The largest in one step beyond that of the obstacles' own motion, −F_k·Δψ_k of their normal forces: −F_k·g_{k−1} ≤ 0.
+  double work = 0;
+
+private:
+  const contact::Constraints& constraints_;
+  forward::Scheme scheme_;
+  std::vector<double> before_;
+};
+
+/// Energy law, momentum, complementarity of a whole motion.
+void invariants(const Problem& problem, const forward::Load& load, std::vector<Row>& rows) {
+  const contact::Constraints* constraints = problem.stepper.constraints();
+  std::optional<ContactWatch> contact;
+  if (constraints)
+    contact.emplace(problem.stepper);
   forward::Balance weigh(problem.stepper);
   forward::Invariants watch(problem.stepper);
-  forward::replay(problem.stepper, load, trajectory, [&](const forward::Frame& frame) {
-    steps.push_back(weigh(frame));
-    watch.observe(frame, steps.back());
+  const int done = forward::stream(problem.stepper, problem.initial, load, problem.steps(), [&](const forward::Frame& frame) {
+    const forward::StepBalance balance = weigh(frame);
+    watch.observe(frame, balance);
+    if (contact)
+      contact->observe(frame, balance.contact_work);
   });
+  if (done < problem.steps())
+    throw Interrupted();
   const double tolerance = problem.scene.run.tolerance, energy = watch.largest_energy();
   rows.push_back({"the body moved (largest energy)", shown(energy), "> 0", energy > 0});
   if (!(energy > 0))
     return;
-  const contact::Constraints* constraints = problem.stepper.constraints();
   for (const forward::Invariants::Defect& defect : watch.defects())
     rows.push_back(below(defect.name, defect.worst, tolerance));
-  if (!constraints)
+  if (!contact)
     return;
-  int contact_steps = 0, weak = 0, largest = 0, projected = 0;
-  for (int k = 1; k <= trajectory.steps; ++k) {
-    const contact::ContactState& state = trajectory.contact[static_cast<std::size_t>(k)];
-    const int strong = state.count(contact::Status::strong);
-    contact_steps += strong > 0;
-    weak += state.count(contact::Status::weak);
-    largest = std::max(largest, strong);
-    projected += !state.predictor.empty();
-  }
   rows.push_back({"contact occurred",
-                  contact_steps > 0 ? fmt::format("{} steps, at most {} nodes, {} weak in all", contact_steps,
-                                                  largest, weak)
-                                    : "never: this checks nothing of contact",
-                  "in one step at least", contact_steps > 0});
+                  contact->steps > 0 ? fmt::format("{} steps, at most {} nodes, {} weak in all", contact->steps,
+                                                   contact->most, contact->weak)
+                                     : "never: this checks nothing of contact",
+                  "in one step at least", contact->steps > 0});
   if (problem.stepper.predictor())
-    rows.push_back({"the predictor was projected", fmt::format("in {} steps", projected), "in one step at least",
-                    projected > 0});
-  if (contact_steps == 0)
+    rows.push_back({"the predictor was projected", fmt::format("in {} steps", contact->projected),
+                    "in one step at least", contact->projected > 0});
+  if (contact->steps == 0)
     return;
   rows.push_back(below(constraints->moving() ? "contact adds no work to the obstacles', work / largest energy"
                                              : "contact never does work, work / largest energy",
-                       largest_contact_work(problem, trajectory, steps) / energy, tolerance));
+                       contact->work / energy, tolerance));
 }
 
 } // namespace
@@ -330,15 +339,11 @@ bool check_scene(const Problem& problem, const Console& console) {
     const control::Control u = evaluation_point(problem, control_problem, where);
     console.line(fmt::format("Derivatives at {}.", where));
     DerivativeCheck(control_problem.reduced, u, problem.stepper.solver().tolerance(), console).run(rows);
-    invariants(problem, control_problem.reduced.load(), control_problem.reduced.trajectory(), rows);
+    invariants(problem, control_problem.reduced.load(), rows);
   } else {
     console.line("The scene has no objective: there are no derivatives to check.");
-    forward::Trajectory trajectory(problem.stepper, problem.steps());
     const GivenControl given(problem);
-    forward::simulate(problem.stepper, problem.initial, given.load(), trajectory);
-    if (trajectory.steps < problem.steps())
-      throw Interrupted();
-    invariants(problem, given.load(), trajectory, rows);
+    invariants(problem, given.load(), rows);
   }
   console.line(fmt::format("{:<6}{:<58}{:<50}{}", "", "check", "measured", "allowed"));
   bool all = true;

@@ -9,32 +9,34 @@ namespace {
 /// The loads of a scene and its controls in functions of degree 2.
 class EnrichedLoads {
 public:
-  EnrichedLoads(const adjoint::EnrichedBody& body, const Problem& problem, bool cellwise)
-      : body_(body), controls_(body.space(), body.operators(), problem.stepper.scheme(), problem.steps(), *problem.scene.control),
-        cellwise_(cellwise) {
+  EnrichedLoads(const adjoint::EnrichedBody& body, const Problem& problem, const control::ControlSpace& controls)
+      : body_(body), coarse_(controls),
+        controls_(body.space(), body.operators(), problem.stepper.scheme(), problem.steps(), *problem.scene.control),
+        coarse_field_(controls.field()), field_(controls_.field()), values_(controls_.value()) {
     if (problem.scene.load)
       load_.emplace(body.space(), *problem.scene.load, problem.stepper.scheme());
   }
 
-  /// Valid as long as this object and the control that it makes live.
-  forward::Load load(const control::Control& enriched) const {
-    return load_ ? load_->load() + controls_.load(enriched) : controls_.load(enriched);
-  }
-
-  control::Control enrich(const control::Control& u) const {
-    control::Control fine = controls_.zero();
-    for (int k = 1; k <= u.count(); ++k)
-      if (cellwise_)
-        check(VecCopy(u.at(k), fine.at(k)));
-      else
-        check(MatMult(body_.enrichment().embed, u.at(k), fine.at(k)));
-    return fine;
+  /// With a control; valid as long as this object and the control live.
+  forward::Load load(const control::Control& u) const {
+    const forward::Load control = controls_.load([this, &u](int k) { return enriched(u.at(k)); });
+    return load_ ? load_->load() + control : control;
   }
 
 private:
+  Vec enriched(Vec u) const {
+    if (controls_.cellwise())
+      return u;
+    coarse_.extend(u, coarse_field_);
+    check(MatMult(body_.enrichment().embed, coarse_field_, field_));
+    controls_.restrict(field_, values_);
+    return values_;
+  }
+
   const adjoint::EnrichedBody& body_;
+  const control::ControlSpace& coarse_;
   control::ControlSpace controls_;
-  bool cellwise_;
+  petsc::Vector coarse_field_, field_, values_;
   std::optional<forward::SceneLoad> load_;
 };
 
@@ -47,30 +49,34 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
   std::optional<EnrichedLoads> loads;
   if (problem.space.degree() == 1) {
     body.emplace(problem.space, stepper.constraints(), problem.scene);
-    loads.emplace(*body, problem, control_problem.controls.cellwise());
+    loads.emplace(*body, problem, control_problem.controls);
   }
-  const forward::Load derivative = control_problem.objective.derivative(reduced.trajectory());
-  const auto weigh = [&](const forward::Trajectory& trajectory, const control::Control& u, const forward::Load& dual) {
-    std::optional<control::Control> fine;
-    if (loads)
-      fine = loads->enrich(u);
+  // Motions of their own, since velocities are wanted; that of the current control is looked at beside the other one.
+  const auto run = [&](forward::Trajectory& trajectory, const control::Control& u) {
+    trajectory.run(problem.load() + control_problem.controls.load(u));
+    if (trajectory.steps() < problem.steps())
+      throw Interrupted();
+  };
+  forward::Trajectory motion(stepper, problem.initial, problem.steps(), control_problem.storage, true);
+  run(motion, reduced.control());
+  const forward::Load derivative = control_problem.objective.derivative([&](int k) { return motion.y(k); });
+  const auto weigh = [&](const forward::Trajectory& trajectory, const control::Control& u) {
     return adjoint::weighted_residual(stepper, body ? &*body : nullptr, trajectory,
                                       problem.load() + control_problem.controls.load(u),
-                                      loads ? loads->load(*fine) : forward::Load{}, dual);
+                                      loads ? loads->load(u) : forward::Load{}, derivative);
   };
-  adjoint::ErrorParts parts = weigh(reduced.trajectory(), reduced.control(), derivative);
+  adjoint::ErrorParts parts = weigh(motion, reduced.control());
   if (control_problem.reference) {
     const control::Control& u = *control_problem.reference;
-    forward::Trajectory desired(stepper, problem.steps());
-    forward::simulate(stepper, problem.initial, problem.load() + control_problem.controls.load(u), desired);
-    if (desired.steps < problem.steps())
-      throw Interrupted();
-    const adjoint::ErrorParts other = weigh(desired, u, derivative);
+    const forward::Storage storage(stepper, problem.scene.trajectory, problem.steps(), 0.5, problem.timers);
+    forward::Trajectory desired(stepper, problem.initial, problem.steps(), storage, true);
+    run(desired, u);
+    const adjoint::ErrorParts other = weigh(desired, u);
     parts.time -= other.time;
     if (parts.space)
       *parts.space -= *other.space;
   }
-  parts.time += control_problem.objective.quadrature_error(reduced.trajectory(), reduced.control());
+  parts.time += control_problem.objective.quadrature_error(reduced.squared_distances(), reduced.control());
   return parts;
 }
 

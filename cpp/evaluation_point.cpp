@@ -4,13 +4,14 @@
 namespace signorini {
 using petsc::check;
 
-void wave(const fem::Space& space, const std::vector<double>& points, double t, int which, Vec out) {
+void wave(const fem::Space& space, const std::vector<double>& points, const std::vector<int>& components, double t,
+          int which, Vec out) {
   const double unit = 2 * M_PI / space.mesh().diameter();
-  const auto dim = static_cast<std::size_t>(space.dim());
+  const std::size_t n = components.size();
   const petsc::WriteArray values(out);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const double* x = &points[i / dim * 3];
-    const auto c = static_cast<double>(i % dim);
+    const double* x = &points[i / n * 3];
+    const double c = components[i % n];
     values[i] =
         std::cos(unit * ((1 + c) * x[0] + 2 * x[1] - x[2]) + (1 + which) * 2 * M_PI * t + which + 0.7 * c);
   }
@@ -19,8 +20,8 @@ void wave(const fem::Space& space, const std::vector<double>& points, double t, 
 control::Control wave(const control::ControlSpace& controls, int which) {
   control::Control u = controls.zero();
   for (int k = 1; k <= u.count(); ++k) // in the middle of each step, like every other control
-    wave(controls.space(), controls.points(), u.count() == 1 ? 0 : (k - 0.5) / u.count(), which, u.at(k));
-  controls.restrict(u);
+    wave(controls.space(), controls.points(), controls.components(), u.count() == 1 ? 0 : (k - 0.5) / u.count(), which,
+         u.at(k));
   return u;
 }
 

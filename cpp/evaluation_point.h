@@ -3,8 +3,10 @@
 
 namespace signorini {
 
-/// A smooth field at points (× 3) and time t / T, the same on any number of ranks; `which` picks one of several.
-void wave(const fem::Space& space, const std::vector<double>& points, double t, int which, Vec out);
+/// Components of a smooth field at points (× 3) and time t / T, the same on any number of ranks; `which` picks one of
+/// several.
+void wave(const fem::Space& space, const std::vector<double>& points, const std::vector<int>& components, double t,
+          int which, Vec out);
 
 /// A smooth control, likewise. Collective.
 control::Control wave(const control::ControlSpace& controls, int which);

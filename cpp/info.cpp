@@ -1,9 +1,12 @@
 #include "info.h"
 #include "base/collective.h"
 #include "base/memory.h"
+#include "forward/schedule.h"
+#include "forward/states.h"
 #include "io/manifest.h"
 #include "optimize/lbfgs.h"
 #include <chrono>
+#include <cmath>
 #include <fmt/format.h>
 #include <map>
 
@@ -19,9 +22,35 @@ struct Cost {
 
 std::string megabytes(double bytes) { return fmt::format("{:.3g} MB", bytes / 1e6); }
 
-/// One trajectory: y and v at every step.
-double trajectory_bytes(const Problem& problem) {
-  return 2 * sizeof(PetscScalar) * static_cast<double>(problem.space.dofs()) * (problem.steps() + 1);
+/// The states and the contact of all steps that a scene's optimization keeps in memory.
+double motions_bytes(const Problem& problem) {
+  const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
+  const scene::Trajectory& kept = problem.scene.trajectory;
+  const int controlled = problem.scene.optimizer.method == "newton-cg" ? 3 : 2; // iterate, trial, linearised
+  // Forces, gaps, status and room for two sets of each candidate, on every rank.
+  const double candidate = 2 * sizeof(double) + sizeof(contact::Status) + 2 * sizeof(int),
+               contact = candidate * forward::candidates(problem.stepper) * (problem.steps() + 1) *
+                         ranks(problem.space.comm());
+  const double states = forward::Storage(problem.stepper, kept, problem.steps(), computed ? 0.5 : 1, problem.timers).bytes();
+  const double in_memory = kept.storage == "memory"        ? (controlled + 1) * states
+                           : kept.storage == "checkpoints" ? (computed ? 2 : 1) * states
+                                                           : 0;
+  return in_memory + (computed ? 3 : 2) * contact;
+}
+
+/// What a storage of states adds to a gradient.
+std::string again(const Problem& problem) {
+  const scene::Trajectory& kept = problem.scene.trajectory;
+  if (kept.storage == "memory")
+    return "";
+  const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
+  const forward::Storage storage(problem.stepper, kept, problem.steps(), computed ? 0.5 : 1, problem.timers);
+  if (kept.storage == "disk")
+    return fmt::format(" (states on disk: {} a motion)", megabytes(storage.bytes()));
+  const int slots = static_cast<int>(std::lround(storage.bytes() / forward::State::bytes(problem.stepper)));
+  const double made = static_cast<double>(forward::steps_made(problem.steps(), slots));
+  return fmt::format(", and {:.2f} steps made again{} ({} checkpoints)", made / problem.steps() - 1,
+                     computed ? " of either motion" : "", slots);
 }
 
 /// Costs of the effects that add anything, by the names of io::effects.
@@ -71,10 +100,8 @@ std::map<std::string, Cost> costs(const Problem& problem) {
     costs["control bounds"].bytes = own && controls.cellwise() ? 0 : vector;
   if (scene.optimizer.method == "lbfgs")
     costs["control"].bytes += 2 * optimize::lbfgs_pairs * controls.control_bytes();
-  // The trajectories of the iterate and of the trial, and the desired states.
-  costs["objective"] = {scene.objective->on ? "L2 of what is observed" : "W",
-                        2 * trajectory_bytes(problem) + trajectory_bytes(problem) / 2,
-                        "a gradient: an adjoint step, with one solve"};
+  costs["objective"] = {scene.objective->on ? "L2 of what is observed" : "W", motions_bytes(problem),
+                        "a gradient: an adjoint step, with one solve" + again(problem)};
   return costs;
 }
 

@@ -37,38 +37,65 @@ bool has_densities(const scene::Scene& scene, bool optimal_control) {
          (optimal_control && scene.objective && !scene.objective->on);
 }
 
-petsc::Series desired_states(const Problem& problem, const control::ControlSpace& controls,
-                             const std::optional<control::Control>& reference, const Console& console) {
-  const auto timer = problem.timers.time("desired state");
-  if (reference) {
-    petsc::Series desired;
-    Progress progress(console, "desired state", static_cast<std::size_t>(problem.steps()));
-    const int done =
-        forward::stream(problem.stepper, problem.initial, problem.load() + controls.load(*reference),
-                        problem.steps(), [&](const forward::Frame& frame) {
-                          desired.push_back(petsc::copy(frame.y1));
-                          progress.update(static_cast<std::size_t>(frame.k));
-                        });
-    if (done < problem.steps())
-      throw Interrupted();
-    return desired;
-  }
+using StateAt = control::Objective::StateAt;
+
+/// The motion under a reference control.
+StateAt computed_states(const Problem& problem, const forward::Load& load, const forward::Storage& storage,
+                        const Console& console) {
+  const auto trajectory =
+      std::make_shared<forward::Trajectory>(problem.stepper, problem.initial, problem.steps(), storage);
+  Progress progress(console, "desired state", static_cast<std::size_t>(problem.steps()));
+  trajectory->run(load, [&](const forward::Frame& frame) { progress.update(static_cast<std::size_t>(frame.k)); });
+  if (trajectory->steps() < problem.steps())
+    throw Interrupted();
+  return [trajectory](int k) { return trajectory->y(k); };
+}
+
+/// States that can be evaluated at any time: all at once if they may be kept in memory, else each as it is asked for.
+StateAt given_states(const Problem& problem, std::function<void(double t, Vec y)> evaluate, bool keep) {
   const forward::Scheme& scheme = problem.stepper.scheme();
-  const auto each = [&](auto&& at) {
-    petsc::Series desired =
-        petsc::zero_series(problem.initial.y, static_cast<std::size_t>(problem.steps()) + 1);
+  if (keep) {
+    const auto all = std::make_shared<petsc::Series>(
+        petsc::zero_series(problem.initial.y, static_cast<std::size_t>(problem.steps()) + 1));
     for (int k = 0; k <= problem.steps(); ++k)
-      at(scheme.time(k), desired[static_cast<std::size_t>(k)]);
-    return desired;
+      evaluate(scheme.time(k), (*all)[static_cast<std::size_t>(k)]);
+    return [all](int k) { return Vec((*all)[static_cast<std::size_t>(k)]); };
+  }
+  const auto last = std::make_shared<std::pair<int, petsc::Vector>>(-1, problem.space.vector());
+  return [&problem, scheme, last, evaluate = std::move(evaluate)](int k) {
+    if (std::exchange(last->first, k) != k) {
+      const auto timer = problem.timers.time("desired state");
+      evaluate(scheme.time(k), last->second);
+    }
+    return Vec(last->second);
   };
+}
+
+StateAt desired_states(const Problem& problem, const control::ControlSpace& controls,
+                       const std::optional<control::Control>& reference, const forward::Storage& storage,
+                       const Console& console) {
+  const auto timer = problem.timers.time("desired state");
+  if (reference)
+    return computed_states(problem, problem.load() + controls.load(*reference), storage, console);
   if (const auto* run = std::get_if<scene::DesiredRun>(&problem.scene.objective->desired)) {
-    io::StoredField stored(problem.space, run->folder / "state.h5", "displacement", "objective.desired.run",
-                           scheme.time(problem.steps()));
-    return each([&](double t, Vec y) { stored.at(t, y); });
+    const auto stored =
+        std::make_shared<io::StoredField>(problem.space, run->folder / "state.h5", "displacement",
+                                          "objective.desired.run", problem.stepper.scheme().time(problem.steps()));
+    return given_states(problem, [stored](double t, Vec y) { stored->at(t, y); }, storage.in_memory());
   }
   const auto& given = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
-  const scene::Field field(given.displacement, "objective.desired.displacement", true);
-  return each([&](double t, Vec y) { problem.space.interpolate(field, t, y); });
+  const auto field = std::make_shared<scene::Field>(given.displacement, "objective.desired.displacement", true);
+  if (field->depends_on_time())
+    return given_states(
+        problem, [&problem, field](double t, Vec y) { problem.space.interpolate(*field, t, y); }, storage.in_memory());
+  const auto always = std::make_shared<petsc::Vector>(problem.space.vector());
+  problem.space.interpolate(*field, 0, *always);
+  return [always](int) { return Vec(*always); };
+}
+
+/// The budget's part of the motions of controls.
+double share(const scene::Scene& scene) {
+  return std::holds_alternative<scene::DesiredControl>(scene.objective->desired) ? 0.5 : 1;
 }
 
 control::Control first_guess(const control::ControlSpace& controls, const scene::Control& scene) {
@@ -123,9 +150,11 @@ ControlProblem::ControlProblem(const Problem& problem, const Console& console)
     : controls(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(),
                *problem.scene.control),
       reference(reference_control(problem.scene, controls)),
+      storage(problem.stepper, problem.scene.trajectory, problem.steps(), share(problem.scene), problem.timers),
+      desired_storage(problem.stepper, problem.scene.trajectory, problem.steps(), share(problem.scene), problem.timers),
       objective(controls, problem.operators, problem.stepper.scheme(),
-                desired_states(problem, controls, reference, console), *problem.scene.objective),
-      reduced(problem.stepper, controls, objective, problem.initial, problem.load(), problem.timers) {}
+                desired_states(problem, controls, reference, desired_storage, console), *problem.scene.objective),
+      reduced(problem.stepper, controls, objective, problem.initial, problem.load(), storage, problem.timers) {}
 
 control::Control ControlProblem::first_guess(const scene::Scene& scene) const {
   return signorini::first_guess(controls, *scene.control);

@@ -53,6 +53,9 @@ struct ControlProblem {
 
   control::ControlSpace controls;
   std::optional<control::Control> reference; ///< the control whose state is desired, if the scene names one
+  /// The budget of the scene is for the motions of controls, of which one is looked at at a time; where the desired motion
+  /// is a computed one, that has half of it.
+  forward::Storage storage, desired_storage;
   control::Objective objective;
   control::ReducedProblem reduced;
 

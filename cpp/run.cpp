@@ -1,5 +1,6 @@
 #include "run.h"
 #include "base/collective.h"
+#include "base/counters.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/signals.h"
@@ -145,8 +146,11 @@ std::vector<forward::Invariants::Defect> write_motion(const io::OutputFolder& fo
                                                       const control::ReducedProblem& reduced,
                                                       const Console& console) {
   Recorder recorder(problem, folder, &reduced.objective());
-  if (recorder.wanted())
-    forward::replay(problem.stepper, reduced.load(), reduced.trajectory(), std::ref(recorder));
+  if (recorder.wanted()) {
+    const auto timer = problem.timers.time("replay");
+    forward::stream(problem.stepper, problem.initial, reduced.load(), problem.steps(), std::ref(recorder),
+                    forward::Stops::ignored);
+  }
   recorder.finish();
   return watched(recorder, problem.scene.run, console);
 }
@@ -169,14 +173,36 @@ void write_control(const io::OutputFolder& folder, const Problem& problem,
     file.close();
   };
   write("control", reduced.controls().cellwise() ? cellwise : nodal, [&](auto&& store) {
-    for (int k : steps)
-      store(k, reduced.control().at(k));
+    const petsc::Vector field = reduced.controls().field();
+    for (int k : steps) {
+      reduced.controls().extend(reduced.control().at(k), field);
+      store(k, field);
+    }
   });
   write("adjoint", nodal, [&](auto&& store) {
     const petsc::Series states = reduced.adjoint_states(steps);
     for (std::size_t i = 0; i < steps.size(); ++i)
       store(steps[i], states[i]);
   });
+}
+
+/// How the states of motions were kept, and what that took.
+std::string storage_line(const Problem& problem, const ControlProblem& control_problem) {
+  const auto seconds = [&](const char* phase) {
+    const auto found = problem.timers.entries().find(phase);
+    return found == problem.timers.entries().end() ? 0.0 : found->second.seconds;
+  };
+  const std::string& kept = problem.scene.trajectory.storage;
+  const double bytes = control_problem.storage.bytes();
+  const std::string room = fmt::format("{:.3g} MB", bytes * 1e-6);
+  if (kept == "disk")
+    return fmt::format("states on disk, {} a motion: written in {:.1f} s, read in {:.1f} s", room, seconds("states written"),
+                       seconds("states read"));
+  if (kept == "checkpoints")
+    return fmt::format("states in checkpoints of {:.3g} MB: {} steps made again in {:.1f} s",
+                       bytes * 1e-6 * (control_problem.reference ? 2 : 1), count("recomputed steps"),
+                       seconds("states recomputed"));
+  return fmt::format("states in memory, {} a motion", room);
 }
 
 int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, const Console& console) {
@@ -226,7 +252,7 @@ int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
   const auto invariants = write_motion(folder, problem, reduced, console);
   write_control(folder, problem, reduced);
-  io::Manifest m = manifest(problem, "optimize", optimize::name(stop), reduced.trajectory().steps);
+  io::Manifest m = manifest(problem, "optimize", optimize::name(stop), reduced.trajectory().steps());
   m.invariants = invariants;
   m.objective = reduced.value();
   m.iterations = rows.back().iteration;
@@ -240,6 +266,7 @@ int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, 
       m.objective->terminal, m.objective->control_cost, rows.front().gradient_norm, rows.back().gradient_norm,
       scene.optimizer.tolerance * rows.front().gradient_norm, rows.back().iteration, *m.forward_sweeps,
       *m.adjoint_sweeps, rows.back().seconds));
+  console.line(storage_line(problem, control_problem));
   finish(folder, console);
   return stop == optimize::Stop::solver_failed ? solver_failed
          : stop == optimize::Stop::interrupted ? interrupted

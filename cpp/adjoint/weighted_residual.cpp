@@ -58,21 +58,52 @@ void EnrichedBody::surplus(Vec p, const contact::ActiveSet& active, Vec out) con
 
 namespace {
 
+/// A motion around t_k, for k from N down.
+class Window {
+public:
+  struct Instant {
+    petsc::Vector y, v;
+  };
+
+  Window(const fem::Space& space, const forward::Trajectory& trajectory) : trajectory_(trajectory) {
+    for (Instant* x : {&later, &now, &before})
+      *x = {space.vector(), space.vector()};
+    fill(trajectory.steps(), before);
+  }
+
+  /// To t_k after t_{k+1}.
+  void move(int k) {
+    std::swap(later, now);
+    std::swap(now, before);
+    fill(k - 1, before);
+  }
+
+  Instant later, now, before;
+
+private:
+  void fill(int k, const Instant& x) const {
+    const forward::States::View state = trajectory_.at(k);
+    check(VecCopy(state.y, x.y));
+    check(VecCopy(state.v, x.v));
+  }
+
+  const forward::Trajectory& trajectory_;
+};
+
 /// What is left of the equation of motion of step k in functions of degree 2: f − M a − B w − A ȳ.
 class Residual {
 public:
-  Residual(const EnrichedBody& body, const forward::Trajectory& trajectory, const forward::Load& load, double tau)
-      : body_(body), trajectory_(trajectory), load_at_(body.space(), load), tau_(tau), coarse_(petsc::zero_like(trajectory.y[0])),
+  Residual(const EnrichedBody& body, const Window& motion, const forward::Load& load, double tau)
+      : body_(body), motion_(motion), load_at_(body.space(), load), tau_(tau), coarse_(petsc::zero_like(motion.now.y)),
         fine_(body.space().vector()), sum_(body.space().vector()), product_(body.space().vector()) {}
 
   Vec operator()(int k) {
-    const auto i = static_cast<std::size_t>(k);
     const fem::Operators& operators = body_.operators();
     forward::force_of(load_at_(k), operators, sum_);
-    subtract(operators.M, 1 / tau_, trajectory_.v[i], -1 / tau_, trajectory_.v[i - 1]);
+    subtract(operators.M, 1 / tau_, motion_.now.v, -1 / tau_, motion_.before.v);
     if (operators.B)
-      subtract(*operators.B, 1 / tau_, trajectory_.y[i], -1 / tau_, trajectory_.y[i - 1]);
-    subtract(operators.A, 0.5, trajectory_.y[i], 0.5, trajectory_.y[i - 1]);
+      subtract(*operators.B, 1 / tau_, motion_.now.y, -1 / tau_, motion_.before.y);
+    subtract(operators.A, 0.5, motion_.now.y, 0.5, motion_.before.y);
     return sum_;
   }
 
@@ -86,7 +117,7 @@ private:
   }
 
   const EnrichedBody& body_;
-  const forward::Trajectory& trajectory_;
+  const Window& motion_;
   forward::LoadAtStep load_at_;
   double tau_;
   petsc::Vector coarse_, fine_, sum_, product_;
@@ -95,10 +126,10 @@ private:
 /// The time part, interface by interface between steps, from the last one on.
 class TimePart {
 public:
-  TimePart(const forward::Stepper& stepper, const forward::Trajectory& trajectory, const forward::Load& load)
-      : stepper_(stepper), trajectory_(trajectory), load_at_(stepper.space(), load), tau_(stepper.scheme().tau),
+  TimePart(const forward::Stepper& stepper, const Window& motion, int steps, const forward::Load& load)
+      : stepper_(stepper), motion_(motion), steps_(steps), load_at_(stepper.space(), load), tau_(stepper.scheme().tau),
         rate_(stepper.space().vector()), later_(stepper.space().vector()), force_(stepper.space().vector()),
-        force_later_(stepper.space().vector()), motion_(stepper.space().vector()), product_(stepper.space().vector()) {}
+        force_later_(stepper.space().vector()), moves_(stepper.space().vector()), product_(stepper.space().vector()) {}
 
   /// Takes p_k after p_{k+1}.
   void take(int k, Vec p) {
@@ -106,8 +137,8 @@ public:
     forward::force_of(load_at_(k), stepper_.operators(), force_);
     // π' = (p_{k+1} − p_k)/2, with p_{N+1} = 0
     check(VecAXPBYPCZ(rate_, -0.5, 0.5, 0, p, later_));
-    const bool last = k == trajectory_.steps;
-    sum_ += (last ? 0.5 : 1) * tau_ * at_interface(k, last);
+    const bool last = k == steps_;
+    sum_ += (last ? 0.5 : 1) * tau_ * at_interface(last);
     if (k == 1)
       start(p);
     check(VecCopy(p, later_));
@@ -116,51 +147,50 @@ public:
   [[nodiscard]] double sum() const { return sum_; }
 
 private:
-  [[nodiscard]] Vec y(int k) const { return trajectory_.y[static_cast<std::size_t>(k)]; }
-
   double weighed(Mat matrix) {
-    check(MatMult(matrix, motion_, product_));
+    check(MatMult(matrix, moves_, product_));
     stepper_.clamped().clear(product_);
     return dot(rate_, product_);
   }
 
   /// At t_k, per time.
-  double at_interface(int k, bool last) {
+  double at_interface(bool last) {
     const fem::Operators& body = stepper_.operators();
     double value = 0;
     if (last) {
-      check(VecCopy(trajectory_.v[static_cast<std::size_t>(k)], motion_));
+      check(VecCopy(motion_.now.v, moves_));
       return -tau_ * tau_ / 6 * weighed(body.A);
     }
-    check(VecAXPBYPCZ(motion_, 0.5 / tau_, -0.5 / tau_, 0, y(k + 1), y(k - 1)));
+    check(VecAXPBYPCZ(moves_, 0.5 / tau_, -0.5 / tau_, 0, motion_.later.y, motion_.before.y));
     value -= tau_ * tau_ / 6 * weighed(body.A);
     if (body.B) {
-      check(VecAXPBYPCZ(motion_, 1, 1, 0, y(k + 1), y(k - 1)));
-      check(VecAXPY(motion_, -2, y(k)));
+      check(VecAXPBYPCZ(moves_, 1, 1, 0, motion_.later.y, motion_.before.y));
+      check(VecAXPY(moves_, -2, motion_.now.y));
       value -= weighed(*body.B) / 12;
     }
-    check(VecWAXPY(motion_, -1, force_, force_later_));
-    return value + tau_ / 24 * dot(rate_, motion_);
+    check(VecWAXPY(moves_, -1, force_, force_later_));
+    return value + tau_ / 24 * dot(rate_, moves_);
   }
 
   /// The boundary terms at t = 0, π(0) = τ/2 p_1, and half an interval of the first interface's rate.
   void start(Vec p) {
     const Mat A = stepper_.operators().A;
-    check(VecCopy(trajectory_.v[0], motion_));
+    check(VecCopy(motion_.before.v, moves_));
     sum_ -= tau_ * tau_ / 6 * weighed(A) * tau_ / 2;
-    check(MatMult(A, motion_, product_));
+    check(MatMult(A, moves_, product_));
     sum_ -= tau_ * tau_ / 12 * tau_ / 2 * dot(p, product_);
-    if (trajectory_.steps > 1) {
-      check(VecWAXPY(motion_, -1, force_, force_later_));
-      sum_ -= tau_ / 24 * tau_ / 2 * dot(p, motion_);
+    if (steps_ > 1) {
+      check(VecWAXPY(moves_, -1, force_, force_later_));
+      sum_ -= tau_ / 24 * tau_ / 2 * dot(p, moves_);
     }
   }
 
   const forward::Stepper& stepper_;
-  const forward::Trajectory& trajectory_;
+  const Window& motion_;
+  int steps_;
   forward::LoadAtStep load_at_;
   double tau_, sum_ = 0;
-  petsc::Vector rate_, later_, force_, force_later_, motion_, product_;
+  petsc::Vector rate_, later_, force_, force_later_, moves_, product_;
 };
 
 } // namespace
@@ -168,19 +198,21 @@ private:
 ErrorParts weighted_residual(const forward::Stepper& stepper, const EnrichedBody* enriched, const forward::Trajectory& trajectory,
                              const forward::Load& load, const forward::Load& enriched_load, const forward::Load& derivative) {
   const forward::Scheme& scheme = stepper.scheme();
-  TimePart time(stepper, trajectory, load);
+  Window motion(stepper.space(), trajectory);
+  TimePart time(stepper, motion, trajectory.steps(), load);
   std::optional<Residual> residual;
   petsc::Vector surplus;
   if (enriched) {
-    residual.emplace(*enriched, trajectory, enriched_load, scheme.tau);
+    residual.emplace(*enriched, motion, enriched_load, scheme.tau);
     surplus = enriched->space().vector();
   }
   ErrorParts parts;
   double space = 0;
-  sweep(stepper, trajectory, derivative, [&](int k, Vec p) {
+  sweep(stepper, trajectory.contact(), derivative, [&](int k, Vec p) {
+    motion.move(k);
     time.take(k, p);
     if (enriched) {
-      enriched->surplus(p, trajectory.contact[static_cast<std::size_t>(k)].active, surplus);
+      enriched->surplus(p, trajectory.contact()[static_cast<std::size_t>(k)].active, surplus);
       space += scheme.impulse() * dot(surplus, (*residual)(k));
     }
   });

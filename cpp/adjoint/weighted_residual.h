@@ -51,7 +51,7 @@ struct ErrorParts {
 /// what is left of the equation of motion within the steps weighs
 ///     −τ²/12 ∫ π'·(2 A v + B v') dt + τ²/24 ∫ π'·f' dt − τ²/12 π(0)·A v_0 − τ²/24 π(0)·f'(0)
 ///
-/// `enriched` is null without a space part; `load` acted on the run, `enriched_load` is the same in functions of degree 2,
+/// `trajectory` has velocities; `enriched` is null without a space part; `load` acted on the run, `enriched_load` is the same in functions of degree 2,
 /// `derivative` is ∂J/∂y_k given like a load. Collective. Throws SolverFailure.
 ErrorParts weighted_residual(const forward::Stepper& stepper, const EnrichedBody* enriched, const forward::Trajectory& trajectory,
                              const forward::Load& load, const forward::Load& enriched_load, const forward::Load& derivative);

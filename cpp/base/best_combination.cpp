@@ -27,7 +27,7 @@ public:
     check(TaoSetVariableBounds(tao_, lower_, upper_));
     // As far as it comes by comparing values, whose rounding is 1e-16.
     check(TaoSetTolerances(tao_, 1e-7, 0, 0));
-    check(TaoSetMaximumIterations(tao_, 100));
+    check(TaoSetMaximumIterations(tao_, 30));
     KSP ksp = nullptr; // K may be singular
     check(TaoGetKSP(tao_, &ksp));
     check(KSPSetType(ksp, KSPSTCG));
@@ -166,7 +166,7 @@ std::vector<double> best_combination(std::span<const double> products, std::span
   // Augmented Lagrangian in the one constraint. Without prices the first minimiser is right but for its
   // length.
   double multiplier = 1, sum = 0;
-  constexpr int most = 100;
+  constexpr int most = 10;
   for (int iteration = 0; iteration < most; ++iteration) {
     {
       const petsc::WriteArray c(quadratic.linear());

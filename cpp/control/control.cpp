@@ -36,10 +36,21 @@ void Control::scale(double a) {
 
 namespace {
 
-std::optional<std::vector<double>> per_component(std::optional<std::vector<double>> bound, int dim) {
-  if (bound && bound->size() == 1)
+std::optional<std::vector<double>> per_component(std::optional<std::vector<double>> bound, int dim,
+                                                 const std::vector<int>& components) {
+  if (!bound)
+    return bound;
+  if (bound->size() == 1)
     bound->assign(static_cast<std::size_t>(dim), bound->front());
-  return bound;
+  std::vector<double> own;
+  for (int c : components)
+    own.push_back((*bound)[static_cast<std::size_t>(c)]);
+  return own;
+}
+
+std::vector<int> ascending(std::vector<int> numbers) {
+  std::ranges::sort(numbers);
+  return numbers;
 }
 
 /// HRZ lumping: the diagonal of W, scaled to the whole mass; positive for every degree. For degree 1 the row
@@ -56,51 +67,98 @@ petsc::Vector lump(Mat W) {
   return diagonal;
 }
 
-/// One where `support` is not zero and the component is among `components`; null if that is everywhere.
-petsc::Vector make_mask(Vec support, int dim, const std::vector<int>& components) {
-  petsc::Vector mask = petsc::zero_like(support);
-  bool all = true;
-  {
-    const petsc::ReadArray weight(support);
-    const petsc::WriteArray values(mask);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      values[i] =
-          weight[i] != 0 && std::ranges::find(components, static_cast<int>(i) % dim) != components.end();
-      all = all && values[i] != 0;
-    }
-  }
-  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_CXX_BOOL, MPI_LAND, petsc::comm(support));
-  return all ? petsc::Vector() : std::move(mask);
-}
-
 } // namespace
 
 ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::Scheme scheme,
                            int steps, const scene::Control& scene)
     : space_(space), scheme_(scheme), steps_(steps), scale_(scene.scale),
       constant_in_time_(scene.constant_in_time), cellwise_(scene.space == "P0"), whole_(!scene.on),
-      components_(fem::component_numbers(scene.components, space.dim())),
-      lower_(per_component(scene.lower, space.dim())), upper_(per_component(scene.upper, space.dim())) {
+      components_(ascending(fem::component_numbers(scene.components, space.dim()))),
+      lower_(per_component(scene.lower, space.dim(), components_)),
+      upper_(per_component(scene.upper, space.dim(), components_)) {
   ++spaces;
-  if (cellwise_) {
-    own_ = fem::assemble_cellwise(space, scene.on, "control.on");
-    points_ = space.midpoints();
-    petsc::Vector one;
-    check(MatCreateVecs(own_, volumes_.put(), one.put()));
-    check(VecSet(one, 1));
-    check(MatMultTranspose(own_, one, volumes_)); // nodal functions add up to one
-    mask_ = make_mask(volumes_, space.dim(), components_);
-    work_ = petsc::zero_like(volumes_);
-    return;
+  if (cellwise_)
+    take_cells(scene.on);
+  else
+    take_nodes(operators, scene.on);
+}
+
+void ControlSpace::take_cells(const std::optional<std::string>& on) {
+  own_ = fem::assemble_cellwise(space_, on, "control.on");
+  const petsc::Vector one = space_.vector();
+  check(VecSet(one, 1));
+  const auto volumes = [&] { // nodal functions add up to one
+    petsc::Vector x;
+    check(MatCreateVecs(own_, x.put(), nullptr));
+    check(MatMultTranspose(own_, one, x));
+    return x;
+  };
+  field_ = volumes();
+  keep_places(field_, space_.midpoints());
+  if (!everywhere_) {
+    std::vector<int> columns;
+    for (std::size_t i = 0; i < places_.size() * components_.size(); ++i)
+      columns.push_back(static_cast<int>(entry(i)));
+    own_ = fem::columns(own_, columns);
   }
-  if (!whole_)
-    own_ = fem::assemble_L2(space, *scene.on, "control.on");
-  mass_ = whole_ ? *operators.W : own_;
-  points_ = space.points();
-  work_ = space.vector();
-  mask_ = make_mask(fem::diagonal(mass_), space.dim(), components_);
+  volumes_ = volumes();
+  work_ = petsc::zero_like(volumes_);
+}
+
+void ControlSpace::take_nodes(const fem::Operators& operators, const std::optional<std::string>& on) {
+  petsc::Matrix part = on ? fem::assemble_L2(space_, *on, "control.on") : petsc::Matrix();
+  const Mat L2 = on ? Mat(part) : Mat(*operators.W);
+  field_ = space_.vector();
+  keep_places(fem::diagonal(L2), space_.points());
+  if (!everywhere_)
+    own_ = fem::among_nodes(L2, places_, static_cast<int>(components_.size()));
+  else if (on)
+    own_ = std::move(part);
+  mass_ = own_ ? Mat(own_) : L2;
+  work_ = petsc::vector_of(mass_);
   if (bounded())
     lumped_ = lump(mass_);
+}
+
+void ControlSpace::keep_places(Vec weights, const std::vector<double>& points) {
+  const auto dim = static_cast<std::size_t>(space_.dim());
+  const petsc::ReadArray weight(weights);
+  for (std::size_t place = 0; place < weight.size() / dim; ++place)
+    if (weight[place * dim] != 0) {
+      places_.push_back(static_cast<int>(place));
+      points_.insert(points_.end(), &points[3 * place], &points[3 * place] + 3);
+    }
+  everywhere_ = components_.size() == dim && places_.size() * dim == weight.size();
+  MPI_Allreduce(MPI_IN_PLACE, &everywhere_, 1, MPI_CXX_BOOL, MPI_LAND, space_.comm());
+}
+
+petsc::Vector ControlSpace::field() const { return petsc::zero_like(field_); }
+
+void ControlSpace::extend(Vec values, Vec field) const {
+  check(VecZeroEntries(field));
+  add(1, values, field);
+}
+
+void ControlSpace::add(double a, Vec values, Vec field) const {
+  if (everywhere_) {
+    check(VecAXPY(field, a, values));
+    return;
+  }
+  const petsc::ReadArray from(values);
+  const petsc::WriteArray to(field);
+  for (std::size_t i = 0; i < from.size(); ++i)
+    to[entry(i)] += a * from[i];
+}
+
+void ControlSpace::restrict(Vec field, Vec values) const {
+  if (everywhere_) {
+    check(VecCopy(field, values));
+    return;
+  }
+  const petsc::ReadArray from(field);
+  const petsc::WriteArray to(values);
+  for (std::size_t i = 0; i < to.size(); ++i)
+    to[i] = from[entry(i)];
 }
 
 Control ControlSpace::unset() const {
@@ -122,26 +180,19 @@ Control ControlSpace::constant(double value) const {
   Control u = unset();
   for (int k = 1; k <= u.count(); ++k)
     check(VecSet(u.at(k), value));
-  restrict(u);
   return u;
 }
 
 Control ControlSpace::interpolate(const scene::Components& components, const std::string& key) const {
   const scene::Field field(components, key, !constant_in_time_);
   Control u = unset();
-  for (int k = 1; k <= u.count(); ++k) {
+  for (int k = 1; k <= u.count(); ++k)
     if (k > 1 && !field.depends_on_time())
       check(VecCopy(u.at(1), u.at(k)));
     else
-      fem::interpolate(space_.comm(), field, constant_in_time_ ? 0 : scheme_.load_time(k), points_, u.at(k));
-  }
-  restrict(u);
+      fem::interpolate(space_.comm(), field, constant_in_time_ ? 0 : scheme_.load_time(k), points_, components_,
+                       u.at(k));
   return u;
-}
-
-void ControlSpace::restrict(Control& u) const {
-  for (int k = 1; mask_ && k <= u.count(); ++k)
-    check(VecPointwiseMult(u.at(k), u.at(k), mask_));
 }
 
 void ControlSpace::mass(Vec x, Vec out) const {
@@ -199,67 +250,69 @@ double ControlSpace::pairing(const Control& dual, const Control& w) const {
 void ControlSpace::to_metric(Control& gradient) const {
   for (int k = 1; lumped_ && k <= gradient.count(); ++k) {
     check(MatMult(mass_, gradient.at(k), work_));
-    check(VecPointwiseDivide(gradient.at(k), work_, lumped_)); // PETSc: zero where both are
+    check(VecPointwiseDivide(gradient.at(k), work_, lumped_));
   }
-  restrict(gradient);
 }
 
 void ControlSpace::project(Control& u) const {
   if (!bounded())
     return;
-  const auto dim = static_cast<std::size_t>(space_.dim());
+  const std::size_t n = components_.size();
   for (int k = 1; k <= u.count(); ++k) {
     const petsc::WriteArray values(u.at(k));
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (lower_)
-        values[i] = std::max(values[i], (*lower_)[i % dim]);
+        values[i] = std::max(values[i], (*lower_)[i % n]);
       if (upper_)
-        values[i] = std::min(values[i], (*upper_)[i % dim]);
+        values[i] = std::min(values[i], (*upper_)[i % n]);
     }
   }
-  restrict(u);
 }
 
 void ControlSpace::hold(Control& w, const Control& u, const Control& d) const {
   if (!bounded())
     return;
-  const auto dim = static_cast<std::size_t>(space_.dim());
+  const std::size_t n = components_.size();
   for (int k = 1; k <= w.count(); ++k) {
     const petsc::WriteArray values(w.at(k));
     const petsc::ReadArray at(u.at(k)), direction(d.at(k));
     for (std::size_t i = 0; i < values.size(); ++i)
-      if ((lower_ && at[i] <= (*lower_)[i % dim] && direction[i] < 0) ||
-          (upper_ && at[i] >= (*upper_)[i % dim] && direction[i] > 0))
+      if ((lower_ && at[i] <= (*lower_)[i % n] && direction[i] < 0) ||
+          (upper_ && at[i] >= (*upper_)[i % n] && direction[i] > 0))
         values[i] = 0;
   }
 }
 
 forward::Load ControlSpace::load(const Control& u) const {
+  return load([&u](int k) { return u.at(k); });
+}
+
+forward::Load ControlSpace::load(std::function<Vec(int k)> u) const {
   forward::Load load;
-  if (whole_ && !cellwise_)
-    load.density = [this, &u](int k, Vec out) { check(VecAXPY(out, scale_, u.at(k))); };
+  if (cellwise_)
+    load.force = [this, u](int k, Vec out) {
+      check(VecAXPBY(work_, scale_, 0, u(k)));
+      check(MatMultAdd(own_, work_, out, out));
+    };
+  else if (whole_)
+    load.density = [this, u](int k, Vec out) { add(scale_, u(k), out); };
   else
-    load.force = [this, &u](int k, Vec out) {
-      check(VecCopy(u.at(k), work_));
-      check(VecScale(work_, scale_));
-      check(MatMultAdd(cellwise_ ? own_ : mass_, work_, out, out));
+    load.force = [this, u](int k, Vec out) { // on no other nodes: there the functions of these vanish
+      check(MatMult(mass_, u(k), work_));
+      add(scale_, work_, out);
     };
   return load;
 }
 
 void ControlSpace::add_riesz(int k, Vec p, Control& g) const {
   const double weight = scheme_.impulse() / duration() * scale_; // duration() of the product is divided out
-  Vec own = p;
   if (cellwise_) { // the mean of p over each cell
     check(MatMultTranspose(own_, p, work_));
     check(VecPointwiseDivide(work_, work_, volumes_));
-    own = work_;
+  } else if (!everywhere_) {
+    restrict(p, work_);
   }
-  if (mask_) {
-    check(VecPointwiseMult(work_, own, mask_));
-    own = work_;
-  }
-  check(VecAXPY(g.at(k), weight, own));
+  check(VecAXPY(g.at(k), weight, everywhere_ && !cellwise_ ? p : Vec(work_)));
 }
 
 } // namespace signorini::control

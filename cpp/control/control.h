@@ -2,6 +2,7 @@
 #include "fem/operators.h"
 #include "forward/load.h"
 #include "scene/expression.h"
+#include <functional>
 #include <optional>
 
 namespace signorini::control {
@@ -38,6 +39,9 @@ private:
 /// body, a part of it or a surface (there a cell's value acts on those of its facets that lie on it). All
 /// members collective.
 ///
+/// A vector u_k holds values only where and in what components the control acts, (places × components), place
+/// by place; extend() makes a field of it. A control of a surface is small.
+///
 /// Two products: product() is that of L2(0,T; L2), τ Σ (u_k, w_k), over what the control acts on. metric() is
 /// what the optimizer measures with: the same where the mass matrix is diagonal or there are no bounds; else
 /// with a diagonal one (lumped, HRZ), because clipping the values to the bounds is the projection onto the
@@ -56,8 +60,15 @@ public:
   /// Values at the nodes or midpoints, in the middle of each step; of a control constant in time, at t = 0.
   /// Throws UserError naming `key`.
   [[nodiscard]] Control interpolate(const scene::Components& components, const std::string& key) const;
-  /// Sets to zero where and in what components the control does not act.
-  void restrict(Control& u) const;
+
+  /// Values for one step, zero.
+  [[nodiscard]] petsc::Vector value() const { return petsc::zero_like(work_); }
+  /// A zero field: a vector of V, or one for each cell (owned cells × dim).
+  [[nodiscard]] petsc::Vector field() const;
+  /// The field with these values, zero where and in what components the control does not act.
+  void extend(Vec values, Vec field) const;
+  /// The values of a field where the control acts.
+  void restrict(Vec field, Vec values) const;
 
   [[nodiscard]] double product(const Control& u, const Control& w) const;
   /// (u_k, w_k)
@@ -86,11 +97,15 @@ public:
   [[nodiscard]] const fem::Space& space() const { return space_; }
   /// Whether a control has one value for each cell.
   [[nodiscard]] bool cellwise() const { return cellwise_; }
-  /// Where the owned values are: nodes or midpoints of cells (× 3), m.
+  /// Where the owned values are: nodes or midpoints of cells (places × 3), m.
   [[nodiscard]] const std::vector<double>& points() const { return points_; }
+  /// In which components, ascending numbers.
+  [[nodiscard]] const std::vector<int>& components() const { return components_; }
 
   /// s u_k; valid as long as `u` and this object live.
   [[nodiscard]] forward::Load load(const Control& u) const;
+  /// The same for a control whose u_k is evaluated in each step.
+  [[nodiscard]] forward::Load load(std::function<Vec(int k)> u) const;
 
   /// Adds to g what step k contributes to the Riesz representative, by product(), of the functional
   /// u ↦ Σ_k impulse() p_k · (force of u_k): the transpose of load(). For one vector per step (τ s/2) p_k.
@@ -102,10 +117,22 @@ private:
   }
   /// τ, or T where one vector is that of all steps.
   [[nodiscard]] double duration() const { return scheme_.tau * steps_ / static_cast<double>(vectors()); }
+  /// field += a · values.
+  void add(double a, Vec values, Vec field) const;
   /// out = mass matrix · x.
   void mass(Vec x, Vec out) const;
   template <class Mass>
   double product(const Control& u, const Control& w, Mass&& mass) const;
+
+  /// Entry of a field that an owned value is.
+  [[nodiscard]] std::size_t entry(std::size_t value) const {
+    const std::size_t n = components_.size();
+    return static_cast<std::size_t>(places_[value / n] * space_.dim() + components_[value % n]);
+  }
+  void take_cells(const std::optional<std::string>& on);
+  void take_nodes(const fem::Operators& operators, const std::optional<std::string>& on);
+  /// Keeps the places of which a field, its weights, is not zero.
+  void keep_places(Vec weights, const std::vector<double>& points);
 
   const fem::Space& space_;
   forward::Scheme scheme_;
@@ -113,13 +140,14 @@ private:
   double scale_;
   bool constant_in_time_, cellwise_, whole_;
   std::vector<int> components_;
+  std::vector<int> places_; ///< owned nodes or cells where the control acts, ascending local numbers
+  bool everywhere_ = false; ///< on every rank, in all components: values are a field
   std::vector<double> points_;
-  petsc::Matrix own_;     ///< nodal: mass matrix of a part or surface; cellwise: ∫ u·φ (dofs × values)
-  Mat mass_ = nullptr;    ///< nodal: the mass matrix, own_ or W
+  petsc::Matrix own_;     ///< nodal: mass matrix, if it is not W; cellwise: ∫ u·φ (dofs × values)
+  Mat mass_ = nullptr;    ///< nodal: the mass matrix (values × values), own_ or W
   petsc::Vector volumes_; ///< cellwise: the diagonal mass matrix
-  petsc::Vector mask_;    ///< one where the control acts; null if that is everywhere
-  std::optional<std::vector<double>> lower_, upper_; ///< one entry per component
-  petsc::Vector work_;
+  std::optional<std::vector<double>> lower_, upper_; ///< one entry per component of components_
+  petsc::Vector work_, field_;                       ///< of values; a field
   petsc::Vector lumped_; ///< diagonal of the lumped mass matrix; null where metric() is product()
 };
 

@@ -11,7 +11,7 @@ long& objectives = count("objectives");
 }
 
 Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, forward::Scheme scheme,
-                     petsc::Series desired, const scene::Objective& scene)
+                     StateAt desired, const scene::Objective& scene)
     : scheme_(scheme), steps_(controls.steps()), desired_(std::move(desired)), tracking_(scene.tracking),
       alpha_(scene.alpha), gamma_(scene.gamma), controls_(controls),
       own_(scene.on ? fem::assemble_L2(controls.space(), *scene.on, "objective.on") : petsc::Matrix()),
@@ -27,19 +27,23 @@ double Objective::tracking_weight(int k) const {
 double Objective::terminal_weight(int k) const { return k == steps_ ? 2 * gamma_ : 0; }
 
 double Objective::squared_distance(int k, Vec y) const {
-  check(VecWAXPY(error_, -1, desired_[static_cast<std::size_t>(k)], y));
+  check(VecWAXPY(error_, -1, desired_(k), y));
   check(MatMult(observed_, error_, work_));
   return petsc::dot(error_, work_);
 }
 
 double Objective::distance(int k, Vec y) const { return std::sqrt(squared_distance(k, y)); }
 
-Value Objective::value(const forward::Trajectory& trajectory, const Control& u) const {
+void Objective::observe(int k, Vec y, std::vector<double>& squared_distances) const {
+  squared_distances.resize(static_cast<std::size_t>(steps_) + 1);
+  if (tracking_weight(k) + terminal_weight(k) != 0)
+    squared_distances[static_cast<std::size_t>(k)] = squared_distance(k, y);
+}
+
+Value Objective::value(const std::vector<double>& squared_distances, const Control& u) const {
   Value value;
   for (int k = 0; k <= steps_; ++k) {
-    if (tracking_weight(k) + terminal_weight(k) == 0)
-      continue;
-    const double squared = squared_distance(k, trajectory.y[static_cast<std::size_t>(k)]);
+    const double squared = squared_distances[static_cast<std::size_t>(k)];
     value.tracking += tracking_weight(k) / 2 * squared;
     value.terminal += terminal_weight(k) / 2 * squared;
   }
@@ -48,7 +52,7 @@ Value Objective::value(const forward::Trajectory& trajectory, const Control& u) 
   return value;
 }
 
-double Objective::quadrature_error(const forward::Trajectory& trajectory, const Control& u) const {
+double Objective::quadrature_error(const std::vector<double>& squared_distances, const Control& u) const {
   constexpr int points = 3;
   if (steps_ < points)
     return 0;
@@ -63,7 +67,7 @@ double Objective::quadrature_error(const forward::Trajectory& trajectory, const 
   double error = 0;
   if (tracking_ > 0)
     error -= tracking_ * scheme_.tau / 12 *
-             change([&](int k) { return squared_distance(k, trajectory.y[static_cast<std::size_t>(k)]) / 2; }, 0, steps_, {-1.5, 2, -0.5});
+             change([&](int k) { return squared_distances[static_cast<std::size_t>(k)] / 2; }, 0, steps_, {-1.5, 2, -0.5});
   if (alpha_ > 0 && u.count() == steps_)
     error += alpha_ * scheme_.tau / 24 * change([&](int k) { return controls_.product_at(k, u, u) / 2; }, 1, steps_, {-2, 3, -1});
   return error;
@@ -88,17 +92,15 @@ forward::Load Objective::dual(std::function<void(int k, double weight, Vec out)>
   return load;
 }
 
-forward::Load Objective::derivative(const forward::Trajectory& trajectory) const {
-  return dual([this, &trajectory](int k, double weight, Vec out) {
-    const auto i = static_cast<std::size_t>(k);
-    check(VecAXPBYPCZ(out, weight, -weight, 1, trajectory.y[i], desired_[i]));
+forward::Load Objective::derivative(StateAt y) const {
+  return dual([this, y = std::move(y)](int k, double weight, Vec out) {
+    const Vec is = y(k), desired = desired_(k);
+    check(VecAXPBYPCZ(out, weight, -weight, 1, is, desired));
   });
 }
 
-forward::Load Objective::second_derivative(const petsc::Series& dy) const {
-  return dual([&dy](int k, double weight, Vec out) {
-    check(VecAXPY(out, weight, dy[static_cast<std::size_t>(k) - 1]));
-  });
+forward::Load Objective::second_derivative(StateAt dy) const {
+  return dual([dy = std::move(dy)](int k, double weight, Vec out) { check(VecAXPY(out, weight, dy(k))); });
 }
 
 } // namespace signorini::control

@@ -1,6 +1,6 @@
 #pragma once
 #include "control/control.h"
-#include "forward/trajectory.h"
+#include <vector>
 
 namespace signorini::control {
 
@@ -16,21 +16,27 @@ struct Value {
 /// control costs. A term whose weight is zero is not evaluated. All members collective.
 class Objective {
 public:
-  /// `desired` holds y_d,0…y_d,N. The references must outlive this object. Throws UserError.
+  /// States by their step, each valid until the next is asked for.
+  using StateAt = std::function<Vec(int k)>;
+
+  /// `desired` gives y_d,0…y_d,N, each at any time. The references must outlive this object. Throws UserError.
   Objective(const ControlSpace& controls, const fem::Operators& operators, forward::Scheme scheme,
-            petsc::Series desired, const scene::Objective& scene);
+            StateAt desired, const scene::Objective& scene);
 
-  [[nodiscard]] Value value(const forward::Trajectory& trajectory, const Control& u) const;
+  /// What J takes of a motion as it goes by: ‖y_k − y_d,k‖² of each step (N + 1), zero where it has no weight.
+  void observe(int k, Vec y, std::vector<double>& squared_distances) const;
 
-  /// ∂J/∂y_k along a trajectory, k = 1…N, given like a load; valid as long as both objects live.
-  [[nodiscard]] forward::Load derivative(const forward::Trajectory& trajectory) const;
+  [[nodiscard]] Value value(const std::vector<double>& squared_distances, const Control& u) const;
+
+  /// ∂J/∂y_k along a motion, asked from k = N to 1, given like a load; valid as long as this object lives.
+  [[nodiscard]] forward::Load derivative(StateAt y) const;
 
   /// ∂²J/∂y_k² δy_k for δy_1…δy_N, likewise.
-  [[nodiscard]] forward::Load second_derivative(const petsc::Series& dy) const;
+  [[nodiscard]] forward::Load second_derivative(StateAt dy) const;
 
   /// The integrals over time less their quadrature, to leading order: −τ²/12 of the change of ½ θ ‖e‖²'s rate (trapezoidal
   /// rule) and, if u_k is that in the middle of step k, +τ²/24 of that of α/2 ‖u‖²'s (midpoint rule).
-  [[nodiscard]] double quadrature_error(const forward::Trajectory& trajectory, const Control& u) const;
+  [[nodiscard]] double quadrature_error(const std::vector<double>& squared_distances, const Control& u) const;
 
   /// α: the derivative by the control is α u.
   [[nodiscard]] double alpha() const { return alpha_; }
@@ -49,7 +55,7 @@ private:
 
   forward::Scheme scheme_;
   int steps_;
-  petsc::Series desired_;
+  StateAt desired_;
   double tracking_, alpha_, gamma_;
   const ControlSpace& controls_;
   petsc::Matrix own_; ///< the L2 product of what is observed; null for the whole body

@@ -2,7 +2,6 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/signals.h"
-#include "forward/extrapolation.h"
 #include <algorithm>
 #include <utility>
 
@@ -15,28 +14,31 @@ long& problems = count("reduced problems");
 
 ReducedProblem::ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls,
                                const Objective& objective, const forward::Initial& initial,
-                               forward::Load load, Timers& timers)
+                               forward::Load load, const forward::Storage& storage, Timers& timers)
     : stepper_(stepper), controls_(controls), objective_(objective), initial_(initial),
-      load_(std::move(load)), timers_(timers),
-      current_{controls.zero(), forward::Trajectory(stepper, controls.steps()), {}},
-      trial_{controls.zero(), forward::Trajectory(stepper, controls.steps()), {}} {
+      load_(std::move(load)), storage_(storage), timers_(timers), current_(point()), trial_(point()) {
   ++problems;
 }
 
-forward::Load ReducedProblem::load() const { return load_ + controls_.load(current_.u); }
+std::unique_ptr<ReducedProblem::Point> ReducedProblem::point() const {
+  return std::unique_ptr<Point>(
+      new Point{controls_.zero(), {stepper_, initial_, controls_.steps(), storage_}, {}, {}});
+}
+
+forward::Load ReducedProblem::load() const { return load_ + controls_.load(current_->u); }
 
 double ReducedProblem::value(const Control& u) {
-  trial_.u = u;
-  {
-    const auto timer = timers_.time("forward");
-    forward::simulate(stepper_, initial_, load_ + controls_.load(trial_.u), trial_.trajectory);
-  }
-  if (trial_.trajectory.steps < controls_.steps())
+  trial_->u = u;
+  const auto timer = timers_.time("forward");
+  trial_->trajectory.run(load_ + controls_.load(trial_->u), [&](const forward::Frame& frame) {
+    const auto other = timers_.time("objective");
+    objective_.observe(frame.k, frame.y1, trial_->squared_distances);
+  });
+  if (trial_->trajectory.steps() < controls_.steps())
     throw Interrupted();
   ++sweeps_.forward;
-  const auto timer = timers_.time("objective");
-  trial_.value = objective_.value(trial_.trajectory, trial_.u);
-  return trial_.value.total();
+  trial_->value = objective_.value(trial_->squared_distances, trial_->u);
+  return trial_->value.total();
 }
 
 void ReducedProblem::accept() { std::swap(current_, trial_); }
@@ -46,23 +48,23 @@ Control ReducedProblem::riesz(const Point& at, const forward::Load& dual, double
   Control g = controls_.unset();
   for (int k = 1; k <= g.count(); ++k)
     check(VecAXPBY(g.at(k), scale, 0, u.at(k)));
-  adjoint::sweep(stepper_, at.trajectory, dual, [&](int k, Vec p) { controls_.add_riesz(k, p, g); });
+  adjoint::sweep(stepper_, at.trajectory.contact(), dual, [&](int k, Vec p) { controls_.add_riesz(k, p, g); });
   ++sweeps_.adjoint;
   return g;
 }
 
-Control ReducedProblem::adjoint(const forward::Load& dual) { return riesz(current_, dual, 0, current_.u); }
+Control ReducedProblem::adjoint(const forward::Load& dual) { return riesz(*current_, dual, 0, current_->u); }
 
 Control ReducedProblem::l2_gradient(const Point& at) {
-  return riesz(at, objective_.derivative(at.trajectory), objective_.alpha(), at.u);
+  return riesz(at, objective_.derivative([&at](int k) { return at.trajectory.y(k); }), objective_.alpha(), at.u);
 }
 
-Control ReducedProblem::l2_gradient() { return l2_gradient(current_); }
+Control ReducedProblem::l2_gradient() { return l2_gradient(*current_); }
 
 petsc::Series ReducedProblem::adjoint_states(const std::vector<int>& steps) const {
   petsc::Series states(steps.size());
-  adjoint::sweep(stepper_, current_.trajectory, objective_.derivative(current_.trajectory),
-                 [&](int k, Vec p) {
+  adjoint::sweep(stepper_, current_->trajectory.contact(),
+                 objective_.derivative([this](int k) { return current_->trajectory.y(k); }), [&](int k, Vec p) {
                    if (const auto wanted = std::ranges::find(steps, k); wanted != steps.end())
                      states[static_cast<std::size_t>(wanted - steps.begin())] = petsc::copy(p);
                  });
@@ -70,42 +72,58 @@ petsc::Series ReducedProblem::adjoint_states(const std::vector<int>& steps) cons
 }
 
 Control ReducedProblem::gradient() {
-  Control g = l2_gradient(current_);
+  Control g = l2_gradient(*current_);
   controls_.to_metric(g);
   return g;
 }
 
 Control ReducedProblem::trial_gradient() {
-  Control g = l2_gradient(trial_);
+  Control g = l2_gradient(*trial_);
   controls_.to_metric(g);
   return g;
 }
 
-petsc::Series ReducedProblem::linearised(const Control& d) {
-  const auto timer = timers_.time("linearised");
-  const std::size_t n = static_cast<std::size_t>(controls_.steps());
-  petsc::Series dy = petsc::zero_series(initial_.y, n);
-  petsc::Vector y0 = petsc::zero_like(initial_.y), v0 = petsc::zero_like(initial_.y),
-                v1 = petsc::zero_like(initial_.y);
+void ReducedProblem::march_linearised(const Control& d, const std::function<void(forward::March& march)>& use) {
+  const petsc::Vector rest = stepper_.space().vector();
   const forward::Load load = controls_.load(d);
   const forward::LoadAtStep load_at(stepper_.space(), load);
-  forward::Extrapolation extrapolation(stepper_);
-  for (std::size_t k = 1; k <= n; ++k) {
+  forward::March march(stepper_, rest, rest, [&](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
+    stepper_.linearised_step(y0, v0, load_at(k), current_->trajectory.contact()[static_cast<std::size_t>(k)], y1, v1);
+  });
+  use(march);
+}
+
+void ReducedProblem::through_linearised(forward::March& march,
+                                        const std::function<void(const forward::State& state)>& visit) {
+  const auto timer = timers_.time("linearised");
+  march.restart();
+  visit(march.state());
+  for (int k = 1; k <= controls_.steps(); ++k) {
     if (stop_requested(stepper_.space().comm()))
       throw Interrupted();
-    extrapolation.guess(dy[k - 1]);
-    stepper_.linearised_step(k == 1 ? Vec(y0) : Vec(dy[k - 2]), v0, load_at(static_cast<int>(k)),
-                             current_.trajectory.contact[k], dy[k - 1], v1);
-    extrapolation.remember(dy[k - 1]);
-    std::swap(v0, v1);
+    march.advance();
+    visit(march.state());
   }
   ++sweeps_.forward;
-  return dy;
+}
+
+void ReducedProblem::linearised(const Control& d, const std::function<void(int k, Vec dy)>& visit) {
+  march_linearised(d, [&](forward::March& march) {
+    through_linearised(march, [&](const forward::State& state) {
+      if (state.k > 0)
+        visit(state.k, state.y);
+    });
+  });
 }
 
 Control ReducedProblem::l2_hessian_product(const Control& d) {
-  const petsc::Series dy = linearised(d);
-  return riesz(current_, objective_.second_derivative(dy), objective_.alpha(), d);
+  Control h = controls_.unset();
+  march_linearised(d, [&](forward::March& march) {
+    const std::unique_ptr<forward::States> dy = storage_.place(march);
+    through_linearised(march, [&](const forward::State& state) { dy->keep(state); });
+    h = riesz(*current_, objective_.second_derivative([&](int k) { return dy->at(k).y; }), objective_.alpha(), d);
+  });
+  return h;
 }
 
 Control ReducedProblem::hessian_product(const Control& d) {

@@ -3,13 +3,14 @@
 #include "base/progress.h"
 #include "base/timers.h"
 #include "control/objective.h"
-#include "forward/simulate.h"
+#include "forward/trajectory.h"
+#include <memory>
 
 namespace signorini::control {
 
 /// u ↦ J(S(u), u) with S the solution operator of the contact problem: value, gradient, Hessian product. The
-/// problem keeps the trajectory of the current control and that of a trial; a rejected trial changes nothing.
-/// All members collective.
+/// problem keeps the trajectory of the current control and that of a trial, in `storage`; a rejected trial changes
+/// nothing. All members collective; those that compute throw WriteFailure if the storage does.
 class ReducedProblem {
 public:
   using Vector = Control;
@@ -21,7 +22,8 @@ public:
 
   /// The references must outlive this object. `load` is the load without the control.
   ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls, const Objective& objective,
-                 const forward::Initial& initial, forward::Load load, Timers& timers);
+                 const forward::Initial& initial, forward::Load load, const forward::Storage& storage,
+                 Timers& timers);
 
   /// J(u) by a forward sweep; u becomes the trial. Throws Interrupted, SolverFailure.
   double value(const Control& u);
@@ -44,8 +46,8 @@ public:
   /// The Hessian product as Riesz representative in the optimizer's metric.
   Control hessian_product(const Control& d);
 
-  /// S'(u) d: the linearised states δy_1…δy_N at the current control, active sets frozen. Throws Interrupted.
-  petsc::Series linearised(const Control& d);
+  /// S'(u) d: shows the linearised states δy_1…δy_N at the current control, active sets frozen. Throws Interrupted.
+  void linearised(const Control& d, const std::function<void(int k, Vec dy)>& visit);
 
   /// S'(u)* w for duals w_1…w_N of the states, given like a load, as Riesz representative in L2(0,T; L2).
   Control adjoint(const forward::Load& dual);
@@ -56,10 +58,12 @@ public:
   void project(Control& u) const { controls_.project(u); }
   void hold(Control& w, const Control& u, const Control& d) const { controls_.hold(w, u, d); }
 
-  [[nodiscard]] const Control& control() const { return current_.u; }
-  [[nodiscard]] const Value& value() const { return current_.value; }
-  [[nodiscard]] const forward::Trajectory& trajectory() const { return current_.trajectory; }
-  [[nodiscard]] const forward::Trajectory& trial_trajectory() const { return trial_.trajectory; }
+  [[nodiscard]] const Control& control() const { return current_->u; }
+  [[nodiscard]] const Value& value() const { return current_->value; }
+  [[nodiscard]] const forward::Trajectory& trajectory() const { return current_->trajectory; }
+  [[nodiscard]] const forward::Trajectory& trial_trajectory() const { return trial_->trajectory; }
+  /// ‖y_k − y_d,k‖² of the current control (N + 1), as Objective::observe().
+  [[nodiscard]] const std::vector<double>& squared_distances() const { return current_->squared_distances; }
   /// p_k of the current control at the given steps, by one more adjoint sweep.
   [[nodiscard]] petsc::Series adjoint_states(const std::vector<int>& steps) const;
   [[nodiscard]] Sweeps sweeps() const { return sweeps_; }
@@ -73,8 +77,15 @@ private:
   struct Point {
     Control u;
     forward::Trajectory trajectory;
+    std::vector<double> squared_distances;
     Value value;
   };
+
+  [[nodiscard]] std::unique_ptr<Point> point() const;
+  /// Hands a march over S'(u) d to `use`.
+  void march_linearised(const Control& d, const std::function<void(forward::March& march)>& use);
+  /// Goes through it once.
+  void through_linearised(forward::March& march, const std::function<void(const forward::State& state)>& visit);
 
   /// scale u + S'(at)* w as Riesz representative in L2(0,T; L2).
   Control riesz(const Point& at, const forward::Load& dual, double scale, const Control& u);
@@ -85,8 +96,9 @@ private:
   const Objective& objective_;
   const forward::Initial& initial_;
   forward::Load load_;
+  const forward::Storage& storage_;
   Timers& timers_;
-  Point current_, trial_;
+  std::unique_ptr<Point> current_, trial_; ///< where they are they stay: loads refer to their controls
   Sweeps sweeps_;
 };
 

@@ -106,18 +106,33 @@ petsc::Matrix first_component(Mat rows) {
   return component;
 }
 
-/// One component of a matrix of blocks, acting on all of them (MAIJ), if it does the same; else in blocks.
-petsc::Matrix compress(petsc::Matrix rows) {
-  const petsc::Matrix component = first_component(rows);
+/// One component of a matrix of blocks, acting on all of them (MAIJ).
+petsc::Matrix one_for_all(Mat rows) {
   PetscInt dim = 1;
   check(MatGetBlockSize(rows, &dim));
   petsc::Matrix all;
-  check(MatCreateMAIJ(component, dim, all.put()));
+  check(MatCreateMAIJ(first_component(rows), dim, all.put()));
+  return all;
+}
+
+/// The same if it does what the matrix does; else the matrix in blocks.
+petsc::Matrix compress(petsc::Matrix rows) {
+  petsc::Matrix all = one_for_all(rows);
   if (ratio(rows, all) == 1)
     return all;
   petsc::Matrix blocks;
   check(MatConvert(rows, MATBAIJ, MAT_INITIAL_MATRIX, blocks.put()));
   return symmetric_half(blocks);
+}
+
+/// Owned local numbers among those of all ranks.
+petsc::IndexSet numbers(MPI_Comm comm, PetscInt first, const std::vector<int>& local) {
+  std::vector<PetscInt> global;
+  for (int i : local)
+    global.push_back(first + i);
+  petsc::IndexSet set;
+  check(ISCreateGeneral(comm, static_cast<PetscInt>(global.size()), global.data(), PETSC_COPY_VALUES, set.put()));
+  return set;
 }
 
 } // namespace
@@ -149,7 +164,7 @@ Operators assemble_operators(const Space& space, const std::vector<scene::Materi
   if (std::ranges::any_of(materials, [](const scene::Material& m) { return m.viscosity.has_value(); }))
     operators.B = symmetric_half(assemble(space, Form::b, body, no_tau, MATBAIJ));
   if (densities) {
-    operators.W = compress(assemble(space, Form::L2, body, no_tau, MATAIJ));
+    operators.W = one_for_all(assemble(space, Form::L2, body, no_tau, MATAIJ));
     operators.uniform_density = ratio(operators.M, *operators.W);
   }
   return operators;
@@ -162,6 +177,29 @@ petsc::Matrix assemble_L2(const Space& space, const std::string& group, const st
   petsc::Matrix all;
   check(MatCreateMAIJ(component, space.dim(), all.put()));
   return all;
+}
+
+petsc::Matrix among_nodes(Mat L2, const std::vector<int>& nodes, int components) {
+  const Mat component = petsc::component(L2);
+  PetscInt begin = 0;
+  check(MatGetOwnershipRange(component, &begin, nullptr));
+  const petsc::IndexSet kept = numbers(petsc::comm(L2), begin, nodes);
+  petsc::Matrix among, all;
+  check(MatCreateSubMatrix(component, kept, kept, MAT_INITIAL_MATRIX, among.put()));
+  check(MatCreateMAIJ(among, components, all.put()));
+  return all;
+}
+
+petsc::Matrix columns(Mat matrix, const std::vector<int>& columns) {
+  PetscInt first_row = 0, end_row = 0, first = 0;
+  check(MatGetOwnershipRange(matrix, &first_row, &end_row));
+  check(MatGetOwnershipRangeColumn(matrix, &first, nullptr));
+  petsc::IndexSet rows;
+  check(ISCreateStride(petsc::comm(matrix), end_row - first_row, first_row, 1, rows.put()));
+  petsc::Matrix some;
+  check(MatCreateSubMatrix(matrix, rows, numbers(petsc::comm(matrix), first, columns), MAT_INITIAL_MATRIX,
+                           some.put()));
+  return some;
 }
 
 petsc::Matrix assemble_step_operator(const Space& space, const std::vector<scene::Material>& materials,

@@ -53,6 +53,13 @@ Operators assemble_operators(const Space& space, const std::vector<scene::Materi
 /// UserError naming the scene's `key` if there is no such group.
 petsc::Matrix assemble_L2(const Space& space, const std::string& group, const std::string& key);
 
+/// What an L2 product, W or of assemble_L2, couples among some nodes (owned, ascending local numbers), in so
+/// many components. Collective.
+petsc::Matrix among_nodes(Mat L2, const std::vector<int>& nodes, int components);
+
+/// Some of a matrix's columns (owned, ascending local numbers). Collective.
+petsc::Matrix columns(Mat matrix, const std::vector<int>& columns);
+
 /// The operator D of every step, from the form d (d_elastic without viscosity), in blocks (BAIJ). Collective.
 /// Throws as assemble_operators does.
 petsc::Matrix assemble_step_operator(const Space& space, const std::vector<scene::Material>& materials,

@@ -7,6 +7,7 @@
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <dolfinx/mesh/utils.h>
+#include <numeric>
 
 namespace signorini::fem {
 
@@ -65,7 +66,9 @@ std::vector<int> Space::nodes_on(const std::string& group, const std::string& ke
 }
 
 void Space::interpolate(const scene::Field& field, double t, Vec out) const {
-  fem::interpolate(comm(), field, t, points_, out);
+  std::vector<int> all(static_cast<std::size_t>(dim()));
+  std::iota(all.begin(), all.end(), 0);
+  fem::interpolate(comm(), field, t, points_, all, out);
 }
 
 std::vector<double> Space::midpoints() const {
@@ -73,11 +76,15 @@ std::vector<double> Space::midpoints() const {
 }
 
 void interpolate(MPI_Comm comm, const scene::Field& field, double t, const std::vector<double>& points,
-                 Vec out) {
+                 const std::vector<int>& components, Vec out) {
   together(comm, [&] {
     const petsc::WriteArray values(out);
-    for (std::size_t i = 0; 3 * i < points.size(); ++i)
-      field.evaluate(&points[3 * i], t, &values[i * field.size()]);
+    std::vector<double> all(field.size());
+    for (std::size_t i = 0, value = 0; 3 * i < points.size(); ++i) {
+      field.evaluate(&points[3 * i], t, all.data());
+      for (int c : components)
+        values[value++] = all[static_cast<std::size_t>(c)];
+    }
   });
 }
 

@@ -58,10 +58,10 @@ private:
   std::shared_ptr<dolfinx::fem::FunctionSpace<double>> V_;
 };
 
-/// A field's values at points (× 3) at time t, point by point. Collective. Throws UserError on every rank if
-/// one is not finite.
+/// Some components of a field at points (× 3) at time t, point by point. Collective. Throws UserError on every
+/// rank if a value is not finite.
 void interpolate(MPI_Comm comm, const scene::Field& field, double t, const std::vector<double>& points,
-                 Vec out);
+                 const std::vector<int>& components, Vec out);
 
 /// Vector functions that are constant on each cell. Collective.
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh);

@@ -91,12 +91,4 @@ StepBalance Balance::operator()(const Frame& frame) {
   return now;
 }
 
-std::vector<StepBalance> balance(const Stepper& stepper, const Load& load,
-                                 const Trajectory& trajectory) {
-  std::vector<StepBalance> steps;
-  Balance weigh(stepper);
-  replay(stepper, load, trajectory, [&](const Frame& frame) { steps.push_back(weigh(frame)); });
-  return steps;
-}
-
 } // namespace signorini::forward

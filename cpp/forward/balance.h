@@ -1,7 +1,6 @@
 #pragma once
 #include "forward/simulate.h"
 #include <array>
-#include <vector>
 
 namespace signorini::forward {
 
@@ -35,9 +34,5 @@ private:
   petsc::Vector Ay0_, Ay1_, Mv0_, Mv1_, Bw_, w_, jump_, load_, force_, inertia_, defect_;
   double energy_ = 0; ///< of the last frame
 };
-
-/// Balance of all frames of a trajectory. Collective.
-std::vector<StepBalance> balance(const Stepper& stepper, const Load& load,
-                                 const Trajectory& trajectory);
 
 } // namespace signorini::forward

@@ -16,7 +16,7 @@ void Extrapolation::remember(Vec x) {
   std::swap(last_[1], last_[2]);
   std::swap(last_[0], last_[1]);
   check(VecCopy(x, last_[0]));
-  known_ = std::min(known_ + 1, 3);
+  known_ = std::min(known_ + 1, most);
 }
 
 void Extrapolation::guess(Vec out) const {
@@ -27,6 +27,12 @@ void Extrapolation::guess(Vec out) const {
     check(VecAXPBY(out, -1, 2, last_[1]));
   else if (known_ == 3)
     check(VecAXPBYPCZ(out, -3, 1, 3, last_[1], last_[2]));
+}
+
+void Extrapolation::take(const Extrapolation& other) {
+  known_ = other.known_;
+  for (int i = 0; i < known_; ++i)
+    check(VecCopy(other.last_[static_cast<std::size_t>(i)], last_[static_cast<std::size_t>(i)]));
 }
 
 } // namespace signorini::forward

@@ -14,9 +14,17 @@ public:
   /// Leaves `out` as it is before anything was remembered.
   void guess(Vec out) const;
 
+  void forget() { known_ = 0; }
+  /// Goes on as `other` would.
+  void take(const Extrapolation& other);
+
+  /// Vectors that it keeps.
+  static int vectors(const Stepper& stepper) { return stepper.solver().takes_guess() ? most : 0; }
+
 private:
+  static constexpr int most = 3;
   bool wanted_;
-  std::array<petsc::Vector, 3> last_; ///< the latest first
+  std::array<petsc::Vector, most> last_; ///< the latest first
   int known_ = 0;
 };
 

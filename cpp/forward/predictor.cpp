@@ -17,16 +17,19 @@ Predictor::Predictor(petsc::Matrix blocks, Mat M, const fem::Clamped& clamped, c
                      const scene::Solver& scene, bool sliding)
     : M_(M), clamped_(clamped), constraints_(constraints),
       solver_(decoupled(std::move(blocks), clamped), &constraints, scene, sliding), zero_(petsc::vector_of(M)),
-      r_(petsc::zero_like(zero_)), jump_(petsc::zero_like(zero_)), contact_(constraints.count()),
+      r_(petsc::zero_like(zero_)), jump_(petsc::zero_like(zero_)), before_(constraints.count()),
+      contact_(constraints.count()),
       gap_(static_cast<std::size_t>(constraints.count())) {}
 
-Vec Predictor::jump(std::span<const double> psi, Vec x, contact::ActiveSet& set) const {
+Vec Predictor::jump(std::span<const double> psi, Vec x, const contact::ActiveSet& previous,
+                    contact::ActiveSet& set) const {
   set.clear();
   constraints_.gap(psi, x, gap_);
   if (std::ranges::all_of(gap_, [&](double g) { return g >= -constraints_.gap_tolerance(); }))
     return nullptr;
   check(VecZeroEntries(jump_));
-  solver_.vi()->solve(zero_, gap_, contact_, contact_, jump_);
+  before_.active = previous; // and no set of a step made earlier: a step made again must give the same bits
+  solver_.vi()->solve(zero_, gap_, before_, contact_, jump_);
   set = contact_.active;
   return jump_;
 }

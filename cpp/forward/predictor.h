@@ -15,8 +15,9 @@ public:
             const contact::Constraints& constraints, const scene::Solver& scene, bool sliding);
 
   /// z − x for the gaps ψ of the undeformed body (m), null if that is zero; `set` becomes Z, the candidates
-  /// that z touches. Valid until the next call. Collective. Throws SolverFailure.
-  [[nodiscard]] Vec jump(std::span<const double> psi, Vec x, contact::ActiveSet& set) const;
+  /// that z touches, and `previous` is that of the step before, from which the search starts. Valid until the next call. Collective. Throws SolverFailure.
+  [[nodiscard]] Vec jump(std::span<const double> psi, Vec x, const contact::ActiveSet& previous,
+                         contact::ActiveSet& set) const;
 
   /// Πx − x with Π the linearised projection on the set Z, null where Z is empty. Π is its own transpose in the
   /// product with M. Valid until the next call. Collective.
@@ -31,7 +32,7 @@ private:
   const contact::Constraints& constraints_;
   StepSolver solver_;
   petsc::Vector zero_, r_, jump_;
-  mutable contact::ContactState contact_;
+  mutable contact::ContactState before_, contact_;
   mutable std::vector<double> gap_;
 };
 

@@ -1,7 +1,7 @@
 #include "forward/simulate.h"
 #include "base/error.h"
 #include "base/signals.h"
-#include "forward/extrapolation.h"
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -53,91 +53,37 @@ Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
     stepper.constraints()->place_outside(y);
 }
 
-namespace {
-
-/// Where the state at t_k goes.
-struct Place {
-  Vec y, v;
-  contact::ContactState& contact;
-};
-
-/// step ∘ … ∘ step from the initial state through the places that `at(k)` names, of which two are in use at a
-/// time; `show(frame)` is told of each.
-template <class At, class Show>
-void march(const Stepper& stepper, const Initial& initial, const Load& load, int steps, At&& at,
-           Show&& show) {
-  const LoadAtStep load_at(stepper.space(), load);
-  Extrapolation extrapolation(stepper);
-  extrapolation.remember(initial.y);
-  const Place start = at(0);
-  check(VecCopy(initial.y, start.y));
-  check(VecCopy(initial.v, start.v));
+int go_through(const Stepper& stepper, March& march, int steps, Stops stops,
+               const std::function<contact::ContactState&(int k)>& contact, const StepLoad& acting,
+               const Watch& watch) {
+  const auto stopped = [&] { return stops == Stops::obeyed && stop_requested(stepper.space().comm()); };
+  march.restart();
   if (const contact::Constraints* constraints = stepper.constraints()) // open: no step has made a force yet
-    constraints->gap(constraints->psi(), initial.y, start.contact.gap);
-  bool last = stop_requested(stepper.space().comm());
-  show(Frame{0, nullptr, nullptr, {}, start.y, start.v, start.contact, last});
-  for (int k = 1; !last; ++k) {
-    const Place before = at(k - 1), after = at(k);
-    StepLoad acting;
-    try {
-      acting = load_at(k);
-      extrapolation.guess(after.y);
-      stepper.step(k, before.y, before.v, acting, before.contact, after.contact, after.y, after.v);
-      extrapolation.remember(after.y);
-    } catch (const SolverFailure& failure) {
-      throw SolverFailure(
-          fmt::format("step {} (t = {:.6g} s): {}", k, stepper.scheme().time(k), failure.what()));
-    }
-    last = k == steps || stop_requested(stepper.space().comm());
-    show(Frame{k, before.y, before.v, acting, after.y, after.v, after.contact, last});
+    constraints->gap(constraints->psi(), march.state().y, contact(0).gap);
+  bool last = stopped();
+  watch({0, nullptr, nullptr, {}, march.state().y, march.state().v, contact(0), last});
+  int k = 0;
+  while (!last) {
+    march.advance();
+    last = ++k == steps || stopped();
+    watch({k, march.y0(), march.v0(), acting, march.state().y, march.state().v, contact(k), last});
   }
+  return k;
 }
 
-} // namespace
-
-int stream(const Stepper& stepper, const Initial& initial, const Load& load, int steps,
-           const Watch& watch) {
-  Trajectory two(stepper, 1);
-  int done = 0;
-  march(
-      stepper, initial, load, steps,
-      [&](int k) {
-        const auto i = static_cast<std::size_t>(k % 2);
-        return Place{two.y[i], two.v[i], two.contact[i]};
-      },
-      [&](const Frame& frame) {
-        done = frame.k;
-        if (watch)
-          watch(frame);
-      });
-  return done;
-}
-
-void replay(const Stepper& stepper, const Load& load, const Trajectory& trajectory,
-            const Watch& watch) {
+int stream(const Stepper& stepper, const Initial& initial, const Load& load, int steps, const Watch& watch,
+           Stops stops) {
   const LoadAtStep load_at(stepper.space(), load);
-  watch({0, nullptr, nullptr, {}, trajectory.y[0], trajectory.v[0], trajectory.contact[0],
-         trajectory.steps == 0});
-  for (int k = 1; k <= trajectory.steps; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    watch({k, trajectory.y[i - 1], trajectory.v[i - 1], load_at(k), trajectory.y[i], trajectory.v[i],
-           trajectory.contact[i], k == trajectory.steps});
-  }
-}
-
-void simulate(const Stepper& stepper, const Initial& initial, const Load& load, Trajectory& trajectory,
-              const std::function<void(int k)>& after_step) {
-  march(
-      stepper, initial, load, trajectory.capacity(),
-      [&](int k) {
-        const auto i = static_cast<std::size_t>(k);
-        return Place{trajectory.y[i], trajectory.v[i], trajectory.contact[i]};
-      },
-      [&](const Frame& frame) {
-        trajectory.steps = frame.k;
-        if (after_step && frame.k > 0)
-          after_step(frame.k);
-      });
+  StepLoad acting;
+  std::array<contact::ContactState, 2> two{contact::ContactState(candidates(stepper)),
+                                           contact::ContactState(candidates(stepper))};
+  const auto contact = [&](int k) -> contact::ContactState& { return two[static_cast<std::size_t>(k % 2)]; };
+  March march(stepper, initial.y, initial.v, [&](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
+    acting = load_at(k);
+    stepper.step(k, y0, v0, acting, contact(k - 1), contact(k), y1, v1);
+  });
+  return go_through(stepper, march, steps, stops, contact, acting,
+                    watch ? watch : [](const Frame&) {});
 }
 
 } // namespace signorini::forward

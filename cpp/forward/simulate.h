@@ -1,7 +1,6 @@
 #pragma once
 #include "forward/load.h"
-#include "forward/step.h"
-#include "forward/trajectory.h"
+#include "forward/march.h"
 #include <functional>
 
 namespace signorini::forward {
@@ -29,19 +28,23 @@ struct Frame {
 
 using Watch = std::function<void(const Frame&)>;
 
+/// Whether a request to stop ends a motion.
+enum class Stops { obeyed, ignored };
+
 /// Shows `steps` steps from the initial state and keeps none but the last two states; shows fewer if a stop
-/// was requested. Returns the number of steps done. Collective. Throws SolverFailure naming the step.
-int stream(const Stepper& stepper, const Initial& initial, const Load& load, int steps,
-           const Watch& watch);
+/// was requested and is obeyed. Returns the number of steps done. Collective. Throws SolverFailure naming the step.
+int stream(const Stepper& stepper, const Initial& initial, const Load& load, int steps, const Watch& watch,
+           Stops stops = Stops::obeyed);
 
-/// Shows the steps that a trajectory holds, with the load that made them. Collective.
-void replay(const Stepper& stepper, const Load& load, const Trajectory& trajectory,
-            const Watch& watch);
+/// Likewise, from t_0 on, what a march makes, whose last step was under the load `acting` and brought the contact
+/// `contact(k)`.
+int go_through(const Stepper& stepper, March& march, int steps, Stops stops,
+               const std::function<contact::ContactState&(int k)>& contact, const StepLoad& acting,
+               const Watch& watch);
 
-/// Fills `trajectory` from the initial state, step ∘ … ∘ step. `load` acts in each step;
-/// `after_step(k)` is told of each. Stops early, with trajectory.steps < N, if a stop was requested.
-/// Collective. Throws SolverFailure naming the step.
-void simulate(const Stepper& stepper, const Initial& initial, const Load& load, Trajectory& trajectory,
-              const std::function<void(int k)>& after_step = {});
+/// The number of candidates of a run.
+inline int candidates(const Stepper& stepper) {
+  return stepper.constraints() ? stepper.constraints()->count() : 0;
+}
 
 } // namespace signorini::forward

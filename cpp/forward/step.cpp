@@ -96,7 +96,7 @@ void Stepper::step(int k, Vec y0, Vec v0, StepLoad load, const contact::ContactS
                    contact::ContactState& contact, Vec y1, Vec v1) const {
   const std::span<const double> psi =
       constraints_ ? constraints_->psi(scheme_.time(k)) : std::span<const double>();
-  const Vec jump = predictor_ ? predictor_->jump(psi, predicted(y0, v0), contact.predictor) : nullptr;
+  const Vec jump = predictor_ ? predictor_->jump(psi, predicted(y0, v0), previous.predictor, contact.predictor) : nullptr;
   right_hand_side(y0, scheme_.momentum(), with_jump(v0, 1 / scheme_.tau, jump), scheme_.impulse(), load);
   if (motion_)
     motion_->apply(k, clamped_, clamped_diagonal_, r_);

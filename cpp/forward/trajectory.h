@@ -1,19 +1,43 @@
 #pragma once
-#include "forward/step.h"
+#include "forward/simulate.h"
+#include "forward/states.h"
 #include <vector>
 
 namespace signorini::forward {
 
-/// States and contact at t_0…t_N; entry 0 is the initial state, whose candidates count as open.
-struct Trajectory {
-  petsc::Series y, v; ///< N + 1 vectors of V: displacement (m), velocity (m/s)
-  std::vector<contact::ContactState> contact;
-  int steps = 0; ///< done so far: entries 0…steps are valid
+/// A motion of N steps that can be looked at again: its states from where the storage keeps them, the contact
+/// of all steps in memory. All members collective.
+class Trajectory {
+public:
+  /// `velocities`: v() is wanted. The references must outlive this object. Throws WriteFailure.
+  Trajectory(const Stepper& stepper, const Initial& initial, int steps, const Storage& storage,
+             bool velocities = false);
+  Trajectory(const Trajectory&) = delete; // its parts refer to it
+  Trajectory& operator=(const Trajectory&) = delete;
 
-  /// Room for `count` steps. Collective.
-  Trajectory(const Stepper& stepper, int count);
+  /// Moves the body under `load`, which must stay as it is for as long as states are asked for, and shows the
+  /// frames as they go by; fewer than N steps if a stop was requested. Throws SolverFailure naming the step,
+  /// WriteFailure.
+  void run(Load load, const Watch& watch = {});
 
-  [[nodiscard]] int capacity() const { return static_cast<int>(y.size()) - 1; }
+  /// Those of the last run.
+  [[nodiscard]] int steps() const { return steps_; }
+  /// Of the steps 0…N; 0 is that of the initial state, whose candidates count as open.
+  [[nodiscard]] const std::vector<contact::ContactState>& contact() const { return contact_; }
+  /// Displacement and velocity at t_k. Valid until the next call of at(). Throws WriteFailure, SolverFailure.
+  [[nodiscard]] States::View at(int k) const { return states_->at(k); }
+  [[nodiscard]] Vec y(int k) const { return at(k).y; }
+
+private:
+  const Stepper& stepper_;
+  int capacity_, steps_ = 0;
+  std::vector<contact::ContactState> contact_;
+  contact::ContactState again_; ///< of steps that are made again
+  Load load_;
+  std::optional<LoadAtStep> load_at_;
+  StepLoad acting_;
+  March march_;
+  std::unique_ptr<States> states_;
 };
 
 } // namespace signorini::forward

@@ -1,36 +1,18 @@
 #include "io/stored_field.h"
 #include "base/collective.h"
+#include "base/hdf5.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <fmt/format.h>
-#include <hdf5.h>
 #include <map>
 
 namespace signorini::io {
 using petsc::check;
 
 namespace {
-
-/// Sole owner of something that HDF5 opened.
-class Opened {
-public:
-  Opened(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  ~Opened() {
-    if (id_ >= 0)
-      close_(id_);
-  }
-  Opened(const Opened&) = delete;
-  Opened& operator=(const Opened&) = delete;
-  operator hid_t() const { return id_; }
-  explicit operator bool() const { return id_ >= 0; }
-
-private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
 
 Opened open_file(const std::filesystem::path& file) {
   return {H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
@@ -186,7 +168,7 @@ void StoredField::match(const std::vector<double>& points) {
 
 Vec StoredField::stored(std::size_t number) {
   if (const auto known = std::ranges::find(kept_, number, &Stored::number); known != kept_.end()) {
-    std::rotate(known, known + 1, kept_.end()); // the first one makes room for the next
+    std::rotate(known, known + 1, kept_.end()); // of two as far away the first one makes room
     return kept_.back().values;
   }
   constexpr std::size_t padded = 3; // vectors in an XDMF file have three components
@@ -205,8 +187,12 @@ Vec StoredField::stored(std::size_t number) {
   });
   all.resize(nodes_ * padded);
   MPI_Bcast(all.data(), static_cast<int>(all.size()), MPI_DOUBLE, 0, space_.comm());
-  if (kept_.size() == 2)
-    kept_.erase(kept_.begin());
+  if (kept_.size() == 2) { // the one farther away makes room, whether times grow or fall
+    const auto distance = [number](const Stored& one) {
+      return one.number > number ? one.number - number : number - one.number;
+    };
+    kept_.erase(std::ranges::max_element(kept_, {}, distance));
+  }
   kept_.push_back({number, space_.vector()});
   const petsc::WriteArray out(kept_.back().values);
   const auto dim = static_cast<std::size_t>(space_.dim());

@@ -15,7 +15,7 @@ public:
   StoredField(const fem::Space& space, const std::filesystem::path& file, const std::string& field,
               const std::string& key, double end);
 
-  /// The field at time t (s), linear between two stored times. Cheap if t grows from call to call.
+  /// The field at time t (s), linear between two stored times. Cheap if t grows, or falls, from call to call.
   /// Collective. Throws UserError if its values are damaged.
   void at(double t, Vec out);
 

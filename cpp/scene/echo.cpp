@@ -175,6 +175,10 @@ void write_objective(Writer& out, const Scene& s) {
   out.key("method", text(s.optimizer.method));
   out.key("max_iterations", std::to_string(s.optimizer.max_iterations));
   out.key("tolerance", number(s.optimizer.tolerance), "of the gradient norm, relative to the first guess's");
+  out.table("[trajectory]");
+  out.key("storage", text(s.trajectory.storage));
+  if (s.trajectory.storage == "checkpoints")
+    out.key("budget", number(s.trajectory.budget), "bytes");
   if (s.check.control) {
     out.table("[check]");
     out.key("control", texts(*s.check.control));

@@ -292,6 +292,18 @@ Solver solver(Reader in) {
   return solver;
 }
 
+Trajectory trajectory(Reader in) {
+  Trajectory trajectory;
+  trajectory.storage = in.choice("storage", {"memory", "disk", "checkpoints"}, trajectory.storage);
+  if (in.has("budget") && trajectory.storage != "checkpoints")
+    in.fail("budget", fmt::format("has no effect with storage = \"{}\", which keeps every state; allowed with "
+                                  "\"checkpoints\"",
+                                  trajectory.storage));
+  trajectory.budget = in.number("budget", {.least = 0, .open = true, .unit = "bytes"}, trajectory.budget);
+  in.finish();
+  return trajectory;
+}
+
 Exact exact(Reader in, bool contact) {
   Exact exact;
   if (in.has("displacement"))
@@ -386,6 +398,12 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
     scene.optimizer = optimizer(in.table("optimizer"));
   }
   scene.solver = in.has("solver") ? solver(in.table("solver")) : Solver{.memory = machine_memory() / 2};
+  if (in.has("trajectory")) {
+    if (!scene.objective)
+      in.fail("trajectory", "has no effect without an objective, since nothing is looked at again; add [control] and "
+                            "[objective] or leave it out");
+    scene.trajectory = trajectory(in.table("trajectory"));
+  }
   if (in.has("check")) {
     Reader check = in.table("check");
     if (!scene.objective)

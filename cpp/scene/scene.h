@@ -137,6 +137,12 @@ struct Solver {
   double memory = 0;           ///< that a factor of D may take in all, bytes
 };
 
+/// How the states of a motion are kept for the adjoint sweep.
+struct Trajectory {
+  std::string storage = "memory"; ///< or "disk", "checkpoints"
+  double budget = 1e9;            ///< of all checkpoints, bytes
+};
+
 struct Check {
   std::optional<Components> control; ///< where `check` takes derivatives, of x, y, z, t
 };
@@ -187,6 +193,7 @@ struct Scene {
   std::optional<Objective> objective;
   Optimizer optimizer;
   Solver solver;
+  Trajectory trajectory;
   Check check;
   std::optional<Exact> exact;
   Run run;

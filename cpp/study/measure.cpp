@@ -163,16 +163,16 @@ private:
 /// Of phases that a run cannot do without.
 double seconds(const Timers& timers) {
   double sum = 0;
-  for (const char* phase : {"mesh", "assembly", "solver", "desired state", "forward", "objective", "adjoint"})
+  for (const char* phase : {"mesh", "assembly", "solver", "desired state", "forward", "objective", "adjoint", "states written",
+                            "states read", "states recomputed"})
     if (const auto found = timers.entries().find(phase); found != timers.entries().end())
       sum += found->second.seconds;
   return sum;
 }
 
-void simulate(const Problem& problem, Watch& watch) {
-  const GivenControl given(problem);
+void simulate(const Problem& problem, const forward::Load& load, Watch& watch) {
   const auto timer = problem.timers.time("forward");
-  const int done = forward::stream(problem.stepper, problem.initial, given.load(), problem.steps(), [&](const forward::Frame& frame) {
+  const int done = forward::stream(problem.stepper, problem.initial, load, problem.steps(), [&](const forward::Frame& frame) {
     const auto other = problem.timers.time("watching");
     watch(frame);
   });
@@ -180,16 +180,19 @@ void simulate(const Problem& problem, Watch& watch) {
     throw Interrupted();
 }
 
-std::vector<double> sampled(const Problem& problem, const Samples& samples, const control::Control& g) {
+std::vector<double> sampled(const Problem& problem, const Samples& samples, const control::ControlSpace& controls,
+                            const control::Control& g) {
   Series series(samples, problem.space);
+  const petsc::Vector mean = petsc::copy(g.at(1));
   const int n = g.count();
   const double tau = problem.scene.time.end / n;
   for (int k = 1; k <= n; ++k) // values in the middle of steps, linear in between and beyond
     series.take_until((k - 0.5) * tau, k == n, [&](double t, Vec out) {
       const double s = k == 1 ? 1 : std::clamp(1 + (t - (k - 0.5) * tau) / tau, 0.0, 1.0);
-      check(VecCopy(g.at(k), out));
+      check(VecCopy(g.at(k), mean));
       if (s < 1)
-        check(VecAXPBY(out, 1 - s, s, g.at(k - 1)));
+        check(VecAXPBY(mean, 1 - s, s, g.at(k - 1)));
+      controls.extend(mean, out);
     });
   return series.take();
 }
@@ -285,7 +288,8 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& sample
     return memory;
   };
   if (!scene.objective) {
-    simulate(problem, watch);
+    const GivenControl given(problem);
+    simulate(problem, given.load(), watch);
     measured.memory = peak();
   } else {
     ControlProblem control_problem(problem, Console(false, false));
@@ -296,12 +300,12 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& sample
     if (has(wanted, "gradient")) {
       const control::Control g = reduced.l2_gradient();
       measured.memory = peak();
-      measured.fields["gradient"] = sampled(problem, samples, g);
+      measured.fields["gradient"] = sampled(problem, samples, control_problem.controls, g);
     } else {
       measured.memory = peak();
     }
     measured.seconds = seconds(timers);
-    forward::replay(problem.stepper, reduced.load(), reduced.trajectory(), std::ref(watch));
+    simulate(problem, reduced.load(), watch);
     if (estimate) {
       const adjoint::ErrorParts error = estimate_error(problem, control_problem);
       measured.estimate_space = error.space;

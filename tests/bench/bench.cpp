@@ -3,6 +3,7 @@
 // caches and machine.
 //
 // usage: signorini-bench SCENE REPEATS [key.path=value …]    prints one JSON object
+#include "../recorded.h"
 #include "bench.h"
 
 using namespace signorini;
@@ -44,28 +45,28 @@ public:
     guess_.remember(problem.initial.y);
   }
 
-  /// Seconds of the solve and of the products at step k of a trajectory.
-  std::pair<double, double> operator()(const forward::Trajectory& trajectory, int k) {
+  /// Seconds of the solve and of the products at step k of a motion.
+  std::pair<double, double> operator()(const test::Recorded& motion, int k) {
     const auto i = static_cast<std::size_t>(k);
     const forward::Stepper& stepper = problem_.stepper;
     const forward::Scheme& scheme = stepper.scheme();
     const forward::StepLoad load = load_at_(k);
     Watch watch;
     check(VecAXPBYPCZ(f_, scheme.momentum(), scheme.impulse() / *problem_.operators.uniform_density, 0,
-                      trajectory.v[i - 1], load.density));
+                      motion.v[i - 1], load.density));
     watch.lap();
     check(MatMult(problem_.operators.M, f_, r_));
     double products = watch.lap();
-    check(MatMultAdd(stepper.R(), trajectory.y[i - 1], r_, r_));
+    check(MatMultAdd(stepper.R(), motion.y[i - 1], r_, r_));
     products += watch.lap();
     stepper.clamped().clear(r_);
     if (stepper.constraints())
-      stepper.constraints()->add_normal(-1, trajectory.contact[i].lambda, r_);
+      stepper.constraints()->add_normal(-1, motion.contact[i].lambda, r_);
     guess_.guess(y_);
     watch.lap();
     stepper.solver().linear().solve(r_, y_);
     const double solve = watch.lap();
-    guess_.remember(trajectory.y[i]);
+    guess_.remember(motion.y[i]);
     return {solve, products};
   }
 
@@ -91,29 +92,32 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   const control::Control u = control_problem.first_guess(scene);
   const forward::Load load = problem.load() + control_problem.controls.load(u);
 
-  forward::Trajectory trajectory(problem.stepper, steps);
+  const test::Recorded motion(problem, load);
   Least forward(steps), adjoint(steps), solve(steps), products(steps), adjoint_floor(steps);
   Watch watch;
   for (int repeat = 0; repeat < repeats; ++repeat) {
     Floor floor(problem, load);
     watch.lap();
-    forward::simulate(problem.stepper, problem.initial, load, trajectory, [&](int k) {
-      forward.take(k, watch.lap());
-      const auto [s, p] = floor(trajectory, k);
-      solve.take(k, s);
-      products.take(k, p);
+    forward::stream(problem.stepper, problem.initial, load, steps, [&](const forward::Frame& frame) {
+      const double seconds = watch.lap();
+      if (frame.k > 0) {
+        forward.take(frame.k, seconds);
+        const auto [s, p] = floor(motion, frame.k);
+        solve.take(frame.k, s);
+        products.take(frame.k, p);
+      }
       watch.lap();
     });
   }
   control::Control gradient = control_problem.controls.zero();
+  const auto state = [&](int k) { return Vec(motion.y[static_cast<std::size_t>(k)]); };
   for (int repeat = 0; repeat < repeats; ++repeat) {
     Floor floor(problem, load);
     watch.lap();
-    adjoint::sweep(problem.stepper, trajectory, control_problem.objective.derivative(trajectory),
-                   [&](int k, Vec p) {
+    adjoint::sweep(problem.stepper, motion.contact, control_problem.objective.derivative(state), [&](int k, Vec p) {
                      check(VecAXPY(gradient.at(k), 1, p));
                      adjoint.take(k, watch.lap());
-                     const auto [s, w] = floor(trajectory, k);
+                     const auto [s, w] = floor(motion, k);
                      adjoint_floor.take(k, s + w);
                      watch.lap();
                    });
@@ -123,7 +127,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   double run = std::numeric_limits<double>::infinity(), whole = run;
   for (int repeat = 0; repeat < repeats; ++repeat) {
     watch.lap();
-    forward::simulate(problem.stepper, problem.initial, load, trajectory);
+    forward::stream(problem.stepper, problem.initial, load, steps, {});
     run = std::min(run, watch.lap());
     (void)reduced.value(u);
     reduced.accept();
@@ -131,13 +135,13 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     whole = std::min(whole, watch.lap());
   }
 
-  const auto touching = [&](std::size_t k) { return !trajectory.contact[k].active.empty(); };
-  const auto flying = [&](std::size_t k) { return trajectory.contact[k].active.empty(); };
+  const auto touching = [&](std::size_t k) { return !motion.contact[k].active.empty(); };
+  const auto flying = [&](std::size_t k) { return motion.contact[k].active.empty(); };
   const auto every = [](std::size_t) { return true; };
   int contact_steps = 0, vi_steps = 0;
-  for (std::size_t k = 1; k < trajectory.contact.size(); ++k) {
+  for (std::size_t k = 1; k < motion.contact.size(); ++k) {
     contact_steps += touching(k);
-    vi_steps += trajectory.contact[k].vi_iterations > 0;
+    vi_steps += motion.contact[k].vi_iterations > 0;
   }
   const auto ratio = [&](double time, double floor) { return floor > 0 ? time / floor : 0; };
   const auto forward_ratio = [&](auto&& which) {
@@ -150,7 +154,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   nlohmann::ordered_json out;
   const forward::StepSolver::Memory memory = problem.stepper.solver().memory();
   const double vectors = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
-  const double operators = operator_bytes(problem), trajectory_bytes = 2 * (steps + 1) * vectors,
+  const double operators = operator_bytes(problem), trajectory_bytes = (steps + 1) * vectors,
                peak = total(peak_memory());
   out["scene"] = scene.name;
   out["size"] = scene.mesh.size.value_or(0);

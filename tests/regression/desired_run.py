@@ -68,7 +68,14 @@ def between_stored_times(folder: Path) -> None:
     rounding = 1e-9  # of two sums, which the line search passes on
     start = {"control__initial": ["0.3", "-0.5"]}
     expected = history(by_displacement, folder / "d", **free, **start)
-    same(history(by_run, folder / "f", **free, **start), expected, rounding)
+    found = history(by_run, folder / "f", **free, **start)
+    same(found, expected, rounding)
+    for storage in ("disk", "checkpoints"):  # desired states one by one, forwards and backwards
+        for desired, usual in ((by_run, found), (by_displacement, expected)):
+            one_by_one = history(desired, folder / "f", trajectory__storage=storage, **free, **start)
+            assert all(np.array_equal(one_by_one[name], usual[name]) for name in ("objective", "gradient_norm")), storage
+            calls = json.loads((folder / "f" / "run.json").read_text())["timings"]["desired state"]["calls"]
+            assert calls > 30 * (one_by_one["forward_sweeps"][-1] + one_by_one["adjoint_sweeps"][-1]), calls
     half = history(by_run, folder / "f", time__end=0.3, time__step=0.01, **free, **start)  # other steps, ends earlier
     same(half, history(by_displacement, folder / "d", time__end=0.3, time__step=0.01, **free, **start), rounding)
     phases = json.loads((folder / "f" / "run.json").read_text())["timings"]

@@ -581,6 +581,30 @@ def solvers() -> None:
         assert (solves[0] == solves[1]) == (overrides.get("solver__linear") == "direct"), f"{overrides}: {solves}"
 
 
+@key("trajectory.storage", "trajectory.budget")
+def trajectory() -> None:
+    """The same search to the last bit, from states kept elsewhere or made again; the more room, the fewer of them."""
+    usual = optimize(iterations=3)
+    assert usual.manifest["counters"]["recomputed steps"] == 0 and "states written" not in usual.manifest["timings"]
+    room = 4 * 8 * 2 * usual.manifest["unknowns"]  # bytes of two checkpoints, y and v, for two motions
+    again = []
+    for settings in (
+        {"trajectory__storage": "disk"},
+        {"trajectory": {"storage": "checkpoints", "budget": room}},
+        {"trajectory": {"storage": "checkpoints", "budget": 3 * room}},
+    ):
+        other = optimize(iterations=3, **settings)
+        for name in set(usual.history) - {"seconds"}:
+            assert np.array_equal(usual.history[name], other.history[name]), (settings, name)
+        same(other, usual)
+        timings = other.manifest["timings"]
+        on_disk = settings == {"trajectory__storage": "disk"}
+        assert all(("states " + what in timings) == on_disk for what in ("written", "read"))
+        assert ("states recomputed" in timings) != on_disk
+        again.append(other.manifest["counters"]["recomputed steps"])
+    assert again[0] == 0 < again[2] < again[1], again
+
+
 @key("check.control")
 def check_control() -> None:
     own = signorini("check", BLOCK).stdout
@@ -669,7 +693,7 @@ FULL = (
         ],
         "control__on": "body", "control__lower": -9, "control__upper": 9, "objective__on": "body", "check__control": ["0", "0"],
     }),
-    (DATA / "two-materials.toml", {"objective__desired": {"displacement": ["0", "0"]}}),
+    (DATA / "two-materials.toml", {"objective__desired": {"displacement": ["0", "0"]}, "trajectory__storage": "checkpoints"}),
     (BLOCK, {"objective__desired": {"run": "somewhere"}}),
     (SOURCE / "scenes" / "hertz-press.toml", {"time__end": 0.05, "mesh__scale": 8, "exact": EXACT}),
     (DATA / "cube.toml", {"contact__obstacle": {"shape": "cylinder", "point": [0, 0, -2], "axis": [1, 0, 0], "radius": 1}}),

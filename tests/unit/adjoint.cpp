@@ -11,12 +11,11 @@ namespace {
 /// The block at the end of a run in which it is in contact, with the contact of each step.
 struct InContact {
   test::Ready ready;
-  forward::Trajectory trajectory;
+  test::Recorded trajectory;
   std::vector<int> contact_steps;
 
   explicit InContact(const std::vector<std::string>& overrides = {})
-      : ready("tests/data/block.toml", overrides), trajectory(ready.problem.stepper, ready.problem.steps()) {
-    forward::simulate(ready.problem.stepper, ready.problem.initial, ready.problem.load(), trajectory);
+      : ready("tests/data/block.toml", overrides), trajectory(ready.problem) {
     for (int k = 1; k <= trajectory.steps; ++k)
       if (!trajectory.contact[static_cast<std::size_t>(k)].active.empty())
         contact_steps.push_back(k);
@@ -31,7 +30,7 @@ const std::vector<std::vector<std::string>> schemes{
     {"time.scheme=contact-stabilized", "solver.linear=iterative"}};
 
 /// Steps in which the predictor was projected.
-int projected(const forward::Trajectory& trajectory) {
+int projected(const test::Recorded& trajectory) {
   return static_cast<int>(std::ranges::count_if(
       trajectory.contact, [](const contact::ContactState& contact) { return !contact.predictor.empty(); }));
 }
@@ -59,7 +58,7 @@ TEST_CASE("the sweep is the transpose of the linearised steps", "[adjoint]") {
       std::swap(y0, y1);
       std::swap(v0, v1);
     }
-    adjoint::sweep(stepper, run.trajectory,
+    adjoint::sweep(stepper, run.trajectory.contact,
                    {.density = [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(space, -k))); }},
                    [&](int k, Vec p) {
                      check(MatMult(*run.ready.problem.operators.W, test::smooth(space, k), product));
@@ -116,7 +115,7 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
     check(MatMult(*problem.operators.W, test::smooth(problem.space, k), product));
     return product;
   };
-  adjoint::sweep(stepper, run.trajectory,
+  adjoint::sweep(stepper, run.trajectory.contact,
                  {.density = [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(problem.space, k))); }},
                  [&](int k, Vec pk) { p[static_cast<std::size_t>(k)] = petsc::copy(pk); });
 
@@ -166,10 +165,9 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
 
 TEST_CASE("adjoint states vanish on the clamp", "[adjoint]") {
   const test::Ready ready("scenes/half-disc.toml", {"mesh.size=3"});
-  forward::Trajectory trajectory(ready.problem.stepper, ready.problem.steps());
-  forward::simulate(ready.problem.stepper, ready.problem.initial, ready.problem.load(), trajectory);
+  const test::Recorded trajectory(ready.problem);
   adjoint::sweep(
-      ready.problem.stepper, trajectory,
+      ready.problem.stepper, trajectory.contact,
       {.density = [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(ready.problem.space, k))); }},
       [&](int, Vec p) {
         petsc::Vector rest = petsc::copy(p);

@@ -2,6 +2,7 @@
 #include "base/collective.h"
 #include "fixtures.h"
 #include "forward/balance.h"
+#include "forward/trajectory.h"
 #include <atomic>
 #include <catch2/catch_test_macros.hpp>
 #include <cstdlib>
@@ -81,16 +82,17 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
                                          problem.steps(), *ready.scene.control);
     const control::Control u = controls.interpolate({"0", "-1"}, "u");
     const forward::Load load = problem.load() + controls.load(u);
-    forward::Trajectory trajectory(problem.stepper, problem.steps());
-    forward::simulate(problem.stepper, problem.initial, load,
-                      trajectory); // work space that CHOLMOD and PETSc make once
+    Timers timers;
+    const forward::Storage storage(problem.stepper, {}, problem.steps(), 1, timers);
+    forward::Trajectory trajectory(problem.stepper, problem.initial, problem.steps(), storage);
+    trajectory.run(load); // work space that CHOLMOD and PETSc make once
     long stepping = 0, before = 0;
     int contact_steps = 0, set_changes = 0;
     (void)allocations([&] {
-      forward::simulate(problem.stepper, problem.initial, load, trajectory, [&](int k) {
-        stepping += k > 1 ? calls - before : 0; // what comes before the first step is made once a run
-        contact_steps += !trajectory.contact[static_cast<std::size_t>(k)].active.empty();
-        set_changes += trajectory.contact[static_cast<std::size_t>(k)].vi_iterations > 0;
+      trajectory.run(load, [&](const forward::Frame& frame) {
+        stepping += frame.k > 1 ? calls - before : 0; // what comes before the first step is made once a run
+        contact_steps += !frame.contact.active.empty();
+        set_changes += frame.contact.vi_iterations > 0;
         before = calls;
       });
     });
@@ -114,7 +116,7 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
     (void)allocations([&] {
       const forward::Load derivative{
           .density = [&](int, Vec density) { petsc::check(VecAXPY(density, 1, dual)); }};
-      adjoint::sweep(problem.stepper, trajectory, derivative, [&](int k, Vec) {
+      adjoint::sweep(problem.stepper, trajectory.contact(), derivative, [&](int k, Vec) {
         back += k < problem.steps() ? calls - before : 0;
         before = calls;
       });
@@ -135,14 +137,16 @@ TEST_CASE("steps between several obstacles, one of which moves, allocate nothing
        "{on=\"boundary\", obstacle={shape=\"half-space\", point=[0, 1.5], normal=[0, -1]}}]"});
   const Problem& problem = ready.problem;
   REQUIRE(problem.stepper.constraints()->dependent());
-  forward::Trajectory trajectory(problem.stepper, problem.steps());
-  forward::simulate(problem.stepper, problem.initial, problem.load(), trajectory);
+  const auto run = [&](const forward::Watch& watch) {
+    forward::stream(problem.stepper, problem.initial, problem.load(), problem.steps(), watch);
+  };
+  run({});
   long stepping = 0, before = 0;
   std::array<bool, 3> touched{};
   (void)allocations([&] {
-    forward::simulate(problem.stepper, problem.initial, problem.load(), trajectory, [&](int k) {
-      stepping += k > 1 ? calls - before : 0;
-      for (int i : trajectory.contact[static_cast<std::size_t>(k)].active)
+    run([&](const forward::Frame& frame) {
+      stepping += frame.k > 1 ? calls - before : 0;
+      for (int i : frame.contact.active)
         touched[static_cast<std::size_t>(problem.stepper.constraints()->obstacles()[static_cast<std::size_t>(i)])] = true;
       before = calls;
     });

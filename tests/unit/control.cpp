@@ -1,5 +1,6 @@
 #include "check.h"
 #include "fixtures.h"
+#include <array>
 #include <catch2/catch_test_macros.hpp>
 #include <fmt/format.h>
 
@@ -120,6 +121,43 @@ TEST_CASE("derivatives are exact for every kind of control and objective", "[con
     const test::Ready ready("tests/data/block.toml", overrides);
     CHECK(check_scene(ready.problem, test::silent()));
   }
+}
+
+TEST_CASE("a control holds values where it acts and nowhere else", "[control]") {
+  const auto values = [](const std::vector<std::string>& overrides) {
+    const test::Ready ready("tests/data/block.toml", overrides);
+    const Problem& problem = ready.problem;
+    const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.scheme(),
+                                         problem.steps(), *ready.scene.control);
+    const control::Control u = controls.interpolate({"1 + x", "2 + y*y"}, "test");
+    petsc::Vector field = controls.field(), back = controls.value(), rest = controls.field();
+    controls.extend(u.at(2), field);
+    controls.restrict(field, back);
+    CHECK(test::difference(back, u.at(2)) == 0);
+    controls.extend(back, rest);
+    CHECK(test::difference(field, rest) == 0);
+    PetscScalar sum = 0;
+    PetscReal own = 0, extended = 0;
+    petsc::check(VecNorm(u.at(2), NORM_1, &own));
+    petsc::check(VecNorm(field, NORM_1, &extended));
+    petsc::check(VecSum(field, &sum));
+    CHECK(std::abs(own - extended) <= 1e-12 * own);
+    CHECK(std::abs(sum - own) <= 1e-12 * own); // positive where it acts
+    PetscInt size = 0, whole = 0;
+    petsc::check(VecGetSize(u.at(2), &size));
+    petsc::check(VecGetSize(field, &whole));
+    return std::array<PetscInt, 2>{size, whole};
+  };
+  const std::string y = "control.components=[\"y\"]", given = "objective.desired={displacement=[\"0\", \"0\"]}";
+  const auto [all, nodes] = values({});
+  CHECK(all == nodes);
+  CHECK(values({y, given})[0] == nodes / 2);
+  constexpr PetscInt per_side = 4; // cells, of size 0.25
+  CHECK(values({"control.on=bottom"})[0] == 2 * (per_side + 1));
+  CHECK(values({"control.on=bottom", y, given})[0] == per_side + 1);
+  const auto [cells_on, cells] = values({"control.on=bottom", "control.space=P0"});
+  CHECK(cells_on == 2 * per_side);
+  CHECK(cells > 4 * cells_on);
 }
 
 TEST_CASE("a control pushes with its resultant where it acts", "[control]") {

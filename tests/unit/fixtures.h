@@ -1,5 +1,6 @@
 #pragma once
 #include "problem.h"
+#include "recorded.h"
 #include <cmath>
 #include <filesystem>
 #include <string>

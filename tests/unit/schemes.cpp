@@ -104,7 +104,7 @@ TEST_CASE("the predictor goes to the nearest place in the norm of the mass", "[f
     const auto m = static_cast<std::size_t>(constraints.count());
     contact::ActiveSet touched;
     petsc::Vector x = ready.problem.space.vector(), work = petsc::zero_like(x);
-    CHECK_FALSE(stepper.predictor()->jump(constraints.psi(), x, touched));
+    CHECK_FALSE(stepper.predictor()->jump(constraints.psi(), x, {}, touched));
     CHECK(touched.empty());
     // Half of the candidates are pushed in by as much as they are away, all of them unevenly.
     std::vector<double> push(m), gap(m), normal(m);
@@ -112,7 +112,7 @@ TEST_CASE("the predictor goes to the nearest place in the norm of the mass", "[f
       push[i] = constraints.psi()[i] + (i % 2 ? 0.05 : -0.05);
     constraints.add_normal(1, push, x);
     stepper.clamped().clear(x);
-    const Vec jump = stepper.predictor()->jump(constraints.psi(), x, touched);
+    const Vec jump = stepper.predictor()->jump(constraints.psi(), x, {}, touched);
     REQUIRE(jump);
     REQUIRE(!touched.empty());
     petsc::Vector z = petsc::copy(x);

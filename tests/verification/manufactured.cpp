@@ -18,8 +18,7 @@ double error(const char* scene, const scene::Components& solution, int degree, d
                    {fmt::format("mesh.degree={}", degree), fmt::format("mesh.size={:.17g}", size),
                     fmt::format("time.step={:.17g}", end / steps)});
   const test::Ready ready(scene, overrides);
-  forward::Trajectory trajectory(ready.problem.stepper, ready.problem.steps());
-  forward::simulate(ready.problem.stepper, ready.problem.initial, ready.problem.load(), trajectory);
+  const test::Recorded trajectory(ready.problem);
   REQUIRE(trajectory.steps == steps);
   petsc::Vector exact = ready.problem.space.vector(), product = ready.problem.space.vector();
   ready.problem.space.interpolate(scene::Field(solution, "test", false), 0, exact);
@@ -39,8 +38,7 @@ double error(const char* scene, int degree, double size, int steps) {
 
 petsc::Vector end_state(int steps) {
   const test::Ready ready(plane, {fmt::format("time.step={:.17g}", end / steps)});
-  forward::Trajectory trajectory(ready.problem.stepper, ready.problem.steps());
-  forward::simulate(ready.problem.stepper, ready.problem.initial, ready.problem.load(), trajectory);
+  const test::Recorded trajectory(ready.problem);
   return petsc::copy(trajectory.y.back());
 }
 

@@ -1,0 +1,25 @@
+#pragma once
+#include <hdf5.h>
+#include <utility>
+
+namespace signorini {
+
+/// Sole owner of something that HDF5 opened.
+class Opened {
+public:
+  Opened(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  ~Opened() {
+    if (id_ >= 0)
+      close_(id_);
+  }
+  Opened(Opened&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
+  Opened& operator=(Opened&&) = delete;
+  operator hid_t() const { return id_; }
+  explicit operator bool() const { return id_ >= 0; }
+
+private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+} // namespace signorini

@@ -1,0 +1,95 @@
+#include "base/scratch_file.h"
+#include "base/error.h"
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <fmt/format.h>
+#include <system_error>
+#include <unistd.h>
+
+namespace signorini {
+
+namespace {
+
+std::filesystem::path scratch_folder() {
+  const char* given = std::getenv("TMPDIR");
+  return given && *given ? given : "/var/tmp";
+}
+
+/// rows × columns, a row at a time on disk and none in a cache: what is written is written, or fails, at
+/// once.
+Opened make_table(hid_t file, hsize_t rows, hsize_t columns) {
+  const std::array<hsize_t, 2> shape{rows, columns}, chunk{1, columns};
+  const Opened space(H5Screate_simple(2, shape.data(), nullptr), H5Sclose);
+  const Opened layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose),
+      access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
+  H5Pset_chunk(layout, 2, chunk.data());
+  H5Pset_fill_time(layout, H5D_FILL_TIME_NEVER);
+  H5Pset_chunk_cache(access, 0, 0, H5D_CHUNK_CACHE_W0_DEFAULT);
+  return {H5Dcreate(file, "states", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, layout, access), H5Dclose};
+}
+
+} // namespace
+
+ScratchFile::ScratchFile(std::size_t rows, std::size_t columns)
+    : folder_(scratch_folder()), rows_(rows), columns_(std::max<std::size_t>(columns, 1)), file_(open()),
+      table_(make_table(file_, rows_, columns_)), line_(
+                                                      [&] {
+                                                        const hsize_t n = columns_;
+                                                        return H5Screate_simple(1, &n, nullptr);
+                                                      }(),
+                                                      H5Sclose) {
+  if (!table_ || !line_)
+    fail("written");
+}
+
+Opened ScratchFile::open() {
+  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence says it, instead of HDF5's stack
+  errno = 0;
+  std::string name = (folder_ / "signorini-XXXXXX").string();
+  const int made = mkstemp(name.data());
+  if (made < 0)
+    fail("written");
+  ::close(made);
+  const Opened access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+  Opened file(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+  const int error = errno;
+  unlink(name.c_str());
+  errno = error;
+  if (!file)
+    fail("written");
+  return file;
+}
+
+Opened ScratchFile::row_of(std::size_t row) const {
+  const std::array<hsize_t, 2> start{row, 0}, count{1, columns_};
+  Opened space(H5Dget_space(table_), H5Sclose);
+  H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
+  return space;
+}
+
+void ScratchFile::write(std::size_t row, std::span<const double> values) {
+  errno = 0;
+  if (!values.empty() &&
+      H5Dwrite(table_, H5T_NATIVE_DOUBLE, line_, row_of(row), H5P_DEFAULT, values.data()) < 0)
+    fail("written");
+}
+
+void ScratchFile::read(std::size_t row, std::span<double> values) const {
+  errno = 0;
+  if (!values.empty() &&
+      H5Dread(table_, H5T_NATIVE_DOUBLE, line_, row_of(row), H5P_DEFAULT, values.data()) < 0)
+    fail("read");
+}
+
+void ScratchFile::fail(const char* what) const {
+  throw WriteFailure(
+      fmt::format("{}: the states of a motion, {:.3g} MB, cannot be {} there ({}); TMPDIR names "
+                  "another folder for them",
+                  folder_.string(), sizeof(double) * 1e-6 * static_cast<double>(rows_ * columns_), what,
+                  errno != 0 ? std::generic_category().message(errno) : "HDF5 failed"));
+}
+
+} // namespace signorini
