@@ -231,18 +231,19 @@ int optimize_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   const optimize::Options options{.max_iterations = scene.optimizer.max_iterations,
                                   .tolerance = scene.optimizer.tolerance,
                                   .first_step = control_problem.controls.norm(one)};
-  optimize::Stop stop{};
+  optimize::Ending<control::Control> ending{};
   std::vector<io::HistoryRow> rows;
   {
     History history(control_problem, scene.optimizer, console);
     control::Control guess = control_problem.first_guess(scene);
     const std::string& method = scene.optimizer.method;
-    stop = method == "lbfgs" ? optimize::lbfgs(reduced, std::move(guess), options, history)
+    ending = method == "lbfgs" ? optimize::lbfgs(reduced, std::move(guess), options, history)
            : method == "newton-cg"
                ? optimize::newton_cg(reduced, std::move(guess), options, history)
                : optimize::projected_gradient(reduced, std::move(guess), options, history);
     rows = history.rows();
   }
+  const optimize::Stop stop = ending.stop;
   if (rows.empty()) // interrupted before the first guess was evaluated: there is nothing to write
     throw Interrupted();
 

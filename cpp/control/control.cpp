@@ -229,6 +229,24 @@ double ControlSpace::metric(const Control& u, const Control& w) const {
   return product(u, w, [this](Vec x, Vec out) { check(VecPointwiseMult(out, lumped_, x)); });
 }
 
+Control ControlSpace::dual(const Control& u) const {
+  Control dual = unset();
+  for (int k = 1; k <= u.count(); ++k) {
+    if (lumped_)
+      check(VecPointwiseMult(dual.at(k), lumped_, u.at(k)));
+    else
+      mass(u.at(k), dual.at(k));
+  }
+  return dual;
+}
+
+double ControlSpace::pairing(const Control& dual, const Control& w) const {
+  double sum = 0;
+  for (int k = 1; k <= w.count(); ++k)
+    sum += petsc::dot(dual.at(k), w.at(k));
+  return duration() * sum;
+}
+
 void ControlSpace::to_metric(Control& gradient) const {
   for (int k = 1; lumped_ && k <= gradient.count(); ++k) {
     check(MatMult(mass_, gradient.at(k), work_));

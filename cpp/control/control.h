@@ -75,6 +75,10 @@ public:
   [[nodiscard]] double product_at(int k, const Control& u, const Control& w) const;
   [[nodiscard]] double norm(const Control& u) const;
   [[nodiscard]] double metric(const Control& u, const Control& w) const;
+  /// w ↦ metric(u, w) by the values that pairing() multiplies w's with: many products with one control are cheaper
+  /// through it.
+  [[nodiscard]] Control dual(const Control& u) const;
+  [[nodiscard]] double pairing(const Control& dual, const Control& w) const;
   /// From the Riesz representative of a functional by product() to that by metric(), in place.
   void to_metric(Control& gradient) const;
 

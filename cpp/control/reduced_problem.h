@@ -53,6 +53,8 @@ public:
   Control adjoint(const forward::Load& dual);
 
   [[nodiscard]] double inner(const Control& u, const Control& w) const { return controls_.metric(u, w); }
+  [[nodiscard]] Control dual(const Control& u) const { return controls_.dual(u); }
+  [[nodiscard]] double pairing(const Control& dual, const Control& w) const { return controls_.pairing(dual, w); }
   void project(Control& u) const { controls_.project(u); }
   void hold(Control& w, const Control& u, const Control& d) const { controls_.hold(w, u, d); }
 

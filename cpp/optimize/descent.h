@@ -72,43 +72,4 @@ template <BoundedProblem P>
   return search;
 }
 
-/// Descent along the directions of `method`, which must be downhill. Where there is no way down one of them
-/// it is asked to start afresh with the steepest, and the search ends where that leads nowhere either.
-///
-/// Of `method`: direction(problem, at) is tangential and as long as the first trial step is to be;
-/// learn(problem, from, to, t) tells what t of it led to; restart() is false if the last direction was the
-/// steepest. `report(iteration)` is told of the first guess and of each accepted iterate, which is then the
-/// problem's current point. Interrupted from the problem ends the search with the last accepted iterate.
-/// Throws SolverFailure if the objective or its gradient is not finite.
-template <BoundedProblem P, class Method, class Report>
-[[nodiscard]] Stop descend(P& problem, typename P::Vector u, const Options& options, Method method,
-                           Report&& report) {
-  problem.project(u);
-  try {
-    const double first = problem.value(u);
-    Iterate<P> current{std::move(u), first, problem.trial_gradient()};
-    problem.accept();
-    Iteration iteration{0, first, stationarity(problem, current.u, current.g), 0};
-    const double tolerance = options.tolerance * iteration.gradient_norm;
-    for (;;) {
-      if (const auto end = reported(iteration, tolerance, options, report))
-        return *end;
-      Search<P> search;
-      do
-        search = weak_wolfe_search(problem, current, method.direction(problem, current));
-      while (!search.found && method.restart());
-      if (!search.found)
-        return search.solver_failed ? Stop::solver_failed : Stop::no_decrease;
-      problem.accept();
-      Iterate<P>& next = *search.found;
-      iteration = {iteration.number + 1, next.objective, stationarity(problem, next.u, next.g),
-                   search.length};
-      method.learn(problem, current, next, search.length);
-      current = std::move(next);
-    }
-  } catch (const Interrupted&) {
-    return Stop::interrupted;
-  }
-}
-
 } // namespace signorini::optimize

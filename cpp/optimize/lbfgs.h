@@ -1,5 +1,5 @@
 #pragma once
-#include "optimize/descent.h"
+#include "optimize/descend.h"
 #include <deque>
 #include <ranges>
 #include <vector>
@@ -81,8 +81,8 @@ private:
 };
 
 /// Limited-memory BFGS with bounds.
-template <BoundedProblem P, class Report>
-[[nodiscard]] Stop lbfgs(P& problem, typename P::Vector u, const Options& options, Report&& report) {
+template <TwiceDifferentiable P, class Report>
+[[nodiscard]] Ending<typename P::Vector> lbfgs(P& problem, typename P::Vector u, const Options& options, Report&& report) {
   return descend(problem, std::move(u), options, LimitedMemory<P>(options.first_step), report);
 }
 

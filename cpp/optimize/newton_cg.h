@@ -1,15 +1,9 @@
 #pragma once
-#include "optimize/descent.h"
+#include "optimize/descend.h"
 #include <algorithm>
 #include <utility>
 
 namespace signorini::optimize {
-
-template <class P>
-concept TwiceDifferentiable = BoundedProblem<P> && requires(P problem, const typename P::Vector& d) {
-  // H d at the current point, Riesz representative by inner()
-  { problem.hessian_product(d) } -> std::same_as<typename P::Vector>;
-};
 
 /// Conjugate gradients on the free values, ended by the trust region or negative curvature (Steihaug 1983,
 /// Toint 1981) or as soon as the Newton equation is solved well enough for superlinear convergence; better is
@@ -91,7 +85,7 @@ private:
 
 /// Newton's method with bounds, by Hessian products.
 template <TwiceDifferentiable P, class Report>
-[[nodiscard]] Stop newton_cg(P& problem, typename P::Vector u, const Options& options, Report&& report) {
+[[nodiscard]] Ending<typename P::Vector> newton_cg(P& problem, typename P::Vector u, const Options& options, Report&& report) {
   return descend(problem, std::move(u), options, TruncatedNewton<P>(options.first_step), report);
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 /// Algorithms against a concept: they know neither PETSc nor dolfinx. PETSc's TAO is not among them: it
 /// measures with the Euclidean product of the coefficients, whose iterations grow in number as the mesh is
@@ -19,6 +20,8 @@ concept BoundedProblem = requires(P problem, const typename P::Vector& u, typena
   { problem.trial_gradient() } -> std::same_as<typename P::Vector>; // there, Riesz representative by inner()
   { problem.accept() };                                             // the trial becomes the current point
   { problem.inner(u, u) } -> std::convertible_to<double>;
+  { problem.dual(u) } -> std::same_as<typename P::Vector>; // w ↦ inner(u, w), as pairing(dual(u), w):
+  { problem.pairing(u, u) } -> std::convertible_to<double>; // cheaper where u stays the same
   { problem.project(w) }; // onto the bounds, in the norm of inner()
   {
     problem.hold(w, u, u)
@@ -27,12 +30,20 @@ concept BoundedProblem = requires(P problem, const typename P::Vector& u, typena
   { w.scale(1.0) };
 };
 
-enum class Stop { gradient_tolerance, iteration_limit, no_decrease, solver_failed, interrupted };
+template <class P>
+concept TwiceDifferentiable = BoundedProblem<P> && requires(P problem, const typename P::Vector& d) {
+  // H d at the current point, Riesz representative by inner()
+  { problem.hessian_product(d) } -> std::same_as<typename P::Vector>;
+};
+
+enum class Stop { gradient_tolerance, kink, iteration_limit, no_decrease, solver_failed, interrupted };
 
 inline std::string name(Stop stop) {
   switch (stop) {
   case Stop::gradient_tolerance:
     return "gradient norm below tolerance";
+  case Stop::kink:
+    return "stationary at a kink";
   case Stop::iteration_limit:
     return "iteration limit";
   case Stop::no_decrease:
@@ -44,6 +55,23 @@ inline std::string name(Stop stop) {
   }
   return "unknown";
 }
+
+/// A convex combination of gradients gathered within a ball, that is short where a piecewise smooth function is
+/// stationary, be it at a kink (Goldstein 1977).
+template <class Vector>
+struct Certificate {
+  double length = 0;
+  double radius = 0;          ///< of the ball around the current point
+  std::vector<Vector> points; ///< where the gradients were gathered
+  std::vector<double> weights;
+};
+
+/// How a search ended.
+template <class Vector>
+struct Ending {
+  Stop stop;
+  std::optional<Certificate<Vector>> certificate = std::nullopt; ///< at a kink
+};
 
 struct Options {
   int max_iterations = 1000;

@@ -15,7 +15,7 @@ namespace signorini::optimize {
 /// current point. Interrupted from the problem ends the search with the last accepted iterate. Throws
 /// SolverFailure if the objective or its gradient is not finite.
 template <BoundedProblem P, class Report>
-[[nodiscard]] Stop projected_gradient(P& problem, typename P::Vector u, const Options& options,
+[[nodiscard]] Ending<typename P::Vector> projected_gradient(P& problem, typename P::Vector u, const Options& options,
                                       Report&& report) {
   constexpr double sufficient = 0.1, change = 10;
   problem.project(u);
@@ -28,7 +28,7 @@ template <BoundedProblem P, class Report>
     double omega = norm(problem, g) / options.first_step;
     for (;;) {
       if (const auto end = reported(iteration, tolerance, options, report))
-        return *end;
+        return {*end};
       for (bool failed = false;;) {
         typename P::Vector trial = u;
         trial.add(-1 / omega, g);
@@ -38,7 +38,7 @@ template <BoundedProblem P, class Report>
         const double squared = problem.inner(delta, delta);
         const double predicted = -problem.inner(g, delta) - omega / 2 * squared;
         if (!(predicted > rounding(objective)))
-          return failed ? Stop::solver_failed : Stop::no_decrease;
+          return {failed ? Stop::solver_failed : Stop::no_decrease};
         double value = std::numeric_limits<double>::quiet_NaN();
         try {
           value = problem.value(trial);
@@ -63,7 +63,7 @@ template <BoundedProblem P, class Report>
       }
     }
   } catch (const Interrupted&) {
-    return Stop::interrupted;
+    return {Stop::interrupted};
   }
 }
 

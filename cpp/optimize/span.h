@@ -1,0 +1,77 @@
+#pragma once
+#include "optimize/problem.h"
+#include <algorithm>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace signorini::optimize {
+
+/// Coordinates in an orthonormal basis; those beyond the last are zero.
+using Coordinates = std::vector<double>;
+
+inline double dot(const Coordinates& a, const Coordinates& b) {
+  const auto both = static_cast<std::ptrdiff_t>(std::min(a.size(), b.size()));
+  return std::inner_product(a.begin(), a.begin() + both, b.begin(), 0.0);
+}
+
+inline double norm(const Coordinates& a) { return std::sqrt(dot(a, a)); }
+
+/// a += factor b.
+inline void add(Coordinates& a, double factor, const Coordinates& b) {
+  a.resize(std::max(a.size(), b.size()));
+  for (std::size_t i = 0; i < b.size(); ++i)
+    a[i] += factor * b[i];
+}
+
+inline Coordinates scaled(Coordinates a, double factor) {
+  for (double& x : a)
+    x *= factor;
+  return a;
+}
+
+/// A subspace that grows, so that what is done often is done with coordinates.
+template <BoundedProblem P>
+class Span {
+public:
+  using Vector = typename P::Vector;
+
+  /// Coordinates of v, which the subspace contains from now on.
+  Coordinates coordinates(const P& problem, Vector v) {
+    const double length = norm(problem, v);
+    Coordinates x(basis_.size());
+    for (int pass = 0; pass < 2; ++pass) { // Gram and Schmidt, twice for rounding
+      const Vector dual = problem.dual(v);
+      Coordinates part;
+      for (const Vector& q : basis_)
+        part.push_back(problem.pairing(dual, q));
+      for (std::size_t i = 0; i < x.size(); ++i)
+        v.add(-part[i], basis_[i]);
+      add(x, 1, part);
+    }
+    const double rest = norm(problem, v);
+    constexpr double rounding = 1e-12;
+    if (rest > rounding * length) {
+      v.scale(1 / rest);
+      basis_.push_back(std::move(v));
+      x.push_back(rest);
+    }
+    return x;
+  }
+
+  /// The vector with coordinates x; `like` is any.
+  [[nodiscard]] Vector vector(const Coordinates& x, const Vector& like) const {
+    Vector v = like;
+    v.scale(0);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      v.add(x[i], basis_[i]);
+    return v;
+  }
+
+  [[nodiscard]] std::size_t dimension() const { return basis_.size(); }
+
+private:
+  std::vector<Vector> basis_;
+};
+
+} // namespace signorini::optimize
