@@ -97,7 +97,7 @@ std::map<std::string, Cost> costs(const Problem& problem) {
                       (own ? controls.matrix_bytes() : petsc::bytes(*body.W)) + 5 * controls.control_bytes(),
                       own ? "a product" : density_product};
   if (controls.bounded())
-    costs["control bounds"].bytes = own && controls.cellwise() ? 0 : vector;
+    costs["control bounds"].bytes = controls.cellwise() ? 0 : controls.control_bytes() / (scene.control->constant_in_time ? 1 : problem.steps());
   if (scene.optimizer.method == "lbfgs")
     costs["control"].bytes += 2 * optimize::lbfgs_pairs * controls.control_bytes();
   costs["objective"] = {scene.objective->on ? "L2 of what is observed" : "W", motions_bytes(problem),

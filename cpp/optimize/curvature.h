@@ -49,6 +49,16 @@ public:
     return B;
   }
 
+  template <class Archive>
+  void exchange(Archive& archive, const std::string& name) {
+    archive(name + "/least", least_);
+    archive(name + "/largest", largest_);
+    exchange_list(archive, name, known_, [&](auto& pair, const std::string& number) {
+      archive(number + "/d", pair.first);
+      archive(number + "/y", pair.second);
+    });
+  }
+
 private:
   std::vector<std::pair<Coordinates, Coordinates>> known_;
   double least_ = 1; ///< σ

@@ -1,16 +1,8 @@
 #pragma once
-#include "optimize/problem.h"
+#include "optimize/search.h"
 #include <optional>
 
 namespace signorini::optimize {
-
-/// A point with what is known there.
-template <BoundedProblem P>
-struct Iterate {
-  typename P::Vector u;
-  double objective;
-  typename P::Vector g;
-};
 
 /// What of d the bounds let u move along: its projection onto the tangent cone at u.
 template <BoundedProblem P>

@@ -23,11 +23,32 @@ public:
 
   /// The model of one piece. `first_step` is the length of a control that matters.
   KinkModel(const P& problem, const Iterate<P>& at, double first_step)
-      : held_at_(at.u), ball_(1e-4 * first_step) {
-    held_by_.push_back(at.g);
-    held_by_.back().scale(-1);
+      : KinkModel(first_step) {
+    held_at_ = share(at.u);
+    Vector down = at.g;
+    down.scale(-1);
+    held_by_.push_back(share(std::move(down)));
     const Coordinates g = gradient(problem, at.g);
     pieces_.push_back({g, g, {}, 0});
+  }
+
+  /// One to be read from an archive.
+  explicit KinkModel(double first_step) : ball_(1e-4 * first_step) {}
+
+  template <class Archive>
+  void exchange(Archive& archive) {
+    archive("kink/held_at", held_at_);
+    exchange_list(archive, "kink/held_by", held_by_,
+                  [&](Shared<Vector>& d, const std::string& name) { archive(name, d); });
+    archive("kink/bounds_matter", bounds_matter_);
+    span_.exchange(archive, "kink/span");
+    curvature_.exchange(archive, "kink/curvature");
+    exchange_list(archive, "kink/pieces", pieces_, [&](Piece& piece, const std::string& name) {
+      archive(name + "/gathered", piece.gathered);
+      archive(name + "/here", piece.here);
+      archive(name + "/offset", piece.offset);
+      archive(name + "/price", piece.price);
+    });
   }
 
   enum class End { moved, stationary, nowhere };
@@ -87,7 +108,7 @@ private:
     Coordinates gathered; ///< its gradient where it was met
     Coordinates here;     ///< the same at the current point, by Hessian products
     Coordinates offset;   ///< from the current point to where it was met
-    double price;         ///< e_i: how far it lies below J at the current point
+    double price = 0;     ///< e_i: how far it lies below J at the current point
   };
 
   struct Direction {
@@ -108,19 +129,19 @@ private:
   }
 
   void hold(const P& problem, Vector& w) const {
-    for (const Vector& d : held_by_)
-      problem.hold(w, held_at_, d);
+    for (const Shared<Vector>& d : held_by_)
+      problem.hold(w, *held_at_, *d);
   }
 
   /// Holds what d pushes out of the bounds too.
   void hold_more(const P& problem, Vector d) {
-    held_by_.push_back(std::move(d));
+    held_by_.push_back(share(std::move(d)));
     const Span<P> before = std::exchange(span_, {});
     curvature_ = {};
     for (Piece& piece : pieces_) {
-      piece.gathered = gradient(problem, before.vector(piece.gathered, held_at_));
-      piece.here = gradient(problem, before.vector(piece.here, held_at_));
-      piece.offset = span_.coordinates(problem, before.vector(piece.offset, held_at_));
+      piece.gathered = gradient(problem, before.vector(piece.gathered, *held_at_));
+      piece.here = gradient(problem, before.vector(piece.here, *held_at_));
+      piece.offset = span_.coordinates(problem, before.vector(piece.offset, *held_at_));
     }
   }
 
@@ -139,7 +160,7 @@ private:
     if (stationarity(problem, at.u, combined) <= tolerance)
       return true;
     combined.scale(-1);
-    held_by_.assign(1, std::move(combined));
+    held_by_.assign(1, share(std::move(combined)));
     span_ = {};
     curvature_ = {};
     pieces_.clear();
@@ -377,8 +398,8 @@ private:
 
   static constexpr std::size_t most_pieces = 40;
 
-  Vector held_at_;
-  std::vector<Vector> held_by_; ///< what pushes the held values to their bounds
+  Shared<Vector> held_at_;
+  std::vector<Shared<Vector>> held_by_; ///< what pushes the held values to their bounds
   bool bounds_matter_ = false;  ///< a gradient has had values that were held
   double ball_;
   Span<P> span_;

@@ -1,6 +1,5 @@
 #pragma once
 #include "optimize/descend.h"
-#include <deque>
 #include <ranges>
 #include <vector>
 
@@ -30,12 +29,12 @@ public:
     }
     std::vector<double> weights;
     for (const Pair& pair : pairs_ | std::views::reverse) {
-      weights.push_back(problem.inner(pair.s, d) / pair.sy);
-      d.add(-weights.back(), pair.y);
+      weights.push_back(problem.inner(*pair.s, d) / pair.sy);
+      d.add(-weights.back(), *pair.y);
     }
     d.scale(scale_);
     for (const Pair& pair : pairs_) {
-      d.add(weights.back() - problem.inner(pair.y, d) / pair.sy, pair.s);
+      d.add(weights.back() - problem.inner(*pair.y, d) / pair.sy, *pair.s);
       weights.pop_back();
     }
     problem.hold(d, at.u, down);
@@ -43,25 +42,23 @@ public:
   }
 
   void learn(const P& problem, const Iterate<P>& from, const Iterate<P>& to, double) {
-    Pair pair{to.u, to.g, 0};
-    pair.s.add(-1, from.u);
-    pair.y.add(-1, from.g);
-    length_ = norm(problem, pair.s);
-    Vector down = to.g;
+    Vector s = to.u, y = to.g, down = to.g;
+    s.add(-1, from.u);
+    y.add(-1, from.g);
+    length_ = norm(problem, s);
     down.scale(-1);
-    problem.hold(pair.s, to.u, down);
-    problem.hold(pair.y, to.u, down);
-    pair.sy = problem.inner(pair.s, pair.y);
-    const double yy = problem.inner(pair.y, pair.y);
+    problem.hold(s, to.u, down);
+    problem.hold(y, to.u, down);
+    const double sy = problem.inner(s, y), yy = problem.inner(y, y);
     constexpr double least_cosine = 1e-8;
-    if (!(pair.sy > least_cosine * length_ * std::sqrt(yy)))
+    if (!(sy > least_cosine * length_ * std::sqrt(yy)))
       return;
     // Between the largest and the smallest curvature seen (Dai, Al-Baali, Yang 2015): those of J spread
     // widely, from alpha up.
-    scale_ = std::sqrt(problem.inner(pair.s, pair.s) / yy);
-    pairs_.push_back(std::move(pair));
+    scale_ = std::sqrt(problem.inner(s, s) / yy);
+    pairs_.push_back({share(std::move(s)), share(std::move(y)), sy});
     if (pairs_.size() > lbfgs_pairs)
-      pairs_.pop_front();
+      pairs_.erase(pairs_.begin());
   }
 
   bool restart() {
@@ -70,20 +67,33 @@ public:
     return had;
   }
 
+  template <class Archive>
+  void exchange(Archive& archive) {
+    archive("lbfgs/scale", scale_);
+    archive("lbfgs/length", length_);
+    exchange_list(archive, "lbfgs/pairs", pairs_, [&](Pair& pair, const std::string& name) {
+      archive(name + "/s", pair.s);
+      archive(name + "/y", pair.y);
+      archive(name + "/sy", pair.sy);
+    });
+  }
+
 private:
   struct Pair {
-    Vector s, y;
-    double sy;
+    Shared<Vector> s, y;
+    double sy = 0;
   };
-  std::deque<Pair> pairs_;
+  std::vector<Pair> pairs_;
   double scale_ = 1;
   double length_; ///< of the last step
 };
 
 /// Limited-memory BFGS with bounds.
-template <TwiceDifferentiable P, class Report>
-[[nodiscard]] Ending<typename P::Vector> lbfgs(P& problem, typename P::Vector u, const Options& options, Report&& report) {
-  return descend(problem, std::move(u), options, LimitedMemory<P>(options.first_step), report);
+template <TwiceDifferentiable P, class Report, class Keeper = NoKeeper>
+[[nodiscard]] Ending<typename P::Vector> lbfgs(P& problem, typename P::Vector u, const Options& options,
+                                               Report&& report, Keeper&& keeper = {}) {
+  return search(problem, std::move(u), options,
+                Descent<P, LimitedMemory<P>>(LimitedMemory<P>(options.first_step), options), report, keeper);
 }
 
 } // namespace signorini::optimize

@@ -76,6 +76,13 @@ public:
 
   bool restart() { return !std::exchange(steepest_, true); }
 
+  template <class Archive>
+  void exchange(Archive& archive) {
+    archive("newton-cg/radius", radius_);
+    archive("newton-cg/first", first_);
+    archive("newton-cg/steepest", steepest_);
+  }
+
 private:
   double radius_;
   double first_ = 0;     ///< largest gradient norm on free values so far
@@ -84,9 +91,11 @@ private:
 };
 
 /// Newton's method with bounds, by Hessian products.
-template <TwiceDifferentiable P, class Report>
-[[nodiscard]] Ending<typename P::Vector> newton_cg(P& problem, typename P::Vector u, const Options& options, Report&& report) {
-  return descend(problem, std::move(u), options, TruncatedNewton<P>(options.first_step), report);
+template <TwiceDifferentiable P, class Report, class Keeper = NoKeeper>
+[[nodiscard]] Ending<typename P::Vector> newton_cg(P& problem, typename P::Vector u, const Options& options,
+                                               Report&& report, Keeper&& keeper = {}) {
+  return search(problem, std::move(u), options,
+                Descent<P, TruncatedNewton<P>>(TruncatedNewton<P>(options.first_step), options), report, keeper);
 }
 
 } // namespace signorini::optimize

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <concepts>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -86,6 +87,14 @@ struct Iteration {
   double gradient_norm = 0; ///< ‖u − P(u − g)‖; without bounds ‖g‖
   double step_length =
       0; ///< multiple taken of the direction, projected gradient: of the gradient; 0 in row 0
+
+  template <class Archive>
+  void exchange(Archive& archive) {
+    archive("iteration/number", number);
+    archive("iteration/objective", objective);
+    archive("iteration/gradient_norm", gradient_norm);
+    archive("iteration/step_length", step_length);
+  }
 };
 
 template <BoundedProblem P>
@@ -103,13 +112,32 @@ double stationarity(const P& problem, const typename P::Vector& u, const typenam
   return norm(problem, step);
 }
 
-/// Reports an iterate, and says whether the search ends there. Throws SolverFailure if it is not finite.
-template <class Report>
-std::optional<Stop> reported(const Iteration& iteration, double tolerance, const Options& options, Report&& report) {
+/// A vector that several hold and none changes, so that the state of a search is cheap to copy.
+template <class Vector>
+using Shared = std::shared_ptr<const Vector>;
+
+template <class Vector>
+Shared<Vector> share(Vector v) {
+  return std::make_shared<const Vector>(std::move(v));
+}
+
+/// Passes a list, and of each element what `each` passes, to an archive: what a search remembers goes through
+/// exchange(archive) both when it is stored and when it is read. An archive takes numbers, lists of numbers and shared
+/// vectors by name.
+template <class Archive, class T, class Each>
+void exchange_list(Archive& archive, const std::string& name, std::vector<T>& list, Each&& each) {
+  auto count = static_cast<int>(list.size());
+  archive(name + "/count", count);
+  list.resize(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < list.size(); ++i)
+    each(list[i], name + "/" + std::to_string(i));
+}
+
+/// Whether a search ends at this iterate. Throws SolverFailure if it is not finite.
+inline std::optional<Stop> ended(const Iteration& iteration, double tolerance, const Options& options) {
   if (!std::isfinite(iteration.objective) || !std::isfinite(iteration.gradient_norm))
     throw SolverFailure("the objective or its gradient is not finite at iteration " +
                         std::to_string(iteration.number));
-  report(iteration);
   if (!(iteration.gradient_norm > tolerance))
     return Stop::gradient_tolerance;
   if (iteration.number >= options.max_iterations)

@@ -43,17 +43,17 @@ public:
     for (int pass = 0; pass < 2; ++pass) { // Gram and Schmidt, twice for rounding
       const Vector dual = problem.dual(v);
       Coordinates part;
-      for (const Vector& q : basis_)
-        part.push_back(problem.pairing(dual, q));
+      for (const Shared<Vector>& q : basis_)
+        part.push_back(problem.pairing(dual, *q));
       for (std::size_t i = 0; i < x.size(); ++i)
-        v.add(-part[i], basis_[i]);
+        v.add(-part[i], *basis_[i]);
       add(x, 1, part);
     }
     const double rest = norm(problem, v);
     constexpr double rounding = 1e-12;
     if (rest > rounding * length) {
       v.scale(1 / rest);
-      basis_.push_back(std::move(v));
+      basis_.push_back(share(std::move(v)));
       x.push_back(rest);
     }
     return x;
@@ -64,14 +64,19 @@ public:
     Vector v = like;
     v.scale(0);
     for (std::size_t i = 0; i < x.size(); ++i)
-      v.add(x[i], basis_[i]);
+      v.add(x[i], *basis_[i]);
     return v;
+  }
+
+  template <class Archive>
+  void exchange(Archive& archive, const std::string& name) {
+    exchange_list(archive, name, basis_, [&](Shared<Vector>& q, const std::string& number) { archive(number, q); });
   }
 
   [[nodiscard]] std::size_t dimension() const { return basis_.size(); }
 
 private:
-  std::vector<Vector> basis_;
+  std::vector<Shared<Vector>> basis_;
 };
 
 } // namespace signorini::optimize

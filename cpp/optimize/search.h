@@ -1,0 +1,98 @@
+#pragma once
+#include "optimize/problem.h"
+
+namespace signorini::optimize {
+
+/// A point with what is known there.
+template <BoundedProblem P>
+struct Iterate {
+  typename P::Vector u;
+  double objective;
+  typename P::Vector g;
+};
+
+/// Where a search stands between two iterations: all that the next ones depend on.
+template <BoundedProblem P, class Memory>
+struct State {
+  Iterate<P> current;
+  Iteration iteration;
+  double first_norm; ///< ‖u − P(u − g)‖ at the first guess
+  Memory memory;     ///< of the method
+
+  /// Without what can be evaluated anew: J's gradient at u.
+  template <class Archive>
+  void exchange(Archive& archive) {
+    Shared<typename P::Vector> u = share(current.u);
+    archive("u", u);
+    current.u = *u;
+    iteration.exchange(archive);
+    archive("first_norm", first_norm);
+    memory.exchange(archive);
+  }
+};
+
+/// Keeps nothing of a search.
+struct NoKeeper {
+  static bool restore(auto&) { return false; }
+  static bool due(const Iteration&) { return false; }
+  static void store(auto&) {}
+  static void foreign(double, double) {}
+};
+
+/// Relative difference of J that other ranks and solvers make.
+constexpr double same_objective = 1e-6;
+
+/// The iterations of a method from the first guess, or from where `keeper` says that it stood, until they end.
+///
+/// `memory.advance(problem, state)` makes one iteration: it moves state.current, state.iteration and the problem's
+/// current point, or says how the search ends. `report(iteration)` is told of the first guess and of each iterate
+/// that this call accepts. keeper.restore(state) reads a state and returns whether there was one;
+/// keeper.store(state) is called where keeper.due(iteration) asks for it and when the search ends. Interrupted from
+/// the problem ends it with the last accepted iterate. Throws SolverFailure if the objective or its gradient is
+/// not finite.
+template <BoundedProblem P, class Memory, class Report, class Keeper>
+[[nodiscard]] Ending<typename P::Vector> search(P& problem, typename P::Vector guess, const Options& options,
+                                                Memory memory, Report&& report, Keeper&& keeper) {
+  problem.project(guess);
+  State<P, Memory> state{{guess, 0, std::move(guess)}, {}, 0, std::move(memory)};
+  try {
+    const bool restored = keeper.restore(state);
+    Iterate<P>& current = state.current;
+    current.objective = problem.value(current.u);
+    current.g = problem.trial_gradient();
+    problem.accept();
+    if (!restored) {
+      state.first_norm = stationarity(problem, current.u, current.g);
+      state.iteration = {0, current.objective, state.first_norm, 0};
+      report(state.iteration);
+    } else if (const double stored = state.iteration.objective;
+               !(std::abs(current.objective - stored) <= same_objective * std::abs(stored))) {
+      keeper.foreign(stored, current.objective);
+    }
+  } catch (const Interrupted&) {
+    return {Stop::interrupted};
+  }
+  for (;;) {
+    if (const auto end = ended(state.iteration, options.tolerance * state.first_norm, options)) {
+      keeper.store(state);
+      return {*end};
+    }
+    if (keeper.due(state.iteration))
+      keeper.store(state);
+    Memory before = state.memory;
+    std::optional<Ending<typename P::Vector>> end;
+    try {
+      end = state.memory.advance(problem, state, options);
+    } catch (const Interrupted&) {
+      end.emplace(Stop::interrupted);
+    }
+    if (end) {
+      state.memory = std::move(before);
+      keeper.store(state);
+      return std::move(*end);
+    }
+    report(state.iteration);
+  }
+}
+
+} // namespace signorini::optimize
