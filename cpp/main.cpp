@@ -1,5 +1,6 @@
 #include "base/error.h"
 #include "base/petsc.h"
+#include "report.h"
 #include "run.h"
 #include "scene/names.h"
 #include <CLI/CLI.hpp>
@@ -19,7 +20,7 @@ namespace {
 using signorini::Request;
 using signorini::UserError;
 
-constexpr int wrong_input = 2, solver_failed = 3, interrupted = 130;
+using namespace signorini::exit_status;
 
 struct Verb {
   const char *name, *text;
@@ -90,7 +91,6 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
   app.require_subcommand(1);
   app.footer("Options after -- go to PETSc. Exit status: 0 done; 1 a check failed; 2 the scene, the mesh or an option is\n"
              "wrong; 3 a solver failed; 130 interrupted.");
-  bool resume = false;
   for (const Verb& verb : verbs) {
     CLI::App* sub = app.add_subcommand(verb.name, verb.text)->allow_extras();
     sub->add_option("scene", request.scene, "scene file (TOML)")->required();
@@ -99,7 +99,7 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     sub->add_flag("--quiet", quiet, "say nothing but errors");
-    sub->add_flag("--resume", resume, "go on from a checkpoint (not available yet)");
+    sub->add_flag("--resume", request.resume, "optimize: go on from the checkpoint in the folder, where there is one");
     if (std::string_view(verb.name) == "info")
       sub->add_option("--time", request.timed_steps, "time this many steps, for an estimate of the whole")
           ->check(CLI::Range(1, std::numeric_limits<int>::max()));
@@ -120,8 +120,9 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
     throw UserError(fmt::format("command line: \"{}\" is not expected{}, allowed are one scene and the options --out, "
                                 "--set, --quiet; see signorini --help",
                                 extra.front(), did_you_mean(extra.front(), {"--out", "--set", "--quiet", "--resume"})));
-  if (resume)
-    throw UserError("--resume: not available yet; leave it out");
+  if (request.resume && request.verb != "optimize")
+    throw UserError(fmt::format("--resume: found with {}, allowed is optimize, which writes checkpoints{}", request.verb,
+                                request.verb == "study" ? "; a study goes on from what its folder has without it" : ""));
   return std::nullopt;
 }
 

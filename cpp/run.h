@@ -13,6 +13,7 @@ struct Request {
   std::filesystem::path scene;
   std::filesystem::path out; ///< empty: results/<scene name>
   std::vector<std::string> overrides;
+  bool resume = false; ///< of optimize
   int timed_steps = 0; ///< that info makes to time them
   study::Options study;
   std::optional<double> suggest; ///< tolerance for which study proposes size and step

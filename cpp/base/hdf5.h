@@ -13,7 +13,11 @@ public:
       close_(id_);
   }
   Opened(Opened&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
-  Opened& operator=(Opened&&) = delete;
+  Opened& operator=(Opened&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(close_, other.close_);
+    return *this;
+  }
   operator hid_t() const { return id_; }
   explicit operator bool() const { return id_ >= 0; }
 

@@ -18,8 +18,9 @@ void Console::line(const std::string& text) const {
     fmt::print("{}\n", text), std::fflush(stdout);
 }
 
-Progress::Progress(const Console& console, std::string label, std::size_t total)
-    : console_(console), label_(std::move(label)), total_(total) {}
+Progress::Progress(const Console& console, std::string label, std::size_t total, std::size_t from)
+    : console_(console), label_(std::move(label)), total_(total), from_(from),
+      tenth_(total > 0 ? 10 * from / total : 0) {}
 
 Progress::~Progress() {
   if (drawn_)
@@ -31,7 +32,8 @@ void Progress::update(std::size_t done, const std::string& note) {
     return;
   const auto now = Clock::now();
   const double seconds = std::chrono::duration<double>(now - start_).count();
-  const double left = done > 0 ? seconds * static_cast<double>(total_ - done) / static_cast<double>(done) : 0;
+  const double left =
+      done > from_ ? seconds * static_cast<double>(total_ - done) / static_cast<double>(done - from_) : 0;
   if (console_.terminal()) {
     if (done < total_ && now - last_ < std::chrono::milliseconds(100))
       return;

@@ -23,7 +23,8 @@ private:
 /// Progress of a loop of known length: a bar with the time left on a terminal, a line at every tenth otherwise.
 class Progress {
 public:
-  Progress(const Console& console, std::string label, std::size_t total);
+  /// `from`: what is done already, and took none of this progress's time.
+  Progress(const Console& console, std::string label, std::size_t total, std::size_t from = 0);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -35,7 +36,7 @@ private:
   using Clock = std::chrono::steady_clock;
   const Console& console_;
   std::string label_;
-  std::size_t total_, tenth_ = 0;
+  std::size_t total_, from_, tenth_;
   bool drawn_ = false;
   Clock::time_point start_ = Clock::now(), last_{};
 };

@@ -67,6 +67,8 @@ public:
   /// p_k of the current control at the given steps, by one more adjoint sweep.
   [[nodiscard]] petsc::Series adjoint_states(const std::vector<int>& steps) const;
   [[nodiscard]] Sweeps sweeps() const { return sweeps_; }
+  /// Goes on counting from there.
+  void count_from(Sweeps sweeps) { sweeps_ = sweeps; }
   /// Load with the current control.
   [[nodiscard]] forward::Load load() const;
   [[nodiscard]] const ControlSpace& controls() const { return controls_; }

@@ -84,6 +84,15 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
                          {"forward_sweeps", m.forward_sweeps.value_or(0)},
                          {"adjoint_sweeps", m.adjoint_sweeps.value_or(0)},
                          {"metric", scene.control->lower || scene.control->upper ? "lumped L2" : "L2"}};
+  if (m.kink) {
+    ordered_json weak = ordered_json::array();
+    for (const WeakContact& contact : m.kink->weak)
+      weak.push_back({{"step", contact.step}, {"time", contact.time}, {"candidate", contact.candidate}, {"node", contact.x}});
+    json["kink"] = {{"shortest_combination", m.kink->length},
+                    {"radius", m.kink->radius},
+                    {"gradients", m.kink->gradients},
+                    {"weak_contact", weak}};
+  }
   for (const forward::Invariants::Defect& defect : m.invariants)
     json["invariants"][defect.name] = {{"worst", defect.worst}, {"step", defect.step}};
   for (const auto& [phase, entry] : timers.entries())

@@ -10,6 +10,21 @@
 
 namespace signorini::io {
 
+/// A candidate in weak contact in a step: closed without force.
+struct WeakContact {
+  int step;
+  double time; ///< s
+  int candidate;
+  std::vector<double> x; ///< of its node in the undeformed body (dim), m
+};
+
+/// Where a search ended at a kink: optimize::Certificate, and the weak contact that makes it.
+struct Kink {
+  double length, radius;
+  int gradients;
+  std::vector<WeakContact> weak;
+};
+
 /// What run.json tells of a run.
 struct Manifest {
   std::string verb;
@@ -23,6 +38,7 @@ struct Manifest {
   std::optional<control::Value> objective;
   std::vector<forward::Invariants::Defect> invariants; ///< of the motion stored, none if none was watched
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
+  std::optional<Kink> kink;
 };
 
 /// Of this program and the libraries whose versions matter.

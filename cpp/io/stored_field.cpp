@@ -1,13 +1,12 @@
 #include "io/stored_field.h"
+#include "io/point_match.h"
 #include "base/collective.h"
 #include "base/hdf5.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstdlib>
 #include <fmt/format.h>
-#include <map>
 
 namespace signorini::io {
 using petsc::check;
@@ -64,11 +63,6 @@ bool finite(const std::vector<double>& values) {
   return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
 }
 
-std::string place(const double* x, int dim) {
-  return dim == 2 ? fmt::format("({:.6g}, {:.6g})", x[0], x[1])
-                  : fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
-}
-
 } // namespace
 
 StoredField::StoredField(const fem::Space& space, const std::filesystem::path& file, const std::string& field,
@@ -86,7 +80,7 @@ StoredField::StoredField(const fem::Space& space, const std::filesystem::path& f
   MPI_Bcast(times_.data(), count, MPI_DOUBLE, 0, space.comm());
   points.resize(nodes_ * static_cast<std::size_t>(space.dim()));
   MPI_Bcast(points.data(), static_cast<int>(points.size()), MPI_DOUBLE, 0, space.comm());
-  match(points);
+  rows_ = match_points(space, points, space.points(), [this](const std::string& problem) { fail(problem); });
 }
 
 void StoredField::fail(const std::string& problem) const {
@@ -127,43 +121,6 @@ void StoredField::look(double end, std::vector<double>& points) {
     fail(fmt::format(
         "found \"{}\" from {:.6g} to {:.6g} s, allowed are runs that cover this one, from 0 to {:.6g} s",
         field_, times_.front(), times_.back(), end));
-}
-
-void StoredField::match(const std::vector<double>& points) {
-  const auto dim = static_cast<std::size_t>(space_.dim());
-  // Nodes of one mesh agree to the last digits; a cell is so much larger than that that few nodes lie near
-  // its sides, and so small that it holds one node.
-  const double near = 1e-10 * space_.mesh().diameter(), cell = 100 * near;
-  using Cell = std::array<std::int64_t, 3>;
-  const auto cell_of = [&](const double* x, double shift) {
-    Cell at{};
-    for (std::size_t c = 0; c < dim; ++c)
-      at[c] = static_cast<std::int64_t>(std::floor((x[c] + shift) / cell + 0.5));
-    return at;
-  };
-  together(space_.comm(), [&] {
-    std::map<Cell, std::size_t> rows;
-    for (std::size_t row = 0; row < nodes_; ++row)
-      if (!rows.emplace(cell_of(&points[row * dim], 0), row).second)
-        fail(fmt::format("found two nodes at {} m, allowed are meshes whose nodes are apart",
-                         place(&points[row * dim], space_.dim())));
-    for (int node = 0; node < space_.owned_nodes(); ++node) {
-      const double* x = &space_.points()[3 * static_cast<std::size_t>(node)];
-      const Cell low = cell_of(x, -near), high = cell_of(x, near);
-      const auto found = [&] {
-        for (Cell at = low; at[0] <= high[0]; ++at[0])
-          for (at[1] = low[1]; at[1] <= high[1]; ++at[1])
-            for (at[2] = low[2]; at[2] <= high[2]; ++at[2])
-              if (const auto entry = rows.find(at); entry != rows.end())
-                return entry;
-        return rows.end();
-      }();
-      if (found == rows.end())
-        fail(fmt::format("found no node at {} m, where this scene has one; allowed is a run on the same mesh",
-                         place(x, space_.dim())));
-      rows_.push_back(found->second);
-    }
-  });
 }
 
 Vec StoredField::stored(std::size_t number) {

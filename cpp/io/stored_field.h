@@ -27,7 +27,6 @@ private:
   };
   [[noreturn]] void fail(const std::string& problem) const;
   void look(double end, std::vector<double>& points);
-  void match(const std::vector<double>& points);
   Vec stored(std::size_t number);
 
   const fem::Space& space_;

@@ -58,9 +58,13 @@ void add_contact_rows(std::string& text, int k, const forward::Scheme& scheme,
 }
 
 std::string history_table(const std::vector<HistoryRow>& rows) {
-  std::string text =
-      "iteration,objective,tracking,terminal,control_cost,gradient_norm,step_length,forward_sweeps,"
-      "adjoint_sweeps,seconds,relative_distance_to_reference\n";
+  return "iteration,objective,tracking,terminal,control_cost,gradient_norm,step_length,forward_sweeps,"
+         "adjoint_sweeps,seconds,relative_distance_to_reference\n" +
+         history_rows(rows);
+}
+
+std::string history_rows(const std::vector<HistoryRow>& rows) {
+  std::string text;
   auto out = std::back_inserter(text);
   for (const HistoryRow& r : rows)
     fmt::format_to(out, "{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{},{},{:.3f},{:.17g}\n",

@@ -38,6 +38,8 @@ struct HistoryRow {
       std::numeric_limits<double>::quiet_NaN(); ///< nan without a reference control
 };
 
+/// With its header.
 std::string history_table(const std::vector<HistoryRow>& rows);
+std::string history_rows(const std::vector<HistoryRow>& rows);
 
 } // namespace signorini::io

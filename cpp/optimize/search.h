@@ -36,17 +36,15 @@ struct NoKeeper {
   static bool restore(auto&) { return false; }
   static bool due(const Iteration&) { return false; }
   static void store(auto&) {}
-  static void foreign(double, double) {}
+  static void restored(double, double) {}
 };
-
-/// Relative difference of J that other ranks and solvers make.
-constexpr double same_objective = 1e-6;
 
 /// The iterations of a method from the first guess, or from where `keeper` says that it stood, until they end.
 ///
 /// `memory.advance(problem, state)` makes one iteration: it moves state.current, state.iteration and the problem's
 /// current point, or says how the search ends. `report(iteration)` is told of the first guess and of each iterate
-/// that this call accepts. keeper.restore(state) reads a state and returns whether there was one;
+/// that this call accepts. keeper.restore(state) reads a state and returns whether there was one, and
+/// keeper.restored(stored, found) is told of J there, as it was stored and as it is;
 /// keeper.store(state) is called where keeper.due(iteration) asks for it and when the search ends. Interrupted from
 /// the problem ends it with the last accepted iterate. Throws SolverFailure if the objective or its gradient is
 /// not finite.
@@ -65,9 +63,8 @@ template <BoundedProblem P, class Memory, class Report, class Keeper>
       state.first_norm = stationarity(problem, current.u, current.g);
       state.iteration = {0, current.objective, state.first_norm, 0};
       report(state.iteration);
-    } else if (const double stored = state.iteration.objective;
-               !(std::abs(current.objective - stored) <= same_objective * std::abs(stored))) {
-      keeper.foreign(stored, current.objective);
+    } else {
+      keeper.restored(state.iteration.objective, current.objective);
     }
   } catch (const Interrupted&) {
     return {Stop::interrupted};

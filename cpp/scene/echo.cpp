@@ -175,6 +175,7 @@ void write_objective(Writer& out, const Scene& s) {
   out.key("method", text(s.optimizer.method));
   out.key("max_iterations", std::to_string(s.optimizer.max_iterations));
   out.key("tolerance", number(s.optimizer.tolerance), "of the gradient norm, relative to the first guess's");
+  out.key("checkpoint", std::to_string(s.optimizer.checkpoint), "iterations from one to the next; 0: none");
   out.table("[trajectory]");
   out.key("storage", text(s.trajectory.storage));
   if (s.trajectory.storage == "checkpoints")

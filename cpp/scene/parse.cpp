@@ -279,6 +279,7 @@ Optimizer optimizer(Reader in) {
   optimizer.method = in.choice("method", {"lbfgs", "newton-cg", "projected-gradient"}, optimizer.method);
   optimizer.max_iterations = in.integer("max_iterations", 0, 1'000'000, optimizer.max_iterations);
   optimizer.tolerance = in.number("tolerance", {.least = 0, .greatest = 1}, optimizer.tolerance);
+  optimizer.checkpoint = in.integer("checkpoint", 0, 1'000'000, optimizer.checkpoint);
   in.finish();
   return optimizer;
 }

@@ -129,6 +129,7 @@ struct Optimizer {
   std::string method = "lbfgs"; ///< or "newton-cg", "projected-gradient"
   int max_iterations = 1000;
   double tolerance = 1e-6; ///< of the gradient norm, relative to the first guess's
+  int checkpoint = 10;     ///< iterations from one to the next; 0: none
 };
 
 struct Solver {

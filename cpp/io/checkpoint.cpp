@@ -1,0 +1,261 @@
+#include "io/checkpoint.h"
+#include "base/collective.h"
+#include "io/point_match.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace signorini::io {
+
+namespace {
+
+constexpr const char* points_name = "points";
+
+/// rows × columns of a type, with a checksum for every chunk.
+Opened make_table(hid_t file, const std::string& name, hid_t type, hsize_t rows, hsize_t columns, std::size_t bytes) {
+  constexpr std::size_t chunk_bytes = 1 << 20;
+  const std::array<hsize_t, 2> shape{rows, columns};
+  const std::array<hsize_t, 2> chunk{std::clamp<hsize_t>(chunk_bytes / std::max<hsize_t>(columns * bytes, 1), 1, std::max<hsize_t>(rows, 1)),
+                                     std::max<hsize_t>(columns, 1)};
+  const Opened space(H5Screate_simple(2, shape.data(), nullptr), H5Sclose);
+  const Opened layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose), link(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+  H5Pset_create_intermediate_group(link, 1);
+  H5Pset_chunk(layout, 2, chunk.data());
+  H5Pset_fletcher32(layout);
+  return {H5Dcreate(file, name.c_str(), type, space, link, layout, H5P_DEFAULT), H5Dclose};
+}
+
+/// Makes what stands in a file sure to be on the disk.
+bool synchronise(const std::filesystem::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY);
+  if (descriptor < 0)
+    return false;
+  const bool done = fsync(descriptor) == 0;
+  ::close(descriptor);
+  return done;
+}
+
+std::array<hsize_t, 2> shape(hid_t dataset) {
+  std::array<hsize_t, 2> rows_columns{};
+  const Opened space(H5Dget_space(dataset), H5Sclose);
+  if (space && H5Sget_simple_extent_ndims(space) == 2)
+    H5Sget_simple_extent_dims(space, rows_columns.data(), nullptr);
+  return rows_columns;
+}
+
+/// Selects a row of a table for `transfer(row's space, memory's space)`.
+template <class Transfer>
+bool on_row(hid_t table, hsize_t row, hsize_t columns, Transfer&& transfer) {
+  const std::array<hsize_t, 2> start{row, 0}, count{1, columns};
+  const Opened in_file(H5Dget_space(table), H5Sclose), in_memory(H5Screate_simple(1, &columns, nullptr), H5Sclose);
+  return H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >= 0 &&
+         transfer(in_file, in_memory) >= 0;
+}
+
+} // namespace
+
+CheckpointWriter::CheckpointWriter(const control::ControlSpace& controls, const std::filesystem::path& file)
+    : controls_(controls), file_(file), part_(file.parent_path() / ("." + file.filename().string() + ".part")),
+      out_(H5I_INVALID_HID, H5Fclose) {
+  const MPI_Comm comm = controls.space().comm();
+  PetscInt mine = 0;
+  petsc::check(VecGetLocalSize(controls.value(), &mine));
+  for (const auto n : gather(comm, std::vector<int>{static_cast<int>(mine)})) {
+    starts_.push_back(counts_.empty() ? 0 : starts_.back() + counts_.back());
+    counts_.push_back(n);
+  }
+  const std::vector<double> points = gather(comm, controls.points());
+  if (rank(comm) != 0)
+    return;
+  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence says it, instead of HDF5's stack
+  const Opened access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST); // whose metadata have checksums
+  errno = 0;
+  out_ = Opened(H5Fcreate(part_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+  if (!out_)
+    failure_ = errno ? std::generic_category().message(errno) : "HDF5 cannot create it";
+  numbers(points_name, points);
+}
+
+CheckpointWriter::~CheckpointWriter() {
+  if (rank(controls_.space().comm()) != 0)
+    return;
+  out_ = Opened(H5I_INVALID_HID, H5Fclose);
+  std::error_code ignored; // it has been moved, or nobody misses it
+  std::filesystem::remove(part_, ignored);
+}
+
+void CheckpointWriter::numbers(const std::string& name, std::span<const double> values) {
+  if (!out_ || !failure_.empty())
+    return;
+  errno = 0;
+  const Opened table = make_table(out_, name, H5T_IEEE_F64LE, 1, values.size(), sizeof(double));
+  if (!table || (!values.empty() && H5Dwrite(table, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0))
+    failure_ = errno ? std::generic_category().message(errno) : "HDF5 failed at " + name;
+}
+
+void CheckpointWriter::operator()(const std::string& name, const std::string& text) {
+  if (!out_ || !failure_.empty())
+    return;
+  const Opened table = make_table(out_, name, H5T_STD_U8LE, 1, text.size(), 1);
+  if (!table || (!text.empty() && H5Dwrite(table, H5T_NATIVE_UCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0))
+    failure_ = "HDF5 failed at " + name;
+}
+
+void CheckpointWriter::operator()(const std::string& name, const std::shared_ptr<const control::Control>& u) {
+  const MPI_Comm comm = controls_.space().comm();
+  const auto columns = static_cast<hsize_t>(starts_.back() + counts_.back());
+  Opened table(H5I_INVALID_HID, H5Dclose);
+  if (out_ && failure_.empty())
+    table = make_table(out_, name, H5T_IEEE_F64LE, static_cast<hsize_t>(u->count()), columns, sizeof(double));
+  std::vector<double> row(out_ ? columns : 0);
+  for (int k = 1; k <= u->count(); ++k) {
+    const petsc::ReadArray values(u->at(k));
+    MPI_Gatherv(std::span<const double>(values).data(), static_cast<int>(values.size()), MPI_DOUBLE, row.data(), counts_.data(),
+                starts_.data(), MPI_DOUBLE, 0, comm);
+    if (!out_ || !failure_.empty())
+      continue;
+    errno = 0;
+    if (!on_row(table, static_cast<hsize_t>(k) - 1, columns, [&](hid_t in_file, hid_t in_memory) {
+          return H5Dwrite(table, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, row.data());
+        }))
+      failure_ = errno ? std::generic_category().message(errno) : "HDF5 failed at " + name;
+  }
+}
+
+std::string CheckpointWriter::commit() {
+  const MPI_Comm comm = controls_.space().comm();
+  if (rank(comm) == 0) {
+    errno = 0;
+    if (out_ && H5Fflush(out_, H5F_SCOPE_GLOBAL) < 0 && failure_.empty())
+      failure_ = errno ? std::generic_category().message(errno) : "HDF5 cannot flush it";
+    out_ = Opened(H5I_INVALID_HID, H5Fclose);
+    std::error_code error;
+    if (failure_.empty() && synchronise(part_))
+      std::filesystem::rename(part_, file_, error);
+    else if (failure_.empty())
+      failure_ = std::generic_category().message(errno);
+    if (error)
+      failure_ = error.message();
+    if (failure_.empty())
+      synchronise(file_.parent_path());
+  }
+  return broadcast(comm, failure_);
+}
+
+CheckpointReader::CheckpointReader(const control::ControlSpace& controls, const std::filesystem::path& file)
+    : controls_(controls), file_(file), in_(H5I_INVALID_HID, H5Fclose) {
+  on_root(controls.space().comm(), [&] {
+    H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
+    in_ = Opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    if (!in_)
+      fail("the file is damaged, or not a checkpoint; allowed is a whole one");
+  });
+}
+
+void CheckpointReader::fail(const std::string& problem) const {
+  throw UserError(fmt::format("--resume: {}: {}", file_.string(), problem));
+}
+
+void CheckpointReader::damaged(const std::string& name) const {
+  fail(fmt::format("\"{}\" is damaged or missing; allowed is a whole checkpoint", name));
+}
+
+void CheckpointReader::operator()(const std::string& name, std::vector<double>& values) {
+  const MPI_Comm comm = controls_.space().comm();
+  on_root(comm, [&] {
+    const Opened table(H5Dopen(in_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    const auto [rows, columns] = table ? shape(table) : std::array<hsize_t, 2>{};
+    if (rows != 1)
+      damaged(name);
+    values.resize(columns);
+    if (!values.empty() && H5Dread(table, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+      damaged(name);
+  });
+  values = broadcast(comm, values);
+}
+
+void CheckpointReader::operator()(const std::string& name, double& value) {
+  std::vector<double> values;
+  (*this)(name, values);
+  if (values.size() != 1)
+    damaged(name);
+  value = values.front();
+}
+
+void CheckpointReader::operator()(const std::string& name, int& value) {
+  double number = 0;
+  (*this)(name, number);
+  if (!(std::abs(number) <= std::numeric_limits<int>::max()))
+    damaged(name);
+  value = static_cast<int>(number);
+}
+
+void CheckpointReader::operator()(const std::string& name, bool& value) {
+  int number = 0;
+  (*this)(name, number);
+  value = number != 0;
+}
+
+void CheckpointReader::operator()(const std::string& name, std::string& text) {
+  const MPI_Comm comm = controls_.space().comm();
+  on_root(comm, [&] {
+    const Opened table(H5Dopen(in_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    const auto [rows, columns] = table ? shape(table) : std::array<hsize_t, 2>{};
+    if (rows != 1)
+      damaged(name);
+    text.resize(columns);
+    if (!text.empty() && H5Dread(table, H5T_NATIVE_UCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0)
+      damaged(name);
+  });
+  text = broadcast(comm, text);
+}
+
+void CheckpointReader::match_places() {
+  const fem::Space& space = controls_.space();
+  std::vector<double> padded;
+  (*this)(points_name, padded);
+  long places = static_cast<long>(controls_.points().size() / 3);
+  MPI_Allreduce(MPI_IN_PLACE, &places, 1, MPI_LONG, MPI_SUM, space.comm());
+  if (padded.size() != 3 * static_cast<std::size_t>(places))
+    fail(fmt::format("found a control at {} places, in this scene it has {}; allowed is the mesh of the run that wrote it",
+                     padded.size() / 3, places));
+  columns_ = padded.size() / 3 * controls_.components().size();
+  std::vector<double> points;
+  const auto dim = static_cast<std::size_t>(space.dim());
+  for (std::size_t i = 0; i < padded.size(); ++i)
+    if (i % 3 < dim)
+      points.push_back(padded[i]);
+  rows_ = match_points(space, points, controls_.points(), [this](const std::string& problem) { fail(problem); });
+}
+
+void CheckpointReader::operator()(const std::string& name, std::shared_ptr<const control::Control>& u) {
+  const MPI_Comm comm = controls_.space().comm();
+  control::Control read = controls_.unset();
+  Opened table(H5I_INVALID_HID, H5Dclose);
+  on_root(comm, [&] {
+    table = Opened(H5Dopen(in_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    if (!table || shape(table) != std::array<hsize_t, 2>{static_cast<hsize_t>(read.count()), columns_})
+      damaged(name);
+  });
+  const std::size_t components = controls_.components().size();
+  std::vector<double> row(columns_);
+  for (int k = 1; k <= read.count(); ++k) {
+    on_root(comm, [&] {
+      if (!on_row(table, static_cast<hsize_t>(k) - 1, columns_, [&](hid_t in_file, hid_t in_memory) {
+            return H5Dread(table, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, row.data());
+          }) || !std::ranges::all_of(row, [](double x) { return std::isfinite(x); }))
+        damaged(name);
+    });
+    MPI_Bcast(row.data(), static_cast<int>(row.size()), MPI_DOUBLE, 0, comm);
+    const petsc::WriteArray values(read.at(k));
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = row[rows_[i / components] * components + i % components];
+  }
+  u = std::make_shared<const control::Control>(std::move(read));
+}
+
+} // namespace signorini::io

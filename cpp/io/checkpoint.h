@@ -1,0 +1,72 @@
+#pragma once
+#include "base/hdf5.h"
+#include "control/control.h"
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace signorini::io {
+
+/// Writes numbers, texts and controls by name into an HDF5 file that appears whole or not at all, on any number of
+/// ranks; every piece has a checksum. All members collective; rank 0 writes, and where that fails the others go on too and
+/// commit() says it.
+class CheckpointWriter {
+public:
+  /// `file` is replaced at commit(). `controls` must outlive this object.
+  CheckpointWriter(const control::ControlSpace& controls, const std::filesystem::path& file);
+  ~CheckpointWriter();
+  CheckpointWriter(const CheckpointWriter&) = delete;
+  CheckpointWriter& operator=(const CheckpointWriter&) = delete;
+
+  void operator()(const std::string& name, double value) { numbers(name, {&value, 1}); }
+  void operator()(const std::string& name, const std::vector<double>& values) { numbers(name, values); }
+  void operator()(const std::string& name, const std::string& text);
+  void operator()(const std::string& name, const std::shared_ptr<const control::Control>& u);
+
+  /// Puts the file in place. Returns what went wrong, empty if nothing did.
+  [[nodiscard]] std::string commit();
+
+private:
+  void numbers(const std::string& name, std::span<const double> values);
+  void control_rows(const std::string& name, const control::Control& u);
+
+  const control::ControlSpace& controls_;
+  std::filesystem::path file_, part_;
+  std::vector<int> counts_, starts_; ///< values of each rank in a row
+  Opened out_;                       ///< on rank 0
+  std::string failure_;              ///< on rank 0
+};
+
+/// Reads what CheckpointWriter wrote, on any number of ranks. All members collective; all throw UserError where the
+/// file is missing or damaged.
+class CheckpointReader {
+public:
+  /// `controls` must outlive this object.
+  CheckpointReader(const control::ControlSpace& controls, const std::filesystem::path& file);
+
+  void operator()(const std::string& name, double& value);
+  void operator()(const std::string& name, int& value);
+  void operator()(const std::string& name, bool& value);
+  void operator()(const std::string& name, std::vector<double>& values);
+  void operator()(const std::string& name, std::string& text);
+  void operator()(const std::string& name, std::shared_ptr<const control::Control>& u);
+
+  /// Finds the places of the controls by their coordinates; before the first control is read. Throws UserError if they are
+  /// others.
+  void match_places();
+
+  /// Throws UserError: the file's name and what is wrong.
+  [[noreturn]] void fail(const std::string& problem) const;
+
+private:
+  [[noreturn]] void damaged(const std::string& name) const;
+
+  const control::ControlSpace& controls_;
+  std::filesystem::path file_;
+  Opened in_;                     ///< on rank 0
+  std::size_t columns_ = 0;       ///< values in a row, of all ranks
+  std::vector<std::size_t> rows_; ///< of the owned places in the file
+};
+
+} // namespace signorini::io
