@@ -156,6 +156,8 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
                    const Console& console) {
   require_control_problem(comm, scene, out);
   io::OutputFolder folder(comm, out);
+  if (resume)
+    folder.clear_unfinished();
   Timers timers;
   const Problem problem(comm, scene, {.sliding = true}, timers);
   console.line(headline(problem));

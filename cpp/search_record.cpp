@@ -91,14 +91,11 @@ bool SearchRecord::found() const {
 }
 
 void SearchRecord::write(io::CheckpointWriter& out) const {
-  const control::ReducedProblem::Sweeps sweeps = control_problem_.reduced.sweeps();
   out("format", format);
   out("program", std::string("signorini ") + SIGNORINI_VERSION);
   out("scene", scene::echo(problem_.scene, problem_.space.dim()));
   out("history", flat(rows_));
   out("seconds", seconds());
-  out("sweeps/forward", sweeps.forward);
-  out("sweeps/adjoint", sweeps.adjoint);
 }
 
 void SearchRecord::read(io::CheckpointReader& in) {
@@ -120,8 +117,6 @@ void SearchRecord::read(io::CheckpointReader& in) {
   if (rows_.empty() || history.size() % columns != 0)
     in.fail("\"history\" is damaged; allowed is a whole checkpoint");
   in("seconds", earlier_);
-  in("sweeps/forward", sweeps_.forward);
-  in("sweeps/adjoint", sweeps_.adjoint);
 }
 
 void SearchRecord::restored(double stored, double found) {
@@ -130,7 +125,8 @@ void SearchRecord::restored(double stored, double found) {
     throw UserError(fmt::format("--resume: {}: found a control with J = {:.10g}, where it was {:.10g}; allowed are the forms and the "
                                 "mesh of the run that was interrupted",
                                 file_.string(), found, stored));
-  control_problem_.reduced.count_from(sweeps_);
+  // Those of an iteration that was broken off do not count: it is made again.
+  control_problem_.reduced.count_from({rows_.back().forward_sweeps, rows_.back().adjoint_sweeps});
   stored_at_ = rows_.back().iteration;
   start_ = Clock::now();
   progress_.emplace(console_, "iterations", static_cast<std::size_t>(problem_.scene.optimizer.max_iterations),

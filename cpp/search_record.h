@@ -80,7 +80,6 @@ private:
   std::optional<Progress> progress_;
   Clock::time_point start_ = Clock::now();
   double earlier_ = 0; ///< seconds of the search before it was resumed
-  control::ReducedProblem::Sweeps sweeps_; ///< made when the checkpoint was written
   std::vector<io::HistoryRow> rows_;
   std::ofstream history_; ///< on rank 0
 };

@@ -13,6 +13,8 @@ constexpr std::array file_names{"state.h5",     "control.h5",   "adjoint.h5", "s
                                 "control.xdmf", "adjoint.xdmf", "steps.csv",  "contact.csv",
                                 "history.csv",  "scene.toml",   "run.json"};
 
+constexpr const char* unfinished = ".unfinished-";
+
 } // namespace
 
 OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder)
@@ -30,7 +32,7 @@ OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder)
                         "without it",
                         (folder / name).string()));
     fs::create_directories(folder_, error);
-    staging = (folder_ / ".unfinished-XXXXXX").string();
+    staging = (folder_ / (std::string(unfinished) + "XXXXXX")).string();
     if (error || !mkdtemp(staging.data()))
       throw UserError(fmt::format("--out: {} cannot be written ({}), allowed is a folder that can",
                                   folder.string(),
@@ -42,6 +44,15 @@ OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder)
 OutputFolder::~OutputFolder() {
   if (rank(comm_) == 0)
     discard();
+}
+
+void OutputFolder::clear_unfinished() const {
+  if (rank(comm_) != 0)
+    return;
+  std::error_code ignored; // they are in nobody's way
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored))
+    if (entry.path().filename().string().starts_with(unfinished) && entry.path() != staging_)
+      fs::remove_all(entry.path(), ignored);
 }
 
 void OutputFolder::discard() const {

@@ -25,6 +25,9 @@ public:
   /// Writes a text file, on rank 0. Collective. Throws UserError.
   void write(const std::string& name, const std::string& text) const;
 
+  /// Removes what runs that were killed left half-written. Collective; none may be under way.
+  void clear_unfinished() const;
+
   /// Removes everything written. Not collective.
   void discard() const;
 

@@ -1,6 +1,7 @@
 #include "scene/difference.h"
 #include <algorithm>
 #include <array>
+#include <fmt/format.h>
 #include <map>
 #include <sstream>
 #include <string_view>
@@ -28,7 +29,12 @@ void flatten(const toml::node& node, const std::string& key, std::map<std::strin
   if (std::ranges::any_of(not_of_the_problem, [&](std::string_view prefix) { return key.starts_with(prefix); }))
     return;
   std::ostringstream text;
-  node.visit([&](const auto& value) { text << value; });
+  if (const auto* number = node.as_floating_point())
+    text << fmt::format("{}", number->get());
+  else if (const auto* string = node.as_string())
+    text << '"' << string->get() << '"';
+  else
+    node.visit([&](const auto& value) { text << value; });
   values[key] = text.str();
 }
 

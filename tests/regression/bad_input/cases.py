@@ -401,8 +401,9 @@ def later_cases() -> list[Case]:
                'mean "lbfgs"?', "lbfgs, newton-cg, projected-gradient", at="method ="),
         Case("study of a quantity that the scene has not", ("--quantity: found \"heat\"", "displacement"), verb="study",
              options=("--quantity", "heat")),
-        Case("resume", ("--resume: not available yet",), options=("--resume",), earlier=True),
-        Case("resume, two ranks", ("--resume: not available yet",), options=("--resume",), ranks=2),
+        Case("resume of a verb without checkpoints", ("--resume: found with simulate", "optimize"), options=("--resume",), earlier=True),
+        Case("resume of a verb without checkpoints, two ranks", ("--resume: found with simulate", "optimize"), options=("--resume",),
+             ranks=2),
     ]
 
 
