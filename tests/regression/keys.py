@@ -560,6 +560,15 @@ def tolerance() -> None:
     assert len(done.history["iteration"]) == 4 and done.manifest["stop_reason"] == "gradient norm below tolerance"
 
 
+@key("optimizer.checkpoint")
+def checkpoint() -> None:
+    """As often as asked for, and at the end; none without."""
+    for every, written in ((2, 4), (5, 2), (0, 0)):
+        done = optimize(iterations=5, optimizer__checkpoint=every)
+        assert done.manifest["timings"].get("checkpoint", {"calls": 0})["calls"] == written
+        assert (done.folder / "checkpoint.h5").exists() == (written > 0)
+
+
 # --- Solver, check and output -------------------------------------------------------------------------------------------
 
 
