@@ -49,6 +49,7 @@ public:
       archive(name + "/offset", piece.offset);
       archive(name + "/price", piece.price);
     });
+    archive("kink/last_minimiser", last_minimiser_);
   }
 
   enum class End { moved, stationary, nowhere };
@@ -61,10 +62,10 @@ public:
   /// One step down from `at`, where the model was made or the last step led to. Stationary: by `tolerance`,
   /// as certificate() shows.
   Step step(P& problem, const Iterate<P>& at, double tolerance) {
-    constexpr int most_rounds = 200, most_changes_of_bounds = 10;
+    constexpr int most_rounds = 100, most_changes_of_bounds = 10;
     int changes_of_bounds = 0;
     double size = 0;
-    for (int round = 0; round < most_rounds; ++round) {
+    for (int round = 0; round < most_rounds && !full(); ++round) {
       find_shortest();
       if (shortest_.length <= tolerance) {
         if (!bounds_matter_ || held_by_combination(problem, at, tolerance))
@@ -137,6 +138,7 @@ private:
   void hold_more(const P& problem, Vector d) {
     held_by_.push_back(share(std::move(d)));
     const Span<P> before = std::exchange(span_, {});
+    last_minimiser_.clear();
     curvature_ = {};
     for (Piece& piece : pieces_) {
       piece.gathered = gradient(problem, before.vector(piece.gathered, *held_at_));
@@ -163,6 +165,7 @@ private:
     held_by_.assign(1, share(std::move(combined)));
     span_ = {};
     curvature_ = {};
+    last_minimiser_.clear();
     pieces_.clear();
     for (const auto& [offset, g] : gathered) {
       const Coordinates free = gradient(problem, g);
@@ -261,6 +264,7 @@ private:
       if (direction.rest == 0)
         return direction;
       const double modelled = -2 * (direction.predicted + highest(direction.d));
+      last_minimiser_ = direction.d;
       const Vector d = span_.vector(direction.d, at.u);
       Vector out = tangential(problem, at.u, d);
       out.add(-1, d);
@@ -331,9 +335,10 @@ private:
   }
 
   void keep(Piece piece) {
+    if (pieces_.size() == most_pieces) // the one that matters least where the model is least
+      pieces_.erase(std::ranges::min_element(
+          pieces_, {}, [this](const Piece& p) { return dot(p.here, last_minimiser_) - p.price; }));
     pieces_.push_back(std::move(piece));
-    if (pieces_.size() > most_pieces)
-      pieces_.erase(std::ranges::max_element(pieces_, {}, &Piece::price));
   }
 
   void move(const Coordinates& s, const Coordinates& Hs, double decrease) {
@@ -405,6 +410,7 @@ private:
   Span<P> span_;
   Curvature curvature_;
   std::vector<Piece> pieces_;
+  Coordinates last_minimiser_; ///< from the current point, the last one
   struct {
     double length, radius;
     std::vector<double> weights; ///< of all pieces
