@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <iterator>
 #include <limits>
+#include <tuple>
 
 namespace signorini {
 using petsc::check;
@@ -87,6 +88,10 @@ public:
     // Rounding; and what an iterative solver leaves of each step of both sweeps, a few times its tolerance.
     const double solves = 10 * controls_.steps() * solver_tolerance_;
     rows.push_back(below("transpose identity <S'd, w> = <d, S'*w>", transpose_defect(), 1e-12 + solves));
+    if (const int weak = weak_candidates(); weak > 0) {
+      one_sided(weak, rows);
+      return;
+    }
     const double slope = taylor(rows);
     hessian(rows);
     settle(u_);
@@ -164,6 +169,43 @@ private:
       rows.push_back(beyond_rounding(difference, std::abs(quotient / slope - 1), floor / (kept_size_ * std::abs(slope))));
     }
     return slope;
+  }
+
+  /// Candidates in weak contact, over all steps.
+  [[nodiscard]] int weak_candidates() const {
+    int weak = 0;
+    for (const contact::ContactState& state : problem_.trajectory().contact())
+      weak += state.count(contact::Status::weak);
+    return weak;
+  }
+
+  /// At a kink J has slopes to one side alone.
+  void one_sided(int weak, std::vector<Row>& rows) {
+    console_.line(fmt::format("Contact is weak (closed without force) {} times: J may have a kink here, and slopes to one side alone.",
+                              weak));
+    control::Control back = d_;
+    back.scale(-1);
+    double slopes[2]{};
+    for (const auto& [name, direction, sign] : {std::tuple{"+d", &d_, 1.0}, std::tuple{"-d", &back, -1.0}}) {
+      const control::ReducedProblem::OneSided slope = problem_.one_sided_slope(*direction);
+      slopes[sign < 0] = slope.by_motion;
+      // While sets are kept J is quadratic along d, and two quotients give the slope.
+      const double ratio = epsilon_of(0) / epsilon_of(1);
+      double best = std::numeric_limits<double>::infinity(), larger = best;
+      for (int j = 0; j < 12; ++j) {
+        const double epsilon = epsilon_of(j), quotient = (problem_.value(moved(sign * epsilon)) - objective_) / epsilon;
+        const double extrapolated = (ratio * quotient - larger) / (ratio - 1);
+        best = std::min(best, std::abs(extrapolated - slope.by_motion) / std::abs(slope.by_motion));
+        larger = quotient;
+      }
+      console_.line(fmt::format("Slope of J along {}: {:.6e}; by the adjoint inequality, with weak contact free to open, {:.6e}.", name,
+                                slope.by_motion, slope.by_adjoint));
+      rows.push_back(below(fmt::format("one-sided slope along {} against differences of J", name), best, 1e-5));
+    }
+    const double kink = std::abs(slopes[0] + slopes[1]) / std::max(std::abs(slopes[0]), std::abs(slopes[1]));
+    constexpr double smooth = 1e-9;
+    console_.line(kink > smooth ? fmt::format("Verdict: a kink along d, whose slopes differ by {:.3g} %; no gradient tells both.", 100 * kink)
+                                : std::string("Verdict: no kink along d."));
   }
 
   bool same_sets_at(double epsilon) {

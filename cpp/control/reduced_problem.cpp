@@ -43,20 +43,20 @@ double ReducedProblem::value(const Control& u) {
 
 void ReducedProblem::accept() { std::swap(current_, trial_); }
 
-Control ReducedProblem::riesz(const Point& at, const forward::Load& dual, double scale, const Control& u) {
+Control ReducedProblem::riesz(const std::vector<contact::ContactState>& contact, const forward::Load& dual, double scale, const Control& u) {
   const auto timer = timers_.time("adjoint");
   Control g = controls_.unset();
   for (int k = 1; k <= g.count(); ++k)
     check(VecAXPBY(g.at(k), scale, 0, u.at(k)));
-  adjoint::sweep(stepper_, at.trajectory.contact(), dual, [&](int k, Vec p) { controls_.add_riesz(k, p, g); });
+  adjoint::sweep(stepper_, contact, dual, [&](int k, Vec p) { controls_.add_riesz(k, p, g); });
   ++sweeps_.adjoint;
   return g;
 }
 
-Control ReducedProblem::adjoint(const forward::Load& dual) { return riesz(*current_, dual, 0, current_->u); }
+Control ReducedProblem::adjoint(const forward::Load& dual) { return riesz(current_->trajectory.contact(), dual, 0, current_->u); }
 
 Control ReducedProblem::l2_gradient(const Point& at) {
-  return riesz(at, objective_.derivative([&at](int k) { return at.trajectory.y(k); }), objective_.alpha(), at.u);
+  return riesz(at.trajectory.contact(), objective_.derivative([&at](int k) { return at.trajectory.y(k); }), objective_.alpha(), at.u);
 }
 
 Control ReducedProblem::l2_gradient() { return l2_gradient(*current_); }
@@ -83,12 +83,13 @@ Control ReducedProblem::trial_gradient() {
   return g;
 }
 
-void ReducedProblem::march_linearised(const Control& d, const std::function<void(forward::March& march)>& use) {
+void ReducedProblem::march_linearised(const Control& d, const std::vector<contact::ContactState>& contact,
+                                      const std::function<void(forward::March& march)>& use) {
   const petsc::Vector rest = stepper_.space().vector();
   const forward::Load load = controls_.load(d);
   const forward::LoadAtStep load_at(stepper_.space(), load);
   forward::March march(stepper_, rest, rest, [&](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
-    stepper_.linearised_step(y0, v0, load_at(k), current_->trajectory.contact()[static_cast<std::size_t>(k)], y1, v1);
+    stepper_.linearised_step(y0, v0, load_at(k), contact[static_cast<std::size_t>(k)], y1, v1);
   });
   use(march);
 }
@@ -108,7 +109,7 @@ void ReducedProblem::through_linearised(forward::March& march,
 }
 
 void ReducedProblem::linearised(const Control& d, const std::function<void(int k, Vec dy)>& visit) {
-  march_linearised(d, [&](forward::March& march) {
+  march_linearised(d, current_->trajectory.contact(), [&](forward::March& march) {
     through_linearised(march, [&](const forward::State& state) {
       if (state.k > 0)
         visit(state.k, state.y);
@@ -116,12 +117,37 @@ void ReducedProblem::linearised(const Control& d, const std::function<void(int k
   });
 }
 
+ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
+  std::vector<contact::ContactState> contact = current_->trajectory.contact();
+  for (contact::ContactState& state : contact)
+    state.one_sided = true;
+  const forward::Load derivative = objective_.derivative([this](int k) { return current_->trajectory.y(k); });
+  const forward::LoadAtStep derivative_at(stepper_.space(), derivative);
+  const petsc::Vector work = stepper_.space().vector();
+  OneSided slope{objective_.alpha() * controls_.product(current_->u, d), 0};
+  march_linearised(d, contact, [&](forward::March& march) {
+    through_linearised(march, [&](const forward::State& state) {
+      if (state.k == 0)
+        return;
+      const forward::StepLoad dual = derivative_at(state.k);
+      if (dual.density) {
+        check(MatMult(*stepper_.operators().W, dual.density, work));
+        slope.by_motion += petsc::dot(work, state.y);
+      }
+      if (dual.force)
+        slope.by_motion += petsc::dot(dual.force, state.y);
+    });
+  });
+  slope.by_adjoint = controls_.product(riesz(contact, derivative, objective_.alpha(), current_->u), d);
+  return slope;
+}
+
 Control ReducedProblem::l2_hessian_product(const Control& d) {
   Control h = controls_.unset();
-  march_linearised(d, [&](forward::March& march) {
+  march_linearised(d, current_->trajectory.contact(), [&](forward::March& march) {
     const std::unique_ptr<forward::States> dy = storage_.place(march);
     through_linearised(march, [&](const forward::State& state) { dy->keep(state); });
-    h = riesz(*current_, objective_.second_derivative([&](int k) { return dy->at(k).y; }), objective_.alpha(), d);
+    h = riesz(current_->trajectory.contact(), objective_.second_derivative([&](int k) { return dy->at(k).y; }), objective_.alpha(), d);
   });
   return h;
 }

@@ -49,6 +49,13 @@ public:
   /// S'(u) d: shows the linearised states δy_1…δy_N at the current control, active sets frozen. Throws Interrupted.
   void linearised(const Control& d, const std::function<void(int k, Vec dy)>& visit);
 
+  /// J'(u; d), exact where contact is weak too: by the linearised motion in which weak candidates may open, and by the adjoint
+  /// variational inequality with the same freedom. Where no contact is weak both are ⟨gradient, d⟩. Throws Interrupted.
+  struct OneSided {
+    double by_motion, by_adjoint;
+  };
+  OneSided one_sided_slope(const Control& d);
+
   /// S'(u)* w for duals w_1…w_N of the states, given like a load, as Riesz representative in L2(0,T; L2).
   Control adjoint(const forward::Load& dual);
 
@@ -84,13 +91,14 @@ private:
   };
 
   [[nodiscard]] std::unique_ptr<Point> point() const;
-  /// Hands a march over S'(u) d to `use`.
-  void march_linearised(const Control& d, const std::function<void(forward::March& march)>& use);
+  /// Hands a march over S'(u) d, on this contact, to `use`.
+  void march_linearised(const Control& d, const std::vector<contact::ContactState>& contact,
+                        const std::function<void(forward::March& march)>& use);
   /// Goes through it once.
   void through_linearised(forward::March& march, const std::function<void(const forward::State& state)>& visit);
 
   /// scale u + S'(at)* w as Riesz representative in L2(0,T; L2).
-  Control riesz(const Point& at, const forward::Load& dual, double scale, const Control& u);
+  Control riesz(const std::vector<contact::ContactState>& contact, const forward::Load& dual, double scale, const Control& u);
   Control l2_gradient(const Point& at);
 
   const forward::Stepper& stepper_;

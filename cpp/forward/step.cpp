@@ -113,10 +113,48 @@ void Stepper::step(int k, Vec y0, Vec v0, StepLoad load, const contact::ContactS
 }
 
 void Stepper::solve_sliding(const contact::ContactState& contact, Vec p) const {
-  if (const contact::SlidingSolver* sliding = solver_->sliding())
-    sliding->solve_sliding(r_, contact.active, p);
-  else
+  const contact::SlidingSolver* sliding = solver_->sliding();
+  if (!sliding)
     solver_->linear().solve(r_, p);
+  else if (contact.one_sided && contact.count(contact::Status::weak) > 0)
+    solve_one_sided(contact, p);
+  else
+    sliding->solve_sliding(r_, contact.active, p);
+}
+
+void Stepper::solve_one_sided(const contact::ContactState& contact, Vec p) const {
+  const auto m = static_cast<std::size_t>(constraints_->count());
+  std::vector<double> force(m), motion(m);
+  contact::ActiveSet closed = contact.active;
+  const petsc::Vector residual = petsc::zero_like(p);
+  const int several = 2 * contact.count(contact::Status::weak) + 10; // then one at a time, which does not cycle for long
+  for (int change = 0; change < 20 * several; ++change) {
+    solver_->sliding()->solve_sliding(r_, closed, p);
+    check(MatMult(R_, p, residual)); // D p = R p + 2 stiffness() A p
+    check(MatMult(operators_.A, p, work_));
+    check(VecAXPBYPCZ(residual, 1, -2 * scheme_.stiffness(), -1, r_, work_));
+    constraints_->normal_components(residual, force);
+    constraints_->normal_components(p, motion);
+    PetscReal largest_force = 0, largest_motion = 0;
+    check(VecNorm(r_, NORM_INFINITY, &largest_force));
+    check(VecNorm(p, NORM_INFINITY, &largest_motion));
+    constexpr double rounding = 1e-10;
+    contact::ActiveSet next;
+    bool settled = true;
+    for (std::size_t i = 0; i < m; ++i) {
+      const bool is_closed = std::ranges::binary_search(closed, static_cast<int>(i));
+      const bool wrong = contact.status[i] == contact::Status::weak &&
+                         (is_closed ? force[i] < -rounding * largest_force : motion[i] > rounding * largest_motion);
+      const bool flips = wrong && (settled || change < several);
+      settled = settled && !wrong;
+      if (is_closed != flips)
+        next.push_back(static_cast<int>(i));
+    }
+    if (settled)
+      return;
+    closed = std::move(next);
+  }
+  throw SolverFailure("the weak contact of a linearised step did not settle");
 }
 
 void Stepper::linearised_step(Vec y0, Vec v0, StepLoad load, const contact::ContactState& contact, Vec y1,

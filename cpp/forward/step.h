@@ -83,6 +83,8 @@ private:
   Vec predicted(Vec y, Vec v) const;
   void velocity(Vec y0, Vec v0, Vec jump, Vec y1, Vec v1) const;
   void solve_sliding(const contact::ContactState& contact, Vec p) const;
+  /// The same where W may open: min ½ p·Dp − r·p over p·ν = 0 on S, p·ν ≤ 0 on W.
+  void solve_one_sided(const contact::ContactState& contact, Vec p) const;
 
   const fem::Space& space_;
   const fem::Operators& operators_;

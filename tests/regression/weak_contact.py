@@ -1,0 +1,32 @@
+"""Where contact is weak check knows that J has slopes to one side alone, and holds them against differences of J.
+
+Under a block that stands on the plane without weight every candidate is in weak contact: it can be lifted, not pushed down.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from harness import SOURCE, attempt  # noqa: E402
+
+STANDING = SOURCE / "tests" / "data" / "standing.toml"
+
+
+def main() -> int:
+    for ranks in (1, 2):
+        for overrides in ({}, {"mesh__size": 0.125}, {"mesh__degree": 2}, {"contact__mass": "massless"}, {"solver__linear": "iterative"}):
+            done = attempt("check", STANDING, None, ranks, **overrides)
+            # A body at rest is not what the other checks ask for, and they say so.
+            assert done.returncode == 1 and "FAIL  the body moved" in done.stdout, f"{done.stdout}{done.stderr}"
+            weak = int(re.search(r"Contact is weak .* (\d+) times", done.stdout).group(1))
+            slopes = [float(x) for x in re.findall(r"Slope of J along [+-]d: ([-+.e\d]+);", done.stdout)]
+            assert weak > 50 and len(slopes) == 2
+            assert abs(slopes[0] + slopes[1]) > 0.1 * max(map(abs, slopes)), slopes
+            assert "Verdict: a kink along d" in done.stdout and done.stdout.count("ok    one-sided slope") == 2, done.stdout
+            print(f"{ranks} ranks, {overrides or 'as it is'}: weak {weak} times, slopes {slopes}")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
