@@ -77,7 +77,10 @@ void SearchRecord::show_row() {
   history_.open(part, std::ios::binary);
   history_ << io::history_table(rows_) << std::flush;
   std::error_code ignored; // the whole table is written again, and checked, at the end
-  std::filesystem::rename(part, folder_.path() / "history.csv", ignored);
+  if (history_)
+    std::filesystem::rename(part, folder_.path() / "history.csv", ignored);
+  else
+    std::filesystem::remove(part, ignored);
 }
 
 bool SearchRecord::found() const {
