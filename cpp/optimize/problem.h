@@ -133,11 +133,15 @@ void exchange_list(Archive& archive, const std::string& name, std::vector<T>& li
     each(list[i], name + "/" + std::to_string(i));
 }
 
-/// Whether a search ends at this iterate. Throws SolverFailure if it is not finite.
-inline std::optional<Stop> ended(const Iteration& iteration, double tolerance, const Options& options) {
+/// Throws SolverFailure if the iterate is not.
+inline void require_finite(const Iteration& iteration) {
   if (!std::isfinite(iteration.objective) || !std::isfinite(iteration.gradient_norm))
     throw SolverFailure("the objective or its gradient is not finite at iteration " +
                         std::to_string(iteration.number));
+}
+
+/// Whether a search ends at this iterate.
+inline std::optional<Stop> ended(const Iteration& iteration, double tolerance, const Options& options) {
   if (!(iteration.gradient_norm > tolerance))
     return Stop::gradient_tolerance;
   if (iteration.number >= options.max_iterations)

@@ -62,6 +62,7 @@ template <BoundedProblem P, class Memory, class Report, class Keeper>
     if (!restored) {
       state.first_norm = stationarity(problem, current.u, current.g);
       state.iteration = {0, current.objective, state.first_norm, 0};
+      require_finite(state.iteration);
       report(state.iteration);
     } else {
       keeper.restored(state.iteration.objective, current.objective);
@@ -88,6 +89,7 @@ template <BoundedProblem P, class Memory, class Report, class Keeper>
       keeper.store(state);
       return std::move(*end);
     }
+    require_finite(state.iteration);
     report(state.iteration);
   }
 }

@@ -646,7 +646,7 @@ def output_every() -> None:
 
 @key("output.fields", "output.tables")
 def output_files() -> None:
-    always = {"scene.toml", "run.json"}
+    always = {"scene.toml", "run.json", "checkpoint.h5"}
     files = {"displacement": "state", "velocity": "state", "control": "control", "adjoint": "adjoint"}
     for field, name in files.items():
         done = optimize(output__fields=[field], output__tables=[])

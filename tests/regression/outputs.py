@@ -142,9 +142,9 @@ def only_what_is_asked_for(folder: Path) -> None:
     for verb, fields, tables, files in (
         ("simulate", [], [], set()),
         ("simulate", ["velocity", "control"], ["contact", "history"], {"state.xdmf", "state.h5", "contact.csv"}),
-        ("optimize", ["control"], ["history"], {"control.xdmf", "control.h5", "history.csv"}),
+        ("optimize", ["control"], ["history"], {"control.xdmf", "control.h5", "history.csv", "checkpoint.h5"}),
         ("optimize", ["adjoint", "displacement"], ["steps"],
-         {"adjoint.xdmf", "adjoint.h5", "state.xdmf", "state.h5", "steps.csv"}),
+         {"adjoint.xdmf", "adjoint.h5", "state.xdmf", "state.h5", "steps.csv", "checkpoint.h5"}),
     ):  # fmt: skip
         signorini(verb, HALF_DISC, out, mesh__size=3, optimizer__max_iterations=1, output__fields=fields, output__tables=tables)
         assert {path.name for path in out.iterdir()} == always | files, f"{verb} {fields} {tables}: {list(out.iterdir())}"

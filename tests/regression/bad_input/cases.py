@@ -125,6 +125,8 @@ def range_cases() -> list[Case]:
                  at=f"{name} =") for name in ("impulse", "peak_force", "contact_start", "contact_time")),
         edited("negative iterations", "max_iterations = 1", "max_iterations = -1", "optimizer.max_iterations: found -1",
                "from 0 to"),
+        edited("negative checkpoints", "max_iterations = 1", "max_iterations = 1\ncheckpoint = -1", "optimizer.checkpoint: found -1",
+               at="checkpoint ="),
         edited("tolerance of 2", "tolerance = 1e-6", "tolerance = 2", "optimizer.tolerance: found 2", "at most 1"),
         edited("every 0", "every = 1", "every = 0", "output.every: found 0", "from 1 to"),
         edited("every beyond an integer", "every = 1", "every = 99999999999", "output.every: found 99999999999",
