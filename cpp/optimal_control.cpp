@@ -69,8 +69,8 @@ std::string storage_line(const Problem& problem, const ControlProblem& control_p
   const double bytes = control_problem.storage.bytes();
   const std::string room = fmt::format("{:.3g} MB", bytes * 1e-6);
   if (kept == "disk")
-    return fmt::format("states on disk, {} a motion: written in {:.1f} s, read in {:.1f} s", room, seconds("states written"),
-                       seconds("states read"));
+    return fmt::format("states on disk, {} a motion: written in {:.1f} s, read in {:.1f} s", room,
+                       seconds("states written"), seconds("states read"));
   if (kept == "checkpoints")
     return fmt::format("states in checkpoints of {:.3g} MB: {} steps made again in {:.1f} s",
                        bytes * 1e-6 * (control_problem.reference ? 2 : 1), count("recomputed steps"),
@@ -95,9 +95,10 @@ Ending minimise(ControlProblem& problem, const scene::Scene& scene, SearchRecord
   return optimize::projected_gradient(problem.reduced, std::move(guess), options, record, record);
 }
 
-/// The candidates that are closed at some of the points of a certificate and open at others, by step: there contact is
-/// weak. The sweeps that this takes are not counted.
-std::vector<io::WeakContact> weak_contact(control::ReducedProblem& reduced, const std::vector<control::Control>& points) {
+/// The candidates that are closed at some of the points of a certificate and open at others, by step: there
+/// contact is weak. The sweeps that this takes are not counted.
+std::vector<io::WeakContact> weak_contact(control::ReducedProblem& reduced,
+                                          const std::vector<control::Control>& points) {
   const auto sweeps = reduced.sweeps();
   std::set<std::pair<int, int>> closed, open;
   for (const control::Control& point : points) {
@@ -105,7 +106,8 @@ std::vector<io::WeakContact> weak_contact(control::ReducedProblem& reduced, cons
     const auto& contact = reduced.trial_trajectory().contact();
     for (std::size_t k = 1; k < contact.size(); ++k)
       for (std::size_t i = 0; i < contact[k].status.size(); ++i)
-        (contact[k].status[i] == contact::Status::open ? open : closed).emplace(static_cast<int>(k), static_cast<int>(i));
+        (contact[k].status[i] == contact::Status::open ? open : closed)
+            .emplace(static_cast<int>(k), static_cast<int>(i));
   }
   reduced.count_from(sweeps);
   std::vector<io::WeakContact> weak;
@@ -118,17 +120,19 @@ std::vector<io::WeakContact> weak_contact(control::ReducedProblem& reduced, cons
 }
 
 /// Says where J has the kink that a search ended at.
-io::Kink describe(control::ReducedProblem& reduced, const optimize::Certificate<control::Control>& certificate,
-                  double first_norm, const Console& console) {
+io::Kink describe(control::ReducedProblem& reduced,
+                  const optimize::Certificate<control::Control>& certificate, double first_norm,
+                  const Console& console) {
   io::Kink kink{certificate.length, certificate.radius, static_cast<int>(certificate.points.size()),
                 weak_contact(reduced, certificate.points)};
-  console.line(fmt::format("{} gradients within {:.1e} of the control have a combination of length {:.2e}, {:.1e} of the first "
-                           "gradient's; contact is weak at {} candidates and steps:",
-                           kink.gradients, kink.radius, kink.length, kink.length / first_norm, kink.weak.size()));
+  console.line(fmt::format(
+      "{} gradients within {:.1e} of the control have a combination of length {:.2e}, {:.1e} of the first "
+      "gradient's; contact is weak at {} candidates and steps:",
+      kink.gradients, kink.radius, kink.length, kink.length / first_norm, kink.weak.size()));
   constexpr std::size_t most_lines = 8;
   for (std::size_t i = 0; i < std::min(most_lines, kink.weak.size()); ++i)
-    console.line(fmt::format("  step {} (t = {:.6g} s), node at ({:.6g}) m", kink.weak[i].step, kink.weak[i].time,
-                             fmt::join(kink.weak[i].x, ", ")));
+    console.line(fmt::format("  step {} (t = {:.6g} s), node at ({:.6g}) m", kink.weak[i].step,
+                             kink.weak[i].time, fmt::join(kink.weak[i].x, ", ")));
   if (kink.weak.size() > most_lines)
     console.line(fmt::format("  and {} more: run.json has them all", kink.weak.size() - most_lines));
   return kink;
@@ -187,12 +191,13 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   if (ending.certificate)
     m.kink = describe(reduced, *ending.certificate, first_norm, console);
   folder.write("run.json", io::to_json(m, scene, timers));
-  console.line(fmt::format("J {:.6e} -> {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e}), |g| "
-                           "{:.2e} -> {:.2e} (tolerance {:.2e})\n{} iterations, {} forward and {} adjoint sweeps in {:.1f} s",
-                           rows.front().objective, m.objective->total(), m.objective->tracking, m.objective->terminal,
-                           m.objective->control_cost, first_norm, rows.back().gradient_norm,
-                           scene.optimizer.tolerance * first_norm, rows.back().iteration, *m.forward_sweeps,
-                           *m.adjoint_sweeps, rows.back().seconds));
+  console.line(fmt::format(
+      "J {:.6e} -> {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e}), |g| "
+      "{:.2e} -> {:.2e} (tolerance {:.2e})\n{} iterations, {} forward and {} adjoint sweeps in {:.1f} s",
+      rows.front().objective, m.objective->total(), m.objective->tracking, m.objective->terminal,
+      m.objective->control_cost, first_norm, rows.back().gradient_norm,
+      scene.optimizer.tolerance * first_norm, rows.back().iteration, *m.forward_sweeps, *m.adjoint_sweeps,
+      rows.back().seconds));
   console.line(storage_line(problem, control_problem));
   finish(folder, console);
   return ending.stop == optimize::Stop::solver_failed ? exit_status::solver_failed

@@ -19,9 +19,10 @@ constexpr std::size_t columns = 11;
 std::vector<double> flat(const std::vector<io::HistoryRow>& rows) {
   std::vector<double> numbers;
   for (const io::HistoryRow& r : rows)
-    numbers.insert(numbers.end(), {static_cast<double>(r.iteration), r.objective, r.tracking, r.terminal, r.control_cost,
-                                   r.gradient_norm, r.step_length, static_cast<double>(r.forward_sweeps),
-                                   static_cast<double>(r.adjoint_sweeps), r.seconds, r.relative_distance_to_reference});
+    numbers.insert(numbers.end(),
+                   {static_cast<double>(r.iteration), r.objective, r.tracking, r.terminal, r.control_cost,
+                    r.gradient_norm, r.step_length, static_cast<double>(r.forward_sweeps),
+                    static_cast<double>(r.adjoint_sweeps), r.seconds, r.relative_distance_to_reference});
   return numbers;
 }
 
@@ -37,32 +38,36 @@ std::vector<io::HistoryRow> rows_of(const std::vector<double>& numbers) {
 
 } // namespace
 
-SearchRecord::SearchRecord(ControlProblem& control_problem, const Problem& problem, const io::OutputFolder& folder,
-                           bool resume, const Console& console)
+SearchRecord::SearchRecord(ControlProblem& control_problem, const Problem& problem,
+                           const io::OutputFolder& folder, bool resume, const Console& console)
     : control_problem_(control_problem), problem_(problem), folder_(folder), console_(console),
       file_(folder.path() / "checkpoint.h5"), every_(problem.scene.optimizer.checkpoint), resume_(resume) {
   progress_.emplace(console, "iterations", static_cast<std::size_t>(problem.scene.optimizer.max_iterations));
 }
 
-double SearchRecord::seconds() const { return earlier_ + std::chrono::duration<double>(Clock::now() - start_).count(); }
+double SearchRecord::seconds() const {
+  return earlier_ + std::chrono::duration<double>(Clock::now() - start_).count();
+}
 
 void SearchRecord::operator()(const optimize::Iteration& iteration) {
   const control::ReducedProblem& reduced = control_problem_.reduced;
   const control::Value& value = reduced.value();
-  io::HistoryRow row{iteration.number,         value.total(),           value.tracking,
-                     value.terminal,           value.control_cost,      iteration.gradient_norm,
-                     iteration.step_length,    reduced.sweeps().forward, reduced.sweeps().adjoint,
-                     seconds()};
+  io::HistoryRow row{iteration.number,         value.total(),
+                     value.tracking,           value.terminal,
+                     value.control_cost,       iteration.gradient_norm,
+                     iteration.step_length,    reduced.sweeps().forward,
+                     reduced.sweeps().adjoint, seconds()};
   if (control_problem_.reference) {
     control::Control difference = reduced.control();
     difference.add(-1, *control_problem_.reference);
-    row.relative_distance_to_reference =
-        control_problem_.controls.norm(difference) / control_problem_.controls.norm(*control_problem_.reference);
+    row.relative_distance_to_reference = control_problem_.controls.norm(difference) /
+                                         control_problem_.controls.norm(*control_problem_.reference);
   }
   rows_.push_back(row);
   show_row();
   progress_->update(static_cast<std::size_t>(iteration.number),
-                    fmt::format("J = {:.6e}  |g| = {:.2e}  step {:.2g}", row.objective, row.gradient_norm, row.step_length));
+                    fmt::format("J = {:.6e}  |g| = {:.2e}  step {:.2g}", row.objective, row.gradient_norm,
+                                row.step_length));
 }
 
 void SearchRecord::show_row() {
@@ -111,8 +116,8 @@ void SearchRecord::read(io::CheckpointReader& in) {
   const scene::Difference difference =
       scene::difference(scene, scene::echo(problem_.scene, problem_.space.dim()));
   if (!difference.first.empty())
-    in.fail(fmt::format("found a run with {}, this scene has {}; allowed is the scene that was interrupted", difference.first,
-                        difference.second));
+    in.fail(fmt::format("found a run with {}, this scene has {}; allowed is the scene that was interrupted",
+                        difference.first, difference.second));
   in.match_places();
   std::vector<double> history;
   in("history", history);
@@ -125,9 +130,10 @@ void SearchRecord::read(io::CheckpointReader& in) {
 void SearchRecord::restored(double stored, double found) {
   constexpr double other_ranks = 1e-6;
   if (!(std::abs(found - stored) <= other_ranks * std::abs(stored)))
-    throw UserError(fmt::format("--resume: {}: found a control with J = {:.10g}, where it was {:.10g}; allowed are the forms and the "
-                                "mesh of the run that was interrupted",
-                                file_.string(), found, stored));
+    throw UserError(fmt::format(
+        "--resume: {}: found a control with J = {:.10g}, where it was {:.10g}; allowed are the forms and the "
+        "mesh of the run that was interrupted",
+        file_.string(), found, stored));
   // Those of an iteration that was broken off do not count: it is made again.
   control_problem_.reduced.count_from({rows_.back().forward_sweeps, rows_.back().adjoint_sweeps});
   stored_at_ = rows_.back().iteration;
@@ -139,7 +145,8 @@ void SearchRecord::restored(double stored, double found) {
 }
 
 std::string SearchRecord::fmt_failure(const std::string& failure) const {
-  return fmt::format("warning: {} was not written ({}); the run goes on, and an earlier checkpoint stays", file_.string(), failure);
+  return fmt::format("warning: {} was not written ({}); the run goes on, and an earlier checkpoint stays",
+                     file_.string(), failure);
 }
 
 } // namespace signorini

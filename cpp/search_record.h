@@ -8,20 +8,20 @@
 
 namespace signorini {
 
-/// What is known of a search while it goes on: progress, history.csv in the folder, a line for each iteration as soon as it
-/// is made, and checkpoint.h5. All members collective.
+/// What is known of a search while it goes on: progress, history.csv in the folder, a line for each iteration
+/// as soon as it is made, and checkpoint.h5. All members collective.
 class SearchRecord {
 public:
-  /// With `resume` the search goes on from the folder's checkpoint, where it has one. The references must outlive this
-  /// object.
-  SearchRecord(ControlProblem& control_problem, const Problem& problem, const io::OutputFolder& folder, bool resume,
-               const Console& console);
+  /// With `resume` the search goes on from the folder's checkpoint, where it has one. The references must
+  /// outlive this object.
+  SearchRecord(ControlProblem& control_problem, const Problem& problem, const io::OutputFolder& folder,
+               bool resume, const Console& console);
 
   /// Takes an iterate, the problem's current point.
   void operator()(const optimize::Iteration& iteration);
 
-  /// Reads where the search stood; false if there is no checkpoint. Throws UserError if it is damaged or of another
-  /// problem.
+  /// Reads where the search stood; false if there is no checkpoint. Throws UserError if it is damaged or of
+  /// another problem.
   template <class State>
   bool restore(State& state) {
     if (!resume_ || !found())
@@ -32,8 +32,8 @@ public:
     return true;
   }
 
-  /// Takes J as it was when the checkpoint was written and as it is now. Throws UserError if they differ by more than
-  /// other ranks explain.
+  /// Takes J as it was when the checkpoint was written and as it is now. Throws UserError if they differ by
+  /// more than other ranks explain.
   void restored(double stored, double found);
 
   [[nodiscard]] bool due(const optimize::Iteration& iteration) const {

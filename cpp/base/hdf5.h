@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <hdf5.h>
 #include <utility>
 
@@ -25,5 +26,14 @@ private:
   hid_t id_;
   herr_t (*close_)(hid_t);
 };
+
+/// Rows and columns of a dataset, zero if it is no table.
+inline std::array<hsize_t, 2> shape(hid_t dataset) {
+  std::array<hsize_t, 2> rows_columns{};
+  const Opened space(H5Dget_space(dataset), H5Sclose);
+  if (space && H5Sget_simple_extent_ndims(space) == 2)
+    H5Sget_simple_extent_dims(space, rows_columns.data(), nullptr);
+  return rows_columns;
+}
 
 } // namespace signorini

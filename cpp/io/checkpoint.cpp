@@ -15,11 +15,13 @@ namespace {
 constexpr const char* points_name = "points";
 
 /// rows × columns of a type, with a checksum for every chunk.
-Opened make_table(hid_t file, const std::string& name, hid_t type, hsize_t rows, hsize_t columns, std::size_t bytes) {
+Opened make_table(hid_t file, const std::string& name, hid_t type, hsize_t rows, hsize_t columns,
+                  std::size_t bytes) {
   constexpr std::size_t chunk_bytes = 1 << 20;
   const std::array<hsize_t, 2> shape{rows, columns};
-  const std::array<hsize_t, 2> chunk{std::clamp<hsize_t>(chunk_bytes / std::max<hsize_t>(columns * bytes, 1), 1, std::max<hsize_t>(rows, 1)),
-                                     std::max<hsize_t>(columns, 1)};
+  const std::array<hsize_t, 2> chunk{
+      std::clamp<hsize_t>(chunk_bytes / std::max<hsize_t>(columns * bytes, 1), 1, std::max<hsize_t>(rows, 1)),
+      std::max<hsize_t>(columns, 1)};
   const Opened space(H5Screate_simple(2, shape.data(), nullptr), H5Sclose);
   const Opened layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose), link(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(link, 1);
@@ -38,19 +40,12 @@ bool synchronise(const std::filesystem::path& path) {
   return done;
 }
 
-std::array<hsize_t, 2> shape(hid_t dataset) {
-  std::array<hsize_t, 2> rows_columns{};
-  const Opened space(H5Dget_space(dataset), H5Sclose);
-  if (space && H5Sget_simple_extent_ndims(space) == 2)
-    H5Sget_simple_extent_dims(space, rows_columns.data(), nullptr);
-  return rows_columns;
-}
-
 /// Selects a row of a table for `transfer(row's space, memory's space)`.
 template <class Transfer>
 bool on_row(hid_t table, hsize_t row, hsize_t columns, Transfer&& transfer) {
   const std::array<hsize_t, 2> start{row, 0}, count{1, columns};
-  const Opened in_file(H5Dget_space(table), H5Sclose), in_memory(H5Screate_simple(1, &columns, nullptr), H5Sclose);
+  const Opened in_file(H5Dget_space(table), H5Sclose),
+      in_memory(H5Screate_simple(1, &columns, nullptr), H5Sclose);
   return H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >= 0 &&
          transfer(in_file, in_memory) >= 0;
 }
@@ -58,7 +53,8 @@ bool on_row(hid_t table, hsize_t row, hsize_t columns, Transfer&& transfer) {
 } // namespace
 
 CheckpointWriter::CheckpointWriter(const control::ControlSpace& controls, const std::filesystem::path& file)
-    : controls_(controls), file_(file), part_(file.parent_path() / ("." + file.filename().string() + ".part")),
+    : controls_(controls), file_(file),
+      part_(file.parent_path() / ("." + file.filename().string() + ".part")),
       out_(H5I_INVALID_HID, H5Fclose) {
   const MPI_Comm comm = controls.space().comm();
   PetscInt mine = 0;
@@ -93,7 +89,8 @@ void CheckpointWriter::numbers(const std::string& name, std::span<const double> 
     return;
   errno = 0;
   const Opened table = make_table(out_, name, H5T_IEEE_F64LE, 1, values.size(), sizeof(double));
-  if (!table || (!values.empty() && H5Dwrite(table, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0))
+  if (!table || (!values.empty() &&
+                 H5Dwrite(table, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0))
     failure_ = errno ? std::generic_category().message(errno) : "HDF5 failed at " + name;
 }
 
@@ -101,7 +98,8 @@ void CheckpointWriter::operator()(const std::string& name, const std::string& te
   if (!out_ || !failure_.empty())
     return;
   const Opened table = make_table(out_, name, H5T_STD_U8LE, 1, text.size(), 1);
-  if (!table || (!text.empty() && H5Dwrite(table, H5T_NATIVE_UCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0))
+  if (!table ||
+      (!text.empty() && H5Dwrite(table, H5T_NATIVE_UCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0))
     failure_ = "HDF5 failed at " + name;
 }
 
@@ -114,8 +112,8 @@ void CheckpointWriter::operator()(const std::string& name, const std::shared_ptr
   std::vector<double> row(out_ ? columns : 0);
   for (int k = 1; k <= u->count(); ++k) {
     const petsc::ReadArray values(u->at(k));
-    MPI_Gatherv(std::span<const double>(values).data(), static_cast<int>(values.size()), MPI_DOUBLE, row.data(), counts_.data(),
-                starts_.data(), MPI_DOUBLE, 0, comm);
+    MPI_Gatherv(std::span<const double>(values).data(), static_cast<int>(values.size()), MPI_DOUBLE,
+                row.data(), counts_.data(), starts_.data(), MPI_DOUBLE, 0, comm);
     if (!out_ || !failure_.empty())
       continue;
     errno = 0;
@@ -164,7 +162,8 @@ void CheckpointReader::damaged(const std::string& name) const {
   fail(fmt::format("\"{}\" is damaged or missing; allowed is a whole checkpoint", name));
 }
 
-void CheckpointReader::operator()(const std::string& name, std::vector<double>& values) {
+template <class Sequence>
+void CheckpointReader::read(const std::string& name, hid_t type, Sequence& values) {
   const MPI_Comm comm = controls_.space().comm();
   on_root(comm, [&] {
     const Opened table(H5Dopen(in_, name.c_str(), H5P_DEFAULT), H5Dclose);
@@ -172,10 +171,18 @@ void CheckpointReader::operator()(const std::string& name, std::vector<double>& 
     if (rows != 1)
       damaged(name);
     values.resize(columns);
-    if (!values.empty() && H5Dread(table, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+    if (!values.empty() && H5Dread(table, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
       damaged(name);
   });
   values = broadcast(comm, values);
+}
+
+void CheckpointReader::operator()(const std::string& name, std::vector<double>& values) {
+  read(name, H5T_NATIVE_DOUBLE, values);
+}
+
+void CheckpointReader::operator()(const std::string& name, std::string& text) {
+  read(name, H5T_NATIVE_UCHAR, text);
 }
 
 void CheckpointReader::operator()(const std::string& name, double& value) {
@@ -200,20 +207,6 @@ void CheckpointReader::operator()(const std::string& name, bool& value) {
   value = number != 0;
 }
 
-void CheckpointReader::operator()(const std::string& name, std::string& text) {
-  const MPI_Comm comm = controls_.space().comm();
-  on_root(comm, [&] {
-    const Opened table(H5Dopen(in_, name.c_str(), H5P_DEFAULT), H5Dclose);
-    const auto [rows, columns] = table ? shape(table) : std::array<hsize_t, 2>{};
-    if (rows != 1)
-      damaged(name);
-    text.resize(columns);
-    if (!text.empty() && H5Dread(table, H5T_NATIVE_UCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0)
-      damaged(name);
-  });
-  text = broadcast(comm, text);
-}
-
 void CheckpointReader::match_places() {
   const fem::Space& space = controls_.space();
   std::vector<double> padded;
@@ -221,15 +214,17 @@ void CheckpointReader::match_places() {
   long places = static_cast<long>(controls_.points().size() / 3);
   MPI_Allreduce(MPI_IN_PLACE, &places, 1, MPI_LONG, MPI_SUM, space.comm());
   if (padded.size() != 3 * static_cast<std::size_t>(places))
-    fail(fmt::format("found a control at {} places, in this scene it has {}; allowed is the mesh of the run that wrote it",
-                     padded.size() / 3, places));
+    fail(fmt::format(
+        "found a control at {} places, in this scene it has {}; allowed is the mesh of the run that wrote it",
+        padded.size() / 3, places));
   columns_ = padded.size() / 3 * controls_.components().size();
   std::vector<double> points;
   const auto dim = static_cast<std::size_t>(space.dim());
   for (std::size_t i = 0; i < padded.size(); ++i)
     if (i % 3 < dim)
       points.push_back(padded[i]);
-  rows_ = match_points(space, points, controls_.points(), [this](const std::string& problem) { fail(problem); });
+  rows_ =
+      match_points(space, points, controls_.points(), [this](const std::string& problem) { fail(problem); });
 }
 
 void CheckpointReader::operator()(const std::string& name, std::shared_ptr<const control::Control>& u) {
@@ -245,9 +240,11 @@ void CheckpointReader::operator()(const std::string& name, std::shared_ptr<const
   std::vector<double> row(columns_);
   for (int k = 1; k <= read.count(); ++k) {
     on_root(comm, [&] {
-      if (!on_row(table, static_cast<hsize_t>(k) - 1, columns_, [&](hid_t in_file, hid_t in_memory) {
-            return H5Dread(table, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, row.data());
-          }) || !std::ranges::all_of(row, [](double x) { return std::isfinite(x); }))
+      if (!on_row(table, static_cast<hsize_t>(k) - 1, columns_,
+                  [&](hid_t in_file, hid_t in_memory) {
+                    return H5Dread(table, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, row.data());
+                  }) ||
+          !std::ranges::all_of(row, [](double x) { return std::isfinite(x); }))
         damaged(name);
     });
     MPI_Bcast(row.data(), static_cast<int>(row.size()), MPI_DOUBLE, 0, comm);

@@ -8,9 +8,9 @@
 
 namespace signorini::io {
 
-/// Writes numbers, texts and controls by name into an HDF5 file that appears whole or not at all, on any number of
-/// ranks; every piece has a checksum. All members collective; rank 0 writes, and where that fails the others go on too and
-/// commit() says it.
+/// Writes numbers, texts and controls by name into an HDF5 file that appears whole or not at all, on any
+/// number of ranks; every piece has a checksum. All members collective; rank 0 writes, and where that fails
+/// the others go on too and commit() says it.
 class CheckpointWriter {
 public:
   /// `file` is replaced at commit(). `controls` must outlive this object.
@@ -38,8 +38,8 @@ private:
   std::string failure_;              ///< on rank 0
 };
 
-/// Reads what CheckpointWriter wrote, on any number of ranks. All members collective; all throw UserError where the
-/// file is missing or damaged.
+/// Reads what CheckpointWriter wrote, on any number of ranks. All members collective; all throw UserError
+/// where the file is missing or damaged.
 class CheckpointReader {
 public:
   /// `controls` must outlive this object.
@@ -52,8 +52,8 @@ public:
   void operator()(const std::string& name, std::string& text);
   void operator()(const std::string& name, std::shared_ptr<const control::Control>& u);
 
-  /// Finds the places of the controls by their coordinates; before the first control is read. Throws UserError if they are
-  /// others.
+  /// Finds the places of the controls by their coordinates; before the first control is read. Throws
+  /// UserError if they are others.
   void match_places();
 
   /// Throws UserError: the file's name and what is wrong.
@@ -61,6 +61,8 @@ public:
 
 private:
   [[noreturn]] void damaged(const std::string& name) const;
+  template <class Sequence>
+  void read(const std::string& name, hid_t type, Sequence& values);
 
   const control::ControlSpace& controls_;
   std::filesystem::path file_;

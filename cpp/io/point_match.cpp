@@ -50,8 +50,9 @@ std::vector<std::size_t> match_points(const fem::Space& space, const std::vector
         return known.end();
       }();
       if (found == known.end())
-        fail(fmt::format("found no point at {} m, where this scene has one; allowed is a run on the same mesh",
-                         place(x, space.dim())));
+        fail(
+            fmt::format("found no point at {} m, where this scene has one; allowed is a run on the same mesh",
+                        place(x, space.dim())));
       numbers.push_back(found->second);
     }
   });

@@ -17,15 +17,6 @@ Opened open_file(const std::filesystem::path& file) {
   return {H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
 }
 
-/// Rows and columns of a dataset, zero if it is no table.
-std::array<hsize_t, 2> shape(hid_t dataset) {
-  std::array<hsize_t, 2> rows_columns{};
-  const Opened space(H5Dget_space(dataset), H5Sclose);
-  if (space && H5Sget_simple_extent_ndims(space) == 2)
-    H5Sget_simple_extent_dims(space, rows_columns.data(), nullptr);
-  return rows_columns;
-}
-
 /// All of a dataset, row by row; empty if it cannot be read.
 std::vector<double> values(hid_t dataset) {
   const auto [rows, columns] = shape(dataset);

@@ -4,8 +4,9 @@
 namespace signorini::optimize {
 
 /// Descent along the directions of `Method`, which must be downhill. Where there is no way down one of them
-/// it is asked to start afresh with the steepest. Where that leads nowhere either, or steps have become short, as they
-/// do among kinks, a model of the pieces that meet there takes over, and ends the search with a certificate.
+/// it is asked to start afresh with the steepest. Where that leads nowhere either, or steps have become
+/// short, as they do among kinks, a model of the pieces that meet there takes over, and ends the search with
+/// a certificate.
 ///
 /// Of `Method`: direction(problem, at) is tangential and as long as the first trial step is to be;
 /// learn(problem, from, to, t) tells what t of it led to; restart() is false if the last direction was the
@@ -15,7 +16,8 @@ class Descent {
 public:
   using Vector = typename P::Vector;
 
-  Descent(Method method, const Options& options) : method_(std::move(method)), first_step_(options.first_step) {}
+  Descent(Method method, const Options& options)
+      : method_(std::move(method)), first_step_(options.first_step) {}
 
   std::optional<Ending<Vector>> advance(P& problem, State<P, Descent>& state, const Options& options) {
     Iterate<P>& current = state.current;
@@ -58,7 +60,8 @@ public:
     constexpr int enough_short_steps = 3;
     short_steps_ = norm(problem, moved) < short_step * first_step_ ? short_steps_ + 1 : 0;
     current = std::move(*next);
-    state.iteration = {state.iteration.number + 1, current.objective, stationarity(problem, current.u, current.g), t};
+    state.iteration = {state.iteration.number + 1, current.objective,
+                       stationarity(problem, current.u, current.g), t};
     if (kink_ ? kink_->full() : short_steps_ >= enough_short_steps)
       take_over(problem, current);
     return std::nullopt;

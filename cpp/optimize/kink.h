@@ -22,8 +22,7 @@ public:
   using Vector = typename P::Vector;
 
   /// The model of one piece. `first_step` is the length of a control that matters.
-  KinkModel(const P& problem, const Iterate<P>& at, double first_step)
-      : KinkModel(first_step) {
+  KinkModel(const P& problem, const Iterate<P>& at, double first_step) : KinkModel(first_step) {
     held_at_ = share(at.u);
     Vector down = at.g;
     down.scale(-1);
@@ -405,7 +404,7 @@ private:
 
   Shared<Vector> held_at_;
   std::vector<Shared<Vector>> held_by_; ///< what pushes the held values to their bounds
-  bool bounds_matter_ = false;  ///< a gradient has had values that were held
+  bool bounds_matter_ = false;          ///< a gradient has had values that were held
   double ball_;
   Span<P> span_;
   Curvature curvature_;

@@ -13,7 +13,8 @@ namespace signorini::optimize {
 class RegularisedSteps {
 public:
   template <BoundedProblem P>
-  std::optional<Ending<typename P::Vector>> advance(P& problem, State<P, RegularisedSteps>& state, const Options& options) {
+  std::optional<Ending<typename P::Vector>> advance(P& problem, State<P, RegularisedSteps>& state,
+                                                    const Options& options) {
     constexpr double sufficient = 0.1, change = 10;
     auto& [u, objective, g] = state.current;
     if (omega_ == 0)
@@ -61,8 +62,9 @@ private:
 };
 
 template <BoundedProblem P, class Report, class Keeper = NoKeeper>
-[[nodiscard]] Ending<typename P::Vector> projected_gradient(P& problem, typename P::Vector u, const Options& options,
-                                                            Report&& report, Keeper&& keeper = {}) {
+[[nodiscard]] Ending<typename P::Vector> projected_gradient(P& problem, typename P::Vector u,
+                                                            const Options& options, Report&& report,
+                                                            Keeper&& keeper = {}) {
   return search(problem, std::move(u), options, RegularisedSteps(), report, keeper);
 }
 

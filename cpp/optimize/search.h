@@ -39,15 +39,16 @@ struct NoKeeper {
   static void restored(double, double) {}
 };
 
-/// The iterations of a method from the first guess, or from where `keeper` says that it stood, until they end.
+/// The iterations of a method from the first guess, or from where `keeper` says that it stood, until they
+/// end.
 ///
-/// `memory.advance(problem, state)` makes one iteration: it moves state.current, state.iteration and the problem's
-/// current point, or says how the search ends. `report(iteration)` is told of the first guess and of each iterate
-/// that this call accepts. keeper.restore(state) reads a state and returns whether there was one, and
-/// keeper.restored(stored, found) is told of J there, as it was stored and as it is;
-/// keeper.store(state) is called where keeper.due(iteration) asks for it and when the search ends. Interrupted from
-/// the problem ends it with the last accepted iterate. Throws SolverFailure if the objective or its gradient is
-/// not finite.
+/// `memory.advance(problem, state)` makes one iteration: it moves state.current, state.iteration and the
+/// problem's current point, or says how the search ends. `report(iteration)` is told of the first guess and
+/// of each iterate that this call accepts. keeper.restore(state) reads a state and returns whether there was
+/// one, and keeper.restored(stored, found) is told of J there, as it was stored and as it is;
+/// keeper.store(state) is called where keeper.due(iteration) asks for it and when the search ends.
+/// Interrupted from the problem ends it with the last accepted iterate. Throws SolverFailure if the objective
+/// or its gradient is not finite.
 template <BoundedProblem P, class Memory, class Report, class Keeper>
 [[nodiscard]] Ending<typename P::Vector> search(P& problem, typename P::Vector guess, const Options& options,
                                                 Memory memory, Report&& report, Keeper&& keeper) {

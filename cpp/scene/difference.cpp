@@ -11,9 +11,15 @@ namespace signorini::scene {
 
 namespace {
 
-constexpr std::array not_of_the_problem{"mesh.file",        "optimizer.max_iterations", "optimizer.tolerance",
-                                        "optimizer.checkpoint", "solver.memory",            "trajectory.",
-                                        "output.",          "run.",                     "check."};
+constexpr std::array not_of_the_problem{"mesh.file",
+                                        "optimizer.max_iterations",
+                                        "optimizer.tolerance",
+                                        "optimizer.checkpoint",
+                                        "solver.memory",
+                                        "trajectory.",
+                                        "output.",
+                                        "run.",
+                                        "check."};
 
 void flatten(const toml::node& node, const std::string& key, std::map<std::string, std::string>& values) {
   if (const toml::table* table = node.as_table()) {
@@ -26,7 +32,8 @@ void flatten(const toml::node& node, const std::string& key, std::map<std::strin
       flatten((*array)[i], key + "[" + std::to_string(i) + "]", values);
     return;
   }
-  if (std::ranges::any_of(not_of_the_problem, [&](std::string_view prefix) { return key.starts_with(prefix); }))
+  if (std::ranges::any_of(not_of_the_problem,
+                          [&](std::string_view prefix) { return key.starts_with(prefix); }))
     return;
   std::ostringstream text;
   if (const auto* number = node.as_floating_point())

@@ -216,12 +216,12 @@ Samples::Samples(MPI_Comm comm, const scene::Scene& scene) {
 }
 
 void Samples::scale(std::vector<double>& values) const {
-  const std::size_t n = body.weights.size(), dim = values.size() / (n * times.size());
+  const std::size_t n = body.weights.size(), components = values.size() / (n * times.size());
   const double interval = times[1] - times[0];
   for (std::size_t j = 0; j < times.size(); ++j)
     for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t c = 0; c < dim; ++c)
-        values[(j * n + i) * dim + c] *= std::sqrt(body.weights[i] * (j == 0 || j + 1 == times.size() ? interval / 2 : interval));
+      for (std::size_t c = 0; c < components; ++c)
+        values[(j * n + i) * components + c] *= std::sqrt(body.weights[i] * (j == 0 || j + 1 == times.size() ? interval / 2 : interval));
 }
 
 std::vector<Quantity> quantities(const scene::Scene& scene) {

@@ -69,9 +69,36 @@ def one_minimiser(out: Path, figures: Figures) -> None:
     figures.show("largest relative difference of J", np.ptp(values) / values[0], 0, 1e-7)
 
 
+def certificate(out: Path, figures: Figures) -> None:
+    """At a kink the gradient norm stalls, and the shortest combination of gradients tells that J is stationary."""
+    for method in FASTER:
+        history, run = optimize(out, method, [])
+        first, last, kink = history["gradient_norm"][0], history["gradient_norm"][-1], run["kink"]
+        print(f"{method}: {run['stop_reason']} after {run['optimizer']['iterations']} iterations, "
+              f"{run['optimizer']['forward_sweeps'] + run['optimizer']['adjoint_sweeps']} sweeps; {kink['gradients']} gradients within "
+              f"{kink['radius']:.1e}, contact weak {len(kink['weak_contact'])} times")  # fmt: skip
+        assert run["stop_reason"] == "stationary at a kink" and kink["weak_contact"]
+        figures.least(f"{method}: last gradient norm, of the tolerance", last / (1e-6 * first), 10)
+        figures.show(f"{method}: shortest combination, of the first norm", kink["shortest_combination"] / first, 0, 1e-6)
+
+
+def mesh_independence(out: Path, figures: Figures) -> None:
+    needed = []
+    for size in (1, 0.5, 0.25):
+        signorini("optimize", HALF_DISC, out, mesh__size=size, output__fields=[], optimizer__max_iterations=38)
+        history = table(out / "history.csv")
+        small = history["gradient_norm"] <= 1e-3 * history["gradient_norm"][0]
+        assert small.any(), f"size {size}: {history['gradient_norm'][-1]}"
+        needed.append(sweeps(history)[small.argmax()])
+    print(f"lbfgs on elements of 1, 0.5 and 0.25 m: {', '.join(f'{n:.0f}' for n in needed)} sweeps to a thousandth of the first gradient norm")
+    figures.show("largest difference from their mean", max(abs(n / np.mean(needed) - 1) for n in needed), 0, 0.3)
+
+
 def main() -> int:
     figures = Figures()
     with tempfile.TemporaryDirectory() as folder:
+        certificate(Path(folder) / "out", figures)
+        mesh_independence(Path(folder) / "out", figures)
         as_far_as_projected_gradient(Path(folder) / "out", figures)
         one_minimiser(Path(folder) / "out", figures)
     return 1 if figures.failed else 0
