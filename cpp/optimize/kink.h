@@ -80,7 +80,8 @@ public:
           return step;
       } else {
         // So near that the curvature does not show in the combination; farther where that finds no way on.
-        size = size > 0 ? 10 * size : std::min(ball_, tolerance / (4 * curvature_.largest()));
+        constexpr double least = 1e-6; // of the ball: J's differences have digits there
+        size = size > 0 ? 10 * size : std::clamp(tolerance / (4 * curvature_.largest()), least * ball_, ball_);
         if (size > ball_)
           break;
         gather_around(problem, at, direction.weights, size);
