@@ -144,7 +144,7 @@ void SearchRecord::restored(double stored, double found) {
   show_row();
 }
 
-std::string SearchRecord::fmt_failure(const std::string& failure) const {
+std::string SearchRecord::not_written(const std::string& failure) const {
   return fmt::format("warning: {} was not written ({}); the run goes on, and an earlier checkpoint stays",
                      file_.string(), failure);
 }

@@ -51,7 +51,7 @@ public:
     state.exchange(out);
     stored_at_ = state.iteration.number;
     if (const std::string failure = out.commit(); !failure.empty())
-      console_.line(fmt_failure(failure));
+      console_.line(not_written(failure));
   }
 
   /// Ends the display of progress.
@@ -68,7 +68,7 @@ private:
   /// Starts history.csv with the rows so far, or adds the last one.
   void show_row();
   [[nodiscard]] double seconds() const;
-  [[nodiscard]] std::string fmt_failure(const std::string& failure) const;
+  [[nodiscard]] std::string not_written(const std::string& failure) const;
 
   ControlProblem& control_problem_;
   const Problem& problem_;

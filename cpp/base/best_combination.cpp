@@ -165,6 +165,7 @@ std::vector<double> best_combination(std::span<const double> products, std::span
   check(VecSet(x, 1 / static_cast<double>(n)));
   // Augmented Lagrangian in the one constraint. Without prices the first minimiser is right but for its
   // length.
+  const bool priced = std::ranges::any_of(prices, [](double e) { return e != 0; });
   double multiplier = 1, sum = 0;
   constexpr int most = 10;
   for (int iteration = 0; iteration < most; ++iteration) {
@@ -178,7 +179,6 @@ std::vector<double> best_combination(std::span<const double> products, std::span
     for (std::size_t i = 0; i < n; ++i)
       weights[i] = std::max(0.0, found[i]);
     sum = std::accumulate(weights.begin(), weights.end(), 0.0);
-    const bool priced = std::ranges::any_of(prices, [](double e) { return e != 0; });
     constexpr double near = 1e-6;
     if (sum > 0 && (!priced || std::abs(sum - 1) < near))
       break;

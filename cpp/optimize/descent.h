@@ -1,67 +1,99 @@
 #pragma once
-#include "optimize/search.h"
-#include <optional>
+#include "optimize/kink.h"
 
 namespace signorini::optimize {
 
-/// What of d the bounds let u move along: its projection onto the tangent cone at u.
-template <BoundedProblem P>
-typename P::Vector tangential(const P& problem, const typename P::Vector& u, const typename P::Vector& d) {
-  typename P::Vector along = d;
-  problem.hold(along, u, d);
-  return along;
-}
+/// Descent along the directions of `Method`, which must be downhill. Where there is no way down one of them
+/// it is asked to start afresh with the steepest. Where that leads nowhere either, or steps have become
+/// short, as they do among kinks, a model of the pieces that meet there takes over, and ends the search with
+/// a certificate.
+///
+/// Of `Method`: direction(problem, at) is tangential and as long as the first trial step is to be;
+/// learn(problem, from, to, t) tells what t of it led to; restart() is false if the last direction was the
+/// steepest; exchange(archive).
+template <TwiceDifferentiable P, class Method>
+class Descent {
+public:
+  using Vector = typename P::Vector;
 
-template <BoundedProblem P>
-struct Search {
-  std::optional<Iterate<P>> found; ///< then it is the problem's trial
-  double length = 0;               ///< t
-  bool solver_failed = false;      ///< in the last trial
-};
+  Descent(Method method, const Options& options)
+      : method_(std::move(method)), first_step_(options.first_step) {}
 
-/// Weak-Wolfe search by bisection and doubling (Lewis, Overton 2013), here along the arc t ↦ P(u + t d) and
-/// from t = 1. It asks for a sufficient decrease and for a slope that has become flatter, never for a small
-/// one, so that it ends beyond a kink where there is no small one. `d` must be tangential. A trial that a
-/// solver fails at is too far.
-template <BoundedProblem P>
-[[nodiscard]] Search<P> weak_wolfe_search(P& problem, const Iterate<P>& from, const typename P::Vector& d) {
-  constexpr double sufficient = 1e-4, flatter = 0.9;
-  const double slope = problem.inner(from.g, d), least = rounding(from.objective);
-  Search<P> search;
-  double low = 0, high = std::numeric_limits<double>::infinity();
-  bool collapsed = false;
-  for (double t = 1; -slope * t > least;) {
-    typename P::Vector trial = from.u;
-    trial.add(t, d);
-    problem.project(trial);
-    typename P::Vector step = trial;
-    step.add(-1, from.u);
-    double value = std::numeric_limits<double>::quiet_NaN();
-    search.solver_failed = false;
-    try {
-      value = problem.value(trial);
-    } catch (const SolverFailure&) {
-      search.solver_failed = true;
-    }
-    const double decrease = from.objective - value;
-    if (decrease > 0 && decrease >= -sufficient * problem.inner(from.g, step)) {
-      typename P::Vector g = problem.trial_gradient();
-      const bool steep = problem.inner(g, tangential(problem, trial, d)) < flatter * slope; // false for NaN
-      if (!steep || collapsed) {
-        search.found.emplace(std::move(trial), value, std::move(g));
-        search.length = t;
-        return search;
+  std::optional<Ending<Vector>> advance(P& problem, State<P, Descent>& state, const Options& options) {
+    Iterate<P>& current = state.current;
+    const double tolerance = options.tolerance * state.first_norm;
+    std::optional<Iterate<P>> next;
+    double t = 1;
+    while (!next) {
+      if (kink_) {
+        Step step = kink_->step(problem, current, tolerance);
+        if (step.end == End::stationary)
+          return Ending<Vector>{Stop::kink, kink_->certificate(current)};
+        if (step.end == End::nowhere) {
+          if (fresh_)
+            return Ending<Vector>{Stop::no_decrease};
+          take_over(problem, current);
+        }
+        fresh_ = fresh_ && !step.found;
+        if (step.at_other_bounds)
+          kink_.reset();
+        next = std::move(step.found);
+        continue;
       }
-      low = t;
-    } else if (collapsed) {
-      return search;
-    } else {
-      high = t;
+      Search<P> search;
+      do
+        search = weak_wolfe_search(problem, current, method_.direction(problem, current));
+      while (!search.found && method_.restart());
+      if (search.found)
+        method_.learn(problem, current, *search.found, search.length);
+      else if (search.solver_failed)
+        return Ending<Vector>{Stop::solver_failed};
+      else
+        take_over(problem, current);
+      t = search.length;
+      next = std::move(search.found);
     }
-    collapsed = low > 0 && -slope * (high - low) <= least;
-    t = collapsed ? low : std::isfinite(high) ? (low + high) / 2 : 2 * low;
+    problem.accept();
+    Vector moved = next->u;
+    moved.add(-1, current.u);
+    constexpr double short_step = 1e-3; // of the length of a control that matters
+    constexpr int enough_short_steps = 3;
+    short_steps_ = norm(problem, moved) < short_step * first_step_ ? short_steps_ + 1 : 0;
+    current = std::move(*next);
+    state.iteration = {state.iteration.number + 1, current.objective,
+                       stationarity(problem, current.u, current.g), t};
+    if (kink_ ? kink_->full() : short_steps_ >= enough_short_steps)
+      take_over(problem, current);
+    return std::nullopt;
   }
-  return search;
-}
+
+  template <class Archive>
+  void exchange(Archive& archive) {
+    method_.exchange(archive);
+    archive("short_steps", short_steps_);
+    archive("kink/fresh", fresh_);
+    bool takes_over = kink_.has_value();
+    archive("kink/takes_over", takes_over);
+    if (takes_over && !kink_)
+      kink_.emplace(first_step_);
+    if (kink_)
+      kink_->exchange(archive);
+  }
+
+private:
+  using Step = typename KinkModel<P>::Step;
+  using End = typename KinkModel<P>::End;
+
+  void take_over(const P& problem, const Iterate<P>& at) {
+    kink_.emplace(problem, at, first_step_);
+    fresh_ = true;
+  }
+
+  Method method_;
+  double first_step_;
+  int short_steps_ = 0;              ///< the last so many
+  std::optional<KinkModel<P>> kink_; ///< takes over from the method
+  bool fresh_ = false;               ///< it has not moved yet
+};
 
 } // namespace signorini::optimize

@@ -2,7 +2,7 @@
 #include "base/best_combination.h"
 #include "base/error.h"
 #include "optimize/curvature.h"
-#include "optimize/descent.h"
+#include "optimize/wolfe_search.h"
 #include <optional>
 #include <utility>
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "optimize/descend.h"
+#include "optimize/descent.h"
 #include <ranges>
 #include <vector>
 

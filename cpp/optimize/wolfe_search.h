@@ -1,0 +1,67 @@
+#pragma once
+#include "optimize/search.h"
+#include <optional>
+
+namespace signorini::optimize {
+
+/// What of d the bounds let u move along: its projection onto the tangent cone at u.
+template <BoundedProblem P>
+typename P::Vector tangential(const P& problem, const typename P::Vector& u, const typename P::Vector& d) {
+  typename P::Vector along = d;
+  problem.hold(along, u, d);
+  return along;
+}
+
+template <BoundedProblem P>
+struct Search {
+  std::optional<Iterate<P>> found; ///< then it is the problem's trial
+  double length = 0;               ///< t
+  bool solver_failed = false;      ///< in the last trial
+};
+
+/// Weak-Wolfe search by bisection and doubling (Lewis, Overton 2013), here along the arc t ↦ P(u + t d) and
+/// from t = 1. It asks for a sufficient decrease and for a slope that has become flatter, never for a small
+/// one, so that it ends beyond a kink where there is no small one. `d` must be tangential. A trial that a
+/// solver fails at is too far.
+template <BoundedProblem P>
+[[nodiscard]] Search<P> weak_wolfe_search(P& problem, const Iterate<P>& from, const typename P::Vector& d) {
+  constexpr double sufficient = 1e-4, flatter = 0.9;
+  const double slope = problem.inner(from.g, d), least = rounding(from.objective);
+  Search<P> search;
+  double low = 0, high = std::numeric_limits<double>::infinity();
+  bool collapsed = false;
+  for (double t = 1; -slope * t > least;) {
+    typename P::Vector trial = from.u;
+    trial.add(t, d);
+    problem.project(trial);
+    typename P::Vector step = trial;
+    step.add(-1, from.u);
+    double value = std::numeric_limits<double>::quiet_NaN();
+    search.solver_failed = false;
+    try {
+      value = problem.value(trial);
+    } catch (const SolverFailure&) {
+      search.solver_failed = true;
+    }
+    const double decrease = from.objective - value;
+    if (decrease > 0 && decrease >= -sufficient * problem.inner(from.g, step)) {
+      typename P::Vector g = problem.trial_gradient();
+      const bool steep = problem.inner(g, tangential(problem, trial, d)) < flatter * slope; // false for NaN
+      if (!steep || collapsed) {
+        search.found.emplace(std::move(trial), value, std::move(g));
+        search.length = t;
+        return search;
+      }
+      low = t;
+    } else if (collapsed) {
+      return search;
+    } else {
+      high = t;
+    }
+    collapsed = low > 0 && -slope * (high - low) <= least;
+    t = collapsed ? low : std::isfinite(high) ? (low + high) / 2 : 2 * low;
+  }
+  return search;
+}
+
+} // namespace signorini::optimize
