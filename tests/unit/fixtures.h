@@ -12,9 +12,8 @@ inline scene::Scene parse(const std::filesystem::path& file, const std::vector<s
   return scene::parse(scene::read(file), file, overrides);
 }
 
-inline std::filesystem::path source(const std::string& file) {
-  return std::filesystem::path(SIGNORINI_SOURCE_DIR) / file;
-}
+/// A file of the checkout, whose place main.cpp alone is compiled with: other files compile alike in any checkout.
+std::filesystem::path source(const std::string& file);
 
 /// A scene of the repository made ready, with its derivative machinery.
 struct Ready {

@@ -1,7 +1,11 @@
-#include "base/petsc.h"
+#include "fixtures.h"
 #include <catch2/catch_session.hpp>
 #include <cstdio>
 #include <spdlog/spdlog.h>
+
+std::filesystem::path signorini::test::source(const std::string& file) {
+  return std::filesystem::path(SIGNORINI_SOURCE_DIR) / file;
+}
 
 /// Runs the tests on every rank; rank 0 reports, and the run fails if any rank does.
 int main(int argc, char** argv) {
