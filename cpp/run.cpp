@@ -1,7 +1,6 @@
 #include "run.h"
 #include "base/collective.h"
 #include "base/error.h"
-#include "base/signals.h"
 #include "check.h"
 #include "info.h"
 #include "io/manifest.h"
@@ -66,7 +65,6 @@ int run(const Request& request, const Console& console) {
       !request.out.empty()
           ? request.out
           : std::filesystem::path("results") / (request.verb == "study" ? scene.name + "-study" : scene.name);
-  catch_stop_signals();
   if (request.verb == "simulate")
     return simulate_scene(scene, out, console);
   if (request.verb == "optimize")

@@ -50,6 +50,7 @@ double SearchRecord::seconds() const {
 }
 
 void SearchRecord::operator()(const optimize::Iteration& iteration) {
+  evaluated_ = true;
   const control::ReducedProblem& reduced = control_problem_.reduced;
   const control::Value& value = reduced.value();
   io::HistoryRow row{iteration.number,         value.total(),
@@ -114,7 +115,7 @@ void SearchRecord::read(io::CheckpointReader& in) {
   std::string scene;
   in("scene", scene);
   const scene::Difference difference =
-      scene::difference(scene, scene::echo(problem_.scene, problem_.space.dim()));
+      scene::difference(scene, scene::echo(problem_.scene, problem_.space.dim()), {"optimizer.method"});
   if (!difference.first.empty())
     in.fail(fmt::format("found a run with {}, this scene has {}; allowed is the scene that was interrupted",
                         difference.first, difference.second));
@@ -134,6 +135,7 @@ void SearchRecord::restored(double stored, double found) {
         "--resume: {}: found a control with J = {:.10g}, where it was {:.10g}; allowed are the forms and the "
         "mesh of the run that was interrupted",
         file_.string(), found, stored));
+  evaluated_ = true;
   // Those of an iteration that was broken off do not count: it is made again.
   control_problem_.reduced.count_from({rows_.back().forward_sweeps, rows_.back().adjoint_sweeps});
   stored_at_ = rows_.back().iteration;

@@ -57,7 +57,12 @@ public:
   /// Ends the display of progress.
   void end() { progress_.reset(); }
 
+  /// Of the whole search, those before it was resumed included.
   [[nodiscard]] const std::vector<io::HistoryRow>& rows() const { return rows_; }
+
+  /// Whether the problem's current point is one of the search's: J was evaluated at the first guess, or where the
+  /// checkpoint said that it stood.
+  [[nodiscard]] bool evaluated() const { return evaluated_; }
 
 private:
   using Clock = std::chrono::steady_clock;
@@ -76,7 +81,7 @@ private:
   const Console& console_;
   std::filesystem::path file_;
   int every_, stored_at_ = -1;
-  bool resume_;
+  bool resume_, evaluated_ = false;
   std::optional<Progress> progress_;
   Clock::time_point start_ = Clock::now();
   double earlier_ = 0; ///< seconds of the search before it was resumed

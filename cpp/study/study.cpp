@@ -1,6 +1,7 @@
 #include "study/study.h"
 #include "base/collective.h"
 #include "base/error.h"
+#include "scene/difference.h"
 #include "scene/names.h"
 #include "study/measure.h"
 #include "study/store.h"
@@ -144,14 +145,9 @@ private:
   std::vector<std::string> sentences_;
 };
 
-/// What a rung's file must have been made from: its scene without what makes no difference to the numbers.
+/// What a rung's file must have been made from: its problem, and where J and its gradient are looked at.
 std::string fingerprint(const scene::Scene& scene, const Rung& rung, int dim) {
-  scene::Scene changed = on_rung(scene, rung);
-  changed.output = {};
-  changed.run = {};
-  changed.optimizer = {};
-  changed.exact.reset();
-  return scene::echo(changed, dim);
+  return scene::problem(scene::echo(on_rung(scene, rung), dim), {"check.", "mesh.file"});
 }
 
 bool on_all(MPI_Comm comm, bool root_says) {
