@@ -165,9 +165,7 @@ void require_control_problem(MPI_Comm comm, const scene::Scene& scene, const std
 int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,
                    const Console& console) {
   require_control_problem(comm, scene, out);
-  io::OutputFolder folder(comm, out);
-  if (resume)
-    folder.clear_unfinished();
+  io::OutputFolder folder(comm, out, resume ? SearchRecord::checkpoint : "");
   Timers timers;
   const Problem problem(comm, scene, {.sliding = true}, timers);
   console.line(headline(problem));
@@ -196,6 +194,7 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   bool interrupted = ending.stop == optimize::Stop::interrupted;
   if (ending.certificate)
     m.kink = describe(reduced, *ending.certificate, first_norm, interrupted, console);
+  m.files = folder.files();
   folder.write("run.json", io::to_json(m, scene, timers));
   console.line(fmt::format(
       "J {:.6e} -> {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e}), |g| "

@@ -41,7 +41,7 @@ std::vector<io::HistoryRow> rows_of(const std::vector<double>& numbers) {
 SearchRecord::SearchRecord(ControlProblem& control_problem, const Problem& problem,
                            const io::OutputFolder& folder, bool resume, const Console& console)
     : control_problem_(control_problem), problem_(problem), folder_(folder), console_(console),
-      file_(folder.path() / "checkpoint.h5"), every_(problem.scene.optimizer.checkpoint), resume_(resume) {
+      file_(folder.path() / checkpoint), every_(problem.scene.optimizer.checkpoint), resume_(resume) {
   progress_.emplace(console, "iterations", static_cast<std::size_t>(problem.scene.optimizer.max_iterations));
 }
 
@@ -79,13 +79,13 @@ void SearchRecord::show_row() {
     return;
   }
   // An earlier run's gives way to a whole one.
-  const std::filesystem::path part = folder_.path() / ".history.csv.part";
+  const std::filesystem::path part = folder_.staged("history.csv.part");
   history_.open(part, std::ios::binary);
   history_ << io::history_table(rows_) << std::flush;
   std::error_code ignored; // the whole table is written again, and checked, at the end
   if (history_)
     std::filesystem::rename(part, folder_.path() / "history.csv", ignored);
-  else
+  if (!history_ || ignored)
     std::filesystem::remove(part, ignored);
 }
 

@@ -12,6 +12,8 @@ namespace signorini {
 /// as soon as it is made, and checkpoint.h5. All members collective.
 class SearchRecord {
 public:
+  static constexpr const char* checkpoint = "checkpoint.h5"; ///< the file's name
+
   /// With `resume` the search goes on from the folder's checkpoint, where it has one. The references must
   /// outlive this object.
   SearchRecord(ControlProblem& control_problem, const Problem& problem, const io::OutputFolder& folder,
@@ -46,7 +48,7 @@ public:
     if (every_ == 0 || rows_.empty())
       return;
     const auto timer = problem_.timers.time("checkpoint");
-    io::CheckpointWriter out(control_problem_.controls, file_);
+    io::CheckpointWriter out(control_problem_.controls, folder_.staged(checkpoint), file_);
     write(out);
     state.exchange(out);
     stored_at_ = state.iteration.number;

@@ -10,9 +10,9 @@ namespace signorini::scene {
 
 namespace {
 
-/// What does not pose the problem; mesh.file says where the mesh lies, not what it is.
-constexpr Keys not_of_the_problem{"mesh.file", "optimizer.", "solver.memory", "trajectory.", "output.",
-                                  "run.",      "check.",     "exact."};
+/// What does not pose the problem; paths say where a mesh or a motion lies, not what it is.
+constexpr Keys not_of_the_problem{"mesh.file", "objective.desired.run", "optimizer.", "solver.memory", "trajectory.",
+                                  "output.",   "run.",                  "check.",     "exact."};
 
 bool among(Keys keys, std::string_view key) {
   return std::ranges::any_of(keys, [&](std::string_view prefix) { return key.starts_with(prefix); });

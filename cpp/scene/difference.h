@@ -10,7 +10,7 @@ using Keys = std::initializer_list<std::string_view>;
 
 /// What of a resolved scene (echo()) poses the problem: "key = value" of each such key, one a line, in the order of the
 /// keys. How J is minimised, how a run keeps its states, what it looks at and writes, what is known of the solution and
-/// where the mesh file lies is not part of it, but for the keys `besides`, which matter to the caller.
+/// where files lie that are read is not part of it, but for the keys `besides`, which matter to the caller.
 std::string problem(const std::string& scene, Keys besides = {});
 
 /// The first key in which two resolved scenes pose different problems, as "key = value" of the first and of the second;

@@ -1,7 +1,6 @@
 #include "study/study.h"
 #include "base/collective.h"
 #include "base/error.h"
-#include "scene/difference.h"
 #include "scene/names.h"
 #include "study/measure.h"
 #include "study/store.h"
@@ -145,9 +144,14 @@ private:
   std::vector<std::string> sentences_;
 };
 
-/// What a rung's file must have been made from: its problem, and where J and its gradient are looked at.
+/// What a rung's file must have been made from: its scene without what makes no difference to the numbers.
 std::string fingerprint(const scene::Scene& scene, const Rung& rung, int dim) {
-  return scene::problem(scene::echo(on_rung(scene, rung), dim), {"check.", "mesh.file"});
+  scene::Scene changed = on_rung(scene, rung);
+  changed.output = {};
+  changed.run = {};
+  changed.optimizer = {};
+  changed.exact.reset();
+  return scene::echo(changed, dim);
 }
 
 bool on_all(MPI_Comm comm, bool root_says) {
@@ -163,6 +167,9 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   const bool root = rank(comm) == 0;
   const std::vector<Quantity> wanted = chosen(scene, options.quantities);
   std::vector<Rung> rungs = ladder(scene, options.choice);
+  std::optional<Store> store;
+  if (!options.dry_run)
+    on_root(comm, [&] { store.emplace(out); });
   const Samples samples(comm, scene);
   const Exact exact = exact_values(scene, samples);
   std::ranges::stable_sort(rungs, {}, [&](const Rung& rung) { return work(rung, samples.dim); });
@@ -173,8 +180,6 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
     show_prices(console, rungs, *price, scene);
     return 0;
   }
-  std::optional<Store> store;
-  on_root(comm, [&] { store.emplace(out); });
   std::vector<Result> results;
   for (const Rung& rung : rungs)
     results.push_back({rung, std::nullopt});
