@@ -1,5 +1,6 @@
 #include "base/error.h"
 #include "base/petsc.h"
+#include "base/signals.h"
 #include "report.h"
 #include "run.h"
 #include "scene/names.h"
@@ -194,6 +195,7 @@ int main(int argc, char** argv) {
   std::vector<char*> petsc_arguments{argv[0]};
   if (own < argc)
     petsc_arguments.insert(petsc_arguments.end(), dashes + 1, argv + argc);
+  signorini::catch_stop_signals(); // from the start: a signal while libraries start up is one like any other
   int petsc_count = static_cast<int>(petsc_arguments.size());
   petsc_arguments.push_back(nullptr);
   char** petsc_values = petsc_arguments.data();

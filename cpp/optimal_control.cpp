@@ -96,13 +96,18 @@ Ending minimise(ControlProblem& problem, const scene::Scene& scene, SearchRecord
 }
 
 /// The candidates that are closed at some of the points of a certificate and open at others, by step: there
-/// contact is weak. The sweeps that this takes are not counted.
+/// contact is weak. The sweeps that this takes are not counted. Where the run is `interrupted` these are some of them.
 std::vector<io::WeakContact> weak_contact(control::ReducedProblem& reduced,
-                                          const std::vector<control::Control>& points) {
+                                          const std::vector<control::Control>& points, bool& interrupted) {
   const auto sweeps = reduced.sweeps();
   std::set<std::pair<int, int>> closed, open;
   for (const control::Control& point : points) {
-    (void)reduced.value(point);
+    try {
+      (void)reduced.value(point);
+    } catch (const Interrupted&) { // the search has its end, and is written
+      interrupted = true;
+      break;
+    }
     const auto& contact = reduced.trial_trajectory().contact();
     for (std::size_t k = 1; k < contact.size(); ++k)
       for (std::size_t i = 0; i < contact[k].status.size(); ++i)
@@ -122,13 +127,14 @@ std::vector<io::WeakContact> weak_contact(control::ReducedProblem& reduced,
 /// Says where J has the kink that a search ended at.
 io::Kink describe(control::ReducedProblem& reduced,
                   const optimize::Certificate<control::Control>& certificate, double first_norm,
-                  const Console& console) {
+                  bool& interrupted, const Console& console) {
   io::Kink kink{certificate.length, certificate.radius, static_cast<int>(certificate.points.size()),
-                weak_contact(reduced, certificate.points)};
+                weak_contact(reduced, certificate.points, interrupted)};
   console.line(fmt::format(
       "{} gradients within {:.1e} of the control have a combination of length {:.2e}, {:.1e} of the first "
-      "gradient's; contact is weak at {} candidates and steps:",
-      kink.gradients, kink.radius, kink.length, kink.length / first_norm, kink.weak.size()));
+      "gradient's; contact is weak at {}{} candidates and steps:",
+      kink.gradients, kink.radius, kink.length, kink.length / first_norm, interrupted ? "at least " : "",
+      kink.weak.size()));
   constexpr std::size_t most_lines = 8;
   for (std::size_t i = 0; i < std::min(most_lines, kink.weak.size()); ++i)
     console.line(fmt::format("  step {} (t = {:.6g} s), node at ({:.6g}) m", kink.weak[i].step,
@@ -159,9 +165,7 @@ void require_control_problem(MPI_Comm comm, const scene::Scene& scene, const std
 int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,
                    const Console& console) {
   require_control_problem(comm, scene, out);
-  io::OutputFolder folder(comm, out);
-  if (resume)
-    folder.clear_unfinished();
+  io::OutputFolder folder(comm, out, resume ? SearchRecord::checkpoint : "");
   Timers timers;
   const Problem problem(comm, scene, {.sliding = true}, timers);
   console.line(headline(problem));
@@ -171,10 +175,9 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   SearchRecord record(control_problem, problem, folder, resume, console);
   const Ending ending = minimise(control_problem, scene, record);
   record.end();
-  const std::vector<io::HistoryRow>& rows = record.rows();
-  if (rows.empty()) // interrupted before the first guess was evaluated: there is nothing to write
+  if (!record.evaluated()) // the rows of a checkpoint alone are nothing to write
     throw Interrupted();
-
+  const std::vector<io::HistoryRow>& rows = record.rows();
   if (scene.output.table("history"))
     folder.write("history.csv", io::history_table(rows));
   folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
@@ -188,8 +191,10 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   m.iterations = rows.back().iteration;
   m.forward_sweeps = reduced.sweeps().forward;
   m.adjoint_sweeps = reduced.sweeps().adjoint;
+  bool interrupted = ending.stop == optimize::Stop::interrupted;
   if (ending.certificate)
-    m.kink = describe(reduced, *ending.certificate, first_norm, console);
+    m.kink = describe(reduced, *ending.certificate, first_norm, interrupted, console);
+  m.files = folder.files();
   folder.write("run.json", io::to_json(m, scene, timers));
   console.line(fmt::format(
       "J {:.6e} -> {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e}), |g| "
@@ -201,7 +206,7 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   console.line(storage_line(problem, control_problem));
   finish(folder, console);
   return ending.stop == optimize::Stop::solver_failed ? exit_status::solver_failed
-         : ending.stop == optimize::Stop::interrupted ? exit_status::interrupted
+         : interrupted                                ? exit_status::interrupted
                                                       : exit_status::done;
 }
 

@@ -1,7 +1,6 @@
 #include "run.h"
 #include "base/collective.h"
 #include "base/error.h"
-#include "base/signals.h"
 #include "check.h"
 #include "info.h"
 #include "io/manifest.h"
@@ -42,6 +41,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
   io::Manifest m = manifest(problem, "simulate", complete ? "end of time" : "interrupted", steps);
   m.invariants = watched(recorder, scene.run, console);
+  m.files = folder.files();
   folder.write("run.json", io::to_json(m, scene, timers));
   console.line(fmt::format("{}{} steps in {:.2g} s", complete ? "" : "interrupted after ", steps,
                            timers.entries().at("forward").seconds));
@@ -56,6 +56,19 @@ int check(const scene::Scene& scene, const Console& console) {
   return check_scene(problem, console) ? exit_status::done : exit_status::check_failed;
 }
 
+/// A run replaces scene.toml by its echo. Where that is the scene to be run it must be what a run left, untouched.
+void require_not_the_users(const scene::Scene& scene, const std::string& text, const std::filesystem::path& out) {
+  const std::filesystem::path echo = out / "scene.toml";
+  std::error_code none;
+  if (!std::filesystem::equivalent(scene.file, echo, none))
+    return;
+  const scene::Scene written = scene::parse(text, scene.file, {});
+  for (int dim : {2, 3})
+    if (scene::echo(written, dim) == text)
+      return;
+  throw UserError(fmt::format("--out: found the scene itself, {}, which the run would replace, allowed is another folder", echo.string()));
+}
+
 } // namespace
 
 int run(const Request& request, const Console& console) {
@@ -66,7 +79,8 @@ int run(const Request& request, const Console& console) {
       !request.out.empty()
           ? request.out
           : std::filesystem::path("results") / (request.verb == "study" ? scene.name + "-study" : scene.name);
-  catch_stop_signals();
+  if (request.verb == "simulate" || request.verb == "optimize")
+    on_root(world(), [&] { require_not_the_users(scene, text, out); });
   if (request.verb == "simulate")
     return simulate_scene(scene, out, console);
   if (request.verb == "optimize")

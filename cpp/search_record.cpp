@@ -41,7 +41,7 @@ std::vector<io::HistoryRow> rows_of(const std::vector<double>& numbers) {
 SearchRecord::SearchRecord(ControlProblem& control_problem, const Problem& problem,
                            const io::OutputFolder& folder, bool resume, const Console& console)
     : control_problem_(control_problem), problem_(problem), folder_(folder), console_(console),
-      file_(folder.path() / "checkpoint.h5"), every_(problem.scene.optimizer.checkpoint), resume_(resume) {
+      file_(folder.path() / checkpoint), every_(problem.scene.optimizer.checkpoint), resume_(resume) {
   progress_.emplace(console, "iterations", static_cast<std::size_t>(problem.scene.optimizer.max_iterations));
 }
 
@@ -50,6 +50,7 @@ double SearchRecord::seconds() const {
 }
 
 void SearchRecord::operator()(const optimize::Iteration& iteration) {
+  evaluated_ = true;
   const control::ReducedProblem& reduced = control_problem_.reduced;
   const control::Value& value = reduced.value();
   io::HistoryRow row{iteration.number,         value.total(),
@@ -78,13 +79,13 @@ void SearchRecord::show_row() {
     return;
   }
   // An earlier run's gives way to a whole one.
-  const std::filesystem::path part = folder_.path() / ".history.csv.part";
+  const std::filesystem::path part = folder_.staged("history.csv.part");
   history_.open(part, std::ios::binary);
   history_ << io::history_table(rows_) << std::flush;
   std::error_code ignored; // the whole table is written again, and checked, at the end
   if (history_)
     std::filesystem::rename(part, folder_.path() / "history.csv", ignored);
-  else
+  if (!history_ || ignored)
     std::filesystem::remove(part, ignored);
 }
 
@@ -114,7 +115,7 @@ void SearchRecord::read(io::CheckpointReader& in) {
   std::string scene;
   in("scene", scene);
   const scene::Difference difference =
-      scene::difference(scene, scene::echo(problem_.scene, problem_.space.dim()));
+      scene::difference(scene, scene::echo(problem_.scene, problem_.space.dim()), {"optimizer.method"});
   if (!difference.first.empty())
     in.fail(fmt::format("found a run with {}, this scene has {}; allowed is the scene that was interrupted",
                         difference.first, difference.second));
@@ -134,6 +135,7 @@ void SearchRecord::restored(double stored, double found) {
         "--resume: {}: found a control with J = {:.10g}, where it was {:.10g}; allowed are the forms and the "
         "mesh of the run that was interrupted",
         file_.string(), found, stored));
+  evaluated_ = true;
   // Those of an iteration that was broken off do not count: it is made again.
   control_problem_.reduced.count_from({rows_.back().forward_sweeps, rows_.back().adjoint_sweeps});
   stored_at_ = rows_.back().iteration;

@@ -12,6 +12,8 @@ namespace signorini {
 /// as soon as it is made, and checkpoint.h5. All members collective.
 class SearchRecord {
 public:
+  static constexpr const char* checkpoint = "checkpoint.h5"; ///< the file's name
+
   /// With `resume` the search goes on from the folder's checkpoint, where it has one. The references must
   /// outlive this object.
   SearchRecord(ControlProblem& control_problem, const Problem& problem, const io::OutputFolder& folder,
@@ -46,7 +48,7 @@ public:
     if (every_ == 0 || rows_.empty())
       return;
     const auto timer = problem_.timers.time("checkpoint");
-    io::CheckpointWriter out(control_problem_.controls, file_);
+    io::CheckpointWriter out(control_problem_.controls, folder_.staged(checkpoint), file_);
     write(out);
     state.exchange(out);
     stored_at_ = state.iteration.number;
@@ -57,7 +59,12 @@ public:
   /// Ends the display of progress.
   void end() { progress_.reset(); }
 
+  /// Of the whole search, those before it was resumed included.
   [[nodiscard]] const std::vector<io::HistoryRow>& rows() const { return rows_; }
+
+  /// Whether the problem's current point is one of the search's: J was evaluated at the first guess, or where the
+  /// checkpoint said that it stood.
+  [[nodiscard]] bool evaluated() const { return evaluated_; }
 
 private:
   using Clock = std::chrono::steady_clock;
@@ -76,7 +83,7 @@ private:
   const Console& console_;
   std::filesystem::path file_;
   int every_, stored_at_ = -1;
-  bool resume_;
+  bool resume_, evaluated_ = false;
   std::optional<Progress> progress_;
   Clock::time_point start_ = Clock::now();
   double earlier_ = 0; ///< seconds of the search before it was resumed

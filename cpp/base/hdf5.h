@@ -19,6 +19,11 @@ public:
     std::swap(close_, other.close_);
     return *this;
   }
+  /// Whether it could be closed, which for a file is writing the last of it.
+  bool finish() {
+    const hid_t id = std::exchange(id_, H5I_INVALID_HID);
+    return id < 0 || close_(id) >= 0;
+  }
   operator hid_t() const { return id_; }
   explicit operator bool() const { return id_ >= 0; }
 

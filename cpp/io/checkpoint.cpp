@@ -1,12 +1,11 @@
 #include "io/checkpoint.h"
 #include "base/collective.h"
 #include "io/point_match.h"
+#include "io/sync.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 namespace signorini::io {
 
@@ -30,16 +29,6 @@ Opened make_table(hid_t file, const std::string& name, hid_t type, hsize_t rows,
   return {H5Dcreate(file, name.c_str(), type, space, link, layout, H5P_DEFAULT), H5Dclose};
 }
 
-/// Makes what stands in a file sure to be on the disk.
-bool synchronise(const std::filesystem::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY);
-  if (descriptor < 0)
-    return false;
-  const bool done = fsync(descriptor) == 0;
-  ::close(descriptor);
-  return done;
-}
-
 /// Selects a row of a table for `transfer(row's space, memory's space)`.
 template <class Transfer>
 bool on_row(hid_t table, hsize_t row, hsize_t columns, Transfer&& transfer) {
@@ -52,10 +41,9 @@ bool on_row(hid_t table, hsize_t row, hsize_t columns, Transfer&& transfer) {
 
 } // namespace
 
-CheckpointWriter::CheckpointWriter(const control::ControlSpace& controls, const std::filesystem::path& file)
-    : controls_(controls), file_(file),
-      part_(file.parent_path() / ("." + file.filename().string() + ".part")),
-      out_(H5I_INVALID_HID, H5Fclose) {
+CheckpointWriter::CheckpointWriter(const control::ControlSpace& controls, const std::filesystem::path& part,
+                                   const std::filesystem::path& file)
+    : controls_(controls), part_(part), file_(file), out_(H5I_INVALID_HID, H5Fclose) {
   const MPI_Comm comm = controls.space().comm();
   PetscInt mine = 0;
   petsc::check(VecGetLocalSize(controls.value(), &mine));
@@ -109,7 +97,7 @@ void CheckpointWriter::operator()(const std::string& name, const std::shared_ptr
   Opened table(H5I_INVALID_HID, H5Dclose);
   if (out_ && failure_.empty())
     table = make_table(out_, name, H5T_IEEE_F64LE, static_cast<hsize_t>(u->count()), columns, sizeof(double));
-  std::vector<double> row(out_ ? columns : 0);
+  std::vector<double> row(rank(comm) == 0 ? columns : 0); // gathered there whether it can be written or not
   for (int k = 1; k <= u->count(); ++k) {
     const petsc::ReadArray values(u->at(k));
     MPI_Gatherv(std::span<const double>(values).data(), static_cast<int>(values.size()), MPI_DOUBLE,
@@ -128,18 +116,18 @@ std::string CheckpointWriter::commit() {
   const MPI_Comm comm = controls_.space().comm();
   if (rank(comm) == 0) {
     errno = 0;
-    if (out_ && H5Fflush(out_, H5F_SCOPE_GLOBAL) < 0 && failure_.empty())
+    const bool flushed = !out_ || H5Fflush(out_, H5F_SCOPE_GLOBAL) >= 0, closed = out_.finish();
+    if (!(flushed && closed) && failure_.empty())
       failure_ = errno ? std::generic_category().message(errno) : "HDF5 cannot flush it";
-    out_ = Opened(H5I_INVALID_HID, H5Fclose);
-    std::error_code error;
-    if (failure_.empty() && synchronise(part_))
-      std::filesystem::rename(part_, file_, error);
-    else if (failure_.empty())
-      failure_ = std::generic_category().message(errno);
-    if (error)
-      failure_ = error.message();
-    if (failure_.empty())
-      synchronise(file_.parent_path());
+    try {
+      if (failure_.empty()) {
+        synchronise(part_);
+        std::filesystem::rename(part_, file_);
+        synchronise(file_.parent_path());
+      }
+    } catch (const std::filesystem::filesystem_error& error) {
+      failure_ = error.code().message();
+    }
   }
   return broadcast(comm, failure_);
 }

@@ -13,8 +13,8 @@ namespace signorini::io {
 /// the others go on too and commit() says it.
 class CheckpointWriter {
 public:
-  /// `file` is replaced at commit(). `controls` must outlive this object.
-  CheckpointWriter(const control::ControlSpace& controls, const std::filesystem::path& file);
+  /// `part`, on the same disk, takes the place of `file` at commit(). `controls` must outlive this object.
+  CheckpointWriter(const control::ControlSpace& controls, const std::filesystem::path& part, const std::filesystem::path& file);
   ~CheckpointWriter();
   CheckpointWriter(const CheckpointWriter&) = delete;
   CheckpointWriter& operator=(const CheckpointWriter&) = delete;
@@ -29,10 +29,9 @@ public:
 
 private:
   void numbers(const std::string& name, std::span<const double> values);
-  void control_rows(const std::string& name, const control::Control& u);
 
   const control::ControlSpace& controls_;
-  std::filesystem::path file_, part_;
+  std::filesystem::path part_, file_;
   std::vector<int> counts_, starts_; ///< values of each rank in a row
   Opened out_;                       ///< on rank 0
   std::string failure_;              ///< on rank 0

@@ -97,6 +97,7 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
     json["invariants"][defect.name] = {{"worst", defect.worst}, {"step", defect.step}};
   for (const auto& [phase, entry] : timers.entries())
     json["timings"][phase] = {{"seconds", entry.seconds}, {"calls", entry.calls}};
+  json["files"] = m.files;
   json["counters"] = counts();
   json["peak_memory_bytes"] = m.peak_memory;
   return json.dump(2) + "\n";

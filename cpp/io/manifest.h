@@ -39,6 +39,7 @@ struct Manifest {
   std::vector<forward::Invariants::Defect> invariants; ///< of the motion stored, none if none was watched
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
   std::optional<Kink> kink;
+  std::vector<std::string> files; ///< that the run leaves
 };
 
 /// Of this program and the libraries whose versions matter.

@@ -1,5 +1,7 @@
 #include "io/output_folder.h"
 #include "base/collective.h"
+#include "io/publication.h"
+#include <algorithm>
 #include <array>
 #include <fmt/format.h>
 
@@ -13,30 +15,48 @@ constexpr std::array file_names{"state.h5",     "control.h5",   "adjoint.h5", "s
                                 "control.xdmf", "adjoint.xdmf", "steps.csv",  "contact.csv",
                                 "history.csv",  "scene.toml",   "run.json"};
 
-constexpr const char* unfinished = ".unfinished-";
+constexpr const char *manifest = file_names.back(), *unfinished = ".unfinished-";
+
+/// Of a search; it stays until another one replaces it.
+constexpr const char* checkpoint = "checkpoint.h5";
+
+/// What a search puts in place while it goes on.
+const FolderLock::Names early_names{"history.csv", checkpoint};
+
+/// Removes what runs that were killed left half-written.
+void clear_unfinished(const fs::path& folder) {
+  std::error_code ignored; // they are in nobody's way
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().filename().string().starts_with(unfinished))
+      fs::remove_all(entry.path(), ignored);
+}
 
 } // namespace
 
-OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder)
+OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder, std::string_view given)
     : comm_(comm), folder_(fs::absolute(folder)) {
   std::string staging;
   on_root(comm, [&] {
+    lock_.emplace(folder);
+    complete_publication(folder_, file_names);
+    clear_unfinished(folder_);
     std::error_code error;
-    for (fs::path missing = folder_; !fs::exists(missing, error) && missing.has_relative_path();
-         missing = missing.parent_path())
-      made_.push_back(missing);
     for (const char* name : file_names)
       if (fs::is_directory(folder_ / name, error))
         throw UserError(
             fmt::format("--out: {} is a folder and in the way of a file of this run, allowed is a folder "
                         "without it",
                         (folder / name).string()));
-    fs::create_directories(folder_, error);
+    FolderLock::Names names(file_names.begin(), file_names.end());
+    names.insert(names.end(), early_names.begin(), early_names.end());
+    std::erase(names, given);
+    lock_->claim(manifest, names, early_names);
     staging = (folder_ / (std::string(unfinished) + "XXXXXX")).string();
-    if (error || !mkdtemp(staging.data()))
-      throw UserError(fmt::format("--out: {} cannot be written ({}), allowed is a folder that can",
-                                  folder.string(),
-                                  error ? error.message() : std::generic_category().message(errno)));
+    if (!mkdtemp(staging.data())) {
+      staging.clear();
+      throw UserError(fmt::format("--out: {} cannot be written ({}), allowed is a folder that can", folder.string(),
+                                  std::generic_category().message(errno)));
+    }
   });
   staging_ = broadcast(comm, staging);
 }
@@ -46,20 +66,20 @@ OutputFolder::~OutputFolder() {
     discard();
 }
 
-void OutputFolder::clear_unfinished() const {
-  if (rank(comm_) != 0)
-    return;
-  std::error_code ignored; // they are in nobody's way
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored))
-    if (entry.path().filename().string().starts_with(unfinished) && entry.path() != staging_)
-      fs::remove_all(entry.path(), ignored);
-}
-
 void OutputFolder::discard() const {
   std::error_code ignored; // the run ends anyhow, and has nobody to tell
   fs::remove_all(staging_, ignored);
-  for (const fs::path& folder : made_) // goes through only where nothing was published
-    fs::remove(folder, ignored);
+}
+
+FolderLock::Names OutputFolder::files() const {
+  FolderLock::Names found{manifest};
+  std::error_code none;
+  for (const char* name : file_names)
+    if (name != manifest && fs::exists(staged(name), none))
+      found.emplace_back(name);
+  if (fs::exists(folder_ / checkpoint, none))
+    found.emplace_back(checkpoint);
+  return found;
 }
 
 void OutputFolder::write(const std::string& name, const std::string& text) const {
@@ -94,18 +114,7 @@ void TextFile::close() {
 
 void OutputFolder::publish() {
   MPI_Barrier(comm_); // all ranks have closed their files
-  on_root(comm_, [&] {
-    for (const char* name : file_names) {
-      std::error_code error;
-      if (fs::exists(staged(name)))
-        fs::rename(staged(name), folder_ / name, error);
-      else
-        fs::remove(folder_ / name, error);
-      if (error)
-        throw UserError(
-            fmt::format("{}: cannot be replaced ({})", (folder_ / name).string(), error.message()));
-    }
-  });
+  on_root(comm_, [&] { io::publish(folder_, staging_, file_names); });
 }
 
 } // namespace signorini::io

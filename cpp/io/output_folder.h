@@ -1,7 +1,9 @@
 #pragma once
+#include "io/folder_lock.h"
 #include <filesystem>
 #include <fstream>
 #include <mpi.h>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,8 +15,10 @@ namespace signorini::io {
 /// was.
 class OutputFolder {
 public:
-  /// Makes the folder. Collective. Throws UserError on every rank if that cannot be done.
-  OutputFolder(MPI_Comm comm, const std::filesystem::path& folder);
+  /// Makes the folder, takes it for this run alone and tidies up after runs that were killed. Collective. Throws UserError on
+  /// every rank if the folder cannot be written, another run has it, or a file is in the way that no run wrote; but for
+  /// that called `given`, which this run reads and judges itself.
+  OutputFolder(MPI_Comm comm, const std::filesystem::path& folder, std::string_view given = {});
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
@@ -25,15 +29,15 @@ public:
   /// Writes a text file, on rank 0. Collective. Throws UserError.
   void write(const std::string& name, const std::string& text) const;
 
-  /// Removes what runs that were killed left half-written. Collective; none may be under way.
-  void clear_unfinished() const;
-
   /// Removes everything written. Not collective.
   void discard() const;
 
   /// Moves everything written into place and removes what an earlier run left under the fixed names and this
-  /// one did not write. Collective. Throws UserError.
+  /// one did not write; all of it, or nothing if it throws. Collective. Throws UserError.
   void publish();
+
+  /// What run.json, which is written last, stands for: the files of this run, and those of earlier ones that stay. On rank 0.
+  [[nodiscard]] FolderLock::Names files() const;
 
   [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
@@ -41,7 +45,7 @@ public:
 private:
   MPI_Comm comm_;
   std::filesystem::path folder_, staging_;
-  std::vector<std::filesystem::path> made_; ///< folders that did not exist before, innermost first; on rank 0
+  std::optional<FolderLock> lock_; ///< on rank 0
 };
 
 /// A text file of the folder, written piece by piece on rank 0.

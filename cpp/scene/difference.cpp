@@ -1,6 +1,5 @@
 #include "scene/difference.h"
 #include <algorithm>
-#include <array>
 #include <fmt/format.h>
 #include <map>
 #include <sstream>
@@ -11,15 +10,13 @@ namespace signorini::scene {
 
 namespace {
 
-constexpr std::array not_of_the_problem{"mesh.file",
-                                        "optimizer.max_iterations",
-                                        "optimizer.tolerance",
-                                        "optimizer.checkpoint",
-                                        "solver.memory",
-                                        "trajectory.",
-                                        "output.",
-                                        "run.",
-                                        "check."};
+/// What does not pose the problem; paths say where a mesh or a motion lies, not what it is.
+constexpr Keys not_of_the_problem{"mesh.file", "objective.desired.run", "optimizer.", "solver.memory", "trajectory.",
+                                  "output.",   "run.",                  "check.",     "exact."};
+
+bool among(Keys keys, std::string_view key) {
+  return std::ranges::any_of(keys, [&](std::string_view prefix) { return key.starts_with(prefix); });
+}
 
 void flatten(const toml::node& node, const std::string& key, std::map<std::string, std::string>& values) {
   if (const toml::table* table = node.as_table()) {
@@ -32,9 +29,6 @@ void flatten(const toml::node& node, const std::string& key, std::map<std::strin
       flatten((*array)[i], key + "[" + std::to_string(i) + "]", values);
     return;
   }
-  if (std::ranges::any_of(not_of_the_problem,
-                          [&](std::string_view prefix) { return key.starts_with(prefix); }))
-    return;
   std::ostringstream text;
   if (const auto* number = node.as_floating_point())
     text << fmt::format("{}", number->get());
@@ -45,16 +39,26 @@ void flatten(const toml::node& node, const std::string& key, std::map<std::strin
   values[key] = text.str();
 }
 
-std::map<std::string, std::string> flat(const std::string& scene) {
+std::map<std::string, std::string> posed(const std::string& scene, Keys besides) {
   std::map<std::string, std::string> values;
   flatten(toml::parse(scene), "", values);
+  std::erase_if(values, [&](const auto& entry) {
+    return among(not_of_the_problem, entry.first) && !among(besides, entry.first);
+  });
   return values;
 }
 
 } // namespace
 
-Difference difference(const std::string& first, const std::string& second) {
-  const auto a = flat(first), b = flat(second);
+std::string problem(const std::string& scene, Keys besides) {
+  std::string text;
+  for (const auto& [key, value] : posed(scene, besides))
+    text += key + " = " + value + '\n';
+  return text;
+}
+
+Difference difference(const std::string& first, const std::string& second, Keys besides) {
+  const auto a = posed(first, besides), b = posed(second, besides);
   const auto shown = [](const auto& values, const std::string& key) {
     const auto found = values.find(key);
     return found == values.end() ? "no " + key : key + " = " + found->second;

@@ -11,6 +11,9 @@ namespace {
 
 using Json = nlohmann::json;
 
+constexpr const char* rungs = "rungs";
+const io::FolderLock::Names file_names{"study.csv", "study.json", rungs};
+
 Json packed(const std::vector<double>& values) {
   std::vector<std::uint8_t> bytes(values.size() * sizeof(double));
   std::memcpy(bytes.data(), values.data(), bytes.size());
@@ -51,15 +54,21 @@ Json scatter(const std::optional<Orders::Order>& order) {
 
 } // namespace
 
-Store::Store(const std::filesystem::path& folder) : folder_(folder) {
+Store::Store(const std::filesystem::path& folder) : folder_(folder), lock_(folder) {
+  lock_.claim("study.json", file_names, file_names);
   std::error_code error;
-  std::filesystem::create_directories(folder_ / "rungs", error);
+  std::filesystem::create_directories(folder_ / rungs, error);
   if (error)
     throw UserError(fmt::format("--out: the folder {} cannot be made ({}), allowed is one that can be", folder_.string(), error.message()));
 }
 
+Store::~Store() {
+  std::error_code not_empty;
+  std::filesystem::remove(folder_ / rungs, not_empty);
+}
+
 std::filesystem::path Store::file(const Rung& rung) const {
-  return folder_ / "rungs" / fmt::format("size-{:.10g}-steps-{}-degree-{}-{}.cbor", rung.size, rung.steps, rung.degree, rung.scheme);
+  return folder_ / rungs / fmt::format("size-{:.10g}-steps-{}-degree-{}-{}.cbor", rung.size, rung.steps, rung.degree, rung.scheme);
 }
 
 std::optional<Measured> Store::load(const Rung& rung, const std::string& echo, const std::vector<Quantity>& wanted) const {
@@ -138,6 +147,7 @@ std::string json(const scene::Scene& scene, const std::vector<Errors>& errors, c
     (one.exact ? any_exact : all_exact) = one.exact;
   json["reference"] = all_exact ? "exact" : any_exact ? "exact where it is known, else the finest rung" : "finest rung";
   json["versions"] = io::versions();
+  json["files"] = file_names;
   json["quantities"] = nlohmann::ordered_json::object();
   for (const Errors& one : errors)
     json["quantities"][one.quantity.name] = {

@@ -1,4 +1,5 @@
 #pragma once
+#include "io/folder_lock.h"
 #include "study/analysis.h"
 #include <filesystem>
 
@@ -8,7 +9,9 @@ namespace signorini::study {
 /// of all of them. Used on rank 0. Files are replaced as a whole. Throws UserError.
 class Store {
 public:
+  /// Makes the folder and takes it for this study alone.
   explicit Store(const std::filesystem::path& folder);
+  ~Store();
 
   /// What a rung gave, if it ran with the same resolved scene (`echo`) and these quantities among others.
   [[nodiscard]] std::optional<Measured> load(const Rung& rung, const std::string& echo, const std::vector<Quantity>& wanted) const;
@@ -20,6 +23,7 @@ public:
 private:
   [[nodiscard]] std::filesystem::path file(const Rung& rung) const;
   std::filesystem::path folder_;
+  io::FolderLock lock_;
 };
 
 /// study.csv: a row for each rung that has run.

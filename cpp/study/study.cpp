@@ -167,6 +167,9 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   const bool root = rank(comm) == 0;
   const std::vector<Quantity> wanted = chosen(scene, options.quantities);
   std::vector<Rung> rungs = ladder(scene, options.choice);
+  std::optional<Store> store;
+  if (!options.dry_run)
+    on_root(comm, [&] { store.emplace(out); });
   const Samples samples(comm, scene);
   const Exact exact = exact_values(scene, samples);
   std::ranges::stable_sort(rungs, {}, [&](const Rung& rung) { return work(rung, samples.dim); });
@@ -177,8 +180,6 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
     show_prices(console, rungs, *price, scene);
     return 0;
   }
-  std::optional<Store> store;
-  on_root(comm, [&] { store.emplace(out); });
   std::vector<Result> results;
   for (const Rung& rung : rungs)
     results.push_back({rung, std::nullopt});

@@ -1,0 +1,124 @@
+#include "io/folder_lock.h"
+#include "base/error.h"
+#include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace signorini::io {
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+constexpr const char* file_name = ".signorini-lock";
+
+/// What a file holds; a discarded value if that is no JSON.
+Json read(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return Json::parse(in, nullptr, false);
+}
+
+/// The texts of a list of an object.
+std::set<std::string> texts(const Json& object, const char* key) {
+  std::set<std::string> found;
+  if (object.is_object() && object.contains(key) && object[key].is_array())
+    for (const Json& text : object[key])
+      if (text.is_string())
+        found.insert(text.get<std::string>());
+  return found;
+}
+
+bool present(const fs::path& file) {
+  std::error_code none;
+  return fs::symlink_status(file, none).type() != fs::file_type::not_found;
+}
+
+[[noreturn]] void cannot_write(const fs::path& given, const std::string& reason) {
+  throw UserError(fmt::format("--out: {} cannot be written ({}), allowed is a folder that can", given.string(), reason));
+}
+
+std::string last_error() { return std::generic_category().message(errno); }
+
+} // namespace
+
+FolderLock::FolderLock(const fs::path& folder) : FolderLock(folder, Unlocked()) { // what follows is undone if it fails
+  make(folder);
+  lock(folder);
+}
+
+void FolderLock::make(const fs::path& given) {
+  std::error_code error;
+  for (fs::path missing = folder_; !fs::exists(missing, error) && missing.has_relative_path(); missing = missing.parent_path())
+    made_.push_back(missing);
+  fs::create_directories(folder_, error);
+  if (error)
+    cannot_write(given, error.message());
+}
+
+void FolderLock::lock(const fs::path& given) {
+  const fs::path path = folder_ / file_name;
+  for (;;) {
+    const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
+    if (file < 0)
+      cannot_write(given, last_error());
+    // A file system without locks cannot tell: there runs are not kept apart.
+    if (flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      close(file);
+      const Json holder = read(path);
+      const bool known = holder.is_object() && holder.contains("process") && holder.contains("host");
+      throw UserError(fmt::format("--out: found {} in use by {}, allowed is a folder that no other run writes to", given.string(),
+                                  known ? fmt::format("process {} on {}", holder["process"].dump(), holder["host"].dump())
+                                        : "another run that is just starting or ending"));
+    }
+    struct stat here{}, there{};
+    if (fstat(file, &here) == 0 && stat(path.c_str(), &there) == 0 && here.st_ino == there.st_ino) {
+      file_ = file;
+      break;
+    }
+    close(file); // its last holder removed it meanwhile
+  }
+  early_ = texts(read(path), "early");
+}
+
+bool FolderLock::vouched(const std::string& name) const {
+  const Json manifest = read(folder_ / manifest_);
+  if (!manifest.is_object() || !manifest.contains("versions") || !manifest["versions"].contains("signorini"))
+    return false;
+  return !manifest.contains("files") || texts(manifest, "files").contains(name);
+}
+
+void FolderLock::claim(const std::string& manifest, const Names& names, const Names& early) {
+  manifest_ = manifest;
+  for (const std::string& name : names)
+    if (present(folder_ / name) && !early_.contains(name) && !vouched(name))
+      throw UserError(fmt::format("--out: found {}, which no run in that folder wrote, allowed is a folder without it",
+                                  (folder_ / name).string()));
+  early_.insert(early.begin(), early.end());
+  char host[256] = "";
+  gethostname(host, sizeof host - 1);
+  const std::string text = Json{{"process", getpid()}, {"host", host}, {"early", early_}}.dump() + "\n";
+  errno = ENOSPC; // what a short write says
+  if (ftruncate(file_, 0) != 0 || pwrite(file_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()))
+    cannot_write(folder_, last_error());
+}
+
+FolderLock::~FolderLock() {
+  if (file_ >= 0) {
+    const bool needed = std::ranges::any_of(
+        early_, [&](const std::string& name) { return present(folder_ / name) && (manifest_.empty() || !vouched(name)); });
+    if (!needed)
+      unlink((folder_ / file_name).c_str());
+    close(file_);
+  }
+  std::error_code not_empty;
+  for (const fs::path& folder : made_)
+    fs::remove(folder, not_empty);
+}
+
+} // namespace signorini::io
