@@ -2,6 +2,7 @@
 #include "base/collective.h"
 #include "base/error.h"
 #include "scene/names.h"
+#include "study/density.h"
 #include "study/measure.h"
 #include "study/store.h"
 #include <algorithm>
@@ -167,6 +168,9 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   const bool root = rank(comm) == 0;
   const std::vector<Quantity> wanted = chosen(scene, options.quantities);
   std::vector<Rung> rungs = ladder(scene, options.choice);
+  std::vector<double> sizes;
+  std::ranges::transform(rungs, std::back_inserter(sizes), &Rung::size);
+  require_answer_to(comm, scene, sizes);
   const Samples samples(comm, scene);
   const Exact exact = exact_values(scene, samples);
   std::ranges::stable_sort(rungs, {}, [&](const Rung& rung) { return work(rung, samples.dim); });
