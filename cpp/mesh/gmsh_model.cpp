@@ -1,6 +1,7 @@
 #include "mesh/gmsh_model.h"
 #include "base/error.h"
 #include "base/own_process.h"
+#include "mesh/msh_file.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -346,21 +347,6 @@ private:
   std::vector<Facet> facets_; ///< of every cell, ascending: one between two cells is there twice
 };
 
-/// A .msh that was cut short, which gmsh may read as far as it goes.
-void require_whole(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string line, last;
-  while (std::getline(in, line))
-    if (line.find_first_not_of(" \t\r") != std::string::npos)
-      last = line;
-  if (last.empty() || last.starts_with("$End"))
-    return; // gmsh says what is wrong with an empty file
-  throw UserError(fmt::format(
-      "{}: not a whole .msh file: its last line is not the end of a section ($End...); allowed are "
-      "complete .msh files",
-      file));
-}
-
 } // namespace
 
 RawMesh read_gmsh_here(const scene::Mesh& mesh) {
@@ -368,11 +354,18 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh) {
   if (!std::ifstream(file) || std::filesystem::is_directory(mesh.file))
     throw UserError(
         fmt::format("mesh.file: {} cannot be read, allowed is the path of a .geo or .msh file", file));
+  std::optional<MshFile> msh;
   if (mesh.file.extension() == ".msh")
-    require_whole(file);
+    msh.emplace(mesh.file);
+  const std::string opened = msh ? msh->path() : file;
+  const auto cannot_read = [&](std::string said) {
+    if (const std::size_t at = said.find(opened); at != std::string::npos)
+      said.replace(at, opened.size(), file);
+    return UserError(fmt::format("{}: gmsh cannot read it: {}", file, said));
+  };
   const Session session;
   try {
-    gmsh::open(file);
+    gmsh::open(opened);
     if (mesh.file.extension() == ".geo") {
       if (mesh.size) {
         gmsh::option::setNumber("Mesh.MeshSizeMin", *mesh.size);
@@ -382,12 +375,12 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh) {
       gmsh::model::mesh::generate(gmsh::model::getDimension());
     }
     if (const std::string error = complaint(""); !error.empty())
-      throw UserError(fmt::format("{}: gmsh cannot read it: {}", file, error));
+      throw cannot_read(error);
     return Extraction(mesh).run();
   } catch (const UserError&) {
     throw;
   } catch (const std::exception& error) {
-    throw UserError(fmt::format("{}: gmsh cannot read it: {}", file, complaint(error.what())));
+    throw cannot_read(complaint(error.what()));
   }
 }
 

@@ -203,12 +203,14 @@ Samples::Samples(MPI_Comm comm, const scene::Scene& scene) {
   constexpr std::size_t most = 12'000;
   constexpr int intervals = 100;
   scene::Mesh mesh = scene.mesh;
-  for (;;) {
+  for (std::size_t before = std::numeric_limits<std::size_t>::max();;) {
     const mesh::Mesh read(comm, mesh);
     dim = read.dim();
     body = fem::quadrature(read);
-    if (body.weights.size() <= most || mesh.file.extension() == ".msh")
+    const std::size_t points = body.weights.size();
+    if (points <= most || mesh.file.extension() == ".msh" || points >= before) // a .geo may set its own density
       break;
+    before = points;
     (mesh.size ? *mesh.size : mesh.scale) *= 2;
   }
   for (int j = 0; j <= intervals; ++j)

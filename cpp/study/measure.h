@@ -11,8 +11,8 @@ struct Samples {
   int dim = 2;
   std::vector<double> times; ///< s, from 0 to time.end at equal distances
 
-  /// Points of the scene's own mesh or of one twice, four times … as wide, until there are few enough. Collective. Throws
-  /// UserError.
+  /// Points of the scene's own mesh or of one twice, four times … as wide, until there are few enough or no fewer. Collective.
+  /// Throws UserError.
   Samples(MPI_Comm comm, const scene::Scene& scene);
 
   /// Scales samples (times × points × dim), in place, so that the sum of their squares is the square of the norm in

@@ -2,6 +2,7 @@
 #include "base/collective.h"
 #include "base/error.h"
 #include "scene/names.h"
+#include "study/density.h"
 #include "study/measure.h"
 #include "study/store.h"
 #include <algorithm>
@@ -170,6 +171,9 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   std::optional<Store> store;
   if (!options.dry_run)
     on_root(comm, [&] { store.emplace(out); });
+  std::vector<double> sizes;
+  std::ranges::transform(rungs, std::back_inserter(sizes), &Rung::size);
+  require_answer_to(comm, scene, sizes);
   const Samples samples(comm, scene);
   const Exact exact = exact_values(scene, samples);
   std::ranges::stable_sort(rungs, {}, [&](const Rung& rung) { return work(rung, samples.dim); });

@@ -1,4 +1,5 @@
 #include "base/error.h"
+#include "study/density.h"
 #include "study/measure.h"
 #include "study/study.h"
 #include <chrono>
@@ -48,6 +49,7 @@ int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, std::opt
                                 scene.mesh.degree));
   if (scene.mesh.file.extension() == ".msh")
     throw UserError("--suggest: found a .msh, which is meshed already, allowed is a .geo");
+  require_answer(comm, scene);
   using Clock = std::chrono::steady_clock;
   const Samples samples(comm, scene);
   const auto run = [&](const Rung& rung) {

@@ -8,10 +8,11 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_DISC, SIGNORINI, SOURCE, table  # noqa: E402
+from harness import HALF_DISC, SIGNORINI, SOURCE, signorini, table  # noqa: E402
 
 import numpy as np  # noqa: E402
 
+DATA = SOURCE / "tests" / "data"
 WAVE = SOURCE / "scenes" / "standing-wave.toml"
 IMPACT = SOURCE / "scenes" / "bar-impact.toml"
 BOUNCE = SOURCE / "scenes" / "bouncing-bar.toml"
@@ -22,7 +23,7 @@ SCHEMES = (("contact-implicit", "consistent"), ("contact-stabilized", "consisten
 def study(scene: Path, out: Path | None, *options: object, ranks: int = 1, status: int = 0) -> subprocess.CompletedProcess:
     command = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
     command += [str(SIGNORINI), "study", str(scene), *(["--out", str(out)] if out else []), *map(str, options)]
-    done = subprocess.run(command, capture_output=True, text=True)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)  # where none takes minutes
     assert done.returncode == status, done.stdout + done.stderr
     return done
 
@@ -113,6 +114,29 @@ def suggestion(folder: Path) -> None:
     assert "beyond the budget" in beyond and "not met" in beyond
 
 
+def own_density(folder: Path) -> None:
+    """A .geo that sets its own density runs; where sizes matter it is refused, and nothing goes on for ever."""
+    text = (DATA / "block.toml").read_text().replace("end = 0.6", "end = 0.04")
+    text = text.replace('"square.geo"', json.dumps(str(DATA / "fixed-density.geo")))
+    cells = 2 * 70**2  # more points to sample at than are wanted: coarser meshes are looked for
+    fixed, scaled = folder / "fixed.toml", folder / "scaled.toml"
+    fixed.write_text(text)
+    scaled.write_text(text.replace("size = 0.25\n", ""))
+    for scene, kind in ((fixed, "size"), (scaled, "scale")):
+        for options in ((), ("--dry-run",), ("--sizes", "0.5,0.125"), ("--suggest", "1e-2")):
+            for ranks in (1, 2):
+                refused = study(scene, folder / "refused", *options, ranks=ranks, status=2)
+                said = [line for line in refused.stderr.splitlines() if line.startswith("signorini: ")]
+                assert len(said) == 1 and f"mesh.{kind}: " in said[0] and f"has {cells} cells" in said[0], refused.stderr
+                assert "Transfinite" in said[0] and "allowed are" in said[0] and not (folder / "refused").exists()
+    done = signorini("simulate", fixed, folder / "fixed")
+    assert json.loads((folder / "fixed/run.json").read_text())["cells"] == cells, done.stdout
+    study(fixed, folder / "one-size", "--sizes", "0.25", "--steps", "0.02,0.01", "--quantity", "J")
+    rows = table(folder / "one-size/study.csv")
+    assert list(rows["steps"]) == [2, 4] and rows["unknowns"][0] == rows["unknowns"][1] == 2 * 71**2
+    print("a .geo that sets its own density: run, studied in time, refused where sizes matter")
+
+
 def refusals(folder: Path) -> None:
     for options, fragments in (
         (("--quantity", "impuls"), ("--quantity", "impuls", 'did you mean "impulse"?')),
@@ -132,7 +156,7 @@ def refusals(folder: Path) -> None:
 
 def main() -> int:
     with tempfile.TemporaryDirectory() as name:
-        for part in (orders, ladder, ranks, suggestion, refusals):
+        for part in (orders, ladder, ranks, suggestion, own_density, refusals):
             part(Path(name))
     return 0
 

@@ -1,11 +1,15 @@
+#include "base/collective.h"
 #include "base/error.h"
 #include "base/own_process.h"
 #include "fixtures.h"
 #include "mesh/gmsh_model.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <fmt/format.h>
+#include <fstream>
 #include <numbers>
 #include <set>
+#include <unistd.h>
 
 using namespace signorini;
 using Catch::Matchers::ContainsSubstring;
@@ -171,6 +175,38 @@ TEST_CASE("surface groups hold their nodes once, on any number of ranks", "[mesh
   }
   CHECK_THROWS_WITH(mesh.facets("botom", "clamp.on"), ContainsSubstring("surface group"));
   CHECK_THROWS_WITH(mesh.facets("body", "clamp.on"), ContainsSubstring("dimension 3"));
+}
+
+TEST_CASE("a .msh is read as a mesh alone, whatever it is called and whatever lies beside it", "[mesh]") {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / fmt::format("signorini-msh-{}-{}", getpid(), rank(MPI_COMM_WORLD));
+  fs::create_directory(folder);
+  const fs::path trace = folder / "trace";
+  const std::string command = fmt::format("SystemCall \"touch '{}'\";\n", trace.string());
+  const std::string mesh = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+                           "$PhysicalNames\n1\n2 1 \"body\"\n$EndPhysicalNames\n"
+                           "$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n"
+                           "$Elements\n1\n1 2 2 1 1 1 2 3\n$EndElements\n";
+  const auto write = [&](const std::string& name, const std::string& text) {
+    std::ofstream(folder / name) << text;
+    return folder / name;
+  };
+  const auto cells = [](const fs::path& file) { return mesh::read_gmsh({.file = file, .size = {}}).cells.size() / 3; };
+  // A script is one in a .geo, and in the options that gmsh takes with a file of this name: the commands work.
+  (void)write("square.geo.opt", command);
+  fs::copy_file(test::source("tests/data/square.geo"), folder / "square.geo");
+  CHECK(mesh::read_gmsh({.file = folder / "square.geo", .size = 0.5}).dim == 2);
+  REQUIRE(fs::remove(trace));
+  (void)write("mesh.msh.opt", command);
+  CHECK(cells(write("mesh.msh", mesh)) == 1);
+  CHECK(cells(write("a b'$(touch trace).msh", mesh)) == 1);
+  CHECK(cells(write("comments.msh", "$Comments\n" + command + "$EndComments\n" + mesh)) == 1);
+  for (const std::string& text : {command + mesh, command + "$EndElements\n", "\n" + command + mesh, "$MeshFormats\n" + command + mesh,
+                                  std::string()})
+    CHECK_THROWS_WITH(cells(write("hostile.msh", text)),
+                      ContainsSubstring("hostile.msh: not a .msh file") && ContainsSubstring("first line is $MeshFormat"));
+  CHECK_FALSE(fs::exists(trace));
+  fs::remove_all(folder);
 }
 
 TEST_CASE("a file that makes gmsh crash is refused by one sentence", "[mesh]") {

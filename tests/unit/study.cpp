@@ -1,6 +1,8 @@
+#include "base/error.h"
 #include "fem/sampler.h"
 #include "fixtures.h"
-#include "study/analysis.h"
+#include "study/density.h"
+#include "study/measure.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 
@@ -103,4 +105,36 @@ TEST_CASE("a ladder that has run in part says no more than it knows", "[study]")
     results[i].measured.reset();
   CHECK(orders(Q, results, {}).empty());
   CHECK(sentences(errors(Q, results, {}), results, scene).empty());
+}
+
+TEST_CASE("sampling ends on a mesh that sets its own density, in whole or in part", "[study]") {
+  constexpr std::size_t per_cell = 3, wanted = 12'000; // of the quadrature's points
+  for (const auto& [file, size, least] : {std::tuple{"tests/data/fixed-density.geo", std::optional<double>(0.25), 2 * 70 * 70},
+                                          {"tests/data/fixed-density.geo", std::nullopt, 2 * 70 * 70},
+                                          {"tests/data/fixed-top.geo", 1, 5000}}) {
+    scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
+    scene.mesh.file = test::source(file);
+    scene.mesh.size = size;
+    const Samples samples(MPI_COMM_WORLD, scene);
+    CHECK(samples.body.weights.size() >= per_cell * static_cast<std::size_t>(least));
+    REQUIRE(samples.body.weights.size() > wanted); // coarser meshes were looked for
+  }
+}
+
+TEST_CASE("sizes that do not change the mesh are refused where they are needed", "[study]") {
+  scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
+  CHECK_NOTHROW(require_answer(MPI_COMM_WORLD, scene));
+  CHECK_NOTHROW(require_answer_to(MPI_COMM_WORLD, scene, {0.25, 0.5, 0.25}));
+  scene.mesh.size = 50; // two triangles, as with twice the size, and more with half a metre
+  CHECK_NOTHROW(require_answer_to(MPI_COMM_WORLD, scene, {50, 0.5}));
+  CHECK_THROWS_AS(require_answer_to(MPI_COMM_WORLD, scene, {0.5, 50, 100}), UserError);
+  scene.mesh.file = test::source("tests/data/fixed-top.geo");
+  scene.mesh.size = 4; // as one of 8, but finer ones change the mesh
+  CHECK_NOTHROW(require_answer_to(MPI_COMM_WORLD, scene, {4, 0.5}));
+  scene.mesh.file = test::source("tests/data/fixed-density.geo");
+  CHECK_THROWS_AS(require_answer(MPI_COMM_WORLD, scene), UserError);
+  CHECK_THROWS_AS(require_answer_to(MPI_COMM_WORLD, scene, {4, 0.25}), UserError);
+  CHECK_NOTHROW(require_answer_to(MPI_COMM_WORLD, scene, {0.25, 0.25}));
+  scene.mesh.size.reset();
+  CHECK_THROWS_AS(require_answer(MPI_COMM_WORLD, scene), UserError);
 }

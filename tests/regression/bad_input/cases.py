@@ -548,6 +548,13 @@ def mesh_file_cases() -> list[Case]:
         meshed("mesh is prose, two ranks", "A square of eight triangles.\n" * 20,
                re.compile("cannot read|no elements|not a"), ranks=2, earlier=True),
         meshed("mesh is binary", bytes(range(256)) * 16, re.compile("cannot read|no elements|not a")),
+        # gmsh runs as a script what does not begin as a mesh; the folder of the case would then hold a file more.
+        *(meshed(f"mesh that begins with {what}", beginning + 'SystemCall "touch trace";\n' + end, "not a .msh file", "$MeshFormat", **ranks)
+          for what, beginning, end, ranks in (
+              ("a command", "", old, {}), ("a command, two ranks", "", old, {"ranks": 2}), ("a command and an end", "", "$EndElements\n", {}),
+              ("a comment of scripts", "// $MeshFormat\n", old, {}), ("a blank line", "\n", old, {}),
+              ("blanks", " $MeshFormat\n", old, {}), ("an order mark", "\ufeff$MeshFormat\n", old, {}),
+              ("more than $MeshFormat", "$MeshFormat;\n", old, {}), ("a post-processing view", "$View\n$EndView\n", old, {}))),
         meshed("mesh of an unknown version", new.replace("4.1 0 8", "9.7 0 8"), re.compile("9.7|version")),
         meshed("old mesh cut short in the nodes", before(old, "$Nodes", 6), cut, earlier=True),
         meshed("old mesh cut short after the nodes", before(old, "$Elements"), cut),
@@ -559,7 +566,7 @@ def mesh_file_cases() -> list[Case]:
         meshed("mesh cut short after the nodes", before(new, "$Elements"), cut),
         meshed("mesh cut short in the elements", before(new, "$Elements", 6), cut, earlier=True),
         meshed("mesh cut short in the elements, two ranks", before(new, "$Elements", 6), cut, ranks=2),
-        meshed("mesh with fewer elements than announced", old.replace("$Elements\n16\n", "$Elements\n20\n"), cut),
+        meshed("mesh with fewer elements than announced", old.replace("$Elements\n16\n", "$Elements\n20\n"), cut, never=("/proc",)),
     ]
 
 

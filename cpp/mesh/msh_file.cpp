@@ -1,0 +1,75 @@
+#include "mesh/msh_file.h"
+#include "base/error.h"
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <fmt/format.h>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+#include <sys/mman.h>
+#include <system_error>
+#include <unistd.h>
+
+namespace signorini::mesh {
+namespace {
+
+constexpr std::string_view blank = " \t\r";
+
+std::string_view without_end_of_line(std::string_view line) {
+  return line.substr(0, line.find_last_not_of(blank) + 1);
+}
+
+/// The MSH format begins with this section; gmsh takes comments before it.
+void require_beginning(const std::string& file, std::string_view text) {
+  constexpr std::array beginnings{std::string_view("$MeshFormat"), std::string_view("$Comments")};
+  const std::string_view line = without_end_of_line(text.substr(0, text.find('\n')));
+  if (std::ranges::find(beginnings, line) != beginnings.end())
+    return;
+  constexpr std::size_t shown = 40;
+  std::string found;
+  for (char c : line.substr(0, shown))
+    found += ' ' <= c && c <= '~' ? c : '?';
+  throw UserError(fmt::format("{}: not a .msh file: {}, allowed are files whose first line is $MeshFormat", file,
+                              text.empty() ? "found an empty file"
+                                           : fmt::format("found \"{}{}\" on its first line", found, line.size() > shown ? "..." : "")));
+}
+
+/// gmsh may read a file that was cut short as far as it goes.
+void require_end(const std::string& file, std::string_view text) {
+  const std::size_t last = text.find_last_not_of(" \t\r\n"), line = text.rfind('\n', last);
+  if (text.substr(line == std::string_view::npos ? 0 : line + 1).starts_with("$End"))
+    return;
+  throw UserError(fmt::format("{}: not a whole .msh file: its last line is not the end of a section ($End...); allowed are "
+                              "complete .msh files",
+                              file));
+}
+
+} // namespace
+
+MshFile::MshFile(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (in.bad())
+    throw UserError(fmt::format("mesh.file: {} cannot be read, allowed is the path of a .geo or .msh file", file.string()));
+  require_beginning(file.string(), text);
+  require_end(file.string(), text);
+  copy_ = memfd_create("signorini-mesh", MFD_CLOEXEC);
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t count = copy_ < 0 ? -1 : write(copy_, text.data() + done, text.size() - done);
+    if (count < 0 && (copy_ < 0 || errno != EINTR)) {
+      const std::string reason = std::generic_category().message(errno);
+      if (copy_ >= 0)
+        close(copy_);
+      throw UserError(fmt::format("{}: cannot be copied into memory ({}), allowed is a .msh that there is room for",
+                                  file.string(), reason));
+    }
+    done += count > 0 ? static_cast<std::size_t>(count) : 0;
+  }
+  path_ = fmt::format("/proc/self/fd/{}", copy_);
+}
+
+MshFile::~MshFile() { close(copy_); }
+
+} // namespace signorini::mesh
