@@ -60,9 +60,22 @@ void CondensedVi::solve_on_set(ContactState& state) const {
   }
 }
 
-void CondensedVi::settle(ContactState& state, double negligible, int most) const {
-  for (int i = 0; i < most && !complementarity_.holds_within(negligible, state.lambda, state.gap);
-       ++i, ++state.vi_iterations) {
+double CondensedVi::deepest() const { return std::max(0.0, -std::ranges::min(gap0_)); }
+
+bool CondensedVi::holds(const ContactState& state, std::span<const double> psi) const {
+  double size = 0;
+  for (std::size_t i = 0; i < psi.size(); ++i)
+    size = std::max({size, std::abs(psi[i] - gap0_[i]), std::abs(psi[i] - state.gap[i])});
+  return complementarity_.holds(state.lambda, state.gap, complementarity_.negligible_gap(deepest(), size),
+                                size);
+}
+
+void CondensedVi::settle(ContactState& state, std::span<const double> psi, double negligible,
+                         int most) const {
+  const auto settled = [&] {
+    return complementarity_.holds_within(negligible, state.lambda, state.gap) && holds(state, psi);
+  };
+  for (int i = 0; i < most && !settled(); ++i, ++state.vi_iterations) {
     constraints_.next_set(set_, state.lambda, state.gap, next_);
     std::swap(set_, next_);
     solve_on_set(state);
@@ -96,8 +109,10 @@ void CondensedVi::find_set(ContactState& state) const {
 
 void CondensedVi::find_independent_set(ContactState& state) const {
   const auto depends = [this](const ActiveSet& set, int i) { return constraints_.depends(set, i); };
-  if (!dual_.solve(condensation_.S(), gap0_, constraints_.gap_tolerance(), std::cref(depends), set_,
-                   state.lambda, state.vi_iterations))
+  // Two digits above what rounding of S may leave, among which the search would go in circles.
+  const double tolerance = std::min(length_unit_, 1e-8 * deepest());
+  if (!dual_.solve(condensation_.S(), gap0_, tolerance, std::cref(depends), set_, state.lambda,
+                   state.vi_iterations))
     throw SolverFailure("the obstacles leave no room for the body");
 }
 
@@ -118,8 +133,8 @@ void CondensedVi::solve(Vec r, std::span<const double> psi, const ContactState& 
       size = std::max({size, std::abs(psi[i]), std::abs(gap0_[i])});
     const double rounding = 10 * std::numeric_limits<double>::epsilon() * size;
     constexpr int soon = 5; // a set that moves by a candidate or two is settled by then
-    settle(state, std::min(rounding, length_unit_), soon);
-    if (!complementarity_.holds(state.lambda, state.gap)) {
+    settle(state, psi, std::min(rounding, length_unit_), soon);
+    if (!holds(state, psi)) {
       if (constraints_.dependent())
         find_independent_set(state);
       else
@@ -127,9 +142,9 @@ void CondensedVi::solve(Vec r, std::span<const double> psi, const ContactState& 
       solve_on_set(state);
       // Candidates within the VI solver's tolerance of both bounds may be on the wrong side.
       constexpr int most = 50;
-      settle(state, length_unit_, most);
+      settle(state, psi, length_unit_, most);
       // A body that hardly deforms within a step can lead both of them in circles, but not this one.
-      if (!complementarity_.holds(state.lambda, state.gap)) {
+      if (!holds(state, psi)) {
         find_independent_set(state);
         solve_on_set(state);
       }
@@ -138,7 +153,7 @@ void CondensedVi::solve(Vec r, std::span<const double> psi, const ContactState& 
     std::ranges::fill(state.lambda, 0);
   }
   condensation_.finish_closed(set_, psi, state.lambda, state.gap, y);
-  complementarity_.classify(state);
+  complementarity_.classify(state, y);
 }
 
 } // namespace signorini::contact

@@ -32,8 +32,12 @@ private:
 
   /// λ with gap zero on set_, and all the gaps that follow.
   void solve_on_set(ContactState& state) const;
-  /// Primal-dual steps until the state is complementary but for a `negligible` gap (m), `most` at most.
-  void settle(ContactState& state, double negligible, int most) const;
+  /// Primal-dual steps until the state holds to rounding, `most` at most; `negligible` (m): to this too.
+  void settle(ContactState& state, std::span<const double> psi, double negligible, int most) const;
+  /// Whether the state holds to rounding of the step's own motion.
+  [[nodiscard]] bool holds(const ContactState& state, std::span<const double> psi) const;
+  /// The deepest predicted penetration, m.
+  [[nodiscard]] double deepest() const;
   /// Lets PETSc's VI solver find set_, starting from the gaps of `state`.
   void find_set(ContactState& state) const;
   /// Finds set_ one candidate at a time, from no contact, which ends for every S.

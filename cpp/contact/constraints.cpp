@@ -26,7 +26,8 @@ int free_components(const fem::Clamped& clamped, int node, int dim) {
 
 Constraints::Constraints(const fem::Space& space, const fem::Clamped& clamped,
                          const std::vector<scene::Contact>& contacts)
-    : dim_(space.dim()), gap_tolerance_(1e-10 * space.mesh().diameter()), comm_(space.comm()) {
+    : dim_(space.dim()), diameter_(space.mesh().diameter()), gap_tolerance_(1e-10 * diameter_),
+      comm_(space.comm()) {
   ++made;
   std::vector<Obstacle> obstacles;
   for (std::size_t i = 0; i < contacts.size(); ++i) {

@@ -43,7 +43,9 @@ public:
   [[nodiscard]] int obstacle_count() const { return static_cast<int>(keys_.size()); }
   /// Number of each candidate's obstacle in the scene (m).
   [[nodiscard]] const std::vector<int>& obstacles() const { return obstacles_; }
-  /// A gap is closed, and a penetration rounding, below this length: 1e-10 of the body's diameter, m.
+  /// Of the body, m.
+  [[nodiscard]] double diameter() const { return diameter_; }
+  /// No penetration may be above this length: 1e-10 of the diameter, m.
   [[nodiscard]] double gap_tolerance() const { return gap_tolerance_; }
   [[nodiscard]] int dim() const { return dim_; }
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
@@ -124,7 +126,7 @@ private:
   [[nodiscard]] std::string shown(int i) const;
 
   int dim_;
-  double gap_tolerance_;
+  double diameter_, gap_tolerance_;
   MPI_Comm comm_;
   std::vector<std::string> keys_; ///< names of the scene's tables of contact
   std::vector<bool> project_;     ///< contact.initial of each

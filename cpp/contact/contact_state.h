@@ -9,7 +9,7 @@ namespace signorini::contact {
 enum class Status : std::uint8_t {
   open,   ///< g > 0
   weak,   ///< W: g = 0 and λ = 0
-  strong, ///< S: g = 0 and λ > 0
+  strong, ///< S: g = 0 and λ > 0, its own or, where it depends on others of its node, theirs
 };
 
 /// Numbers of the candidates in contact, ascending.

@@ -148,7 +148,7 @@ void FullVi::solve(Vec r, std::span<const double> psi, const ContactState&, Cont
   check(VecScale(z_, length_unit_));
   check(MatMult(Q_, z_, y));
   constraints_.gap(psi, y, state.gap);
-  complementarity_.classify(state);
+  complementarity_.classify(state, y);
 }
 
 } // namespace signorini::contact

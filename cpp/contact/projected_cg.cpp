@@ -55,7 +55,10 @@ void ProjectedCg::solve(Vec r, std::span<const double> psi, const ContactState& 
     constraints_.set_normal(set_, psi, y);
     if (D_.solve(r, y, project, left > 0 ? judge : nullptr)) {
       evaluate(r, psi, y, state);
-      if (next_ == set_ || complementarity_.holds(state.lambda, state.gap))
+      PetscReal size = 0;
+      check(VecNorm(y, NORM_INFINITY, &size));
+      if (next_ == set_ || complementarity_.holds(state.lambda, state.gap, constraints_.gap_tolerance(), size,
+                                                  D_.tolerance()))
         break;
     }
     wrong_.clear();
@@ -69,7 +72,7 @@ void ProjectedCg::solve(Vec r, std::span<const double> psi, const ContactState& 
   }
   if (!previous.active.empty() || state.vi_iterations > 0)
     count_solved();
-  complementarity_.classify(state);
+  complementarity_.classify(state, y, D_.tolerance());
 }
 
 void ProjectedCg::solve_sliding(Vec r, const ActiveSet& set, Vec p) const {

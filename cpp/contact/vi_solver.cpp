@@ -4,20 +4,31 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 namespace signorini::contact {
 using petsc::check;
 
 namespace {
-long &solvers = count("VI solvers"), &solved = count("VIs solved");
+
+/// What a solve leaves open of a motion, relative to it: rounding, three digits above a double's, which
+/// backward errors of factorisations do not reach; and a solver's tolerance, which is in the norm of the
+/// energy, of which a single node may have more than its share.
+double accuracy(double tolerance) {
+  constexpr double rounding = 1e3 * std::numeric_limits<double>::epsilon(), share = 100;
+  return rounding + share * tolerance;
 }
+
+long &solvers = count("VI solvers"), &solved = count("VIs solved");
+
+} // namespace
 
 ViSolver::ViSolver() { ++solvers; }
 
 void ViSolver::count_solved() { ++solved; }
 
 Complementarity::Complementarity(const Constraints& constraints, Mat D)
-    : gap_tolerance_(constraints.gap_tolerance()) {
+    : constraints_(constraints), gap_tolerance_(constraints.gap_tolerance()) {
   const petsc::Vector diagonal = fem::diagonal(D);
   // Σ_c n_c² D_cc is the stiffness against moving the node alone along n, the direction of its force, but for
   // D's entries between its components.
@@ -38,39 +49,68 @@ Complementarity::Complementarity(const Constraints& constraints, Mat D)
   MPI_Allreduce(MPI_IN_PLACE, stiffness_.data(), static_cast<int>(m), MPI_DOUBLE, MPI_SUM, petsc::comm(D));
 }
 
-void Complementarity::classify(ContactState& state) const {
-  double penetration = 0, adhesion = 0, distance = 0;
-  std::ranges::fill(state.status, Status::open);
-  state.active.clear();
-  for (std::size_t i = 0; i < state.lambda.size(); ++i) {
-    const double zero_force = gap_tolerance_ * stiffness_[i];
-    penetration = std::max(penetration, -state.gap[i]);
-    adhesion = std::max(adhesion, -state.lambda[i] / zero_force);
-    if (state.lambda[i] > zero_force) {
-      state.status[i] = Status::strong;
-      distance = std::max(distance, state.gap[i]);
-    } else if (state.gap[i] <= gap_tolerance_) {
-      state.status[i] = Status::weak;
-    }
-    if (state.status[i] != Status::open)
-      state.active.push_back(static_cast<int>(i));
-  }
+double Complementarity::negligible_gap(double deepest, double size) const {
+  constexpr double relative = 1e-10; // of S's rounding and condition, as below
+  return std::min(gap_tolerance_, relative * deepest + accuracy(0) * size);
+}
+
+double Complementarity::negligible_motion(std::span<const double> lambda, double size,
+                                          double tolerance) const {
+  double largest = 0;
+  for (std::size_t i = 0; i < lambda.size(); ++i)
+    largest = std::max(largest, lambda[i] / stiffness_[i]);
+  // Forces follow from gaps by S⁻¹, whose rounding is that of S times its condition, up to 1e6 for a stiff
+  // body that nothing holds; the residual r − D y is known to the accuracy of its terms.
+  constexpr double relative = 1e-10;
+  return relative * largest + accuracy(tolerance) * size;
+}
+
+void Complementarity::classify(ContactState& state, Vec y, double tolerance) const {
   const auto finite = [](double x) { return std::isfinite(x); };
   if (!std::ranges::all_of(state.gap, finite) || !std::ranges::all_of(state.lambda, finite))
     throw SolverFailure("the solution is not finite");
-  if (!holds(state.lambda, state.gap))
+  std::ranges::fill(state.status, Status::open);
+  state.active.clear();
+  if (std::ranges::all_of(state.gap, [&](double g) { return g > gap_tolerance_; }) &&
+      std::ranges::all_of(state.lambda, [](double force) { return force == 0; }))
+    return;
+  PetscReal size = 0;
+  check(VecNorm(y, NORM_INFINITY, &size));
+  const double motion = negligible_motion(state.lambda, size, tolerance);
+  // Gaps are differences of places, known to the rounding of coordinates.
+  const double closed = std::min(gap_tolerance_, accuracy(tolerance) * (constraints_.diameter() + size));
+  double penetration = 0, adhesion = 0, distance = 0;
+  for (std::size_t i = 0; i < state.lambda.size(); ++i) {
+    penetration = std::max(penetration, -state.gap[i]);
+    adhesion = std::max(adhesion, -state.lambda[i] / stiffness_[i]);
+    if (state.lambda[i] > motion * stiffness_[i]) {
+      state.status[i] = Status::strong;
+      distance = std::max(distance, state.gap[i]);
+      state.active.push_back(static_cast<int>(i));
+    }
+  }
+  if (!holds_to(gap_tolerance_, motion, state.lambda, state.gap))
     throw SolverFailure(
         fmt::format("the contact solution is not complementary: penetration {:.3e} m and forces at a gap of "
-                    "{:.3e} m (allowed {:.3e} m), adhesion {:.3e} times the negligible force, {} strong "
-                    "and {} weak of {} candidates",
-                    penetration, distance, gap_tolerance_, adhesion, state.count(Status::strong),
-                    state.count(Status::weak), state.lambda.size()));
+                    "{:.3e} m (allowed {:.3e} m), adhesion that moves a node by {:.3e} m (allowed {:.3e} m), "
+                    "{} strong of {} candidates",
+                    penetration, distance, gap_tolerance_, adhesion, motion, state.count(Status::strong),
+                    state.lambda.size()));
+  for (std::size_t i = 0; i < state.lambda.size(); ++i)
+    if (state.status[i] == Status::open && state.gap[i] <= closed)
+      // What those with forces hold already cannot open, and some of their force may as well be its own.
+      state.status[i] =
+          constraints_.depends(state.active, static_cast<int>(i)) ? Status::strong : Status::weak;
+  state.active.clear();
+  for (std::size_t i = 0; i < state.status.size(); ++i)
+    if (state.status[i] != Status::open)
+      state.active.push_back(static_cast<int>(i));
 }
 
-bool Complementarity::holds_within(double negligible, std::span<const double> lambda,
-                                   std::span<const double> gap) const {
+bool Complementarity::holds_to(double negligible, double motion, std::span<const double> lambda,
+                               std::span<const double> gap) const {
   for (std::size_t i = 0; i < lambda.size(); ++i) {
-    const double zero_force = negligible * stiffness_[i];
+    const double zero_force = motion * stiffness_[i];
     if (!(gap[i] >= -negligible && lambda[i] >= -zero_force &&
           (lambda[i] <= zero_force || gap[i] <= negligible)))
       return false;

@@ -22,25 +22,42 @@ protected:
 };
 
 /// Tells candidates apart as open, weak and strong, and throws SolverFailure unless the state is
-/// complementary to within the gap tolerance: a force counts as zero if it moves its node, the others held,
-/// by less than that.
+/// complementary. What counts as zero is what rounding, or an iterative solver's tolerance, leaves of the
+/// quantities of the step itself, and no figure of its own: contact forces λ are τ²/2 times forces, and with
+/// short steps the weight of a body moves its nodes by less than any fixed part of its diameter.
 class Complementarity {
 public:
   /// Collective.
   Complementarity(const Constraints& constraints, Mat D);
 
-  void classify(ContactState& state) const;
+  /// Of a step's solution y, whose solver left an error of `tolerance` relative to it, 0 for rounding alone.
+  /// Collective.
+  void classify(ContactState& state, Vec y, double tolerance = 0) const;
 
-  /// Whether g ≥ 0 and λ ≥ 0 to within the tolerance.
-  [[nodiscard]] bool holds(std::span<const double> lambda, std::span<const double> gap) const {
-    return holds_within(gap_tolerance_, lambda, gap);
+  /// The penetration (m) that rounding may leave of one that was `deepest` (m) without forces, in a motion of
+  /// a `size` (m).
+  [[nodiscard]] double negligible_gap(double deepest, double size) const;
+
+  /// Whether g ≥ 0 but for a `negligible` gap (m), and λ ≥ 0 but for the forces that are negligible in a motion
+  /// of a `size` (m) found with `tolerance`.
+  [[nodiscard]] bool holds(std::span<const double> lambda, std::span<const double> gap, double negligible,
+                           double size, double tolerance = 0) const {
+    return holds_to(negligible, negligible_motion(lambda, size, tolerance), lambda, gap);
   }
 
-  /// The same for a gap (m) other than the tolerance.
+  /// The same where a force is negligible if it moves its node, the others held, by less than a gap that is.
   [[nodiscard]] bool holds_within(double negligible, std::span<const double> lambda,
-                                  std::span<const double> gap) const;
+                                  std::span<const double> gap) const {
+    return holds_to(negligible, negligible, lambda, gap);
+  }
 
 private:
+  /// The motion (m) of a node, the others held, below which the force that makes it is zero.
+  [[nodiscard]] double negligible_motion(std::span<const double> lambda, double size, double tolerance) const;
+  [[nodiscard]] bool holds_to(double negligible, double motion, std::span<const double> lambda,
+                              std::span<const double> gap) const;
+
+  const Constraints& constraints_;
   double gap_tolerance_;
   std::vector<double> stiffness_; ///< of D against moving the candidate's node alone (m)
 };

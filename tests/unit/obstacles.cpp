@@ -426,3 +426,30 @@ TEST_CASE("nodes that start inside are moved out the shortest way if asked", "[c
     CHECK(test::difference(y, exact) < 1e-15);
   }
 }
+
+TEST_CASE("a candidate whose twin carries the force is not weak", "[contact]") {
+  const std::string floor = half_space("bottom", "[0, 0]", "[0, 1]");
+  for (const char* linear : {"direct", "iterative"}) {
+    const Walls walls(floor + floor, "block.toml", {"time.step=1e-4"});
+    const forward::StepSolver solver = walls.solver(linear);
+    REQUIRE(walls.constraints.dependent());
+    contact::ContactState state(walls.constraints.count());
+    // Pressed down, all are held, each with a share that is any; without weight each could be lifted.
+    const petsc::Vector down = walls.pushing({"0", "-1"});
+    (void)walls.solve(solver, down, state);
+    CHECK(state.count(contact::Status::strong) == walls.constraints.count());
+    check(VecZeroEntries(down));
+    (void)walls.solve(solver, down, state);
+    CHECK(state.count(contact::Status::weak) == walls.constraints.count());
+    // One end is pressed down, the other touches.
+    const petsc::Vector tilted = walls.pushing({"0", "max(0.5 - x, 0)*(0 - 1)"});
+    (void)walls.solve(solver, tilted, state);
+    const std::vector<double>& x = walls.constraints.points();
+    for (std::size_t i = 0; i < state.status.size(); i += 2) {
+      INFO(linear << ", at " << x[3 * i]);
+      CHECK(state.status[i] == state.status[i + 1]);
+    }
+    CHECK(state.count(contact::Status::strong) > 0);
+    CHECK(state.count(contact::Status::strong) < walls.constraints.count());
+  }
+}
