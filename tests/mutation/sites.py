@@ -11,9 +11,9 @@ statement   an expression's statement, or break or continue, left out
 argument    two neighbouring arguments of a call exchanged
 
 Left alone is what has no effect on results, or is a choice where another would be as right: comments, texts,
-preprocessor lines, template arguments, messages of errors, counters, timers and reserve(), calls that give back what a
-library lent, numbers with an exponent and constexpr values (tolerances, limits), -1 where it says "none", and the arguments of functions
-that are symmetric in them. The sources are taken to be formatted as .clang-format says: an operator of two operands has
+preprocessor lines, template arguments and what they must fulfil, messages of errors, counters, timers and reserve(), calls
+that give back what a library lent, first values of variables that PETSc writes, numbers with an exponent and constexpr
+values (tolerances, limits), -1 where it says "none", and the arguments of functions that are symmetric in them. The sources are taken to be formatted as .clang-format says: an operator of two operands has
 spaces around it, brackets of a template have none.
 """
 
@@ -111,6 +111,11 @@ class Source:
             i += 1
         return i
 
+    def end_of_requirement(self, i: int) -> int:
+        while self.at(i) not in ("{", ";"):
+            i += 1
+        return self.closing.get(i, i)
+
     def skip(self, begin: int, end: int) -> None:
         for token in self.tokens[begin:end]:
             token.skipped = True
@@ -124,6 +129,10 @@ class Source:
                 continue
             elif token.text in ("throw", "constexpr", "static_assert", "virtual", "enum", "using", "friend"):
                 self.skip(i, self.end_of_statement(i))
+            elif token.text == "requires":
+                self.skip(i, self.end_of_requirement(i))
+            elif token.text.startswith("Petsc") and not self.at(i - 1) == "const":  # a value that PETSc writes over
+                self.skip(i, self.end_of_statement(i) if self.is_word(i + 1) and self.at(i + 2) == "=" else i)
             elif token.text == "operator":
                 self.skip(i, i + 2)
             elif token.text == "auto" and self.at(i + 1).startswith("timer"):
@@ -199,12 +208,14 @@ class Source:
         return self.at(i) == "(" and self.at(i - 1) == "for"
 
     def declares(self, begin: int, end: int) -> bool:
-        """Whether tokens are a declarator: two words in a row, or & or * without space between two."""
+        """Whether tokens declare something: two words in a row, but for & or * beside one of them."""
         for j in range(begin, end - 1):
             if self.at(j) in KEYWORDS and self.at(j) in ("const", "auto", "struct", "class", "typename"):
                 return True
             behind_type = (self.is_word(j) and self.at(j) not in KEYWORDS) or (self.at(j) in (">", "*", "&", "&&") and not self.spaced(j))
             if behind_type and self.is_word(j + 1) and self.text[self.tokens[j].end] == " ":
+                return True
+            if behind_type and self.at(j + 1) in ("*", "&") and not self.spaced(j + 1) and self.is_word(j + 2):
                 return True
             if self.at(j) in ("(", "=", "[", "{", "+=", "-=", "*=", "/=", ".", "->"):
                 return False
