@@ -28,7 +28,7 @@ private:
     if (controls_.cellwise())
       return u;
     coarse_.extend(u, coarse_field_);
-    check(MatMult(body_.enrichment().embed, coarse_field_, field_));
+    body_.embed(coarse_field_, field_);
     controls_.restrict(field_, values_);
     return values_;
   }
@@ -40,6 +40,71 @@ private:
   std::optional<forward::SceneLoad> load_;
 };
 
+/// What J's state part ½ weight ‖y − y_d‖² misses of the scene's own data along a motion, in functions of degree 2.
+class EnrichedObjective {
+public:
+  EnrichedObjective(const adjoint::EnrichedBody& body, const Problem& problem, const control::Objective& objective)
+      : body_(body), problem_(problem), objective_(objective), coarse_(problem.space.vector()), distance_(body.space().vector()),
+        sum_(body.space().vector()), product_(body.space().vector()), off_(body.space().vector()) {
+    const scene::Objective& scene = *problem.scene.objective;
+    if (scene.on)
+      own_ = fem::assemble_L2(body.space(), *scene.on, "objective.on");
+    if (const auto* desired = std::get_if<scene::DesiredDisplacement>(&scene.desired)) {
+      desired_.emplace(desired->displacement, "objective.desired.displacement", true);
+      body_.interpolation_error(*desired_, 0, off_);
+    }
+  }
+
+  void observe(int k, Vec y) {
+    const double weight = objective_.weight(k);
+    const Vec initial = k == 0 ? Vec(body_.initial_error().y) : nullptr;
+    if (weight == 0 || !(desired_ || initial))
+      return;
+    check(VecWAXPY(coarse_, -1, objective_.desired(k), y));
+    body_.embed(coarse_, distance_);
+    if (initial)
+      parts.initial += weight / 2 * change(initial, 1);
+    if (!desired_)
+      return;
+    if (k > 0 && desired_->depends_on_time())
+      body_.interpolation_error(*desired_, problem_.stepper.scheme().time(k), off_);
+    parts.desired += weight / 2 * change(off_, -1);
+  }
+
+  adjoint::ErrorParts parts;
+
+  /// ∂J/∂y_k along a motion, given like a load; valid as long as both live.
+  forward::Load derivative(const forward::Trajectory& motion) {
+    const auto density = [this, &motion](int k) {
+      check(VecWAXPY(coarse_, -1, objective_.desired(k), motion.y(k)));
+      body_.embed(coarse_, distance_);
+      check(VecScale(distance_, objective_.weight(k)));
+      return Vec(distance_);
+    };
+    forward::Load load;
+    if (own_)
+      load.force = [this, density](int k, Vec out) { check(MatMultAdd(own_, density(k), out, out)); };
+    else
+      load.density = [density](int k, Vec out) { check(VecAXPY(out, 1, density(k))); };
+    return load;
+  }
+
+private:
+  /// ‖e + sign d‖² − ‖e‖² for e = y − y_d
+  double change(Vec d, double sign) {
+    check(VecWAXPY(sum_, 2 * sign, distance_, d));
+    check(MatMult(own_ ? Mat(own_) : Mat(*body_.operators().W), sum_, product_));
+    return petsc::dot(d, product_);
+  }
+
+  const adjoint::EnrichedBody& body_;
+  const Problem& problem_;
+  const control::Objective& objective_;
+  petsc::Matrix own_;
+  std::optional<scene::Field> desired_;
+  petsc::Vector coarse_, distance_, sum_, product_, off_;
+};
+
 } // namespace
 
 adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem& control_problem) {
@@ -47,34 +112,45 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
   const control::ReducedProblem& reduced = control_problem.reduced;
   std::optional<adjoint::EnrichedBody> body;
   std::optional<EnrichedLoads> loads;
+  std::optional<EnrichedObjective> objective;
   if (problem.space.degree() == 1) {
     body.emplace(problem.space, stepper.constraints(), problem.scene);
     loads.emplace(*body, problem, control_problem.controls);
+    objective.emplace(*body, problem, control_problem.objective);
   }
   // Motions of their own, since velocities are wanted; that of the current control is looked at beside the other one.
-  const auto run = [&](forward::Trajectory& trajectory, const control::Control& u) {
-    trajectory.run(problem.load() + control_problem.controls.load(u));
+  const auto run = [&](forward::Trajectory& trajectory, const control::Control& u, const forward::Watch& watch) {
+    trajectory.run(problem.load() + control_problem.controls.load(u), watch);
     if (trajectory.steps() < problem.steps())
       throw Interrupted();
   };
   forward::Trajectory motion(stepper, problem.initial, problem.steps(), control_problem.storage, true);
-  run(motion, reduced.control());
+  run(motion, reduced.control(), [&](const forward::Frame& frame) {
+    if (objective)
+      objective->observe(frame.k, frame.y1);
+  });
   const forward::Load derivative = control_problem.objective.derivative([&](int k) { return motion.y(k); });
+  const forward::Load enriched_derivative = objective ? objective->derivative(motion) : forward::Load{};
   const auto weigh = [&](const forward::Trajectory& trajectory, const control::Control& u) {
-    return adjoint::weighted_residual(stepper, body ? &*body : nullptr, trajectory,
-                                      problem.load() + control_problem.controls.load(u),
-                                      loads ? loads->load(u) : forward::Load{}, derivative);
+    const forward::Load load = problem.load() + control_problem.controls.load(u), enriched_load = loads ? loads->load(u) : forward::Load{};
+    return adjoint::weighted_residual(stepper, body ? &*body : nullptr,
+                                      {trajectory, load, enriched_load, derivative, enriched_derivative});
   };
   adjoint::ErrorParts parts = weigh(motion, reduced.control());
   if (control_problem.reference) {
     const control::Control& u = *control_problem.reference;
     const forward::Storage storage(stepper, problem.scene.trajectory, problem.steps(), 0.5, problem.timers);
     forward::Trajectory desired(stepper, problem.initial, problem.steps(), storage, true);
-    run(desired, u);
+    run(desired, u, {});
     const adjoint::ErrorParts other = weigh(desired, u);
     parts.time -= other.time;
+    parts.initial -= other.initial;
     if (parts.space)
       *parts.space -= *other.space;
+  }
+  if (objective) {
+    parts.initial += objective->parts.initial;
+    parts.desired = objective->parts.desired;
   }
   parts.time += control_problem.objective.quadrature_error(reduced.squared_distances(), reduced.control());
   return parts;

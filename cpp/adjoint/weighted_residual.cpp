@@ -1,60 +1,9 @@
 #include "adjoint/weighted_residual.h"
+#include "adjoint/dual_bubbles.h"
 #include "adjoint/sweep.h"
-#include <map>
 
 namespace signorini::adjoint {
 using petsc::check, petsc::dot;
-
-EnrichedBody::EnrichedBody(const fem::Space& linear, const contact::Constraints* constraints, const scene::Scene& scene)
-    : space_(linear.mesh(), 2), operators_(fem::assemble_operators(space_, scene.materials, true)),
-      clamped_(space_, scene.clamps), enrichment_(fem::enrich(linear, space_)) {
-  if (!constraints)
-    return;
-  constraints_.emplace(space_, clamped_, scene.contacts);
-  match(*constraints);
-  zero_.assign(ends_.size(), 0.0);
-}
-
-void EnrichedBody::match(const contact::Constraints& constraints) {
-  const int dim = space_.dim();
-  std::map<std::pair<PetscInt, int>, int> candidate; // by node and obstacle
-  for (int i = 0; i < constraints.count(); ++i)
-    candidate[{constraints.first_dofs()[i] / dim, constraints.obstacles()[i]}] = i;
-  constexpr int elsewhere = -2; // known to another rank
-  ends_.assign(static_cast<std::size_t>(constraints_->count()), {elsewhere, elsewhere});
-  const Mat embed = petsc::component(enrichment_.embed);
-  PetscInt begin = 0, end = 0;
-  check(MatGetOwnershipRange(embed, &begin, &end));
-  for (std::size_t j = 0; j < ends_.size(); ++j) {
-    const PetscInt node = constraints_->first_dofs()[j] / dim;
-    if (node < begin || node >= end)
-      continue;
-    PetscInt count = 0;
-    const PetscInt* nodes = nullptr;
-    check(MatGetRow(embed, node, &count, &nodes, nullptr));
-    const auto at = [&](PetscInt n) {
-      const auto found = candidate.find({n, constraints_->obstacles()[j]});
-      return found == candidate.end() ? -1 : found->second;
-    };
-    ends_[j] = {at(nodes[0]), at(nodes[count - 1])};
-    check(MatRestoreRow(embed, node, &count, &nodes, nullptr));
-  }
-  MPI_Allreduce(MPI_IN_PLACE, ends_.data(), 2 * constraints_->count(), MPI_INT, MPI_MAX, space_.comm());
-}
-
-void EnrichedBody::surplus(Vec p, const contact::ActiveSet& active, Vec out) const {
-  check(MatMult(enrichment_.surplus, p, out));
-  clamped_.clear(out);
-  if (!constraints_ || active.empty())
-    return;
-  contact::ActiveSet between;
-  const auto closed = [&](int i) { return std::ranges::binary_search(active, i); };
-  for (std::size_t j = 0; j < ends_.size(); ++j)
-    if (closed(ends_[j][0]) && closed(ends_[j][1]))
-      between.push_back(static_cast<int>(j));
-  constraints_->drop_dependent(between);
-  constraints_->set_normal(between, zero_, out);
-}
 
 namespace {
 
@@ -111,7 +60,7 @@ private:
   /// sum −= matrix (a x + b y)
   void subtract(Mat matrix, double a, Vec x, double b, Vec y) {
     check(VecAXPBYPCZ(coarse_, a, b, 0, x, y));
-    check(MatMult(body_.enrichment().embed, coarse_, fine_));
+    body_.embed(coarse_, fine_);
     check(MatMult(matrix, fine_, product_));
     check(VecAXPY(sum_, -1, product_));
   }
@@ -193,32 +142,91 @@ private:
   petsc::Vector rate_, later_, force_, force_later_, moves_, product_;
 };
 
+/// The parts of space and initial data, from the last step on.
+class SpacePart {
+public:
+  SpacePart(const forward::Stepper& stepper, const EnrichedBody& body, const Window& motion, const Weighted& run)
+      : body_(body), contact_(run.motion.contact()), scheme_(stepper.scheme()), steps_(run.motion.steps()), duals_(stepper),
+        bubbles_(body, run.enriched_derivative, scheme_), residual_(body, motion, run.enriched_load, scheme_.tau),
+        later_(body.space().vector()), dual_(body.space().vector()), product_(body.space().vector()),
+        coarse_(stepper.space().vector()) {}
+
+  /// Takes p_k after p_{k+1}.
+  void take(int k, Vec p) {
+    const auto i = static_cast<std::size_t>(k);
+    duals_.move(p, k < steps_ ? &contact_[i + 1] : nullptr);
+    const Vec r = residual_(k);
+    body_.embed(p, dual_);
+    space_ += scheme_.impulse() * dot(dual_, r);
+    if (k < steps_) {
+      // Of p_k⁺ the mean of the bubbles before and after t_k, and at the ends those beside.
+      const Vec b = bubbles_.next(k, duals_, contact_[i].active);
+      const double now = k == 1 ? 1 : 0.5, before = k + 1 == steps_ ? 1 : 0.5;
+      space_ += scheme_.impulse() * (now * dot(b, r) + before * dot(b, later_));
+    }
+    check(VecCopy(r, later_));
+  }
+
+  [[nodiscard]] double space() const { return space_; }
+
+  /// After p_1.
+  double initial() {
+    check(VecZeroEntries(coarse_));
+    duals_.move(coarse_, &contact_[1]); // p_1 is the later one now, and with it ω_0 and ω_1
+    const auto& [dy, dv] = body_.initial_error();
+    const fem::Operators& operators = body_.operators();
+    double value = 0;
+    if (dv)
+      value += weighed(operators.M, duals_.velocity, scheme_.tau / 2, dv);
+    if (!dy)
+      return value;
+    if (operators.B)
+      value += scheme_.tau / 2 * weighed(*operators.B, duals_.p_later, 1, dy);
+    value -= scheme_.stiffness() * weighed(operators.A, duals_.p_later, 1, dy);
+    check(VecAXPBYPCZ(coarse_, 1 / scheme_.tau, -1 / scheme_.tau, 0, duals_.velocity, duals_.velocity_later));
+    return value + weighed(operators.M, coarse_, 0, dy);
+  }
+
+private:
+  /// error·matrix (dual + factor b); ω is τ/2 p but for terms of the order of τ.
+  double weighed(Mat matrix, Vec dual, double factor, Vec error) {
+    body_.embed(dual, dual_);
+    check(VecAXPY(dual_, factor, bubbles_.last()));
+    check(MatMult(matrix, dual_, product_));
+    return dot(error, product_);
+  }
+
+  const EnrichedBody& body_;
+  const std::vector<contact::ContactState>& contact_;
+  forward::Scheme scheme_;
+  int steps_;
+  Duals duals_;
+  DualBubbles bubbles_;
+  Residual residual_;
+  double space_ = 0;
+  petsc::Vector later_, dual_, product_, coarse_;
+};
+
 } // namespace
 
-ErrorParts weighted_residual(const forward::Stepper& stepper, const EnrichedBody* enriched, const forward::Trajectory& trajectory,
-                             const forward::Load& load, const forward::Load& enriched_load, const forward::Load& derivative) {
-  const forward::Scheme& scheme = stepper.scheme();
-  Window motion(stepper.space(), trajectory);
-  TimePart time(stepper, motion, trajectory.steps(), load);
-  std::optional<Residual> residual;
-  petsc::Vector surplus;
-  if (enriched) {
-    residual.emplace(*enriched, motion, enriched_load, scheme.tau);
-    surplus = enriched->space().vector();
-  }
-  ErrorParts parts;
-  double space = 0;
-  sweep(stepper, trajectory.contact(), derivative, [&](int k, Vec p) {
+ErrorParts weighted_residual(const forward::Stepper& stepper, const EnrichedBody* enriched, const Weighted& run) {
+  Window motion(stepper.space(), run.motion);
+  TimePart time(stepper, motion, run.motion.steps(), run.load);
+  std::optional<SpacePart> space;
+  if (enriched)
+    space.emplace(stepper, *enriched, motion, run);
+  sweep(stepper, run.motion.contact(), run.derivative, [&](int k, Vec p) {
     motion.move(k);
     time.take(k, p);
-    if (enriched) {
-      enriched->surplus(p, trajectory.contact()[static_cast<std::size_t>(k)].active, surplus);
-      space += scheme.impulse() * dot(surplus, (*residual)(k));
-    }
+    if (space)
+      space->take(k, p);
   });
+  ErrorParts parts;
   parts.time = time.sum();
-  if (enriched)
-    parts.space = space;
+  if (space) {
+    parts.space = space->space();
+    parts.initial = space->initial();
+  }
   return parts;
 }
 

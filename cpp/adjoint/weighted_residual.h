@@ -1,59 +1,50 @@
 #pragma once
-#include "contact/constraints.h"
-#include "fem/enrichment.h"
-#include "forward/step.h"
+#include "adjoint/enriched_body.h"
 #include "forward/trajectory.h"
+#include <cmath>
 #include <optional>
 
 namespace signorini::adjoint {
 
-/// The body in functions of degree 2 on the mesh of a run of degree 1: what the run's equation of motion leaves over there
-/// is its residual in space.
-class EnrichedBody {
-public:
-  /// `linear` is the run's space and `constraints` its contact, null without. Collective. The references must outlive this
-  /// object. Throws UserError.
-  EnrichedBody(const fem::Space& linear, const contact::Constraints* constraints, const scene::Scene& scene);
-  EnrichedBody(const EnrichedBody&) = delete;
-  EnrichedBody& operator=(const EnrichedBody&) = delete;
+/// What errors cost J: J(exact) − J(computed), to first order, by where they come from.
+struct ErrorParts {
+  std::optional<double> space; ///< of the mesh's elements and the interpolated loads, not of its boundary; absent for degree 2
+  double time = 0;
+  double initial = 0; ///< of the initial data's interpolation; zero for degree 2, like the next
+  double desired = 0; ///< of the desired displacement's interpolation
 
-  [[nodiscard]] const fem::Space& space() const { return space_; }
-  [[nodiscard]] const fem::Operators& operators() const { return operators_; }
-  [[nodiscard]] const fem::Enrichment& enrichment() const { return enrichment_; }
-
-  /// p⁺ − p for an adjoint state p on an active set: recovered, but zero where clamps hold and, along ν, in the middle of
-  /// edges whose ends are both in contact with the same obstacle. Collective.
-  void surplus(Vec p, const contact::ActiveSet& active, Vec out) const;
-
-private:
-  void match(const contact::Constraints& constraints);
-
-  fem::Space space_;
-  fem::Operators operators_;
-  fem::Clamped clamped_;
-  fem::Enrichment enrichment_;
-  std::optional<contact::Constraints> constraints_;
-  std::vector<std::array<int, 2>> ends_; ///< of each candidate here the run's candidates at the ends of its edge, or −1
-  std::vector<double> zero_;
+  /// The estimate: errors of opposite sign cancel, in it as in J.
+  [[nodiscard]] double sum() const { return space.value_or(0) + time + initial + desired; }
+  /// What to trust in where the error is to be small: no part is made up for by another, which it is only by chance.
+  [[nodiscard]] double sum_of_moduli() const {
+    return std::abs(space.value_or(0)) + std::abs(time) + std::abs(initial) + std::abs(desired);
+  }
 };
 
-/// What an error costs J: J(exact) − J(computed), to first order.
-struct ErrorParts {
-  std::optional<double> space; ///< of the mesh's elements, not of its boundary; absent for degree 2
-  double time = 0;
+/// A motion of a run whose error counts, and what it counts for.
+struct Weighted {
+  const forward::Trajectory& motion;                     ///< with velocities
+  const forward::Load &load, &enriched_load;             ///< that acted on it, and the same on the enriched body
+  const forward::Load &derivative, &enriched_derivative; ///< ∂J/∂y_k, given like loads, likewise
 };
 
 /// The adjoint-weighted residual of a computed motion (Becker and Rannacher 2001), active sets frozen, by one backward sweep.
 ///
-/// Space: with a = (v_k − v_{k−1})/τ, w = (y_k − y_{k−1})/τ, in functions of degree 2,
-///     Σ_k τ²/2 (p_k⁺ − p_k)·(f_k + s W u_k − M a − B w − A (y_{k−1} + y_k)/2)
+/// As a motion of the enriched body, the run misses the steps' equations by a residual r_k and starts from other initial data, by
+/// δy_0 and δv_0. To first order that changes J by the product with its derivatives, the adjoint states p_k⁺ and ω_k⁺ of that body,
+/// which are those of the run and bubbles b (dual_bubbles.h). Its own p_k alone weigh nothing in r_k but the interpolation of loads
+/// and mass that massless contact has moved.
+///
+/// Space: with a = (v_k − v_{k−1})/τ, w = (y_k − y_{k−1})/τ,
+///     Σ_k τ²/2 p_k⁺·r_k,   r_k = f_k + s W u_k − M a − B w − A (y_{k−1} + y_k)/2
+/// Initial data: what depends on them in the first step's right-hand side, and in v_1,
+///     δv_0·M ω_0⁺ + δy_0·((τ/2 B − τ²/4 A) p_1⁺ + M (ω_0 − ω_1)/τ)
+/// but for what J takes of y_0 itself.
 /// Time: y is taken as piecewise quadratic, with the run's v piecewise linear, and π = τ/2 p as the dual of a force per time;
 /// what is left of the equation of motion within the steps weighs
 ///     −τ²/12 ∫ π'·(2 A v + B v') dt + τ²/24 ∫ π'·f' dt − τ²/12 π(0)·A v_0 − τ²/24 π(0)·f'(0)
 ///
-/// `trajectory` has velocities; `enriched` is null without a space part; `load` acted on the run, `enriched_load` is the same in functions of degree 2,
-/// `derivative` is ∂J/∂y_k given like a load. Collective. Throws SolverFailure.
-ErrorParts weighted_residual(const forward::Stepper& stepper, const EnrichedBody* enriched, const forward::Trajectory& trajectory,
-                             const forward::Load& load, const forward::Load& enriched_load, const forward::Load& derivative);
+/// `enriched` is null without a space part. Collective. Throws SolverFailure.
+ErrorParts weighted_residual(const forward::Stepper& stepper, const EnrichedBody* enriched, const Weighted& run);
 
 } // namespace signorini::adjoint

@@ -36,7 +36,7 @@ double Objective::distance(int k, Vec y) const { return std::sqrt(squared_distan
 
 void Objective::observe(int k, Vec y, std::vector<double>& squared_distances) const {
   squared_distances.resize(static_cast<std::size_t>(steps_) + 1);
-  if (tracking_weight(k) + terminal_weight(k) != 0)
+  if (weight(k) != 0)
     squared_distances[static_cast<std::size_t>(k)] = squared_distance(k, y);
 }
 
@@ -74,10 +74,9 @@ double Objective::quadrature_error(const std::vector<double>& squared_distances,
 }
 
 forward::Load Objective::dual(std::function<void(int k, double weight, Vec out)> add) const {
-  const auto weight = [this](int k) { return tracking_weight(k) + terminal_weight(k); };
   forward::Load load;
   if (own_)
-    load.force = [=, this](int k, Vec out) {
+    load.force = [this, add](int k, Vec out) {
       if (weight(k) == 0)
         return;
       check(VecZeroEntries(work_));
@@ -85,7 +84,7 @@ forward::Load Objective::dual(std::function<void(int k, double weight, Vec out)>
       check(MatMultAdd(observed_, work_, out, out));
     };
   else
-    load.density = [=](int k, Vec out) {
+    load.density = [this, add](int k, Vec out) {
       if (weight(k) != 0)
         add(k, weight(k), out);
     };

@@ -44,9 +44,14 @@ public:
   /// ‖y − y_d,k‖ in L2 of what is observed.
   [[nodiscard]] double distance(int k, Vec y) const;
 
+  /// y_d,k, valid until the next is asked for.
+  [[nodiscard]] Vec desired(int k) const { return desired_(k); }
+
+  /// J's state part is Σ_k ½ weight(k) ‖e_k‖², the trapezoidal rule and what counts of the end: what value and derivatives
+  /// share.
+  [[nodiscard]] double weight(int k) const { return tracking_weight(k) + terminal_weight(k); }
+
 private:
-  /// J's state part is Σ_k ½ (tracking + terminal weight) ‖e_k‖², the trapezoidal rule: what value and
-  /// derivatives share.
   [[nodiscard]] double tracking_weight(int k) const;
   [[nodiscard]] double terminal_weight(int k) const;
   double squared_distance(int k, Vec y) const;

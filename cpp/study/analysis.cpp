@@ -173,8 +173,8 @@ Errors errors(const Quantity& quantity, const std::vector<Result>& results, cons
       found.error.back() = distance_to(quantity, *run, exact);
     else if (i != *found.reference)
       found.error.back() = distance_to(quantity, *run, *results[*found.reference].measured);
-    if (quantity.name == "J" && run->estimate_space)
-      found.estimate.back() = std::abs(*run->estimate_space + *run->estimate_time) / std::abs(run->numbers.at("J"));
+    if (quantity.name == "J" && run->estimate && run->estimate->space)
+      found.estimate.back() = std::abs(run->estimate->sum()) / std::abs(run->numbers.at("J"));
   }
   for (const Family& family : families(results)) {
     const Orders orders = orders_of(quantity, family, {});

@@ -1,4 +1,5 @@
 #pragma once
+#include "adjoint/weighted_residual.h"
 #include "study/ladder.h"
 #include <optional>
 
@@ -11,7 +12,7 @@ struct Measured {
   double memory = 0;  ///< bytes, at most, beside what the program had before
   std::map<std::string, double> numbers;             ///< by quantity
   std::map<std::string, std::vector<double>> fields; ///< by quantity: samples, scaled so that their sum of squares is the norm's
-  std::optional<double> estimate_space, estimate_time; ///< of the error of J, J(exact) − J
+  std::optional<adjoint::ErrorParts> estimate;         ///< of the error of J, J(exact) − J
 };
 
 struct Quantity {

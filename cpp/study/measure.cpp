@@ -308,11 +308,8 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& sample
     }
     measured.seconds = seconds(timers);
     simulate(problem, reduced.load(), watch);
-    if (estimate) {
-      const adjoint::ErrorParts error = estimate_error(problem, control_problem);
-      measured.estimate_space = error.space;
-      measured.estimate_time = error.time;
-    }
+    if (estimate)
+      measured.estimate = estimate_error(problem, control_problem);
   }
   watch.report(measured);
   if (!scene.objective)

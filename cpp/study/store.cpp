@@ -85,10 +85,12 @@ std::optional<Measured> Store::load(const Rung& rung, const std::string& echo, c
   measured.numbers = json.at("numbers").get<std::map<std::string, double>>();
   for (const auto& [name, values] : json.at("fields").items())
     measured.fields[name] = unpacked(values);
-  if (json.contains("estimate_space"))
-    measured.estimate_space = json.at("estimate_space");
-  if (json.contains("estimate_time"))
-    measured.estimate_time = json.at("estimate_time");
+  if (json.contains("estimate")) {
+    const Json& parts = json.at("estimate");
+    measured.estimate = {std::nullopt, parts.at("time"), parts.at("initial"), parts.at("desired")};
+    if (parts.contains("space"))
+      measured.estimate->space = parts.at("space");
+  }
   for (const Quantity& quantity : wanted)
     if (!(quantity.field ? measured.fields.contains(quantity.name) : measured.numbers.contains(quantity.name)))
       return std::nullopt;
@@ -104,10 +106,11 @@ void Store::save(const Rung& rung, const std::string& echo, const Measured& meas
             {"fields", Json::object()}};
   for (const auto& [name, values] : measured.fields)
     json["fields"][name] = packed(values);
-  if (measured.estimate_space)
-    json["estimate_space"] = *measured.estimate_space;
-  if (measured.estimate_time)
-    json["estimate_time"] = *measured.estimate_time;
+  if (const auto& estimate = measured.estimate) {
+    json["estimate"] = {{"time", estimate->time}, {"initial", estimate->initial}, {"desired", estimate->desired}};
+    if (estimate->space)
+      json["estimate"]["space"] = *estimate->space;
+  }
   const std::vector<std::uint8_t> bytes = Json::to_cbor(json);
   replace(file(rung), reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
@@ -118,6 +121,9 @@ std::string csv(const std::vector<Result>& results, const std::vector<Errors>& e
   std::string text = "rung,size,step,degree,scheme,mass,unknowns,steps,seconds,memory_bytes";
   for (const Errors& one : errors)
     text += fmt::format(",{0},{0}_error,{0}_estimate,{0}_effectivity,{0}_pareto", one.quantity.name);
+  const bool estimated = std::ranges::any_of(results, [](const Result& result) { return result.measured && result.measured->estimate; });
+  if (estimated) // relative, with their signs
+    text += ",J_estimate_space,J_estimate_time,J_estimate_initial,J_estimate_desired";
   text += '\n';
   for (std::size_t i = 0; i < results.size(); ++i) {
     const auto& [rung, run] = results[i];
@@ -132,6 +138,13 @@ std::string csv(const std::vector<Result>& results, const std::vector<Errors>& e
       text += fmt::format(",{},{},{},{},{:d}",
                           one.quantity.field ? "" : shown(run->numbers.at(one.quantity.name)), shown(error), shown(estimate),
                           shown(one.effectivity[i]), bool(one.pareto[i]));
+    }
+    if (const auto& estimate = run->estimate) {
+      const double J = std::abs(run->numbers.at("J"));
+      const auto part = [&](const std::optional<double>& value) { return value ? shown(*value / J) : ""; };
+      text += fmt::format(",{},{},{},{}", part(estimate->space), part(estimate->time), part(estimate->initial), part(estimate->desired));
+    } else if (estimated) {
+      text += ",,,,";
     }
     text += '\n';
   }

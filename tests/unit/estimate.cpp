@@ -37,43 +37,6 @@ const std::vector<std::string> sheared{"contact.obstacle.point=[0, -9]", "initia
 
 } // namespace
 
-TEST_CASE("what is recovered in functions of degree 2 is nearer to a smooth function", "[adjoint]") {
-  for (const char* file : {"tests/data/block.toml", "tests/data/cube.toml"}) {
-    std::vector<double> ratios;
-    for (const char* size : {"mesh.size=0.2", "mesh.size=0.1"}) {
-      const test::Ready ready(file, {size});
-      const fem::Space& linear = ready.problem.space;
-      const fem::Space quadratic(linear.mesh(), 2);
-      const fem::Enrichment enrichment = fem::enrich(linear, quadratic);
-      const auto distance = [&](auto&& field, bool recovered) {
-        const petsc::Vector y = linear.vector(), exact = quadratic.vector(), near = quadratic.vector();
-        field(linear, y);
-        field(quadratic, exact);
-        check(MatMult(enrichment.embed, y, near));
-        if (recovered)
-          check(MatMultAdd(enrichment.surplus, y, near, near));
-        check(VecAXPY(near, -1, exact));
-        PetscReal norm = 0;
-        check(VecNorm(near, NORM_2, &norm));
-        return norm;
-      };
-      const auto waves = [](const fem::Space& space, Vec out) { check(VecCopy(test::smooth(space, 1), out)); };
-      const auto line = [](const fem::Space& space, Vec out) {
-        const petsc::WriteArray values(out);
-        for (std::size_t i = 0; i < values.size(); ++i) {
-          const double* x = &space.points()[i / static_cast<std::size_t>(space.dim()) * 3];
-          values[i] = 1 + x[0] - 2 * x[1] + 3 * x[2];
-        }
-      };
-      CHECK(distance(line, false) < 1e-12);
-      CHECK(distance(line, true) < 1e-12);
-      ratios.push_back(distance(waves, true) / distance(waves, false));
-    }
-    CHECK(ratios[0] < 0.8);
-    CHECK(ratios[1] < ratios[0]); // of a higher order
-  }
-}
-
 TEST_CASE("the error in time is estimated by its first term", "[adjoint]") {
   for (const std::vector<std::string>& scheme : {std::vector<std::string>{}, {"time.scheme=contact-stabilized"}}) {
     const std::vector<std::string> scene = with(sheared, scheme);
@@ -99,9 +62,8 @@ TEST_CASE("the error in space is estimated beside that of functions of degree 2"
     const Estimated run = at(size, "mesh.degree=1");
     effectivity.push_back(*run.error.space / (exact - run.J));
     INFO("effectivity " << effectivity.back());
-    CHECK((effectivity.back() > 0.3 && effectivity.back() < 3));
+    CHECK((effectivity.back() > 0.5 && effectivity.back() < 2));
   }
-  CHECK(std::abs(effectivity[2] - 1) < std::abs(effectivity[0] - 1)); // the boundary's share falls
   CHECK_FALSE(at("mesh.size=0.2", "mesh.degree=2").error.space);
 }
 
@@ -112,7 +74,7 @@ TEST_CASE("errors in contact are estimated, those of the desired motion included
       return estimated("scenes/half-disc.toml",
                        with({size, degree, "control.initial=[\"0\", \"-0.8\"]", "time.step=1e-4"}, scheme), true);
     };
-    const double exact = at("mesh.size=0.5", "mesh.degree=1").J;
+    const double exact = at("mesh.size=0.5", "mesh.degree=2").J;
     const Estimated run = at("mesh.size=1", "mesh.degree=1");
     const double effectivity = *run.error.space / (exact - run.J);
     INFO("effectivity " << effectivity);

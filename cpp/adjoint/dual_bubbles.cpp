@@ -1,0 +1,107 @@
+#include "adjoint/dual_bubbles.h"
+#include "base/error.h"
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace signorini::adjoint {
+using petsc::check, petsc::dot;
+
+Duals::Duals(const forward::Stepper& stepper) : stepper_(stepper), work_(stepper.space().vector()) {
+  for (petsc::Vector* x : {&p, &p_later, &velocity, &velocity_later})
+    *x = stepper.space().vector();
+}
+
+void Duals::move(Vec p_k, const contact::ContactState* later) {
+  const double tau = stepper_.scheme().tau;
+  Vec jump = nullptr;
+  if (const forward::Predictor* predictor = stepper_.predictor(); predictor && later) {
+    check(VecWAXPY(work_, -2 / tau, velocity, p));
+    jump = predictor->linearised_jump(later->predictor, work_);
+  }
+  std::swap(velocity, velocity_later);
+  check(VecAXPBYPCZ(velocity, tau, -1, 0, p, velocity_later));
+  if (jump)
+    check(VecAXPY(velocity, tau, jump));
+  std::swap(p, p_later);
+  check(VecCopy(p_k, p));
+}
+
+DualBubbles::DualBubbles(const EnrichedBody& body, const forward::Load& derivative, forward::Scheme scheme)
+    : body_(body), derivative_at_(body.space(), derivative), scheme_(scheme), diagonal_(fem::diagonal(body.operators().A)) {
+  for (petsc::Vector* x : {&b_, &left_, &z_, &direction_, &image_, &work_})
+    *x = body.space().vector();
+  check(VecScale(diagonal_, scheme.impulse()));
+  if (body.operators().B)
+    check(VecAXPY(diagonal_, scheme.tau / 2, fem::diagonal(*body.operators().B)));
+}
+
+void DualBubbles::add(Mat matrix, double factor) {
+  body_.embed(coarse_, z_);
+  check(MatMult(matrix, z_, work_));
+  check(VecAXPY(left_, factor, work_));
+}
+
+void DualBubbles::residual(int k, const Duals& duals) {
+  if (!coarse_)
+    coarse_ = petsc::zero_like(duals.p);
+  const fem::Operators& operators = body_.operators();
+  const double tau = scheme_.tau;
+  forward::force_of(derivative_at_(k), operators, left_);
+  check(VecAXPBYPCZ(coarse_, 3 / tau, -1 / tau, 0, duals.velocity, duals.velocity_later));
+  check(VecAXPY(coarse_, -1, duals.p));
+  add(operators.M, 1);
+  if (operators.B) {
+    check(VecWAXPY(coarse_, -1, duals.p, duals.p_later));
+    add(*operators.B, tau / 2);
+    check(MatMult(*operators.B, b_, work_));
+    check(VecAXPY(left_, tau / 2, work_));
+  }
+  check(VecWAXPY(coarse_, 1, duals.p, duals.p_later));
+  add(operators.A, -scheme_.stiffness());
+}
+
+void DualBubbles::apply(Vec x, const contact::ActiveSet& active, Vec out) {
+  const fem::Operators& operators = body_.operators();
+  check(MatMult(operators.A, x, out));
+  check(VecScale(out, scheme_.impulse()));
+  if (operators.B) {
+    check(MatMult(*operators.B, x, work_));
+    check(VecAXPY(out, scheme_.tau / 2, work_));
+  }
+  body_.keep_bubbles(active, out);
+}
+
+double DualBubbles::precondition(const contact::ActiveSet& active) {
+  check(VecPointwiseDivide(z_, left_, diagonal_));
+  body_.keep_bubbles(active, z_);
+  return dot(z_, left_);
+}
+
+Vec DualBubbles::next(int k, const Duals& duals, const contact::ActiveSet& active) {
+  residual(k, duals);
+  body_.keep_bubbles(active, left_);
+  const double size = precondition(active);
+  body_.keep_bubbles(active, b_);
+  apply(b_, active, image_);
+  check(VecAXPY(left_, -1, image_));
+  double product = precondition(active);
+  check(VecCopy(z_, direction_));
+  // A hundredth of the bubbles' energy norm; what is neglected of the error is more.
+  constexpr double tolerance = 1e-4;
+  constexpr int most = 1000;
+  const double enough = tolerance * std::max(size, product);
+  for (int iteration = 0; product > enough; ++iteration) {
+    if (iteration == most)
+      throw SolverFailure(fmt::format("the error estimate at step {}: no convergence in {} iterations, relative residual {:.2e}", k,
+                                      most, product / std::max(size, product)));
+    apply(direction_, active, image_);
+    const double length = product / dot(direction_, image_);
+    check(VecAXPY(b_, length, direction_));
+    check(VecAXPY(left_, -length, image_));
+    const double last = std::exchange(product, precondition(active));
+    check(VecAYPX(direction_, product / last, z_));
+  }
+  return b_;
+}
+
+} // namespace signorini::adjoint

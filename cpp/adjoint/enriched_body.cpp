@@ -1,0 +1,98 @@
+#include "adjoint/enriched_body.h"
+#include <algorithm>
+#include <map>
+
+namespace signorini::adjoint {
+using petsc::check;
+
+EnrichedBody::EnrichedBody(const fem::Space& linear, const contact::Constraints* constraints, const scene::Scene& scene)
+    : linear_(linear), space_(linear.mesh(), 2), operators_(fem::assemble_operators(space_, scene.materials, true)),
+      clamped_(space_, scene.clamps), embed_(fem::embedding(linear, space_)) {
+  find_vertices();
+  const auto set = [&](const std::optional<scene::Components>& field, const char* key, petsc::Vector& error) {
+    if (!field)
+      return;
+    error = space_.vector();
+    interpolation_error({*field, key, false}, 0, error);
+    clamped_.clear(error);
+  };
+  set(scene.initial.displacement, "initial.displacement", initial_error_.y);
+  set(scene.initial.velocity, "initial.velocity", initial_error_.v);
+  if (!constraints)
+    return;
+  constraints_.emplace(space_, clamped_, scene.contacts);
+  match(*constraints);
+  zero_.assign(ends_.size(), 0.0);
+}
+
+void EnrichedBody::find_vertices() {
+  const Mat one = petsc::component(embed_);
+  PetscInt begin = 0, end = 0;
+  check(MatGetOwnershipRange(one, &begin, &end));
+  for (PetscInt node = begin; node < end; ++node) {
+    PetscInt count = 0;
+    check(MatGetRow(one, node, &count, nullptr, nullptr));
+    if (count == 1)
+      vertices_.push_back(static_cast<int>(node - begin));
+    check(MatRestoreRow(one, node, &count, nullptr, nullptr));
+  }
+}
+
+void EnrichedBody::match(const contact::Constraints& constraints) {
+  const int dim = space_.dim();
+  std::map<std::pair<PetscInt, int>, int> candidate; // by node and obstacle
+  for (int i = 0; i < constraints.count(); ++i)
+    candidate[{constraints.first_dofs()[i] / dim, constraints.obstacles()[i]}] = i;
+  constexpr int elsewhere = -2; // known to another rank
+  ends_.assign(static_cast<std::size_t>(constraints_->count()), {elsewhere, elsewhere});
+  const Mat embed = petsc::component(embed_);
+  PetscInt begin = 0, end = 0;
+  check(MatGetOwnershipRange(embed, &begin, &end));
+  for (std::size_t j = 0; j < ends_.size(); ++j) {
+    const PetscInt node = constraints_->first_dofs()[j] / dim;
+    if (node < begin || node >= end)
+      continue;
+    PetscInt count = 0;
+    const PetscInt* nodes = nullptr;
+    check(MatGetRow(embed, node, &count, &nodes, nullptr));
+    const auto at = [&](PetscInt n) {
+      const auto found = candidate.find({n, constraints_->obstacles()[j]});
+      return found == candidate.end() ? -1 : found->second;
+    };
+    ends_[j] = {at(nodes[0]), at(nodes[count - 1])};
+    check(MatRestoreRow(embed, node, &count, &nodes, nullptr));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, ends_.data(), 2 * constraints_->count(), MPI_INT, MPI_MAX, space_.comm());
+}
+
+void EnrichedBody::embed(Vec y, Vec out) const { check(MatMult(embed_, y, out)); }
+
+void EnrichedBody::interpolation_error(const scene::Field& field, double t, Vec out) const {
+  const petsc::Vector linear = linear_.vector(), embedded = space_.vector();
+  linear_.interpolate(field, t, linear);
+  space_.interpolate(field, t, out);
+  embed(linear, embedded);
+  check(VecAXPY(out, -1, embedded));
+}
+
+void EnrichedBody::keep_bubbles(const contact::ActiveSet& active, Vec x) const {
+  {
+    const petsc::WriteArray values(x);
+    const int dim = space_.dim();
+    for (int node : vertices_)
+      for (int c = 0; c < dim; ++c)
+        values[static_cast<std::size_t>(node * dim + c)] = 0;
+  }
+  clamped_.clear(x);
+  if (!constraints_ || active.empty())
+    return;
+  contact::ActiveSet between;
+  const auto closed = [&](int i) { return std::ranges::binary_search(active, i); };
+  for (std::size_t j = 0; j < ends_.size(); ++j)
+    if (closed(ends_[j][0]) && closed(ends_[j][1]))
+      between.push_back(static_cast<int>(j));
+  constraints_->drop_dependent(between);
+  constraints_->set_normal(between, zero_, x);
+}
+
+} // namespace signorini::adjoint

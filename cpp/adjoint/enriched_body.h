@@ -1,0 +1,54 @@
+#pragma once
+#include "contact/constraints.h"
+#include "fem/enrichment.h"
+#include <optional>
+
+namespace signorini::adjoint {
+
+/// The body in functions of degree 2 on the mesh of a run of degree 1. They are those of degree 1 and bubbles: functions that are
+/// zero at the vertices, one for each edge and component.
+class EnrichedBody {
+public:
+  /// `linear` is the run's space and `constraints` its contact, null without. Collective. The references must outlive this
+  /// object. Throws UserError.
+  EnrichedBody(const fem::Space& linear, const contact::Constraints* constraints, const scene::Scene& scene);
+  EnrichedBody(const EnrichedBody&) = delete;
+  EnrichedBody& operator=(const EnrichedBody&) = delete;
+
+  [[nodiscard]] const fem::Space& space() const { return space_; }
+  [[nodiscard]] const fem::Operators& operators() const { return operators_; }
+
+  /// y of degree 1 as a function of degree 2. Collective.
+  void embed(Vec y, Vec out) const;
+
+  /// What interpolation in the run's space leaves out of a field at time t: bubbles. Collective. Throws UserError as
+  /// fem::Space::interpolate does.
+  void interpolation_error(const scene::Field& field, double t, Vec out) const;
+
+  /// That of the scene's initial displacement and velocity; null where it has none.
+  struct InitialError {
+    petsc::Vector y, v;
+  };
+  [[nodiscard]] const InitialError& initial_error() const { return initial_error_; }
+
+  /// Leaves of x, in the product of the coefficients, the bubbles that may move: zero where clamps hold and, along ν, in the middle
+  /// of edges whose ends are both in contact with the same obstacle. Collective.
+  void keep_bubbles(const contact::ActiveSet& active, Vec x) const;
+
+private:
+  void find_vertices();
+  void match(const contact::Constraints& constraints);
+
+  const fem::Space& linear_;
+  fem::Space space_;
+  fem::Operators operators_;
+  fem::Clamped clamped_;
+  petsc::Matrix embed_;
+  std::vector<int> vertices_; ///< owned nodes, local numbers
+  std::optional<contact::Constraints> constraints_;
+  std::vector<std::array<int, 2>> ends_; ///< of each candidate here the run's candidates at the ends of its edge, or −1
+  std::vector<double> zero_;
+  InitialError initial_error_;
+};
+
+} // namespace signorini::adjoint
