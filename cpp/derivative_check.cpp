@@ -3,11 +3,11 @@
 #include "base/fit.h"
 #include "evaluation_point.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <iterator>
 #include <limits>
-#include <tuple>
 
 namespace signorini {
 using petsc::check;
@@ -31,12 +31,12 @@ struct Switches {
   int steps = 0, candidates = 0;
 };
 
-Switches switches(const forward::Trajectory& a, const forward::Trajectory& b) {
+using Contact = std::vector<contact::ContactState>;
+
+Switches switches(const Contact& a, const Contact& b) {
   Switches sum;
-  for (int k = 1; k <= a.steps(); ++k) {
-    const contact::ContactState &one = a.contact()[static_cast<std::size_t>(k)],
-                                &other = b.contact()[static_cast<std::size_t>(k)];
-    const int here = apart(one.active, other.active) + apart(one.predictor, other.predictor);
+  for (std::size_t k = 1; k < std::min(a.size(), b.size()); ++k) {
+    const int here = apart(a[k].active, b[k].active) + apart(a[k].predictor, b[k].predictor);
     sum.steps += here > 0;
     sum.candidates += here;
   }
@@ -77,18 +77,19 @@ public:
   }
 
   void run(std::vector<CheckRow>& rows) {
-    // Rounding; and what an iterative solver leaves of each step of both sweeps, a few times its tolerance.
-    const double solves = 10 * controls_.steps() * solver_tolerance_;
-    rows.push_back(below("transpose identity <S'd, w> = <d, S'*w>", transpose_defect(), 1e-12 + solves));
+    rows.push_back(below("transpose identity <S'd, w> = <d, S'*w>", transpose_defect(), sweeps_leave()));
     if (const int weak = weak_candidates(); weak > 0) {
-      one_sided(weak, rows);
+      console_.line(fmt::format("Contact is weak (closed without force) {} times: J may have a kink here, and slopes to one side alone.",
+                                weak));
+      const double plus = slope(Side::plus, rows);
+      kink(plus, slope(Side::minus, rows));
       return;
     }
-    const double slope = taylor(rows);
+    const double derivative = slope(Side::both, rows);
     hessian(rows);
     settle(u_);
     if (contact_occurs())
-      judge(slope);
+      judge(derivative);
   }
 
 private:
@@ -119,21 +120,45 @@ private:
     return std::abs(forward - backward) / std::max(std::abs(forward), std::abs(backward));
   }
 
-  double taylor(std::vector<CheckRow>& rows) {
-    const control::Control g = problem_.l2_gradient();
-    const double slope = controls_.product(g, d_);
-    // Rounding of J, accumulated over the steps, hides remainders below this.
-    const double floor = 100 * std::numeric_limits<double>::epsilon() * std::abs(objective_) *
-                         std::sqrt(static_cast<double>(controls_.steps()));
-    console_.line("Taylor remainders |J(u + eps d) - J(u) - eps <g, d>|, |d| = |u|:\n"
-                  "       eps    remainder   order  active sets");
+  /// Where J is held against its slope: on both sides of u, or on one, of which J is a smooth function up to u.
+  enum class Side { both, plus, minus };
+
+  /// What rounding, and an iterative solver a few times its tolerance, leave of the sums of a sweep and its transpose, relative.
+  [[nodiscard]] double sweeps_leave() const { return 1e-12 + solves_leave(); }
+  [[nodiscard]] double solves_leave() const { return 10 * controls_.steps() * solver_tolerance_; }
+  /// The same of J or of a gradient, relative: N steps are rounded one by one, which adds up like √N; 100 units each
+  /// where their stiffness multiplies them. It only picks differences that are not lost in it.
+  [[nodiscard]] double rounding() const {
+    return 100 * std::numeric_limits<double>::epsilon() * std::sqrt(static_cast<double>(controls_.steps())) + solves_leave();
+  }
+
+  /// Holds J's slope along d, or to one side of it, against the gradient there and against J; returns it.
+  double slope(Side side, std::vector<CheckRow>& rows) {
+    control::Control direction = d_;
+    direction.scale(side == Side::minus ? -1 : 1);
+    const control::ReducedProblem::OneSided found = problem_.one_sided_slope(direction);
+    const std::string along = side == Side::both ? "" : side == Side::plus ? " along +d" : " along -d";
+    if (side != Side::both)
+      console_.line(fmt::format("Slope of J{}: {:.6e}.", along, found.by_motion));
+    const double defect = std::abs(found.by_motion - found.by_gradient);
+    rows.push_back(below(fmt::format("slope{}: gradient against linearised motion", along), defect > 0 ? defect / found.size : 0,
+                         sweeps_leave()));
+    taylor(side, along, found, rows);
+    return found.by_motion;
+  }
+
+  void taylor(Side side, const std::string& along, const control::ReducedProblem::OneSided& found, std::vector<CheckRow>& rows) {
+    constexpr double clear = 20; // so that the smallest remainder is right to 5 %, and an order over one decade to 0.02
+    const double sign = side == Side::minus ? -1 : 1, floor = clear * rounding() * std::abs(objective_);
+    console_.line(fmt::format("Taylor remainders |J(u + eps d) - J(u) - eps <g, d>|{}, |d| = |u|:\n"
+                              "       eps    remainder   order  active sets", along));
     std::vector<std::pair<double, double>> usable;
-    double last = 0;
+    double last = 0, within = 0;
     constexpr int sizes = 8;
     for (int j = 0; j < sizes; ++j) {
       const double epsilon = epsilon_of(j);
-      const double remainder = std::abs(problem_.value(moved(epsilon)) - objective_ - epsilon * slope);
-      const Switches changed = switches(problem_.trajectory(), problem_.trial_trajectory());
+      const double remainder = std::abs(problem_.value(moved(sign * epsilon)) - objective_ - epsilon * found.by_motion);
+      const Switches changed = switches(found.contact, problem_.trial_trajectory().contact());
       const bool kept = changed.steps == 0;
       console_.line(fmt::format(
           "  {:8.1e}   {:10.3e}  {:>6}  {}{}", epsilon, remainder,
@@ -143,24 +168,52 @@ private:
       last = remainder;
       if (kept && remainder > floor)
         usable.emplace_back(epsilon, remainder);
-      if (kept && kept_size_ == 0 && same_sets_at(-epsilon))
-        kept_size_ = epsilon;
+      if (kept && within == 0 && (side != Side::both || same_sets_at(-epsilon, found.contact)))
+        within = epsilon;
     }
-    if (kept_size_ == 0)
-      kept_size_ = invariance_radius(epsilon_of(sizes));
-    const std::string difference = "derivative against the difference of J";
+    if (within == 0)
+      within = invariance_radius(side, found.contact, epsilon_of(sizes));
+    kept_size_ = within;
+    const std::string difference = fmt::format("slope{} against differences of J", along);
     if (usable.size() >= 3) {
       const double p = log_log_slope(usable);
-      rows.push_back({"Taylor order", fmt::format("{:.3f}", p), "2.00 +- 0.05", std::abs(p - 2) <= 0.05});
-    } else if (kept_size_ == 0) {
+      rows.push_back({"Taylor order" + along, fmt::format("{:.3f}", p), "2.00 +- 0.05", std::abs(p - 2) <= 0.05});
+    } else if (within == 0) {
       rows.push_back({difference, "no size keeps the active sets", "a size that keeps them", false});
     } else {
-      // While sets are kept J is quadratic and its central difference exact.
-      const double quotient =
-          (problem_.value(moved(kept_size_)) - problem_.value(moved(-kept_size_))) / (2 * kept_size_);
-      rows.push_back(beyond_rounding(difference, std::abs(quotient / slope - 1), floor / (kept_size_ * std::abs(slope))));
+      const Fit fit = fitted(side, within);
+      rows.push_back(beyond_rounding(difference, std::abs(fit.slope / found.by_motion - 1), fit.rounding / std::abs(found.by_motion)));
     }
-    return slope;
+  }
+
+  struct Fit {
+    double slope, rounding;
+  };
+
+  /// J's slope at u by nine values evenly spaced within a size that keeps the active sets, through which a parabola goes but for
+  /// rounding. How far they are off it tells their rounding, and that by how much the slope may be off.
+  Fit fitted(Side side, double within) {
+    constexpr int half = 4;
+    constexpr double squares = 60, mean_square = 20.0 / 3, spread = 308; // Σ t², its mean, Σ (t² − mean)² over t = −4…4
+    const int start = side == Side::both ? 0 : -half; // where u is
+    const double spacing = (side == Side::minus ? -within : within) / (half - start);
+    std::array<double, 2 * half + 1> J{};
+    double mean = 0, linear = 0, quadratic = 0;
+    for (int t = -half; t <= half; ++t) {
+      double& value = J[static_cast<std::size_t>(t + half)];
+      value = t == start ? 0 : problem_.value(moved((t - start) * spacing)) - objective_;
+      mean += value / static_cast<double>(J.size());
+      linear += t * value / squares;
+      quadratic += (t * t - mean_square) * value / spread;
+    }
+    double off = std::numeric_limits<double>::epsilon() * std::abs(objective_), weights = 0;
+    for (int t = -half; t <= half; ++t) {
+      off = std::max(off, std::abs(J[static_cast<std::size_t>(t + half)] - mean - t * linear - (t * t - mean_square) * quadratic));
+      weights += std::abs(t / squares + 2 * start * (t * t - mean_square) / spread);
+    }
+    // A parabola takes a third of the values' rounding with it; more than rounding there must not be.
+    const double each = std::min(2 * off, rounding() * std::abs(objective_));
+    return {(linear + 2 * start * quadratic) / std::abs(spacing), weights * each / std::abs(spacing)};
   }
 
   /// Candidates in weak contact, over all steps.
@@ -171,38 +224,16 @@ private:
     return weak;
   }
 
-  /// At a kink J has slopes to one side alone.
-  void one_sided(int weak, std::vector<CheckRow>& rows) {
-    console_.line(fmt::format("Contact is weak (closed without force) {} times: J may have a kink here, and slopes to one side alone.",
-                              weak));
-    control::Control back = d_;
-    back.scale(-1);
-    double slopes[2]{};
-    for (const auto& [name, direction, sign] : {std::tuple{"+d", &d_, 1.0}, std::tuple{"-d", &back, -1.0}}) {
-      const control::ReducedProblem::OneSided slope = problem_.one_sided_slope(*direction);
-      slopes[sign < 0] = slope.by_motion;
-      // While sets are kept J is quadratic along d, and two quotients give the slope.
-      const double ratio = epsilon_of(0) / epsilon_of(1);
-      double best = std::numeric_limits<double>::infinity(), larger = best;
-      for (int j = 0; j < 12; ++j) {
-        const double epsilon = epsilon_of(j), quotient = (problem_.value(moved(sign * epsilon)) - objective_) / epsilon;
-        const double extrapolated = (ratio * quotient - larger) / (ratio - 1);
-        best = std::min(best, std::abs(extrapolated - slope.by_motion) / std::abs(slope.by_motion));
-        larger = quotient;
-      }
-      console_.line(fmt::format("Slope of J along {}: {:.6e}; by the adjoint inequality, with weak contact free to open, {:.6e}.", name,
-                                slope.by_motion, slope.by_adjoint));
-      rows.push_back(below(fmt::format("one-sided slope along {} against differences of J", name), best, 1e-5));
-    }
-    const double kink = std::abs(slopes[0] + slopes[1]) / std::max(std::abs(slopes[0]), std::abs(slopes[1]));
+  void kink(double plus, double minus) {
+    const double kink = std::abs(plus + minus) / std::max(std::abs(plus), std::abs(minus));
     constexpr double smooth = 1e-9;
     console_.line(kink > smooth ? fmt::format("Verdict: a kink along d, whose slopes differ by {:.3g} %; no gradient tells both.", 100 * kink)
                                 : std::string("Verdict: no kink along d."));
   }
 
-  bool same_sets_at(double epsilon) {
+  bool same_sets_at(double epsilon, const Contact& contact) {
     problem_.value(moved(epsilon));
-    return switches(problem_.trajectory(), problem_.trial_trajectory()).steps == 0;
+    return switches(contact, problem_.trial_trajectory().contact()).steps == 0;
   }
 
   [[nodiscard]] bool contact_occurs() const {
@@ -212,22 +243,21 @@ private:
 
   static double epsilon_of(int j) { return std::pow(10, -2 - 0.5 * j); }
 
-  /// The largest of 10^(−j/2) below `from` within which no active set changes, on both sides; 0 if there is none.
-  double invariance_radius(double from) {
+  /// The largest of 10^(−j/2) below `from` within which the active sets are these, on the sides looked at; 0 if there is none.
+  double invariance_radius(Side side, const Contact& contact, double from) {
     constexpr double rounding = 1e-12;
     for (double epsilon = from; epsilon > rounding; epsilon /= std::sqrt(10))
-      if (same_sets_at(epsilon) && same_sets_at(-epsilon))
+      if ((side == Side::minus || same_sets_at(epsilon, contact)) && (side == Side::plus || same_sets_at(-epsilon, contact)))
         return epsilon;
     return 0;
   }
 
-  /// A row for a quotient of differences that rounding disturbs.
+  /// A row for a quotient of differences that rounding disturbs by so much.
   static CheckRow beyond_rounding(const std::string& name, double value, double rounding) {
-    constexpr double most = 1e-6, useless = 0.1;
-    CheckRow row = below(name, value, std::max(most, rounding));
+    constexpr double useless = 1e-3;
     if (rounding > useless)
-      row = {name, "lost in rounding", "sets kept within more", false};
-    return row;
+      return {name, "lost in rounding", "sets kept within more", false};
+    return below(name, value, rounding);
   }
 
   /// Says how far the derivative can be trusted: exact it is as long as no active set changes, useful only if
@@ -235,7 +265,7 @@ private:
   void judge(double slope) {
     constexpr double macroscopic = 0.1, alike = 0.05, narrow = 1e-6;
     const double above = problem_.value(moved(macroscopic));
-    const int changed = switches(problem_.trajectory(), problem_.trial_trajectory()).candidates;
+    const int changed = switches(problem_.trajectory().contact(), problem_.trial_trajectory().contact()).candidates;
     const double secant = (above - problem_.value(moved(-macroscopic))) / (2 * macroscopic);
     const double off = std::abs(secant - slope) / std::max(std::abs(secant), std::abs(slope));
     const double radius = kept_size_;
@@ -262,18 +292,29 @@ private:
   void hessian(std::vector<CheckRow>& rows) {
     const std::string name = "Hessian product against differences of gradients";
     if (kept_size_ == 0) {
-      rows.push_back({name, "no size keeps the active sets", "<= 1e-06", false});
+      rows.push_back({name, "no size keeps the active sets", "a size that keeps them", false});
       return;
     }
-    control::Control h = problem_.l2_hessian_product(d_);
+    const control::Control h = problem_.l2_hessian_product(d_);
     const double size = controls_.norm(h), gradient = controls_.norm(problem_.l2_gradient());
-    settle(moved(kept_size_));
-    h.add(-1 / (2 * kept_size_), problem_.l2_gradient());
-    settle(moved(-kept_size_));
-    h.add(1 / (2 * kept_size_), problem_.l2_gradient());
-    const double rounding = 100 * std::numeric_limits<double>::epsilon() *
-                            std::sqrt(static_cast<double>(controls_.steps())) * gradient / (kept_size_ * size);
-    rows.push_back(beyond_rounding(name, controls_.norm(h) / size, rounding));
+    const auto distance = [&](control::Control a, const control::Control& b) {
+      a.add(-1, b);
+      return controls_.norm(a) / size;
+    };
+    // While sets are kept gradients are affine along d: two quotients differ by their rounding alone, and that of the smaller one
+    // is twice the other's.
+    const control::Control difference = gradient_difference(kept_size_), half = gradient_difference(kept_size_ / 2);
+    const double found = 4 * distance(difference, half), most = rounding() * gradient / (kept_size_ * size);
+    rows.push_back(beyond_rounding(name, distance(difference, h), std::max(sweeps_leave(), std::min(found, most))));
+  }
+
+  control::Control gradient_difference(double epsilon) {
+    settle(moved(epsilon));
+    control::Control difference = problem_.l2_gradient();
+    settle(moved(-epsilon));
+    difference.add(-1, problem_.l2_gradient());
+    difference.scale(1 / (2 * epsilon));
+    return difference;
   }
 
   control::ReducedProblem& problem_;
@@ -283,7 +324,7 @@ private:
   double solver_tolerance_;
   const Console& console_;
   double objective_ = 0;
-  double kept_size_ = 0; ///< the invariance radius: the largest size that keeps the active sets on both sides
+  double kept_size_ = 0; ///< the invariance radius: the largest size that keeps the active sets on the sides looked at
 };
 
 } // namespace

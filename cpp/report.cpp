@@ -30,6 +30,8 @@ io::Manifest manifest(const Problem& problem, const std::string& verb, const std
   m.cells = static_cast<long>(problem.mesh.cells());
   m.candidates = problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0;
   m.steps_done = steps_done;
+  if (const auto& control = problem.scene.control)
+    m.control_unit = control->on && problem.mesh.group_dimension(*control->on, "control.on") < problem.mesh.dim() ? "N/m²" : "N/m³";
   m.solver = problem.stepper.solver().choice();
   m.peak_memory = peak_memory();
   MPI_Allreduce(MPI_IN_PLACE, &m.peak_memory, 1, MPI_DOUBLE, MPI_SUM, problem.space.comm());

@@ -86,7 +86,7 @@ def read_motion(run: RunFolder) -> Motion:
     enlarged = enlargement(magnitude.max(), series.mesh.size)
     times, view = series.times[shown], view_of(run)
     obstacle = read_obstacle(run, view, series.mesh, times, displacement, enlarged, stride) if run.has_contact else None
-    mesh = view.seen(series.mesh)
+    mesh, _ = view.seen(series.mesh)
     return Motion(mesh, view, times, magnitude, mesh.points + enlarged * view.project(displacement), enlarged, obstacle)
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.tri import Triangulation
 
 import style
 from command_line import run_alone
@@ -24,11 +25,13 @@ def draw(run: RunFolder, time: float | None = None) -> list[Path]:
     index = nearest(control.times, time)
 
     view = view_of(run)
-    mesh = view.seen(control.mesh)
+    mesh, cells = view.seen(control.mesh)
     axes = body_axes(mesh, view)
     magnitude = np.linalg.norm(control.at(index), axis=1)
-    colours = axes.tripcolor(*mesh.points.T, mesh.cells, magnitude, shading="gouraud",
-                             cmap=style.FIELD_COLOURS, vmin=0, rasterized=True)
+    triangles = Triangulation(*mesh.points.T, mesh.cells)
+    look = {"cmap": style.FIELD_COLOURS, "vmin": 0, "rasterized": True}
+    colours = (axes.tripcolor(triangles, facecolors=magnitude[cells], **look) if control.cellwise
+               else axes.tripcolor(triangles, magnitude, shading="gouraud", **look))  # fmt: skip
     style.colour_bar(colours, axes, f"control $|u|$ ({control_unit(run)})")
     style.show_time(axes, control.times[index])
     if run.has_contact and run.has_contact_table:
@@ -45,12 +48,13 @@ def body_axes(mesh: Mesh, view: View) -> Axes:
 
 
 def control_unit(run: RunFolder) -> str:
-    """The body force that a control of one stands for."""
-    mantissa, exponent = f"{run.scene['control']['scale']:e}".split("e")
+    """The body force or the traction that a control of one stands for."""
+    scale, unit = run.told(lambda: (run.scene["control"]["scale"], run.manifest["control_unit"]))
+    mantissa, exponent = f"{scale:e}".split("e")
     if int(exponent) == 0:
-        return "N/m³" if float(mantissa) == 1 else f"{float(mantissa):g} N/m³"
+        return unit if float(mantissa) == 1 else f"{float(mantissa):g} {unit}"
     factor = "" if float(mantissa) == 1 else f"{float(mantissa):g}·"
-    return f"{factor}$10^{{{int(exponent)}}}$ N/m³"
+    return f"{factor}$10^{{{int(exponent)}}}$ {unit}"
 
 
 def mark_contact(axes: Axes, run: RunFolder, view: View, time: float, size: float) -> None:

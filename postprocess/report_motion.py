@@ -18,7 +18,7 @@ BAND = 0.06  # thickness of what is drawn of the obstacle, as a part of the body
 def motion(run: RunFolder) -> dict:
     """What report.js draws: positions in m, fields frame by frame, both as whole numbers times a scale."""
     series = run.field("state.xdmf", "displacement")
-    faces = series.mesh.cells if run.dim == 2 else series.mesh.surface()
+    faces = series.mesh.cells if run.dim == 2 else series.mesh.surface()[0]
     nodes, own = np.unique(faces, return_inverse=True)
     if len(nodes) > MOST_NODES:
         raise NotInRun(f"{whole(len(nodes))} nodes are more than a page can hold")
@@ -84,7 +84,7 @@ def colouring(name: str, unit: str, series: Series, times: np.ndarray, nodes: np
 def nodal(series: Series, index: int) -> np.ndarray:
     """Values at the nodes; of a field that is constant in each cell the mean over the cells there."""
     values, mesh = series.at(index), series.mesh
-    if len(values) == len(mesh.points):
+    if not series.cellwise:
         return values
     total, count = np.zeros((len(mesh.points), values.shape[1])), np.zeros(len(mesh.points))
     for corner in mesh.cells.T:

@@ -5,7 +5,7 @@ import numpy as np
 import report_motion
 import style
 from report_parts import GREY, Chart, Gathering, Page, Section, Table, dots, figure, line, packed, quantity, whole
-from run_folder import Contact, NotInRun, RunFolder, Table as Columns, Unreadable
+from run_folder import Contact, NotInRun, RunFolder, Table as Columns
 
 MOST_COLUMNS = 400  # times in a map of the contact surface
 RINGS = 40  # distances in that of a body in space
@@ -15,12 +15,7 @@ FROM_ZERO = {"rangemode": "tozero"}
 def page(run: RunFolder) -> Page:
     """Raises NotInRun where there is no run.json, Unreadable where a file is damaged."""
     gather = Gathering(run.path)
-    try:
-        sections = sections_of(run, gather)
-        return Page(str(run.manifest["scene"]), run.verb, facts(run), sections, gather.left_out())
-    except (KeyError, TypeError, AttributeError) as error:
-        found = f"{type(error).__name__}: {error}"
-        raise Unreadable(f"{run.path}: run.json or scene.toml is not as a run writes it ({found})") from None
+    return run.told(lambda: Page(str(run.manifest["scene"]), run.verb, facts(run), sections_of(run, gather), gather.left_out()))
 
 
 def sections_of(run: RunFolder, gather: Gathering) -> list[Section]:

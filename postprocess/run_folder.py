@@ -4,6 +4,7 @@ Which file holds what is listed in the manual under "What a run leaves in its fo
 they are first asked for, so that a folder with a part of them serves the figures that need no more.
 """
 
+import io
 import json
 import tomllib
 import warnings
@@ -59,31 +60,34 @@ class Mesh:
         distinct, count = np.unique(edges, axis=0, return_counts=True)
         return distinct[count == 1]
 
-    def surface(self) -> np.ndarray:
-        """Triangles of the boundary of tetrahedra (triangles × 3, node numbers), counterclockwise from outside."""
+    def surface(self) -> tuple[np.ndarray, np.ndarray]:
+        """Triangles of the boundary of tetrahedra (triangles × 3, node numbers), counterclockwise from outside, and the
+        cell that each belongs to."""
         faces = self.cells[:, [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]]].reshape(-1, 3)
         _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
         outer = first[count == 1]
         a, b, c = np.moveaxis(self.points[faces[outer]], 1, 0)
         inside = self.points[self.cells[outer // 4]].mean(axis=1)
         inwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), inside - a) > 0
-        return np.where(inwards[:, None], faces[outer][:, ::-1], faces[outer])
+        return np.where(inwards[:, None], faces[outer][:, ::-1], faces[outer]), outer // 4
 
     def boundary_nodes(self) -> np.ndarray:
         """Node numbers of the boundary, ascending."""
-        return np.unique(self.outline() if self.points.shape[1] == 2 else self.surface())
+        return np.unique(self.outline() if self.points.shape[1] == 2 else self.surface()[0])
 
 
 @dataclass(frozen=True)
 class Series:
-    """A nodal vector field over time: the mesh, the stored times (s) and where each time's values are."""
+    """A vector field over time, of a value for each node or, `cellwise`, for each cell: the mesh, the stored times (s)
+    and where each time's values are."""
 
     mesh: Mesh
     times: np.ndarray
     datasets: list[tuple[Path, str]]
+    cellwise: bool
 
     def at(self, index: int) -> np.ndarray:
-        """Values at times[index], n × dim."""
+        """Values at times[index], nodes or cells × dim."""
         # Functions are padded with zeros to three components in the file.
         return read_dataset(*self.datasets[index])[:, : self.mesh.points.shape[1]]
 
@@ -132,12 +136,12 @@ class RunFolder:
     @cached_property
     def scene(self) -> dict:
         """The scene with every default written out."""
-        return self._read("scene.toml", lambda file: tomllib.loads(file.read_text(encoding="utf-8")))
+        return self._read("scene.toml", read_scene)
 
     @cached_property
     def manifest(self) -> dict:
         """run.json."""
-        return self._read("run.json", lambda file: json.loads(file.read_text(encoding="utf-8")))
+        return self._read("run.json", lambda file: json.loads(whole_text(file)))
 
     @property
     def verb(self) -> str:
@@ -147,7 +151,7 @@ class RunFolder:
     @cached_property
     def steps(self) -> Table:
         """steps.csv: energies and works (J, in the plane J/m), forces (N, N/m) of every time step after row 0."""
-        table = self._read("steps.csv", read_csv)
+        table = self._table("steps.csv", lambda: self.steps_done + 1)
         if len(table["time"]) < 2:
             raise NotInRun("the run made no time step")
         return table
@@ -155,12 +159,12 @@ class RunFolder:
     @cached_property
     def history(self) -> Table:
         """history.csv: one row per iteration of the optimizer."""
-        return self._read("history.csv", read_csv)
+        return self._table("history.csv", lambda: self.manifest["optimizer"]["iterations"] + 1)
 
     @cached_property
     def contact(self) -> Contact:
         """contact.csv, by stored step and candidate node."""
-        table = self._read("contact.csv", read_csv)
+        table = self._table("contact.csv", lambda: self.stored_steps * self.manifest["candidates"])
         steps, first = np.unique(table["step"], return_index=True)
         shape = (len(steps), -1)
         try:
@@ -217,7 +221,7 @@ class RunFolder:
 
     def field(self, file: str, name: str) -> Series:
         """The function `name` of `file` (one of the .xdmf files)."""
-        document = self._read(file, lambda path: ElementTree.parse(path).getroot())
+        document = self._read(file, lambda path: ElementTree.fromstring(whole_text(path)))
         grids = document.findall(f".//Grid[@GridType='Collection'][@Name='{name}']/Grid")
         if not grids:
             raise NotInRun(f"{file} holds no {name}")
@@ -225,7 +229,8 @@ class RunFolder:
         datasets = [self._reference(grid.find("Attribute/DataItem")) for grid in grids]
         points = read_dataset(*self._reference(document.find(".//Geometry/DataItem")))
         cells = read_dataset(*self._reference(document.find(".//Topology/DataItem")))
-        return Series(Mesh(points, cells), times, datasets)
+        centers = {grid.find("Attribute").get("Center") for grid in grids}
+        return Series(Mesh(points, cells), times, datasets, centers == {"Cell"})
 
     def figure_time(self) -> float:
         """The time that shows contact best, s: the seed's if the body touches there, else that of the largest force."""
@@ -244,7 +249,17 @@ class RunFolder:
     @property
     def last_time(self) -> float:
         """The time that the run reached, s."""
-        return self.manifest["steps"]["done"] * self.scene["time"]["step"]
+        return self.steps_done * self.scene["time"]["step"]
+
+    @property
+    def steps_done(self) -> int:
+        """How many time steps the run made."""
+        return self.told(lambda: int(self.manifest["steps"]["done"]))
+
+    @property
+    def stored_steps(self) -> int:
+        """How many steps have rows in contact.csv: the initial state, every so manyth, and the last one."""
+        return -(-self.steps_done // self.scene["output"]["every"]) + 1
 
     def check_time(self, time: float) -> None:
         """Raises Unreadable if the run did not reach the time (s)."""
@@ -268,6 +283,22 @@ class RunFolder:
         file, dataset = item.text.strip().split(":", 1)
         return self.path / file, dataset
 
+    def told(self, entry: Callable[[], T]) -> T:
+        """What run.json and scene.toml say. Raises Unreadable where they have no such entry."""
+        try:
+            return entry()
+        except (KeyError, TypeError, AttributeError) as error:
+            found = f"{type(error).__name__}: {error}"
+            raise Unreadable(f"{self.path}: run.json or scene.toml is not as a run writes it ({found})") from None
+
+    def _table(self, file: str, rows: Callable[[], int]) -> Table:
+        """A .csv file with as many rows as run.json tells of, where there is one."""
+        table = self._read(file, read_csv)
+        found = len(next(iter(table.values())))
+        if (self.path / "run.json").is_file() and found != (told := self.told(rows)):
+            raise Unreadable(f"{self.path / file}: found {found} rows, but run.json tells of {told}: it was cut, or is of another run")
+        return table
+
     def _read(self, file: str, read: Callable[[Path], T]) -> T:
         path = self.path / file
         if not path.is_file():
@@ -279,11 +310,28 @@ class RunFolder:
             raise Unreadable(f"{path}: cannot be read ({str(error).split(';')[0]})") from None
 
 
+def whole_text(file: Path) -> str:
+    """A text file that ends as every line of it does. Raises ValueError where it does not: then its end is missing."""
+    text = file.read_text(encoding="utf-8")
+    if not text.endswith("\n"):
+        raise ValueError("its end is missing")
+    return text
+
+
+def read_scene(file: Path) -> dict:
+    """scene.toml, which would be one without its last tables too. Raises ValueError where the last key is missing."""
+    scene = tomllib.loads(whole_text(file))
+    if "tables" not in scene.get("output", {}):
+        raise ValueError("its end is missing")
+    return scene
+
+
 def read_csv(file: Path) -> Table:
-    """A table below one line of column names."""
-    with file.open(encoding="utf-8") as lines, warnings.catch_warnings(action="ignore"):
-        names = lines.readline().strip().split(",")
-        rows = np.loadtxt(lines, delimiter=",", ndmin=2)
+    """A table below one line of column names. Raises ValueError where a row is not whole."""
+    header, _, body = whole_text(file).partition("\n")
+    names = header.split(",")
+    with warnings.catch_warnings(action="ignore"):
+        rows = np.loadtxt(io.StringIO(body), delimiter=",", ndmin=2)
     if rows.size == 0:
         raise ValueError("there are no rows below the column names")
     if rows.shape[1] != len(names):

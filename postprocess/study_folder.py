@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from run_folder import Unreadable
+from run_folder import Unreadable, whole_text
 
 NUMBERS = ["size", "step", "degree", "unknowns", "steps", "seconds", "memory_bytes"]
 
@@ -51,7 +51,7 @@ class StudyFolder:
         """study.json."""
         file = self.path / "study.json"
         try:
-            return json.loads(file.read_text(encoding="utf-8"))
+            return json.loads(whole_text(file))
         except (OSError, ValueError) as error:
             raise Unreadable(f"{file}: cannot be read ({error})") from None
 
@@ -62,14 +62,14 @@ class StudyFolder:
         parts = ("", "_error", "_estimate", "_effectivity", "_pareto")
         columns = NUMBERS + [f"{name}{part}" for name in self.manifest["quantities"] for part in parts]
         try:
-            with file.open(encoding="utf-8", newline="") as lines:
-                rows = [rung_of(row, columns) for row in csv.DictReader(lines)]
+            rows = [rung_of(row, columns) for row in csv.DictReader(whole_text(file).splitlines())]
         except KeyError as error:
             raise Unreadable(f"{file}: there is no column {error.args[0]}") from None
         except (OSError, ValueError, TypeError, csv.Error) as error:
             raise Unreadable(f"{file}: cannot be read ({error})") from None
-        if not rows:
-            raise Unreadable(f"{file}: cannot be read (there are no rows below the column names)")
+        told = self.manifest["rungs"]
+        if not rows or len(rows) != told:
+            raise Unreadable(f"{file}: found {len(rows)} rows, allowed are the {told or 'several'} that study.json tells of")
         return rows
 
     @property

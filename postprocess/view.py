@@ -25,19 +25,21 @@ class View:
         """The obstacle in the picture."""
         return HalfSpace(self.project(obstacle.point), self.project(obstacle.normal))
 
-    def seen(self, mesh: Mesh) -> Mesh:
-        """The mesh on paper: in space those triangles of the surface that face the viewer, the farthest first.
+    def seen(self, mesh: Mesh) -> tuple[Mesh, np.ndarray]:
+        """The mesh on paper, in space those triangles of the surface that face the viewer, the farthest first; and the
+        body's cell that each triangle shows.
 
         It has all nodes of the body, so that nodal values keep their places.
         """
         if self.axes.shape[1] == 2:
-            return mesh
+            return mesh, np.arange(len(mesh.cells))
         to_viewer = np.cross(*self.axes)
-        corners = mesh.points[mesh.surface()]
+        surface, cells = mesh.surface()
+        corners = mesh.points[surface]
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         facing = normals @ to_viewer > 1e-9 * np.linalg.norm(normals, axis=1)
         order = np.argsort(corners[facing].mean(axis=1) @ to_viewer)
-        return Mesh(self.project(mesh.points), mesh.surface()[facing][order])
+        return Mesh(self.project(mesh.points), surface[facing][order]), cells[facing][order]
 
 
 def view_of(run: RunFolder) -> View:

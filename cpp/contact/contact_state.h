@@ -22,9 +22,6 @@ struct ContactState {
   std::vector<Status> status;
   ActiveSet active;      ///< A = S ∪ W
   ActiveSet predictor;   ///< Z: candidates that the step's projected predictor touches; contact-stabilized alone
-  /// Linearised and adjoint steps let W open, x·ν ≤ 0, as the exact one-sided derivative does, in place of
-  /// sliding on the whole of A.
-  bool one_sided = false;
   int vi_iterations = 0; ///< Newton steps that found the active set; 0 where the previous step's was right
 
   /// All m candidates open. Holds room for every active set, so that steps do not allocate.

@@ -83,13 +83,19 @@ Control ReducedProblem::trial_gradient() {
   return g;
 }
 
-void ReducedProblem::march_linearised(const Control& d, const std::vector<contact::ContactState>& contact,
-                                      const std::function<void(forward::March& march)>& use) {
+void ReducedProblem::march_linearised(const Control& d, const std::function<void(forward::March& march)>& use) {
+  const std::vector<contact::ContactState>& contact = current_->trajectory.contact();
+  march_linearised(d, [&](int k, Vec y0, Vec v0, forward::StepLoad load, Vec y1, Vec v1) {
+    stepper_.linearised_step(y0, v0, load, contact[static_cast<std::size_t>(k)], y1, v1);
+  }, use);
+}
+
+void ReducedProblem::march_linearised(const Control& d, const Step& step, const std::function<void(forward::March& march)>& use) {
   const petsc::Vector rest = stepper_.space().vector();
   const forward::Load load = controls_.load(d);
   const forward::LoadAtStep load_at(stepper_.space(), load);
   forward::March march(stepper_, rest, rest, [&](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
-    stepper_.linearised_step(y0, v0, load_at(k), contact[static_cast<std::size_t>(k)], y1, v1);
+    step(k, y0, v0, load_at(k), y1, v1);
   });
   use(march);
 }
@@ -109,7 +115,7 @@ void ReducedProblem::through_linearised(forward::March& march,
 }
 
 void ReducedProblem::linearised(const Control& d, const std::function<void(int k, Vec dy)>& visit) {
-  march_linearised(d, current_->trajectory.contact(), [&](forward::March& march) {
+  march_linearised(d, [&](forward::March& march) {
     through_linearised(march, [&](const forward::State& state) {
       if (state.k > 0)
         visit(state.k, state.y);
@@ -118,33 +124,42 @@ void ReducedProblem::linearised(const Control& d, const std::function<void(int k
 }
 
 ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
-  std::vector<contact::ContactState> contact = current_->trajectory.contact();
-  for (contact::ContactState& state : contact)
-    state.one_sided = true;
   const forward::Load derivative = objective_.derivative([this](int k) { return current_->trajectory.y(k); });
   const forward::LoadAtStep derivative_at(stepper_.space(), derivative);
   const petsc::Vector work = stepper_.space().vector();
-  OneSided slope{objective_.alpha() * controls_.product(current_->u, d), 0};
-  march_linearised(d, contact, [&](forward::March& march) {
+  OneSided slope{0, 0, 0, current_->trajectory.contact()};
+  slope.by_motion = objective_.alpha() * controls_.product(current_->u, d);
+  slope.size = objective_.alpha() * controls_.norm(current_->u) * controls_.norm(d);
+  const auto add = [&slope](Vec dual, Vec y) {
+    PetscReal one = 0, other = 0;
+    check(VecNorm(dual, NORM_2, &one));
+    check(VecNorm(y, NORM_2, &other));
+    slope.by_motion += petsc::dot(dual, y);
+    slope.size += one * other;
+  };
+  const Step step = [&](int k, Vec y0, Vec v0, forward::StepLoad load, Vec y1, Vec v1) {
+    stepper_.one_sided_step(y0, v0, load, slope.contact[static_cast<std::size_t>(k)], y1, v1);
+  };
+  march_linearised(d, step, [&](forward::March& march) {
     through_linearised(march, [&](const forward::State& state) {
       if (state.k == 0)
         return;
       const forward::StepLoad dual = derivative_at(state.k);
       if (dual.density) {
         check(MatMult(*stepper_.operators().W, dual.density, work));
-        slope.by_motion += petsc::dot(work, state.y);
+        add(work, state.y);
       }
       if (dual.force)
-        slope.by_motion += petsc::dot(dual.force, state.y);
+        add(dual.force, state.y);
     });
   });
-  slope.by_adjoint = controls_.product(riesz(contact, derivative, objective_.alpha(), current_->u), d);
+  slope.by_gradient = controls_.product(riesz(slope.contact, derivative, objective_.alpha(), current_->u), d);
   return slope;
 }
 
 Control ReducedProblem::l2_hessian_product(const Control& d) {
   Control h = controls_.unset();
-  march_linearised(d, current_->trajectory.contact(), [&](forward::March& march) {
+  march_linearised(d, [&](forward::March& march) {
     const std::unique_ptr<forward::States> dy = storage_.place(march);
     through_linearised(march, [&](const forward::State& state) { dy->keep(state); });
     h = riesz(current_->trajectory.contact(), objective_.second_derivative([&](int k) { return dy->at(k).y; }), objective_.alpha(), d);

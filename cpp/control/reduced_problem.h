@@ -49,10 +49,13 @@ public:
   /// S'(u) d: shows the linearised states δy_1…δy_N at the current control, active sets frozen. Throws Interrupted.
   void linearised(const Control& d, const std::function<void(int k, Vec dy)>& visit);
 
-  /// J'(u; d), exact where contact is weak too: by the linearised motion in which weak candidates may open, and by the adjoint
-  /// variational inequality with the same freedom. Where no contact is weak both are ⟨gradient, d⟩. Throws Interrupted.
+  /// J'(u; d), exact where contact is weak too: by the linearised motion in which weak candidates may open, and as ⟨g, d⟩ with
+  /// the gradient g of the piece of J that lies that way, whose contact has the sets that then stay closed. Both are
+  /// the same; where no contact is weak g is the gradient. Throws Interrupted.
   struct OneSided {
-    double by_motion, by_adjoint;
+    double by_motion, by_gradient;
+    double size; ///< what by_motion would be if nothing cancelled, against which rounding is to be seen
+    std::vector<contact::ContactState> contact;
   };
   OneSided one_sided_slope(const Control& d);
 
@@ -91,9 +94,10 @@ private:
   };
 
   [[nodiscard]] std::unique_ptr<Point> point() const;
-  /// Hands a march over S'(u) d, on this contact, to `use`.
-  void march_linearised(const Control& d, const std::vector<contact::ContactState>& contact,
-                        const std::function<void(forward::March& march)>& use);
+  using Step = std::function<void(int k, Vec y0, Vec v0, forward::StepLoad load, Vec y1, Vec v1)>;
+  /// Hands a march over S'(u) d, by these steps or those on the current contact, to `use`.
+  void march_linearised(const Control& d, const Step& step, const std::function<void(forward::March& march)>& use);
+  void march_linearised(const Control& d, const std::function<void(forward::March& march)>& use);
   /// Goes through it once.
   void through_linearised(forward::March& march, const std::function<void(const forward::State& state)>& visit);
 

@@ -112,24 +112,21 @@ void Stepper::step(int k, Vec y0, Vec v0, StepLoad load, const contact::ContactS
   ++steps;
 }
 
-void Stepper::solve_sliding(const contact::ContactState& contact, Vec p) const {
-  const contact::SlidingSolver* sliding = solver_->sliding();
-  if (!sliding)
-    solver_->linear().solve(r_, p);
-  else if (contact.one_sided && contact.count(contact::Status::weak) > 0)
-    solve_one_sided(contact, p);
+void Stepper::solve_sliding(const contact::ActiveSet& active, Vec p) const {
+  if (const contact::SlidingSolver* sliding = solver_->sliding())
+    sliding->solve_sliding(r_, active, p);
   else
-    sliding->solve_sliding(r_, contact.active, p);
+    solver_->linear().solve(r_, p);
 }
 
-void Stepper::solve_one_sided(const contact::ContactState& contact, Vec p) const {
+void Stepper::solve_one_sided(contact::ContactState& contact, Vec p) const {
   const auto m = static_cast<std::size_t>(constraints_->count());
   std::vector<double> force(m), motion(m);
-  contact::ActiveSet closed = contact.active;
+  contact::ActiveSet& closed = contact.active;
   const petsc::Vector residual = petsc::zero_like(p);
   const int several = 2 * contact.count(contact::Status::weak) + 10; // then one at a time, which does not cycle for long
   for (int change = 0; change < 20 * several; ++change) {
-    solver_->sliding()->solve_sliding(r_, closed, p);
+    solve_sliding(closed, p);
     check(MatMult(R_, p, residual)); // D p = R p + 2 stiffness() A p
     check(MatMult(operators_.A, p, work_));
     check(VecAXPBYPCZ(residual, 1, -2 * scheme_.stiffness(), -1, r_, work_));
@@ -157,11 +154,26 @@ void Stepper::solve_one_sided(const contact::ContactState& contact, Vec p) const
   throw SolverFailure("the weak contact of a linearised step did not settle");
 }
 
-void Stepper::linearised_step(Vec y0, Vec v0, StepLoad load, const contact::ContactState& contact, Vec y1,
-                              Vec v1) const {
+Vec Stepper::linearised_right_hand_side(Vec y0, Vec v0, StepLoad load, const contact::ContactState& contact) const {
   const Vec jump = predictor_ ? predictor_->linearised_jump(contact.predictor, predicted(y0, v0)) : nullptr;
   right_hand_side(y0, scheme_.momentum(), with_jump(v0, 1 / scheme_.tau, jump), scheme_.impulse(), load);
-  solve_sliding(contact, y1);
+  return jump;
+}
+
+void Stepper::linearised_step(Vec y0, Vec v0, StepLoad load, const contact::ContactState& contact, Vec y1,
+                              Vec v1) const {
+  const Vec jump = linearised_right_hand_side(y0, v0, load, contact);
+  solve_sliding(contact.active, y1);
+  velocity(y0, v0, jump, y1, v1);
+  ++linearised_steps;
+}
+
+void Stepper::one_sided_step(Vec y0, Vec v0, StepLoad load, contact::ContactState& contact, Vec y1, Vec v1) const {
+  const Vec jump = linearised_right_hand_side(y0, v0, load, contact);
+  if (contact.count(contact::Status::weak) > 0)
+    solve_one_sided(contact, y1);
+  else
+    solve_sliding(contact.active, y1);
   velocity(y0, v0, jump, y1, v1);
   ++linearised_steps;
 }
@@ -170,7 +182,7 @@ void Stepper::adjoint_step(const contact::ContactState& contact, const contact::
                            StepLoad derivative, Vec p_next, Vec q, Vec p) const {
   const Vec jump = predictor_ && next ? predictor_->linearised_jump(next->predictor, q) : nullptr;
   right_hand_side(p_next, -scheme_.momentum(), with_jump(q, 1.5, jump), 1, derivative);
-  solve_sliding(contact, p);
+  solve_sliding(contact.active, p);
   const double rate = scheme_.rate();
   {
     const petsc::ReadArray later(p_next), now(p);

@@ -59,6 +59,11 @@ public:
   void linearised_step(Vec y0, Vec v0, StepLoad load, const contact::ContactState& contact, Vec y1,
                        Vec v1) const;
 
+  /// The same where W may open, as the exact one-sided derivative of the step lets it: x·ν ≤ 0 there in place of 0. On return
+  /// `contact` has the set that stays closed as its active one, on which linearised_step() gives the same. Collective.
+  /// Throws SolverFailure.
+  void one_sided_step(Vec y0, Vec v0, StepLoad load, contact::ContactState& contact, Vec y1, Vec v1) const;
+
   /// The transpose of linearised_step on the active set of `contact` (4.40)–(4.41), with the seed's adjoint
   /// states:
   ///     D p_k − μ_k = R p_{k+1} − τ M q_{k+1} + ∂J/∂y_k,   q_k = −q_{k+1} + rate() (p_{k+1} − p_k)
@@ -82,9 +87,11 @@ private:
   /// y + τ v.
   Vec predicted(Vec y, Vec v) const;
   void velocity(Vec y0, Vec v0, Vec jump, Vec y1, Vec v1) const;
-  void solve_sliding(const contact::ContactState& contact, Vec p) const;
-  /// The same where W may open: min ½ p·Dp − r·p over p·ν = 0 on S, p·ν ≤ 0 on W.
-  void solve_one_sided(const contact::ContactState& contact, Vec p) const;
+  /// r_ of a linearised step; returns the predictor's jump, null without one.
+  Vec linearised_right_hand_side(Vec y0, Vec v0, StepLoad load, const contact::ContactState& contact) const;
+  void solve_sliding(const contact::ActiveSet& active, Vec p) const;
+  /// The same where W may open: min ½ p·Dp − r·p over p·ν = 0 on S, p·ν ≤ 0 on W; what stays closed becomes active.
+  void solve_one_sided(contact::ContactState& contact, Vec p) const;
 
   const fem::Space& space_;
   const fem::Operators& operators_;

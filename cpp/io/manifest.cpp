@@ -72,6 +72,8 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
   json["candidates"] = m.candidates;
   json["steps"] = {{"asked", scene.time.steps}, {"done", m.steps_done}};
   json["solver"] = m.solver;
+  if (!m.control_unit.empty())
+    json["control_unit"] = m.control_unit;
   for (const auto& [name, on] : effects(scene))
     json["effects"][name] = on;
   if (m.objective)

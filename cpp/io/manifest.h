@@ -33,6 +33,7 @@ struct Manifest {
   long unknowns = 0, free_unknowns = 0, cells = 0;
   int candidates = 0;
   int steps_done = 0;
+  std::string control_unit; ///< of control.scale, empty without a control
   std::string solver;     ///< of the steps, and why
   double peak_memory = 0; ///< bytes, summed over the ranks
   std::optional<control::Value> objective;

@@ -1,6 +1,7 @@
 #include "study/store.h"
 #include "base/error.h"
 #include "io/manifest.h"
+#include <algorithm>
 #include <cstring>
 #include <fmt/format.h>
 #include <fstream>
@@ -151,7 +152,7 @@ std::string csv(const std::vector<Result>& results, const std::vector<Errors>& e
   return text;
 }
 
-std::string json(const scene::Scene& scene, const std::vector<Errors>& errors, const std::vector<Orders>& orders,
+std::string json(const scene::Scene& scene, const std::vector<Result>& results, const std::vector<Errors>& errors, const std::vector<Orders>& orders,
                  const std::vector<std::string>& sentences) {
   nlohmann::ordered_json json;
   json["scene"] = scene.name;
@@ -161,6 +162,7 @@ std::string json(const scene::Scene& scene, const std::vector<Errors>& errors, c
   json["reference"] = all_exact ? "exact" : any_exact ? "exact where it is known, else the finest rung" : "finest rung";
   json["versions"] = io::versions();
   json["files"] = file_names;
+  json["rungs"] = std::ranges::count_if(results, [](const Result& result) { return result.measured.has_value(); });
   json["quantities"] = nlohmann::ordered_json::object();
   for (const Errors& one : errors)
     json["quantities"][one.quantity.name] = {

@@ -30,7 +30,7 @@ private:
 std::string csv(const std::vector<Result>& results, const std::vector<Errors>& errors, double end);
 
 /// study.json: the scene, quantities, orders and sentences.
-std::string json(const scene::Scene& scene, const std::vector<Errors>& errors, const std::vector<Orders>& orders,
+std::string json(const scene::Scene& scene, const std::vector<Result>& results, const std::vector<Errors>& errors, const std::vector<Orders>& orders,
                  const std::vector<std::string>& sentences);
 
 } // namespace signorini::study

@@ -109,7 +109,7 @@ public:
 
   void write(const Store& store) const {
     store.write("study.csv", csv(results_, errors_, scene_.time.end));
-    store.write("study.json", json(scene_, errors_, orders_, sentences_));
+    store.write("study.json", json(scene_, results_, errors_, orders_, sentences_));
   }
 
   void show(const Console& console) const {

@@ -10,6 +10,11 @@ from harness import HALF_BALL, HALF_DISC, SOURCE, signorini  # noqa: E402
 
 from PIL import Image  # noqa: E402
 
+sys.path.insert(0, str(SOURCE / "postprocess"))
+import control_magnitude  # noqa: E402
+from run_folder import RunFolder  # noqa: E402
+from view import view_of  # noqa: E402
+
 SCRIPT = SOURCE / "postprocess" / "figures.py"
 OPTIMIZE = {"control_magnitude.png", "objective.png", "distance_to_reference.png", "tracking_error.png",
             "contact_force.png", "contact_force_history.png", "energy.png", "animation.gif"}  # fmt: skip
@@ -24,6 +29,23 @@ def drawn(out: Path) -> set[str]:
     done = draw(out)
     assert done.returncode == 0, done.stderr
     return {p.name for p in (out / "figures").iterdir() if p.suffix in (".png", ".gif")}
+
+
+def cellwise(folder: Path) -> None:
+    """A control of one value for each cell, in the plane and in space, on the body and on a surface: each triangle that is
+    drawn has the value of a cell that it belongs to, and the label has the unit."""
+    catch, ball = SOURCE / "scenes" / "catch.toml", {"mesh__size": 4, "time__step": 5e-4, "control__initial": ["0", "0", "-0.9"]}
+    for scene, unit, more in ((HALF_DISC, "$10^{6}$ N/m³", {"mesh__size": 3}), (catch, "N/m²", {"mesh__size": 0.3, "time__step": 0.02}),
+                              (HALF_BALL, "$10^{6}$ N/m³", ball), (HALF_BALL, "$10^{6}$ N/m²", ball | {"control__on": "side"})):  # fmt: skip
+        out = folder / "cells"
+        signorini("optimize", scene, out, optimizer__max_iterations=1, control__space="P0", **more)
+        run = RunFolder(out)
+        assert control_magnitude.draw(run)[0].stat().st_size > 5000, f"{scene.name}, {more}"
+        series = run.field("control.xdmf", "control")
+        mesh, cells = view_of(run).seen(series.mesh)
+        assert series.cellwise and len(series.at(0)) == len(series.mesh.cells)
+        assert all(set(shown) <= set(series.mesh.cells[cell]) for shown, cell in zip(mesh.cells, cells, strict=True))
+        assert control_magnitude.control_unit(run) == unit, control_magnitude.control_unit(run)
 
 
 def main() -> int:
@@ -57,6 +79,8 @@ def main() -> int:
             said = [line for line in done.stdout.splitlines() if line.startswith("no ")]
             assert done.returncode == 0 and found == expected, f"{tables}, {fields}: {found}\n{done.stdout}{done.stderr}"
             assert len(said) == len(OPTIMIZE - expected), done.stdout
+        cellwise(folder)
+        assert "control_magnitude.png" in drawn(folder / "cells")
         wrong = draw(folder)
         assert wrong.returncode == 2 and wrong.stderr.count("\n") == 1, wrong.stderr
         print(f"{len(OPTIMIZE)}, in space as many, and {len(SIMULATE)} figures drawn; not a run: {wrong.stderr.strip()}")
