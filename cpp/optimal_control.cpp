@@ -14,18 +14,12 @@
 namespace signorini {
 namespace {
 
-/// steps.csv, contact.csv, state.xdmf. Returns how well the motion keeps what it should.
-std::vector<forward::Invariants::Defect> write_motion(const io::OutputFolder& folder, const Problem& problem,
-                                                      const control::ReducedProblem& reduced,
-                                                      const Console& console) {
-  Recorder recorder(problem, folder, &reduced.objective());
-  if (recorder.wanted()) {
-    const auto timer = problem.timers.time("replay");
-    forward::stream(problem.stepper, problem.initial, reduced.load(), problem.steps(), std::ref(recorder),
-                    forward::Stops::ignored);
-  }
+/// steps.csv, contact.csv, state.xdmf.
+void write_motion(const Problem& problem, const control::ReducedProblem& reduced, Recorder& recorder) {
+  const auto timer = problem.timers.time("replay");
+  forward::stream(problem.stepper, problem.initial, reduced.load(), problem.steps(), std::ref(recorder),
+                  forward::Stops::ignored);
   recorder.finish();
-  return watched(recorder, problem.scene.run, console);
 }
 
 /// control.xdmf and adjoint.xdmf.
@@ -181,12 +175,13 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   if (scene.output.table("history"))
     folder.write("history.csv", io::history_table(rows));
   folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
-  const auto invariants = write_motion(folder, problem, reduced, console);
+  Recorder recorder(problem, folder, &reduced.objective());
+  write_motion(problem, reduced, recorder);
   write_control(folder, problem, reduced);
   const double first_norm = rows.front().gradient_norm;
   console.line("stopped: " + optimize::name(ending.stop));
   io::Manifest m = manifest(problem, "optimize", optimize::name(ending.stop), reduced.trajectory().steps());
-  m.invariants = invariants;
+  add_watched(m, recorder, scene.run, console);
   m.objective = reduced.value();
   m.iterations = rows.back().iteration;
   m.forward_sweeps = reduced.sweeps().forward;

@@ -6,7 +6,8 @@ namespace signorini {
 
 Recorder::Recorder(const Problem& problem, const io::OutputFolder& folder,
                    const control::Objective* objective)
-    : problem_(problem), objective_(objective) {
+    : problem_(problem), objective_(objective),
+      plausibility_(problem.stepper, problem.scene, problem.steps()) {
   const auto timer = problem.timers.time("output");
   const scene::Output& output = problem.scene.output;
   const int dim = problem.space.dim();
@@ -29,8 +30,6 @@ Recorder::Recorder(const Problem& problem, const io::OutputFolder& folder,
 }
 
 void Recorder::operator()(const forward::Frame& frame) {
-  if (!wanted())
-    return;
   const auto timer = problem_.timers.time("output");
   forward::StepBalance balance;
   if (balance_) {
@@ -41,6 +40,7 @@ void Recorder::operator()(const forward::Frame& frame) {
         throw SolverFailure(fmt::format("step {} (t = {:.6g} s): {}", frame.k,
                                         problem_.stepper.scheme().time(frame.k), *violation));
   }
+  plausibility_.observe(frame, balance_ ? &balance : nullptr);
   if (steps_) {
     std::optional<double> tracking_error;
     if (objective_)

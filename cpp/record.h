@@ -1,5 +1,6 @@
 #pragma once
 #include "forward/invariants.h"
+#include "forward/plausibility.h"
 #include "io/fields.h"
 #include "io/tables.h"
 #include "problem.h"
@@ -11,15 +12,12 @@ namespace signorini {
 inline bool stored(int k, int every, bool last) { return k % every == 0 || last; }
 
 /// Writes steps.csv, contact.csv and state.xdmf of a motion as it goes by, as much of them as the scene's
-/// [output] asks for.
+/// [output] asks for, and watches it.
 class Recorder {
 public:
   /// `objective` is null in a run without one. Collective. The arguments must outlive this object. Throws
   /// UserError, WriteFailure.
   Recorder(const Problem& problem, const io::OutputFolder& folder, const control::Objective* objective);
-
-  /// Whether it has anything to write or to watch.
-  [[nodiscard]] bool wanted() const { return balance_ || contact_ || state_; }
 
   /// Takes the frame after the last one, from frame 0 on. Collective. Throws UserError, WriteFailure; where
   /// the scene says so SolverFailure at the step that breaks an invariant.
@@ -29,6 +27,9 @@ public:
   [[nodiscard]] const forward::Invariants* invariants() const {
     return invariants_ ? &*invariants_ : nullptr;
   }
+
+  /// What makes the motion mean less than it seems to. Collective.
+  [[nodiscard]] std::vector<forward::Warning> warnings() { return plausibility_.warnings(); }
 
   /// Closes the files. Collective. Throws UserError, WriteFailure.
   void finish();
@@ -40,6 +41,7 @@ private:
   const control::Objective* objective_;
   std::optional<forward::Balance> balance_;
   std::optional<forward::Invariants> invariants_;
+  forward::Plausibility plausibility_;
   std::optional<io::TextFile> steps_, contact_;
   std::optional<io::FieldFile> state_;
   std::string text_; ///< rows on their way

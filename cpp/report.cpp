@@ -43,16 +43,16 @@ void finish(io::OutputFolder& folder, const Console& console) {
   console.line(fmt::format("results in {}", folder.path().string()));
 }
 
-std::vector<forward::Invariants::Defect> watched(const Recorder& recorder, const scene::Run& run,
-                                                 const Console& console) {
-  std::vector<forward::Invariants::Defect> defects;
+void add_watched(io::Manifest& manifest, Recorder& recorder, const scene::Run& run, const Console& console) {
   if (recorder.invariants())
-    defects.assign(recorder.invariants()->defects().begin(), recorder.invariants()->defects().end());
-  for (const forward::Invariants::Defect& defect : defects)
+    manifest.invariants.assign(recorder.invariants()->defects().begin(), recorder.invariants()->defects().end());
+  for (const forward::Invariants::Defect& defect : manifest.invariants)
     if (run.watched() && !(defect.worst <= run.tolerance))
       console.line(fmt::format("warning: {} is {:.2e} at step {}, allowed is {:.0e} (run.tolerance)",
                                defect.name, defect.worst, defect.step, run.tolerance));
-  return defects;
+  manifest.warnings = recorder.warnings();
+  for (const forward::Warning& warning : manifest.warnings)
+    console.line("warning: " + warning.message);
 }
 
 } // namespace signorini

@@ -17,9 +17,8 @@ std::string headline(const Problem& problem);
 /// What run.json tells of any run. Collective.
 io::Manifest manifest(const Problem& problem, const std::string& verb, const std::string& stop_reason, int steps_done);
 
-/// What the recorder watched, with a warning for each invariant that is off.
-std::vector<forward::Invariants::Defect> watched(const Recorder& recorder, const scene::Run& run,
-                                                 const Console& console);
+/// Puts what the recorder watched into run.json's account and says what is off. Collective.
+void add_watched(io::Manifest& manifest, Recorder& recorder, const scene::Run& run, const Console& console);
 
 /// Puts the files in place. Collective. Throws UserError.
 void finish(io::OutputFolder& folder, const Console& console);

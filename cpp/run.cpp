@@ -40,7 +40,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   recorder.finish();
   folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
   io::Manifest m = manifest(problem, "simulate", complete ? "end of time" : "interrupted", steps);
-  m.invariants = watched(recorder, scene.run, console);
+  add_watched(m, recorder, scene.run, console);
   m.files = folder.files();
   folder.write("run.json", io::to_json(m, scene, timers));
   console.line(fmt::format("{}{} steps in {:.2g} s", complete ? "" : "interrupted after ", steps,
@@ -74,7 +74,9 @@ void require_not_the_users(const scene::Scene& scene, const std::string& text, c
 int run(const Request& request, const Console& console) {
   std::string text; // read once: ranks that saw different scenes would wait for each other for ever
   on_root(world(), [&] { text = scene::read(request.scene); });
-  const scene::Scene scene = scene::parse(broadcast(world(), text), request.scene, request.overrides);
+  scene::Scene scene = scene::parse(broadcast(world(), text), request.scene, request.overrides);
+  // Its default is the machine's, and the ranks of one run choose the same solvers.
+  MPI_Allreduce(MPI_IN_PLACE, &scene.solver.memory, 1, MPI_DOUBLE, MPI_MIN, world());
   const std::filesystem::path out =
       !request.out.empty()
           ? request.out

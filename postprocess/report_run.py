@@ -46,6 +46,7 @@ def facts(run: RunFolder) -> list[tuple[str, str]]:
         parts = [f"{name.replace('_', ' ')} {value:.4g}" for name, value in given["objective"].items() if name != "value"]
         found.append(("Objective", f"{given['objective']['value']:.6g} {objective_unit(run)} = {' + '.join(parts)}"))
     found.append(("Ended by", str(given["stop_reason"])))
+    found += [("Warning", str(warning["message"])) for warning in given.get("warnings", [])]
     if "optimizer" in given:
         done = given["optimizer"]
         found.append(("Iterations", f"{whole(done['iterations'])}, with {whole(done['forward_sweeps'])} forward and "

@@ -59,6 +59,27 @@ void on_root(MPI_Comm comm, Work&& work) {
     throw UserError(problem);
 }
 
+/// Runs `work` on rank 0; a SolverFailure there is thrown on every rank. For decisions that hang on the last digits of
+/// LAPACK, which may differ between the processors of ranks: the caller broadcasts what they are. Collective.
+template <class Work>
+void decide(MPI_Comm comm, Work&& work) {
+  if (ranks(comm) == 1) { // allocates nothing
+    work();
+    return;
+  }
+  std::string failure;
+  if (rank(comm) == 0) {
+    try {
+      work();
+    } catch (const SolverFailure& error) {
+      failure = error.what();
+    }
+  }
+  failure = broadcast(comm, failure);
+  if (!failure.empty())
+    throw SolverFailure(failure);
+}
+
 /// Runs `work` on every rank; a UserError on any rank is thrown on every rank (the lowest rank's text).
 /// Collective.
 template <class Work>

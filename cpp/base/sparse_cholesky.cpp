@@ -108,7 +108,7 @@ struct SparseCholesky::Cholmod {
   }
 };
 
-SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner) : c_(std::make_unique<Cholmod>()) {
+SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner, double most) : c_(std::make_unique<Cholmod>()) {
   const Blocks D(matrix);
   corner_size_ = static_cast<int>(corner.size()) * D.size;
   cholmod_common& common = c_->common;
@@ -141,6 +141,13 @@ SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner) : c_(std
   cholmod_free_sparse(&graph, &common);
   c_->require("the ordering");
   const double block_entries = common.lnz * D.size * D.size;
+  const double matrix_entries = static_cast<double>(D.row[D.count]) * D.size * D.size;
+  entries_ = block_entries + static_cast<double>(corner_size_) * corner_size_ / 2;
+  if (std::max(entries_, matrix_entries) > most) {
+    possible_ = false;
+    cholmod_free_factor(&order, &common);
+    return;
+  }
   std::vector<int> permutation;
   permutation.reserve(static_cast<std::size_t>(D.count) * D.size);
   const auto append = [&](int i) {
@@ -176,12 +183,16 @@ SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner) : c_(std
   std::ranges::copy(std::array{2, 4, 8}, common.nrelax);
   common.supernodal = block_entries < small_factor ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
   c_->factor = cholmod_analyze_p(c_->matrix, permutation.data(), nullptr, 0, &common);
-  c_->require("the analysis");
+  possible_ = common.status != CHOLMOD_TOO_LARGE; // with the zeros of its supernodes
+  if (possible_)
+    c_->require("the analysis");
 }
 
 SparseCholesky::~SparseCholesky() = default;
 
 double SparseCholesky::estimate() const {
+  if (!possible_)
+    return entries_ * sizeof(double);
   const cholmod_factor& L = *c_->factor;
   const double corner = static_cast<double>(corner_size_);
   constexpr double entry = sizeof(double), index = sizeof(int);
@@ -190,6 +201,10 @@ double SparseCholesky::estimate() const {
 }
 
 void SparseCholesky::factorise() {
+  if (!possible_)
+    throw SolverFailure(fmt::format("the factorisation of the step operator D by CHOLMOD failed: its {:.3g} entries "
+                                    "are too many for 32-bit indices",
+                                    entries_));
   cholmod_factorize(c_->matrix, c_->factor, &c_->common);
   c_->require("the factorisation");
   cholmod_free_sparse(&c_->matrix, &c_->common);

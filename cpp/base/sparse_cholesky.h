@@ -1,5 +1,6 @@
 #pragma once
 #include "base/linear_solver.h"
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -13,11 +14,15 @@ namespace signorini {
 class SparseCholesky final : public LinearSolver {
 public:
   /// Orders and counts. `matrix` is a sequential BAIJ matrix, used until factorise() only; `corner` are nodes
-  /// (blocks), in the order in which the corner's entries are wanted. Throws SolverFailure.
-  SparseCholesky(Mat matrix, std::span<const int> corner);
+  /// (blocks), in the order in which the corner's entries are wanted; `most` entries can be numbered. Throws
+  /// SolverFailure.
+  SparseCholesky(Mat matrix, std::span<const int> corner, double most = std::numeric_limits<int>::max());
   ~SparseCholesky() override;
 
-  /// Memory that the factorisation will take, as counted, bytes.
+  /// Whether the factor's entries can be numbered: there is none to be made where they cannot.
+  [[nodiscard]] bool possible() const { return possible_; }
+
+  /// Memory that the factorisation will take, as counted, bytes; where it is not possible, at least.
   [[nodiscard]] double estimate() const;
 
   /// To be called once before solves. Throws SolverFailure.
@@ -41,6 +46,8 @@ private:
   struct Cholmod; ///< CHOLMOD's objects
   std::unique_ptr<Cholmod> c_;
   int corner_size_;
+  bool possible_ = true;
+  double entries_ = 0; ///< of the factor without what supernodes add
 };
 
 } // namespace signorini

@@ -23,6 +23,11 @@ Condensation::Condensation(const Constraints& constraints, const Elimination& el
 void Condensation::solve_active(const ActiveSet& set, std::span<double> b) const {
   if (set.empty())
     return;
+  decide(constraints_.comm(), [&] { solve_here(set, b); });
+  MPI_Bcast(b.data(), static_cast<int>(b.size()), MPI_DOUBLE, 0, constraints_.comm());
+}
+
+void Condensation::solve_here(const ActiveSet& set, std::span<double> b) const {
   const std::size_t m = zero_.size();
   const PetscBLASInt n = static_cast<PetscBLASInt>(set.size()), one = 1;
   PetscBLASInt info = 0;

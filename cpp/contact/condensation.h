@@ -27,8 +27,8 @@ public:
   /// S⁻¹ (m × m). Throws SolverFailure if S is singular.
   [[nodiscard]] std::vector<double> inverse() const;
 
-  /// b ← S_AA⁻¹ b on an independent set of candidates, entry by entry of the set. Throws SolverFailure if
-  /// S_AA is singular.
+  /// b ← S_AA⁻¹ b on an independent set of candidates, entry by entry of the set, the same on every rank.
+  /// Collective. Throws SolverFailure if S_AA is singular.
   void solve_active(const ActiveSet& set, std::span<double> b) const;
 
   /// Predicted gaps g⁰ = g(D⁻¹r) (m) for the ψ in force (m). Collective.
@@ -47,6 +47,8 @@ public:
   [[nodiscard]] double bytes() const;
 
 private:
+  /// solve_active() on this rank.
+  void solve_here(const ActiveSet& set, std::span<double> b) const;
   void finish(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
               std::span<double> normal, Vec y) const;
 

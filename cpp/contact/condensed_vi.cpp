@@ -1,4 +1,5 @@
 #include "contact/condensed_vi.h"
+#include "base/collective.h"
 #include "base/error.h"
 #include <algorithm>
 #include <cmath>
@@ -26,7 +27,7 @@ const CondensedVi::Petsc& CondensedVi::petsc() const {
   const std::vector<double> inverse = condensation_.inverse();
   double mean = 0;
   for (PetscInt i = 0; i < m; ++i)
-    mean += inverse[static_cast<std::size_t>(i * m + i)] / m;
+    mean += inverse[static_cast<std::size_t>(i) * (gap0_.size() + 1)] / m;
   check(MatCreateSeqDense(PETSC_COMM_SELF, m, m, nullptr, made->K.put()));
   {
     PetscScalar* entries = nullptr;
@@ -116,6 +117,24 @@ void CondensedVi::find_independent_set(ContactState& state) const {
     throw SolverFailure("the obstacles leave no room for the body");
 }
 
+void CondensedVi::search(ContactState& state) const {
+  // PETSc counts the entries of a matrix, and this one is dense.
+  const bool fits = gap0_.size() * gap0_.size() < static_cast<std::size_t>(std::numeric_limits<PetscInt>::max());
+  if (constraints_.dependent() || !fits)
+    find_independent_set(state);
+  else
+    find_set(state);
+}
+
+void CondensedVi::decided(ContactState& state) const {
+  const MPI_Comm comm = constraints_.comm();
+  if (ranks(comm) == 1)
+    return;
+  set_ = broadcast(comm, set_);
+  MPI_Bcast(state.lambda.data(), static_cast<int>(state.lambda.size()), MPI_DOUBLE, 0, comm);
+  MPI_Bcast(&state.vi_iterations, 1, MPI_INT, 0, comm);
+}
+
 void CondensedVi::solve(Vec r, std::span<const double> psi, const ContactState& previous, ContactState& state,
                         Vec y) const {
   state.vi_iterations = 0;
@@ -135,17 +154,16 @@ void CondensedVi::solve(Vec r, std::span<const double> psi, const ContactState& 
     constexpr int soon = 5; // a set that moves by a candidate or two is settled by then
     settle(state, psi, std::min(rounding, length_unit_), soon);
     if (!holds(state, psi)) {
-      if (constraints_.dependent())
-        find_independent_set(state);
-      else
-        find_set(state);
+      decide(constraints_.comm(), [&] { search(state); });
+      decided(state);
       solve_on_set(state);
       // Candidates within the VI solver's tolerance of both bounds may be on the wrong side.
       constexpr int most = 50;
       settle(state, psi, length_unit_, most);
       // A body that hardly deforms within a step can lead both of them in circles, but not this one.
       if (!holds(state, psi)) {
-        find_independent_set(state);
+        decide(constraints_.comm(), [&] { find_independent_set(state); });
+        decided(state);
         solve_on_set(state);
       }
     }

@@ -12,7 +12,7 @@ namespace signorini::contact {
 /// where that does not settle it soon, PETSc's VI solver finds it, in the gaps: 0 ≤ g ⟂ S⁻¹(g − g⁰) ≥ 0. S⁻¹,
 /// unlike S, is close to an M-matrix, for which reduced-space Newton does not cycle. Where candidates depend
 /// on each other S has no inverse, and a dual active-set method finds the set instead; so it does where the
-/// other two do not. Solved on every rank alike.
+/// other two do not. What LAPACK decides is decided on rank 0.
 class CondensedVi final : public ViSolver {
 public:
   /// The arguments must outlive this object. PETSc options with the prefix `-condensed_vi_` are honoured.
@@ -42,6 +42,10 @@ private:
   void find_set(ContactState& state) const;
   /// Finds set_ one candidate at a time, from no contact, which ends for every S.
   void find_independent_set(ContactState& state) const;
+  /// Finds set_ by either of these, whichever can.
+  void search(ContactState& state) const;
+  /// Gives all ranks what rank 0 found.
+  void decided(ContactState& state) const;
   const Petsc& petsc() const;
 
   const Constraints& constraints_;

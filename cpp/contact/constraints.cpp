@@ -29,31 +29,22 @@ Constraints::Constraints(const fem::Space& space, const fem::Clamped& clamped,
     : dim_(space.dim()), diameter_(space.mesh().diameter()), gap_tolerance_(1e-10 * diameter_),
       comm_(space.comm()) {
   ++made;
-  std::vector<Obstacle> obstacles;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     keys_.push_back(scene::contact_key(contacts, i));
     project_.push_back(contacts[i].project);
-    obstacles.emplace_back(contacts[i].obstacle, keys_.back() + ".obstacle", dim_, space.mesh().diameter());
+    shapes_.emplace_back(contacts[i].obstacle, keys_.back() + ".obstacle", dim_, diameter_);
+    if (shapes_.back().moves())
+      moving_.push_back(i);
   }
-  add_candidates(contacts, obstacles, space, clamped);
+  add_candidates(contacts, space, clamped);
   group_by_node();
-
-  std::vector<int> number(obstacles.size(), -1);
-  for (std::size_t i = 0; i < obstacles.size(); ++i)
-    if (obstacles[i].moves()) {
-      number[i] = static_cast<int>(moving_.size());
-      moving_.push_back(std::move(obstacles[i]));
-    }
-  for (int obstacle : obstacles_)
-    mover_.push_back(number[static_cast<std::size_t>(obstacle)]);
   if (moving())
     now_.resize(psi_.size());
-  advance_.resize(moving_.size());
+  advance_.resize(shapes_.size());
   require_room(psi_, 0);
 }
 
-void Constraints::add_candidates(const std::vector<scene::Contact>& contacts,
-                                 const std::vector<Obstacle>& obstacles, const fem::Space& space,
+void Constraints::add_candidates(const std::vector<scene::Contact>& contacts, const fem::Space& space,
                                  const fem::Clamped& clamped) {
   std::vector<double> x;
   std::vector<std::int64_t> first;
@@ -78,11 +69,14 @@ void Constraints::add_candidates(const std::vector<scene::Contact>& contacts,
   });
 
   std::vector<int> candidates(contacts.size());
+  clamped_dofs_.resize(contacts.size());
   for (std::size_t i : order) {
     const auto obstacle = static_cast<std::size_t>(kind[2 * i]);
-    if (kind[2 * i + 1] == 0)
+    if (kind[2 * i + 1] == 0) {
+      clamped_dofs_[obstacle].push_back(static_cast<PetscInt>(first[i]));
       continue;
-    const Obstacle::Plane plane = obstacles[obstacle].at(&x[3 * i]);
+    }
+    const Obstacle::Plane plane = shapes_[obstacle].at(&x[3 * i]);
     std::array<double, 3> force{};
     double free = 0;
     for (int c = 0; c < dim_; ++c)
@@ -90,8 +84,10 @@ void Constraints::add_candidates(const std::vector<scene::Contact>& contacts,
         force[c] = -plane.normal[c]; // ν points into the obstacle, the obstacle's normal out of it
         free = std::hypot(free, force[c]);
       }
-    if (free <= NodeBasis::parallel) // the node cannot move towards the obstacle
+    if (free <= NodeBasis::parallel) { // the node cannot move towards the obstacle
+      clamped_dofs_[obstacle].push_back(static_cast<PetscInt>(first[i]));
       continue;
+    }
     held_ |= kind[2 * i + 1] != (1 << dim_) - 1;
     for (int c = 0; c < dim_; ++c) {
       normals_.push_back(-plane.normal[c]);
@@ -103,6 +99,8 @@ void Constraints::add_candidates(const std::vector<scene::Contact>& contacts,
     obstacles_.push_back(kind[2 * i]);
     ++candidates[obstacle];
   }
+  for (std::vector<PetscInt>& dofs : clamped_dofs_)
+    std::ranges::sort(dofs);
   for (std::size_t i = 0; i < contacts.size(); ++i)
     if (candidates[i] == 0)
       throw UserError(fmt::format(
@@ -143,10 +141,10 @@ std::string Constraints::shown(int i) const {
 std::span<const double> Constraints::psi(double t) const {
   if (!moving())
     return psi_;
-  for (std::size_t j = 0; j < moving_.size(); ++j)
-    advance_[j] = moving_[j].advance(t);
+  for (std::size_t obstacle : moving_)
+    advance_[obstacle] = shapes_[obstacle].advance(t);
   for (std::size_t i = 0; i < psi_.size(); ++i)
-    now_[i] = psi_[i] - (mover_[i] < 0 ? 0 : advance_[static_cast<std::size_t>(mover_[i])]);
+    now_[i] = psi_[i] - advance_[static_cast<std::size_t>(obstacles_[i])];
   require_room(now_, t);
   return now_;
 }
@@ -172,12 +170,16 @@ bool Constraints::place(const Node& node, std::span<const double> gap) const {
 void Constraints::require_room(std::span<const double> psi, double t) const {
   if (held_) // clamps that move make or take room
     return;
-  for (const Node& node : per_node_)
-    if (node.crowded && !place(node, psi))
-      throw UserError(
-          fmt::format("contact: at t = {:.6g} s the obstacles leave no room for the node at {}, allowed are "
-                      "obstacles between which every node has a place",
-                      t, shown(node.first)));
+  if (!dependent_)
+    return;
+  together(comm_, [&] {
+    for (const Node& node : per_node_)
+      if (node.crowded && !place(node, psi))
+        throw UserError(
+            fmt::format("contact: at t = {:.6g} s the obstacles leave no room for the node at {}, allowed are "
+                        "obstacles between which every node has a place",
+                        t, shown(node.first)));
+  });
 }
 
 void Constraints::normal_components(Vec x, std::span<double> out) const {
@@ -199,10 +201,19 @@ void Constraints::gap(std::span<const double> psi, Vec y, std::span<double> out)
 }
 
 void Constraints::add_normal(double scale, std::span<const double> lambda, Vec x) const {
+  add(scale, lambda, directions_, x);
+}
+
+void Constraints::add_whole(double scale, std::span<const double> lambda, Vec x) const {
+  add(scale, lambda, normals_, x);
+}
+
+void Constraints::add(double scale, std::span<const double> lambda, const std::vector<double>& directions,
+                      Vec x) const {
   const petsc::WriteArray values(x);
   for (int i = 0; i < count(); ++i)
     for (int c = 0; local_[i] >= 0 && c < dim_; ++c)
-      values[local_[i] + c] += scale * lambda[i] * directions_[i * dim_ + c];
+      values[local_[i] + c] += scale * lambda[i] * directions[i * dim_ + c];
 }
 
 void Constraints::forces(const ActiveSet& set, Vec x, std::span<double> lambda) const {
@@ -370,17 +381,19 @@ void Constraints::place_outside(Vec y) const {
         "{}: the node at {} starts {:.6g} m inside the obstacle, allowed are bodies that start outside (the "
         "obstacle's normal points out of it) and initial = \"project\", which moves such nodes out of it",
         keys_[obstacles_[deepest]], shown(deepest), -g[deepest]));
-  for (const Node& here : per_node_) {
-    if (std::all_of(&g[here.first], &g[here.first] + (here.last - here.first),
-                    [&](double depth) { return depth >= -gap_tolerance_; }))
-      continue;
-    if (!place(here, g))
-      throw UserError(
-          fmt::format("contact: the obstacles leave no room for the node at {}, allowed are obstacles "
-                      "between which every node has a place",
-                      shown(here.first)));
-    std::ranges::copy(work_.lambda, &forces[here.first]);
-  }
+  together(comm_, [&] {
+    for (const Node& here : per_node_) {
+      if (std::all_of(&g[here.first], &g[here.first] + (here.last - here.first),
+                      [&](double depth) { return depth >= -gap_tolerance_; }))
+        continue;
+      if (!place(here, g))
+        throw UserError(
+            fmt::format("contact: the obstacles leave no room for the node at {}, allowed are obstacles "
+                        "between which every node has a place",
+                        shown(here.first)));
+      std::ranges::copy(work_.lambda, &forces[here.first]);
+    }
+  });
   add_normal(-1, forces, y);
 }
 

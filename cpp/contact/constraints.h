@@ -35,6 +35,15 @@ public:
   [[nodiscard]] std::span<const double> psi(double t) const;
   /// Whether any obstacle moves.
   [[nodiscard]] bool moving() const { return !moving_.empty(); }
+  /// The obstacle of candidate i.
+  [[nodiscard]] const Obstacle& obstacle(int i) const {
+    return shapes_[static_cast<std::size_t>(obstacles_[static_cast<std::size_t>(i)])];
+  }
+  /// Numbers of the first dofs, ascending, of the nodes on the boundary of an obstacle of the scene that clamps
+  /// hold against it, and which are no candidates for that.
+  [[nodiscard]] const std::vector<PetscInt>& clamped_dofs(int obstacle) const {
+    return clamped_dofs_[static_cast<std::size_t>(obstacle)];
+  }
   /// First global dof of each candidate's node (m).
   [[nodiscard]] const std::vector<PetscInt>& first_dofs() const { return first_dofs_; }
   /// Number of each candidate's node among the nodes that have candidates, ascending (m).
@@ -53,11 +62,20 @@ public:
   /// Nᵀx: the ν-components of a vector at the candidates (m), held components included. Collective.
   void normal_components(Vec x, std::span<double> out) const;
 
+  /// The displacement of a candidate's node, of the entries of y that this rank owns; null where another owns it.
+  [[nodiscard]] const double* displacement(int i, std::span<const double> y) const {
+    const int first = local_[static_cast<std::size_t>(i)];
+    return first < 0 ? nullptr : &y[static_cast<std::size_t>(first)];
+  }
+
   /// g(y) (m) for the ψ in force (m), m. Collective.
   void gap(std::span<const double> psi, Vec y, std::span<double> out) const;
 
   /// x += scale · Nλ.
   void add_normal(double scale, std::span<const double> lambda, Vec x) const;
+
+  /// x += scale · Σ_i λ_i ν_i, held components included.
+  void add_whole(double scale, std::span<const double> lambda, Vec x) const;
 
   /// λ (m) with Nλ = x at the nodes of a set and λ zero elsewhere, for an x that the set's forces can make.
   /// Collective.
@@ -108,9 +126,11 @@ private:
     bool crowded; ///< they depend on each other
   };
 
-  void add_candidates(const std::vector<scene::Contact>& contacts, const std::vector<Obstacle>& obstacles,
-                      const fem::Space& space, const fem::Clamped& clamped);
+  void add_candidates(const std::vector<scene::Contact>& contacts, const fem::Space& space,
+                      const fem::Clamped& clamped);
   void group_by_node();
+  /// x += scale · Σ_i λ_i n_i for directions n (m × dim).
+  void add(double scale, std::span<const double> lambda, const std::vector<double>& directions, Vec x) const;
   /// Makes the part of a set from `begin` on, which is one node's, independent, as next_set() says.
   void exchange(std::span<const double> lambda, ActiveSet& set, std::size_t begin) const;
   /// Solves 0 ≤ λ ⟂ g + NᵀNλ ≥ 0 at one node, g its gaps: −Nλ moves the node to the closest place that is
@@ -130,8 +150,9 @@ private:
   MPI_Comm comm_;
   std::vector<std::string> keys_; ///< names of the scene's tables of contact
   std::vector<bool> project_;     ///< contact.initial of each
-  std::vector<Obstacle> moving_;  ///< obstacles that move
-  std::vector<int> mover_;        ///< number of each candidate's obstacle among them, −1 at rest (m)
+  std::vector<Obstacle> shapes_;  ///< of each
+  std::vector<std::size_t> moving_; ///< numbers of those that move
+  std::vector<std::vector<PetscInt>> clamped_dofs_;
   std::vector<double> points_, normals_, directions_, psi_;
   std::vector<PetscInt> first_dofs_;
   std::vector<int> nodes_, obstacles_;
@@ -139,7 +160,7 @@ private:
   std::vector<Node> per_node_;
   bool dependent_ = false, held_ = false;
 
-  /// Work of const members: ψ at the last time asked for, how far each moving obstacle has come by then.
+  /// Work of const members: ψ at the last time asked for, how far each obstacle has come by then.
   mutable std::vector<double> now_, advance_;
   /// For one node.
   struct NodeWork {

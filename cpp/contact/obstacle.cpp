@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 namespace signorini::contact {
 namespace {
@@ -57,6 +58,14 @@ double Obstacle::advance(double t) const {
   Point now{};
   motion_->evaluate(origin.data(), t, now.data());
   return dot(normal_, from(start_, now.data()));
+}
+
+double Obstacle::radius() const {
+  if (const auto* ball = std::get_if<scene::Ball>(&shape_))
+    return ball->radius;
+  if (const auto* cylinder = std::get_if<scene::Cylinder>(&shape_))
+    return cylinder->radius;
+  return std::numeric_limits<double>::infinity();
 }
 
 Obstacle::Plane Obstacle::plane(const scene::HalfSpace&, const double* x) const {

@@ -28,6 +28,12 @@ public:
   /// Whether the obstacle moves.
   [[nodiscard]] bool moves() const { return motion_.has_value(); }
 
+  /// Whether its surface bends, so that points that move along it leave the half-space that touched it next to
+  /// them.
+  [[nodiscard]] bool curved() const { return !std::holds_alternative<scene::HalfSpace>(shape_); }
+  /// Of a ball or cylinder, m; infinite for other shapes.
+  [[nodiscard]] double radius() const;
+
   /// How far an obstacle that moves has come along its normal by time t, by which all heights are less than
   /// at t = 0, m. Throws UserError if its place is not finite.
   [[nodiscard]] double advance(double t) const;

@@ -99,6 +99,8 @@ public:
   [[nodiscard]] bool cellwise() const { return cellwise_; }
   /// Where the owned values are: nodes or midpoints of cells (places × 3), m.
   [[nodiscard]] const std::vector<double>& points() const { return points_; }
+  /// Their numbers among the owned nodes or cells (places).
+  [[nodiscard]] const std::vector<int>& places() const { return places_; }
   /// In which components, ascending numbers.
   [[nodiscard]] const std::vector<int>& components() const { return components_; }
 

@@ -23,11 +23,11 @@ std::array<double, 3> resultant(const Stepper& stepper, Vec x) {
 
 double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
 
-/// F_k = −(2/τ²) N λ_k: the contact forces on the body (N).
+/// −(2/τ²) λ_k ν: the contact forces on the body (N), in full. Of components that clamps hold only these feel them.
 void contact_forces(const Stepper& stepper, const contact::ContactState& contact, Vec force) {
   check(VecZeroEntries(force));
   if (stepper.constraints())
-    stepper.constraints()->add_normal(-1 / stepper.scheme().impulse(), contact.lambda, force);
+    stepper.constraints()->add_whole(-1 / stepper.scheme().impulse(), contact.lambda, force);
 }
 
 } // namespace
@@ -68,10 +68,18 @@ StepBalance Balance::operator()(const Frame& frame) {
   check(VecAXPBYPCZ(defect_, 0.5, 0.5, 1, Ay0_, Ay1_));
   check(VecAXPY(defect_, -1, load_));
   check(VecAXPY(defect_, -1, force_));
-  if (stepper_.predictor()) { // the jump j moves the body without work, but the forces act through it too
+  // Where y_k − y_{k−1} is not τ (v_{k−1} + v_k)/2, what changes the momentum works on the difference j too: contact on the
+  // jump of the predictor, which moves the body without work, and a clamp on its own motion.
+  if (stepper_.predictor() || stepper_.motion()) {
     check(VecWAXPY(jump_, 1, frame.v0, frame.v1));
-    check(VecAXPBY(jump_, tau, -tau / 2, w_)); // y_k − y_{k−1} − τ (v_{k−1} + v_k)/2
-    now.contact_work -= dot(jump_, inertia_);
+    check(VecAXPBY(jump_, tau, -tau / 2, w_));
+    const double all = dot(jump_, inertia_);
+    stepper_.clamped().clear(jump_);
+    const double free = dot(jump_, inertia_);
+    if (stepper_.predictor())
+      now.contact_work -= free;
+    if (stepper_.motion())
+      now.external_work -= all - free;
   }
   const std::array<double, 3> whole = resultant(stepper_, defect_);
   const double all_work = stepper_.motion() ? tau * dot(defect_, w_) : 0;

@@ -5,8 +5,9 @@
 
 namespace signorini::forward {
 
-/// Clamps that move as the scene prescribes: y_k = g(t_k) on their dofs, which acts on the free ones as the
-/// load −D g.
+/// Clamps that move as the scene prescribes: y_k = g(t_k) and v_k = ġ(t_k) on their dofs, which act on the free ones as
+/// loads. With the recursion of the free dofs' velocities an error of v there, or a step of ġ, would stay for ever, with
+/// alternating sign, and shake the body by their common mass.
 class PrescribedMotion {
 public:
   /// `D` is the step operator before its clamped dofs are decoupled. Collective. Throws UserError.
@@ -18,30 +19,41 @@ public:
   /// Memory of the D that it keeps, bytes. Collective.
   [[nodiscard]] double bytes() const { return petsc::bytes(D_); }
 
-  /// Writes g(t) to the moving dofs. Collective. Throws UserError if it is not finite.
-  void position(double t, Vec y) const;
-
-  /// Writes ġ(0) to the moving dofs, by differences. Collective.
-  void initial_velocity(Vec v) const;
+  /// g(t_k) and ġ(t_k) on the moving dofs, zero elsewhere; valid until the next call of any member. Collective. Throws
+  /// UserError where they are not finite.
+  [[nodiscard]] Vec position(int k) const;
+  [[nodiscard]] Vec velocity(int k) const;
 
   /// Puts the motion of step k into the right-hand side of D's decoupled system: the force −D g on the free
   /// dofs, and D's `diagonal` there times g on the `clamped` ones. Collective.
   void apply(int k, const fem::Clamped& clamped, double diagonal, Vec r) const;
+
+  /// v with its moving dofs changed such that M acts on the free ones by the acceleration (v_k − v_{k−1})/τ of the clamps,
+  /// for the state `y`, `v` before step k. Valid until the next call. Collective.
+  [[nodiscard]] Vec driving(int k, Vec y, Vec v) const;
+
+  /// Copies the moving dofs.
+  void copy(Vec from, Vec to) const;
 
 private:
   struct Clamp {
     scene::Field field;
     std::vector<int> nodes, components;
   };
-  template <class Set>
-  void evaluate(double t, Set&& set) const;
+  /// Calls visit(dof) for all moving dofs.
+  template <class Visit>
+  void for_each_dof(Visit&& visit) const;
+  /// Evaluates g and ġ at t_k.
+  void go_to(int k) const;
 
   const fem::Space& space_;
   Scheme scheme_;
   std::vector<Clamp> clamps_;
+  bool at_rest_; ///< does not depend on time
   petsc::Matrix D_;
-  petsc::Vector position_, force_;
-  mutable bool evaluated_ = false;
+  petsc::Vector position_, velocity_, force_, driving_;
+  mutable int now_ = -1;        ///< the step of position_ and velocity_
+  mutable bool forced_ = false; ///< whether force_ has been evaluated
 };
 
 } // namespace signorini::forward

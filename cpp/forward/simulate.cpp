@@ -33,10 +33,11 @@ Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
     : y(stepper.space().vector()), v(stepper.space().vector()) {
   petsc::Vector y_held = petsc::zero_like(y), v_held = petsc::zero_like(v);
   if (stepper.motion()) {
-    stepper.motion()->position(0, y_held);
-    stepper.motion()->initial_velocity(v_held);
+    check(VecCopy(stepper.motion()->position(0), y_held));
+    check(VecCopy(stepper.motion()->velocity(0), v_held));
   }
-  // A velocity taken by differences agrees with one written down to their error only.
+  // A velocity taken by differences agrees with one written down to their error only, which for motions that the
+  // steps hardly resolve, of a radian a step, is this. The one written down is right.
   constexpr double rounding = 1e-12, differences = 1e-5;
   const auto given = [&](const std::optional<scene::Components>& field, const char* key, Vec held,
                          double tolerance, Vec x) {
@@ -49,6 +50,10 @@ Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
   };
   given(scene.displacement, "initial.displacement", y_held, rounding, y);
   given(scene.velocity, "initial.velocity", v_held, stepper.motion() ? differences : rounding, v);
+  if (scene.velocity && stepper.motion()) {
+    stepper.space().interpolate({*scene.velocity, "initial.velocity", false}, 0, v_held);
+    stepper.motion()->copy(v_held, v);
+  }
   if (stepper.constraints())
     stepper.constraints()->place_outside(y);
 }

@@ -97,7 +97,9 @@ void Stepper::step(int k, Vec y0, Vec v0, StepLoad load, const contact::ContactS
   const std::span<const double> psi =
       constraints_ ? constraints_->psi(scheme_.time(k)) : std::span<const double>();
   const Vec jump = predictor_ ? predictor_->jump(psi, predicted(y0, v0), previous.predictor, contact.predictor) : nullptr;
-  right_hand_side(y0, scheme_.momentum(), with_jump(v0, 1 / scheme_.tau, jump), scheme_.impulse(), load);
+  const Vec momentum = with_jump(v0, 1 / scheme_.tau, jump);
+  right_hand_side(y0, scheme_.momentum(), motion_ ? motion_->driving(k, y0, momentum) : momentum,
+                  scheme_.impulse(), load);
   if (motion_)
     motion_->apply(k, clamped_, clamped_diagonal_, r_);
   if (const contact::ViSolver* vi = solver_->vi())
@@ -105,6 +107,8 @@ void Stepper::step(int k, Vec y0, Vec v0, StepLoad load, const contact::ContactS
   else
     solver_->linear().solve(r_, y1);
   velocity(y0, v0, jump, y1, v1);
+  if (motion_)
+    motion_->copy(motion_->velocity(k), v1);
   PetscReal size = 0;
   check(VecNorm(v1, NORM_2, &size));
   if (!std::isfinite(size))

@@ -47,9 +47,16 @@ void StepSolver::factorise(const contact::Constraints* constraints, const scene:
   constexpr double gigabyte = 1e9;
   const auto settle = [&](auto solver) {
     const double needed = solver->estimate() + dense_bytes(constraints);
-    const std::string compared = fmt::format("a factor needs {:.2g} GB, {:.2g} GB are allowed",
-                                             needed / gigabyte, scene.memory / gigabyte);
-    if (scene.linear == "auto" && needed > scene.memory) {
+    const bool possible = [&] {
+      if constexpr (requires { solver->possible(); })
+        return solver->possible();
+      return true;
+    }();
+    const std::string compared =
+        possible ? fmt::format("a factor needs {:.2g} GB, {:.2g} GB are allowed", needed / gigabyte,
+                               scene.memory / gigabyte)
+                 : fmt::format("a factor of {:.2g} GB has more entries than can be numbered", needed / gigabyte);
+    if (scene.linear == "auto" && (needed > scene.memory || !possible)) {
       iterate();
       choice_ = fmt::format("{} ({} by {})", linear_->name(), compared, solver->name());
       return;

@@ -13,6 +13,17 @@ namespace {
 
 constexpr const char* points_name = "points";
 
+/// Where a control's values are, those at one place told apart.
+std::vector<double> places_of(const control::ControlSpace& controls) {
+  if (controls.cellwise())
+    return controls.points();
+  const std::vector<double> all = distinct_points(controls.space());
+  std::vector<double> points;
+  for (int node : controls.places())
+    points.insert(points.end(), &all[3 * static_cast<std::size_t>(node)], &all[3 * static_cast<std::size_t>(node)] + 3);
+  return points;
+}
+
 /// rows × columns of a type, with a checksum for every chunk.
 Opened make_table(hid_t file, const std::string& name, hid_t type, hsize_t rows, hsize_t columns,
                   std::size_t bytes) {
@@ -51,7 +62,7 @@ CheckpointWriter::CheckpointWriter(const control::ControlSpace& controls, const 
     starts_.push_back(counts_.empty() ? 0 : starts_.back() + counts_.back());
     counts_.push_back(n);
   }
-  const std::vector<double> points = gather(comm, controls.points());
+  const std::vector<double> points = gather(comm, places_of(controls));
   if (rank(comm) != 0)
     return;
   H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence says it, instead of HDF5's stack
@@ -212,7 +223,7 @@ void CheckpointReader::match_places() {
     if (i % 3 < dim)
       points.push_back(padded[i]);
   rows_ =
-      match_points(space, points, controls_.points(), [this](const std::string& problem) { fail(problem); });
+      match_points(space, points, places_of(controls_), [this](const std::string& problem) { fail(problem); });
 }
 
 void CheckpointReader::operator()(const std::string& name, std::shared_ptr<const control::Control>& u) {

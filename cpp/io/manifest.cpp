@@ -97,6 +97,10 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
   }
   for (const forward::Invariants::Defect& defect : m.invariants)
     json["invariants"][defect.name] = {{"worst", defect.worst}, {"step", defect.step}};
+  json["warnings"] = ordered_json::array();
+  for (const forward::Warning& warning : m.warnings)
+    json["warnings"].push_back(
+        {{"name", warning.name}, {"message", warning.message}, {"value", warning.value}, {"limit", warning.limit}});
   for (const auto& [phase, entry] : timers.entries())
     json["timings"][phase] = {{"seconds", entry.seconds}, {"calls", entry.calls}};
   json["files"] = m.files;

@@ -2,6 +2,7 @@
 #include "base/timers.h"
 #include "control/objective.h"
 #include "forward/invariants.h"
+#include "forward/plausibility.h"
 #include "scene/scene.h"
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -38,6 +39,7 @@ struct Manifest {
   double peak_memory = 0; ///< bytes, summed over the ranks
   std::optional<control::Value> objective;
   std::vector<forward::Invariants::Defect> invariants; ///< of the motion stored, none if none was watched
+  std::vector<forward::Warning> warnings;              ///< of the motion stored
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
   std::optional<Kink> kink;
   std::vector<std::string> files; ///< that the run leaves

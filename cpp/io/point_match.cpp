@@ -1,9 +1,12 @@
 #include "io/point_match.h"
 #include "base/collective.h"
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
+#include <dolfinx/fem/FunctionSpace.h>
+#include <dolfinx/la/Vector.h>
 #include <fmt/format.h>
+#include <functional>
 #include <map>
 
 namespace signorini::io {
@@ -15,40 +18,133 @@ std::string place(const double* x, int dim) {
                   : fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
 }
 
+/// Points by place: those of one mesh agree to the last digits; a cell is so much larger than that that few of them lie
+/// near its sides, and so small that it holds one node's.
+class Grid {
+public:
+  explicit Grid(const fem::Space& space) : near_(1e-10 * space.mesh().diameter()), cell_(100 * near_) {}
+
+  using Cell = std::array<std::int64_t, 3>;
+
+  /// The cell of x (dim), shifted by `shift` along every axis.
+  [[nodiscard]] Cell cell_of(const double* x, std::size_t dim, double shift) const {
+    Cell at{};
+    for (std::size_t c = 0; c < dim; ++c)
+      at[c] = static_cast<std::int64_t>(std::floor((x[c] + shift) / cell_ + 0.5));
+    return at;
+  }
+
+  /// Calls visit(cell) for the cells that a point at x may be in, until it returns true.
+  template <class Visit>
+  void around(const double* x, std::size_t dim, Visit&& visit) const {
+    const Cell low = cell_of(x, dim, -near_), high = cell_of(x, dim, near_);
+    for (Cell at = low; at[0] <= high[0]; ++at[0])
+      for (at[1] = low[1]; at[1] <= high[1]; ++at[1])
+        for (at[2] = low[2]; at[2] <= high[2]; ++at[2])
+          if (visit(at))
+            return;
+  }
+
+private:
+  double near_, cell_;
+};
+
+/// Which of the points `here` (× stride) have another one in their place among `all` (× stride).
+std::vector<bool> crowded(const fem::Space& space, const std::vector<double>& here, const std::vector<double>& all,
+                          std::size_t stride) {
+  const Grid grid(space);
+  const auto dim = static_cast<std::size_t>(space.dim());
+  std::map<Grid::Cell, int> counts;
+  for (std::size_t i = 0; i < all.size(); i += stride)
+    ++counts[grid.cell_of(&all[i], dim, 0)];
+  std::vector<bool> found;
+  for (std::size_t i = 0; i < here.size(); i += stride) {
+    int count = 0;
+    grid.around(&here[i], dim, [&](const Grid::Cell& at) {
+      const auto entry = counts.find(at);
+      count += entry == counts.end() ? 0 : entry->second;
+      return count > 1;
+    });
+    found.push_back(count > 1);
+  }
+  return found;
+}
+
+/// The part of the way to the middle of a node's cells by which it is moved: no other node is there.
+constexpr double inwards = 0.1;
+
 } // namespace
+
+std::vector<double> distinct_points(const fem::Space& space) {
+  std::vector<double> points = space.points();
+  const std::vector<bool> moved = crowded(space, points, gather(space.comm(), points), 3);
+  int any = std::ranges::find(moved, true) != moved.end();
+  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, space.comm());
+  if (!any)
+    return points;
+  // Of each node its cells' number and the sum of their middles.
+  const auto dofmap = space.dolfinx()->dofmap();
+  const std::vector<double> middles = space.midpoints();
+  dolfinx::la::Vector<double> sums(dofmap->index_map, 4);
+  const std::span<double> sum = sums.mutable_array();
+  std::size_t number = 0;
+  for (std::int32_t cell : space.mesh().owned_cells()) {
+    for (std::int32_t node : dofmap->cell_dofs(cell)) {
+      const auto at = 4 * static_cast<std::size_t>(node);
+      for (std::size_t c = 0; c < 3; ++c)
+        sum[at + c] += middles[3 * number + c];
+      ++sum[at + 3];
+    }
+    ++number;
+  }
+  sums.scatter_rev(std::plus<>{});
+  for (std::size_t i = 0; i < moved.size(); ++i)
+    for (std::size_t c = 0; moved[i] && c < 3; ++c)
+      points[3 * i + c] += inwards * (sum[4 * i + c] / sum[4 * i + 3] - points[3 * i + c]);
+  return points;
+}
+
+bool separate(std::vector<double>& points, const std::vector<std::int64_t>& cells, const fem::Space& space) {
+  const auto dim = static_cast<std::size_t>(space.dim()), corners = dim + 1, n = points.size() / dim;
+  const std::vector<bool> moved = crowded(space, points, points, dim);
+  if (std::ranges::find(moved, true) == moved.end())
+    return true;
+  if (cells.size() % corners != 0 ||
+      !std::ranges::all_of(cells, [n](std::int64_t v) { return v >= 0 && v < static_cast<std::int64_t>(n); }))
+    return false;
+  std::vector<double> sum(points.size(), 0.0), count(n, 0.0);
+  for (std::size_t first = 0; first < cells.size(); first += corners)
+    for (std::size_t c = 0; c < dim; ++c) {
+      double middle = 0;
+      for (std::size_t v = 0; v < corners; ++v)
+        middle += points[static_cast<std::size_t>(cells[first + v]) * dim + c] / static_cast<double>(corners);
+      for (std::size_t v = 0; v < corners; ++v)
+        sum[static_cast<std::size_t>(cells[first + v]) * dim + c] += middle;
+    }
+  for (std::int64_t v : cells)
+    ++count[static_cast<std::size_t>(v)];
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t c = 0; moved[i] && count[i] > 0 && c < dim; ++c)
+      points[i * dim + c] += inwards * (sum[i * dim + c] / count[i] - points[i * dim + c]);
+  return true;
+}
 
 std::vector<std::size_t> match_points(const fem::Space& space, const std::vector<double>& there,
                                       const std::vector<double>& here,
                                       const std::function<void(const std::string& problem)>& fail) {
   const auto dim = static_cast<std::size_t>(space.dim());
-  // Points of one mesh agree to the last digits; a cell is so much larger than that that few of them lie near
-  // its sides, and so small that it holds one.
-  const double near = 1e-10 * space.mesh().diameter(), cell = 100 * near;
-  using Cell = std::array<std::int64_t, 3>;
-  const auto cell_of = [&](const double* x, double shift) {
-    Cell at{};
-    for (std::size_t c = 0; c < dim; ++c)
-      at[c] = static_cast<std::int64_t>(std::floor((x[c] + shift) / cell + 0.5));
-    return at;
-  };
+  const Grid grid(space);
   std::vector<std::size_t> numbers;
   together(space.comm(), [&] {
-    std::map<Cell, std::size_t> known;
+    std::map<Grid::Cell, std::size_t> known;
     for (std::size_t i = 0; i < there.size() / dim; ++i)
-      if (!known.emplace(cell_of(&there[i * dim], 0), i).second)
-        fail(fmt::format("found two points at {} m, allowed are meshes whose nodes are apart",
+      if (!known.emplace(grid.cell_of(&there[i * dim], dim, 0), i).second)
+        fail(fmt::format("found two points at {} m, allowed are meshes whose nodes are apart or in cells apart",
                          place(&there[i * dim], space.dim())));
     for (std::size_t i = 0; i < here.size() / 3; ++i) {
       const double* x = &here[3 * i];
-      const Cell low = cell_of(x, -near), high = cell_of(x, near);
-      const auto found = [&] {
-        for (Cell at = low; at[0] <= high[0]; ++at[0])
-          for (at[1] = low[1]; at[1] <= high[1]; ++at[1])
-            for (at[2] = low[2]; at[2] <= high[2]; ++at[2])
-              if (const auto entry = known.find(at); entry != known.end())
-                return entry;
-        return known.end();
-      }();
+      auto found = known.end();
+      grid.around(x, dim, [&](const Grid::Cell& at) { return (found = known.find(at)) != known.end(); });
       if (found == known.end())
         fail(
             fmt::format("found no point at {} m, where this scene has one; allowed is a run on the same mesh",

@@ -26,6 +26,15 @@ std::vector<double> values(hid_t dataset) {
   return all;
 }
 
+/// The vertices of a mesh's cells, cell by cell; empty if they cannot be read.
+std::vector<std::int64_t> cells(hid_t dataset) {
+  const auto [rows, columns] = shape(dataset);
+  std::vector<std::int64_t> all(rows * columns);
+  if (H5Dread(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) < 0)
+    all.clear();
+  return all;
+}
+
 /// Names of a group's members and the times that they stand for, ascending; empty if a name is no time. The
 /// writer calls the dataset of 0.25 s "0_25".
 std::vector<std::pair<double, std::string>> times_of(hid_t group) {
@@ -71,7 +80,7 @@ StoredField::StoredField(const fem::Space& space, const std::filesystem::path& f
   MPI_Bcast(times_.data(), count, MPI_DOUBLE, 0, space.comm());
   points.resize(nodes_ * static_cast<std::size_t>(space.dim()));
   MPI_Bcast(points.data(), static_cast<int>(points.size()), MPI_DOUBLE, 0, space.comm());
-  rows_ = match_points(space, points, space.points(), [this](const std::string& problem) { fail(problem); });
+  rows_ = match_points(space, points, distinct_points(space), [this](const std::string& problem) { fail(problem); });
 }
 
 void StoredField::fail(const std::string& problem) const {
@@ -97,6 +106,9 @@ void StoredField::look(double end, std::vector<double>& points) {
         rows, columns, nodes_, space_.dim()));
   points = values(geometry);
   if (points.empty() || !finite(points))
+    fail(damaged);
+  const Opened topology(H5Dopen(file, "/Mesh/mesh/topology", H5P_DEFAULT), H5Dclose);
+  if (!topology || !separate(points, cells(topology), space_))
     fail(damaged);
   const Opened group(H5Gopen(file, ("/Function/" + field_).c_str(), H5P_DEFAULT), H5Gclose);
   if (!group)

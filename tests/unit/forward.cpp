@@ -188,6 +188,77 @@ TEST_CASE("energy and momentum hold with moving clamps, tractions and contact", 
   }
 }
 
+TEST_CASE("clamps have the velocity of their motion at all times", "[forward]") {
+  // They stop within a step, after which neither they nor the body shake; with massless contact, and stabilized, too.
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{}, {"time.scheme=contact-stabilized"}, {"contact.mass=massless"}}) {
+    std::vector<std::string> overrides{"clamp=[{on=\"rest\", value=[\"0.05*sin(9*min(t, 0.145))\", \"-0.3*min(t, 0.145)\"]}]",
+                                       "initial={displacement=[\"0\", \"0\"]}", "material.viscosity.shear=5"};
+    overrides.insert(overrides.end(), more.begin(), more.end());
+    const test::Ready ready("tests/data/block.toml", overrides);
+    const test::Recorded motion = run(ready);
+    const fem::Clamped& clamped = ready.problem.stepper.clamped();
+    double energy = 0;
+    for (std::size_t k = 0; k < motion.v.size(); ++k) {
+      const double t = 0.02 * static_cast<double>(k);
+      double worst = 0;
+      {
+        const petsc::ReadArray v(motion.v[k]);
+        for (int node = 0; node < ready.problem.space.owned_nodes(); ++node)
+          if (clamped.contains(node, 0)) {
+            worst = std::max(worst, std::abs(v[static_cast<std::size_t>(2 * node)] - (t < 0.145 ? 0.45 * std::cos(9 * t) : 0)));
+            worst = std::max(worst, std::abs(v[static_cast<std::size_t>(2 * node + 1)] + (t < 0.145 ? 0.3 : 0)));
+          }
+      }
+      MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+      INFO("step " << k);
+      if (k != 8) // the step in which they stop
+        CHECK(worst < 1e-9);
+      energy = std::max(energy, motion.balance[k].kinetic_energy + motion.balance[k].elastic_energy);
+      if (k > 0) {
+        CHECK(std::abs(motion.balance[k].energy_residual) < 1e-12 * energy);
+        CHECK(std::hypot(motion.balance[k].momentum_residual[0], motion.balance[k].momentum_residual[1]) <
+              1e-12 * motion.balance[k].momentum_scale);
+      }
+    }
+    CHECK(energy > 0.01);
+  }
+}
+
+TEST_CASE("an initial velocity written down is kept where clamps move, and must be theirs", "[forward]") {
+  const auto start = [](const char* velocity) {
+    return std::vector<std::string>{"clamp=[{on=\"rest\", value=[\"0.05*sin(9*t)\", \"-0.3*t\"]}]",
+                                    fmt::format("initial={{velocity=[\"{}\", \"-0.3\"]}}", velocity)};
+  };
+  const test::Ready ready("tests/data/block.toml", start("0.4500001"));
+  CHECK(std::abs(test::largest(ready.problem.initial.v) - 0.4500001) < 1e-15);
+  CHECK_THROWS_WITH(test::Ready("tests/data/block.toml", start("0.46")),
+                    Catch::Matchers::ContainsSubstring("initial.velocity: found a difference of 0.01"));
+}
+
+TEST_CASE("the force of a frictionless plane is normal to it, also where clamps hold a component", "[forward]") {
+  const test::Ready ready("tests/data/block.toml",
+                          {"clamp=[{on=\"bottom\", components=[\"x\"], value=[\"0.1*t\"]}]", "initial={displacement=[\"0\", \"0\"]}"});
+  const test::Recorded motion = run(ready);
+  int touched = 0;
+  double energy = 0;
+  for (std::size_t k = 1; k < motion.balance.size(); ++k) {
+    const auto& step = motion.balance[k];
+    const auto& force = step.contact_force;
+    touched += force[1] > 0.1;
+    CHECK(std::abs(force[0] - 0.3 * force[1]) <= 1e-12 * force[1]);
+    double sum = 0;
+    for (double lambda : motion.contact[k].lambda)
+      sum += lambda / ready.problem.stepper.scheme().impulse();
+    CHECK(std::abs(std::hypot(force[0], force[1]) - sum) <= 1e-12 * sum);
+    energy = std::max(energy, step.kinetic_energy + step.elastic_energy);
+    CHECK(step.contact_work <= 1e-12 * energy); // the plane rests
+    CHECK(std::abs(step.energy_residual) < 1e-12 * energy);
+    CHECK(std::hypot(step.momentum_residual[0], step.momentum_residual[1]) < 1e-12 * step.momentum_scale);
+  }
+  CHECK(touched > 2);
+}
+
 TEST_CASE("clamps that meet must agree", "[forward]") {
   CHECK_THROWS_WITH(
       test::Ready("tests/data/block.toml", {"clamp=[{on=\"rest\", value=[\"t\", \"0\"]}, {on=\"bottom\", "

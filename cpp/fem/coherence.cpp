@@ -1,0 +1,122 @@
+#include "fem/coherence.h"
+#include "base/collective.h"
+#include <algorithm>
+#include <dolfinx/fem/FunctionSpace.h>
+#include <dolfinx/mesh/Mesh.h>
+#include <dolfinx/mesh/utils.h>
+#include <map>
+#include <numeric>
+
+namespace signorini::fem {
+
+namespace {
+
+/// Sets of things numbered 0, 1, …, which start one by one.
+class Sets {
+public:
+  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+
+  [[nodiscard]] std::size_t first(std::size_t i) const { // of those in the set of i
+    while (parent_[i] != i)
+      i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void unite(std::size_t i, std::size_t j) {
+    i = first(i), j = first(j);
+    parent_[std::max(i, j)] = std::min(i, j);
+  }
+
+private:
+  mutable std::vector<std::size_t> parent_;
+};
+
+std::int64_t sum(MPI_Comm comm, std::int64_t mine) {
+  MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_INT64_T, MPI_SUM, comm);
+  return mine;
+}
+
+/// Owned facets of a group, so that each is one rank's.
+std::vector<std::int32_t> owned_facets(const mesh::Mesh& mesh, const std::string& group, const std::string& key) {
+  std::vector<std::int32_t> facets = mesh.facets(group, key);
+  const std::int32_t owned = mesh.dolfinx()->topology()->index_map(mesh.dim() - 1)->size_local();
+  std::erase_if(facets, [&](std::int32_t facet) { return facet >= owned; });
+  return facets;
+}
+
+std::vector<std::int64_t> global_nodes(const Space& space) {
+  const auto map = space.dolfinx()->dofmap()->index_map;
+  std::vector<std::int32_t> local(static_cast<std::size_t>(map->size_local() + map->num_ghosts()));
+  std::iota(local.begin(), local.end(), 0);
+  std::vector<std::int64_t> global(local.size());
+  map->local_to_global(local, global);
+  return global;
+}
+
+} // namespace
+
+int connected_parts(const Space& space) {
+  const auto dofmap = space.dolfinx()->dofmap();
+  const std::vector<std::int64_t> global = global_nodes(space);
+  Sets here(global.size());
+  for (std::int32_t cell : space.mesh().owned_cells()) {
+    const auto nodes = dofmap->cell_dofs(cell);
+    for (std::int32_t node : nodes)
+      here.unite(static_cast<std::size_t>(nodes[0]), static_cast<std::size_t>(node));
+  }
+  // A set goes by the number, among all, of its first node; sets of several ranks that share a node are one.
+  using Pair = std::array<std::int64_t, 2>;
+  const auto owned = static_cast<std::size_t>(space.owned_nodes());
+  std::vector<Pair> joined;
+  std::vector<std::int64_t> ghosts(global.begin() + static_cast<std::ptrdiff_t>(owned), global.end());
+  for (std::size_t i = 0; i < global.size(); ++i)
+    if (i >= owned || here.first(i) == i)
+      joined.push_back({global[i], global[here.first(i)]});
+  ghosts = gather(space.comm(), ghosts);
+  const std::int64_t begin = space.first_dof() / space.dim();
+  for (std::int64_t ghost : ghosts)
+    if (ghost >= begin && ghost < begin + static_cast<std::int64_t>(owned))
+      joined.push_back({ghost, global[here.first(static_cast<std::size_t>(ghost - begin))]});
+  joined = gather(space.comm(), joined);
+  std::map<std::int64_t, std::size_t> number;
+  for (const Pair& pair : joined)
+    for (std::int64_t node : pair)
+      number.emplace(node, number.size());
+  Sets all(number.size());
+  for (const auto& [a, b] : joined)
+    all.unite(number.at(a), number.at(b));
+  int parts = 0;
+  for (std::size_t i = 0; i < number.size(); ++i)
+    parts += all.first(i) == i;
+  return parts;
+}
+
+std::int64_t inner_facets(const mesh::Mesh& mesh, const std::string& group, const std::string& key) {
+  std::vector<std::int32_t> outer = dolfinx::mesh::exterior_facet_indices(*mesh.dolfinx()->topology());
+  std::ranges::sort(outer);
+  const std::vector<std::int32_t> facets = owned_facets(mesh, group, key);
+  return sum(mesh.comm(), std::ranges::count_if(
+                              facets, [&](std::int32_t f) { return !std::ranges::binary_search(outer, f); }));
+}
+
+std::int64_t facets_among(const Space& space, const std::string& group, const std::string& key,
+                          const std::vector<PetscInt>& first_dofs) {
+  const auto topology = space.mesh().dolfinx()->topology();
+  const int dim = space.dim();
+  const auto cells = topology->connectivity(dim - 1, dim), facets = topology->connectivity(dim, dim - 1);
+  const auto dofmap = space.dolfinx()->dofmap();
+  const auto closure = dofmap->element_dof_layout().entity_closure_dofs_all()[static_cast<std::size_t>(dim) - 1];
+  const std::vector<std::int64_t> global = global_nodes(space);
+  std::int64_t count = 0;
+  for (std::int32_t facet : owned_facets(space.mesh(), group, key)) {
+    const std::int32_t cell = cells->links(facet).front();
+    const auto around = facets->links(cell);
+    const auto which = static_cast<std::size_t>(std::ranges::find(around, facet) - around.begin());
+    count += std::ranges::all_of(closure.at(which), [&](int dof) {
+      const std::int32_t node = dofmap->cell_dofs(cell)[static_cast<std::size_t>(dof)];
+      return std::ranges::binary_search(first_dofs, static_cast<PetscInt>(global[static_cast<std::size_t>(node)] * dim));
+    });
+  }
+  return sum(space.comm(), count);
+}
+
+} // namespace signorini::fem

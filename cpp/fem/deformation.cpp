@@ -1,0 +1,121 @@
+#include "fem/deformation.h"
+#include "base/collective.h"
+#include "fem/simplex.h"
+#include <algorithm>
+#include <basix/cell.h>
+#include <cmath>
+#include <dolfinx/fem/FunctionSpace.h>
+#include <dolfinx/la/Vector.h>
+#include <dolfinx/mesh/Mesh.h>
+#include <numbers>
+
+namespace signorini::fem {
+
+namespace {
+
+using Gradient = std::array<std::array<double, 3>, 3>; // ∂y_r/∂x_c
+
+/// The largest modulus of an eigenvalue of the symmetric part.
+double principal_strain(const Gradient& G) {
+  const auto e = [&](int i, int j) { return (G[i][j] + G[j][i]) / 2; };
+  const double mean = (e(0, 0) + e(1, 1) + e(2, 2)) / 3;
+  double square = 0; // of the deviator
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      square += std::pow(e(i, j) - (i == j ? mean : 0), 2);
+  const double p = std::sqrt(square / 6);
+  if (p == 0)
+    return std::abs(mean);
+  const auto d = [&](int i, int j) { return (e(i, j) - (i == j ? mean : 0)) / p; };
+  const double determinant = d(0, 0) * (d(1, 1) * d(2, 2) - d(1, 2) * d(2, 1)) -
+                             d(0, 1) * (d(1, 0) * d(2, 2) - d(1, 2) * d(2, 0)) +
+                             d(0, 2) * (d(1, 0) * d(2, 1) - d(1, 1) * d(2, 0));
+  const double angle = std::acos(std::clamp(determinant / 2, -1.0, 1.0)) / 3;
+  const double high = mean + 2 * p * std::cos(angle),
+               low = mean + 2 * p * std::cos(angle + 2 * std::numbers::pi / 3);
+  return std::max(std::abs(high), std::abs(low));
+}
+
+double rotation(const Gradient& G) {
+  return std::hypot(G[1][0] - G[0][1], G[2][1] - G[1][2], G[0][2] - G[2][0]) / 2;
+}
+
+double volume_ratio(const Gradient& G) {
+  const auto f = [&](int i, int j) { return G[i][j] + (i == j); };
+  return f(0, 0) * (f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1)) -
+         f(0, 1) * (f(1, 0) * f(2, 2) - f(1, 2) * f(2, 0)) +
+         f(0, 2) * (f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0));
+}
+
+/// The largest over all ranks; of equal ones the first in place.
+void reduce(MPI_Comm comm, Largest& largest) {
+  const std::vector<std::array<double, 4>> all =
+      gather(comm, std::vector<std::array<double, 4>>{
+                       {-largest.value, largest.at[0], largest.at[1], largest.at[2]}});
+  const std::array<double, 4> first = *std::ranges::min_element(all);
+  largest = {-first[0], {first[1], first[2], first[3]}};
+}
+
+} // namespace
+
+Deformation deformation(const Space& space, Vec y) {
+  const auto& V = *space.dolfinx();
+  const auto dofmap = V.dofmap();
+  const int dim = space.dim();
+  const auto n = static_cast<std::size_t>(dim), vertices = n + 1;
+  dolfinx::la::Vector<double> values(dofmap->index_map, dim);
+  {
+    const petsc::ReadArray owned(y);
+    const std::span<const double> all = owned;
+    std::ranges::copy(all, values.mutable_array().begin());
+  }
+  values.scatter_fwd();
+  const std::span<const double> at_dofs = values.array();
+
+  const auto cell_type = dim == 2 ? basix::cell::type::triangle : basix::cell::type::tetrahedron;
+  const std::vector<std::vector<int>> edges = basix::cell::topology(cell_type)[1];
+  const auto& mesh = *V.mesh();
+  const auto geometry = mesh.geometry().dofmap();
+  const std::span<const double> x = mesh.geometry().x();
+  Deformation found;
+  for (std::int32_t cell : space.mesh().owned_cells()) {
+    const auto vertex = [&](int i) {
+      return &x[3 * static_cast<std::size_t>(geometry(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))];
+    };
+    const Simplex simplex(dim, vertex);
+    std::array<Simplex::Point, 4> slope{}; // of the barycentric coordinates
+    for (int i = 0; i <= dim; ++i)
+      slope[i] = simplex.gradient(i);
+    const auto dofs = dofmap->cell_dofs(cell);
+    bool inverted = false;
+    // Constant for degree 1. For degree 2 the basis is λ_i (2λ_i − 1) and 4 λ_a λ_b.
+    for (std::size_t v = 0; v < (space.degree() == 1 ? 1 : vertices); ++v) {
+      Gradient G{};
+      const auto add = [&](std::size_t dof, double factor, const Simplex::Point& direction) {
+        for (std::size_t r = 0; r < n; ++r)
+          for (std::size_t c = 0; c < n; ++c)
+            G[r][c] += factor * direction[c] * at_dofs[static_cast<std::size_t>(dofs[dof]) * n + r];
+      };
+      for (std::size_t i = 0; i < vertices; ++i)
+        add(i, space.degree() == 1 ? 1 : i == v ? 3 : -1, slope[i]);
+      for (std::size_t e = 0; space.degree() == 2 && e < edges.size(); ++e)
+        for (int end : {0, 1})
+          if (static_cast<std::size_t>(edges[e][static_cast<std::size_t>(end)]) == v)
+            add(vertices + e, 4, slope[static_cast<std::size_t>(edges[e][static_cast<std::size_t>(1 - end)])]);
+      const auto note = [&](Largest& largest, double value) {
+        if (value > largest.value)
+          largest = {value, {vertex(static_cast<int>(v))[0], vertex(static_cast<int>(v))[1], vertex(static_cast<int>(v))[2]}};
+      };
+      note(found.strain, principal_strain(G));
+      note(found.rotation, rotation(G));
+      inverted = inverted || !(volume_ratio(G) > 0);
+    }
+    found.inverted += inverted;
+  }
+  reduce(space.comm(), found.strain);
+  reduce(space.comm(), found.rotation);
+  MPI_Allreduce(MPI_IN_PLACE, &found.inverted, 1, MPI_INT64_T, MPI_SUM, space.comm());
+  return found;
+}
+
+} // namespace signorini::fem

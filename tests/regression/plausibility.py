@@ -1,0 +1,105 @@
+"""What makes results mean less than they seem to is said once, in run.json and on the page; scenes that are what the model is for
+have nothing of it. A mesh with nodes at one place is a mesh like others. Short steps and a stiff body's weight are contact.
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from harness import SIGNORINI, SOURCE, attempt, signorini, table  # noqa: E402
+
+DATA = SOURCE / "tests" / "data"
+BLOCK = DATA / "block.toml"
+GENTLE = {"initial__velocity": ["0", "-0.01"], "load__body": ["0", "-0.1"],
+          "contact__obstacle": {"shape": "half-space", "point": [0, -1e-3], "normal": [0, 1]}}  # fmt: skip
+# Coarse and short. A soft disc that is dropped and the paper's half disc and half ball are strained by more than small strain means:
+# the half disc by 0.2 under a body force of 1e6 N/m³ over 15 m at 1e8 Pa.
+SHIPPED = {"bar-impact": ({"time__end": 1.5}, set()), "bouncing-bar": ({"time__end": 3}, set()),
+           "standing-wave": ({}, set()), "catch": ({}, None), "hertz-press": ({"time__step": 0.5}, set()),
+           "disc-drop": ({"time__end": 15}, None), "half-disc": ({"mesh__size": 2}, None)}  # fmt: skip
+
+
+def warnings(out: Path) -> dict[str, dict]:
+    found = json.loads((out / "run.json").read_text())["warnings"]
+    names = {warning["name"]: warning for warning in found}
+    assert len(names) == len(found), "one is said twice"
+    for warning in found:
+        assert warning["value"] > warning["limit"] and warning["message"], warning
+    return names
+
+
+def are_told(folder: Path) -> None:
+    for ranks in (1, 2):
+        done = signorini("simulate", BLOCK, folder / "gentle", ranks, **GENTLE)
+        assert not warnings(folder / "gentle") and "warning" not in done.stdout
+        out = folder / "apart"
+        done = signorini("simulate", BLOCK, out, ranks, **GENTLE, mesh__file=str(DATA / "apart.geo"))
+        found = warnings(out)
+        assert set(found) == {"parts of the mesh"} and found["parts of the mesh"]["value"] == 2, found
+        message = found["parts of the mesh"]["message"]
+        assert done.stdout.count(f"warning: {message}") == 1, done.stdout
+    subprocess.run([sys.executable, str(SOURCE / "postprocess" / "report.py"), str(out)], check=True, capture_output=True)
+    assert message in (out / "report.html").read_text()
+    signorini("optimize", BLOCK, out, **GENTLE, mesh__file=str(DATA / "apart.geo"), optimizer__max_iterations=1,
+              output__tables=[], output__fields=[])  # fmt: skip
+    assert "parts of the mesh" in warnings(out)
+
+
+def shipped_scenes(folder: Path) -> None:
+    for name, (overrides, expected) in SHIPPED.items():
+        signorini("simulate", SOURCE / "scenes" / f"{name}.toml", folder / name, output__fields=[], **overrides)
+        found = warnings(folder / name)
+        print(f"{name}: {'; '.join(warning['message'] for warning in found.values()) or 'nothing to tell'}")
+        assert expected is None or set(found) == expected, found
+
+
+def nodes_at_one_place(folder: Path) -> None:
+    """A crack: its nodes are found again by a run that desires an earlier one's motion, and by one that goes on."""
+    mesh = {"mesh__file": str(DATA / "cracked.geo"), "mesh__size": 0.2}
+    for before, after in ((1, 1), (2, 1), (1, 3)):
+        signorini("simulate", BLOCK, folder / "earlier", before, **mesh, output__fields=["displacement"], control__initial=["0.3*x", "-1"])
+        desired = {"objective__desired": {"run": str(folder / "earlier")}}
+        out = folder / f"desired-{before}-{after}"
+        options = {**mesh, **desired, "control__initial": ["0.3*x", "-1"], "output__fields": ["control"]}
+        signorini("optimize", BLOCK, out, after, optimizer__max_iterations=0, **options)
+        assert table(out / "history.csv")["tracking"][0] < 1e-20, "the motion is not its own"
+        # On one rank a run that is taken up again is the one that was not interrupted.
+        whole, parted = folder / f"whole-{after}", folder / f"parted-{before}-{after}"
+        options = {**mesh, "output__fields": []}
+        signorini("optimize", BLOCK, whole, after, optimizer__max_iterations=4, **options)
+        signorini("optimize", BLOCK, parted, before, optimizer__max_iterations=2, **options)
+        command = ["mpirun", "--oversubscribe", "-n", str(after), str(SIGNORINI), "optimize", str(BLOCK), "--resume", "--out", str(parted)]
+        for key, value in {**options, "optimizer__max_iterations": 4}.items():
+            command += ["--set", f"{key.replace('__', '.')}={json.dumps(value)}"]
+        subprocess.run(command, check=True, capture_output=True)
+        a, b = table(whole / "history.csv")["objective"], table(parted / "history.csv")["objective"]
+        assert len(a) == len(b) == 5 and abs(a[-1] / b[-1] - 1) < 1e-8, (a, b)
+
+
+def weight_of_a_stiff_body_in_short_steps(folder: Path) -> None:
+    """A block of steel that is put down: contact from the first step on, and never weak."""
+    steel = {"material__density": 7800, "material__young": 2e11, "material__viscosity": {"bulk": 1e4, "shear": 1e4},
+             "load__body": ["0", "-78000"], "initial__velocity": ["0", "0"],
+             "contact__obstacle": {"shape": "half-space", "point": [0, 0], "normal": [0, 1]}}  # fmt: skip
+    for step in (1e-5, 2e-7, 1e-8):
+        signorini("simulate", BLOCK, folder / "steel", **steel, time__step=step, time__end=20 * step, output__fields=[])
+        steps = table(folder / "steel" / "steps.csv")
+        assert (steps["active"][1:] == 5).all() and not steps["weak"].any(), steps
+    done = attempt("check", BLOCK, None, **steel, time__step=2e-7, time__end=4e-6)
+    assert "ok    contact occurred" in done.stdout and "20 steps, at most 5 nodes, 0 weak" in done.stdout, done.stdout
+
+
+def main() -> int:
+    with tempfile.TemporaryDirectory() as folder:
+        weight_of_a_stiff_body_in_short_steps(Path(folder))
+        are_told(Path(folder))
+        nodes_at_one_place(Path(folder))
+        shipped_scenes(Path(folder))
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
