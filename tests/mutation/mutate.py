@@ -4,9 +4,9 @@
     mutate.py CHECKOUT BUILD FILE.diff…    tries again what an earlier call wrote
 
 All is done in copies below BUILD. A mutant is drawn from all tokens alike (sites.py says which, and what becomes of them)
-and counts if it compiles. It meets the unit tests of its part, those of the parts that are built on it, and the derivative tests,
-the quickest first, until one fails, ends by a signal or takes too long. Those that none of them notices are printed at the
-end and left in BUILD/survivors. The exit status is 1 if fewer than 90 % were noticed.
+and counts if it compiles. It meets the unit tests of its part, the derivative tests and the unit tests of what is built on the part, on
+one rank and then on two, until one fails, ends by a signal or takes too long. Those that none of them notices are printed at the
+end and left in BUILD/survivors. Each test must pass with the sound code before it judges a mutant. The exit status is 1 if fewer than 90 % were noticed.
 """
 
 import collections
@@ -26,15 +26,16 @@ from pathlib import Path
 
 from sites import Source
 
-# The parts, each with what is built on it among those whose tests are run for it, and whether `check` goes through it.
-TESTED_BY = {
-    "contact": ["contact", "forward", "adjoint", "control"],
-    "forward": ["forward", "contact", "adjoint", "control"],  # the tests of contact make steps
-    "adjoint": ["adjoint", "control"],
-    "control": ["control", "adjoint"],
-    "optimize": ["optimize"],
+# The parts, and what is tested beside a part's own unit tests: by `check`, and by the unit tests of what is built on it.
+BESIDE = {
+    "contact": [r"derivative\.", r"unit\.forward\.", r"unit\.(adjoint|control)\."],
+    "forward": [r"derivative\.", r"unit\.(contact|adjoint|control)\."],  # the tests of contact make steps
+    "adjoint": [r"derivative\.", r"unit\.control\."],
+    "control": [r"derivative\.", r"unit\.adjoint\."],
+    "optimize": [],
 }
-WITHOUT_DERIVATIVE = ["optimize"]
+MOST_RANKS = 2
+PROGRAMS = ["signorini", "signorini-unit"]
 COPIED = ["CMakeLists.txt", "cpp", "forms", "meshes", "scenes", "tests"]
 ENOUGH = 0.9
 PATIENCE = 10  # times the seconds of the sound code, and seconds beside: other work on the machine makes no mutant
@@ -45,7 +46,10 @@ class Test:
     name: str
     command: list[str]
     environment: dict[str, str]
-    seconds: float = 0.0
+
+    @property
+    def ranks(self) -> int:
+        return int(self.command[self.command.index("-n") + 1]) if "-n" in self.command else 1
 
 
 class Copy:
@@ -53,6 +57,7 @@ class Copy:
 
     def __init__(self, checkout: Path, build: Path):
         self.checkout, self.build, self.source = checkout, build, build / "source"
+        self.passed = build / "passed.json"  # the seconds of the tests that the sound code has passed, and the sources' hash
 
     def refresh(self) -> None:
         """Makes the copy like the checkout, whatever an earlier call left, and builds it."""
@@ -63,25 +68,39 @@ class Copy:
             # Less optimization than a release's: what is compiled is run for a few seconds.
             run(["cmake", "-S", self.source, "-B", self.build, "-G", "Ninja", "-Wno-dev", "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG",
                  "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache", "-DCMAKE_C_COMPILER_LAUNCHER=ccache"])
-        run(["cmake", "--build", self.build, "--target", "signorini", "signorini-unit"])
+        run(["cmake", "--build", self.build, "--target", *PROGRAMS])
+        (self.build / "sound").mkdir(exist_ok=True)
+        for program in PROGRAMS:
+            shutil.copy2(self.build / program, self.build / "sound" / program)
+        digest = hashlib.sha256()
+        for file in sorted(path for name in COPIED for path in [self.source / name, *(self.source / name).rglob("*")] if path.is_file()):
+            digest.update(file.read_bytes())
+        self.sources = digest.hexdigest()
+        kept = json.loads(self.passed.read_text()) if self.passed.exists() else {}
+        self.seconds = kept["seconds"] if kept.get("sources") == self.sources else {}
 
     def tests(self, part: str) -> list[Test]:
-        """The tests that a mutant of the part meets."""
+        """The tests that a mutant of the part meets, in this order."""
         listed = json.loads(run(["ctest", "--test-dir", self.build, "--show-only=json-v1"]))
-        named = "|".join(TESTED_BY[part])
-        which = re.compile(rf"unit\.({named})\." if part in WITHOUT_DERIVATIVE else rf"unit\.({named})\.|derivative\.")
+        which = [rf"unit\.{part}\."] + BESIDE[part]
         found = []
         for test in listed["tests"]:
-            if not which.match(test["name"]):
+            place_in_order = next((i for i, name in enumerate(which) if re.match(name, test["name"])), None)
+            if place_in_order is None:
                 continue
             properties = {p["name"]: p["value"] for p in test["properties"]}
             variables = dict(v.split("=", 1) for v in properties.get("ENVIRONMENT", []) if v)
-            found.append(Test(test["name"], test["command"], variables))
-        return found
+            one = Test(test["name"], test["command"], variables)
+            if one.ranks == 1 and Path(one.command[-2]).name == "signorini-unit":
+                one.command.append("--abort")  # after the first failure; on several ranks the others would wait for it
+            found.append((one.ranks, place_in_order, one))
+        return [test for ranks, _, test in sorted(found, key=lambda entry: entry[:2]) if ranks <= MOST_RANKS]
 
-    def attempt(self, test: Test, limit: float | None) -> tuple[str, str]:
+    def attempt(self, test: Test, limit: float | None, sound: bool = False) -> tuple[str, str]:
         """How a test ends, "" if well, and what it printed."""
-        process = subprocess.Popen(test.command, cwd=self.build, env=os.environ | test.environment, stdout=subprocess.PIPE,
+        command = [str(self.build / "sound" / Path(word).name) if sound and Path(word) in (self.build / p for p in PROGRAMS) else word
+                   for word in test.command]
+        process = subprocess.Popen(command, cwd=self.build, env=os.environ | test.environment, stdout=subprocess.PIPE,
                                    stderr=subprocess.STDOUT, text=True, errors="replace", start_new_session=True)
         try:
             printed, _ = process.communicate(timeout=limit)
@@ -91,51 +110,33 @@ class Copy:
         except BaseException:
             stop(process)
             raise
-        # mpirun hands a signal's number on as 128 + n.
-        ways = {True: "crash", False: "test failed"}
+        if not process.returncode:
+            return "", printed
+        # mpirun hands a signal's number on as 128 + n, and Catch reports the signal.
         by_signal = process.returncode < 0 or process.returncode > 128 or "SIGSEGV" in printed or "SIGABRT" in printed
-        return ways[by_signal] if process.returncode else "", printed
+        return "crash" if by_signal else "test failed", printed
 
-    def measure(self, parts: list[str]) -> dict[str, list[Test]]:
-        """The tests of the parts, quickest first, which must pass."""
-        seconds = self.passed()
-        tests = {part: self.tests(part) for part in parts}
-        for test in {test.name: test for part in parts for test in tests[part] if test.name not in seconds}.values():
+    def patience(self, test: Test) -> float:
+        """The seconds that a mutant may take for a test, from those of the sound code, which must pass it."""
+        if test.name not in self.seconds:
             begin = time.monotonic()
-            end, printed = self.attempt(test, None)
+            end, printed = self.attempt(test, None, sound=True)
             if end:
                 raise SystemExit(f"the sound code fails {test.name} ({end}):\n{printed}")
-            seconds[test.name] = time.monotonic() - begin
-            self.passed(seconds)
-        print(f"the sound code passes its {len(seconds)} tests, in {sum(seconds.values()):.0f} s", flush=True)
-        for test in (test for part in parts for test in tests[part]):
-            test.seconds = seconds[test.name]
-        return {part: sorted(tests[part], key=lambda test: test.seconds) for part in parts}
-
-    def passed(self, seconds: dict[str, float] | None = None) -> dict[str, float]:
-        """The seconds of the tests that the sound code has passed, kept for the next call with the same sources."""
-        file, digest = self.build / "passed.json", hashlib.sha256()
-        for source in sorted(path for name in COPIED for path in [self.source / name, *(self.source / name).rglob("*")] if path.is_file()):
-            digest.update(source.read_bytes())
-        if seconds is not None:
-            file.write_text(json.dumps({"sources": digest.hexdigest(), "seconds": seconds}))
-            return seconds
-        kept = json.loads(file.read_text()) if file.exists() else {}
-        return kept["seconds"] if kept.get("sources") == digest.hexdigest() else {}
-
-    def compiles(self, part: str) -> bool:
-        targets = ["signorini-unit"] + ([] if part in WITHOUT_DERIVATIVE else ["signorini"])
-        return subprocess.run(["cmake", "--build", self.build, "--target", *targets], capture_output=True).returncode == 0
+            self.seconds[test.name] = time.monotonic() - begin
+            self.passed.write_text(json.dumps({"sources": self.sources, "seconds": self.seconds}))
+        return PATIENCE * (self.seconds[test.name] + 1)
 
     def outcome(self, file: Path, mutated: str, tests: list[Test]) -> tuple[str, str] | None:
         """How a mutant ends and by which test, "" if by none; nothing if it does not compile."""
         sound = file.read_text()
+        programs = PROGRAMS if any(Path(word) == self.build / "signorini" for test in tests for word in test.command) else ["signorini-unit"]
         file.write_text(mutated)
         try:
-            if not self.compiles(file.parent.name):
+            if subprocess.run(["cmake", "--build", self.build, "--target", *programs], capture_output=True).returncode:
                 return None
             for test in tests:
-                end, _ = self.attempt(test, PATIENCE * (test.seconds + 1))
+                end, _ = self.attempt(test, self.patience(test))
                 if end:
                     return end, test.name
             return "", ""
@@ -177,7 +178,7 @@ def place(original: Path, copy: Path) -> None:
 
 def drawn(cpp: Path, seed: int):
     """Mutants without end of the draw: each token's at most once, all tokens alike."""
-    files = [file for part in sorted(TESTED_BY) for file in sorted((cpp / part).iterdir()) if file.suffix in (".h", ".cpp")]
+    files = [file for part in sorted(BESIDE) for file in sorted((cpp / part).iterdir()) if file.suffix in (".h", ".cpp")]
     sites = [site for file in files for site in Source(file).mutants()]
     print(f"{len(sites)} tokens of {len(files)} files may change", flush=True)
     generator = random.Random(seed)
@@ -236,7 +237,7 @@ def main() -> int:
                       else (int(rest[0]), drawn(copy.source / "cpp", int(rest[1]))))
     mutants = list(mutants)
     parts = sorted({file.parent.name for file, _, _ in mutants})
-    tests = copy.measure(parts)
+    tests = {part: copy.tests(part) for part in parts}
     left = Path(build) / "survivors"
     left.mkdir(exist_ok=True)
     ends = collections.defaultdict(collections.Counter)
