@@ -3,6 +3,7 @@
 #include "fixtures.h"
 #include "forward/step_solver.h"
 #include <catch2/catch_test_macros.hpp>
+#include <cmath>
 #include <fmt/format.h>
 #include <functional>
 
@@ -373,4 +374,64 @@ TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[
   CHECK(other.vi_iterations != usual.vi_iterations);
   CHECK(other.active == usual.active);
   CHECK(test::difference(y, z) < 1e-11 * test::largest(y)); // the condition of so stiff a D costs digits
+}
+
+TEST_CASE("contact is told apart by a gap, and by the force that moves a node as far", "[contact]") {
+  const Parts parts;
+  const contact::Complementarity complementarity(parts.constraints, parts.D);
+  const double gap = parts.constraints.gap_tolerance();
+  const auto m = static_cast<std::size_t>(parts.constraints.count());
+  const petsc::Vector diagonal = fem::diagonal(parts.D);
+  std::vector<double> force(m); // that moves a node alone by the tolerance
+  for (std::size_t i = 0; i < m; ++i) {
+    std::vector<double> one(m);
+    one[i] = 1;
+    petsc::Vector normal = parts.space.vector(), product = parts.space.vector();
+    parts.constraints.add_normal(1, one, normal);
+    check(VecPointwiseMult(product, diagonal, normal));
+    force[i] = gap * petsc::dot(product, normal);
+    REQUIRE(force[i] > 0);
+  }
+  // Multiples of the two at one candidate, where the others are clearly open or pressed.
+  const auto state = [&](std::size_t i, double forces, double gaps) {
+    contact::ContactState s(parts.constraints.count());
+    for (std::size_t j = 0; j < m; ++j)
+      (j % 2 ? s.lambda[j] : s.gap[j]) = j % 2 ? 100 * force[j] : 100 * gap;
+    s.lambda[i] = forces * force[i];
+    s.gap[i] = gaps * gap;
+    return s;
+  };
+  const auto holds = [&](const contact::ContactState& s) { return complementarity.holds(s.lambda, s.gap); };
+  for (std::size_t i = 0; i < m; ++i) {
+    for (const auto& [forces, gaps, status] : {std::tuple{0.5, 0.5, contact::Status::weak},
+                                               {-0.5, -0.5, contact::Status::weak},
+                                               {0.5, 2.0, contact::Status::open},
+                                               {-0.5, 2.0, contact::Status::open},
+                                               {2.0, 0.5, contact::Status::strong},
+                                               {2.0, -0.5, contact::Status::strong}}) {
+      contact::ContactState s = state(i, forces, gaps);
+      CHECK(holds(s));
+      s.active = {4, 3};
+      complementarity.classify(s);
+      contact::ActiveSet expected;
+      for (std::size_t j = 0; j < m; ++j) {
+        const contact::Status of_j = j == i ? status : j % 2 ? contact::Status::strong : contact::Status::open;
+        CHECK(s.status[j] == of_j);
+        if (of_j != contact::Status::open)
+          expected.push_back(static_cast<int>(j));
+      }
+      CHECK(s.active == expected);
+    }
+    for (const auto& [forces, gaps] : {std::pair{0.0, -2.0}, {-2.0, 0.0}, {2.0, 2.0}, {2.0, -2.0}, {-2.0, 2.0}}) {
+      contact::ContactState s = state(i, forces, gaps);
+      CHECK_FALSE(holds(s));
+      CHECK(complementarity.holds_within(3 * gap, s.lambda, s.gap));
+      CHECK_FALSE(complementarity.holds_within(gap / 3, s.lambda, s.gap));
+      CHECK_THROWS_AS(complementarity.classify(s), SolverFailure);
+    }
+    for (const auto& [forces, gaps] : {std::pair{NAN, 0.0}, {0.0, NAN}, {INFINITY, 0.0}, {0.0, INFINITY}}) {
+      contact::ContactState s = state(i, forces, gaps);
+      CHECK_THROWS_AS(complementarity.classify(s), SolverFailure);
+    }
+  }
 }

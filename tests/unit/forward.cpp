@@ -1,8 +1,10 @@
 #include "base/error.h"
 #include "fixtures.h"
-#include "forward/balance.h"
+#include "forward/extrapolation.h"
+#include "forward/invariants.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
 #include <fmt/format.h>
 
 using namespace signorini;
@@ -309,4 +311,107 @@ TEST_CASE("a body at rest stays at rest, with either VI", "[forward]") {
     const test::Ready ready("scenes/half-disc.toml", {"mesh.size=3", vi});
     CHECK(test::largest(run(ready).y.back()) == 0);
   }
+}
+
+TEST_CASE("the next state is guessed by the parabola through the last three", "[forward]") {
+  const test::Ready ready("tests/data/block.toml", {"solver.linear=iterative"}),
+      direct("tests/data/block.toml", {"solver.linear=direct"});
+  const fem::Space& space = ready.problem.space;
+  const petsc::Vector a = test::smooth(space, 1), b = test::smooth(space, 2), c = test::smooth(space, 3);
+  const auto at = [&](double k, double linear, double square) {
+    petsc::Vector x = petsc::copy(a);
+    check(VecAXPY(x, linear * k, b));
+    check(VecAXPY(x, square * k * k, c));
+    return x;
+  };
+  forward::Extrapolation guesses(ready.problem.stepper), copy(ready.problem.stepper), none(direct.problem.stepper);
+  petsc::Vector out = petsc::copy(c);
+  guesses.guess(out);
+  CHECK(test::difference(out, c) == 0); // nothing is known
+  for (const auto& [linear, square] : {std::pair{0.0, 0.0}, {1.0, 0.0}, {-0.3, 0.2}}) { // one, two, three are known
+    guesses.forget();
+    const int known = 1 + (linear != 0) + (square != 0);
+    for (int k = 0; k < known; ++k)
+      guesses.remember(at(k, linear, square));
+    guesses.guess(out);
+    CHECK(test::difference(out, at(known, linear, square)) < 1e-14);
+    copy.take(guesses);
+    check(VecZeroEntries(out));
+    copy.guess(out);
+    CHECK(test::difference(out, at(known, linear, square)) < 1e-14);
+  }
+  for (int k = 3; k < 6; ++k) { // the last three, and no more
+    guesses.guess(out);
+    CHECK(test::difference(out, at(k, -0.3, 0.2)) < 1e-14);
+    guesses.remember(at(k, -0.3, 0.2));
+  }
+  copy.forget();
+  check(VecCopy(c, out));
+  copy.guess(out);
+  CHECK(test::difference(out, c) == 0);
+  none.remember(a);
+  none.guess(out);
+  CHECK(test::difference(out, c) == 0); // which a direct solver does not need
+  CHECK(forward::Extrapolation::vectors(ready.problem.stepper) == 3);
+  CHECK(forward::Extrapolation::vectors(direct.problem.stepper) == 0);
+}
+
+TEST_CASE("defects of a motion are weighed by what the run has seen", "[forward]") {
+  const test::Ready ready("tests/data/block.toml");
+  const forward::Stepper& stepper = ready.problem.stepper;
+  const petsc::Vector zero = ready.problem.space.vector();
+  const double length = ready.problem.space.mesh().diameter();
+  const auto m = static_cast<std::size_t>(stepper.constraints()->count());
+  forward::Invariants invariants(stepper);
+  int k = 0;
+  const auto observe = [&](const forward::StepBalance& balance, const contact::ContactState& contact) {
+    invariants.observe({++k, zero, zero, {}, zero, zero, contact, false}, balance);
+  };
+  const contact::ContactState open(static_cast<int>(m));
+  contact::ContactState pressed = open;
+  pressed.lambda[1] = 4;
+  // The scales: energy 3 + 1, forces 8, contact force 4. No defect.
+  observe({.kinetic_energy = 3, .elastic_energy = 1, .momentum_scale = 8}, pressed);
+  CHECK_FALSE(invariants.violation(0));
+  CHECK(invariants.largest_energy() == 4);
+  const auto is = [&](const std::array<double, 5>& now) {
+    double worst = 0;
+    for (std::size_t j = 0; j < now.size(); ++j) {
+      worst = std::max(worst, now[j]);
+      if (now[j] > 0) { // the worst so far, by the order of the cases
+        CHECK(std::abs(invariants.defects()[j].worst / now[j] - 1) < 1e-14);
+        CHECK(invariants.defects()[j].step == k);
+        const auto said = invariants.violation(0.9 * now[j]);
+        REQUIRE(said);
+        CHECK(said->starts_with(invariants.defects()[j].name));
+        CHECK(said->find(fmt::format("{:.2e}", now[j])) != std::string::npos);
+      }
+    }
+    CHECK_FALSE(invariants.violation(1.1 * worst));
+    CHECK(std::abs(invariants.momentum() - now[1]) <= 1e-14 * now[1]);
+    CHECK(std::abs(invariants.complementarity() - std::max({now[2], now[3], now[4]})) <= 1e-14 * worst);
+  };
+  observe({.kinetic_energy = 1, .energy_residual = -0.02}, open); // against the largest energy, not this one
+  is({0.005, 0, 0, 0, 0});
+  observe({.momentum_residual = {0.02, -0.03, 0.06}, .momentum_scale = 1}, open);
+  is({0, 0.07 / 8, 0, 0, 0});
+  contact::ContactState inside = open, adhering = open, apart = open;
+  inside.gap[m - 1] = -0.001 * length;
+  observe({}, inside);
+  is({0, 0, 0.001, 0, 0});
+  adhering.lambda[0] = -0.004;
+  observe({}, adhering);
+  is({0, 0, 0, 0.001, 0});
+  apart.lambda[2] = 2;
+  apart.gap[2] = 0.004 * length;
+  observe({}, apart);
+  is({0, 0, 0, 0, 0.002});
+  // Only the last frame's count, and the worst of them is told.
+  observe({}, open);
+  CHECK_FALSE(invariants.violation(0));
+  CHECK(invariants.defects()[2].step == k - 3);
+  adhering.lambda[0] = -0.04;
+  adhering.gap[3] = -0.002 * length;
+  observe({.energy_residual = 0.004}, adhering);
+  CHECK(invariants.violation(1e-3)->starts_with(invariants.defects()[3].name));
 }

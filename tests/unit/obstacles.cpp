@@ -453,3 +453,28 @@ TEST_CASE("a candidate whose twin carries the force is not weak", "[contact]") {
     CHECK(state.count(contact::Status::strong) < walls.constraints.count());
   }
 }
+
+TEST_CASE("the obstacles of a node follow each other in their order, at many nodes too", "[contact]") {
+  const Walls walls(half_space("bottom", "[0, -0.1]", "[0, 1]") + half_space("bottom", "[0, -0.2]", "[0.1, 1]") +
+                        half_space("bottom", "[0, -0.3]", "[0.2, 1]"),
+                    "block.toml", {"mesh.size=0.02"});
+  const contact::Constraints& constraints = walls.constraints;
+  REQUIRE(constraints.count() == 3 * 51);
+  for (int i = 0; i < constraints.count(); ++i) {
+    const auto j = static_cast<std::size_t>(i);
+    CHECK(constraints.obstacles()[j] == i % 3);
+    CHECK(constraints.nodes()[j] == i / 3);
+    CHECK(std::abs(constraints.points()[3 * j] - 0.02 * (i / 3)) < 1e-10);
+  }
+}
+
+TEST_CASE("a node that clamps hold wholly is no candidate and needs no plane", "[contact]") {
+  // At the corner (0, 0) the level set has no slope.
+  const std::string nowhere = "{ on = \"boundary\", obstacle = { shape = \"signed-distance\", distance = \"x^2 + y^2 + "
+                              "0.01\" } },";
+  CHECK_THROWS_WITH(Walls(nowhere), ContainsSubstring("no slope") && ContainsSubstring("(0, 0, 0)"));
+  const Walls walls(nowhere, "block.toml", {"clamp=[{on=\"bottom\"}]"});
+  CHECK(walls.constraints.count() == 16 - 5);
+  for (int i = 0; i < walls.constraints.count(); ++i)
+    CHECK(walls.constraints.points()[3 * static_cast<std::size_t>(i) + 1] > 0.2);
+}

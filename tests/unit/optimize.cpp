@@ -2,6 +2,7 @@
 #include "optimize/newton_cg.h"
 #include "optimize/projected_gradient.h"
 #include <algorithm>
+#include <functional>
 #include <numeric>
 #include <random>
 #include <catch2/catch_test_macros.hpp>
@@ -493,4 +494,159 @@ TEST_CASE("negative curvature leads away from a maximum", "[optimize]") {
     CHECK(record.rows.size() < 40);
     CHECK((problem.negative > 0) == (method == Method::newton_cg));
   }
+}
+
+TEST_CASE("known curvature is that of the Hessian, and the least known elsewhere", "[optimize]") {
+  using optimize::Coordinates;
+  constexpr std::size_t n = 5;
+  const auto apply = [](const std::vector<double>& B, const Coordinates& x) {
+    Coordinates y(n);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j)
+        y[i] += B[j * n + i] * (j < x.size() ? x[j] : 0);
+    return y;
+  };
+  const auto distance = [](Coordinates a, const Coordinates& b) {
+    optimize::add(a, -1, b);
+    return optimize::norm(a);
+  };
+  // A diagonal Hessian, known along its axes: there it is found, and elsewhere the least of it.
+  optimize::Curvature axes;
+  CHECK(axes.empty());
+  CHECK(axes.largest() == 1);
+  const Coordinates x{0.3, -0.2, 0.5, 0.7, -1}, at_first = apply(axes.matrix(n), x);
+  CHECK(distance(at_first, x) == 0);
+  axes.learn({0, 2}, {0, 6});
+  CHECK(distance(apply(axes.matrix(n), x), {0.9, -0.6, 1.5, 2.1, -3}) < 1e-14);
+  axes.learn({0, 0, 0, 0.5}, {0, 0, 0, 0.25});
+  axes.learn({4}, {32});
+  CHECK_FALSE(axes.empty());
+  CHECK(axes.largest() == 8);
+  CHECK(distance(apply(axes.matrix(n), x), {2.4, -0.6, 0.25, 0.35, -0.5}) < 1e-14);
+  axes.forget_oldest(); // of curvature 3
+  CHECK(distance(apply(axes.matrix(n), x), {2.4, -0.1, 0.25, 0.35, -0.5}) < 1e-14);
+  // A full one, H = 2 I + G Gᵀ, by directions that are not orthogonal: B d = H d, B is symmetric and at least as large
+  // as the least of what is known.
+  const std::vector<Coordinates> G{{1, 2, 0, -1, 0.5}, {0, 1, -1, 3, 2}, {0.5, 0, 1, 1, -2}};
+  const auto H = [&](const Coordinates& d) {
+    Coordinates y = optimize::scaled(d, 2);
+    for (const Coordinates& g : G)
+      optimize::add(y, optimize::dot(g, d), g);
+    return y;
+  };
+  const std::vector<Coordinates> directions{{1, 0.5}, {0.2, 1, -0.3}, {-0.4, 0.1, 0.6, 2, 1}};
+  optimize::Curvature full;
+  double least = 1e300, largest = 0;
+  for (const Coordinates& d : directions) {
+    const Coordinates y = H(d);
+    full.learn(d, y);
+    least = std::min(least, optimize::dot(d, y) / optimize::dot(d, d));
+    largest = std::max(largest, optimize::norm(y) / optimize::norm(d));
+  }
+  CHECK(std::abs(full.largest() / largest - 1) < 1e-15);
+  const std::vector<double> B = full.matrix(n);
+  for (const Coordinates& d : directions)
+    CHECK(distance(apply(B, d), H(d)) < 1e-13 * optimize::norm(H(d)));
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      CHECK(std::abs(B[i * n + j] - B[j * n + i]) < 1e-13 * largest);
+  // Along what is orthogonal to all directions and to what they were taken to there is the least curvature alone.
+  optimize::Curvature two;
+  two.learn({1}, {3, 1});
+  two.learn({0, 1}, {1, 5, 2});
+  const Coordinates rest{0, 0, 0, 0.6, -0.8};
+  CHECK(distance(apply(two.matrix(n), rest), optimize::scaled(rest, 3)) < 1e-14);
+}
+
+TEST_CASE("a subspace that grows holds what it was given, in orthonormal coordinates", "[optimize]") {
+  const Coupled problem;
+  optimize::Span<Coupled> span;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  std::vector<Point> given;
+  std::vector<optimize::Coordinates> found;
+  for (int k = 0; k < 6; ++k) {
+    Point v{std::vector<double>(Coupled::n)};
+    for (double& x : v.x)
+      x = normal(random);
+    if (k == 3) { // in the span already
+      v = given[0];
+      v.scale(-2);
+      v.add(0.5, given[2]);
+    } else if (k == 4) { // hardly out of it
+      v.scale(1e-7);
+      v.add(1, given[1]);
+    }
+    given.push_back(v);
+    found.push_back(span.coordinates(problem, v));
+    CHECK(span.dimension() == static_cast<std::size_t>(k < 3 ? k + 1 : k));
+    CHECK(found.back().size() == span.dimension());
+  }
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    Point back = span.vector(found[i], given[0]);
+    back.add(-1, given[i]);
+    CHECK(optimize::norm(problem, back) < 1e-13 * optimize::norm(problem, given[i]));
+    for (std::size_t j = 0; j <= i; ++j)
+      CHECK(std::abs(optimize::dot(found[i], found[j]) - problem.inner(given[i], given[j])) < 1e-12);
+  }
+}
+
+TEST_CASE("a line search ends where J is lower and its slope flatter, or beyond a kink", "[optimize]") {
+  // J on the line x = t d from 0, as a function of one variable; d is the steepest descent, of length `length`.
+  struct Line : Bounded {
+    std::function<std::pair<double, double>(double)> J; ///< with its derivative
+    int evaluations = 0;
+    Line() { w = {1}, lower = -1e300, upper = 1e300; }
+    double value(const Point& u) {
+      ++evaluations;
+      trial = u;
+      return J(u.x[0]).first;
+    }
+    Point trial_gradient() { return {{J(trial.x[0]).second}}; }
+  };
+  struct Case {
+    std::function<std::pair<double, double>(double)> J;
+    double length, least, most; ///< of the first trial; where the search may end
+    int evaluations;
+  };
+  const auto parabola = [](double x) { return std::pair{(x - 1) * (x - 1), 2 * (x - 1)}; };
+  const auto kink = [](double x) { return x < 1 ? std::pair{2 - x, -1.0} : std::pair{1 + 3 * (x - 1), 3.0}; };
+  // Sufficient: (x − 1)² ≤ 1 − 2e-4 x up to 2 − 2e-4; flatter than 0.9: from 0.1 on.
+  for (const Case& c : {Case{parabola, 1, 1, 1, 1},         // the first trial does
+                        Case{parabola, 1.9, 1.9, 1.9, 1},   // it need not be good
+                        Case{parabola, 2.5, 1.25, 1.25, 2}, // too long: half
+                        Case{parabola, 16, 1, 1, 5},        // and again
+                        Case{parabola, 0.03, 0.12, 0.12, 3}, // too short: twice, and again
+                        Case{parabola, 0.1000001, 0.1, 0.11, 1},
+                        Case{kink, 1.2, 1.2, 1.2, 1},       // beyond the kink, where J is lower still
+                        Case{kink, 0.75, 1.125, 1.125, 3},  // 0.75 as steep, 1.5 too high, then between
+                        Case{kink, 4, 1, 1, 3}}) {
+    Line problem;
+    problem.J = c.J;
+    const Point from{{0}};
+    const double J = problem.value(from);
+    const optimize::Iterate<Line> at{from, J, problem.trial_gradient()};
+    problem.evaluations = 0;
+    const auto search = optimize::weak_wolfe_search(problem, at, Point{{c.length}});
+    REQUIRE(search.found);
+    const double x = search.found->u.x[0];
+    CHECK((x >= c.least && x <= c.most));
+    CHECK(std::abs(search.length * c.length - x) < 1e-15);
+    CHECK(search.found->objective == c.J(x).first);
+    CHECK(search.found->g.x[0] == c.J(x).second);
+    CHECK(problem.trial.x[0] == x);
+    CHECK(problem.evaluations == c.evaluations);
+    CHECK_FALSE(search.solver_failed);
+  }
+  // Uphill from the start on: no way down, and no end of trials.
+  Line up;
+  up.J = [](double x) { return std::pair{1 + std::abs(x), x > 0 ? 1.0 : -1.0}; };
+  CHECK_FALSE(optimize::weak_wolfe_search(up, {Point{{0}}, 1.0, Point{{-1}}}, Point{{1}}).found);
+  CHECK(up.evaluations < 60); // 2⁻⁵⁰ is rounding
+  // Steep up to a jump to NaN at 1: what is left of the step is rounding, and its lower end is taken.
+  Line cliff;
+  cliff.J = [](double x) { return std::pair{x < 1 ? 2 - x : NAN, -1.0}; };
+  const auto edge = optimize::weak_wolfe_search(cliff, {Point{{0}}, 2.0, Point{{-1}}}, Point{{0.3}});
+  REQUIRE(edge.found);
+  CHECK((edge.found->u.x[0] > 1 - 1e-14 && edge.found->u.x[0] < 1));
 }
