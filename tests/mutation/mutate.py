@@ -12,6 +12,7 @@ end and left in BUILD/survivors. Each test must pass with the sound code before 
 import collections
 import filecmp
 import hashlib
+import itertools
 import json
 import os
 import random
@@ -214,13 +215,68 @@ def difference(file: Path, mutated: str, source: Path) -> str:
             + "".join("+" + line for line in new[begin:len(new) - same]))
 
 
-def table(ends: dict[str, collections.Counter]) -> str:
+@dataclass
+class Trial:
+    """A mutant, and how it ended by which test: "" as long as none noticed it."""
+
+    file: Path
+    mutated: str
+    where: str
+    diff: Path
+    change: str
+    end: str = ""
+    by: str = ""
+
+    @property
+    def part(self) -> str:
+        return self.file.parent.name
+
+
+def try_all(copy: Copy, mutants, count: int, diffs) -> tuple[list[Trial], int]:
+    """The first `count` mutants that compile, and how many did not. All meet the tests on one rank first, and what they let through
+    those on two: what is slow comes last."""
+    trials, not_compiled = [], 0
+    tests = {part: copy.tests(part) for part in BESIDE}
+    for diff, (file, mutated, kind) in zip(diffs, mutants):
+        change = difference(file, mutated, copy.source)
+        line = re.search(r"^@@ -(\d+)", change, re.MULTILINE).group(1)
+        trial = Trial(file, mutated, f"{kind} {file.relative_to(copy.source)}:{line}", diff, change)
+        if attempt(copy, trial, [test for test in tests[trial.part] if test.ranks == 1]):
+            trials.append(trial)
+            report(len(trials), count, trial)
+            if len(trials) == count:
+                break
+        else:
+            not_compiled += 1
+    for number, trial in enumerate(trials, 1):
+        if not trial.end:
+            attempt(copy, trial, [test for test in tests[trial.part] if test.ranks > 1])
+            report(number, count, trial)
+    return trials, not_compiled
+
+
+def attempt(copy: Copy, trial: Trial, tests: list[Test]) -> bool:
+    """Whether the mutant compiles; then it has met the tests. Its diff is there as long as none noticed it."""
+    outcome = copy.outcome(trial.file, trial.mutated, tests)
+    if outcome is None:
+        return False
+    trial.end, trial.by = outcome
+    trial.diff.unlink(missing_ok=True)
+    if not trial.end:
+        trial.diff.write_text(f"{trial.where}\n{trial.change}")
+    return True
+
+
+def report(number: int, count: int, trial: Trial) -> None:
+    print(f"{number:3}/{count} {trial.where:60} {f'{trial.end}: {trial.by}' if trial.end else 'let through'}", flush=True)
+
+
+def table(trials: list[Trial]) -> str:
     ways = ["test failed", "crash", "time-out"]
     lines = [f"{'part':10}{'killed/tried':>14}" + "".join(f"{way:>13}" for way in ways)]
-    ends = ends | {"all": sum(ends.values(), collections.Counter())}
-    for part, count in ends.items():
-        killed = sum(count[way] for way in ways)
-        lines.append(f"{part:10}{f'{killed}/{count.total()}':>14}" + "".join(f"{count[way]:13}" for way in ways))
+    for part in sorted({trial.part for trial in trials}) + ["all"]:
+        ends = collections.Counter(trial.end for trial in trials if part in (trial.part, "all"))
+        lines.append(f"{part:10}{f'{ends.total() - ends[str()]}/{ends.total()}':>14}" + "".join(f"{ends[way]:13}" for way in ways))
     return "\n".join(lines)
 
 
@@ -233,39 +289,18 @@ def main() -> int:
         return 2
     begin = time.monotonic()
     copy.refresh()
-    count, mutants = ((len(rest), read_again(copy.source, rest)) if again
-                      else (int(rest[0]), drawn(copy.source / "cpp", int(rest[1]))))
-    mutants = list(mutants)
-    parts = sorted({file.parent.name for file, _, _ in mutants})
-    tests = {part: copy.tests(part) for part in parts}
-    left = Path(build) / "survivors"
-    left.mkdir(exist_ok=True)
-    ends = collections.defaultdict(collections.Counter)
-    survivors, tried, not_compiled = [], 0, 0
-    for number, (file, mutated, kind) in enumerate(mutants, 1):
-        if tried == count:
-            break
-        part, change = file.parent.name, difference(file, mutated, copy.source)
-        since = time.monotonic()
-        outcome = copy.outcome(file, mutated, tests[part])
-        if outcome is None:
-            not_compiled += 1
-            continue
-        tried += 1
-        end, by = outcome
-        ends[part][end or "survived"] += 1
-        line = re.search(r"^@@ -(\d+)", change, re.MULTILINE).group(1)
-        where = f"{file.relative_to(copy.source)}:{line}"
-        print(f"{tried:3}/{count} {kind:10} {where:40} {f'{end}: {by}' if end else 'SURVIVED'} ({time.monotonic() - since:.0f} s)", flush=True)
-        if not end:
-            name = left / (Path(rest[number - 1]).name if again else f"{rest[1]}-{number}.diff")
-            name.write_text(f"{kind} {where}\n{change}")
-            survivors.append(name)
-    killed = tried - len(survivors)
-    print(f"\n{table(dict(sorted(ends.items())))}\n{not_compiled} more did not compile; {(time.monotonic() - begin) / 60:.0f} min")
-    for name in survivors:
-        print(f"\nsurvived: {name}\n{name.read_text()}", end="")
-    return 0 if killed >= ENOUGH * tried else 1
+    survivors = Path(build) / "survivors"
+    survivors.mkdir(exist_ok=True)
+    if again:
+        trials, not_compiled = try_all(copy, list(read_again(copy.source, rest)), len(rest), [survivors / Path(name).name for name in rest])
+    else:
+        numbered = (survivors / f"{rest[1]}-{number}.diff" for number in itertools.count(1))
+        trials, not_compiled = try_all(copy, drawn(copy.source / "cpp", int(rest[1])), int(rest[0]), numbered)
+    survived = [trial for trial in trials if not trial.end]
+    print(f"\n{table(trials)}\n{not_compiled} more did not compile; {(time.monotonic() - begin) / 60:.0f} min")
+    for trial in survived:
+        print(f"\nsurvived: {trial.diff}\n{trial.diff.read_text()}", end="")
+    return 0 if len(trials) - len(survived) >= ENOUGH * len(trials) else 1
 
 
 if __name__ == "__main__":
