@@ -92,15 +92,15 @@ class Copy:
             properties = {p["name"]: p["value"] for p in test["properties"]}
             variables = dict(v.split("=", 1) for v in properties.get("ENVIRONMENT", []) if v)
             one = Test(test["name"], test["command"], variables)
-            if one.ranks == 1 and Path(one.command[-2]).name == "signorini-unit":
+            if one.ranks == 1 and "signorini-unit" in one.command[-2]:
                 one.command.append("--abort")  # after the first failure; on several ranks the others would wait for it
             found.append((one.ranks, place_in_order, one))
         return [test for ranks, _, test in sorted(found, key=lambda entry: entry[:2]) if ranks <= MOST_RANKS]
 
     def attempt(self, test: Test, limit: float | None, sound: bool = False) -> tuple[str, str]:
         """How a test ends, "" if well, and what it printed."""
-        command = [str(self.build / "sound" / Path(word).name) if sound and Path(word) in (self.build / p for p in PROGRAMS) else word
-                   for word in test.command]
+        folder = self.build / "sound" if sound else self.build
+        command = [str(folder / Path(word).name) if is_program(word) else word for word in test.command]
         process = subprocess.Popen(command, cwd=self.build, env=os.environ | test.environment, stdout=subprocess.PIPE,
                                    stderr=subprocess.STDOUT, text=True, errors="replace", start_new_session=True)
         try:
@@ -131,7 +131,7 @@ class Copy:
     def outcome(self, file: Path, mutated: str, tests: list[Test]) -> tuple[str, str] | None:
         """How a mutant ends and by which test, "" if by none; nothing if it does not compile."""
         sound = file.read_text()
-        programs = PROGRAMS if any(Path(word) == self.build / "signorini" for test in tests for word in test.command) else ["signorini-unit"]
+        programs = sorted({Path(word).name for test in tests for word in test.command if is_program(word)})
         file.write_text(mutated)
         try:
             if subprocess.run(["cmake", "--build", self.build, "--target", *programs], capture_output=True).returncode:
@@ -143,6 +143,11 @@ class Copy:
             return "", ""
         finally:
             file.write_text(sound)
+
+
+def is_program(word: str) -> bool:
+    """Whether a word of a test's command is one of the programs, by its name alone or with the build folder."""
+    return Path(word).name in PROGRAMS
 
 
 def run(command: list) -> str:
