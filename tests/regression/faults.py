@@ -97,9 +97,10 @@ class Run:
         (self.root / "scratch").mkdir(exist_ok=True)
         env = {"TMPDIR": str(self.root / "scratch"), "LD_PRELOAD": str(LIBRARY), "SIGNORINI_FAIL_UNDER": str(self.root / under), "SIGNORINI_FAIL_AT": str(at),
                "SIGNORINI_FAIL_ERROR": str(error), "SIGNORINI_FAIL_LOG": str(log)} | ({"SIGNORINI_FAIL_FROM": "1"} if onwards else {})  # fmt: skip
-        command = [str(SIGNORINI), self.verb, str(HALF_DISC), "--quiet", "--out", str(self.out), *options]
+        command = [str(SIGNORINI), self.verb, str(HALF_DISC), "--quiet", "--out", str(self.out)]
         for assignment in (*SMALL, *self.sets, f"material.young={young}"):
             command += ["--set", assignment]
+        command += options
         if self.ranks > 1:  # mpirun itself is left in peace
             command = ["mpirun", "--oversubscribe", "-n", str(self.ranks), "env", *(f"{k}={v}" for k, v in env.items()), *command]
             env = {}
@@ -258,7 +259,7 @@ def first_sweep(run: Run) -> str:
         return {path.name: path.read_bytes() for path in run.out.iterdir()} if run.out.exists() else {}
 
     shutil.rmtree(run.out)
-    writes = [n for n, call in enumerate(go(0, *none).calls, 1) if call.startswith("write") and "/states" in call]
+    writes = [n for n, call in enumerate(go(0, *none).calls, 1) if call.startswith("write") and "signorini-" in call]
     middle = writes[len(writes) // 2]
     before = content()
     assert len(writes) > STEPS and "checkpoint.h5" in before
