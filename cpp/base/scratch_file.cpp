@@ -47,16 +47,17 @@ ScratchFile::ScratchFile(std::size_t rows, std::size_t columns)
 Opened ScratchFile::open() {
   H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence says it, instead of HDF5's stack
   errno = 0;
-  std::string name = (folder_ / "signorini-XXXXXX").string();
-  const int made = mkstemp(name.data());
-  if (made < 0)
+  // HDF5 opens by name: in a folder that nobody else can write to.
+  std::string own = (folder_ / "signorini-XXXXXX").string();
+  if (!mkdtemp(own.data()))
     fail("written");
-  ::close(made);
+  const std::string name = own + "/states";
   const Opened access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
-  Opened file(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+  Opened file(H5Fcreate(name.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access), H5Fclose);
   const int error = errno;
   unlink(name.c_str());
+  rmdir(own.c_str());
   errno = error;
   if (!file)
     fail("written");

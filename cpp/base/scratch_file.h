@@ -6,7 +6,7 @@
 namespace signorini {
 
 /// Rows of numbers on disk, of this process alone, which are gone when it ends, however it ends: the HDF5
-/// file has no name from the start. It is in $TMPDIR, else in /var/tmp, since /tmp may be memory.
+/// file loses its name as soon as it is open. It is in $TMPDIR, else in /var/tmp, since /tmp may be memory.
 class ScratchFile {
 public:
   /// Throws WriteFailure.

@@ -7,6 +7,8 @@
 #include <dolfinx/io/XDMFFile.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <fmt/format.h>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <system_error>
 
@@ -36,6 +38,17 @@ void require_room(const fem::Space& space, const OutputFolder& folder, const std
           "{}: cannot be written (it needs {:.3g} MB, and the disk has {:.3g} MB left)",
           (folder.path() / name).string(), needed / 1e6, static_cast<double>(room.available) / 1e6));
   });
+}
+
+/// Whether an XDMF file has its end and all times: dolfinx does not look whether it could write them. What of a text a
+/// stream's buffer loses is more than one of its times takes.
+bool whole(const std::filesystem::path& file, std::size_t times) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  std::size_t found = 0;
+  for (std::size_t at = text.find("<Time "); at != std::string::npos; at = text.find("<Time ", at + 1))
+    ++found;
+  return found == times && text.ends_with("</Xdmf>\n");
 }
 
 } // namespace
@@ -102,12 +115,17 @@ void FieldFile::write(const std::string& field, Vec values, double time) {
     }
     written.name = field;
     open_->xdmf.write_function(written, time);
+    ++times_;
   });
 }
 
 void FieldFile::close() {
   guarded([&] { open_->xdmf.close(); });
   open_.reset();
+  on_root(space_.comm(), [&] {
+    if (!whole(folder_.staged(name_), times_))
+      throw UserError(fmt::format("{}: cannot be written (a part of it is missing)", (folder_.path() / name_).string()));
+  });
 }
 
 } // namespace signorini::io

@@ -25,7 +25,7 @@ public:
   /// Collective. Throws WriteFailure.
   void write(const std::string& field, Vec values, double time);
 
-  /// Collective. Throws WriteFailure.
+  /// Collective. Throws WriteFailure, UserError.
   void close();
 
 private:
@@ -36,7 +36,8 @@ private:
   const fem::Space& space_;
   const OutputFolder& folder_;
   std::string name_;
-  bool as_they_are_; ///< vectors hold what the file takes
+  bool as_they_are_;      ///< vectors hold what the file takes
+  std::size_t times_ = 0; ///< written, of all fields
   std::unique_ptr<Open> open_; ///< null once closed
 };
 

@@ -3,7 +3,8 @@
    SIGNORINI_FAIL_UNDER  calls count on paths below this folder
    SIGNORINI_FAIL_AT     the number of the call that fails, from 1; 0: none
    SIGNORINI_FAIL_FROM   1: all from there on
-   SIGNORINI_FAIL_ERROR  errno, such as 28 (ENOSPC); kill: the process is killed in place of the call
+   SIGNORINI_FAIL_ERROR  errno, such as 28 (ENOSPC); or kill: the process is killed in place of the call; or interrupt: it gets a
+                         SIGINT and the call goes through
    SIGNORINI_FAIL_LOG    a file that takes a line for every call: its number, its name, the path below the folder
 
    Of several ranks the first. Calls of the C library from within itself do not come by, so that its own functions
@@ -29,7 +30,7 @@
 static pid_t process; /* the one that counts: copies of it (gmsh's) do not */
 static char under[PATH_MAX];
 static long at, count;
-static int from, error, kills, log_file = -1;
+static int from, error, signal_sent, log_file = -1;
 
 __attribute__((constructor)) static void start(void) {
   const char *folder = getenv("SIGNORINI_FAIL_UNDER"), *rank = getenv("OMPI_COMM_WORLD_RANK");
@@ -38,8 +39,8 @@ __attribute__((constructor)) static void start(void) {
   const char *number = getenv("SIGNORINI_FAIL_AT"), *what = getenv("SIGNORINI_FAIL_ERROR"), *log = getenv("SIGNORINI_FAIL_LOG");
   at = number ? atol(number) : 0;
   from = getenv("SIGNORINI_FAIL_FROM") != NULL;
-  kills = what && strcmp(what, "kill") == 0;
-  error = what && !kills ? atoi(what) : ENOSPC;
+  signal_sent = !what ? 0 : strcmp(what, "kill") == 0 ? SIGKILL : strcmp(what, "interrupt") == 0 ? SIGINT : 0;
+  error = what ? atoi(what) : ENOSPC;
   if (log)
     log_file = (int)syscall(SYS_openat, AT_FDCWD, log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   process = getpid();
@@ -58,8 +59,10 @@ static int fails(const char* call, const char* path) {
   }
   if (at == 0 || !(count == at || (from && count > at)))
     return 0;
-  if (kills)
-    kill(process, SIGKILL);
+  if (signal_sent) {
+    kill(process, signal_sent);
+    return 0;
+  }
   errno = error;
   return 1;
 }

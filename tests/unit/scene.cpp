@@ -1,5 +1,6 @@
 #include "base/error.h"
 #include "fixtures.h"
+#include "scene/difference.h"
 #include "scene/expression.h"
 #include "scene/names.h"
 #include <catch2/catch_test_macros.hpp>
@@ -50,6 +51,26 @@ TEST_CASE("the echo leaves the start to clamps that move", "[scene]") {
     CHECK(initial.velocity == scene.initial.velocity);
     std::filesystem::remove(echo);
   }
+}
+
+TEST_CASE("one list says what poses the problem", "[scene]") {
+  const auto file = test::source("scenes/half-disc.toml");
+  const auto echo = [&](const std::vector<std::string>& overrides) { return scene::echo(test::parse(file, overrides), 2); };
+  const std::string first = echo({});
+  for (const char* other : {"optimizer.tolerance=1e-3", "optimizer.method=newton-cg", "output.every=7", "run.invariants=off",
+                            "trajectory.storage=disk", "solver.memory=1e9", "exact.impulse=1.0", "check.control=[\"0\", \"1\"]"}) {
+    INFO(other);
+    CHECK(scene::problem(echo({other})) == scene::problem(first));
+    CHECK(scene::difference(first, echo({other})).first.empty());
+  }
+  for (const char* other : {"objective.alpha=0.5", "mesh.size=2", "time.step=2.5e-5", "control.upper=1.0", "solver.vi=full"}) {
+    INFO(other);
+    CHECK(scene::problem(echo({other})) != scene::problem(first));
+    CHECK_FALSE(scene::difference(first, echo({other})).second.empty());
+  }
+  const std::string method = echo({"optimizer.method=newton-cg"});
+  CHECK(scene::difference(first, method, {"optimizer.method"}).second == "optimizer.method = \"newton-cg\"");
+  CHECK(scene::problem(first, {"optimizer.method"}) != scene::problem(method, {"optimizer.method"}));
 }
 
 TEST_CASE("a list of names is a set, and may be empty", "[scene]") {

@@ -30,7 +30,7 @@ WORKERS = 2
 
 # --- The folder of a case -----------------------------------------------------------------------------------------------
 
-EARLIER = {"run.json": '{ "stop_reason": "an earlier run" }\n', "state.h5": "earlier fields", "notes.txt": "keep me\n"}
+EARLIER = {"run.json": '{ "versions": { "signorini": "0" }, "files": ["run.json", "state.h5"] }\n', "state.h5": "earlier fields", "notes.txt": "keep me\n"}
 
 
 def scene_of(case: Case) -> str:
