@@ -31,7 +31,7 @@ struct Switches {
   int steps = 0, candidates = 0;
 };
 
-using Contact = std::vector<contact::ContactState>;
+using Contact = std::vector<contact::ContactSets>;
 
 Switches switches(const Contact& a, const Contact& b) {
   Switches sum;
@@ -41,27 +41,6 @@ Switches switches(const Contact& a, const Contact& b) {
     sum.candidates += here;
   }
   return sum;
-}
-
-/// How near a motion is to one with other active sets.
-struct Margins {
-  double force = 0; ///< the least on closed candidates, relative to the largest
-  double gap = 0;   ///< the least of open ones, m
-};
-
-Margins margins(const forward::Trajectory& trajectory) {
-  double least = std::numeric_limits<double>::infinity(), largest = 0, gap = least;
-  for (int k = 1; k <= trajectory.steps(); ++k) {
-    const contact::ContactState& state = trajectory.contact()[static_cast<std::size_t>(k)];
-    for (std::size_t i = 0; i < state.lambda.size(); ++i)
-      if (state.status[i] == contact::Status::open) {
-        gap = std::min(gap, state.gap[i]);
-      } else {
-        least = std::min(least, state.lambda[i]);
-        largest = std::max(largest, state.lambda[i]);
-      }
-  }
-  return {largest > 0 ? least / largest : 0, gap};
 }
 
 class DerivativeCheck {
@@ -219,8 +198,8 @@ private:
   /// Candidates in weak contact, over all steps.
   [[nodiscard]] int weak_candidates() const {
     int weak = 0;
-    for (const contact::ContactState& state : problem_.trajectory().contact())
-      weak += state.count(contact::Status::weak);
+    for (const contact::ContactSets& state : problem_.trajectory().contact())
+      weak += static_cast<int>(state.weak.size());
     return weak;
   }
 
@@ -238,7 +217,7 @@ private:
 
   [[nodiscard]] bool contact_occurs() const {
     return std::ranges::any_of(problem_.trajectory().contact(),
-                               [](const contact::ContactState& state) { return !state.active.empty(); });
+                               [](const contact::ContactSets& state) { return !state.active.empty(); });
   }
 
   static double epsilon_of(int j) { return std::pow(10, -2 - 0.5 * j); }
@@ -269,12 +248,12 @@ private:
     const double secant = (above - problem_.value(moved(-macroscopic))) / (2 * macroscopic);
     const double off = std::abs(secant - slope) / std::max(std::abs(secant), std::abs(slope));
     const double radius = kept_size_;
-    const Margins margin = margins(problem_.trajectory());
+    const forward::Margins margin = problem_.trajectory().margins();
     console_.line(fmt::format(
         "Active sets are kept within {:.1e} of the control; least force on a closed candidate {:.1e} of the "
         "largest, least gap of an open one {:.1e} m.\nThe derivative along d is {:.6e}; over +- {} d, with {} "
         "changes of the sets, J has the slope {:.6e}.",
-        radius, margin.force, margin.gap, slope, macroscopic, changed, secant));
+        radius, margin.force(), margin.gap, slope, macroscopic, changed, secant));
     const bool massless = problem_.stepper().massless();
     if (radius > narrow && off <= alike)
       console_.line("Verdict: exact, and what larger changes of the control see.");

@@ -22,15 +22,15 @@ struct Cost {
 
 std::string megabytes(double bytes) { return fmt::format("{:.3g} MB", bytes / 1e6); }
 
-/// The states and the contact of all steps that a scene's optimization keeps in memory.
+/// The states and the active sets of all steps that a scene's optimization keeps in memory, the latter if every candidate
+/// is closed throughout: how many are nobody knows beforehand. Adjoint states are written as they are made.
 double motions_bytes(const Problem& problem) {
   const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
   const scene::Trajectory& kept = problem.scene.trajectory;
   const int controlled = problem.scene.optimizer.method == "newton-cg" ? 3 : 2; // iterate, trial, linearised
-  // Forces, gaps, status and room for two sets of each candidate, on every rank.
-  const double candidate = 2 * sizeof(double) + sizeof(contact::Status) + 2 * sizeof(int),
-               contact = candidate * forward::candidates(problem.stepper) * (problem.steps() + 1) *
-                         ranks(problem.space.comm());
+  const double sets = problem.stepper.predictor() ? 2 : 1, // on every rank
+               step = sizeof(contact::ContactSets) + sets * sizeof(int) * forward::candidates(problem.stepper),
+               contact = step * (problem.steps() + 1) * ranks(problem.space.comm());
   const double states = forward::Storage(problem.stepper, kept, problem.steps(), computed ? 0.5 : 1, problem.timers).bytes();
   const double in_memory = kept.storage == "memory"        ? (controlled + 1) * states
                            : kept.storage == "checkpoints" ? (computed ? 2 : 1) * states

@@ -9,7 +9,7 @@
 #include "search_record.h"
 #include <algorithm>
 #include <fmt/format.h>
-#include <set>
+#include <map>
 
 namespace signorini {
 namespace {
@@ -47,9 +47,10 @@ void write_control(const io::OutputFolder& folder, const Problem& problem,
     }
   });
   write("adjoint", nodal, [&](auto&& store) {
-    const petsc::Series states = reduced.adjoint_states(steps);
-    for (std::size_t i = 0; i < steps.size(); ++i)
-      store(steps[i], states[i]);
+    reduced.adjoint_states([&](int k, Vec p) {
+      if (std::ranges::binary_search(steps, k))
+        store(k, p);
+    });
   });
 }
 
@@ -94,7 +95,7 @@ Ending minimise(ControlProblem& problem, const scene::Scene& scene, SearchRecord
 std::vector<io::WeakContact> weak_contact(control::ReducedProblem& reduced,
                                           const std::vector<control::Control>& points, bool& interrupted) {
   const auto sweeps = reduced.sweeps();
-  std::set<std::pair<int, int>> closed, open;
+  std::map<std::pair<int, int>, std::size_t> closed; // at so many of the points
   for (const control::Control& point : points) {
     try {
       (void)reduced.value(point);
@@ -104,14 +105,14 @@ std::vector<io::WeakContact> weak_contact(control::ReducedProblem& reduced,
     }
     const auto& contact = reduced.trial_trajectory().contact();
     for (std::size_t k = 1; k < contact.size(); ++k)
-      for (std::size_t i = 0; i < contact[k].status.size(); ++i)
-        (contact[k].status[i] == contact::Status::open ? open : closed)
-            .emplace(static_cast<int>(k), static_cast<int>(i));
+      for (int i : contact[k].active)
+        ++closed[{static_cast<int>(k), i}];
   }
   reduced.count_from(sweeps);
   std::vector<io::WeakContact> weak;
-  for (const auto& [k, i] : closed)
-    if (open.contains({k, i})) {
+  for (const auto& [where, times] : closed)
+    if (times < points.size()) {
+      const auto& [k, i] = where;
       const double* x = &reduced.stepper().constraints()->points()[3 * static_cast<std::size_t>(i)];
       weak.push_back({k, reduced.stepper().scheme().time(k), i, {x, x + reduced.stepper().space().dim()}});
     }

@@ -22,6 +22,8 @@ struct Recorded {
                               balance.push_back(weigh(frame));
                             });
   }
+  /// Of the steps 0…N.
+  [[nodiscard]] std::vector<contact::ContactSets> sets() const { return {contact.begin(), contact.end()}; }
   explicit Recorded(const Problem& problem) : Recorded(problem, problem.load()) {}
 };
 

@@ -11,7 +11,7 @@ Duals::Duals(const forward::Stepper& stepper) : stepper_(stepper), work_(stepper
     *x = stepper.space().vector();
 }
 
-void Duals::move(Vec p_k, const contact::ContactState* later) {
+void Duals::move(Vec p_k, const contact::ContactSets* later) {
   const double tau = stepper_.scheme().tau;
   Vec jump = nullptr;
   if (const forward::Predictor* predictor = stepper_.predictor(); predictor && later) {

@@ -12,7 +12,7 @@ public:
   explicit Duals(const forward::Stepper& stepper);
 
   /// To p_k and ω_k. `later` is the contact of step k + 1, null at N. Collective.
-  void move(Vec p, const contact::ContactState* later);
+  void move(Vec p, const contact::ContactSets* later);
 
   petsc::Vector p, p_later, velocity, velocity_later; ///< p_k, p_{k+1}, ω_k, ω_{k+1}
 

@@ -10,7 +10,7 @@ namespace {
 long& sweeps = count("adjoint sweeps");
 }
 
-void sweep(const forward::Stepper& stepper, const std::vector<contact::ContactState>& contact,
+void sweep(const forward::Stepper& stepper, const std::vector<contact::ContactSets>& contact,
            const forward::Load& derivative, const std::function<void(int k, Vec p)>& visit) {
   ++sweeps;
   petsc::Vector p = stepper.space().vector(), p_next = stepper.space().vector(), q = stepper.space().vector();

@@ -197,7 +197,7 @@ private:
   }
 
   const EnrichedBody& body_;
-  const std::vector<contact::ContactState>& contact_;
+  const std::vector<contact::ContactSets>& contact_;
   forward::Scheme scheme_;
   int steps_;
   Duals duals_;

@@ -135,7 +135,7 @@ void CondensedVi::decided(ContactState& state) const {
   MPI_Bcast(&state.vi_iterations, 1, MPI_INT, 0, comm);
 }
 
-void CondensedVi::solve(Vec r, std::span<const double> psi, const ContactState& previous, ContactState& state,
+void CondensedVi::solve(Vec r, std::span<const double> psi, const ContactSets& previous, ContactState& state,
                         Vec y) const {
   state.vi_iterations = 0;
   condensation_.predict_gap(r, psi, gap0_);

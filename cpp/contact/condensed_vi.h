@@ -19,7 +19,7 @@ public:
   CondensedVi(const Constraints& constraints, const Condensation& condensation,
               const Complementarity& complementarity);
 
-  void solve(Vec r, std::span<const double> psi, const ContactState& previous, ContactState& state,
+  void solve(Vec r, std::span<const double> psi, const ContactSets& previous, ContactState& state,
              Vec y) const override;
 
 private:

@@ -15,13 +15,19 @@ enum class Status : std::uint8_t {
 /// Numbers of the candidates in contact, ascending.
 using ActiveSet = std::vector<int>;
 
-/// Contact after one step; arrays over all m candidates, the same on every rank.
-struct ContactState {
+/// What a step's derivative and the next step depend on, the same on every rank. Its size is that of the contact, not
+/// of the candidates.
+struct ContactSets {
+  ActiveSet active;    ///< A = S ∪ W
+  ActiveSet weak;      ///< W
+  ActiveSet predictor; ///< Z: candidates that the step's projected predictor touches; contact-stabilized alone
+};
+
+/// Contact after one step; arrays over all m candidates.
+struct ContactState : ContactSets {
   std::vector<double> lambda; ///< λ_i ≥ 0: τ²/2 times the nodal contact force
   std::vector<double> gap;    ///< g_i, m
   std::vector<Status> status;
-  ActiveSet active;      ///< A = S ∪ W
-  ActiveSet predictor;   ///< Z: candidates that the step's projected predictor touches; contact-stabilized alone
   int vi_iterations = 0; ///< Newton steps that found the active set; 0 where the previous step's was right
 
   /// All m candidates open. Holds room for every active set, so that steps do not allocate.
@@ -29,6 +35,7 @@ struct ContactState {
       : lambda(static_cast<std::size_t>(m)), gap(static_cast<std::size_t>(m)),
         status(static_cast<std::size_t>(m), Status::open) {
     active.reserve(static_cast<std::size_t>(m));
+    weak.reserve(static_cast<std::size_t>(m));
     predictor.reserve(static_cast<std::size_t>(m));
   }
 

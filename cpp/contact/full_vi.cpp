@@ -113,7 +113,7 @@ PetscInt FullVi::coordinate(std::size_t i) const {
   return dof >= begin && dof < end ? dof - begin + axis_[i] : -1;
 }
 
-void FullVi::solve(Vec r, std::span<const double> psi, const ContactState&, ContactState& state,
+void FullVi::solve(Vec r, std::span<const double> psi, const ContactSets&, ContactState& state,
                    Vec y) const {
   const std::size_t m = psi.size();
   check(MatMultTranspose(Q_, r, r_));

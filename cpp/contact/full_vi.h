@@ -14,7 +14,7 @@ public:
   /// honoured. Throws UserError if a node has several candidates.
   FullVi(const Constraints& constraints, Mat D, const Complementarity& complementarity);
 
-  void solve(Vec r, std::span<const double> psi, const ContactState& previous, ContactState& state,
+  void solve(Vec r, std::span<const double> psi, const ContactSets& previous, ContactState& state,
              Vec y) const override;
 
 private:

@@ -31,7 +31,7 @@ void ProjectedCg::evaluate(Vec r, std::span<const double> psi, Vec y, ContactSta
   constraints_.next_set(set_, state.lambda, state.gap, next_);
 }
 
-void ProjectedCg::solve(Vec r, std::span<const double> psi, const ContactState& previous, ContactState& state,
+void ProjectedCg::solve(Vec r, std::span<const double> psi, const ContactSets& previous, ContactState& state,
                         Vec y) const {
   constexpr int most = 1000, patience = 10;
   const ConjugateGradients::Projector project = [this](Vec x) { constraints_.set_normal(set_, zero_, x); };

@@ -13,7 +13,7 @@ public:
   ProjectedCg(const Constraints& constraints, const ConjugateGradients& D, Mat matrix,
               const Complementarity& complementarity);
 
-  void solve(Vec r, std::span<const double> psi, const ContactState& previous, ContactState& state,
+  void solve(Vec r, std::span<const double> psi, const ContactSets& previous, ContactState& state,
              Vec y) const override;
   void solve_sliding(Vec r, const ActiveSet& set, Vec p) const override;
 

@@ -71,6 +71,7 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
     throw SolverFailure("the solution is not finite");
   std::ranges::fill(state.status, Status::open);
   state.active.clear();
+  state.weak.clear();
   if (std::ranges::all_of(state.gap, [&](double g) { return g > gap_tolerance_; }) &&
       std::ranges::all_of(state.lambda, [](double force) { return force == 0; }))
     return;
@@ -102,9 +103,12 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
       state.status[i] =
           constraints_.depends(state.active, static_cast<int>(i)) ? Status::strong : Status::weak;
   state.active.clear();
-  for (std::size_t i = 0; i < state.status.size(); ++i)
+  for (std::size_t i = 0; i < state.status.size(); ++i) {
     if (state.status[i] != Status::open)
       state.active.push_back(static_cast<int>(i));
+    if (state.status[i] == Status::weak)
+      state.weak.push_back(static_cast<int>(i));
+  }
 }
 
 bool Complementarity::holds_to(double negligible, double motion, std::span<const double> lambda,

@@ -13,7 +13,7 @@ public:
   /// Solves for `y`, which holds a guess on entry, and for `state`, made for the m candidates; `psi` (m) are
   /// the gaps of the undeformed body at the end of the step, `previous` is the previous step's contact, from
   /// which the search starts. Collective. Throws SolverFailure with reason and residual.
-  virtual void solve(Vec r, std::span<const double> psi, const ContactState& previous, ContactState& state,
+  virtual void solve(Vec r, std::span<const double> psi, const ContactSets& previous, ContactState& state,
                      Vec y) const = 0;
 
 protected:

@@ -43,7 +43,7 @@ double ReducedProblem::value(const Control& u) {
 
 void ReducedProblem::accept() { std::swap(current_, trial_); }
 
-Control ReducedProblem::riesz(const std::vector<contact::ContactState>& contact, const forward::Load& dual, double scale, const Control& u) {
+Control ReducedProblem::riesz(const std::vector<contact::ContactSets>& contact, const forward::Load& dual, double scale, const Control& u) {
   const auto timer = timers_.time("adjoint");
   Control g = controls_.unset();
   for (int k = 1; k <= g.count(); ++k)
@@ -61,14 +61,9 @@ Control ReducedProblem::l2_gradient(const Point& at) {
 
 Control ReducedProblem::l2_gradient() { return l2_gradient(*current_); }
 
-petsc::Series ReducedProblem::adjoint_states(const std::vector<int>& steps) const {
-  petsc::Series states(steps.size());
+void ReducedProblem::adjoint_states(const std::function<void(int k, Vec p)>& visit) const {
   adjoint::sweep(stepper_, current_->trajectory.contact(),
-                 objective_.derivative([this](int k) { return current_->trajectory.y(k); }), [&](int k, Vec p) {
-                   if (const auto wanted = std::ranges::find(steps, k); wanted != steps.end())
-                     states[static_cast<std::size_t>(wanted - steps.begin())] = petsc::copy(p);
-                 });
-  return states;
+                 objective_.derivative([this](int k) { return current_->trajectory.y(k); }), visit);
 }
 
 Control ReducedProblem::gradient() {
@@ -84,7 +79,7 @@ Control ReducedProblem::trial_gradient() {
 }
 
 void ReducedProblem::march_linearised(const Control& d, const std::function<void(forward::March& march)>& use) {
-  const std::vector<contact::ContactState>& contact = current_->trajectory.contact();
+  const std::vector<contact::ContactSets>& contact = current_->trajectory.contact();
   march_linearised(d, [&](int k, Vec y0, Vec v0, forward::StepLoad load, Vec y1, Vec v1) {
     stepper_.linearised_step(y0, v0, load, contact[static_cast<std::size_t>(k)], y1, v1);
   }, use);

@@ -55,7 +55,7 @@ public:
   struct OneSided {
     double by_motion, by_gradient;
     double size; ///< what by_motion would be if nothing cancelled, against which rounding is to be seen
-    std::vector<contact::ContactState> contact;
+    std::vector<contact::ContactSets> contact;
   };
   OneSided one_sided_slope(const Control& d);
 
@@ -74,8 +74,8 @@ public:
   [[nodiscard]] const forward::Trajectory& trial_trajectory() const { return trial_->trajectory; }
   /// ‖y_k − y_d,k‖² of the current control (N + 1), as Objective::observe().
   [[nodiscard]] const std::vector<double>& squared_distances() const { return current_->squared_distances; }
-  /// p_k of the current control at the given steps, by one more adjoint sweep.
-  [[nodiscard]] petsc::Series adjoint_states(const std::vector<int>& steps) const;
+  /// Shows p_N … p_1 of the current control, each valid during the call, by one more adjoint sweep.
+  void adjoint_states(const std::function<void(int k, Vec p)>& visit) const;
   [[nodiscard]] Sweeps sweeps() const { return sweeps_; }
   /// Goes on counting from there.
   void count_from(Sweeps sweeps) { sweeps_ = sweeps; }
@@ -102,7 +102,7 @@ private:
   void through_linearised(forward::March& march, const std::function<void(const forward::State& state)>& visit);
 
   /// scale u + S'(at)* w as Riesz representative in L2(0,T; L2).
-  Control riesz(const std::vector<contact::ContactState>& contact, const forward::Load& dual, double scale, const Control& u);
+  Control riesz(const std::vector<contact::ContactSets>& contact, const forward::Load& dual, double scale, const Control& u);
   Control l2_gradient(const Point& at);
 
   const forward::Stepper& stepper_;

@@ -92,7 +92,7 @@ void Stepper::velocity(Vec y0, Vec v0, Vec jump, Vec y1, Vec v1) const {
     check(VecAXPY(v1, -rate, jump));
 }
 
-void Stepper::step(int k, Vec y0, Vec v0, StepLoad load, const contact::ContactState& previous,
+void Stepper::step(int k, Vec y0, Vec v0, StepLoad load, const contact::ContactSets& previous,
                    contact::ContactState& contact, Vec y1, Vec v1) const {
   const std::span<const double> psi =
       constraints_ ? constraints_->psi(scheme_.time(k)) : std::span<const double>();
@@ -123,12 +123,12 @@ void Stepper::solve_sliding(const contact::ActiveSet& active, Vec p) const {
     solver_->linear().solve(r_, p);
 }
 
-void Stepper::solve_one_sided(contact::ContactState& contact, Vec p) const {
+void Stepper::solve_one_sided(contact::ContactSets& contact, Vec p) const {
   const auto m = static_cast<std::size_t>(constraints_->count());
   std::vector<double> force(m), motion(m);
   contact::ActiveSet& closed = contact.active;
   const petsc::Vector residual = petsc::zero_like(p);
-  const int several = 2 * contact.count(contact::Status::weak) + 10; // then one at a time, which does not cycle for long
+  const int several = 2 * static_cast<int>(contact.weak.size()) + 10; // then one at a time, which does not cycle for long
   for (int change = 0; change < 20 * several; ++change) {
     solve_sliding(closed, p);
     check(MatMult(R_, p, residual)); // D p = R p + 2 stiffness() A p
@@ -144,7 +144,7 @@ void Stepper::solve_one_sided(contact::ContactState& contact, Vec p) const {
     bool settled = true;
     for (std::size_t i = 0; i < m; ++i) {
       const bool is_closed = std::ranges::binary_search(closed, static_cast<int>(i));
-      const bool wrong = contact.status[i] == contact::Status::weak &&
+      const bool wrong = std::ranges::binary_search(contact.weak, static_cast<int>(i)) &&
                          (is_closed ? force[i] < -rounding * largest_force : motion[i] > rounding * largest_motion);
       const bool flips = wrong && (settled || change < several);
       settled = settled && !wrong;
@@ -158,13 +158,13 @@ void Stepper::solve_one_sided(contact::ContactState& contact, Vec p) const {
   throw SolverFailure("the weak contact of a linearised step did not settle");
 }
 
-Vec Stepper::linearised_right_hand_side(Vec y0, Vec v0, StepLoad load, const contact::ContactState& contact) const {
+Vec Stepper::linearised_right_hand_side(Vec y0, Vec v0, StepLoad load, const contact::ContactSets& contact) const {
   const Vec jump = predictor_ ? predictor_->linearised_jump(contact.predictor, predicted(y0, v0)) : nullptr;
   right_hand_side(y0, scheme_.momentum(), with_jump(v0, 1 / scheme_.tau, jump), scheme_.impulse(), load);
   return jump;
 }
 
-void Stepper::linearised_step(Vec y0, Vec v0, StepLoad load, const contact::ContactState& contact, Vec y1,
+void Stepper::linearised_step(Vec y0, Vec v0, StepLoad load, const contact::ContactSets& contact, Vec y1,
                               Vec v1) const {
   const Vec jump = linearised_right_hand_side(y0, v0, load, contact);
   solve_sliding(contact.active, y1);
@@ -172,9 +172,9 @@ void Stepper::linearised_step(Vec y0, Vec v0, StepLoad load, const contact::Cont
   ++linearised_steps;
 }
 
-void Stepper::one_sided_step(Vec y0, Vec v0, StepLoad load, contact::ContactState& contact, Vec y1, Vec v1) const {
+void Stepper::one_sided_step(Vec y0, Vec v0, StepLoad load, contact::ContactSets& contact, Vec y1, Vec v1) const {
   const Vec jump = linearised_right_hand_side(y0, v0, load, contact);
-  if (contact.count(contact::Status::weak) > 0)
+  if (!contact.weak.empty())
     solve_one_sided(contact, y1);
   else
     solve_sliding(contact.active, y1);
@@ -182,7 +182,7 @@ void Stepper::one_sided_step(Vec y0, Vec v0, StepLoad load, contact::ContactStat
   ++linearised_steps;
 }
 
-void Stepper::adjoint_step(const contact::ContactState& contact, const contact::ContactState* next,
+void Stepper::adjoint_step(const contact::ContactSets& contact, const contact::ContactSets* next,
                            StepLoad derivative, Vec p_next, Vec q, Vec p) const {
   const Vec jump = predictor_ && next ? predictor_->linearised_jump(next->predictor, q) : nullptr;
   right_hand_side(p_next, -scheme_.momentum(), with_jump(q, 1.5, jump), 1, derivative);

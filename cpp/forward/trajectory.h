@@ -1,11 +1,22 @@
 #pragma once
 #include "forward/simulate.h"
 #include "forward/states.h"
+#include <limits>
 #include <vector>
 
 namespace signorini::forward {
 
-/// A motion of N steps that can be looked at again: its states from where the storage keeps them, the contact
+/// How near a motion is to one with other active sets.
+struct Margins {
+  double least_force = std::numeric_limits<double>::infinity(), largest_force = 0; ///< λ_i of closed candidates
+  double gap = std::numeric_limits<double>::infinity();                            ///< the least of open ones, m
+
+  /// The least force, relative to the largest; 0 without any.
+  [[nodiscard]] double force() const { return largest_force > 0 ? least_force / largest_force : 0; }
+  void take(const contact::ContactState& contact);
+};
+
+/// A motion of N steps that can be looked at again: its states from where the storage keeps them, the active sets
 /// of all steps in memory. All members collective.
 class Trajectory {
 public:
@@ -23,7 +34,8 @@ public:
   /// Those of the last run.
   [[nodiscard]] int steps() const { return steps_; }
   /// Of the steps 0…N; 0 is that of the initial state, whose candidates count as open.
-  [[nodiscard]] const std::vector<contact::ContactState>& contact() const { return contact_; }
+  [[nodiscard]] const std::vector<contact::ContactSets>& contact() const { return contact_; }
+  [[nodiscard]] const Margins& margins() const { return margins_; }
   /// Displacement and velocity at t_k. Valid until the next call of at(). Throws WriteFailure, SolverFailure.
   [[nodiscard]] States::View at(int k) const { return states_->at(k); }
   [[nodiscard]] Vec y(int k) const { return at(k).y; }
@@ -31,8 +43,9 @@ public:
 private:
   const Stepper& stepper_;
   int capacity_, steps_ = 0;
-  std::vector<contact::ContactState> contact_;
-  contact::ContactState again_; ///< of steps that are made again
+  std::vector<contact::ContactSets> contact_;
+  contact::ContactState now_; ///< of the last step made
+  Margins margins_;
   Load load_;
   std::optional<LoadAtStep> load_at_;
   StepLoad acting_;

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <pugixml.hpp>
 #include <system_error>
 
 namespace signorini::io {
@@ -113,6 +114,9 @@ void FieldFile::write(const std::string& field, Vec values, double time) {
       written.interpolate(open_->own);
       written.x()->scatter_fwd();
     }
+    const auto [last, first] = last_.try_emplace(field, time);
+    sorted_ = sorted_ && (first || last->second < time);
+    last->second = time;
     written.name = field;
     open_->xdmf.write_function(written, time);
     ++times_;
@@ -123,9 +127,33 @@ void FieldFile::close() {
   guarded([&] { open_->xdmf.close(); });
   open_.reset();
   on_root(space_.comm(), [&] {
+    if (!sorted_)
+      sort_times();
     if (!whole(folder_.staged(name_), times_))
       throw UserError(fmt::format("{}: cannot be written (a part of it is missing)", (folder_.path() / name_).string()));
   });
+}
+
+void FieldFile::sort_times() const {
+  const std::string file = folder_.staged(name_);
+  constexpr unsigned everything = pugi::parse_default | pugi::parse_doctype | pugi::parse_declaration;
+  pugi::xml_document document;
+  if (!document.load_file(file.c_str(), everything))
+    return; // close() says that it is not whole
+  for (pugi::xml_node series : document.child("Xdmf").child("Domain").children("Grid")) {
+    if (series.attribute("GridType").value() != std::string("Collection"))
+      continue;
+    std::vector<std::pair<double, pugi::xml_node>> grids;
+    for (pugi::xml_node grid : series.children("Grid"))
+      grids.emplace_back(grid.child("Time").attribute("Value").as_double(), grid);
+    std::ranges::stable_sort(grids, {}, &std::pair<double, pugi::xml_node>::first);
+    for (const auto& [time, grid] : grids)
+      series.append_move(grid);
+  }
+  errno = 0;
+  if (!document.save_file(file.c_str(), "  ")) // as dolfinx does
+    throw UserError(fmt::format("{}: cannot be written ({})", (folder_.path() / name_).string(),
+                                std::generic_category().message(errno)));
 }
 
 } // namespace signorini::io

@@ -1,6 +1,7 @@
 #pragma once
 #include "fem/space.h"
 #include "io/output_folder.h"
+#include <map>
 #include <memory>
 #include <string>
 
@@ -22,7 +23,7 @@ public:
   FieldFile(const FieldFile&) = delete;
   FieldFile& operator=(const FieldFile&) = delete;
 
-  /// Collective. Throws WriteFailure.
+  /// At times in any order of each field. Collective. Throws WriteFailure.
   void write(const std::string& field, Vec values, double time);
 
   /// Collective. Throws WriteFailure, UserError.
@@ -30,6 +31,8 @@ public:
 
 private:
   struct Open;
+  /// Puts the fields' times in ascending order, as readers take them.
+  void sort_times() const;
   template <class Work>
   void guarded(Work&& work);
 
@@ -38,6 +41,8 @@ private:
   std::string name_;
   bool as_they_are_;      ///< vectors hold what the file takes
   std::size_t times_ = 0; ///< written, of all fields
+  bool sorted_ = true;
+  std::map<std::string, double> last_; ///< times of the fields written last
   std::unique_ptr<Open> open_; ///< null once closed
 };
 

@@ -114,7 +114,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   for (int repeat = 0; repeat < repeats; ++repeat) {
     Floor floor(problem, load);
     watch.lap();
-    adjoint::sweep(problem.stepper, motion.contact, control_problem.objective.derivative(state), [&](int k, Vec p) {
+    adjoint::sweep(problem.stepper, motion.sets(), control_problem.objective.derivative(state), [&](int k, Vec p) {
                      check(VecAXPY(gradient.at(k), 1, p));
                      adjoint.take(k, watch.lap());
                      const auto [s, w] = floor(motion, k);

@@ -80,6 +80,32 @@ def memory_does_not_grow_with_the_steps(folder: Path) -> None:
     print(f"two states kept; {peak[3000] / 1e6:.0f} MB for 3000 steps, {peak[50] / 1e6:.0f} MB for 50")
 
 
+def optimizations_keep_what_they_say(folder: Path) -> None:
+    """On disk or in checkpoints neither the states of a motion nor the adjoint states stay in memory."""
+    few, many = 20, 300
+    small = {"objective__desired": {"displacement": ["0", "-0.1*t"]}, "control__constant_in_time": True}
+
+    def run(steps: int, **storage: object) -> dict:
+        signorini("optimize", HALF_DISC, folder / "kept", mesh__size=0.25, time__end=steps * 5e-5, optimizer__max_iterations=0,
+                  output__fields=["adjoint"], trajectory=storage, **small)  # fmt: skip
+        found = json.loads((folder / "kept" / "run.json").read_text())
+        assert found["steps"]["done"] == steps and (folder / "kept" / "adjoint.h5").stat().st_size > 8 * steps * found["unknowns"]
+        return found
+
+    first = run(few, storage="disk")
+    motion = 8 * first["unknowns"] * many
+    peak = {"disk": run(many, storage="disk"), "memory": run(many, storage="memory"),
+            "checkpoints": run(many, storage="checkpoints", budget=motion / 10)}  # fmt: skip
+    # In memory there are the motions of the iterate and of the trial.
+    assert peak["memory"]["counters"]["trajectory vectors"] >= 2 * many > 10 * peak["disk"]["counters"]["trajectory vectors"]
+    peak = {storage: found["peak_memory_bytes"] for storage, found in peak.items()}
+    assert peak["memory"] > peak["disk"] + 1.5 * motion, (peak, motion)
+    for storage in ("disk", "checkpoints"):  # headers and XML, a budget
+        assert peak[storage] < first["peak_memory_bytes"] + motion / 3, (peak, first["peak_memory_bytes"], motion)
+    print(f"states of {motion / 1e6:.0f} MB a motion:", *(f"{storage} {bytes / 1e6:.0f} MB" for storage, bytes in peak.items()),
+          f"at most; {first['peak_memory_bytes'] / 1e6:.0f} MB for {few} of {many} steps")  # fmt: skip
+
+
 def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -87,6 +113,7 @@ def main() -> int:
         elastic_scene_has_no_b(folder)
         contact_only_where_it_is(folder)
         memory_does_not_grow_with_the_steps(folder)
+        optimizations_keep_what_they_say(folder)
     return 0
 
 

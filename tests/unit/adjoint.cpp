@@ -59,7 +59,7 @@ TEST_CASE("the sweep is the transpose of the linearised steps", "[adjoint]") {
       std::swap(y0, y1);
       std::swap(v0, v1);
     }
-    adjoint::sweep(stepper, run.trajectory.contact,
+    adjoint::sweep(stepper, run.trajectory.sets(),
                    {.density = [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(space, -k))); }},
                    [&](int k, Vec p) {
                      check(MatMult(*run.ready.problem.operators.W, test::smooth(space, k), product));
@@ -123,7 +123,7 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
     check(MatMult(*problem.operators.W, test::smooth(problem.space, k), product));
     return product;
   };
-  adjoint::sweep(stepper, run.trajectory.contact,
+  adjoint::sweep(stepper, run.trajectory.sets(),
                  {.density = [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(problem.space, k))); }},
                  [&](int k, Vec pk) { p[static_cast<std::size_t>(k)] = petsc::copy(pk); });
 
@@ -177,7 +177,7 @@ TEST_CASE("adjoint states vanish on the clamp", "[adjoint]") {
   CHECK(std::ranges::any_of(trajectory.contact, [](const contact::ContactState& state) { return !state.active.empty(); }));
   int steps = 0;
   adjoint::sweep(
-      ready.problem.stepper, trajectory.contact,
+      ready.problem.stepper, trajectory.sets(),
       {.density = [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(ready.problem.space, k))); }},
       [&](int, Vec p) {
         petsc::Vector rest = petsc::copy(p);

@@ -68,7 +68,7 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
   const test::Recorded expected(problem);
   const int N = problem.steps();
   REQUIRE(std::ranges::any_of(expected.contact,
-                              [](const contact::ContactState& c) { return !c.active.empty(); }));
+                              [](const contact::ContactSets& c) { return !c.active.empty(); }));
   Timers timers;
   std::vector<std::pair<scene::Trajectory, long>> storages{{{}, 0}, {{.storage = "disk"}, 0}};
   for (int slots : {1, 2, 3, 7, N - 1, 5 * N})
@@ -89,7 +89,9 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
       const auto i = static_cast<std::size_t>(k);
       CHECK(test::difference(state.y, expected.y[i]) == 0);
       CHECK(test::difference(state.v, expected.v[i]) == 0);
-      CHECK(trajectory.contact()[i].lambda == expected.contact[i].lambda);
+      CHECK(trajectory.contact()[i].active == expected.contact[i].active);
+      CHECK(trajectory.contact()[i].weak == expected.contact[i].weak);
+      CHECK(trajectory.contact()[i].predictor == expected.contact[i].predictor);
     };
     long before = recomputed;
     for (int k = N; k >= 1; --k)
@@ -101,6 +103,8 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
     CHECK(recomputed - before == (scene.storage == "checkpoints" ? again + N - 1 : 0));
     for (int k : {0, 1, 1, 2, 3, N, N - 1, 5, 17, 4, N, 0}) // and in no order at all
       is_right(k);
+    for (const contact::ContactSets& sets : trajectory.contact()) // free flight takes no room
+      CHECK((sets.active.empty() ? sets.active.capacity() : sets.weak.capacity()) <= sets.active.size());
     // Another motion in the same storage, and this one again.
     forward::Trajectory other(problem.stepper, problem.initial, N, storage);
     other.run({});
@@ -158,7 +162,7 @@ TEST_CASE("gradients and Hessian products are the same to the last bit from ever
       reduced.value(control(1));
       reduced.accept();
       REQUIRE(std::ranges::any_of(reduced.trajectory().contact(),
-                                  [](const contact::ContactState& c) { return !c.active.empty(); }));
+                                  [](const contact::ContactSets& c) { return !c.active.empty(); }));
       const control::Control gradient = reduced.gradient();
       const control::Control product = reduced.l2_hessian_product(control(0.5));
       reduced.value(control(0.7)); // a trial that is rejected
@@ -189,7 +193,7 @@ TEST_CASE("errors are estimated alike from every storage", "[adjoint]") {
       problem.reduced.value(some(problem.controls, 1));
       problem.reduced.accept();
       REQUIRE(std::ranges::any_of(problem.reduced.trajectory().contact(),
-                                  [](const contact::ContactState& c) { return !c.active.empty(); }));
+                                  [](const contact::ContactSets& c) { return !c.active.empty(); }));
       const long before = recomputed;
       const adjoint::ErrorParts error = estimate_error(ready.problem, problem);
       CHECK((recomputed > before) == (std::string(kind) == "checkpoints"));
