@@ -96,6 +96,7 @@ std::vector<io::WeakContact> weak_contact(control::ReducedProblem& reduced,
                                           const std::vector<control::Control>& points, bool& interrupted) {
   const auto sweeps = reduced.sweeps();
   std::map<std::pair<int, int>, std::size_t> closed; // at so many of the points
+  std::size_t seen = 0;
   for (const control::Control& point : points) {
     try {
       (void)reduced.value(point);
@@ -103,6 +104,7 @@ std::vector<io::WeakContact> weak_contact(control::ReducedProblem& reduced,
       interrupted = true;
       break;
     }
+    ++seen;
     const auto& contact = reduced.trial_trajectory().contact();
     for (std::size_t k = 1; k < contact.size(); ++k)
       for (int i : contact[k].active)
@@ -111,7 +113,7 @@ std::vector<io::WeakContact> weak_contact(control::ReducedProblem& reduced,
   reduced.count_from(sweeps);
   std::vector<io::WeakContact> weak;
   for (const auto& [where, times] : closed)
-    if (times < points.size()) {
+    if (times < seen) {
       const auto& [k, i] = where;
       const double* x = &reduced.stepper().constraints()->points()[3 * static_cast<std::size_t>(i)];
       weak.push_back({k, reduced.stepper().scheme().time(k), i, {x, x + reduced.stepper().space().dim()}});
