@@ -76,11 +76,8 @@ std::string storage_line(const Problem& problem, const ControlProblem& control_p
 using Ending = optimize::Ending<control::Control>;
 
 Ending minimise(ControlProblem& problem, const scene::Scene& scene, SearchRecord& record) {
-  // A control is of the order of one by its scale; the first step is as long as a control of one throughout.
-  const control::Control one = problem.controls.constant(1);
   const optimize::Options options{.max_iterations = scene.optimizer.max_iterations,
-                                  .tolerance = scene.optimizer.tolerance,
-                                  .first_step = problem.controls.norm(one)};
+                                  .tolerance = scene.optimizer.tolerance};
   control::Control guess = problem.first_guess(scene);
   const std::string& method = scene.optimizer.method;
   if (method == "lbfgs")

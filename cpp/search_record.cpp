@@ -11,7 +11,7 @@ namespace signorini {
 namespace {
 
 /// Of the layout of checkpoint.h5.
-constexpr int format = 1;
+constexpr int format = 2;
 
 /// Numbers in a row of the history, as stored.
 constexpr std::size_t columns = 11;

@@ -141,6 +141,8 @@ std::vector<double> polished(std::span<const double> products, std::span<const d
 
 std::vector<double> best_combination(std::span<const double> products, std::span<const double> prices) {
   const std::size_t n = prices.size();
+  if (n == 0)
+    throw SolverFailure("there are no gradients to combine");
   const auto finite = [](double x) { return std::isfinite(x); };
   if (!std::ranges::all_of(products, finite) || !std::ranges::all_of(prices, finite))
     throw SolverFailure("the products of gradients are not finite");

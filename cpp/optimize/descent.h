@@ -16,8 +16,7 @@ class Descent {
 public:
   using Vector = typename P::Vector;
 
-  Descent(Method method, const Options& options)
-      : method_(std::move(method)), first_step_(options.first_step) {}
+  explicit Descent(Method method) : method_(std::move(method)) {}
 
   std::optional<Ending<Vector>> advance(P& problem, State<P, Descent>& state, const Options& options) {
     Iterate<P>& current = state.current;
@@ -27,9 +26,9 @@ public:
     while (!next) {
       if (kink_) {
         Step step = kink_->step(problem, current, tolerance);
-        if (step.end == End::stationary)
-          return Ending<Vector>{Stop::kink, kink_->certificate(current)};
-        if (step.end == End::nowhere) {
+        if (step.certificate)
+          return Ending<Vector>{Stop::kink, std::move(step.certificate)};
+        if (!step.found) {
           if (fresh_)
             return Ending<Vector>{Stop::no_decrease};
           take_over(problem, current);
@@ -56,9 +55,11 @@ public:
     problem.accept();
     Vector moved = next->u;
     moved.add(-1, current.u);
-    constexpr double short_step = 1e-3; // of the length of a control that matters
+    const double length = norm(problem, moved);
+    longest_ = std::max(longest_, length);
+    constexpr double short_step = 1e-3; // of the longest
     constexpr int enough_short_steps = 3;
-    short_steps_ = norm(problem, moved) < short_step * first_step_ ? short_steps_ + 1 : 0;
+    short_steps_ = length < short_step * longest_ ? short_steps_ + 1 : 0;
     current = std::move(*next);
     state.iteration = {state.iteration.number + 1, current.objective,
                        stationarity(problem, current.u, current.g), t};
@@ -70,27 +71,27 @@ public:
   template <class Archive>
   void exchange(Archive& archive) {
     method_.exchange(archive);
+    archive("longest_step", longest_);
     archive("short_steps", short_steps_);
     archive("kink/fresh", fresh_);
     bool takes_over = kink_.has_value();
     archive("kink/takes_over", takes_over);
     if (takes_over && !kink_)
-      kink_.emplace(first_step_);
+      kink_.emplace(longest_);
     if (kink_)
       kink_->exchange(archive);
   }
 
 private:
   using Step = typename KinkModel<P>::Step;
-  using End = typename KinkModel<P>::End;
 
   void take_over(const P& problem, const Iterate<P>& at) {
-    kink_.emplace(problem, at, first_step_);
+    kink_.emplace(problem, at, longest_);
     fresh_ = true;
   }
 
   Method method_;
-  double first_step_;
+  double longest_ = 1;               ///< step so far, or that which units were measured by
   int short_steps_ = 0;              ///< the last so many
   std::optional<KinkModel<P>> kink_; ///< takes over from the method
   bool fresh_ = false;               ///< it has not moved yet

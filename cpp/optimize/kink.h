@@ -21,8 +21,8 @@ class KinkModel {
 public:
   using Vector = typename P::Vector;
 
-  /// The model of one piece. `first_step` is the length of a control that matters.
-  KinkModel(const P& problem, const Iterate<P>& at, double first_step) : KinkModel(first_step) {
+  /// The model of one piece. `step` is the length of a long one.
+  KinkModel(const P& problem, const Iterate<P>& at, double step) : KinkModel(step) {
     held_at_ = share(at.u);
     Vector down = at.g;
     down.scale(-1);
@@ -32,14 +32,14 @@ public:
   }
 
   /// One to be read from an archive.
-  explicit KinkModel(double first_step) : ball_(1e-4 * first_step) {}
+  explicit KinkModel(double step) : ball_(1e-4 * step) {}
 
   template <class Archive>
   void exchange(Archive& archive) {
+    archive("kink/ball", ball_);
     archive("kink/held_at", held_at_);
     exchange_list(archive, "kink/held_by", held_by_,
                   [&](Shared<Vector>& d, const std::string& name) { archive(name, d); });
-    archive("kink/bounds_matter", bounds_matter_);
     span_.exchange(archive, "kink/span");
     curvature_.exchange(archive, "kink/curvature");
     exchange_list(archive, "kink/pieces", pieces_, [&](Piece& piece, const std::string& name) {
@@ -51,28 +51,32 @@ public:
     archive("kink/last_minimiser", last_minimiser_);
   }
 
-  enum class End { moved, stationary, nowhere };
+  /// Where the model leads: to another point, to a certificate that there is none to go to, or nowhere.
   struct Step {
-    End end;
     std::optional<Iterate<P>> found{}; ///< where it moved; then it is the problem's trial
     bool at_other_bounds = false;      ///< than the model holds
+    std::optional<Certificate<Vector>> certificate{};
   };
 
-  /// One step down from `at`, where the model was made or the last step led to. Stationary: by `tolerance`,
-  /// as certificate() shows.
+  /// One step down from `at`, where the model was made or the last step led to. A certificate is one by `tolerance`.
   Step step(P& problem, const Iterate<P>& at, double tolerance) {
-    constexpr int most_rounds = 100, most_changes_of_bounds = 10;
-    int changes_of_bounds = 0;
+    constexpr int most_rounds = 100, most_claims = 10;
+    int claims = 0;
     double size = 0;
+    std::optional<Certificate<Vector>> smooth; // true, but there may still be a way down to a small gradient
     for (int round = 0; round < most_rounds && !full(); ++round) {
-      find_shortest();
-      if (shortest_.length <= tolerance) {
-        if (!bounds_matter_ || held_by_combination(problem, at, tolerance))
-          return {End::stationary};
-        if (++changes_of_bounds == most_changes_of_bounds)
-          break;
-        continue;
-      }
+      if (!smooth)
+        if (const Combination shortest = shortest_near(); shortest.length <= tolerance) {
+          auto certificate = confirmed(problem, at, shortest.weights, tolerance);
+          if (!certificate) {
+            if (++claims == most_claims)
+              break;
+            continue;
+          }
+          if (!stationary_between(problem, *certificate, tolerance))
+            return {.certificate = std::move(certificate)};
+          smooth = std::move(certificate);
+        }
       const Direction direction = downhill(problem, at);
       if (direction.rest > tolerance / 2 && direction.predicted > rounding(at.objective)) {
         Step step = follow(problem, at, direction);
@@ -87,18 +91,7 @@ public:
         gather_around(problem, at, direction.weights, size);
       }
     }
-    return {End::nowhere};
-  }
-
-  /// At the last step's `at`.
-  [[nodiscard]] Certificate<Vector> certificate(const Iterate<P>& at) const {
-    Certificate<Vector> certificate{shortest_.length, shortest_.radius, {}, {}};
-    for (std::size_t i = 0; i < pieces_.size(); ++i)
-      if (shortest_.weights[i] > 0) {
-        certificate.points.push_back(point(pieces_[i], at));
-        certificate.weights.push_back(shortest_.weights[i]);
-      }
-    return certificate;
+    return {.certificate = std::move(smooth)};
   }
 
   /// Whether it has grown so large that another should take its place.
@@ -123,9 +116,6 @@ private:
   Coordinates gradient(const P& problem, const Vector& g) {
     Vector free = g;
     hold(problem, free);
-    Vector held = g;
-    held.add(-1, free);
-    bounds_matter_ = bounds_matter_ || norm(problem, held) > 0;
     return span_.coordinates(problem, std::move(free));
   }
 
@@ -147,61 +137,98 @@ private:
     }
   }
 
-  /// Whether the shortest combination pushes the held values to their bounds too. If not, the model goes on
-  /// without those that it does not, by the pieces of the combination alone.
-  bool held_by_combination(P& problem, const Iterate<P>& at, double tolerance) {
+  /// The certificate that these weights of the pieces make, if the gradients themselves, evaluated anew where they were
+  /// gathered, have a combination as short, what is held included: it owes nothing to the model. If not, the model goes
+  /// on by these gradients, and without holding what their combination does not push to its bounds.
+  std::optional<Certificate<Vector>> confirmed(P& problem, const Iterate<P>& at, const std::vector<double>& weights,
+                                               double tolerance) {
+    Certificate<Vector> certificate;
     std::vector<std::pair<Vector, Vector>> gathered; // offset and gradient
-    Vector combined = at.g;
-    combined.scale(0);
-    for (std::size_t i = 0; i < pieces_.size(); ++i)
-      if (shortest_.weights[i] > 0) {
-        (void)problem.value(point(pieces_[i], at));
-        gathered.emplace_back(span_.vector(pieces_[i].offset, at.u), problem.trial_gradient());
-        combined.add(shortest_.weights[i], gathered.back().second);
+    Vector sum = at.g;
+    sum.scale(weights.front());
+    bool whole = true;
+    if (weights.front() > 0) {
+      certificate.points.push_back(at.u);
+      certificate.weights.push_back(weights.front());
+    }
+    for (std::size_t i = 1; i < pieces_.size(); ++i) {
+      if (!(weights[i] > 0))
+        continue;
+      Vector u = point(problem, pieces_[i], at), offset = u;
+      offset.add(-1, at.u);
+      if (!std::isfinite(value(problem, u))) {
+        whole = false;
+        continue;
       }
-    if (stationarity(problem, at.u, combined) <= tolerance)
-      return true;
-    combined.scale(-1);
-    held_by_.assign(1, share(std::move(combined)));
+      certificate.radius = std::max(certificate.radius, norm(problem, offset));
+      gathered.emplace_back(std::move(offset), problem.trial_gradient());
+      sum.add(weights[i], gathered.back().second);
+      certificate.points.push_back(std::move(u));
+      certificate.weights.push_back(weights[i]);
+    }
+    certificate.length = stationarity(problem, at.u, sum);
+    constexpr double rounding = 1e-9; // of offsets, beside controls 1e4 times as long
+    if (whole && certificate.length <= tolerance && certificate.radius <= (1 + rounding) * ball_)
+      return certificate;
+    sum.scale(-1);
+    held_by_.assign(1, share(std::move(sum)));
     span_ = {};
     curvature_ = {};
     last_minimiser_.clear();
     pieces_.clear();
+    const Coordinates here = gradient(problem, at.g);
+    pieces_.push_back({here, here, {}, 0});
     for (const auto& [offset, g] : gathered) {
       const Coordinates free = gradient(problem, g);
       pieces_.push_back({free, free, span_.coordinates(problem, offset), 0});
     }
-    return false;
+    return std::nullopt;
+  }
+
+  /// Whether J is stationary at the same combination of the points. Where they lie on one smooth piece its gradient there is
+  /// the combination of theirs, and there is no kink between them.
+  static bool stationary_between(P& problem, const Certificate<Vector>& certificate, double tolerance) {
+    Vector u = certificate.points.front();
+    u.scale(certificate.weights.front());
+    for (std::size_t i = 1; i < certificate.points.size(); ++i)
+      u.add(certificate.weights[i], certificate.points[i]);
+    problem.project(u); // for rounding
+    return std::isfinite(value(problem, u)) && stationarity(problem, u, problem.trial_gradient()) <= tolerance;
   }
 
   /// Where a piece was met.
-  Vector point(const Piece& piece, const Iterate<P>& at) const {
+  Vector point(const P& problem, const Piece& piece, const Iterate<P>& at) const {
     Vector u = at.u;
     u.add(1, span_.vector(piece.offset, at.u));
+    problem.project(u); // for rounding
     return u;
   }
 
-  /// The shortest convex combination of the gradients gathered near the current point.
-  void find_shortest() {
+  struct Combination {
+    double length = 0;
+    std::vector<double> weights; ///< of all pieces
+  };
+
+  /// The shortest convex combination of the gradients gathered near the current point, that of the point itself among
+  /// them.
+  [[nodiscard]] Combination shortest_near() const {
     std::vector<std::size_t> near;
     for (std::size_t i = 0; i < pieces_.size(); ++i)
-      if (norm(pieces_[i].offset) <= ball_)
+      if (i == 0 || norm(pieces_[i].offset) <= ball_)
         near.push_back(i);
     std::vector<double> products;
     for (std::size_t i : near)
       for (std::size_t j : near)
         products.push_back(dot(pieces_[i].gathered, pieces_[j].gathered));
     const std::vector<double> weights = best_combination(products, std::vector<double>(near.size()));
-    shortest_ = {0, 0, std::vector<double>(pieces_.size())};
+    Combination shortest{0, std::vector<double>(pieces_.size())};
     Coordinates sum;
     for (std::size_t i = 0; i < near.size(); ++i) {
-      const Piece& piece = pieces_[near[i]];
-      add(sum, weights[i], piece.gathered);
-      shortest_.weights[near[i]] = weights[i];
-      if (weights[i] > 0)
-        shortest_.radius = std::max(shortest_.radius, norm(piece.offset));
+      add(sum, weights[i], pieces_[near[i]].gathered);
+      shortest.weights[near[i]] = weights[i];
     }
-    shortest_.length = norm(sum);
+    shortest.length = norm(sum);
+    return shortest;
   }
 
   /// max_i (g_i·d − e_i).
@@ -310,9 +337,8 @@ private:
       if (decrease >= sufficient * t * direction.predicted) { // false for NaN
         Vector g = problem.trial_gradient();
         const Coordinates gathered = gradient(problem, g);
-        move(s, Hs, decrease);
-        keep({gathered, gathered, {}, 0});
-        return {End::moved, Iterate<P>{std::move(trial), here, std::move(g)}, at_other_bounds};
+        move(s, Hs, decrease, gathered);
+        return {Iterate<P>{std::move(trial), here, std::move(g)}, at_other_bounds};
       }
       if (at_other_bounds || !std::isfinite(here))
         continue;
@@ -321,7 +347,7 @@ private:
       if (above <= 0 || ++met == most_pieces_met)
         break;
     }
-    return {End::nowhere};
+    return {};
   }
 
   /// Keeps the piece of gradient g that J has at s, where it is lower by `decrease`. Returns how far it lies
@@ -335,18 +361,29 @@ private:
   }
 
   void keep(Piece piece) {
-    if (pieces_.size() == most_pieces) // the one that matters least where the model is least
-      pieces_.erase(std::ranges::min_element(
-          pieces_, {}, [this](const Piece& p) { return dot(p.here, last_minimiser_) - p.price; }));
+    make_room();
     pieces_.push_back(std::move(piece));
   }
 
-  void move(const Coordinates& s, const Coordinates& Hs, double decrease) {
+  /// Drops the piece that matters least where the model is least, if there are many. That of the current point stays:
+  /// without it the model would say nothing of where it is.
+  void make_room() {
+    if (pieces_.size() == most_pieces)
+      pieces_.erase(std::ranges::min_element(pieces_.begin() + 1, pieces_.end(), {}, [this](const Piece& p) {
+        return dot(p.here, last_minimiser_) - p.price;
+      }));
+  }
+
+  /// To s from the current point, where J is lower by `decrease` and has the gradient g.
+  void move(const Coordinates& s, const Coordinates& Hs, double decrease, const Coordinates& g) {
     for (Piece& piece : pieces_) {
       piece.price = std::max(0.0, piece.price - decrease - dot(piece.here, s) - dot(s, Hs) / 2);
       add(piece.here, 1, Hs);
       add(piece.offset, -1, s);
     }
+    add(last_minimiser_, -1, s);
+    make_room();
+    pieces_.insert(pieces_.begin(), {g, g, {}, 0});
   }
 
   /// Gathers the gradients of the pieces in use at points that far from the current one where each is the
@@ -366,10 +403,14 @@ private:
     for (std::size_t i = weights.size(); i-- > 0;)
       if (norm(pieces_[i].offset) > size && weights[i] > unused)
         pieces_.erase(pieces_.begin() + static_cast<std::ptrdiff_t>(i));
-    for (const Coordinates& offset : offsets) {
+    for (Coordinates& offset : offsets) {
       Vector trial = at.u;
       trial.add(1, span_.vector(offset, at.u));
+      Vector cut = trial;
       problem.project(trial);
+      cut.add(-1, trial);
+      if (norm(problem, cut) > 0)
+        add(offset, -1, span_.coordinates(problem, std::move(cut)));
       if (const double there = value(problem, trial); std::isfinite(there))
         learn(gradient(problem, problem.trial_gradient()), offset, {}, at.objective - there);
     }
@@ -405,16 +446,11 @@ private:
 
   Shared<Vector> held_at_;
   std::vector<Shared<Vector>> held_by_; ///< what pushes the held values to their bounds
-  bool bounds_matter_ = false;          ///< a gradient has had values that were held
   double ball_;
   Span<P> span_;
   Curvature curvature_;
-  std::vector<Piece> pieces_;
+  std::vector<Piece> pieces_;  ///< never empty: the first is that of the current point
   Coordinates last_minimiser_; ///< from the current point, the last one
-  struct {
-    double length, radius;
-    std::vector<double> weights; ///< of all pieces
-  } shortest_;
 };
 
 } // namespace signorini::optimize

@@ -17,8 +17,6 @@ class LimitedMemory {
 public:
   using Vector = typename P::Vector;
 
-  explicit LimitedMemory(double first_step) : length_(first_step) {}
-
   Vector direction(const P& problem, const Iterate<P>& at) const {
     Vector down = at.g;
     down.scale(-1);
@@ -85,7 +83,7 @@ private:
   };
   std::vector<Pair> pairs_;
   double scale_ = 1;
-  double length_; ///< of the last step
+  double length_ = 1; ///< of the last step; at first of that which units were measured by
 };
 
 /// Limited-memory BFGS with bounds.
@@ -93,7 +91,7 @@ template <TwiceDifferentiable P, class Report, class Keeper = NoKeeper>
 [[nodiscard]] Ending<typename P::Vector> lbfgs(P& problem, typename P::Vector u, const Options& options,
                                                Report&& report, Keeper&& keeper = {}) {
   return search(problem, std::move(u), options,
-                Descent<P, LimitedMemory<P>>(LimitedMemory<P>(options.first_step), options), report, keeper);
+                Descent<Dimensionless<P>, LimitedMemory<Dimensionless<P>>>({}), report, keeper);
 }
 
 } // namespace signorini::optimize

@@ -15,8 +15,6 @@ class TruncatedNewton {
 public:
   using Vector = typename P::Vector;
 
-  explicit TruncatedNewton(double first_step) : radius_(first_step) {}
-
   Vector direction(P& problem, const Iterate<P>& at) {
     constexpr int most_products = 200;
     Vector down = at.g;
@@ -84,7 +82,7 @@ public:
   }
 
 private:
-  double radius_;
+  double radius_ = 1;    ///< at first as far as the step leads that units were measured by
   double first_ = 0;     ///< largest gradient norm on free values so far
   double predicted_ = 0; ///< decrease of the quadratic model by the last direction
   bool on_boundary_ = false, steepest_ = false;
@@ -95,7 +93,7 @@ template <TwiceDifferentiable P, class Report, class Keeper = NoKeeper>
 [[nodiscard]] Ending<typename P::Vector> newton_cg(P& problem, typename P::Vector u, const Options& options,
                                                Report&& report, Keeper&& keeper = {}) {
   return search(problem, std::move(u), options,
-                Descent<P, TruncatedNewton<P>>(TruncatedNewton<P>(options.first_step), options), report, keeper);
+                Descent<Dimensionless<P>, TruncatedNewton<Dimensionless<P>>>({}), report, keeper);
 }
 
 } // namespace signorini::optimize

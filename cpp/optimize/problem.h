@@ -77,16 +77,15 @@ struct Ending {
 struct Options {
   int max_iterations = 1000;
   double tolerance = 1e-6; ///< of the stationarity measure, relative to the first
-  double first_step = 1;   ///< length of the first trial step
 };
 
 /// What an iteration did.
 struct Iteration {
   int number = 0;
   double objective = 0;
-  double gradient_norm = 0; ///< ‖u − P(u − g)‖; without bounds ‖g‖
-  double step_length =
-      0; ///< multiple taken of the direction, projected gradient: of the gradient; 0 in row 0
+  double gradient_norm = 0; ///< ‖u − P(u − s g)‖/s with s of the search's Units; without bounds ‖g‖
+  /// Multiple taken of the direction, projected gradient: of the problem's gradient; 0 in row 0.
+  double step_length = 0;
 
   template <class Archive>
   void exchange(Archive& archive) {
@@ -110,6 +109,14 @@ double stationarity(const P& problem, const typename P::Vector& u, const typenam
   problem.project(step);
   step.add(-1, u);
   return norm(problem, step);
+}
+
+/// What of d the bounds let u move along: its projection onto the tangent cone at u.
+template <BoundedProblem P>
+typename P::Vector tangential(const P& problem, const typename P::Vector& u, const typename P::Vector& d) {
+  typename P::Vector along = d;
+  problem.hold(along, u, d);
+  return along;
 }
 
 /// A vector that several hold and none changes, so that the state of a search is cheap to copy.

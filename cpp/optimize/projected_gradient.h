@@ -12,13 +12,11 @@ namespace signorini::optimize {
 /// succeeds either does the failure end the search.
 class RegularisedSteps {
 public:
-  template <BoundedProblem P>
-  std::optional<Ending<typename P::Vector>> advance(P& problem, State<P, RegularisedSteps>& state,
-                                                    const Options& options) {
+  template <TwiceDifferentiable P>
+  std::optional<Ending<typename P::Vector>> advance(Dimensionless<P>& problem,
+                                                    State<Dimensionless<P>, RegularisedSteps>& state, const Options&) {
     constexpr double sufficient = 0.1, change = 10;
     auto& [u, objective, g] = state.current;
-    if (omega_ == 0)
-      omega_ = norm(problem, g) / options.first_step;
     for (bool failed = false;;) {
       typename P::Vector trial = u;
       trial.add(-1 / omega_, g);
@@ -47,7 +45,8 @@ public:
       problem.accept();
       u = std::move(trial);
       objective = value;
-      state.iteration = {state.iteration.number + 1, objective, stationarity(problem, u, g), 1 / used};
+      state.iteration = {state.iteration.number + 1, objective, stationarity(problem, u, g),
+                         problem.units().step / used};
       return std::nullopt;
     }
   }
@@ -58,10 +57,10 @@ public:
   }
 
 private:
-  double omega_ = 0; ///< ω; 0 before the first step
+  double omega_ = 1; ///< ω; at first the curvature that the unit of a step was measured by
 };
 
-template <BoundedProblem P, class Report, class Keeper = NoKeeper>
+template <TwiceDifferentiable P, class Report, class Keeper = NoKeeper>
 [[nodiscard]] Ending<typename P::Vector> projected_gradient(P& problem, typename P::Vector u,
                                                             const Options& options, Report&& report,
                                                             Keeper&& keeper = {}) {

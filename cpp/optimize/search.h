@@ -1,5 +1,5 @@
 #pragma once
-#include "optimize/problem.h"
+#include "optimize/units.h"
 
 namespace signorini::optimize {
 
@@ -11,10 +11,12 @@ struct Iterate {
   typename P::Vector g;
 };
 
-/// Where a search stands between two iterations: all that the next ones depend on.
+/// Where a search stands between two iterations: all that the next ones depend on. But for u it is without
+/// dimension.
 template <BoundedProblem P, class Memory>
 struct State {
   Iterate<P> current;
+  Units units; ///< of the problem at the first guess
   Iteration iteration;
   double first_norm; ///< ‖u − P(u − g)‖ at the first guess
   Memory memory;     ///< of the method
@@ -25,6 +27,7 @@ struct State {
     Shared<typename P::Vector> u = share(current.u);
     archive("u", u);
     current.u = *u;
+    units.exchange(archive);
     iteration.exchange(archive);
     archive("first_norm", first_norm);
     memory.exchange(archive);
@@ -40,7 +43,8 @@ struct NoKeeper {
 };
 
 /// The iterations of a method from the first guess, or from where `keeper` says that it stood, until they
-/// end.
+/// end. The method sees a problem in its own units: none of what follows depends on those in which u and J are given,
+/// and `report`, `keeper` and the caller are told in those.
 ///
 /// `memory.advance(problem, state)` makes one iteration: it moves state.current, state.iteration and the
 /// problem's current point, or says how the search ends. `report(iteration)` is told of the first guess and
@@ -49,24 +53,37 @@ struct NoKeeper {
 /// keeper.store(state) is called where keeper.due(iteration) asks for it and when the search ends.
 /// Interrupted from the problem ends it with the last accepted iterate. Throws SolverFailure if the objective
 /// or its gradient is not finite.
-template <BoundedProblem P, class Memory, class Report, class Keeper>
-[[nodiscard]] Ending<typename P::Vector> search(P& problem, typename P::Vector guess, const Options& options,
+template <TwiceDifferentiable P, class Memory, class Report, class Keeper>
+[[nodiscard]] Ending<typename P::Vector> search(P& given, typename P::Vector guess, const Options& options,
                                                 Memory memory, Report&& report, Keeper&& keeper) {
-  problem.project(guess);
-  State<P, Memory> state{{guess, 0, std::move(guess)}, {}, 0, std::move(memory)};
+  given.project(guess);
+  Dimensionless<P> problem(given);
+  State<Dimensionless<P>, Memory> state{{guess, 0, std::move(guess)}, {}, {}, 0, std::move(memory)};
+  const auto tell = [&] {
+    Iteration told = state.iteration;
+    told.objective *= state.units.objective();
+    told.gradient_norm *= state.units.gradient();
+    report(told);
+  };
   try {
     const bool restored = keeper.restore(state);
-    Iterate<P>& current = state.current;
-    current.objective = problem.value(current.u);
-    current.g = problem.trial_gradient();
-    problem.accept();
+    auto& current = state.current;
+    const double value = given.value(current.u);
+    typename P::Vector g = given.trial_gradient();
+    given.accept();
+    if (!restored) {
+      require_finite({0, value, norm(given, g), 0});
+      state.units = measured(given, current.u, value, g);
+    }
+    problem.measure_in(state.units);
+    current.objective = value / state.units.objective();
+    current.g = problem.stepped(std::move(g));
     if (!restored) {
       state.first_norm = stationarity(problem, current.u, current.g);
       state.iteration = {0, current.objective, state.first_norm, 0};
-      require_finite(state.iteration);
-      report(state.iteration);
+      tell();
     } else {
-      keeper.restored(state.iteration.objective, current.objective);
+      keeper.restored(state.iteration.objective * state.units.objective(), value);
     }
   } catch (const Interrupted&) {
     return {Stop::interrupted};
@@ -88,10 +105,14 @@ template <BoundedProblem P, class Memory, class Report, class Keeper>
     if (end) {
       state.memory = std::move(before);
       keeper.store(state);
+      if (end->certificate) {
+        end->certificate->length *= state.units.gradient();
+        end->certificate->radius *= state.units.length;
+      }
       return std::move(*end);
     }
     require_finite(state.iteration);
-    report(state.iteration);
+    tell();
   }
 }
 

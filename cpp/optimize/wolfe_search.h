@@ -4,14 +4,6 @@
 
 namespace signorini::optimize {
 
-/// What of d the bounds let u move along: its projection onto the tangent cone at u.
-template <BoundedProblem P>
-typename P::Vector tangential(const P& problem, const typename P::Vector& u, const typename P::Vector& d) {
-  typename P::Vector along = d;
-  problem.hold(along, u, d);
-  return along;
-}
-
 template <BoundedProblem P>
 struct Search {
   std::optional<Iterate<P>> found; ///< then it is the problem's trial
