@@ -59,10 +59,14 @@ def orders(folder: Path) -> None:
     for scheme, mass in SCHEMES:
         assert 0.4 < order(folder / "bounce", "displacement", "both", 1, scheme, mass) < 1.3
     # Hertz's solution is that of a half-plane: on this disc it holds to about (a/R)^2 = 0.7 %, and beyond nothing converges to it.
-    study(PRESS, folder / "press", "--sizes", "16,4,1", "--steps", "0.1", "--quantity", "pressure")
-    pressure = table(folder / "press" / "study.csv")
-    print("Hertz: pressure off by", *(f"{100 * error:.2f} %" for error in pressure["pressure_error"]))
-    assert list(pressure["size"]) == [16, 4, 1] and max(pressure["pressure_error"]) > 0.04 and pressure["pressure_error"][-1] < 0.02
+    # Pressures of either degree come within it; those of nodes that functions of degree 2 give no share of their face would not.
+    study(PRESS, folder / "press", "--sizes", "16,4,1", "--steps", "0.1", "--degrees", "1,2", "--quantity", "pressure")
+    rows = table(folder / "press" / "study.csv")
+    for degree in (1, 2):
+        there = rows["degree"] == degree
+        errors = rows["pressure_error"][there]
+        print(f"Hertz, degree {degree}: pressure off by", *(f"{100 * error:.2f} %" for error in errors))
+        assert list(rows["size"][there]) == [16, 4, 1] and max(errors) > 0.04 and errors[-1] < 0.02
 
 
 def columns(folder: Path) -> dict[str, np.ndarray]:
