@@ -100,18 +100,19 @@ double share(const scene::Scene& scene) {
   return std::holds_alternative<scene::DesiredControl>(scene.objective->desired) ? 0.5 : 1;
 }
 
-/// Throws UserError where no machine like this one holds a control for each rank, nor with `motion` a motion of which every
-/// state is in memory: a number of steps that was not meant, and that Linux would grant memory for until it ends the program.
+/// Throws UserError where the memory of a machine for each rank would not hold a control nor, with `motion`, a motion whose
+/// states are all in memory: a number of steps that was not meant, and for which Linux grants memory until it ends the
+/// program.
 void require_memory(const Problem& problem, const control::ControlSpace& controls, bool motion) {
-  const double states = motion && problem.scene.trajectory.storage == "memory"
-                            ? sizeof(PetscScalar) * static_cast<double>(problem.space.dofs()) * problem.steps()
-                            : 0;
-  const double needed = controls.control_bytes() + states,
+  const bool kept = motion && problem.scene.trajectory.storage == "memory";
+  const double state = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
+  const double needed = controls.control_bytes() + (kept ? state * problem.steps() : 0),
                room = machine_memory() * ranks(problem.space.comm());
   if (needed > room)
-    throw UserError(fmt::format("time.step: found {:.10g} s, which makes {} steps, of which a control{} alone take {:.3g} GB of memory, "
-                                "allowed is what fits in the machine's {:.3g} GB",
-                                problem.scene.time.step, problem.steps(), states > 0 ? " and a motion" : "", needed / 1e9, room / 1e9));
+    throw UserError(fmt::format("time.step: found {:.10g} s, which makes {} steps, of which a control{} alone take {:.3g} GB "
+                                "of memory, allowed is what fits in the machine's {:.3g} GB",
+                                problem.scene.time.step, problem.steps(), kept ? " and a motion" : "", needed / 1e9,
+                                room / 1e9));
 }
 
 control::Control first_guess(const control::ControlSpace& controls, const scene::Control& scene) {

@@ -7,7 +7,8 @@
 
 namespace signorini {
 
-/// A number of 64 bits that tells contents apart which nobody made to be alike: FNV-1a of pieces and their lengths.
+/// A number of 64 bits that tells contents apart which nobody made to be alike: FNV-1a of pieces and their
+/// lengths.
 class Digest {
 public:
   Digest& add(std::string_view piece) {

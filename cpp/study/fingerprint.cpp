@@ -15,8 +15,9 @@ namespace {
 /// To be raised with every change of what is measured of a run, or of how.
 constexpr int measurement = 2;
 
-constexpr const char *scene_part = "scene", *program = "program", *ranks_part = "number of ranks", *options = "list of PETSc options",
-                     *mesh_file = "mesh file", *desired_run = "run that objective.desired.run names", *forms = "set of compiled forms",
+constexpr const char *scene_part = "scene", *program = "program", *ranks_part = "number of ranks",
+                     *options = "list of PETSc options", *mesh_file = "mesh file",
+                     *desired_run = "run that objective.desired.run names", *forms = "set of compiled forms",
                      *sample_points = "set of points where fields are compared";
 
 std::string content(const std::filesystem::path& file) {
@@ -36,10 +37,13 @@ std::string digest(const std::filesystem::path& file) {
   return digest.text();
 }
 
-/// A file, and those that it names in quotes and that there are: what Include and Merge read, wherever the name stands.
-void add_with_included(const std::filesystem::path& file, std::set<std::filesystem::path>& seen, Digest& digest) {
+/// A file, and those that it names in quotes and that there are: what Include and Merge read, wherever the
+/// name stands.
+void add_with_included(const std::filesystem::path& file, std::set<std::filesystem::path>& seen,
+                       Digest& digest) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error) || !seen.insert(std::filesystem::weakly_canonical(file, error)).second)
+  if (!std::filesystem::is_regular_file(file, error) ||
+      !seen.insert(std::filesystem::weakly_canonical(file, error)).second)
     return;
   const std::string text = content(file);
   digest.add(text);
@@ -78,12 +82,14 @@ std::string petsc_options() {
   return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-/// Keys that do not pose the problem, but where J is looked at, what is measured, and seconds and memory depend on.
+/// Keys that do not pose the problem, but where J is looked at, what is measured, and seconds and memory
+/// depend on.
 constexpr scene::Keys measured{"check.", "exact.pressure", "trajectory.", "solver.memory"};
 
 } // namespace
 
-Origin::Origin(const scene::Scene& scene, const Samples& samples, int ranks) : scene_(scene), dim_(samples.dim) {
+Origin::Origin(const scene::Scene& scene, const Samples& samples, int ranks)
+    : scene_(scene), dim_(samples.dim) {
   common_[program] = fmt::format("{} with measurement {}", io::versions().dump(), measurement);
   common_[ranks_part] = std::to_string(ranks); // seconds and memory
   common_[options] = petsc_options();

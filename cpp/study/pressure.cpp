@@ -40,9 +40,12 @@ std::vector<EdgeNodes> edges_on(const fem::Space& space, const std::string& grou
   const int dim = topology->dim();
   const auto cell = dolfinx::mesh::cell_type_to_basix_type(topology->cell_type());
   const std::vector<std::vector<std::vector<int>>> corners = basix::cell::topology(cell);
-  const auto cells_of = topology->connectivity(dim - 1, dim), facets_of = topology->connectivity(dim, dim - 1);
+  const auto cells_of = topology->connectivity(dim - 1, dim),
+             facets_of = topology->connectivity(dim, dim - 1);
   const auto dofmap = space.dolfinx()->dofmap();
-  const auto node_of = [&](int entity_dim, int entity) { return dofmap->element_dof_layout().entity_dofs(entity_dim, entity).front(); };
+  const auto node_of = [&](int entity_dim, int entity) {
+    return dofmap->element_dof_layout().entity_dofs(entity_dim, entity).front();
+  };
   std::vector<EdgeNodes> found;
   for (std::int32_t facet : space.mesh().facets(group, key)) {
     const std::int32_t owner = cells_of->links(facet).front();
@@ -51,12 +54,14 @@ std::vector<EdgeNodes> edges_on(const fem::Space& space, const std::string& grou
     const std::vector<int>& facet_corners = corners[static_cast<std::size_t>(dim - 1)][number];
     for (std::size_t edge = 0; edge < corners[1].size(); ++edge) {
       const std::vector<int>& ends = corners[1][edge];
-      if (!std::ranges::all_of(ends, [&](int end) { return std::ranges::find(facet_corners, end) != facet_corners.end(); }))
+      if (!std::ranges::all_of(
+              ends, [&](int end) { return std::ranges::find(facet_corners, end) != facet_corners.end(); }))
         continue;
       const auto nodes = dofmap->cell_dofs(owner);
-      const std::array<std::int32_t, 3> local{nodes[static_cast<std::size_t>(node_of(1, static_cast<int>(edge)))],
-                                              nodes[static_cast<std::size_t>(node_of(0, ends[0]))],
-                                              nodes[static_cast<std::size_t>(node_of(0, ends[1]))]};
+      const std::array<std::int32_t, 3> local{
+          nodes[static_cast<std::size_t>(node_of(1, static_cast<int>(edge)))],
+          nodes[static_cast<std::size_t>(node_of(0, ends[0]))],
+          nodes[static_cast<std::size_t>(node_of(0, ends[1]))]};
       EdgeNodes global{};
       dofmap->index_map->local_to_global(local, global);
       std::sort(global.begin() + 1, global.end()); // as every facet at the edge has it
@@ -72,14 +77,16 @@ std::vector<EdgeNodes> edges_on(const fem::Space& space, const std::string& grou
 
 } // namespace
 
-Pressure::Pressure(const Problem& problem) : area_(static_cast<std::size_t>(problem.stepper.constraints()->count()), 0.0) {
+Pressure::Pressure(const Problem& problem)
+    : area_(static_cast<std::size_t>(problem.stepper.constraints()->count()), 0.0) {
   for (std::size_t i = 0; i < problem.scene.contacts.size(); ++i) {
     const std::vector<double> own = shares(problem, i);
     std::ranges::transform(area_, own, area_.begin(), std::plus<>());
     if (problem.space.degree() > 1)
       add_edges(problem, static_cast<int>(i));
   }
-  MPI_Allreduce(MPI_IN_PLACE, area_.data(), static_cast<int>(area_.size()), MPI_DOUBLE, MPI_SUM, problem.space.comm());
+  MPI_Allreduce(MPI_IN_PLACE, area_.data(), static_cast<int>(area_.size()), MPI_DOUBLE, MPI_SUM,
+                problem.space.comm());
   gather_at_vertices(area_);
   if (problem.space.degree() == 1)
     return;
@@ -102,8 +109,8 @@ void Pressure::add_edges(const Problem& problem, int obstacle) {
     return found == candidate.end() ? -1 : found->second;
   };
   const auto i = static_cast<std::size_t>(obstacle);
-  for (const EdgeNodes& nodes :
-       edges_on(problem.space, problem.scene.contacts[i].on, scene::contact_key(problem.scene.contacts, i) + ".on"))
+  for (const EdgeNodes& nodes : edges_on(problem.space, problem.scene.contacts[i].on,
+                                         scene::contact_key(problem.scene.contacts, i) + ".on"))
     if (const int middle = candidate_at(nodes[0]); middle >= 0)
       edges_.push_back({middle, {candidate_at(nodes[1]), candidate_at(nodes[2])}});
 }

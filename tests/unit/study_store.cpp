@@ -31,7 +31,9 @@ private:
   std::filesystem::path path_;
 };
 
-void write(const std::filesystem::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
+void write(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
 
 std::string content(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -71,7 +73,8 @@ TEST_CASE("a rung comes back to the last bit, and a damaged one not at all", "[s
   CHECK(kept.measured->estimate->space == measured().estimate->space);
   CHECK(kept.measured->estimate->time == measured().estimate->time);
   CHECK(kept.measured->estimate->desired == measured().estimate->desired);
-  CHECK(store.load(rung, own, {{"impulse", "impulse of contact", "N s"}}).unfit == "the impulse of contact was not measured");
+  CHECK(store.load(rung, own, {{"impulse", "impulse of contact", "N s"}}).unfit ==
+        "the impulse of contact was not measured");
 
   const std::filesystem::path file = std::filesystem::directory_iterator(folder / "study/rungs")->path();
   const std::string whole = content(file);
@@ -89,8 +92,8 @@ TEST_CASE("a rung comes back to the last bit, and a damaged one not at all", "[s
       FAIL_CHECK("byte " << at << " of " << whole.size() << " was changed and not missed");
   }
   CHECK(refused("damaged"));
-  CHECK(refused("\xa0"));                         // no keys
-  CHECK(refused("\xa1\x65scene\x60"));            // of an earlier version
+  CHECK(refused("\xa0"));                                             // no keys
+  CHECK(refused("\xa1\x65scene\x60"));                                // of an earlier version
   CHECK(refused("\xa1\x64rung\x5b\xff\xff\xff\xff\xff\xff\xff\xff")); // so many bytes
   write(file, whole);
   CHECK(store.load(rung, own, {J}).measured);
@@ -99,7 +102,8 @@ TEST_CASE("a rung comes back to the last bit, and a damaged one not at all", "[s
 TEST_CASE("a fingerprint changes with everything that numbers depend on, and says with what", "[study]") {
   const Folder folder;
   const std::string include = "lower.inc";
-  write(folder / "block.geo", content(test::source("tests/data/square.geo")) + "Include \"" + include + "\";\n");
+  write(folder / "block.geo",
+        content(test::source("tests/data/square.geo")) + "Include \"" + include + "\";\n");
   write(folder / include, "// nothing yet\n");
   std::filesystem::create_directories(folder / "run");
   write(folder / "run/state.h5", "a motion");
@@ -116,19 +120,25 @@ TEST_CASE("a fingerprint changes with everything that numbers depend on, and say
     change(changed);
     return difference(own, Origin(changed, at, 1).of(rung));
   };
-  CHECK(with([](scene::Scene& s) { s.materials[0].young = 51; }) == "the scene had material.young = 50 and has material.young = 51");
-  CHECK(with([](scene::Scene& s) { s.check.control = {"0", "1"}; }).find("check.control") != std::string::npos);
-  CHECK(with([](scene::Scene& s) { s.exact.emplace().pressure = "1"; }).find("exact.pressure") != std::string::npos);
+  CHECK(with([](scene::Scene& s) { s.materials[0].young = 51; }) ==
+        "the scene had material.young = 50 and has material.young = 51");
+  CHECK(with([](scene::Scene& s) { s.check.control = {"0", "1"}; }).find("check.control") !=
+        std::string::npos);
+  CHECK(with([](scene::Scene& s) { s.exact.emplace().pressure = "1"; }).find("exact.pressure") !=
+        std::string::npos);
   CHECK(with([](scene::Scene& s) { s.objective->gamma = 1; }).find("objective.gamma") != std::string::npos);
   // None of these changes a number.
   CHECK(with([](scene::Scene& s) { s.exact.emplace().impulse = 1; }).empty());
   CHECK(with([](scene::Scene& s) { s.output.every = 7; }).empty());
   CHECK(with([](scene::Scene& s) { s.optimizer.max_iterations = 7; }).empty());
-  CHECK(with([](scene::Scene& s) { s.mesh.size = 0.5, s.time.step = 0.01, s.time.steps = 60; }).empty()); // which the rung sets
+  CHECK(with([](scene::Scene& s) {
+          s.mesh.size = 0.5, s.time.step = 0.01, s.time.steps = 60;
+        }).empty()); // which the rung sets
 
   Samples others = at;
   others.digest = "of another mesh";
-  CHECK(difference(own, Origin(scene, others, 1).of(rung)) == "the set of points where fields are compared is another");
+  CHECK(difference(own, Origin(scene, others, 1).of(rung)) ==
+        "the set of points where fields are compared is another");
   Fingerprint edited = own;
   edited["set of compiled forms"] = "edited";
   CHECK(difference(own, edited) == "the set of compiled forms is another");
@@ -148,7 +158,8 @@ TEST_CASE("a fingerprint changes with everything that numbers depend on, and say
     return found;
   };
   CHECK(edit(folder / "run/state.h5", "another") == "the run that objective.desired.run names is another");
-  CHECK(edit(scene.mesh.file, content(scene.mesh.file) + "Point(9) = {9, 9, 0};\n") == "the mesh file is another");
+  CHECK(edit(scene.mesh.file, content(scene.mesh.file) + "Point(9) = {9, 9, 0};\n") ==
+        "the mesh file is another");
   CHECK(edit(folder / include, "Point(9) = {9, 9, 0};\n") == "the mesh file is another");
   write(folder / "block.geo.opt", "Mesh.Algorithm = 1;\n");
   CHECK(difference(own, Origin(scene, at, 1).of(rung)) == "the mesh file is another");
@@ -158,7 +169,9 @@ TEST_CASE("a fingerprint changes with everything that numbers depend on, and say
 
 TEST_CASE("sample points are told apart by the base mesh, its groups and the end of time", "[study]") {
   const auto digest = [](const std::vector<std::string>& overrides) {
-    return broadcast(MPI_COMM_WORLD, Samples(MPI_COMM_WORLD, test::parse(test::source("tests/data/block.toml"), overrides)).digest);
+    return broadcast(
+        MPI_COMM_WORLD,
+        Samples(MPI_COMM_WORLD, test::parse(test::source("tests/data/block.toml"), overrides)).digest);
   };
   const std::string own = digest({});
   CHECK(own.size() == 16);
