@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <thread>
@@ -177,6 +178,13 @@ int guarded(int argc, char** argv, int rank, int ranks) {
     if (ranks > 1)
       abort_all(rank, error.what(), wrong_input);
     complain(error.what());
+    return wrong_input;
+  } catch (const std::bad_alloc&) {
+    const char* text = "there is not enough memory for this scene, allowed are fewer time steps, larger elements or another "
+                       "trajectory.storage; signorini info tells what each takes";
+    if (ranks > 1)
+      abort_all(rank, text, wrong_input);
+    complain(text);
     return wrong_input;
   } catch (const std::exception& error) {
     if (ranks > 1)

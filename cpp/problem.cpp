@@ -1,5 +1,7 @@
 #include "problem.h"
+#include "base/collective.h"
 #include "base/error.h"
+#include "base/memory.h"
 #include "base/signals.h"
 #include "io/stored_field.h"
 #include <fmt/format.h>
@@ -98,13 +100,28 @@ double share(const scene::Scene& scene) {
   return std::holds_alternative<scene::DesiredControl>(scene.objective->desired) ? 0.5 : 1;
 }
 
+/// Throws UserError where the memory of a machine for each rank would not hold a control nor, with `motion`, a motion whose
+/// states are all in memory: a number of steps that was not meant, and for which Linux grants memory until it ends the
+/// program.
+void require_memory(const Problem& problem, const control::ControlSpace& controls, bool motion) {
+  const bool kept = motion && problem.scene.trajectory.storage == "memory";
+  const double state = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
+  const double needed = controls.control_bytes() + (kept ? state * problem.steps() : 0),
+               room = machine_memory() * ranks(problem.space.comm());
+  if (needed > room)
+    throw UserError(fmt::format("time.step: found {:.10g} s, which makes {} steps, of which a control{} alone take {:.3g} GB "
+                                "of memory, allowed is what fits in the machine's {:.3g} GB",
+                                problem.scene.time.step, problem.steps(), kept ? " and a motion" : "", needed / 1e9,
+                                room / 1e9));
+}
+
 control::Control first_guess(const control::ControlSpace& controls, const scene::Control& scene) {
   return scene.initial ? controls.interpolate(*scene.initial, "control.initial") : controls.zero();
 }
 
-std::optional<control::Control> reference_control(const scene::Scene& scene,
-                                                  const control::ControlSpace& controls) {
-  if (const auto* desired = std::get_if<scene::DesiredControl>(&scene.objective->desired))
+std::optional<control::Control> reference_control(const Problem& problem, const control::ControlSpace& controls) {
+  require_memory(problem, controls, true);
+  if (const auto* desired = std::get_if<scene::DesiredControl>(&problem.scene.objective->desired))
     return controls.interpolate(desired->control, "objective.desired.control");
   return std::nullopt;
 }
@@ -138,6 +155,7 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
     return;
   const scene::Control& control = *problem.scene.control;
   controls_.emplace(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(), control);
+  require_memory(problem, *controls_, false);
   control_ = first_guess(*controls_, control);
   controls_->project(*control_);
 }
@@ -149,7 +167,7 @@ forward::Load GivenControl::load() const {
 ControlProblem::ControlProblem(const Problem& problem, const Console& console)
     : controls(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(),
                *problem.scene.control),
-      reference(reference_control(problem.scene, controls)),
+      reference(reference_control(problem, controls)),
       storage(problem.stepper, problem.scene.trajectory, problem.steps(), share(problem.scene), problem.timers),
       desired_storage(problem.stepper, problem.scene.trajectory, problem.steps(), share(problem.scene), problem.timers),
       objective(controls, problem.operators, problem.stepper.scheme(),

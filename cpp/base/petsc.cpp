@@ -1,6 +1,7 @@
 #include "base/petsc.h"
 #include "base/error.h"
 #include <fmt/format.h>
+#include <new>
 #include <string>
 
 namespace signorini::petsc {
@@ -23,6 +24,8 @@ PetscErrorCode keep_message(MPI_Comm, int, const char*, const char*, PetscErrorC
 void check(PetscErrorCode ierr, std::source_location where) {
   if (ierr == PETSC_SUCCESS)
     return;
+  if (ierr == PETSC_ERR_MEM)
+    throw std::bad_alloc();
   const char* kind = nullptr;
   (void)PetscErrorMessage(ierr, &kind, nullptr);
   std::string detail = std::exchange(first_message(), {});

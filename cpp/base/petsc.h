@@ -8,7 +8,7 @@
 /// PETSc objects with C++ lifetimes.
 namespace signorini::petsc {
 
-/// Throws SolverFailure with PETSc's own message if `ierr` is an error.
+/// Throws SolverFailure with PETSc's own message if `ierr` is an error, std::bad_alloc if memory is short.
 void check(PetscErrorCode ierr, std::source_location where = std::source_location::current());
 
 /// Makes PETSc keep its error messages for check() instead of printing a traceback.

@@ -1,5 +1,6 @@
 #include "fem/forms.h"
 #include "base/counters.h"
+#include "base/digest.h"
 #include "viscoelasticity_tetrahedron_1.h"
 #include "viscoelasticity_tetrahedron_2.h"
 #include "viscoelasticity_triangle_1.h"
@@ -29,14 +30,14 @@ constexpr std::array names{"L2", "L2_surface", "L2_cellwise", "L2_cellwise_surfa
         form_viscoelasticity_##cell##_##degree##_d_elastic                                                   \
   }
 
-Generated generated(const Space& space) {
-  if (space.dim() == 2 && space.degree() == 1)
+Generated generated(int dim, int degree) {
+  if (dim == 2 && degree == 1)
     return SIGNORINI_GENERATED(triangle, 1);
-  if (space.dim() == 2 && space.degree() == 2)
+  if (dim == 2 && degree == 2)
     return SIGNORINI_GENERATED(triangle, 2);
-  if (space.dim() == 3 && space.degree() == 1)
+  if (dim == 3 && degree == 1)
     return SIGNORINI_GENERATED(tetrahedron, 1);
-  if (space.dim() == 3 && space.degree() == 2)
+  if (dim == 3 && degree == 2)
     return SIGNORINI_GENERATED(tetrahedron, 2);
   throw std::logic_error("no forms were compiled for this cell and degree (CMakeLists.txt)");
 }
@@ -58,7 +59,7 @@ Compiled compile(const Space& space, Form form, const scene::Material& material,
   const auto type = form == Form::L2_surface || form == Form::L2_cellwise_surface ? exterior_facet : cell;
   const std::shared_ptr<const dolfinx::fem::FunctionSpace<double>> V = space.dolfinx();
   Compiled compiled = dolfinx::fem::create_form<PetscScalar, double>(
-      *generated(space).at(static_cast<std::size_t>(form)), {V, cellwise_trial ? cellwise(space.mesh()) : V},
+      *generated(space.dim(), space.degree()).at(static_cast<std::size_t>(form)), {V, cellwise_trial ? cellwise(space.mesh()) : V},
       {}, constants, {{type, {{1, entities}}}}, {});
   if (compiled.integral_ids(type) != std::vector{1} || compiled.integral_types() != std::set{type})
     throw std::runtime_error(
@@ -122,6 +123,13 @@ petsc::Matrix assemble_over(const Space& space, const std::string& group, const 
 }
 
 } // namespace
+
+std::string signature(int dim, int degree) {
+  Digest digest;
+  for (const ufcx_form* form : generated(dim, degree))
+    digest.add(form->signature);
+  return digest.text();
+}
 
 petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& parts, double tau,
                        const char* type) {

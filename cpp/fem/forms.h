@@ -9,6 +9,10 @@ namespace signorini::fem {
 /// The bilinear forms of forms/viscoelasticity.py, by their names there.
 enum class Form { L2, L2_surface, L2_cellwise, L2_cellwise_surface, m, a, b, d, d_elastic };
 
+/// Of the forms as they were compiled for simplices of a dimension and functions of a degree: another one where
+/// one of them was edited. Throws std::logic_error if there are none.
+std::string signature(int dim, int degree);
+
 /// Assembles a form of cells on V for the body's parts and a time step, no boundary condition applied: a symmetric
 /// matrix of PETSc type `type` (rows or blocks), its block size the space dimension. In a part without viscosity b is
 /// zero, its zeros stored so that all forms have the same nonzeros, and d is d_elastic. Collective. Throws

@@ -1,5 +1,6 @@
 #include "mesh/mesh.h"
 #include "base/collective.h"
+#include "base/digest.h"
 #include "mesh/gmsh_model.h"
 #include "scene/names.h"
 #include <algorithm>
@@ -81,7 +82,7 @@ Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh) : comm_(comm), file_(mesh.fil
   RawMesh raw;
   on_root(comm, [&] { raw = read_gmsh(mesh); });
   if (rank(comm) == 0)
-    dim_ = raw.dim, diameter_ = bounding_diagonal(raw);
+    dim_ = raw.dim, diameter_ = bounding_diagonal(raw), digest_ = Digest().add(packed(raw)).text();
   MPI_Bcast(&dim_, 1, MPI_INT, 0, comm);
   MPI_Bcast(&diameter_, 1, MPI_DOUBLE, 0, comm);
   mesh_ = distribute(comm, raw, dim_);

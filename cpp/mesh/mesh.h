@@ -50,12 +50,15 @@ public:
   /// on every rank.
   [[nodiscard]] int group_dimension(const std::string& group, const std::string& key) const;
 
+  /// Of points, cells and groups as they were read, on rank 0: another mesh has another one.
+  [[nodiscard]] const std::string& digest() const { return digest_; }
+
   [[nodiscard]] std::shared_ptr<dolfinx::mesh::Mesh<double>> dolfinx() const { return mesh_; }
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
 
 private:
   MPI_Comm comm_;
-  std::string file_;
+  std::string file_, digest_;
   int dim_ = 0;
   double diameter_ = 0;
   std::int64_t cells_ = 0;

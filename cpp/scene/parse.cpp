@@ -54,12 +54,11 @@ Time time(Reader in) {
   time.step = in.number("step", positive_time);
   time.scheme = in.choice("scheme", {"contact-implicit", "contact-stabilized"}, time.scheme);
   const double steps = std::round(time.end / time.step);
-  constexpr double most = 1e8;
-  if (!(steps >= 1 && steps <= most))
+  if (!(steps >= 1 && steps <= Time::most_steps))
     in.fail("step",
             fmt::format(
-                "found {:.10g} s, which makes {:.10g} steps to time.end = {:.10g} s, allowed are 1 to {:.0f}",
-                time.step, time.end / time.step, time.end, most));
+                "found {:.10g} s, which makes {:.10g} steps to time.end = {:.10g} s, allowed are 1 to {}",
+                time.step, time.end / time.step, time.end, Time::most_steps));
   // Decimal fractions such as 7.5e-3 / 5e-5 divide to within a few units in the last place.
   if (std::abs(steps * time.step - time.end) > 1e-9 * time.end)
     in.fail("end", fmt::format("found {:.10g} s, which is {:.10g} steps of {:.10g} s, allowed are whole "
@@ -424,7 +423,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   }
   if (in.has("output")) {
     Reader output = in.table("output");
-    scene.output.every = output.integer("every", 1, 100'000'000, scene.output.every);
+    scene.output.every = output.integer("every", 1, Time::most_steps, scene.output.every);
     if (output.has("fields"))
       scene.output.fields = output.names("fields", Output{}.fields);
     if (output.has("tables"))

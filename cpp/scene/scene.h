@@ -27,6 +27,8 @@ struct Time {
   int steps = 0;   ///< end / step
   std::string scheme = "contact-implicit"; ///< or "contact-stabilized"
 
+  static constexpr int most_steps = 100'000'000; ///< which a number of 32 bits holds, and no run comes to the end of
+
   [[nodiscard]] bool stabilized() const { return scheme == "contact-stabilized"; }
 };
 

@@ -22,17 +22,24 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
   return std::sqrt(sum);
 }
 
-double relative(double difference, double size) { return size > 0 ? difference / size : std::numeric_limits<double>::quiet_NaN(); }
+std::optional<double> finite(double value) { return std::isfinite(value) ? std::optional(value) : std::nullopt; }
 
-/// From what is known: another run, or exact values.
+/// Beside nothing, no difference is none and any other cannot be told in parts of it.
+std::optional<double> relative(double difference, double size) { return difference == 0 && size == 0 ? 0 : finite(difference / size); }
+
+/// From what is known, another run or exact values; none where one of them is not finite.
 template <class Known>
-double distance_to(const Quantity& quantity, const Measured& run, const Known& known) {
+std::optional<double> distance_to(const Quantity& quantity, const Measured& run, const Known& known) {
   if (quantity.field) {
     const std::vector<double>& b = known.fields.at(quantity.name);
     return relative(difference(run.fields.at(quantity.name), b), norm(b));
   }
   const double b = known.numbers.at(quantity.name), off = std::abs(run.numbers.at(quantity.name) - b);
-  return quantity.absolute ? off : relative(off, std::abs(b));
+  return quantity.absolute ? finite(off) : relative(off, std::abs(b));
+}
+
+bool is_finite(const Quantity& quantity, const Measured& run) {
+  return std::isfinite(quantity.field ? norm(run.fields.at(quantity.name)) : run.numbers.at(quantity.name));
 }
 
 bool finer(const Rung& a, const Rung& b) { return std::tuple(-a.size, a.steps, a.degree) > std::tuple(-b.size, b.steps, b.degree); }
@@ -59,9 +66,9 @@ std::optional<Orders::Order> order(const Quantity& quantity, const std::vector<s
                                    const Exact& exact = {}) {
   constexpr double rounding = 1e-9; // below, and some way above for long runs, nothing converges
   std::vector<std::pair<double, double>> points;
-  const auto add = [&](double width, double value) {
-    if (value > rounding)
-      points.emplace_back(width, value);
+  const auto add = [&](double width, std::optional<double> value) {
+    if (value && *value > rounding)
+      points.emplace_back(width, *value);
   };
   if (exact.knows(quantity))
     for (const auto& [width, run] : chain)
@@ -135,11 +142,13 @@ std::optional<double> extrapolated(const Quantity& quantity, const Family& membe
   }
   if (!wider || !longer)
     return std::nullopt;
-  const auto part = [&](const Result& coarse, double ratio, double slope) {
-    return distance_to(quantity, *coarse.measured, *result.measured) / (std::pow(ratio, slope) - 1);
-  };
-  return part(*wider, wider->rung.size / result.rung.size, orders.space->slope) +
-         part(*longer, static_cast<double>(result.rung.steps) / longer->rung.steps, orders.time->slope);
+  const std::optional<double> space = distance_to(quantity, *wider->measured, *result.measured),
+                              time = distance_to(quantity, *longer->measured, *result.measured);
+  if (!space || !time)
+    return std::nullopt;
+  const auto part = [](double distance, double ratio, double slope) { return distance / (std::pow(ratio, slope) - 1); };
+  return finite(part(*space, wider->rung.size / result.rung.size, orders.space->slope) +
+                part(*time, static_cast<double>(result.rung.steps) / longer->rung.steps, orders.time->slope));
 }
 
 std::vector<bool> pareto_front(const std::vector<Result>& results, const std::vector<std::optional<double>>& error) {
@@ -161,7 +170,8 @@ Errors errors(const Quantity& quantity, const std::vector<Result>& results, cons
   Errors found{quantity, exact.knows(quantity), {}, {}, {}, {}, {}};
   if (!found.exact)
     for (std::size_t i = 0; i < results.size(); ++i)
-      if (results[i].measured && (!found.reference || finer(results[i].rung, results[*found.reference].rung)))
+      if (results[i].measured && is_finite(quantity, *results[i].measured) &&
+          (!found.reference || finer(results[i].rung, results[*found.reference].rung)))
         found.reference = i;
   for (std::size_t i = 0; i < results.size(); ++i) {
     const std::optional<Measured>& run = results[i].measured;
@@ -171,10 +181,10 @@ Errors errors(const Quantity& quantity, const std::vector<Result>& results, cons
       continue;
     if (found.exact)
       found.error.back() = distance_to(quantity, *run, exact);
-    else if (i != *found.reference)
+    else if (found.reference && i != *found.reference)
       found.error.back() = distance_to(quantity, *run, *results[*found.reference].measured);
     if (quantity.name == "J" && run->estimate && run->estimate->space)
-      found.estimate.back() = std::abs(run->estimate->sum()) / std::abs(run->numbers.at("J"));
+      found.estimate.back() = relative(std::abs(run->estimate->sum()), std::abs(run->numbers.at("J")));
   }
   for (const Family& family : families(results)) {
     const Orders orders = orders_of(quantity, family, {});

@@ -6,23 +6,42 @@
 #include <fmt/format.h>
 
 namespace signorini::study {
+namespace {
+constexpr const char *massless = "massless", *mixed = "mixed";
+}
 
 const std::vector<std::string>& scheme_names() {
-  static const std::vector<std::string> names{"contact-implicit", "contact-stabilized", "massless"};
+  static const std::vector<std::string> names{"contact-implicit", "contact-stabilized", massless};
   return names;
+}
+
+SchemeAndMass scheme_and_mass(const std::string& scheme) {
+  if (scheme == massless || scheme == mixed)
+    return {scheme_names().front(), scheme};
+  return {scheme, "consistent"};
 }
 
 namespace {
 
 std::string own_scheme(const scene::Scene& scene) {
-  if (std::ranges::any_of(scene.contacts, [](const scene::Contact& contact) { return contact.massless; }))
-    return "massless";
-  return scene.time.scheme;
+  const auto without = std::ranges::count_if(scene.contacts, &scene::Contact::massless);
+  if (without == 0)
+    return scene.time.scheme;
+  return without == std::ssize(scene.contacts) ? massless : mixed;
 }
 
 template <class T>
 std::vector<T> or_default(const std::vector<T>& given, std::vector<T> otherwise) {
   return given.empty() ? std::move(otherwise) : given;
+}
+
+/// The whole number of steps to time.end whose length is nearest.
+int steps_of(double tau, double end) {
+  const double steps = std::round(end / tau);
+  if (!(steps <= scene::Time::most_steps))
+    throw UserError(fmt::format("--steps: found {} s, which makes {:.10g} steps to time.end = {:.10g} s, allowed are 1 to {}", tau,
+                                end / tau, end, scene::Time::most_steps));
+  return std::max(1, static_cast<int>(steps));
 }
 
 void require_positive(const std::vector<double>& values, const char* option, const char* unit) {
@@ -56,7 +75,7 @@ std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
     for (double tau : or_default(choice.steps, {4 * step, 2 * step, step}))
       for (int degree : or_default(choice.degrees, {scene.mesh.degree}))
         for (const std::string& scheme : or_default(choice.schemes, {own_scheme(scene)}))
-          rungs.push_back({width, std::max(1, static_cast<int>(std::lround(scene.time.end / tau))), degree, scheme});
+          rungs.push_back({width, steps_of(tau, scene.time.end), degree, scheme});
   std::ranges::sort(rungs);
   const auto twice = std::ranges::unique(rungs);
   rungs.erase(twice.begin(), twice.end());
@@ -69,10 +88,10 @@ scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
   changed.mesh.degree = rung.degree;
   changed.time.steps = rung.steps;
   changed.time.step = scene.time.end / rung.steps;
-  const bool massless = rung.scheme == "massless";
-  changed.time.scheme = massless ? "contact-implicit" : rung.scheme;
-  for (scene::Contact& contact : changed.contacts)
-    contact.massless = massless;
+  changed.time.scheme = scheme_and_mass(rung.scheme).scheme;
+  if (rung.scheme != mixed)
+    for (scene::Contact& contact : changed.contacts)
+      contact.massless = rung.scheme == massless;
   return changed;
 }
 

@@ -12,7 +12,9 @@ struct Rung {
   double size = 1; ///< element size, m; in a scene without mesh.size the scale of the .geo's own
   int steps = 0;
   int degree = 1;
-  std::string scheme = "contact-implicit"; ///< or "contact-stabilized", or "massless": contact-implicit with massless contact
+  /// Or "contact-stabilized", or "massless": contact-implicit with massless contact; or "mixed": contact-implicit where some tables
+  /// of contact are massless and others not, as the scene has it.
+  std::string scheme = "contact-implicit";
 
   friend auto operator<=>(const Rung&, const Rung&) = default;
 };
@@ -27,9 +29,16 @@ struct Choice {
 /// Names that --schemes takes.
 const std::vector<std::string>& scheme_names();
 
+/// A rung's time.scheme and contact.mass, the latter "mixed" where it is not one for all.
+struct SchemeAndMass {
+  std::string scheme, mass;
+};
+SchemeAndMass scheme_and_mass(const std::string& scheme);
+
 /// Every size with every step, degree and scheme; the default is the scene's own with twice and four times its size and step. Where
 /// the .geo sets its own sizes they are scales of these; a .msh has one.
-/// Steps are the nearest that divide time.end. Throws UserError.
+/// Steps are the nearest that divide time.end. A scheme that is named holds for every contact; without one they are as the
+/// scene has them. Throws UserError.
 std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice);
 
 /// The scene with the size, step, degree and scheme of a rung.

@@ -1,10 +1,12 @@
 #include "study/measure.h"
 #include "base/collective.h"
+#include "base/digest.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "estimate.h"
 #include "evaluation_point.h"
 #include "forward/balance.h"
+#include "study/pressure.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -61,7 +63,7 @@ public:
     if (has(wanted, "displacement"))
       displacement_.emplace(samples, problem.space);
     if (has(wanted, "pressure"))
-      area_ = contact_area(problem);
+      pressure_.emplace(problem);
   }
 
   void operator()(const forward::Frame& frame) {
@@ -90,8 +92,8 @@ public:
           check(VecAXPY(y, tau / 2 * s * (1 - s), frame.v0));
         }
       });
-    if (frame.last && !area_.empty())
-      last_force_ = frame.contact.lambda;
+    if (pressure_ && frame.k > 0 && frame.k + 2 > problem_.steps())
+      last_forces_.push_back(frame.contact.lambda);
   }
 
   void report(Measured& measured) {
@@ -107,45 +109,29 @@ public:
     give("peak_force", peak_);
     give("contact_start", contact_steps_ > 0 ? start_ : problem_.scene.time.end);
     give("contact_time", contact_steps_ * tau);
-    if (!area_.empty())
+    if (pressure_)
       measured.numbers["pressure"] = pressure_error();
   }
 
 private:
-  /// The share of the contact surface of each candidate.
-  static std::vector<double> contact_area(const Problem& problem) {
-    const contact::Constraints& constraints = *problem.stepper.constraints();
-    std::vector<double> area(static_cast<std::size_t>(constraints.count()), 0.0);
-    for (std::size_t i = 0; i < problem.scene.contacts.size(); ++i) {
-      const petsc::Matrix mass =
-          fem::assemble_L2(problem.space, problem.scene.contacts[i].on, scene::contact_key(problem.scene.contacts, i) + ".on");
-      const petsc::Vector one = problem.space.vector(), sum = problem.space.vector();
-      check(VecSet(one, 1));
-      check(MatMult(mass, one, sum));
-      PetscInt begin = 0, end = 0;
-      check(VecGetOwnershipRange(sum, &begin, &end));
-      const petsc::ReadArray values(sum);
-      for (std::size_t j = 0; j < area.size(); ++j)
-        if (const PetscInt dof = constraints.first_dofs()[j]; constraints.obstacles()[j] == static_cast<int>(i) && dof >= begin && dof < end)
-          area[j] = values[static_cast<std::size_t>(dof - begin)];
-    }
-    MPI_Allreduce(MPI_IN_PLACE, area.data(), static_cast<int>(area.size()), MPI_DOUBLE, MPI_SUM, problem.space.comm());
-    return area;
-  }
-
-  /// Of the last step, relative in L2 of the contact surface.
+  /// Of the last two steps, since single forces alternate, relative in L2 of the contact surface.
   [[nodiscard]] double pressure_error() const {
     const scene::Field exact({*problem_.scene.exact->pressure}, "exact.pressure", false);
-    const contact::Constraints& constraints = *problem_.stepper.constraints();
+    const std::vector<double>& points = problem_.stepper.constraints()->points();
+    std::vector<double> mean(points.size() / 3, 0.0);
+    for (const std::vector<double>& force : last_forces_)
+      for (std::size_t i = 0; i < mean.size(); ++i)
+        mean[i] += force[i] / static_cast<double>(last_forces_.size());
+    const std::vector<double> found = (*pressure_)(std::move(mean), problem_.stepper.scheme().impulse());
     double error = 0, size = 0;
-    for (std::size_t i = 0; i < area_.size(); ++i) {
-      double p = 0;
-      exact.evaluate(&constraints.points()[3 * i], 0, &p);
-      if (area_[i] <= 0)
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const double area = pressure_->area()[i];
+      if (area <= 0)
         continue;
-      const double found = last_force_[i] / problem_.stepper.scheme().impulse() / area_[i];
-      error += area_[i] * (found - p) * (found - p);
-      size += area_[i] * p * p;
+      double p = 0;
+      exact.evaluate(&points[3 * i], 0, &p);
+      error += area * (found[i] - p) * (found[i] - p);
+      size += area * p * p;
     }
     return std::sqrt(error / size);
   }
@@ -154,7 +140,8 @@ private:
   const std::vector<Quantity>& wanted_;
   forward::Balance weigh_;
   std::optional<Series> displacement_;
-  std::vector<double> area_, last_force_;
+  std::optional<Pressure> pressure_;
+  std::vector<std::vector<double>> last_forces_;
   double energy_ = 0, lost_ = 0, peak_ = 0, start_ = 0;
   int contact_steps_ = 0;
   std::array<double, 3> before_{}, impulse_{};
@@ -207,6 +194,7 @@ Samples::Samples(MPI_Comm comm, const scene::Scene& scene) {
     const mesh::Mesh read(comm, mesh);
     dim = read.dim();
     body = fem::quadrature(read);
+    digest = read.digest();
     const std::size_t points = body.weights.size();
     if (points <= most || mesh.file.extension() == ".msh" || points >= before) // a .geo may set its own density
       break;
@@ -215,6 +203,7 @@ Samples::Samples(MPI_Comm comm, const scene::Scene& scene) {
   }
   for (int j = 0; j <= intervals; ++j)
     times.push_back(scene.time.end * j / intervals);
+  digest = Digest().add(digest).add(body.points).add(body.weights).add(times).text();
 }
 
 void Samples::scale(std::vector<double>& values) const {

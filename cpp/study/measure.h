@@ -10,6 +10,7 @@ struct Samples {
   fem::Quadrature body;
   int dim = 2;
   std::vector<double> times; ///< s, from 0 to time.end at equal distances
+  std::string digest;        ///< of them and of the mesh that they are from, on rank 0
 
   /// Points of the scene's own mesh or of one twice, four times … as wide, until there are few enough or no fewer. Collective.
   /// Throws UserError.

@@ -1,7 +1,9 @@
 #include "study/store.h"
+#include "base/digest.h"
 #include "base/error.h"
 #include "io/manifest.h"
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <fmt/format.h>
 #include <fstream>
@@ -28,6 +30,45 @@ std::vector<double> unpacked(const Json& json) {
   return values;
 }
 
+Json to_json(const Measured& measured) {
+  Json json{{"unknowns", measured.unknowns},
+            {"seconds", measured.seconds},
+            {"memory", measured.memory},
+            {"numbers", measured.numbers},
+            {"fields", Json::object()}};
+  for (const auto& [name, values] : measured.fields)
+    json["fields"][name] = packed(values);
+  if (const auto& estimate = measured.estimate) {
+    json["estimate"] = {{"time", estimate->time}, {"initial", estimate->initial}, {"desired", estimate->desired}};
+    if (estimate->space)
+      json["estimate"]["space"] = *estimate->space;
+  }
+  return json;
+}
+
+Measured from_json(const Json& json) {
+  Measured measured;
+  measured.unknowns = json.at("unknowns");
+  measured.seconds = json.at("seconds");
+  measured.memory = json.at("memory");
+  measured.numbers = json.at("numbers").get<std::map<std::string, double>>();
+  for (const auto& [name, values] : json.at("fields").items())
+    measured.fields[name] = unpacked(values);
+  if (json.contains("estimate")) {
+    const Json& parts = json.at("estimate");
+    measured.estimate = {std::nullopt, parts.at("time"), parts.at("initial"), parts.at("desired")};
+    if (parts.contains("space"))
+      measured.estimate->space = parts.at("space");
+  }
+  return measured;
+}
+
+std::string digest_of(const std::vector<std::uint8_t>& bytes) {
+  return Digest().add({reinterpret_cast<const char*>(bytes.data()), bytes.size()}).text();
+}
+
+constexpr const char* damaged = "its file is damaged, or of another version of this program";
+
 void replace(const std::filesystem::path& file, const char* data, std::size_t size) {
   std::filesystem::path partial = file;
   partial += ".partial";
@@ -44,8 +85,8 @@ void replace(const std::filesystem::path& file, const char* data, std::size_t si
   }
 }
 
-/// A number as text; nothing for one that there is not.
-std::string shown(const std::optional<double>& value) { return value ? fmt::format("{:.17g}", *value) : ""; }
+/// A number as text; nothing for one that there is not, or that is none.
+std::string shown(const std::optional<double>& value) { return value && std::isfinite(*value) ? fmt::format("{:.17g}", *value) : ""; }
 
 Json given(const std::optional<Orders::Order>& order) { return order ? Json(order->slope) : Json(); }
 
@@ -72,47 +113,34 @@ std::filesystem::path Store::file(const Rung& rung) const {
   return folder_ / rungs / fmt::format("size-{:.10g}-steps-{}-degree-{}-{}.cbor", rung.size, rung.steps, rung.degree, rung.scheme);
 }
 
-std::optional<Measured> Store::load(const Rung& rung, const std::string& echo, const std::vector<Quantity>& wanted) const {
+Kept Store::load(const Rung& rung, const Fingerprint& fingerprint, const std::vector<Quantity>& wanted) const {
   std::ifstream in(file(rung), std::ios::binary);
   if (!in)
-    return std::nullopt;
-  const Json json = Json::from_cbor(in, true, false);
-  if (json.is_discarded() || json.value("scene", "") != echo)
-    return std::nullopt; // of another scene, or damaged: it runs again
-  Measured measured;
-  measured.unknowns = json.at("unknowns");
-  measured.seconds = json.at("seconds");
-  measured.memory = json.at("memory");
-  measured.numbers = json.at("numbers").get<std::map<std::string, double>>();
-  for (const auto& [name, values] : json.at("fields").items())
-    measured.fields[name] = unpacked(values);
-  if (json.contains("estimate")) {
-    const Json& parts = json.at("estimate");
-    measured.estimate = {std::nullopt, parts.at("time"), parts.at("initial"), parts.at("desired")};
-    if (parts.contains("space"))
-      measured.estimate->space = parts.at("space");
+    return {};
+  try {
+    const Json whole = Json::from_cbor(in);
+    const auto& bytes = whole.at("rung").get_binary();
+    if (whole.at("digest") != digest_of(bytes))
+      return {std::nullopt, damaged};
+    const Json json = Json::from_cbor(bytes);
+    if (const std::string other = difference(json.at("fingerprint").get<Fingerprint>(), fingerprint); !other.empty())
+      return {std::nullopt, other};
+    Measured measured = from_json(json);
+    for (const Quantity& quantity : wanted)
+      if (!(quantity.field ? measured.fields.contains(quantity.name) : measured.numbers.contains(quantity.name)))
+        return {std::nullopt, fmt::format("the {} was not measured", quantity.title)};
+    return {std::move(measured), ""};
+  } catch (const Json::exception&) {
+    return {std::nullopt, damaged};
   }
-  for (const Quantity& quantity : wanted)
-    if (!(quantity.field ? measured.fields.contains(quantity.name) : measured.numbers.contains(quantity.name)))
-      return std::nullopt;
-  return measured;
 }
 
-void Store::save(const Rung& rung, const std::string& echo, const Measured& measured) const {
-  Json json{{"scene", echo},
-            {"unknowns", measured.unknowns},
-            {"seconds", measured.seconds},
-            {"memory", measured.memory},
-            {"numbers", measured.numbers},
-            {"fields", Json::object()}};
-  for (const auto& [name, values] : measured.fields)
-    json["fields"][name] = packed(values);
-  if (const auto& estimate = measured.estimate) {
-    json["estimate"] = {{"time", estimate->time}, {"initial", estimate->initial}, {"desired", estimate->desired}};
-    if (estimate->space)
-      json["estimate"]["space"] = *estimate->space;
-  }
-  const std::vector<std::uint8_t> bytes = Json::to_cbor(json);
+void Store::save(const Rung& rung, const Fingerprint& fingerprint, const Measured& measured) const {
+  Json json = to_json(measured);
+  json["fingerprint"] = fingerprint;
+  std::vector<std::uint8_t> inner = Json::to_cbor(json);
+  const std::string digest = digest_of(inner);
+  const std::vector<std::uint8_t> bytes = Json::to_cbor(Json{{"digest", digest}, {"rung", Json::binary(std::move(inner))}});
   replace(file(rung), reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
@@ -130,10 +158,9 @@ std::string csv(const std::vector<Result>& results, const std::vector<Errors>& e
     const auto& [rung, run] = results[i];
     if (!run)
       continue;
-    const bool massless = rung.scheme == "massless";
+    const auto [scheme, mass] = scheme_and_mass(rung.scheme);
     text += fmt::format("{},{:.17g},{:.17g},{},{},{},{},{},{:.6g},{:.0f}", i + 1, rung.size, end / rung.steps, rung.degree,
-                        massless ? "contact-implicit" : rung.scheme, massless ? "massless" : "consistent", run->unknowns, rung.steps,
-                        run->seconds, run->memory);
+                        scheme, mass, run->unknowns, rung.steps, run->seconds, run->memory);
     for (const Errors& one : errors) {
       const std::optional<double> &error = one.error[i], &estimate = one.estimate[i];
       text += fmt::format(",{},{},{},{},{:d}",
@@ -169,11 +196,11 @@ std::string json(const scene::Scene& scene, const std::vector<Result>& results, 
         {"title", one.quantity.title}, {"unit", one.quantity.unit}, {"reference", one.exact ? "exact" : "finest rung"}};
   json["orders"] = nlohmann::ordered_json::array();
   for (const Orders& one : orders) {
-    const bool massless = one.scheme == "massless";
+    const auto [scheme, mass] = scheme_and_mass(one.scheme);
     json["orders"].push_back({{"quantity", one.quantity},
                               {"degree", one.degree},
-                              {"scheme", massless ? "contact-implicit" : one.scheme},
-                              {"mass", massless ? "massless" : "consistent"},
+                              {"scheme", scheme},
+                              {"mass", mass},
                               {"space", given(one.space)},
                               {"time", given(one.time)},
                               {"both", given(one.both)},

@@ -1,9 +1,15 @@
 #pragma once
 #include "io/folder_lock.h"
-#include "study/analysis.h"
+#include "study/fingerprint.h"
 #include <filesystem>
 
 namespace signorini::study {
+
+/// What the folder of a study has of a rung.
+struct Kept {
+  std::optional<Measured> measured; ///< empty if it has to run
+  std::string unfit;                ///< why its file is of no use; empty if there is none
+};
 
 /// The folder of a study: one file for each rung that has run, from which a later study of the same scene goes on, and the tables
 /// of all of them. Used on rank 0. Files are replaced as a whole. Throws UserError.
@@ -13,9 +19,9 @@ public:
   explicit Store(const std::filesystem::path& folder);
   ~Store();
 
-  /// What a rung gave, if it ran with the same resolved scene (`echo`) and these quantities among others.
-  [[nodiscard]] std::optional<Measured> load(const Rung& rung, const std::string& echo, const std::vector<Quantity>& wanted) const;
-  void save(const Rung& rung, const std::string& echo, const Measured& measured) const;
+  /// What a rung gave, if its file is whole, of the same fingerprint, and has these quantities among others.
+  [[nodiscard]] Kept load(const Rung& rung, const Fingerprint& fingerprint, const std::vector<Quantity>& wanted) const;
+  void save(const Rung& rung, const Fingerprint& fingerprint, const Measured& measured) const;
 
   /// Writes a text file.
   void write(const std::string& name, const std::string& text) const;

@@ -145,16 +145,6 @@ private:
   std::vector<std::string> sentences_;
 };
 
-/// What a rung's file must have been made from: its scene without what makes no difference to the numbers.
-std::string fingerprint(const scene::Scene& scene, const Rung& rung, int dim) {
-  scene::Scene changed = on_rung(scene, rung);
-  changed.output = {};
-  changed.run = {};
-  changed.optimizer = {};
-  changed.exact.reset();
-  return scene::echo(changed, dim);
-}
-
 bool on_all(MPI_Comm comm, bool root_says) {
   int flag = root_says;
   MPI_Bcast(&flag, 1, MPI_INT, 0, comm);
@@ -177,6 +167,9 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   const Samples samples(comm, scene);
   const Exact exact = exact_values(scene, samples);
   std::ranges::stable_sort(rungs, {}, [&](const Rung& rung) { return work(rung, samples.dim); });
+  std::optional<Origin> origin;
+  if (root && !options.dry_run)
+    origin.emplace(scene, samples, ranks(comm));
   std::optional<Prices> price;
   if (options.dry_run || options.budget)
     price = prices(comm, scene, rungs, samples);
@@ -185,23 +178,28 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
     return 0;
   }
   std::vector<Result> results;
-  for (const Rung& rung : rungs)
-    results.push_back({rung, std::nullopt});
+  std::vector<std::string> unfit(rungs.size());
   int ran = 0, kept = 0, status = 0;
+  for (std::size_t i = 0; i < rungs.size(); ++i) { // all of them, so that errors are against the finest wherever this study ends
+    Kept found;
+    if (root)
+      found = store->load(rungs[i], origin->of(rungs[i]), wanted);
+    kept += found.measured.has_value();
+    results.push_back({rungs[i], std::move(found.measured)});
+    unfit[i] = std::move(found.unfit);
+  }
+  MPI_Bcast(&kept, 1, MPI_INT, 0, comm);
   std::optional<std::size_t> left;
   for (std::size_t i = 0; i < results.size() && status == 0; ++i) {
     const Rung& rung = results[i].rung;
-    const std::string echo = fingerprint(scene, rung, samples.dim);
-    if (root)
-      results[i].measured = store->load(rung, echo, wanted);
-    if (on_all(comm, results[i].measured.has_value())) {
-      ++kept;
+    if (on_all(comm, results[i].measured.has_value()))
       continue;
-    }
     if (on_all(comm, options.budget && seconds_since(start) + price->seconds(rung) > *options.budget)) {
       left = i;
       break;
     }
+    if (!unfit[i].empty())
+      console.line(fmt::format("rung {} of {} runs again: {}", i + 1, results.size(), unfit[i]));
     const auto began = Clock::now();
     try {
       results[i].measured = measure(comm, on_rung(scene, rung), samples, wanted, scene.objective.has_value());
@@ -209,7 +207,7 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
       constexpr int interrupted = 130;
       status = interrupted;
       break;
-    } catch (const SolverFailure&) { // perhaps of one rank alone
+    } catch (const std::exception&) { // perhaps of one rank alone
       if (root && ran + kept > 0)
         Summary(scene, wanted, results, exact).write(*store);
       throw;
@@ -217,7 +215,7 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
     if (price)
       price->learn(rung, seconds_since(began));
     ++ran;
-    on_root(comm, [&] { store->save(rung, echo, *results[i].measured); });
+    on_root(comm, [&] { store->save(rung, origin->of(rung), *results[i].measured); });
     console.line(fmt::format("rung {} of {}: {}: {} unknowns, {:.3g} s; {} so far", i + 1, results.size(), words(rung, scene),
                              results[i].measured->unknowns, results[i].measured->seconds, duration(seconds_since(start))));
   }

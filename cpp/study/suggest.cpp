@@ -46,7 +46,8 @@ Rung proposal(const Trial& from, double target, int dim, double r, double q) {
   Rung next = from.rung;
   next.size *= factor(from.space(), share * target, r);
   next.size = std::stod(fmt::format("{:.2g}", next.size));
-  next.steps = static_cast<int>(std::ceil(from.rung.steps / factor(from.time(), (1 - share) * target, q)));
+  const double steps = std::ceil(from.rung.steps / factor(from.time(), (1 - share) * target, q));
+  next.steps = static_cast<int>(std::min<double>(steps, scene::Time::most_steps));
   return next;
 }
 

@@ -1,10 +1,11 @@
 """signorini study: what it prices, runs, keeps and refuses; orders where the solution is known; equal figures on two ranks."""
 
 import json
+import re
+import signal
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -58,39 +59,193 @@ def orders(folder: Path) -> None:
     for scheme, mass in SCHEMES:
         assert 0.4 < order(folder / "bounce", "displacement", "both", 1, scheme, mass) < 1.3
     # Hertz's solution is that of a half-plane: on this disc it holds to about (a/R)^2 = 0.7 %, and beyond nothing converges to it.
-    study(PRESS, folder / "press", "--sizes", "16,4,1", "--steps", "0.1", "--quantity", "pressure")
-    pressure = table(folder / "press" / "study.csv")
-    print("Hertz: pressure off by", *(f"{100 * error:.2f} %" for error in pressure["pressure_error"]))
-    assert list(pressure["size"]) == [16, 4, 1] and max(pressure["pressure_error"]) > 0.04 and pressure["pressure_error"][-1] < 0.02
+    # Pressures of either degree come within it; those of nodes that functions of degree 2 give no share of their face would not.
+    study(PRESS, folder / "press", "--sizes", "16,4,1", "--steps", "0.1", "--degrees", "1,2", "--quantity", "pressure")
+    rows = table(folder / "press" / "study.csv")
+    for degree in (1, 2):
+        there = rows["degree"] == degree
+        errors = rows["pressure_error"][there]
+        print(f"Hertz, degree {degree}: pressure off by", *(f"{100 * error:.2f} %" for error in errors))
+        assert list(rows["size"][there]) == [16, 4, 1] and max(errors) > 0.04 and errors[-1] < 0.02
+
+
+def columns(folder: Path) -> dict[str, np.ndarray]:
+    """What a study found, but for what it took: rung by rung, cheapest first."""
+    rows = table(folder / "study.csv")
+    timed = {"rung", "seconds", "memory_bytes", *(name for name in rows if name.endswith("_pareto"))}
+    order = np.lexsort((rows["steps"], rows["size"]))
+    return {name: values[order] for name, values in rows.items() if name not in timed}
+
+
+def same(a: Path, b: Path) -> bool:
+    """To the last bit."""
+    first, second = columns(a), columns(b)
+    return first.keys() == second.keys() and all(np.array_equal(first[name], second[name], equal_nan=first[name].dtype.kind == "f")
+                                                 for name in first)  # fmt: skip
 
 
 def ladder(folder: Path) -> None:
-    """Prices ascend and are of the size of what then passes; a budget stops, what is there is kept, and a damaged rung runs again."""
-    choice = ("--sizes", "4,2,1,0.5,0.35", "--steps", "2.5e-4,1.25e-4,1e-4,7.5e-5,5e-5,3.75e-5", "--quantity", "J")
+    """Prices of all rungs; a budget stops, what is there is kept whatever the budget, and a damaged rung runs again."""
+    sizes = ("--sizes", "4,2,1,0.5,0.35")
+    choice = (*sizes, "--steps", "2.5e-4,1.25e-4,1e-4,7.5e-5,5e-5,3.75e-5", "--quantity", "J")
     priced = study(HALF_DISC, None, *choice, "--dry-run").stdout
     assert "all 30: about" in priced and priced.count("size") == 30
     out = folder / "ladder"
-    start = time.monotonic()
-    budget = 2.0
-    stopped = study(HALF_DISC, out, *choice, "--budget", f"{budget}s").stdout
-    passed = time.monotonic() - start
-    some = len(table(out / "study.csv")["rung"])
-    print(f"budget of {budget} s: {some} of 30 rungs in {passed:.1f} s with set-up")
-    assert 3 <= some < 30 and "the budget ends before rung" in stopped
-    assert passed < 2 * budget + 3  # starting takes time too, and a rung may take longer than it is priced
+    none = study(HALF_DISC, out, *choice, "--budget", "1e-9s").stdout
+    assert "no rung has run: nothing is written" in none and not (out / "study.csv").exists()
+    study(HALF_DISC, out, *sizes, "--steps", "2.5e-4", "--quantity", "J")
+    stopped = study(HALF_DISC, out, *choice, "--budget", "1e-9s").stdout
+    assert "5 of 30 rungs were there already" in stopped and "the budget ends before rung" in stopped
+    some = table(out / "study.csv")
+    assert set(some["size"]) == {4, 2, 1, 0.5, 0.35} and list(some["steps"]) == [30] * 5
     (out / "rungs" / "size-4-steps-30-degree-1-contact-implicit.cbor").write_bytes(b"damaged")
-    resumed = study(HALF_DISC, out, *choice).stdout
-    assert f"{some - 1} of 30 rungs were there already" in resumed
+    resumed = study(HALF_DISC, out, *choice, "--budget", "100h").stdout
+    assert "4 of 30 rungs were there already" in resumed
+    assert re.search(r"^rung \d+ of 30 runs again: its file is damaged", resumed, re.MULTILINE) and resumed.count("runs again") == 1
     rows = table(out / "study.csv")
     assert len(rows["rung"]) == 30 and np.isfinite(rows["J"]).all() and sum(np.isnan(rows["J_error"])) == 1
+    before = (out / "study.csv").read_bytes()
     again = study(HALF_DISC, out, *choice).stdout
     assert "30 of 30 rungs were there already" in again and "rung 1 of 30: size" not in again
-    # Of the front each is more accurate than all that are cheaper.
-    front = sorted((s, e) for s, e, p in zip(rows["seconds"], rows["J_error"], rows["J_pareto"]) if p == 1)
-    assert len(front) > 2 and all(a[1] > b[1] for a, b in zip(front, front[1:]))
+    assert (out / "study.csv").read_bytes() == before
+    for s, e, front in zip(rows["seconds"], rows["J_error"], rows["J_pareto"]):
+        beaten = np.isnan(e) or bool(((rows["seconds"] < s) & (rows["J_error"] <= e)).any())
+        assert front == (not beaten)
     effectivity = rows["J_effectivity"][np.isfinite(rows["J_effectivity"])]
     print(f"effectivity of {len(effectivity)} estimates of J's error: {min(effectivity):.2f} to {max(effectivity):.2f}")
-    assert len(effectivity) > 10 and 0.3 < np.median(effectivity) < 3
+    assert len(effectivity) > 10 and 0.5 < np.median(effectivity) < 2
+
+
+BLOCK = (DATA / "block.toml").read_text().replace("end = 0.6", "end = 0.2")
+BLOCK_LADDER = ("--sizes", "0.5,0.3", "--steps", "0.02", "--quantity", "J,displacement,impulse")
+
+
+def kept(folder: Path) -> None:
+    """A rung is kept as long as nothing that its numbers depend on has changed; else the study is one that starts anew."""
+    square = (DATA / "square.geo").read_text()
+    files = {"block.toml": BLOCK, "square.geo": square}
+    including = {"square.geo": 'Include "corner.inc";\n' + square.replace("{1, 1, 0}", "{1, 1 + c, 0}"), "corner.inc": "c = 0;"}
+    # What there is, what changes, and what is said.
+    changes = {
+        "the scene's own size, from which points to compare at come": ({}, {"block.toml": BLOCK.replace("size = 0.25", "size = 0.15")}, "points"),
+        "the material": ({}, {"block.toml": BLOCK.replace("young = 50.0", "young = 40.0")}, "material.young = 40"),
+        "where J is looked at": ({}, {"block.toml": BLOCK + '[check]\ncontrol = ["0", "-1.5"]\n'}, "check.control"),
+        "the .geo": ({}, {"square.geo": square.replace("{1, 1, 0}", "{1, 1.2, 0}")}, "mesh file"),
+        "a file that the .geo includes": (including, {"corner.inc": "c = 0.1;"}, "mesh file"),
+    }  # fmt: skip
+    place = folder / "kept"
+    place.mkdir()
+    scene = place / "block.toml"
+
+    def write(some: dict[str, str]) -> None:
+        for name, text in some.items():
+            (place / name).write_text(text)
+
+    for i, (what, (before, change, words)) in enumerate(changes.items()):
+        out = place / f"out-{i}"
+        write(files | before)
+        study(scene, out, *BLOCK_LADDER)
+        assert (table(out / "study.csv")["impulse"] > 0).all(), "no contact: the case says nothing"
+        first = columns(out)
+        unchanged = study(scene, out, *BLOCK_LADDER, "--set", "output.every=3", "--set", "optimizer.tolerance=1e-3").stdout
+        assert "2 of 2 rungs were there already" in unchanged and "runs again" not in unchanged
+        write(change)
+        said = study(scene, out, *BLOCK_LADDER).stdout
+        assert said.count("runs again: ") == 2 and said.count(words) >= 2, f"{what}: {said}"
+        study(scene, place / f"fresh-{i}", *BLOCK_LADDER)
+        assert same(out, place / f"fresh-{i}"), what
+        now = columns(out)
+        assert not all(np.array_equal(first[name], now[name], equal_nan=True) for name in ("J_error", "displacement_error")), what
+    ranks_changed = study(scene, place / f"out-{i}", *BLOCK_LADDER, ranks=2).stdout
+    assert ranks_changed.count('the number of ranks was "1" and is "2"') == 2, ranks_changed
+    # A desired motion that another run has left, in the same folder.
+    write(files)
+    scene.write_text(BLOCK.replace('desired = { control = ["0.3", "-1"] }', 'desired = { run = "run" }'))
+    one_size = ("--sizes", "0.25", "--steps", "0.02,0.01", "--quantity", "J")
+    for i, young in enumerate((50.0, 40.0)):
+        (place / "free.toml").write_text(BLOCK)
+        signorini("simulate", place / "free.toml", place / "run", material__young=young)
+        said = study(scene, place / "desired", *one_size).stdout
+        assert said.count("objective.desired.run names is another") == 2 * i, said
+        study(scene, place / f"desired-{i}", *one_size)
+        assert same(place / "desired", place / f"desired-{i}")
+    print(f"kept: {len(changes) + 2} changes, each of which ran every rung again")
+
+
+def interrupted(folder: Path) -> None:
+    """A study that was stopped goes on to what one that was not finds; what is finer and there already is what errors are against."""
+    choice = ("--sizes", "2,1,0.25", "--steps", "1e-4,2.5e-6", "--quantity", "J")
+    out = folder / "interrupted"
+    process = subprocess.Popen([str(SIGNORINI), "study", str(HALF_DISC), "--out", str(out), *choice], stdout=subprocess.PIPE, text=True)
+    for line in process.stdout:
+        if line.startswith("rung 2 of 6: "):
+            break
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=300)
+    assert process.returncode == 130
+    some = len(table(out / "study.csv")["rung"])
+    assert 2 <= some < 6
+    choice = ("--sizes", "2,1", "--steps", "1e-4,5e-5", "--quantity", "J")  # what is left would take longer than a test should
+    study(HALF_DISC, out, *choice)
+    study(HALF_DISC, folder / "whole", *choice)
+    assert same(out, folder / "whole")
+    coarse = sorted((out / "rungs").glob("size-2-steps-75-*"))
+    assert len(coarse) == 1
+    coarse[0].unlink()
+    study(HALF_DISC, out, *choice, "--budget", "1e-9s")  # does not run it again
+    left, whole = columns(out), columns(folder / "whole")
+    assert len(left["J"]) == 3 and set(left["J_error"][np.isfinite(left["J_error"])]) <= set(whole["J_error"])
+    print(f"interrupted after {some} of 6 rungs")
+
+
+PATCH = """
+[mesh]
+file = "{mesh}"
+size = {size}
+[time]
+end = 10.0
+step = 0.02
+[material]
+density = 1.0
+young = 50.0
+poisson = 0.0
+viscosity = {{ bulk = 1.6666666666666667, shear = 2.5 }}   # the elastic moduli times 0.1 s
+[[clamp]]
+on = "top"
+value = {value}
+[contact]
+on = "bottom"
+obstacle = {{ shape = "half-space", point = {point}, normal = {normal} }}
+[exact]
+pressure = "2.5"   # 50 N/m2 times 0.1 m - 0.05 m over a height of 1 m
+"""
+
+
+def pressure(folder: Path) -> None:
+    """Uniform strain is in the space of every mesh, and so a uniform pressure must come out on each, of both degrees. The slowest
+    motion, a quarter wave of shear, dies as exp(-3.1/s t) and leaves 1e-12 of it; see tests/verification/hard/discs.py."""
+    moved = '"t < 1 ? -0.1 * sin(pi*t/2)^2 : -0.1"'
+    for name, mesh, zeros in (("plane", "square.geo", 1), ("space", "cube.geo", 2)):
+        scene = folder / f"patch-{name}.toml"
+        zero = ", ".join(['"0"'] * zeros)
+        scene.write_text(PATCH.format(mesh=DATA / mesh, size=0.5, value=f"[{zero}, {moved}]", point=[0] * zeros + [-0.05],
+                                      normal=[0] * zeros + [1]))  # fmt: skip
+        for ranks in (1, 2):
+            out = folder / f"patch-{name}-{ranks}"
+            study(scene, out, "--sizes", "0.5", "--steps", "0.02", "--degrees", "1,2", "--quantity", "pressure", ranks=ranks)
+            rows = table(out / "study.csv")
+            print(f"uniform pressure, {name}, {ranks} ranks: off by", *(f"{error:.0e}" for error in rows["pressure_error"]))
+            assert sorted(rows["degree"]) == [1, 2] and max(rows["pressure_error"]) < 1e-10  # 500 steps, each to about 1e-14 of the stiffest
+
+
+def memory(folder: Path) -> None:
+    """More steps than any machine has memory for the states of, in one sentence and before it is asked for."""
+    of_study = ("--sizes", "0.5", "--steps", "7.5e-11")
+    for verb, options in (("optimize", ()), ("check", ()), ("study", of_study)):
+        done = subprocess.run([str(SIGNORINI), verb, str(HALF_DISC), "--out", str(folder / "many"), "--set", "time.step=7.5e-11", *options],
+                              capture_output=True, text=True, timeout=300)  # fmt: skip
+        lines = done.stderr.splitlines()
+        assert done.returncode == 2 and len(lines) == 1 and "time.step: found 7.5e-11 s" in lines[0] and "GB" in lines[0], done.stderr
 
 
 def ranks(folder: Path) -> None:
@@ -106,11 +261,21 @@ def ranks(folder: Path) -> None:
 
 
 def suggestion(folder: Path) -> None:
-    """The tolerance is met by the estimate and, beside a much finer run, in truth to within the estimate's effectivity."""
-    said = study(HALF_DISC, None, "--suggest", "1e-2", "--set", "mesh.size=3", "--set", "time.step=2.5e-4").stdout
-    assert "0.01 in J is met by" in said, said
-    print(said.splitlines()[-1])
-    beyond = study(HALF_DISC, None, "--suggest", "1e-9", "--budget", "1s", "--set", "mesh.size=3", status=1).stdout
+    """The tolerance is met by the estimate and in truth, beside a run with a quarter of the size and of the step, whose error is a
+    sixteenth of that."""
+    tolerance = 1e-2
+    said = study(HALF_DISC, None, "--suggest", tolerance, "--set", "mesh.size=3", "--set", "time.step=2.5e-4").stdout
+    found = re.search(r"0\.01 in J is met by: size ([\d.e+-]+), step ([\d.e+-]+), degree 1, by their own estimate ([\d.e+-]+)", said)
+    assert found, said
+    size, step, estimate = map(float, found.groups())
+    study(HALF_DISC, folder / "truth", "--sizes", f"{size},{size / 4}", "--steps", f"{step},{step / 4}", "--quantity", "J")
+    rows = table(folder / "truth" / "study.csv")
+    here = (rows["size"] == size) & (rows["steps"] == min(rows["steps"]))
+    assert sum(here) == 1 and sum(np.isnan(rows["J_error"])) == 1
+    error = rows["J_error"][here][0]
+    print(f"suggested size {size:g}, step {step:g} s: error {error:.1e}, by its estimate {estimate:.1e}")
+    assert error <= tolerance and 0.5 <= estimate / error <= 2
+    beyond = study(HALF_DISC, None, "--suggest", "1e-9", "--budget", "1e-9s", "--set", "mesh.size=3", status=1).stdout
     assert "beyond the budget" in beyond and "not met" in beyond
 
 
@@ -143,6 +308,7 @@ def refusals(folder: Path) -> None:
         (("--quantity", "gradient"), ("--quantity", "gradient", "allowed with this scene")),
         (("--sizes", "0"), ("--sizes", "found 0")),
         (("--steps", "-1"), ("--steps", "found -1")),
+        (("--steps", "1e-20"), ("--steps: found 1e-20 s", "allowed are 1 to 100000000")),
         (("--degrees", "3"), ("--degrees", "found 3", "1 and 2")),
         (("--schemes", "implicit"), ("--schemes", "found", "contact-implicit")),
         (("--budget", "soon"), ("--budget", "found soon", "10min")),
@@ -156,7 +322,7 @@ def refusals(folder: Path) -> None:
 
 def main() -> int:
     with tempfile.TemporaryDirectory() as name:
-        for part in (orders, ladder, ranks, suggestion, own_density, refusals):
+        for part in (orders, pressure, ladder, kept, interrupted, ranks, suggestion, own_density, memory, refusals):
             part(Path(name))
     return 0
 

@@ -5,6 +5,8 @@
 #include "study/measure.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
+#include <limits>
+#include <utility>
 
 using namespace signorini;
 using namespace signorini::study;
@@ -12,20 +14,36 @@ using Catch::Matchers::WithinAbs, Catch::Matchers::WithinRel;
 
 namespace {
 
-/// Runs of sizes h and N steps with the number Q = 1 + a h^p + b N^-q.
+const Quantity Q{"Q", "Q", "", false, false};
+/// Of differences that are not divided by values which change with the rung, so that models of errors come out exactly.
+const Quantity D{"Q", "Q", "", false, true};
+const Quantity F{"F", "F", "", true, false};
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+
+Result run(double size, int steps, double seconds, double value) {
+  Measured measured;
+  measured.seconds = seconds;
+  measured.numbers["Q"] = value;
+  measured.fields["F"] = {value, -value};
+  return {{size, steps, 1, "contact-implicit"}, measured};
+}
+
+/// Runs of four sizes h and numbers N of steps with the number Q = 1 + a h^p + b N^-q.
 std::vector<Result> runs(double a, double p, double b, double q) {
   std::vector<Result> results;
   for (double size : {4.0, 2.0, 1.0, 0.5})
-    for (int steps : {10, 20, 40, 80}) {
-      Measured run;
-      run.seconds = steps / (size * size);
-      run.numbers["Q"] = 1 + a * std::pow(size, p) + b * std::pow(steps, -q);
-      results.push_back({{size, steps, 1, "contact-implicit"}, run});
-    }
+    for (int steps : {10, 20, 40, 80})
+      results.push_back(run(size, steps, steps / (size * size), 1 + a * std::pow(size, p) + b * std::pow(steps, -q)));
   return results;
 }
 
-const Quantity Q{"Q", "Q", "", false, false};
+/// Runs of one size and ever more steps, by their seconds and values.
+std::vector<Result> chain(const std::vector<std::pair<double, double>>& of) {
+  std::vector<Result> results;
+  for (int steps = 10; const auto& [seconds, value] : of)
+    results.push_back(run(1, std::exchange(steps, 2 * steps), seconds, value));
+  return results;
+}
 
 } // namespace
 
@@ -60,36 +78,109 @@ TEST_CASE("samples are the same on any number of ranks, and those of functions o
     }
 }
 
-TEST_CASE("orders in space and time come apart, and errors are against what is known", "[study]") {
-  const std::vector<Result> results = runs(0.001, 2, 0.03, 1);
-  const std::vector<Orders> found = orders(Q, results, {});
-  REQUIRE(found.size() == 1);
-  CHECK_THAT(found[0].space->slope, WithinAbs(2, 0.01)); // differences are relative to values that differ by 2 %
-  CHECK_THAT(found[0].time->slope, WithinAbs(1, 0.01));
-  const Errors against_finest = errors(Q, results, {});
-  REQUIRE(against_finest.reference);
-  CHECK(results[*against_finest.reference].rung.size == 0.5);
-  CHECK(results[*against_finest.reference].rung.steps == 80);
-  CHECK_FALSE(against_finest.error[*against_finest.reference]);
-  const Errors against_exact = errors(Q, results, {{{"Q", 1}}, {}});
-  CHECK_FALSE(against_exact.reference);
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    CHECK_THAT(*against_exact.error[i], WithinRel(results[i].measured->numbers.at("Q") - 1, 1e-12));
-    if (against_exact.effectivity[i]) // both parts of the model have the same sign
-      CHECK_THAT(*against_exact.effectivity[i], WithinAbs(1, 0.05)); // relative to the run's own value, 2 % off at most
+TEST_CASE("orders in space, in time and in both are those of the model, to rounding", "[study]") {
+  constexpr double rounding = 1e-9; // differences of numbers near one, the least of them 1e-5 of that
+  const std::vector<Orders> apart = orders(D, runs(0.1, 1.5, 3, 0.5), {});
+  REQUIRE(apart.size() == 1);
+  CHECK_THAT(apart[0].space->slope, WithinAbs(1.5, rounding));
+  CHECK_THAT(apart[0].time->slope, WithinAbs(0.5, rounding));
+  CHECK_THAT(apart[0].time->least, WithinAbs(0.5, rounding));
+  CHECK_THAT(apart[0].time->largest, WithinAbs(0.5, rounding));
+  const std::vector<Orders> together = orders(D, runs(0.1, 2, 3, 2), {});
+  CHECK_THAT(together[0].both->slope, WithinAbs(2, rounding)); // size halves as steps double
+  CHECK_THAT(orders(D, runs(0.1, 2, 3, 2), {{{"Q", 1}}, {}})[0].both->slope, WithinAbs(2, rounding));
+  // Degrees and schemes are told apart.
+  std::vector<Result> two = runs(0.1, 2, 3, 1);
+  for (Result& result : runs(0.01, 3, 3, 1)) {
+    result.rung.degree = 2;
+    two.push_back(result);
   }
-  CHECK(std::ranges::count_if(against_exact.effectivity, [](const auto& value) { return value.has_value(); }) == 9);
+  const std::vector<Orders> by_degree = orders(D, two, {});
+  REQUIRE(by_degree.size() == 2);
+  for (const Orders& one : by_degree)
+    CHECK_THAT(one.space->slope, WithinAbs(one.degree + 1, 1e-8));
 }
 
-TEST_CASE("no rung of the front is beaten in both, and every other one is", "[study]") {
-  const std::vector<Result> results = runs(0.001, 2, 0.03, 1);
-  const Errors found = errors(Q, results, {{{"Q", 1}}, {}});
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    bool beaten = false;
-    for (std::size_t j = 0; j < results.size(); ++j)
-      beaten |= results[j].measured->seconds < results[i].measured->seconds && *found.error[j] <= *found.error[i];
-    CHECK(found.pareto[i] == !beaten);
+TEST_CASE("errors are relative to what is known, or to the finest rung", "[study]") {
+  const std::vector<Result> results = chain({{1, 3}, {2, 1.5}, {3, 2}});
+  const Errors against_exact = errors(Q, results, {{{"Q", -2}}, {}});
+  CHECK_FALSE(against_exact.reference);
+  CHECK(against_exact.error == std::vector<std::optional<double>>{2.5, 1.75, 2.0});
+  const Errors against_finest = errors(Q, results, {});
+  CHECK(against_finest.reference == std::size_t(2));
+  CHECK(against_finest.error == std::vector<std::optional<double>>{0.5, 0.25, std::nullopt});
+  CHECK(errors(D, results, {}).error == std::vector<std::optional<double>>{1.0, 0.5, std::nullopt});
+  const Errors field = errors(F, results, {{}, {{"F", {3, 4}}}});
+  CHECK_THAT(*field.error[0], WithinRel(7.0 / 5, 1e-14)); // (3, −3) beside (3, 4), whose length is 5
+  // The finest is the smallest size, and of those the one with the most steps, wherever it stands.
+  std::vector<Result> mixed{run(0.5, 10, 1, 1), run(0.5, 40, 1, 4), run(1, 80, 1, 8)};
+  CHECK(errors(Q, mixed, {}).reference == std::size_t(1));
+}
+
+TEST_CASE("the estimate is exact where errors fall as the model says, and has no effectivity beside a reference as bad", "[study]") {
+  constexpr double rounding = 1e-8;
+  const Errors found = errors(D, runs(0.1, 2, 3, 1), {{{"Q", 1}}, {}});
+  int estimated = 0;
+  for (const std::optional<double>& effectivity : found.effectivity)
+    if (effectivity) {
+      ++estimated;
+      CHECK_THAT(*effectivity, WithinAbs(1, rounding));
+    }
+  CHECK(estimated == 9); // those with a wider and a longer neighbour
+  // Beside the finest rung errors lack its own, r, which is shown where it is a third of theirs at most: (e + r) / e in [1, 4/3].
+  const Errors beside_finest = errors(D, runs(0.1, 2, 3, 1), {});
+  REQUIRE(beside_finest.effectivity[5]); // size 2, 20 steps: e + r = 0.4 + 0.15, r = 0.025 + 0.0375
+  CHECK_THAT(*beside_finest.effectivity[5], WithinAbs(0.55 / (0.55 - 0.0625), rounding));
+  CHECK_FALSE(beside_finest.effectivity[14]); // size 0.5, 40 steps: e + r = 0.025 + 0.075
+  for (const std::optional<double>& effectivity : beside_finest.effectivity)
+    if (effectivity)
+      CHECK((*effectivity >= 1 && *effectivity <= 4.0 / 3 + rounding));
+}
+
+TEST_CASE("on the front is what no cheaper rung is as accurate as", "[study]") {
+  // By seconds and moduli: the cheapest; dearer and worse; dearer and as good; two alike; as dear as they; the best; no number.
+  const std::vector<Result> results = chain({{1, 0.5}, {2, 0.6}, {3, -0.5}, {4, 0.3}, {4, 0.3}, {4, 0.4}, {9, 0.1}, {5, no_number}});
+  CHECK(errors(D, results, {{{"Q", 0}}, {}}).pareto == std::vector<bool>{true, false, false, true, true, true, true, false});
+}
+
+TEST_CASE("the cheapest rung for each tolerance is named, and what is out of reach", "[study]") {
+  const scene::Scene scene = test::parse(test::source("scenes/half-disc.toml"));
+  const std::vector<Result> results = chain({{8, 1.005}, {4, 1.008}, {2, 1.09}, {1, 1.2}});
+  const std::vector<std::string> said = sentences(errors(Q, results, {{{"Q", 1}}, {}}), results, scene);
+  REQUIRE(said.size() == 3);
+  CHECK(said[0] == "for 10 % in Q: " + words(results[2].rung, scene) + ", 2 s");
+  CHECK(said[1] == "for 1 % in Q: " + words(results[1].rung, scene) + ", 4 s");
+  CHECK(said[2] == "0.1 % in Q is out of this ladder's reach: its best is 0.5 %");
+}
+
+TEST_CASE("what has no size gives no relative error, and what is no number no error at all", "[study]") {
+  const scene::Scene scene = test::parse(test::source("scenes/half-disc.toml"));
+  for (const Quantity& quantity : {Q, F}) {
+    // Beside a finest rung of zero, such as of a force that never came.
+    const std::vector<Result> to_zero = chain({{1, 0.5}, {2, 0}, {3, 0}});
+    const Errors zero = errors(quantity, to_zero, {});
+    CHECK(zero.error == std::vector<std::optional<double>>{std::nullopt, 0.0, std::nullopt});
+    CHECK(zero.pareto == std::vector<bool>{false, true, false});
+    CHECK(sentences(zero, to_zero, scene).size() == 3);
+    CHECK(orders(quantity, to_zero, {}).empty());
+    // The finest is no number: the finest that is one takes its place.
+    const std::vector<Result> spoilt = chain({{1, 1.5}, {2, no_number}, {3, 1}, {4, std::numeric_limits<double>::infinity()}});
+    const Errors found = errors(quantity, spoilt, {});
+    CHECK(found.reference == std::size_t(2));
+    CHECK(found.error == std::vector<std::optional<double>>{0.5, std::nullopt, std::nullopt, std::nullopt});
+    CHECK(found.pareto == std::vector<bool>{true, false, false, false});
+    CHECK(sentences(found, spoilt, scene).front().starts_with("10 % in " + quantity.title + " is out of"));
+    // Nothing is a number.
+    const std::vector<Result> lost = chain({{1, no_number}, {2, no_number}});
+    CHECK_FALSE(errors(quantity, lost, {}).reference);
+    CHECK(sentences(errors(quantity, lost, {}), lost, scene).empty());
   }
+  // An estimate of J's error beside a J of zero.
+  Measured none;
+  none.numbers["J"] = 0;
+  none.estimate = {1e-3, 1e-3, 0, 0};
+  const std::vector<Result> alone{{{1, 10, 1, "contact-implicit"}, none}};
+  CHECK_FALSE(errors({"J", "J", ""}, alone, {}).estimate[0]);
 }
 
 TEST_CASE("a ladder that has run in part says no more than it knows", "[study]") {
@@ -100,11 +191,48 @@ TEST_CASE("a ladder that has run in part says no more than it knows", "[study]")
   const Errors found = errors(Q, results, {});
   CHECK(*found.reference == 2);
   CHECK_FALSE(found.error[5]);
+  CHECK_FALSE(found.pareto[5]);
   CHECK_FALSE(orders(Q, results, {})[0].space);
   for (std::size_t i = 1; i < results.size(); ++i)
     results[i].measured.reset();
   CHECK(orders(Q, results, {}).empty());
+  CHECK(errors(Q, results, {}).reference == std::size_t(0));
   CHECK(sentences(errors(Q, results, {}), results, scene).empty());
+  results[0].measured.reset();
+  CHECK_FALSE(errors(Q, results, {}).reference);
+}
+
+TEST_CASE("a scheme that is named holds for every contact, and without one each stays as it is", "[study]") {
+  scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
+  scene.contacts.push_back(scene.contacts.front());
+  scene.contacts[0].massless = true;
+  const auto masses = [&](const Choice& choice) {
+    std::vector<std::pair<bool, bool>> found;
+    for (const Rung& rung : ladder(scene, choice)) {
+      const scene::Scene changed = on_rung(scene, rung);
+      CHECK(changed.time.scheme == (rung.scheme == "contact-stabilized" ? "contact-stabilized" : "contact-implicit"));
+      found.emplace_back(changed.contacts[0].massless, changed.contacts[1].massless);
+    }
+    return found;
+  };
+  using Masses = std::vector<std::pair<bool, bool>>;
+  const std::vector<double> size{0.25}, step{0.02};
+  CHECK(masses({size, step, {}, {}}) == Masses{{true, false}});
+  CHECK(scheme_and_mass(ladder(scene, {size, step, {}, {}}).front().scheme).mass == "mixed");
+  CHECK(masses({size, step, {}, {"contact-implicit", "contact-stabilized", "massless"}}) ==
+        Masses{{false, false}, {false, false}, {true, true}});
+  scene.contacts[1].massless = true;
+  CHECK(masses({size, step, {}, {}}) == Masses{{true, true}});
+  CHECK(scheme_and_mass(ladder(scene, {size, step, {}, {}}).front().scheme).mass == "massless");
+}
+
+TEST_CASE("steps that no number could count are refused", "[study]") {
+  const scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
+  const double most = scene::Time::most_steps;
+  CHECK(ladder(scene, {{1}, {scene.time.end / most}, {}, {}}).front().steps == scene::Time::most_steps);
+  CHECK(ladder(scene, {{1}, {10 * scene.time.end}, {}, {}}).front().steps == 1);
+  for (const double step : {scene.time.end / (2 * most), 1e-20, 1e-300})
+    CHECK_THROWS_AS(ladder(scene, {{1}, {step}, {}, {}}), UserError);
 }
 
 TEST_CASE("sampling ends on a mesh that sets its own density, in whole or in part", "[study]") {

@@ -1,0 +1,37 @@
+#pragma once
+#include <cstdint>
+#include <fmt/format.h>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace signorini {
+
+/// A number of 64 bits that tells contents apart which nobody made to be alike: FNV-1a of pieces and their
+/// lengths.
+class Digest {
+public:
+  Digest& add(std::string_view piece) {
+    mix(piece);
+    const std::uint64_t size = piece.size(); // so that "ab", "c" is another than "a", "bc"
+    mix({reinterpret_cast<const char*>(&size), sizeof size});
+    return *this;
+  }
+  Digest& add(const std::vector<double>& values) {
+    return add({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)});
+  }
+
+  /// As 16 digits.
+  [[nodiscard]] std::string text() const { return fmt::format("{:016x}", state_); }
+
+private:
+  void mix(std::string_view bytes) {
+    constexpr std::uint64_t prime = 0x100000001b3;
+    for (const char byte : bytes)
+      state_ = (state_ ^ static_cast<unsigned char>(byte)) * prime;
+  }
+
+  std::uint64_t state_ = 0xcbf29ce484222325; // FNV's offset basis
+};
+
+} // namespace signorini

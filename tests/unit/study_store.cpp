@@ -1,0 +1,187 @@
+#include "base/collective.h"
+#include "fem/forms.h"
+#include "fixtures.h"
+#include "study/store.h"
+#include <catch2/catch_test_macros.hpp>
+#include <fmt/format.h>
+#include <fstream>
+#include <limits>
+#include <unistd.h>
+
+using namespace signorini;
+using namespace signorini::study;
+
+namespace {
+
+/// A folder of its own for each rank, gone in the end.
+class Folder {
+public:
+  Folder() : path_(std::filesystem::temp_directory_path() / fmt::format("signorini-study-{}", getpid())) {
+    std::filesystem::create_directories(path_);
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+private:
+  std::filesystem::path path_;
+};
+
+void write(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+std::string content(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+const Rung rung{0.25, 10, 1, "contact-implicit"};
+const Quantity J{"J", "J", ""}, displacement{"displacement", "displacement", "m", true};
+
+Measured measured() {
+  Measured all;
+  all.unknowns = 12;
+  all.seconds = 0.1;
+  all.memory = 3e6;
+  all.numbers = {{"J", 1.0 / 3}, {"pressure", std::numeric_limits<double>::quiet_NaN()}};
+  all.fields["displacement"] = {0.1, -1.0 / 7, 1e-300};
+  all.estimate = {-1e-3, 2e-3, 0, 1.0 / 7};
+  return all;
+}
+
+} // namespace
+
+TEST_CASE("a rung comes back to the last bit, and a damaged one not at all", "[study]") {
+  const Folder folder;
+  const Store store(folder / "study");
+  const Fingerprint own{{"scene", ""}, {"forms", "1"}};
+  CHECK_FALSE(store.load(rung, own, {J}).measured);
+  CHECK(store.load(rung, own, {J}).unfit.empty()); // nothing is there to be wrong
+  store.save(rung, own, measured());
+  const Kept kept = store.load(rung, own, {J, displacement});
+  REQUIRE(kept.measured);
+  CHECK(kept.unfit.empty());
+  CHECK(kept.measured->numbers.at("J") == measured().numbers.at("J"));
+  CHECK(std::isnan(kept.measured->numbers.at("pressure")));
+  CHECK(kept.measured->fields == measured().fields);
+  REQUIRE(kept.measured->estimate);
+  CHECK(kept.measured->estimate->space == measured().estimate->space);
+  CHECK(kept.measured->estimate->time == measured().estimate->time);
+  CHECK(kept.measured->estimate->desired == measured().estimate->desired);
+  CHECK(store.load(rung, own, {{"impulse", "impulse of contact", "N s"}}).unfit ==
+        "the impulse of contact was not measured");
+
+  const std::filesystem::path file = std::filesystem::directory_iterator(folder / "study/rungs")->path();
+  const std::string whole = content(file);
+  const auto refused = [&](const std::string& text) {
+    write(file, text);
+    const Kept found = store.load(rung, own, {});
+    return !found.measured && found.unfit.find("damaged") != std::string::npos;
+  };
+  for (const std::size_t size : {std::size_t(0), std::size_t(1), whole.size() / 2, whole.size() - 1})
+    CHECK(refused(whole.substr(0, size)));
+  for (std::size_t at = 0; at < whole.size(); ++at) { // any byte, were it in the middle of a number
+    std::string changed = whole;
+    changed[at] = static_cast<char>(changed[at] ^ 0x10);
+    if (!refused(changed))
+      FAIL_CHECK("byte " << at << " of " << whole.size() << " was changed and not missed");
+  }
+  CHECK(refused("damaged"));
+  CHECK(refused("\xa0"));                                             // no keys
+  CHECK(refused("\xa1\x65scene\x60"));                                // of an earlier version
+  CHECK(refused("\xa1\x64rung\x5b\xff\xff\xff\xff\xff\xff\xff\xff")); // so many bytes
+  write(file, whole);
+  CHECK(store.load(rung, own, {J}).measured);
+}
+
+TEST_CASE("a fingerprint changes with everything that numbers depend on, and says with what", "[study]") {
+  const Folder folder;
+  const std::string include = "lower.inc";
+  write(folder / "block.geo",
+        content(test::source("tests/data/square.geo")) + "Include \"" + include + "\";\n");
+  write(folder / include, "// nothing yet\n");
+  std::filesystem::create_directories(folder / "run");
+  write(folder / "run/state.h5", "a motion");
+  scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
+  scene.mesh.file = folder / "block.geo";
+  scene.objective->desired = scene::DesiredRun{folder / "run"};
+  const Samples at(MPI_COMM_SELF, test::parse(test::source("tests/data/block.toml")));
+  const Fingerprint own = Origin(scene, at, 1).of(rung);
+  CHECK(difference(own, Origin(scene, at, 1).of(rung)).empty());
+  CHECK(difference(own, Origin(scene, at, 2).of(rung)) == "the number of ranks was \"1\" and is \"2\"");
+
+  const auto with = [&](auto&& change) {
+    scene::Scene changed = scene;
+    change(changed);
+    return difference(own, Origin(changed, at, 1).of(rung));
+  };
+  CHECK(with([](scene::Scene& s) { s.materials[0].young = 51; }) ==
+        "the scene had material.young = 50 and has material.young = 51");
+  CHECK(with([](scene::Scene& s) { s.check.control = {"0", "1"}; }).find("check.control") !=
+        std::string::npos);
+  CHECK(with([](scene::Scene& s) { s.exact.emplace().pressure = "1"; }).find("exact.pressure") !=
+        std::string::npos);
+  CHECK(with([](scene::Scene& s) { s.objective->gamma = 1; }).find("objective.gamma") != std::string::npos);
+  // None of these changes a number.
+  CHECK(with([](scene::Scene& s) { s.exact.emplace().impulse = 1; }).empty());
+  CHECK(with([](scene::Scene& s) { s.output.every = 7; }).empty());
+  CHECK(with([](scene::Scene& s) { s.optimizer.max_iterations = 7; }).empty());
+  CHECK(with([](scene::Scene& s) {
+          s.mesh.size = 0.5, s.time.step = 0.01, s.time.steps = 60;
+        }).empty()); // which the rung sets
+
+  Samples others = at;
+  others.digest = "of another mesh";
+  CHECK(difference(own, Origin(scene, others, 1).of(rung)) ==
+        "the set of points where fields are compared is another");
+  Fingerprint edited = own;
+  edited["set of compiled forms"] = "edited";
+  CHECK(difference(own, edited) == "the set of compiled forms is another");
+  edited = own;
+  edited["program"] = "signorini 0";
+  CHECK(difference(edited, own).find("the program was \"signorini 0\" and is") == 0);
+  petsc::check(PetscOptionsSetValue(nullptr, "-step_ksp_rtol", "1e-4"));
+  CHECK(difference(own, Origin(scene, at, 1).of(rung)).find("-step_ksp_rtol 1e-4") != std::string::npos);
+  petsc::check(PetscOptionsClearValue(nullptr, "-step_ksp_rtol"));
+  CHECK(difference(own, Origin(scene, at, 1).of(rung)).empty());
+
+  const auto edit = [&](const std::filesystem::path& file, const std::string& text) {
+    const std::string before = content(file);
+    write(file, text);
+    const std::string found = difference(own, Origin(scene, at, 1).of(rung));
+    write(file, before);
+    return found;
+  };
+  CHECK(edit(folder / "run/state.h5", "another") == "the run that objective.desired.run names is another");
+  CHECK(edit(scene.mesh.file, content(scene.mesh.file) + "Point(9) = {9, 9, 0};\n") ==
+        "the mesh file is another");
+  CHECK(edit(folder / include, "Point(9) = {9, 9, 0};\n") == "the mesh file is another");
+  write(folder / "block.geo.opt", "Mesh.Algorithm = 1;\n");
+  CHECK(difference(own, Origin(scene, at, 1).of(rung)) == "the mesh file is another");
+  std::filesystem::remove(folder / "block.geo.opt");
+  CHECK(difference(own, Origin(scene, at, 1).of(rung)).empty());
+}
+
+TEST_CASE("sample points are told apart by the base mesh, its groups and the end of time", "[study]") {
+  const auto digest = [](const std::vector<std::string>& overrides) {
+    return broadcast(
+        MPI_COMM_WORLD,
+        Samples(MPI_COMM_WORLD, test::parse(test::source("tests/data/block.toml"), overrides)).digest);
+  };
+  const std::string own = digest({});
+  CHECK(own.size() == 16);
+  CHECK(own == digest({"time.step=0.01", "mesh.degree=2"}));
+  CHECK(own != digest({"mesh.size=0.2"}));
+  CHECK(own != digest({"time.end=0.5"}));
+}
+
+TEST_CASE("forms are told apart by dimension and degree", "[study]") {
+  CHECK(fem::signature(2, 1) == fem::signature(2, 1));
+  CHECK(fem::signature(2, 1) != fem::signature(2, 2));
+  CHECK(fem::signature(2, 1) != fem::signature(3, 1));
+}
