@@ -1,6 +1,7 @@
 """signorini study: what it prices, runs, keeps and refuses; orders where the solution is known; equal figures on two ranks."""
 
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -110,6 +111,12 @@ def suggestion(folder: Path) -> None:
     said = study(HALF_DISC, None, "--suggest", "1e-2", "--set", "mesh.size=3", "--set", "time.step=2.5e-4").stdout
     assert "0.01 in J is met by" in said, said
     print(said.splitlines()[-1])
+    # Parts of opposite sign make up for each other by chance.
+    tried = re.findall(r"estimated error at most (\S+) \(space (\S+), time (\S+)\)", said)
+    assert len(tried) >= 2 and any(float(space) * float(time) < 0 for _, space, time in tried), said
+    for error, *parts in tried:
+        assert abs(float(error) - sum(abs(float(part)) for part in parts)) < 0.02 * float(error), said
+    assert float(tried[-1][0]) <= 1e-2
     beyond = study(HALF_DISC, None, "--suggest", "1e-9", "--budget", "1s", "--set", "mesh.size=3", status=1).stdout
     assert "beyond the budget" in beyond and "not met" in beyond
 
