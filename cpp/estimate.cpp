@@ -9,9 +9,10 @@ namespace {
 /// The loads of a scene and its controls in functions of degree 2.
 class EnrichedLoads {
 public:
-  EnrichedLoads(const adjoint::EnrichedBody& body, const Problem& problem, const control::ControlSpace& controls)
-      : body_(body), coarse_(controls),
-        controls_(body.space(), body.operators(), problem.stepper.scheme(), problem.steps(), *problem.scene.control),
+  EnrichedLoads(const adjoint::EnrichedBody& body, const Problem& problem,
+                const control::ControlSpace& controls)
+      : body_(body), coarse_(controls), controls_(body.space(), body.operators(), problem.stepper.scheme(),
+                                                  problem.steps(), *problem.scene.control),
         coarse_field_(controls.field()), field_(controls_.field()), values_(controls_.value()) {
     if (problem.scene.load)
       load_.emplace(body.space(), *problem.scene.load, problem.stepper.scheme());
@@ -40,12 +41,15 @@ private:
   std::optional<forward::SceneLoad> load_;
 };
 
-/// What J's state part ½ weight ‖y − y_d‖² misses of the scene's own data along a motion, in functions of degree 2.
+/// What J's state part ½ weight ‖y − y_d‖² misses of the scene's own data along a motion, in functions of
+/// degree 2.
 class EnrichedObjective {
 public:
-  EnrichedObjective(const adjoint::EnrichedBody& body, const Problem& problem, const control::Objective& objective)
-      : body_(body), problem_(problem), objective_(objective), coarse_(problem.space.vector()), distance_(body.space().vector()),
-        sum_(body.space().vector()), product_(body.space().vector()), off_(body.space().vector()) {
+  EnrichedObjective(const adjoint::EnrichedBody& body, const Problem& problem,
+                    const control::Objective& objective)
+      : body_(body), problem_(problem), objective_(objective), coarse_(problem.space.vector()),
+        distance_(body.space().vector()), sum_(body.space().vector()), product_(body.space().vector()),
+        off_(body.space().vector()) {
     const scene::Objective& scene = *problem.scene.objective;
     if (scene.on)
       own_ = fem::assemble_L2(body.space(), *scene.on, "objective.on");
@@ -118,8 +122,10 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
     loads.emplace(*body, problem, control_problem.controls);
     objective.emplace(*body, problem, control_problem.objective);
   }
-  // Motions of their own, since velocities are wanted; that of the current control is looked at beside the other one.
-  const auto run = [&](forward::Trajectory& trajectory, const control::Control& u, const forward::Watch& watch) {
+  // Motions of their own, since velocities are wanted; that of the current control is looked at beside the
+  // other one.
+  const auto run = [&](forward::Trajectory& trajectory, const control::Control& u,
+                       const forward::Watch& watch) {
     trajectory.run(problem.load() + control_problem.controls.load(u), watch);
     if (trajectory.steps() < problem.steps())
       throw Interrupted();
@@ -132,7 +138,8 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
   const forward::Load derivative = control_problem.objective.derivative([&](int k) { return motion.y(k); });
   const forward::Load enriched_derivative = objective ? objective->derivative(motion) : forward::Load{};
   const auto weigh = [&](const forward::Trajectory& trajectory, const control::Control& u) {
-    const forward::Load load = problem.load() + control_problem.controls.load(u), enriched_load = loads ? loads->load(u) : forward::Load{};
+    const forward::Load load = problem.load() + control_problem.controls.load(u),
+                        enriched_load = loads ? loads->load(u) : forward::Load{};
     return adjoint::weighted_residual(stepper, body ? &*body : nullptr,
                                       {trajectory, load, enriched_load, derivative, enriched_derivative});
   };

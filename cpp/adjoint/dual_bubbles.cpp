@@ -27,7 +27,8 @@ void Duals::move(Vec p_k, const contact::ContactSets* later) {
 }
 
 DualBubbles::DualBubbles(const EnrichedBody& body, const forward::Load& derivative, forward::Scheme scheme)
-    : body_(body), derivative_at_(body.space(), derivative), scheme_(scheme), diagonal_(fem::diagonal(body.operators().A)) {
+    : body_(body), derivative_at_(body.space(), derivative), scheme_(scheme),
+      diagonal_(fem::diagonal(body.operators().A)) {
   for (petsc::Vector* x : {&b_, &left_, &z_, &direction_, &image_, &work_})
     *x = body.space().vector();
   check(VecScale(diagonal_, scheme.impulse()));
@@ -92,8 +93,9 @@ Vec DualBubbles::next(int k, const Duals& duals, const contact::ActiveSet& activ
   const double enough = tolerance * std::max(size, product);
   for (int iteration = 0; product > enough; ++iteration) {
     if (iteration == most)
-      throw SolverFailure(fmt::format("the error estimate at step {}: no convergence in {} iterations, relative residual {:.2e}", k,
-                                      most, product / std::max(size, product)));
+      throw SolverFailure(fmt::format(
+          "the error estimate at step {}: no convergence in {} iterations, relative residual {:.2e}", k, most,
+          product / std::max(size, product)));
     apply(direction_, active, image_);
     const double length = product / dot(direction_, image_);
     check(VecAXPY(b_, length, direction_));

@@ -5,12 +5,12 @@
 
 namespace signorini::adjoint {
 
-/// The body in functions of degree 2 on the mesh of a run of degree 1. They are those of degree 1 and bubbles: functions that are
-/// zero at the vertices, one for each edge and component.
+/// The body in functions of degree 2 on the mesh of a run of degree 1. They are those of degree 1 and
+/// bubbles: functions that are zero at the vertices, one for each edge and component.
 class EnrichedBody {
 public:
-  /// `linear` is the run's space and `constraints` its contact, null without. Collective. The references must outlive this
-  /// object. Throws UserError.
+  /// `linear` is the run's space and `constraints` its contact, null without. Collective. The references must
+  /// outlive this object. Throws UserError.
   EnrichedBody(const fem::Space& linear, const contact::Constraints* constraints, const scene::Scene& scene);
   EnrichedBody(const EnrichedBody&) = delete;
   EnrichedBody& operator=(const EnrichedBody&) = delete;
@@ -21,8 +21,8 @@ public:
   /// y of degree 1 as a function of degree 2. Collective.
   void embed(Vec y, Vec out) const;
 
-  /// What interpolation in the run's space leaves out of a field at time t: bubbles. Collective. Throws UserError as
-  /// fem::Space::interpolate does.
+  /// What interpolation in the run's space leaves out of a field at time t: bubbles. Collective. Throws
+  /// UserError as fem::Space::interpolate does.
   void interpolation_error(const scene::Field& field, double t, Vec out) const;
 
   /// That of the scene's initial displacement and velocity; null where it has none.
@@ -31,8 +31,8 @@ public:
   };
   [[nodiscard]] const InitialError& initial_error() const { return initial_error_; }
 
-  /// Leaves of x, in the product of the coefficients, the bubbles that may move: zero where clamps hold and, along ν, in the middle
-  /// of edges whose ends are both in contact with the same obstacle. Collective.
+  /// Leaves of x, in the product of the coefficients, the bubbles that may move: zero where clamps hold and,
+  /// along ν, in the middle of edges whose ends are both in contact with the same obstacle. Collective.
   void keep_bubbles(const contact::ActiveSet& active, Vec x) const;
 
 private:
@@ -46,7 +46,8 @@ private:
   petsc::Matrix embed_;
   std::vector<int> vertices_; ///< owned nodes, local numbers
   std::optional<contact::Constraints> constraints_;
-  std::vector<std::array<int, 2>> ends_; ///< of each candidate here the run's candidates at the ends of its edge, or −1
+  std::vector<std::array<int, 2>>
+      ends_; ///< of each candidate here the run's candidates at the ends of its edge, or −1
   std::vector<double> zero_;
   InitialError initial_error_;
 };

@@ -43,8 +43,9 @@ private:
 class Residual {
 public:
   Residual(const EnrichedBody& body, const Window& motion, const forward::Load& load, double tau)
-      : body_(body), motion_(motion), load_at_(body.space(), load), tau_(tau), coarse_(petsc::zero_like(motion.now.y)),
-        fine_(body.space().vector()), sum_(body.space().vector()), product_(body.space().vector()) {}
+      : body_(body), motion_(motion), load_at_(body.space(), load), tau_(tau),
+        coarse_(petsc::zero_like(motion.now.y)), fine_(body.space().vector()), sum_(body.space().vector()),
+        product_(body.space().vector()) {}
 
   Vec operator()(int k) {
     const fem::Operators& operators = body_.operators();
@@ -76,9 +77,10 @@ private:
 class TimePart {
 public:
   TimePart(const forward::Stepper& stepper, const Window& motion, int steps, const forward::Load& load)
-      : stepper_(stepper), motion_(motion), steps_(steps), load_at_(stepper.space(), load), tau_(stepper.scheme().tau),
-        rate_(stepper.space().vector()), later_(stepper.space().vector()), force_(stepper.space().vector()),
-        force_later_(stepper.space().vector()), moves_(stepper.space().vector()), product_(stepper.space().vector()) {}
+      : stepper_(stepper), motion_(motion), steps_(steps), load_at_(stepper.space(), load),
+        tau_(stepper.scheme().tau), rate_(stepper.space().vector()), later_(stepper.space().vector()),
+        force_(stepper.space().vector()), force_later_(stepper.space().vector()),
+        moves_(stepper.space().vector()), product_(stepper.space().vector()) {}
 
   /// Takes p_k after p_{k+1}.
   void take(int k, Vec p) {
@@ -145,11 +147,12 @@ private:
 /// The parts of space and initial data, from the last step on.
 class SpacePart {
 public:
-  SpacePart(const forward::Stepper& stepper, const EnrichedBody& body, const Window& motion, const Weighted& run)
-      : body_(body), contact_(run.motion.contact()), scheme_(stepper.scheme()), steps_(run.motion.steps()), duals_(stepper),
-        bubbles_(body, run.enriched_derivative, scheme_), residual_(body, motion, run.enriched_load, scheme_.tau),
-        later_(body.space().vector()), dual_(body.space().vector()), product_(body.space().vector()),
-        coarse_(stepper.space().vector()) {}
+  SpacePart(const forward::Stepper& stepper, const EnrichedBody& body, const Window& motion,
+            const Weighted& run)
+      : body_(body), contact_(run.motion.contact()), scheme_(stepper.scheme()), steps_(run.motion.steps()),
+        duals_(stepper), bubbles_(body, run.enriched_derivative, scheme_),
+        residual_(body, motion, run.enriched_load, scheme_.tau), later_(body.space().vector()),
+        dual_(body.space().vector()), product_(body.space().vector()), coarse_(stepper.space().vector()) {}
 
   /// Takes p_k after p_{k+1}.
   void take(int k, Vec p) {
@@ -209,7 +212,8 @@ private:
 
 } // namespace
 
-ErrorParts weighted_residual(const forward::Stepper& stepper, const EnrichedBody* enriched, const Weighted& run) {
+ErrorParts weighted_residual(const forward::Stepper& stepper, const EnrichedBody* enriched,
+                             const Weighted& run) {
   Window motion(stepper.space(), run.motion);
   TimePart time(stepper, motion, run.motion.steps(), run.load);
   std::optional<SpacePart> space;

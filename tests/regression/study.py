@@ -261,20 +261,27 @@ def ranks(folder: Path) -> None:
 
 
 def suggestion(folder: Path) -> None:
-    """The tolerance is met by the estimate and in truth, beside a run with a quarter of the size and of the step, whose error is a
-    sixteenth of that."""
+    """The tolerance is met by the moduli of the estimate's parts and in truth, beside a run with a quarter of the size and of the step,
+    whose error is a sixteenth of that."""
     tolerance = 1e-2
     said = study(HALF_DISC, None, "--suggest", tolerance, "--set", "mesh.size=3", "--set", "time.step=2.5e-4").stdout
-    found = re.search(r"0\.01 in J is met by: size ([\d.e+-]+), step ([\d.e+-]+), degree 1, by their own estimate ([\d.e+-]+)", said)
+    # Parts of opposite sign make up for each other by chance.
+    tried = re.findall(r"estimated error at most (\S+) \(space (\S+), time (\S+)\)", said)
+    assert len(tried) >= 2 and any(float(space) * float(time) < 0 for _, space, time in tried), said
+    for error, *parts in tried:
+        assert abs(float(error) - sum(abs(float(part)) for part in parts)) < 0.02 * float(error), said
+    number = r"([\d.e+-]+)"
+    found = re.search(rf"0\.01 in J is met by: size {number}, step {number}, degree 1, by the moduli of their own estimate's parts {number}", said)
     assert found, said
     size, step, estimate = map(float, found.groups())
+    assert estimate <= tolerance
     study(HALF_DISC, folder / "truth", "--sizes", f"{size},{size / 4}", "--steps", f"{step},{step / 4}", "--quantity", "J")
     rows = table(folder / "truth" / "study.csv")
     here = (rows["size"] == size) & (rows["steps"] == min(rows["steps"]))
     assert sum(here) == 1 and sum(np.isnan(rows["J_error"])) == 1
     error = rows["J_error"][here][0]
-    print(f"suggested size {size:g}, step {step:g} s: error {error:.1e}, by its estimate {estimate:.1e}")
-    assert error <= tolerance and 0.5 <= estimate / error <= 2
+    print(f"suggested size {size:g}, step {step:g} s: error {error:.1e}, by its estimate at most {estimate:.1e}")
+    assert error <= tolerance and error <= 2 * estimate
     beyond = study(HALF_DISC, None, "--suggest", "1e-9", "--budget", "1e-9s", "--set", "mesh.size=3", status=1).stdout
     assert "beyond the budget" in beyond and "not met" in beyond
 

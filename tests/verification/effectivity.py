@@ -1,0 +1,118 @@
+"""Effectivity of the estimate of J's error: estimate over true error, signs included, between 0.5 and 2 in nine of ten runs.
+
+Scenes that differ in physics: a half disc pushed onto a plane; a block with a bumpy initial velocity, held or thrown onto a
+tilted plane; a cube whose initial and desired motions are bumpy. With `full` 61 runs, else a few of
+each. The true error is that to J of functions of degree 2 on a mesh and with steps much finer, extrapolated from a mesh twice
+as wide and steps twice as long as if of order 2; the corrections' moduli are the reference's own uncertainty. A run counts
+whose true error is five times that. Controls are functions of the mesh's own space on any mesh, since the estimate takes
+the control as given.
+"""
+
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from harness import SIGNORINI, SOURCE, table, toml  # noqa: E402
+
+LEAST, LARGEST, SHARE = 0.5, 2, 0.9
+CERTAIN = 5  # times the reference's uncertainty
+ALL = ("contact-implicit", "contact-stabilized", "massless")
+PARTS = ("space", "time", "initial", "desired")
+BUMPS = "sin(8*x)*cos(8*y)*(1-y)"
+
+
+@dataclass
+class Case:
+    title: str
+    scene: str
+    overrides: dict[str, object]
+    runs: list[tuple[tuple[float, ...], tuple[float, ...], tuple[str, ...]]]  # sizes, steps, schemes: all combinations
+    few: tuple[tuple[float, ...], tuple[float, ...], tuple[str, ...]]
+    reference: tuple[float, float]  # size and step
+    coarse_reference: tuple[float, float] = field(default=(0, 0))
+
+
+CASES = (
+    Case("half disc", "scenes/half-disc.toml", {"check.control": ["0.2+0.02*x", "-0.8"]},
+         [((3, 2, 1.5, 1), (2e-4, 1e-4), ALL[:1]), ((2, 1.5, 1), (1e-4,), ALL[1:]), ((1,), (5e-5,), ALL[:1])],
+         ((3, 2, 1.5), (2e-4,), ALL[:1]), (0.35, 2.5e-5), (0.75, 1e-4)),
+    Case("block, held", "tests/data/block.toml",
+         {"contact.obstacle.point": [0, -9], "clamp": [{"on": "top"}], "initial.velocity": [f"4*{BUMPS}", "0"], "load.body": ["0", "0"],
+          "control": {"scale": 1.0}, "check": {"control": ["0.5*y", "0.3-x"]}, "time.end": 0.5,
+          "objective": {"desired": {"displacement": ["0.1*(1-y)", "0"]}, "alpha": 1e-2, "gamma": 1e-2}},
+         [((0.15, 0.1, 0.07, 0.05), (0.01, 0.005, 0.0025, 0.00125), ALL[:1])],
+         ((0.15, 0.1), (0.01, 0.005), ALL[:1]), (0.02, 3.125e-4), (0.04, 1.25e-3)),
+    Case("block, thrown", "tests/data/block.toml", {"initial.velocity": [BUMPS, BUMPS], "check": {"control": ["0.5*y", "0.5-x"]}},
+         [((0.25, 0.2, 0.15, 0.1, 0.07), (0.02, 0.01, 0.005), ALL[:1])],
+         ((0.25, 0.15), (0.01,), ALL[:1]), (0.02, 1.25e-3), (0.05, 2.5e-3)),
+    Case("cube", "tests/data/cube.toml",
+         {"contact.obstacle.point": [0, 0, -9], "time.end": 0.4, "control": {"scale": 1.0}, "check": {"control": ["0.5*y", "0.3-x", "0"]},
+          "load.body": ["0", "0", "0"],
+          "initial": {"velocity": ["sin(4*x)*cos(3*y)*(1-z)", "0.5*cos(3*z)", "0.5*sin(4*y)*z"],
+                      "displacement": ["0", "0.02*sin(4*x)*z", "0.01*cos(3*x)"]},
+          "objective": {"desired": {"displacement": ["0.1*sin(3*y)*t", "0.05*cos(4*x)", "-0.1*sin(3*z)*t"]}, "alpha": 1e-2, "gamma": 1e-2}},
+         [((0.5, 0.4, 0.34, 0.25, 0.2), (0.02, 0.01, 0.005), ALL[:1])],
+         ((0.5, 0.34), (0.02, 0.01), ALL[:1]), (0.125, 0.005), (0.25, 0.01)),
+)  # fmt: skip
+
+
+def study(case: Case, out: Path, sizes: tuple, steps: tuple, schemes: tuple, degree: int) -> dict:
+    """study.csv of all combinations. Each has a folder of its own: a study compares with its finest rung, which is of no use here."""
+    command = [str(SIGNORINI), "study", str(SOURCE / case.scene), "--out", str(out), "--quantity", "J", "--degrees", str(degree)]
+    for option, values in (("--sizes", sizes), ("--steps", steps), ("--schemes", schemes)):
+        if option != "--schemes" or len(values) > 1 or values != ALL[:1]:
+            command += [option, ",".join(map(str, values))]
+    for key, value in case.overrides.items():
+        command += ["--set", f"{key}={toml(value)}"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(f"{command} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
+    return table(out / "study.csv")
+
+
+def reference(case: Case, out: Path, finest: tuple[float, float]) -> tuple[float, float]:
+    """J and its uncertainty."""
+    size, step = finest
+    fine = study(case, out / "fine", (size,), (step, 2 * step), ALL[:1], 2)
+    wide = study(case, out / "wide", (2 * size,), (2 * step,), ALL[:1], 2)
+    by_steps = dict(zip(fine["steps"], fine["J"]))
+    best, longer = by_steps[max(by_steps)], by_steps[min(by_steps)]
+    corrections = (best - longer) / 3, (longer - wide["J"][0]) / 3
+    return best + sum(corrections), sum(map(abs, corrections))
+
+
+def main() -> int:
+    full = "full" in sys.argv[3:]
+    only = [word for word in sys.argv[3:] if word != "full"]  # titles
+    effectivities, dropped = [], 0
+    print(f"{'scene':14} {'scheme':18} {'size':>6} {'step':>9} {'true error':>11} {'estimate':>10}  effectivity  parts ({', '.join(PARTS)})")
+    with tempfile.TemporaryDirectory() as folder:
+        for case in CASES:
+            if only and case.title not in only:
+                continue
+            out = Path(folder) / case.title.replace(" ", "-").replace(",", "")
+            J, uncertainty = reference(case, out, case.reference if full else case.coarse_reference)
+            print(f"{case.title}: J = {J:.6e}, to {uncertainty / abs(J):.1e}")
+            for i, (sizes, steps, schemes) in enumerate(case.runs if full else [case.few]):
+                rows = study(case, out / str(i), sizes, steps, schemes, 1)
+                for row in zip(rows["scheme"], rows["mass"], rows["size"], rows["step"], rows["J"], *(rows[f"J_estimate_{part}"] for part in PARTS)):
+                    scheme, mass, size, step, found, *parts = row
+                    error, estimate = J - found, sum(parts) * abs(found)
+                    certain = abs(error) >= CERTAIN * uncertainty
+                    dropped += not certain
+                    if certain:
+                        effectivities.append(estimate / error)
+                    told = f"{estimate / error:11.2f}" if certain else "          -"
+                    print(f"{'':14} {mass if mass == 'massless' else scheme:18} {size:6.3g} {step:9.3g} {error / abs(J):+11.2e} {estimate / abs(J):+10.2e}  {told}"
+                          f"  {' '.join(f'{part * abs(found / J):+.1e}' for part in parts)}")  # fmt: skip
+    good = sum(LEAST <= e <= LARGEST for e in effectivities)
+    print(f"{good} of {len(effectivities)} runs between {LEAST} and {LARGEST}; {dropped} are not told from the reference's own error")
+    enough = len(effectivities) >= 3 * max(dropped, 1)
+    return 0 if enough and good >= SHARE * len(effectivities) else 1
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
