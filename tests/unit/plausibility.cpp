@@ -123,7 +123,7 @@ TEST_CASE("a run is told what makes it mean less than it seems to, and nothing e
   CHECK(warnings(gentle_but({"initial.velocity=[\"0\", \"-2\"]"})).contains("large strain"));
   CHECK(warnings(gentle_but({"contact.obstacle.point=[0, -9]", "initial.velocity=[\"-0.5*y\", \"0.5*x\"]", "load.body=[\"0\", \"0\"]"}))
             .contains("large rotation"));
-  CHECK(warnings(gentle_but({"contact.obstacle.point=[0, -9]", "initial.velocity=[\"-9*x\", \"0\"]"}))
+  CHECK(warnings(gentle_but({"contact.obstacle.point=[0, -9]", "initial.displacement=[\"-1.5*x\", \"0\"]"}))
             .contains("elements turned inside out"));
   CHECK(warnings(gentle_but({mesh_of("apart.geo")})) == Names{"parts of the mesh"});
   CHECK(warnings(gentle_but({mesh_of("cracked.geo")})) == Names{});
@@ -142,11 +142,16 @@ TEST_CASE("motion along a curved obstacle is told where its half-space is no lon
   };
   CHECK(warnings(ball(10, "0")) == Names{});
   CHECK(warnings(ball(10, "0.5")) == Names{}); // by 0.3 m
-  CHECK(warnings(ball(0.1, "0.5")) == Names{"motion beyond an obstacle's radius", "linearised gap"});
+  // The flat face is bent by half-spaces that fan out, and so strained too.
+  const Names sharp = warnings(ball(0.1, "0.5"));
+  CHECK(sharp.contains("motion beyond an obstacle's radius"));
+  CHECK(sharp.contains("linearised gap"));
   // The same surface as an expression has no radius.
   const auto level = gentle_but({"contact.obstacle={shape=\"signed-distance\", distance=\"sqrt((x - 0.5)^2 + (y + 0.101)^2) - 0.1\"}",
                                  "initial.velocity=[\"0.5\", \"-0.01\"]"});
-  CHECK(warnings(level) == Names{"linearised gap"});
+  const Names told = warnings(level);
+  CHECK(told.contains("linearised gap"));
+  CHECK_FALSE(told.contains("motion beyond an obstacle's radius"));
 }
 
 TEST_CASE("nodes at one place are told apart by their cells", "[mesh]") {
