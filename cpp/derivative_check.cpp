@@ -53,6 +53,7 @@ public:
     const double size = controls_.norm(u);
     d_.scale((size > 0 ? size : 1) / controls_.norm(d_));
     settle(u_);
+    cancellation_ = cancellation();
   }
 
   void run(std::vector<CheckRow>& rows) {
@@ -103,12 +104,26 @@ private:
   enum class Side { both, plus, minus };
 
   /// What rounding, and an iterative solver a few times its tolerance, leave of the sums of a sweep and its transpose, relative.
-  [[nodiscard]] double sweeps_leave() const { return 1e-12 + solves_leave(); }
-  [[nodiscard]] double solves_leave() const { return 10 * controls_.steps() * solver_tolerance_; }
+  [[nodiscard]] double sweeps_leave() const { return 1e-12 + 10 * controls_.steps() * solver_tolerance_; }
   /// The same of J or of a gradient, relative: N steps are rounded one by one, which adds up like √N. A step costs up to 80
-  /// units (a flat bar without viscosity in contact); ten times that is allowed.
+  /// units (a flat bar without viscosity in contact); ten times that is allowed. What is left of y where y_d is taken from it
+  /// has the rounding of y.
   [[nodiscard]] double rounding() const {
-    return 1000 * std::numeric_limits<double>::epsilon() * std::sqrt(static_cast<double>(controls_.steps())) + solves_leave();
+    return cancellation_ * std::sqrt(static_cast<double>(controls_.steps())) *
+           (1000 * std::numeric_limits<double>::epsilon() + 10 * solver_tolerance_);
+  }
+
+  /// ‖y‖ / ‖y − y_d‖ in L2(0,T; L2), one at least.
+  double cancellation() {
+    double motion = 0, error = 0;
+    const petsc::Vector product = controls_.space().vector();
+    for (int k = 1; k <= controls_.steps(); ++k) {
+      const Vec y = problem_.trajectory().y(k);
+      check(MatMult(*problem_.stepper().operators().W, y, product));
+      motion += petsc::dot(product, y);
+      error += problem_.squared_distances()[static_cast<std::size_t>(k)];
+    }
+    return error > 0 ? std::max(1.0, std::sqrt(motion / error)) : 1;
   }
 
   /// Holds J's slope along d, or to one side of it, against the gradient there and against J; returns it.
@@ -293,6 +308,7 @@ private:
   double solver_tolerance_;
   const Console& console_;
   double objective_ = 0;
+  double cancellation_ = 1;
   double kept_size_ = 0; ///< the invariance radius: the largest size that keeps the active sets on the sides looked at
 };
 
