@@ -404,43 +404,45 @@ TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[
   CHECK(test::difference(y, z) < 1e-11 * test::largest(y)); // the condition of so stiff a D costs digits
 }
 
-TEST_CASE("contact is told apart by a gap, and by the force that moves a node as far", "[contact]") {
+TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces by the motion they make", "[contact]") {
   const Parts parts;
   const contact::Complementarity complementarity(parts.constraints, parts.D);
-  const double gap = parts.constraints.gap_tolerance();
   const auto m = static_cast<std::size_t>(parts.constraints.count());
-  const petsc::Vector diagonal = fem::diagonal(parts.D);
-  std::vector<double> force(m); // that moves a node alone by the tolerance
+  const petsc::Vector diagonal = fem::diagonal(parts.D), still = parts.space.vector();
+  std::vector<double> stiffness(m); // against moving a node alone
   for (std::size_t i = 0; i < m; ++i) {
     std::vector<double> one(m);
     one[i] = 1;
     petsc::Vector normal = parts.space.vector(), product = parts.space.vector();
     parts.constraints.add_normal(1, one, normal);
     check(VecPointwiseMult(product, diagonal, normal));
-    force[i] = gap * petsc::dot(product, normal);
-    REQUIRE(force[i] > 0);
+    stiffness[i] = petsc::dot(product, normal);
+    REQUIRE(stiffness[i] > 0);
   }
-  // Multiples of the two at one candidate, where the others are clearly open or pressed.
-  const auto state = [&](std::size_t i, double forces, double gaps) {
+  const double allowed = parts.constraints.gap_tolerance(), deep = 0.01;
+  // A force (by the motion that it makes) and a gap at one candidate, where the others are clearly open or pressed.
+  const auto state = [&](std::size_t i, double motion, double gap) {
     contact::ContactState s(parts.constraints.count());
     for (std::size_t j = 0; j < m; ++j)
-      (j % 2 ? s.lambda[j] : s.gap[j]) = j % 2 ? 100 * force[j] : 100 * gap;
-    s.lambda[i] = forces * force[i];
-    s.gap[i] = gaps * gap;
+      (j % 2 ? s.lambda[j] : s.gap[j]) = deep * (j % 2 ? stiffness[j] : 1);
+    s.lambda[i] = motion * stiffness[i];
+    s.gap[i] = gap;
     return s;
   };
-  const auto holds = [&](const contact::ContactState& s) { return complementarity.holds(s.lambda, s.gap); };
+  // 1e-10 of the largest force is nothing, gaps are known to rounding beside the body. An odd candidate's neighbours are
+  // the pressed ones.
+  const double motion = 1e-10 * deep, closed = 1e3 * std::numeric_limits<double>::epsilon() * parts.constraints.diameter();
   for (std::size_t i = 0; i < m; ++i) {
-    for (const auto& [forces, gaps, status] : {std::tuple{0.5, 0.5, contact::Status::weak},
-                                               {-0.5, -0.5, contact::Status::weak},
-                                               {0.5, 2.0, contact::Status::open},
-                                               {-0.5, 2.0, contact::Status::open},
-                                               {2.0, 0.5, contact::Status::strong},
-                                               {2.0, -0.5, contact::Status::strong}}) {
-      contact::ContactState s = state(i, forces, gaps);
-      CHECK(holds(s));
+    for (const auto& [forces, gap, status] : {std::tuple{0.5, 0.5 * closed, contact::Status::weak},
+                                              {-0.5, -0.5 * allowed, contact::Status::weak},
+                                              {0.5, 2 * closed, contact::Status::open},
+                                              {-0.5, 2 * allowed, contact::Status::open},
+                                              {2.0, 0.5 * allowed, contact::Status::strong},
+                                              {2.0, -0.5 * allowed, contact::Status::strong}}) {
+      contact::ContactState s = state(i, forces * motion, gap);
+      CHECK(complementarity.holds(s.lambda, s.gap, allowed, 0));
       s.active = {4, 3};
-      complementarity.classify(s);
+      complementarity.classify(s, still);
       contact::ActiveSet expected;
       for (std::size_t j = 0; j < m; ++j) {
         const contact::Status of_j = j == i ? status : j % 2 ? contact::Status::strong : contact::Status::open;
@@ -451,15 +453,34 @@ TEST_CASE("contact is told apart by a gap, and by the force that moves a node as
       CHECK(s.active == expected);
     }
     for (const auto& [forces, gaps] : {std::pair{0.0, -2.0}, {-2.0, 0.0}, {2.0, 2.0}, {2.0, -2.0}, {-2.0, 2.0}}) {
-      contact::ContactState s = state(i, forces, gaps);
-      CHECK_FALSE(holds(s));
-      CHECK(complementarity.holds_within(3 * gap, s.lambda, s.gap));
-      CHECK_FALSE(complementarity.holds_within(gap / 3, s.lambda, s.gap));
-      CHECK_THROWS_AS(complementarity.classify(s), SolverFailure);
+      const contact::ContactState by_motion = state(i, forces * motion, gaps * allowed), by_gap = state(i, forces * allowed, gaps * allowed);
+      CHECK_FALSE(complementarity.holds(by_motion.lambda, by_motion.gap, allowed, 0));
+      CHECK_FALSE(complementarity.holds_within(allowed, by_gap.lambda, by_gap.gap));
+      CHECK(complementarity.holds_within(3 * allowed, by_gap.lambda, by_gap.gap));
+      contact::ContactState s = by_motion;
+      CHECK_THROWS_AS(complementarity.classify(s, still), SolverFailure);
     }
-    for (const auto& [forces, gaps] : {std::pair{NAN, 0.0}, {0.0, NAN}, {INFINITY, 0.0}, {0.0, INFINITY}}) {
-      contact::ContactState s = state(i, forces, gaps);
-      CHECK_THROWS_AS(complementarity.classify(s), SolverFailure);
+    for (const auto& [force, gap] : {std::pair{NAN, 0.0}, {0.0, NAN}, {INFINITY, 0.0}, {0.0, INFINITY}}) {
+      contact::ContactState s = state(i, force, gap);
+      CHECK_THROWS_AS(complementarity.classify(s, still), SolverFailure);
     }
   }
+}
+
+TEST_CASE("a direct solver is chosen by the memory of its factor and of two dense matrices of the candidates", "[contact]") {
+  const std::vector<std::string> many{"mesh.size=0.02", "contact.on=boundary", "contact.obstacle.point=[0, -9]"};
+  const auto with = [&](double memory) {
+    std::vector<std::string> settings = many;
+    settings.push_back(fmt::format("solver.memory={:.17g}", memory));
+    return Parts(settings);
+  };
+  const Parts parts(many);
+  const double m = parts.constraints.count(), dense = 2 * m * m * sizeof(double);
+  std::vector<int> corner;
+  for (PetscInt dof : parts.constraints.first_dofs())
+    corner.push_back(static_cast<int>(dof / 2));
+  const double factor = ranks(MPI_COMM_WORLD) > 1 ? MumpsSolver(parts.D).estimate() : SparseCholesky(parts.D, corner).estimate();
+  REQUIRE(dense > 0.05 * factor);
+  CHECK_FALSE(with(factor + 1.01 * dense).solver.takes_guess());
+  CHECK(with(factor + 0.99 * dense).solver.takes_guess());
 }

@@ -1,5 +1,6 @@
 #include "check.h"
 #include "fixtures.h"
+#include <algorithm>
 #include <array>
 #include <catch2/catch_test_macros.hpp>
 #include <fmt/format.h>
@@ -223,4 +224,46 @@ TEST_CASE("a rejected trial changes nothing", "[control]") {
   CHECK(problem.controls.norm(before) > 0);
   CHECK(problem.controls.norm(after) < 1e-12 * problem.controls.norm(before));
   CHECK(problem.reduced.value().total() == value);
+}
+
+TEST_CASE("what pushes out of a bound is held there, each component by its own", "[control]") {
+  const test::Ready ready("tests/data/block.toml", {"control.lower=[-0.4, -0.2]", "control.upper=[0.3, 0.6]"});
+  const ControlProblem problem(ready.problem, test::silent());
+  const control::ControlSpace& controls = problem.controls;
+  constexpr std::array lower{-0.4, -0.2}, upper{0.3, 0.6};
+  // Values at, beside and beyond both bounds of both components, with directions of either sign and none.
+  constexpr std::array values{-0.4, -0.2, 0.3, 0.6, -0.5, 0.7, 0.1, -0.3, 0.4};
+  constexpr std::array directions{-1.0, 0.5, 0.0, 2.0, -0.1};
+  control::Control u = controls.zero(), d = controls.zero(), w = controls.constant(3);
+  for (int k = 1; k <= u.count(); ++k) {
+    const petsc::WriteArray at(u.at(k)), to(d.at(k));
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      at[i] = values[(i / 2 + static_cast<std::size_t>(k)) % values.size()];
+      to[i] = directions[(i / 3 + 2 * static_cast<std::size_t>(k)) % directions.size()];
+    }
+  }
+  controls.hold(w, u, d);
+  long held = 0, wrong = 0;
+  for (int k = 1; k <= u.count(); ++k) {
+    const petsc::ReadArray at(u.at(k)), to(d.at(k)), out(w.at(k));
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      const bool holds = (at[i] <= lower[i % 2] && to[i] < 0) || (at[i] >= upper[i % 2] && to[i] > 0);
+      held += holds;
+      wrong += out[i] != (holds ? 0 : 3);
+    }
+  }
+  CHECK(test::total(held) > 100);
+  CHECK(test::total(wrong) == 0);
+  controls.project(u);
+  long outside = 0, moved = 0;
+  for (int k = 1; k <= u.count(); ++k) {
+    const petsc::ReadArray at(u.at(k));
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      const double before = values[(i / 2 + static_cast<std::size_t>(k)) % values.size()];
+      outside += at[i] != std::clamp(before, lower[i % 2], upper[i % 2]);
+      moved += at[i] != before;
+    }
+  }
+  CHECK(test::total(outside) == 0);
+  CHECK(test::total(moved) > 100);
 }

@@ -4,6 +4,7 @@
 #include "forward/invariants.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -503,4 +504,70 @@ TEST_CASE("defects of a motion are weighed by what the run has seen", "[forward]
   adhering.gap[3] = -0.002 * length;
   observe({.energy_residual = 0.004}, adhering);
   CHECK(invariants.violation(1e-3)->starts_with(invariants.defects()[3].name));
+}
+
+TEST_CASE("clamps that move strain a body as they say, from node to node", "[forward]") {
+  // A homogeneous strain at a constant rate needs no force, and Newmark's scheme is exact.
+  const test::Ready ready("tests/data/manufactured.toml",
+                          {"load.body=[\"0\", \"0\"]", "clamp=[{on=\"boundary\", value=[\"(0.3*x - 0.1*y)*t\", \"0.2*x*t\"]}]",
+                           "initial.velocity=[\"0.3*x - 0.1*y\", \"0.2*x\"]"});
+  const test::Recorded trajectory = run(ready);
+  petsc::Vector exact = ready.problem.space.vector();
+  for (int k = 0; k <= trajectory.steps; ++k) {
+    ready.problem.space.interpolate(scene::Field({"(0.3*x - 0.1*y)*t", "0.2*x*t"}, "test", true),
+                                    ready.problem.stepper.scheme().time(k), exact);
+    CHECK(test::difference(trajectory.y[static_cast<std::size_t>(k)], exact) < 1e-13);
+  }
+  CHECK(test::largest(exact) > 0.05);
+  // What is not written of the initial velocity is that of the clamps, and rest within.
+  const test::Ready started("tests/data/manufactured.toml",
+                            {"load.body=[\"0\", \"0\"]", "initial={displacement=[\"0\", \"0\"]}",
+                             "clamp=[{on=\"boundary\", value=[\"(0.3*x - 0.1*y)*t + 2*t^2\", \"0.2*x*t\"]}]"});
+  ready.problem.space.interpolate(scene::Field({"0.3*x - 0.1*y", "0.2*x"}, "test", false), 0, exact);
+  petsc::Vector inside = petsc::copy(exact);
+  ready.problem.stepper.clamped().clear(inside);
+  check(VecAXPY(exact, -1, inside));
+  CHECK(test::difference(started.problem.initial.v, exact) < 1e-9);
+}
+
+TEST_CASE("the scale of the momentum balance adds the moduli of its terms", "[forward]") {
+  const test::Ready ready("tests/data/block.toml");
+  const forward::Stepper& stepper = ready.problem.stepper;
+  const fem::Space& space = ready.problem.space;
+  const double tau = stepper.scheme().tau;
+  const petsc::Vector y0 = test::smooth(space, 1), y1 = test::smooth(space, 2), v0 = test::smooth(space, 3),
+                      v1 = test::smooth(space, 4), density = test::smooth(space, 5);
+  contact::ContactState contact(stepper.constraints()->count());
+  for (std::size_t i = 0; i < contact.lambda.size(); ++i)
+    contact.lambda[i] = 1e-4 * (1 + static_cast<double>(i));
+  const auto product = [&](Mat matrix, Vec x) {
+    petsc::Vector out = space.vector();
+    check(MatMult(matrix, x, out));
+    return out;
+  };
+  const auto length_of_sum = [&](Vec x) {
+    std::array<double, 2> sum{};
+    for (std::size_t c = 0; c < 2; ++c) {
+      petsc::Vector unit = space.vector();
+      space.interpolate(scene::Field({c == 0 ? "1" : "0", c == 1 ? "1" : "0"}, "test", false), 0, unit);
+      sum[c] = petsc::dot(x, unit);
+    }
+    return std::hypot(sum[0], sum[1]);
+  };
+  const auto all = [](Vec x) {
+    PetscReal sum = 0;
+    check(VecNorm(x, NORM_1, &sum));
+    return sum;
+  };
+  petsc::Vector change = product(stepper.M(), v1), pushes = space.vector();
+  check(VecAXPY(change, -1, product(stepper.M(), v0)));
+  stepper.constraints()->add_normal(-1 / stepper.scheme().impulse(), contact.lambda, pushes);
+  const double exact = length_of_sum(change) / tau + length_of_sum(product(*ready.problem.operators.W, density)) +
+                       length_of_sum(pushes) + all(product(ready.problem.operators.A, y1)) +
+                       all(product(stepper.M(), v1)) / tau;
+  forward::Balance weigh(stepper);
+  (void)weigh({0, nullptr, nullptr, {}, y0, v0, contact, false});
+  const forward::StepBalance balance = weigh({1, y0, v0, {.density = density}, y1, v1, contact, true});
+  CHECK(std::abs(balance.momentum_scale / exact - 1) < 1e-12);
+  CHECK(std::abs(std::hypot(balance.contact_force[0], balance.contact_force[1]) / length_of_sum(pushes) - 1) < 1e-12);
 }

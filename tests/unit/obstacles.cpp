@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <numbers>
 #include <numeric>
+#include <random>
 
 using namespace signorini;
 using Catch::Matchers::ContainsSubstring;
@@ -477,4 +478,59 @@ TEST_CASE("a node that clamps hold wholly is no candidate and needs no plane", "
   CHECK(walls.constraints.count() == 16 - 5);
   for (int i = 0; i < walls.constraints.count(); ++i)
     CHECK(walls.constraints.points()[3 * static_cast<std::size_t>(i) + 1] > 0.2);
+}
+
+TEST_CASE("directions may follow each other without a gap", "[contact]") {
+  // A basis looks at as many components as there are dimensions, whatever stands behind them.
+  for (const std::size_t dim : {2, 3}) {
+    std::vector<double> packed;
+    for (std::size_t i = 0; i < dim; ++i)
+      for (std::size_t c = 0; c < dim; ++c)
+        packed.push_back(i == c ? 0.8 : 0.1);
+    packed.push_back(std::numeric_limits<double>::quiet_NaN());
+    contact::NodeBasis basis(static_cast<int>(dim));
+    for (std::size_t i = 0; i < dim; ++i)
+      CHECK(basis.add(&packed[i * dim]));
+    CHECK(basis.size() == dim);
+  }
+}
+
+TEST_CASE("a signed distance is one of space alone", "[contact]") {
+  CHECK_THROWS_AS(made(scene::SignedDistance{"y + 0.1*t"}, 2), UserError);
+}
+
+TEST_CASE("the dual active-set method solves regular problems with many constraints closed", "[contact]") {
+  // S = N Nᵀ of m directions in more dimensions, with gaps of both signs.
+  constexpr std::size_t m = 9, n = 11;
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  const auto depends = [](const contact::ActiveSet&, int) { return false; };
+  const contact::DualActiveSet solver(m);
+  std::size_t most = 0;
+  int left = 0; // constraints that were in the set on the way, but not at the end
+  for (int which = 0; which < 100; ++which) {
+    std::vector<double> N(m * n), S(m * m), gap0(m), lambda(m);
+    for (double& x : N)
+      x = 0.5 + normal(random); // to the same side, so that one constraint makes others superfluous
+    for (std::size_t i = 0; i < m; ++i)
+      for (std::size_t j = 0; j < m; ++j)
+        S[i * m + j] = std::inner_product(&N[i * n], &N[i * n] + n, &N[j * n], 0.0);
+    for (double& g : gap0)
+      g = normal(random) - 0.5;
+    contact::ActiveSet set;
+    int steps = 0;
+    REQUIRE(solver.solve(S, gap0, 1e-13, depends, set, lambda, steps));
+    most = std::max(most, set.size());
+    left += steps - static_cast<int>(set.size());
+    for (std::size_t i = 0; i < m; ++i) {
+      const double g = std::inner_product(&S[i * m], &S[i * m] + m, lambda.begin(), gap0[i]);
+      const bool closed = std::ranges::binary_search(set, static_cast<int>(i));
+      CHECK(g > -1e-12);
+      CHECK((lambda[i] > 0) == closed);
+      if (closed)
+        CHECK(std::abs(g) < 1e-11);
+    }
+  }
+  CHECK(most > 4);
+  CHECK(left > 20);
 }

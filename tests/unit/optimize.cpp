@@ -854,3 +854,120 @@ TEST_CASE("a line search ends where J is lower and its slope flatter, or beyond 
   REQUIRE(edge.found);
   CHECK((edge.found->u.x[0] > 1 - 1e-14 && edge.found->u.x[0] < 1));
 }
+
+TEST_CASE("a trust region follows what its model was worth", "[optimize]") {
+  // So little curvature that each step ends on the boundary: the step's length is the radius.
+  struct Flat : Bounded {
+    Flat() { w = {1, 2}, lower = -1e300, upper = 1e300; }
+    static double value(const Point&) { return 0; }
+    Point trial_gradient() { return trial; }
+    static Point hessian_product(Point d) {
+      d.scale(1e-6);
+      return d;
+    }
+  };
+  Flat problem;
+  optimize::TruncatedNewton<Flat> newton(0.5);
+  const optimize::Iterate<Flat> from{Point{{7, -3}}, 1.0, Point{{2, 1}}};
+  const auto length = [&] { return optimize::norm(problem, newton.direction(problem, from)); };
+  // A step of t times the last direction, with so much of the decrease that the model foretold for all of it.
+  const auto learn = [&](double t, double ratio) {
+    const Point d = newton.direction(problem, from);
+    optimize::Iterate<Flat> to = from;
+    to.u.add(t, d);
+    to.objective += ratio * (problem.inner(from.g, d) + 0.5e-6 * problem.inner(d, d));
+    newton.learn(problem, from, to, t);
+  };
+  const auto is = [](double a, double b) { return std::abs(a / b - 1) < 1e-12; };
+  CHECK(is(length(), 0.5));
+  learn(1, 0.5); // fair: as it is
+  CHECK(is(length(), 0.5));
+  learn(1, 0.9); // good: twice
+  CHECK(is(length(), 1));
+  learn(1, 0.1); // poor: half
+  CHECK(is(length(), 0.5));
+  learn(0.25, 0.9); // what the search shortened
+  CHECK(is(length(), 0.125));
+  learn(8, 0.5); // what it lengthened, twice
+  CHECK(is(length(), 2));
+  CHECK(newton.restart());
+  const Point down = newton.direction(problem, from);
+  CHECK(is(problem.inner(down, from.g), -2 * optimize::norm(problem, from.g))); // the steepest
+  CHECK_FALSE(newton.restart());
+  learn(1, 0.9); // what it led to says nothing of the model
+  CHECK(is(length(), 2));
+}
+
+TEST_CASE("conjugate gradients need a product for each curvature, and solve Newton's equation", "[optimize]") {
+  // Three curvatures in eight directions; two values are held at a bound that the gradient pushes out of.
+  struct Quadric : Bounded {
+    int products = 0;
+    Quadric() { w = {1, 2, 0.5, 4, 1, 3, 0.2, 1}, lower = -1, upper = 1e300; }
+    static double value(const Point&) { return 0; }
+    Point trial_gradient() { return trial; }
+    Point hessian_product(Point d) {
+      ++products;
+      for (std::size_t i = 0; i < d.x.size(); ++i)
+        d.x[i] *= static_cast<double>(1 + i % 3);
+      return d;
+    }
+  };
+  Quadric problem;
+  optimize::TruncatedNewton<Quadric> newton(1e6);
+  Point u{std::vector<double>(8, 0.5)}, g{{1, -2, 3, 1, 2, -1, 0.5, 1}};
+  u.x[0] = u.x[4] = -1; // g > 0 there
+  (void)newton.direction(problem, {u, 0.0, g}); // the gradient at the start is the measure of small ones
+  g.scale(1e-12);
+  problem.products = 0;
+  const Point d = newton.direction(problem, {u, 0.0, g});
+  CHECK(problem.products == 3);
+  for (std::size_t i = 0; i < 8; ++i) {
+    const double exact = i % 4 == 0 ? 0 : -g.x[i] / static_cast<double>(1 + i % 3);
+    CHECK(std::abs(d.x[i] - exact) < 1e-13 * optimize::norm(problem, g));
+  }
+}
+
+TEST_CASE("what is held takes no part in the memory of L-BFGS", "[optimize]") {
+  // The same steps with a third value that moves to its bound and is held there.
+  Quadratic whole;
+  Quadratic part;
+  part.w.resize(2);
+  optimize::LimitedMemory<Quadratic> with(1), without(1);
+  const auto iterate = [](const Quadratic& problem, double x, double y, double z, double gx, double gy) {
+    optimize::Iterate<Quadratic> at{Point{{x, y, z, 0}}, 0.0, Point{{gx, gy, 5 - z, 0}}};
+    at.u.x.resize(problem.w.size());
+    at.g.x.resize(problem.w.size());
+    return at;
+  };
+  const auto path = [&](const Quadratic& problem) {
+    return std::vector{iterate(problem, 0, 0, 0.9, 1, -0.5), iterate(problem, -0.3, 0.2, -1, 0.6, -0.2),
+                       iterate(problem, -0.5, 0.1, -1, 0.1, -0.3)};
+  };
+  const auto a = path(whole), b = path(part);
+  for (std::size_t k = 0; k + 1 < a.size(); ++k) {
+    with.learn(whole, a[k], a[k + 1], 1);
+    without.learn(part, b[k], b[k + 1], 1);
+    const Point d = with.direction(whole, a[k + 1]), e = without.direction(part, b[k + 1]);
+    CHECK(std::abs(d.x[0] - e.x[0]) < 1e-14);
+    CHECK(std::abs(d.x[1] - e.x[1]) < 1e-14);
+    CHECK(std::hypot(e.x[0], e.x[1]) > 1e-2);
+    CHECK(d.x[2] == 0);
+  }
+}
+
+TEST_CASE("gradients of a certificate are gathered nearby, in units of the control", "[optimize]") {
+  for (const double unit : {1e-3, 1.0, 1e3}) {
+    Pieces problem(2, 1e300);
+    for (auto& centre : problem.centre)
+      for (double& x : centre)
+        x *= unit;
+    for (double& height : problem.height)
+      height *= unit * unit;
+    Record record;
+    const optimize::Options options{.max_iterations = 500, .tolerance = 1e-7, .first_step = unit};
+    const auto ending = optimize::lbfgs(problem, Point{std::vector<double>(Pieces::n, 0.3 * unit)}, options, record);
+    REQUIRE(ending.stop == optimize::Stop::kink);
+    CHECK(ending.certificate->radius <= 1e-4 * unit * (1 + 1e-9));
+    CHECK(ending.certificate->radius > 0);
+  }
+}

@@ -254,3 +254,27 @@ TEST_CASE("a budget without room for a checkpoint is refused with what is needed
   ControlProblem problem(enough.problem, test::silent());
   CHECK(problem.reduced.value(problem.controls.zero()) > 0);
 }
+
+TEST_CASE("a trajectory that runs again shows the last run's states, from every storage", "[forward]") {
+  const test::Ready ready("tests/data/block.toml", {"solver.linear=iterative"});
+  const Problem& problem = ready.problem;
+  const int N = problem.steps();
+  const test::Recorded loaded(problem), falling(problem, {});
+  REQUIRE(test::difference(loaded.y.back(), falling.y.back()) > 0);
+  Timers timers;
+  for (const scene::Trajectory& scene :
+       {scene::Trajectory{}, scene::Trajectory{.storage = "disk"}, checkpoints(problem.stepper, 3)}) {
+    INFO(scene.storage);
+    const forward::Storage storage(problem.stepper, scene, N, 1, timers);
+    forward::Trajectory trajectory(problem.stepper, problem.initial, N, storage, true);
+    for (const test::Recorded* expected : {&loaded, &falling, &loaded}) {
+      trajectory.run(expected == &loaded ? problem.load() : forward::Load());
+      for (int k : {N, N, N / 2, 1}) { // the last one asked for before the next run too
+        const forward::States::View state = trajectory.at(k);
+        CHECK(test::difference(state.y, expected->y[static_cast<std::size_t>(k)]) == 0);
+        CHECK(test::difference(state.v, expected->v[static_cast<std::size_t>(k)]) == 0);
+      }
+      (void)trajectory.at(N);
+    }
+  }
+}
