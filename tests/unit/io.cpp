@@ -255,7 +255,7 @@ control::Control some(const control::ControlSpace& controls) {
 }
 
 void write(const control::ControlSpace& controls, Pieces& pieces, const fs::path& file) {
-  io::CheckpointWriter writer(controls, file);
+  io::CheckpointWriter writer(controls, file.string() + ".part", file);
   pieces.through(writer);
   REQUIRE(writer.commit() == "");
 }
