@@ -17,6 +17,7 @@ SCENE = SOURCE / "scenes" / "catch.toml"
 STEP, END, THROW = 5e-3, 1.5, 1.0  # s, s, m/s
 PLACE, WALL = 0.202, 0.302  # m from the start
 TRACTION = 1.0  # N/m², the bound
+ALPHA, GAMMA = 1e-4, 0.1
 # Of 300 steps that are each right to about 1e-14 of the forces in contact, of which a whole impulse is the sum.
 ROUNDING = 1e-11
 
@@ -30,6 +31,18 @@ def products(points: np.ndarray, simplices: np.ndarray, sizes: np.ndarray, field
     corners = simplices.shape[1]
     mass = (1 + np.eye(corners)) / (corners * (corners + 1))
     return np.einsum("s,ij,rsic,tsjc->tr", sizes, mass, rigid[:, simplices], field[:, simplices])
+
+
+def squares(points: np.ndarray, simplices: np.ndarray, sizes: np.ndarray, field: np.ndarray) -> np.ndarray:
+    """∫ over the simplices of the square of a linear field, at all times."""
+    corners = simplices.shape[1]
+    mass = (1 + np.eye(corners)) / (corners * (corners + 1))
+    return np.einsum("s,ij,tsic,tsjc->t", sizes, mass, field[:, simplices], field[:, simplices])
+
+
+def objective(error: np.ndarray, control: np.ndarray) -> float:
+    """The README's J of the squared norms of y - y_d at the times 0…N and of u in the steps 1…N."""
+    return STEP / 4 * (error[:-1] + error[1:]).sum() + ALPHA * STEP / 2 * control.sum() + GAMMA * error[-1]
 
 
 def areas(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
@@ -120,9 +133,10 @@ def caught(out: Path, figures: Figures) -> None:
     figures.show("kinetic energy at the end / of the throw", kinetic, 0, 2 * ((WALL - PLACE) / END / THROW) ** 2)
 
     J = history["objective"]
-    # The way to the place at the speed of the throw costs ∫ ½ (place - t)² dt for each kg; what follows, twice as much at most.
-    approach = mass / 2 * PLACE**3 / (3 * THROW)
-    figures.show("objective", J[-1], approach, 2 * approach)
+    _, _, y = stored(out, "state", "displacement")
+    own = objective(squares(points, cells, areas(points, cells), y[:, :, :2] - [PLACE, 0]), squares(points, edges, lengths, u))
+    # Sums of some hundred terms of one sign each.
+    figures.show("objective / that of the stored fields", J[-1] / own, 1, 1e-12)
     figures.least("objective of the first guess / this", J[0] / J[-1], 50)
     assert (np.diff(J) < 0).all(), "J rose"
     figures.show("largest traction, N/m²", abs(u).max(), TRACTION, 0)

@@ -1,5 +1,8 @@
 """D1: an elastic disc falls on a plane. The fall is a parabola until the touch, and energy only ever goes.
 
+How fast the disc flies off, and how much of it rings instead, nobody knows in closed form; but no faster than the energy allows,
+and as fast on the next finer mesh, and with massless contact, which loses no energy, but for a difference that vanishes.
+
 What the contact condition takes is the kinetic energy of the nodes that come to rest on the plane, a layer of the body as
 thick as an element: it vanishes with the element size, at order 1.
 """
@@ -19,8 +22,9 @@ SIZES = {4.0: 0.02, 2.0: 0.01, 1.0: 0.005}  # m, and the step in proportion, s: 
 END = 40.0
 
 
-def drop(size: float, out: Path, figures: Figures, sag: float = 0, **overrides: object) -> float:
-    """Runs the scene, shows its figures and returns the part of the impact's energy that is lost until the end. Contact nodes
+def drop(size: float, out: Path, figures: Figures, sag: float = 0, **overrides: object) -> tuple[float, float]:
+    """Runs the scene, shows its figures and returns the part of the impact's energy that is lost until the end, and the speed of
+    the rebound (m/s), from the impulses of contact and gravity. Contact nodes
     that fall otherwise than their body may be off by `sag` (m), with waves that cross an element; two steps, because without
     mass they may alternate."""
     step = SIZES[size]
@@ -45,15 +49,26 @@ def drop(size: float, out: Path, figures: Figures, sag: float = 0, **overrides: 
     mass = 2 * impact  # at 1 m/s
     left = pushed[-1]
     rebound = step * force.sum() / mass - ACCELERATION * time[left]
-    figures.show("rebound, m/s, slower than the fall", rebound, 0.5, 0.5)
+    lost = -energy[-1] / impact
+    figures.least("rebound, m/s, within the energy left", np.sqrt(1 - lost), rebound)
     print(f"       last force at {time[left]:.2f} s")
-    return -energy[-1] / impact
+    return lost, rebound
 
 
 def main() -> int:
     figures = Figures()
     with tempfile.TemporaryDirectory() as folder:
-        losses = {size: drop(size, Path(folder) / "out", figures) for size in SIZES}
+        dropped = {size: drop(size, Path(folder) / "out", figures) for size in SIZES}
+        print("massless:")
+        middle = list(SIZES)[1]
+        # Gravity moves a contact node by this against its body, see hard/discs.py.
+        _, massless = drop(middle, Path(folder) / "out", figures, ACCELERATION * middle**2 / 50, contact__mass="massless")
+    losses = {size: lost for size, (lost, _) in dropped.items()}
+    coarse, shipped, fine = (rebound for _, rebound in dropped.values())
+    print(f"rebound, m/s: {coarse:.5f}, {shipped:.5f}, {fine:.5f}; massless {massless:.5f} at {middle:g} m")
+    # Of order 1 each difference is half of the one before, and what is left as large as the last.
+    figures.show("rebound: last difference, of the one before", abs(fine - shipped) / abs(shipped - coarse), 0, 0.5)
+    figures.show("rebound, massless beside the default, m/s", massless, shipped, abs(shipped - coarse))
     print("energy lost, of the impact's:", ", ".join(f"{loss:.5f} at {size:g} m" for size, loss in losses.items()))
     order = float(np.polyfit(np.log(list(losses)), np.log(list(losses.values())), 1)[0])
     # Which nodes come to rest when is accidental; halfway to order 1/2, at which a layer of √h would be lost.

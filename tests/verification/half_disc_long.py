@@ -17,7 +17,7 @@ MINUTES = 10
 
 
 def field(out: Path, name: str, step: int) -> np.ndarray:
-    """Nodal values (nodes × 2) of a stored control field after `step` steps."""
+    """Nodal values (nodes × 2) of a stored field after `step` steps."""
     with h5py.File(out / f"{name}.h5") as file:
         states = file[f"Function/{name}"]
         order = sorted(states, key=lambda key: float(key.replace("_", ".")))
@@ -40,7 +40,7 @@ def main() -> int:
         run = json.loads((out / "run.json").read_text())
         with h5py.File(out / "control.h5") as file:
             points = file["Mesh/mesh/geometry"][:]
-        u = field(out, "control", STEP_OF_FIGURES)
+        u, p = (field(out, name, STEP_OF_FIGURES) for name in ("control", "adjoint"))
 
     sweeps = run["timings"]["forward"], run["timings"]["adjoint"]
     print(f"{minutes:.1f} min; {history['forward_sweeps'][-1]:.0f} forward and {history['adjoint_sweeps'][-1]:.0f} adjoint "
@@ -53,7 +53,8 @@ def main() -> int:
     assert (np.diff(J) < 0).all(), "J rose"
     assert J[100] < 0.0115 and J[600] < 0.01010
 
-    # Seed, Fig. 5: no control on the clamp, none normal to the plane where contact is active.
+    # Seed, Fig. 5: no control on the clamp, none normal to the plane where contact is active. There p·ν = 0, so that an iteration only
+    # shrinks u·ν by 1 - α/ω: slowly, to zero where J is stationary (optimizers.py).
     now = contact["step"] == STEP_OF_FIGURES
     active = now & (contact["force"] > 0)
     assert active.sum() > 3, "no contact at t = 0.00175"
@@ -61,10 +62,9 @@ def main() -> int:
     clamped = np.isclose(points[:, 1], points[:, 1].max())
     size = np.linalg.norm(u, axis=1).max()
     print(f"control at t = 0.00175: largest {size:.3f}, on the clamp {abs(u[clamped]).max():.1e}, normal at the "
-          f"{touching.sum()} active nodes {abs(u[touching, 1]).max():.1e}")  # fmt: skip
+          f"{touching.sum()} active nodes {abs(u[touching, 1]).max():.1e}, of the adjoint state {abs(p[touching, 1]).max():.1e}")  # fmt: skip
     assert abs(u[clamped]).max() < 1e-12 * size, "u is a multiple of p plus the first guess, zero: it vanishes on the clamp"
-    # There p·ν = 0, so an iteration only shrinks u·ν by 1 - alpha/omega: slowly, to zero at a stationary point.
-    assert abs(u[touching, 1]).max() < 0.25 * size
+    assert abs(p[touching, 1]).max() < 1e-12 * abs(p).max()
 
     # Seed, Fig. 9: the contact forces are symmetric.
     x, force = contact["x"][active], contact["force"][active]

@@ -34,7 +34,7 @@ def drops(folder: Path, table: Table) -> None:
             # Without mass a contact node keeps its weight f h/2, hangs by f h²/2E below its body, and as trapezoidal
             # steps let what has no mass alternate about its equilibrium, by up to twice that.
             sag = disc_drop.ACCELERATION * size**2 / 50 if scheme == "massless" else 0
-            lost[size] = quietly(disc_drop.drop, size, out, worst, sag, output__fields=[], **overrides)
+            lost[size], _ = quietly(disc_drop.drop, size, out, worst, sag, output__fields=[], **overrides)
             steps = read(out / "steps.csv")
             total = energy(steps) - np.cumsum(steps["external_work"])
             impact = steps["kinetic_energy"][round(disc_drop.TOUCH / disc_drop.SIZES[size])]

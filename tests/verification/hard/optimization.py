@@ -1,9 +1,10 @@
 """Control problems from a first guess far away and with hardly any cost of control: J never rises from one accepted iterate to
 the next, and the reason for which the search stops is true.
 
-The first guess presses the half disc onto the plane with a hundred times the force behind the desired motion. True is
+Each method is asked, the slow one for every scheme. The first guess presses the half disc onto the plane with a hundred times the force behind the desired motion. True is
 "gradient norm below tolerance" if the last gradient norm is; "iteration limit" if that many iterates were accepted and the
-norm is above; "no further decrease" if more steps were tried than accepted and the last accepted ones gained next to nothing.
+norm is above; "stationary at a kink" if a combination of gradients is as short as the tolerance asks of one and contact is weak
+there; "no further decrease" if more steps were tried than accepted and the last accepted ones gained next to nothing.
 """
 
 import json
@@ -17,6 +18,7 @@ from harness import HALF_DISC, signorini, table
 
 FAR = ["0", "-100"]  # times the control behind the desired motion
 MOST = 40
+FASTER = {"lbfgs": 40, "newton-cg": 12}  # iterations
 CASES = {
     **{f"alpha {alpha:.0e}": {"objective__alpha": alpha} for alpha in (1e-2, 1e-4, 1e-6, 1e-8)},
     "alpha 1e-08, bounds": {"objective__alpha": 1e-8, "control__lower": -0.5, "control__upper": 0.5},
@@ -33,6 +35,8 @@ def true_reason(run: dict, history: dict, limit: int, tolerance: float) -> bool:
             return below
         case "iteration limit":
             return iterations == limit and not below
+        case "stationary at a kink":
+            return run["kink"]["shortest_combination"] <= tolerance * norm[0] and len(run["kink"]["weak_contact"]) > 0
         case "no further decrease":
             tried = run["counters"]["steps"] / 150  # of 5e-5 s each in a sweep
             return not below and tried >= iterations + 1 and objective[-2] - objective[-1] < 1e-12 * objective[-1]
@@ -47,19 +51,21 @@ def main() -> int:
         touched = int((table(out / "steps.csv")["active"] > 0).sum())
         lines.row("the first guess", f"{touched} steps in contact", touched > 0)
         reasons = set()
-        for scheme, over in SCHEMES.items():
+        asked = [(scheme, over, "projected-gradient") for scheme, over in SCHEMES.items()]
+        asked += [("contact-implicit", {}, method) for method in FASTER]
+        for scheme, over, method in asked:
             for case, more in CASES.items():
-                given = {"optimizer__method": "projected-gradient", "optimizer__max_iterations": MOST, "optimizer__tolerance": 1e-6} | more
+                given = {"optimizer__method": method, "optimizer__max_iterations": FASTER.get(method, MOST), "optimizer__tolerance": 1e-6} | more
                 signorini("optimize", HALF_DISC, out, mesh__size=1.0, control__initial=FAR, output__fields=[], **(over | given))
                 history, run = table(out / "history.csv"), json.loads((out / "run.json").read_text())
                 objective, norm = history["objective"], history["gradient_norm"]
                 rise = max(objective[1:] / objective[:-1]) - 1
                 reasons.add(run["stop_reason"])
-                lines.row(f"{scheme}, {case}",
+                lines.row(f"{scheme}, {method}, {case}",
                           f"J {objective[0]:.2e} -> {objective[-1]:.4e} in {len(objective) - 1} iterations, |g| by {norm[-1] / norm[0]:.0e}, "
                           f"least decrease of J {-rise:.0e}; {run['stop_reason'].split(':')[0]}",
                           rise <= 0 and true_reason(run, history, given["optimizer__max_iterations"], given["optimizer__tolerance"]))  # fmt: skip
-        lines.row("three reasons occurred", "; ".join(sorted(reason.split(":")[0] for reason in reasons)), len(reasons) == 3)
+        lines.row("three reasons occurred", "; ".join(sorted(reason.split(":")[0] for reason in reasons)), len(reasons) >= 3)
     return 1 if lines.failed else 0
 
 
