@@ -104,10 +104,14 @@ std::vector<double> polished(std::span<const double> products, std::span<const d
   for (std::size_t i = 0; i < n; ++i)
     if (near[i] > negligible)
       support.push_back(i);
-  for (std::size_t change = 0; change < 2 * n; ++change) {
+  for (std::size_t change = 0; change < 10 * n; ++change) {
     const std::vector<double> solution = best_on(products, prices, support);
-    if (solution.empty())
-      return near;
+    if (solution.empty()) { // dependent: as good without one of them
+      if (support.size() == 1)
+        return near;
+      support.erase(std::ranges::min_element(support, {}, [&](std::size_t i) { return near[i]; }));
+      continue;
+    }
     const auto least = std::min_element(solution.begin(), solution.end() - 1) - solution.begin();
     if (solution[static_cast<std::size_t>(least)] < 0) {
       support.erase(support.begin() + least);

@@ -82,7 +82,9 @@ public:
   }
 
 private:
-  double radius_ = 1;    ///< at first as far as the step leads that units were measured by
+  /// The first of the first conjugate gradients is as long as the step that units were measured by, 1: a radius of 1
+  /// would leave it to rounding whether that is within.
+  double radius_ = 2;
   double first_ = 0;     ///< largest gradient norm on free values so far
   double predicted_ = 0; ///< decrease of the quadratic model by the last direction
   bool on_boundary_ = false, steepest_ = false;
