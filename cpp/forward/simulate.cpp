@@ -10,9 +10,9 @@ using petsc::check;
 
 namespace {
 
-/// Sets a field on the clamps to what they do, with which it must agree but for `rounding`, relative to its
-/// size.
-void hold_clamped(const Stepper& stepper, Vec x, Vec held, double rounding, const char* key) {
+/// Sets a field on the clamps to what they do, with which it must agree but for `rounding`, relative to the sizes of both
+/// and `scale`.
+void hold_clamped(const Stepper& stepper, Vec x, Vec held, double rounding, double scale, const char* key) {
   petsc::Vector whole = petsc::copy(x);
   stepper.clamped().clear(x);
   petsc::Vector difference = petsc::copy(whole);
@@ -21,7 +21,7 @@ void hold_clamped(const Stepper& stepper, Vec x, Vec held, double rounding, cons
   check(VecNorm(whole, NORM_INFINITY, &size));
   check(VecNorm(held, NORM_INFINITY, &held_size));
   check(VecNorm(difference, NORM_INFINITY, &moved));
-  if (moved > rounding * std::max(size, held_size))
+  if (moved > rounding * std::max({size, held_size, scale}))
     throw UserError(fmt::format(
         "{}: found a difference of {:.4g} to what the clamps do at t = 0, allowed is 0", key, moved));
   check(VecAXPY(x, 1, held));
@@ -32,24 +32,26 @@ void hold_clamped(const Stepper& stepper, Vec x, Vec held, double rounding, cons
 Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
     : y(stepper.space().vector()), v(stepper.space().vector()) {
   petsc::Vector y_held = petsc::zero_like(y), v_held = petsc::zero_like(v);
+  PetscReal later = 0; // velocity after a step: differences are taken on the way there, also by clamps that start at rest
   if (stepper.motion()) {
     check(VecCopy(stepper.motion()->position(0), y_held));
     check(VecCopy(stepper.motion()->velocity(0), v_held));
+    check(VecNorm(stepper.motion()->velocity(1), NORM_INFINITY, &later));
   }
   // A velocity taken by differences agrees with one written down to their error only, which for motions that the
   // steps hardly resolve, of a radian a step, is this. The one written down is right.
   constexpr double rounding = 1e-12, differences = 1e-5;
   const auto given = [&](const std::optional<scene::Components>& field, const char* key, Vec held,
-                         double tolerance, Vec x) {
+                         double tolerance, double scale, Vec x) {
     if (!field) {
       check(VecCopy(held, x));
       return;
     }
     stepper.space().interpolate({*field, key, false}, 0, x);
-    hold_clamped(stepper, x, held, tolerance, key);
+    hold_clamped(stepper, x, held, tolerance, scale, key);
   };
-  given(scene.displacement, "initial.displacement", y_held, rounding, y);
-  given(scene.velocity, "initial.velocity", v_held, stepper.motion() ? differences : rounding, v);
+  given(scene.displacement, "initial.displacement", y_held, rounding, 0, y);
+  given(scene.velocity, "initial.velocity", v_held, stepper.motion() ? differences : rounding, later, v);
   if (scene.velocity && stepper.motion()) {
     stepper.space().interpolate({*scene.velocity, "initial.velocity", false}, 0, v_held);
     stepper.motion()->copy(v_held, v);

@@ -54,7 +54,7 @@ FolderLock::FolderLock(const fs::path& folder) : FolderLock(folder, Unlocked()) 
 
 void FolderLock::make(const fs::path& given) {
   std::error_code error;
-  for (fs::path missing = folder_; !fs::exists(missing, error) && missing.has_relative_path(); missing = missing.parent_path())
+  for (fs::path missing = folder_; !present(missing) && missing.has_relative_path(); missing = missing.parent_path())
     made_.push_back(missing);
   fs::create_directories(folder_, error);
   if (error)

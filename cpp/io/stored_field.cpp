@@ -108,7 +108,7 @@ void StoredField::look(double end, std::vector<double>& points) {
   if (points.empty() || !finite(points))
     fail(damaged);
   const Opened topology(H5Dopen(file, "/Mesh/mesh/topology", H5P_DEFAULT), H5Dclose);
-  if (!topology || !separate(points, cells(topology), space_))
+  if (!separate(points, topology ? cells(topology) : std::vector<std::int64_t>(), space_))
     fail(damaged);
   const Opened group(H5Gopen(file, ("/Function/" + field_).c_str(), H5P_DEFAULT), H5Gclose);
   if (!group)

@@ -75,7 +75,8 @@ def between_stored_times(folder: Path) -> None:
             one_by_one = history(desired, folder / "f", trajectory__storage=storage, **free, **start)
             assert all(np.array_equal(one_by_one[name], usual[name]) for name in ("objective", "gradient_norm")), storage
             calls = json.loads((folder / "f" / "run.json").read_text())["timings"]["desired state"]["calls"]
-            assert calls > 30 * (one_by_one["forward_sweeps"][-1] + one_by_one["adjoint_sweeps"][-1]), calls
+            sweeps = one_by_one["forward_sweeps"][-1] + one_by_one["adjoint_sweeps"][-1] - 2  # the Hessian product at the start asks for none
+            assert calls > 30 * sweeps > 0, (calls, sweeps)
     half = history(by_run, folder / "f", time__end=0.3, time__step=0.01, **free, **start)  # other steps, ends earlier
     same(half, history(by_displacement, folder / "d", time__end=0.3, time__step=0.01, **free, **start), rounding)
     phases = json.loads((folder / "f" / "run.json").read_text())["timings"]

@@ -626,7 +626,7 @@ def check_control() -> None:
 def invariants() -> None:
     less_than_rounding = {"run__tolerance": 1e-30}
     warned = simulate(run__invariants="warn", **less_than_rounding)
-    assert "warning: " in warned.stdout and "warning" not in plain_run().stdout
+    assert "run.tolerance" in warned.stdout and "run.tolerance" not in plain_run().stdout
     same(warned, plain_run())
     stopped = attempt("simulate", BLOCK, FOLDER / "stopped", run__invariants="stop", **less_than_rounding)
     assert stopped.returncode == 3 and "run.tolerance" in stopped.stderr and not (FOLDER / "stopped").exists()

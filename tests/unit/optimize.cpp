@@ -879,23 +879,23 @@ TEST_CASE("a trust region follows what its model was worth", "[optimize]") {
     newton.learn(problem, from, to, t);
   };
   const auto is = [](double a, double b) { return std::abs(a / b - 1) < 1e-12; };
-  CHECK(is(length(), 1));
-  learn(1, 0.5); // fair: as it is
-  CHECK(is(length(), 1));
-  learn(1, 0.9); // good: twice
   CHECK(is(length(), 2));
-  learn(1, 0.1); // poor: half
-  CHECK(is(length(), 1));
-  learn(0.25, 0.9); // what the search shortened
-  CHECK(is(length(), 0.25));
-  learn(8, 0.5); // what it lengthened, twice
+  learn(1, 0.5); // fair: as it is
+  CHECK(is(length(), 2));
+  learn(1, 0.9); // good: twice
   CHECK(is(length(), 4));
+  learn(1, 0.1); // poor: half
+  CHECK(is(length(), 2));
+  learn(0.25, 0.9); // what the search shortened
+  CHECK(is(length(), 0.5));
+  learn(8, 0.5); // what it lengthened, twice
+  CHECK(is(length(), 8));
   CHECK(newton.restart());
   const Point down = newton.direction(problem, from);
-  CHECK(is(problem.inner(down, from.g), -4 * optimize::norm(problem, from.g))); // the steepest
+  CHECK(is(problem.inner(down, from.g), -8 * optimize::norm(problem, from.g))); // the steepest
   CHECK_FALSE(newton.restart());
   learn(1, 0.9); // what it led to says nothing of the model
-  CHECK(is(length(), 4));
+  CHECK(is(length(), 8));
 }
 
 TEST_CASE("conjugate gradients need a product for each curvature, and solve Newton's equation", "[optimize]") {

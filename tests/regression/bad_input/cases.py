@@ -776,13 +776,13 @@ def folder_cases() -> list[Case]:
              prepare=lambda folder: occupy(folder / "results" / "state.h5")),
         Case("folder in place of run.json", ("--out: results/run.json is a folder", "allowed"), earlier=True,
              prepare=lambda folder: occupy(folder / "results" / "run.json")),
-        Case("full disk, small files", ("results/", "cannot be written", "File too large"), largest_file=300,
+        Case("full disk, small files", ("results/", "cannot be written", "File too large"), largest_file=1500,
              earlier=True),
         Case("full disk, fields", ("results/state.", "cannot be written", "File too large"), largest_file=6000,
              earlier=True),
         Case("full disk, fields, first run", ("results/state.", "cannot be written", "File too large"),
              largest_file=6000),
-        Case("full disk, control", ("results/", "cannot be written", "File too large"), largest_file=300, options=("--set", "optimizer.checkpoint=0", "--set", 'output.tables=["steps"]'),
+        Case("full disk, control", ("results/", "cannot be written", "File too large"), largest_file=1500, options=("--set", "optimizer.checkpoint=0", "--set", 'output.tables=["steps"]'),
              verb="optimize", earlier=True),
     ]
 
