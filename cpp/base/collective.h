@@ -42,42 +42,24 @@ std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine) {
   return all;
 }
 
-/// Runs `work` on rank 0; a UserError there is thrown on every rank, so that none waits for the others.
-/// Collective.
-template <class Work>
+/// Runs `work` on rank 0; a Failure there is thrown on every rank, so that none waits for the others. Collective.
+template <class Failure = UserError, class Work>
 void on_root(MPI_Comm comm, Work&& work) {
+  if (ranks(comm) == 1) { // allocates nothing
+    work();
+    return;
+  }
   std::string problem;
   if (rank(comm) == 0) {
     try {
       work();
-    } catch (const UserError& error) {
+    } catch (const Failure& error) {
       problem = error.what();
     }
   }
   problem = broadcast(comm, problem);
   if (!problem.empty())
-    throw UserError(problem);
-}
-
-/// Runs `work` on rank 0; a SolverFailure there is thrown on every rank. For decisions that hang on the last digits of
-/// LAPACK, which may differ between the processors of ranks: the caller broadcasts what they are. Collective.
-template <class Work>
-void decide(MPI_Comm comm, Work&& work) {
-  if (ranks(comm) == 1) { // allocates nothing
-    work();
-    return;
-  }
-  std::string failure;
-  if (rank(comm) == 0) {
-    try {
-      work();
-    } catch (const SolverFailure& error) {
-      failure = error.what();
-    }
-  }
-  failure = broadcast(comm, failure);
-  if (!failure.empty())
-    throw SolverFailure(failure);
+    throw Failure(problem);
 }
 
 /// Runs `work` on every rank; a UserError on any rank is thrown on every rank (the lowest rank's text).

@@ -30,6 +30,9 @@ public:
   /// Orders and counts. Collective. Throws SolverFailure.
   explicit MumpsSolver(Mat matrix);
 
+  /// Whether the factor's entries can be numbered: MUMPS does with 64 bits.
+  [[nodiscard]] static bool possible() { return true; }
+
   /// Memory that the factorisation will take on all ranks, as counted, bytes. Collective.
   [[nodiscard]] double estimate() const;
 

@@ -154,7 +154,7 @@ void CondensedVi::solve(Vec r, std::span<const double> psi, const ContactSets& p
     constexpr int soon = 5; // a set that moves by a candidate or two is settled by then
     settle(state, psi, std::min(rounding, length_unit_), soon);
     if (!holds(state, psi)) {
-      decide(constraints_.comm(), [&] { search(state); });
+      on_root<SolverFailure>(constraints_.comm(), [&] { search(state); });
       decided(state);
       solve_on_set(state);
       // Candidates within the VI solver's tolerance of both bounds may be on the wrong side.
@@ -162,7 +162,7 @@ void CondensedVi::solve(Vec r, std::span<const double> psi, const ContactSets& p
       settle(state, psi, length_unit_, most);
       // A body that hardly deforms within a step can lead both of them in circles, but not this one.
       if (!holds(state, psi)) {
-        decide(constraints_.comm(), [&] { find_independent_set(state); });
+        on_root<SolverFailure>(constraints_.comm(), [&] { find_independent_set(state); });
         decided(state);
         solve_on_set(state);
       }

@@ -15,6 +15,13 @@ namespace {
 
 using Gradient = std::array<std::array<double, 3>, 3>; // ∂y_r/∂x_c
 
+/// Of a matrix given by its entries f(i, j).
+template <class Entry>
+double determinant(Entry&& f) {
+  return f(0, 0) * (f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1)) - f(0, 1) * (f(1, 0) * f(2, 2) - f(1, 2) * f(2, 0)) +
+         f(0, 2) * (f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0));
+}
+
 /// The largest modulus of an eigenvalue of the symmetric part.
 double principal_strain(const Gradient& G) {
   const auto e = [&](int i, int j) { return (G[i][j] + G[j][i]) / 2; };
@@ -26,11 +33,8 @@ double principal_strain(const Gradient& G) {
   const double p = std::sqrt(square / 6);
   if (p == 0)
     return std::abs(mean);
-  const auto d = [&](int i, int j) { return (e(i, j) - (i == j ? mean : 0)) / p; };
-  const double determinant = d(0, 0) * (d(1, 1) * d(2, 2) - d(1, 2) * d(2, 1)) -
-                             d(0, 1) * (d(1, 0) * d(2, 2) - d(1, 2) * d(2, 0)) +
-                             d(0, 2) * (d(1, 0) * d(2, 1) - d(1, 1) * d(2, 0));
-  const double angle = std::acos(std::clamp(determinant / 2, -1.0, 1.0)) / 3;
+  const double third = determinant([&](int i, int j) { return (e(i, j) - (i == j ? mean : 0)) / p; });
+  const double angle = std::acos(std::clamp(third / 2, -1.0, 1.0)) / 3;
   const double high = mean + 2 * p * std::cos(angle),
                low = mean + 2 * p * std::cos(angle + 2 * std::numbers::pi / 3);
   return std::max(std::abs(high), std::abs(low));
@@ -41,10 +45,7 @@ double rotation(const Gradient& G) {
 }
 
 double volume_ratio(const Gradient& G) {
-  const auto f = [&](int i, int j) { return G[i][j] + (i == j); };
-  return f(0, 0) * (f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1)) -
-         f(0, 1) * (f(1, 0) * f(2, 2) - f(1, 2) * f(2, 0)) +
-         f(0, 2) * (f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0));
+  return determinant([&](int i, int j) { return G[i][j] + (i == j); });
 }
 
 /// The largest over all ranks; of equal ones the first in place.

@@ -11,8 +11,8 @@ using petsc::check;
 namespace {
 
 /// Sets a field on the clamps to what they do, with which it must agree but for `rounding`, relative to the sizes of both
-/// and `scale`.
-void hold_clamped(const Stepper& stepper, Vec x, Vec held, double rounding, double scale, const char* key) {
+/// and `scale`. Returns the field as it was.
+petsc::Vector hold_clamped(const Stepper& stepper, Vec x, Vec held, double rounding, double scale, const char* key) {
   petsc::Vector whole = petsc::copy(x);
   stepper.clamped().clear(x);
   petsc::Vector difference = petsc::copy(whole);
@@ -25,6 +25,7 @@ void hold_clamped(const Stepper& stepper, Vec x, Vec held, double rounding, doub
     throw UserError(fmt::format(
         "{}: found a difference of {:.4g} to what the clamps do at t = 0, allowed is 0", key, moved));
   check(VecAXPY(x, 1, held));
+  return whole;
 }
 
 } // namespace
@@ -45,17 +46,16 @@ Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
                          double tolerance, double scale, Vec x) {
     if (!field) {
       check(VecCopy(held, x));
-      return;
+      return petsc::copy(held);
     }
     stepper.space().interpolate({*field, key, false}, 0, x);
-    hold_clamped(stepper, x, held, tolerance, scale, key);
+    return hold_clamped(stepper, x, held, tolerance, scale, key);
   };
   given(scene.displacement, "initial.displacement", y_held, rounding, 0, y);
-  given(scene.velocity, "initial.velocity", v_held, stepper.motion() ? differences : rounding, later, v);
-  if (scene.velocity && stepper.motion()) {
-    stepper.space().interpolate({*scene.velocity, "initial.velocity", false}, 0, v_held);
-    stepper.motion()->copy(v_held, v);
-  }
+  const petsc::Vector written =
+      given(scene.velocity, "initial.velocity", v_held, stepper.motion() ? differences : rounding, later, v);
+  if (stepper.motion())
+    stepper.motion()->copy(written, v);
   if (stepper.constraints())
     stepper.constraints()->place_outside(y);
 }

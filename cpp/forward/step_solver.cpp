@@ -47,11 +47,7 @@ void StepSolver::factorise(const contact::Constraints* constraints, const scene:
   constexpr double gigabyte = 1e9;
   const auto settle = [&](auto solver) {
     const double needed = solver->estimate() + dense_bytes(constraints);
-    const bool possible = [&] {
-      if constexpr (requires { solver->possible(); })
-        return solver->possible();
-      return true;
-    }();
+    const bool possible = solver->possible();
     const std::string compared =
         possible ? fmt::format("a factor needs {:.2g} GB, {:.2g} GB are allowed", needed / gigabyte,
                                scene.memory / gigabyte)
