@@ -32,6 +32,14 @@ def attempt(verb: str, scene: Path, out: Path | None = None, ranks: int = 1, **o
     return subprocess.run(command, capture_output=True, text=True)
 
 
+def preloadable(library: Path, folder: Path) -> str:
+    """A name of a library, in a scratch folder, that LD_PRELOAD can take: names end at a space or a colon there."""
+    link = folder / library.name
+    if not link.is_symlink():
+        link.symlink_to(library)
+    return str(link)
+
+
 def toml(value: object) -> str:
     """A value as TOML on one line."""
     if isinstance(value, dict):

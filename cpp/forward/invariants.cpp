@@ -6,6 +6,18 @@
 namespace signorini::forward {
 using petsc::check;
 
+namespace {
+
+/// Whether a defect is worse than another one; NaN is the worst.
+bool worse(double a, double b) { return a > b || (std::isnan(a) && !std::isnan(b)); }
+
+double worst_of(double a, double b) { return worse(b, a) ? b : a; }
+
+/// A defect beside what it is a part of; none where it is negative.
+double part(double value, double whole) { return value <= 0 ? 0 : value / whole; }
+
+} // namespace
+
 Invariants::Invariants(const Stepper& stepper) : stepper_(stepper) {
   PetscReal largest = 0;
   check(VecNorm(fem::diagonal(stepper.operators().A), NORM_INFINITY, &largest));
@@ -20,7 +32,6 @@ void Invariants::observe(const Frame& frame, const StepBalance& balance) {
   const double rounding = 10 * std::numeric_limits<double>::epsilon() * stiffness_ * size * size;
   energy_ = std::max(energy_, balance.kinetic_energy + balance.elastic_energy);
   forces_ = std::max(forces_, balance.momentum_scale);
-  const auto part = [](double value, double whole) { return value > 0 ? value / whole : 0; };
   now_ = {};
   now_[0] = part(std::abs(balance.energy_residual) - rounding, energy_);
   now_[1] = part(
@@ -31,21 +42,23 @@ void Invariants::observe(const Frame& frame, const StepBalance& balance) {
   for (double force : state.lambda)
     contact_force_ = std::max(contact_force_, std::abs(force));
   for (std::size_t i = 0; i < state.lambda.size(); ++i) {
-    now_[2] = std::max(now_[2], part(-state.gap[i], length));
-    now_[3] = std::max(now_[3], part(-state.lambda[i], contact_force_));
-    now_[4] = std::max(now_[4], part(std::abs(state.lambda[i] * state.gap[i]), contact_force_ * length));
+    now_[2] = worst_of(now_[2], part(-state.gap[i], length));
+    now_[3] = worst_of(now_[3], part(-state.lambda[i], contact_force_));
+    now_[4] = worst_of(now_[4], part(std::abs(state.lambda[i] * state.gap[i]), contact_force_ * length));
   }
   for (std::size_t j = 0; j < now_.size(); ++j)
-    if (!(now_[j] <= defects_[j].worst)) { // NaN too
+    if (worse(now_[j], defects_[j].worst)) {
       defects_[j].worst = now_[j];
       defects_[j].step = frame.k;
     }
 }
 
+double Invariants::complementarity() const { return worst_of(worst_of(now_[2], now_[3]), now_[4]); }
+
 std::optional<std::string> Invariants::violation(double tolerance) const {
   std::size_t worst = 0;
   for (std::size_t j = 1; j < now_.size(); ++j)
-    if (!(now_[j] <= now_[worst]))
+    if (worse(now_[j], now_[worst]))
       worst = j;
   if (now_[worst] <= tolerance)
     return std::nullopt;

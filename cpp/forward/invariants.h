@@ -31,7 +31,7 @@ public:
 
   /// Of the last frame: momentum defect; largest of the contact defects.
   [[nodiscard]] double momentum() const { return now_[1]; }
-  [[nodiscard]] double complementarity() const { return std::max({now_[2], now_[3], now_[4]}); }
+  [[nodiscard]] double complementarity() const;
 
   [[nodiscard]] double largest_energy() const { return energy_; }
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_DISC, SIGNORINI  # noqa: E402
+from harness import HALF_DISC, SIGNORINI, preloadable  # noqa: E402
 
 import h5py  # noqa: E402
 
@@ -95,7 +95,8 @@ class Run:
         log = self.root / "log"
         log.unlink(missing_ok=True)
         (self.root / "scratch").mkdir(exist_ok=True)
-        env = {"TMPDIR": str(self.root / "scratch"), "LD_PRELOAD": str(LIBRARY), "SIGNORINI_FAIL_UNDER": str(self.root / under), "SIGNORINI_FAIL_AT": str(at),
+        env = {"TMPDIR": str(self.root / "scratch"), "LD_PRELOAD": preloadable(LIBRARY, self.root),
+               "SIGNORINI_FAIL_UNDER": str(self.root / under), "SIGNORINI_FAIL_AT": str(at),
                "SIGNORINI_FAIL_ERROR": str(error), "SIGNORINI_FAIL_LOG": str(log)} | ({"SIGNORINI_FAIL_FROM": "1"} if onwards else {})  # fmt: skip
         command = [str(SIGNORINI), self.verb, str(HALF_DISC), "--quiet", "--out", str(self.out)]
         for assignment in (*SMALL, *self.sets, f"material.young={young}"):

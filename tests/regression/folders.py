@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_DISC, SIGNORINI, SOURCE  # noqa: E402
+from harness import HALF_DISC, SIGNORINI, SOURCE, preloadable  # noqa: E402
 
 LIBRARY = Path(sys.argv[3]).resolve()
 LOCK = ".signorini-lock"
@@ -151,7 +151,7 @@ def states_on_disk(folder: Path) -> None:
     scratch = folder / "scratch"
     scratch.mkdir()
     log = folder / "log"
-    env = os.environ | {"TMPDIR": str(scratch), "LD_PRELOAD": str(LIBRARY), "SIGNORINI_FAIL_UNDER": str(scratch),
+    env = os.environ | {"TMPDIR": str(scratch), "LD_PRELOAD": preloadable(LIBRARY, folder), "SIGNORINI_FAIL_UNDER": str(scratch),
                         "SIGNORINI_FAIL_LOG": str(log)}  # fmt: skip
     subprocess.run([str(SIGNORINI), "optimize", str(HALF_DISC), "--quiet", "--out", str(folder / "disk"), *QUICK, "--set",
                     'trajectory.storage="disk"'], check=True, env=env)  # fmt: skip

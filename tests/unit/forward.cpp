@@ -504,6 +504,21 @@ TEST_CASE("defects of a motion are weighed by what the run has seen", "[forward]
   adhering.gap[3] = -0.002 * length;
   observe({.energy_residual = 0.004}, adhering);
   CHECK(invariants.violation(1e-3)->starts_with(invariants.defects()[3].name));
+  // What is not a number is worst, whatever else is bad beside or after it.
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  contact::ContactState lost = open;
+  lost.gap[0] = nan, lost.gap[1] = -length, lost.lambda[2] = -1;
+  observe({.energy_residual = 1e3}, lost);
+  CHECK(invariants.violation(1e300)->starts_with(invariants.defects()[2].name));
+  CHECK(std::isnan(invariants.complementarity()));
+  observe({.energy_residual = nan}, inside);
+  CHECK(invariants.violation(1e300)->starts_with(invariants.defects()[0].name));
+  observe({}, inside);
+  CHECK(invariants.violation(0)->starts_with(invariants.defects()[2].name)); // of the last frame
+  for (const std::size_t j : {0, 2}) {
+    CHECK(std::isnan(invariants.defects()[j].worst));
+    CHECK(invariants.defects()[j].step == k - (j == 0 ? 1 : 2));
+  }
 }
 
 TEST_CASE("clamps that move strain a body as they say, from node to node", "[forward]") {

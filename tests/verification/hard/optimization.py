@@ -47,7 +47,7 @@ def main() -> int:
     lines = Table("optimization")
     with tempfile.TemporaryDirectory() as name:
         out = Path(name) / "out"
-        signorini("simulate", HALF_DISC, out, mesh__size=1.0, control__initial=FAR, output__fields=[])
+        signorini("simulate", HALF_DISC, out, mesh__size=2.0, control__initial=FAR, output__fields=[])
         touched = int((table(out / "steps.csv")["active"] > 0).sum())
         lines.row("the first guess", f"{touched} steps in contact", touched > 0)
         reasons = set()
@@ -56,7 +56,7 @@ def main() -> int:
         for scheme, over, method in asked:
             for case, more in CASES.items():
                 given = {"optimizer__method": method, "optimizer__max_iterations": FASTER.get(method, MOST), "optimizer__tolerance": 1e-6} | more
-                signorini("optimize", HALF_DISC, out, mesh__size=1.0, control__initial=FAR, output__fields=[], **(over | given))
+                signorini("optimize", HALF_DISC, out, mesh__size=2.0, control__initial=FAR, output__fields=[], **(over | given))
                 history, run = table(out / "history.csv"), json.loads((out / "run.json").read_text())
                 objective, norm = history["objective"], history["gradient_norm"]
                 rise = max(objective[1:] / objective[:-1]) - 1
