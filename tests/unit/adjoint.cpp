@@ -1,4 +1,4 @@
-#include "adjoint/enriched_body.h"
+#include "adjoint/dual_bubbles.h"
 #include "adjoint/sweep.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
@@ -232,5 +232,80 @@ TEST_CASE("bubbles slide in the middle of edges in contact, and nowhere else", "
     }
     CHECK(test::total(found) == static_cast<long>(middles.size()));
     CHECK(test::total(different) == static_cast<long>(middles.size()));
+  }
+}
+
+TEST_CASE("bubbles of the adjoint states take up what the run's duals leave", "[adjoint]") {
+  // As viscous as stiff within a step, so that each term of the residual matters.
+  const test::Ready ready("tests/data/block.toml", {"material.viscosity={bulk=0.5, shear=0.5}"});
+  const forward::Stepper& stepper = ready.problem.stepper;
+  const adjoint::EnrichedBody body(ready.problem.space, stepper.constraints(), ready.scene);
+  const fem::Operators& operators = body.operators();
+  const double tau = stepper.scheme().tau;
+  const petsc::Vector pushed = test::smooth(body.space(), 3);
+  const forward::Load derivative{.force = [&](int k, Vec out) {
+    if (k == 4)
+      check(VecAXPY(out, 1, pushed));
+  }};
+  adjoint::DualBubbles bubbles(body, derivative, stepper.scheme());
+  adjoint::Duals duals(stepper);
+  const contact::ActiveSet active{1, 2};
+  petsc::Vector before = body.space().vector(), residual = body.space().vector(), product = body.space().vector(),
+                embedded = body.space().vector(), diagonal = fem::diagonal(operators.A);
+  check(VecScale(diagonal, tau * tau / 2));
+  check(VecAXPY(diagonal, tau / 2, fem::diagonal(*operators.B)));
+  const auto add = [&](Mat matrix, Vec x, double factor) {
+    check(MatMult(matrix, x, product));
+    check(VecAXPY(residual, factor, product));
+  };
+  const auto weighed = [&] { // by which the bubbles' equation is solved to a hundredth
+    body.keep_bubbles(active, residual);
+    check(VecPointwiseDivide(product, residual, diagonal));
+    return dot(product, residual);
+  };
+  // A derivative alone; what viscosity carries on of its bubbles; and duals of each kind in turn.
+  for (int k = 4; k >= -1; --k) {
+    petsc::Vector* const kinds[]{&duals.p, &duals.p_later, &duals.velocity, &duals.velocity_later};
+    for (int kind = 0; kind < 4; ++kind) {
+      check(VecZeroEntries(*kinds[kind]));
+      if (kind == 2 - k)
+        check(VecCopy(test::smooth(ready.problem.space, 5 + kind), *kinds[kind]));
+    }
+    check(VecCopy(bubbles.last(), before));
+    const Vec b = bubbles.next(k, duals, active);
+    check(VecZeroEntries(residual));
+    if (k == 4)
+      check(VecCopy(pushed, residual));
+    const auto embed = [&](Vec x) -> Vec {
+      body.embed(x, embedded);
+      return embedded;
+    };
+    add(operators.M, embed(duals.velocity), 3 / tau);
+    add(operators.M, embed(duals.velocity_later), -1 / tau);
+    add(operators.M, embed(duals.p), -1);
+    add(*operators.B, embed(duals.p_later), tau / 2);
+    add(*operators.B, embed(duals.p), -tau / 2);
+    add(operators.A, embed(duals.p), -tau * tau / 4);
+    add(operators.A, embed(duals.p_later), -tau * tau / 4);
+    add(*operators.B, before, tau / 2);
+    petsc::Vector whole = petsc::copy(residual);
+    const double size = weighed();
+    INFO("step " << k);
+    CHECK(size > 0);
+    const auto left = [&](Vec x) {
+      check(VecCopy(whole, residual));
+      add(operators.A, x, -tau * tau / 2);
+      add(*operators.B, x, -tau / 2);
+      return weighed();
+    };
+    const double guessed = left(before); // the last bubbles are the first guess
+    CHECK(left(b) < 1.1e-4 * std::max(size, guessed));
+    // Each of them alone is more than that.
+    check(VecCopy(whole, residual));
+    add(*operators.B, b, -tau / 2);
+    CHECK(weighed() > 1e-2 * size);
+    check(VecCopy(whole, residual));
+    add(operators.A, b, -tau * tau / 2);
+    CHECK(weighed() > 1e-2 * size);
   }
 }

@@ -673,6 +673,21 @@ TEST_CASE("where more pieces meet than a model keeps, what is certified is the m
   }
 }
 
+TEST_CASE("a certificate among more pieces than a model keeps is not of nothing", "[optimize]") {
+  // Here a model that may drop the piece of the current point finds none near it, and no gradient at all to be short.
+  std::vector<double> values;
+  for (Method method : {Method::newton_cg, Method::lbfgs}) {
+    INFO("method " << static_cast<int>(method));
+    Pieces problem(8, 1e300, 30, 200);
+    Record record;
+    const auto ending = search(method, problem, Point{std::vector<double>(problem.n, 0.3)},
+                               {.max_iterations = 1500, .tolerance = 1e-7}, record);
+    require_certified(problem, ending, record, 1e-7);
+    values.push_back(record.rows.back().objective);
+  }
+  CHECK(std::abs(values[0] - values[1]) < 1e-6); // as above
+}
+
 TEST_CASE("the curved valley is followed to its end", "[optimize]") {
   for (Method method : {Method::lbfgs, Method::newton_cg}) {
     Valley problem;
