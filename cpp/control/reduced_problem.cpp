@@ -122,7 +122,7 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
   const forward::Load derivative = objective_.derivative([this](int k) { return current_->trajectory.y(k); });
   const forward::LoadAtStep derivative_at(stepper_.space(), derivative);
   const petsc::Vector work = stepper_.space().vector();
-  OneSided slope{0, 0, 0, current_->trajectory.contact()};
+  OneSided slope{.contact = current_->trajectory.contact()};
   slope.by_motion = objective_.alpha() * controls_.product(current_->u, d);
   slope.size = objective_.alpha() * controls_.norm(current_->u) * controls_.norm(d);
   const auto add = [&slope](Vec dual, Vec y) {

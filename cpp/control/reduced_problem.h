@@ -53,8 +53,8 @@ public:
   /// the gradient g of the piece of J that lies that way, whose contact has the sets that then stay closed. Both are
   /// the same; where no contact is weak g is the gradient. Throws Interrupted.
   struct OneSided {
-    double by_motion, by_gradient;
-    double size; ///< what by_motion would be if nothing cancelled, against which rounding is to be seen
+    double by_motion = 0, by_gradient = 0;
+    double size = 0; ///< what by_motion would be if nothing cancelled, against which rounding is to be seen
     std::vector<contact::ContactSets> contact;
   };
   OneSided one_sided_slope(const Control& d);

@@ -171,7 +171,7 @@ private:
     if (whole && certificate.length <= tolerance && certificate.radius <= (1 + rounding) * ball_)
       return certificate;
     sum.scale(-1);
-    held_by_.assign(1, share(std::move(sum)));
+    held_by_ = {share(std::move(sum))};
     span_ = {};
     curvature_ = {};
     last_minimiser_.clear();
