@@ -277,17 +277,56 @@ TEST_CASE("initial states that a clamp or an obstacle forbids are refused", "[fo
 }
 
 TEST_CASE("a solution that is not finite ends the run with its step", "[forward]") {
-  const test::Ready ready("tests/data/block.toml");
-  const forward::Load poison{.density = [&](int k, Vec out) {
-    if (k == 3)
-      check(VecSet(out, std::numeric_limits<double>::quiet_NaN()));
-  }};
-  try {
-    (void)test::Recorded(ready.problem, poison);
-    FAIL("NaN went through");
-  } catch (const SolverFailure& failure) {
-    CHECK(std::string(failure.what()).starts_with("step 3 "));
+  for (const char* scene : {"tests/data/block.toml", "tests/data/manufactured.toml"}) { // with contact and without
+    const test::Ready ready(scene);
+    const forward::Load poison{.density = [&](int k, Vec out) {
+      if (k == 3)
+        check(VecSet(out, std::numeric_limits<double>::quiet_NaN()));
+    }};
+    INFO(scene);
+    try {
+      (void)test::Recorded(ready.problem, poison);
+      FAIL("NaN went through");
+    } catch (const SolverFailure& failure) {
+      CHECK(std::string(failure.what()).starts_with("step 3 "));
+    }
   }
+}
+
+TEST_CASE("the velocity of clamps is known at any step, whatever was asked before", "[forward]") {
+  const test::Ready ready("tests/data/manufactured.toml",
+                          {"clamp=[{on=\"boundary\", value=[\"0.3*t^2\", \"0.2*x*t\"]}]", "initial.velocity=[\"0\", \"0.2*x\"]",
+                           "load.body=[\"0\", \"0\"]"});
+  const forward::Stepper& stepper = ready.problem.stepper;
+  REQUIRE(stepper.motion());
+  petsc::Vector exact = ready.problem.space.vector(), moving = ready.problem.space.vector();
+  for (const int k : {4, 1, 0, 3}) {
+    (void)stepper.motion()->position(2);
+    const double t = stepper.scheme().time(k);
+    ready.problem.space.interpolate(scene::Field({fmt::format("{:.17g}", 0.6 * t), "0.2*x"}, "test", false), 0, moving);
+    check(VecZeroEntries(exact));
+    stepper.motion()->copy(moving, exact);
+    CHECK(test::difference(stepper.motion()->velocity(k), exact) < 1e-9);
+  }
+}
+
+TEST_CASE("the margins of a motion are those of the step that is nearest to other active sets", "[forward]") {
+  using contact::Status;
+  forward::Margins margins;
+  CHECK(margins.force() == 0);
+  contact::ContactState state(4);
+  state.status = {Status::open, Status::strong, Status::strong, Status::open};
+  state.gap = {0.3, 0, 0, 0.2};
+  state.lambda = {0, 5, 8, 0};
+  margins.take(state);
+  state.lambda = {0, 2, 4, 0};
+  state.gap = {0.1, 0, 0, 0.7};
+  margins.take(state);
+  state.lambda = {0, 3, 6, 0};
+  state.gap = {0.4, 0, 0, 0.5};
+  margins.take(state);
+  CHECK(margins.force() == 2.0 / 8);
+  CHECK(margins.gap == 0.1);
 }
 
 TEST_CASE("a plane that meets a body is a body that meets the plane", "[forward]") {
