@@ -489,4 +489,6 @@ TEST_CASE("a direct solver is chosen by the memory of its factor and of two dens
   REQUIRE(dense > 1e-3 * factor); // a hundredth of it is then far beyond the rounding of their sum
   CHECK_FALSE(with(factor + 1.01 * dense).solver.takes_guess());
   CHECK(with(factor + 0.99 * dense).solver.takes_guess());
+  // On one rank contact is condensed by the factor's last block, with no column of D⁻¹ to keep for each candidate.
+  CHECK(parts.solver.memory().condensation < 0.5 * m * parts.space.dofs() * sizeof(double));
 }

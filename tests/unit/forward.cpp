@@ -274,6 +274,12 @@ TEST_CASE("initial states that a clamp or an obstacle forbids are refused", "[fo
   CHECK_THROWS_AS(test::Ready("tests/data/manufactured.toml", {"initial.velocity=[\"1\", \"0\"]"}),
                   UserError);
   CHECK_THROWS_AS(test::Ready("tests/data/block.toml", {"contact.obstacle.point=[0, 0.1]"}), UserError);
+  // Of all candidates the first alone, and the last.
+  using Catch::Matchers::ContainsSubstring;
+  CHECK_THROWS_WITH(test::Ready("tests/data/block.toml", {"contact.obstacle={shape=\"half-space\", point=[0.1, 0], normal=[1, 0.2]}"}),
+                    ContainsSubstring("at (0, 0, 0) starts"));
+  CHECK_THROWS_WITH(test::Ready("tests/data/block.toml", {"contact.obstacle={shape=\"half-space\", point=[0.9, 0], normal=[-1, 0.2]}"}),
+                    ContainsSubstring("at (1, 0, 0) starts"));
 }
 
 TEST_CASE("a solution that is not finite ends the run with its step", "[forward]") {
