@@ -2,8 +2,8 @@
 #include "optimize/newton_cg.h"
 #include "optimize/projected_gradient.h"
 #include <algorithm>
-#include <map>
 #include <functional>
+#include <map>
 #include <numeric>
 #include <random>
 #include <catch2/catch_test_macros.hpp>
@@ -348,16 +348,16 @@ const Point start{{0, 0, 0, 5}};
 enum class Method { projected_gradient, lbfgs, newton_cg };
 constexpr Method methods[] = {Method::projected_gradient, Method::lbfgs, Method::newton_cg};
 
-template <class P>
+template <class P, class Keeper = optimize::NoKeeper>
 optimize::Ending<Point> search(Method method, P& problem, const Point& from, const optimize::Options& options,
-                               Record& record) {
+                               Record& record, const Keeper& keeper = {}) {
   switch (method) {
   case Method::lbfgs:
-    return optimize::lbfgs(problem, from, options, record);
+    return optimize::lbfgs(problem, from, options, record, keeper);
   case Method::newton_cg:
-    return optimize::newton_cg(problem, from, options, record);
+    return optimize::newton_cg(problem, from, options, record, keeper);
   default:
-    return optimize::projected_gradient(problem, from, options, record);
+    return optimize::projected_gradient(problem, from, options, record, keeper);
   }
 }
 
@@ -737,19 +737,6 @@ struct StoredAt {
   static void restored(double stored, double found) { CHECK(std::abs(stored / found - 1) < 1e-15); } // in other units
 };
 
-template <class P>
-optimize::Ending<Point> kept_search(Method method, P& problem, const Point& from, const optimize::Options& options,
-                                    Record& record, const StoredAt& keeper) {
-  switch (method) {
-  case Method::lbfgs:
-    return optimize::lbfgs(problem, from, options, record, keeper);
-  case Method::newton_cg:
-    return optimize::newton_cg(problem, from, options, record, keeper);
-  default:
-    return optimize::projected_gradient(problem, from, options, record, keeper);
-  }
-}
-
 } // namespace
 
 TEST_CASE("a search that was stored anywhere goes on to the last bit", "[optimize]") {
@@ -767,9 +754,10 @@ TEST_CASE("a search that was stored anywhere goes on to the last bit", "[optimiz
         Archive archive;
         Record before, after;
         Pieces one(3, bound), other(3, bound);
-        (void)kept_search(method, one, from, options, before, {archive, stored});
+        (void)search(method, one, from, options, before, StoredAt{archive, stored});
         REQUIRE(!archive.vectors.empty());
-        const auto end = kept_search(method, other, Point{std::vector<double>(10, -0.2)}, options, after, {archive, stored, true});
+        const auto end = search(method, other, Point{std::vector<double>(10, -0.2)}, options, after,
+                                StoredAt{archive, stored, true});
         CHECK(other.current.x == problem.current.x);
         CHECK(end.stop == ending.stop);
         REQUIRE(after.rows.size() == static_cast<std::size_t>(last - stored));

@@ -10,11 +10,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from agreement import compare_ranks  # noqa: E402
 from harness import HALF_BALL, signorini  # noqa: E402
 
-# By the number of free unknowns. Finer elements call for shorter steps; the second run ends well within contact.
+# By the number of free unknowns. Finer elements call for shorter steps; the largest run ends well within contact.
 SIZES = {8_000: {"mesh__size": 1.3},
          20_000: {"mesh__size": 0.92},
          140_000: {"mesh__size": 0.465, "time__step": 5e-5, "time__end": 2.5e-3}}  # fmt: skip
-# MUMPS, on several ranks, first solves for each of 1,120 candidates, and that takes ten minutes.
+# MUMPS, on several ranks, first solves for each of the largest run's 1,120 candidates, and that takes ten minutes.
 SOLVERS = {8_000: "direct", 20_000: "direct", 140_000: "iterative"}
 
 
