@@ -22,7 +22,11 @@ void LinearSolver::count_solve() { ++solves; }
 MumpsSolver::MumpsSolver(Mat matrix) {
   check(MatConvert(matrix, MATAIJ, MAT_INITIAL_MATRIX, matrix_.put()));
   check(MatSetOption(matrix_, MAT_SPD, PETSC_TRUE));
-  check(MatSetOptionsPrefix(matrix_, prefix));
+  check(MatSetOptionsPrefixFactor(matrix_, prefix));
+  analyse();
+}
+
+void MumpsSolver::analyse() {
   check(MatGetFactor(matrix_, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, factor_.put()));
   MatFactorInfo info;
   check(MatFactorInfoInitialize(&info));
@@ -39,12 +43,31 @@ void MumpsSolver::factorise() {
   MatFactorInfo info;
   check(MatFactorInfoInitialize(&info));
   check(MatCholeskyFactorNumeric(factor_, matrix_, &info));
-  MatFactorError error = MAT_FACTOR_NOERROR;
-  check(MatFactorGetError(factor_, &error));
-  if (error != MAT_FACTOR_NOERROR)
-    throw SolverFailure(fmt::format("the factorisation of the step operator D by MUMPS failed: error {}",
-                                    static_cast<int>(error)));
+  // Which rank takes which part is decided by their loads at the time, so that the space set aside after the
+  // analysis may fall short, at random: then once more with more of it.
+  constexpr PetscInt most = 1000; // per cent
+  PetscInt extra = 0;
+  check(MatMumpsGetIcntl(factor_, 14, &extra));
+  while (short_of_space() && extra < most) {
+    extra = std::max<PetscInt>(2 * extra, 50);
+    analyse();
+    check(MatMumpsSetIcntl(factor_, 14, extra));
+    check(MatCholeskyFactorNumeric(factor_, matrix_, &info));
+  }
+  PetscInt error = 0, detail = 0;
+  check(MatMumpsGetInfog(factor_, 1, &error));
+  check(MatMumpsGetInfog(factor_, 2, &detail));
+  if (error < 0)
+    throw SolverFailure(fmt::format("the factorisation of the step operator D by MUMPS failed: INFOG(1) = {}, "
+                                    "INFOG(2) = {}",
+                                    error, detail));
   matrix_ = {};
+}
+
+bool MumpsSolver::short_of_space() const {
+  PetscInt error = 0;
+  check(MatMumpsGetInfog(factor_, 1, &error));
+  return error == -8 || error == -9 || error == -17 || error == -20;
 }
 
 void MumpsSolver::solve(Vec b, Vec x) const {

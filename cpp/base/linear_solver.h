@@ -44,6 +44,8 @@ public:
   [[nodiscard]] double bytes() const override;
 
 private:
+  void analyse();
+  [[nodiscard]] bool short_of_space() const;
   petsc::Matrix matrix_, factor_;
 };
 

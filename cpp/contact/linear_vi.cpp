@@ -32,7 +32,9 @@ LinearVi::LinearVi(const std::string& name, Mat K, petsc::Vector lower, petsc::V
                                    {"snes_linesearch_type", "basic"},
                                    {"ksp_type", "preonly"},
                                    {"pc_type", "lu"},
-                                   {"pc_factor_mat_solver_type", package}})
+                                   {"pc_factor_mat_solver_type", package},
+                                   // MUMPS's own estimate falls short now and then, as its ranks are loaded.
+                                   {"mat_mumps_icntl_14", "200"}})
     petsc::default_option(name.c_str(), key, value);
   check(SNESCreate(petsc::comm(K), snes_.put()));
   check(SNESSetOptionsPrefix(snes_, (name + "_").c_str()));
