@@ -86,7 +86,7 @@ def same(a: Path, b: Path) -> bool:
 
 def ladder(folder: Path) -> None:
     """Prices of all rungs; a budget stops, what is there is kept whatever the budget, and a damaged rung runs again."""
-    sizes = ("--sizes", "4,2,1,0.5,0.35")
+    sizes = ("--sizes", "4,2,1,0.7,0.5")
     choice = (*sizes, "--steps", "2.5e-4,1.25e-4,1e-4,7.5e-5,5e-5,3.75e-5", "--quantity", "J")
     priced = study(HALF_DISC, None, *choice, "--dry-run").stdout
     assert "all 30: about" in priced and priced.count("size") == 30
@@ -97,7 +97,7 @@ def ladder(folder: Path) -> None:
     stopped = study(HALF_DISC, out, *choice, "--budget", "1e-9s").stdout
     assert "5 of 30 rungs were there already" in stopped and "the budget ends before rung" in stopped
     some = table(out / "study.csv")
-    assert set(some["size"]) == {4, 2, 1, 0.5, 0.35} and list(some["steps"]) == [30] * 5
+    assert set(some["size"]) == {4, 2, 1, 0.7, 0.5} and list(some["steps"]) == [30] * 5
     (out / "rungs" / "size-4-steps-30-degree-1-contact-implicit.cbor").write_bytes(b"damaged")
     resumed = study(HALF_DISC, out, *choice, "--budget", "100h").stdout
     assert "4 of 30 rungs were there already" in resumed

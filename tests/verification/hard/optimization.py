@@ -17,8 +17,8 @@ from table import SCHEMES, Table
 from harness import HALF_DISC, signorini, table
 
 FAR = ["0", "-100"]  # times the control behind the desired motion
-MOST = 40
-FASTER = {"lbfgs": 40, "newton-cg": 12}  # iterations
+MOST = 25
+FASTER = {"lbfgs": 30, "newton-cg": 8}  # iterations
 CASES = {
     **{f"alpha {alpha:.0e}": {"objective__alpha": alpha} for alpha in (1e-2, 1e-4, 1e-6, 1e-8)},
     "alpha 1e-08, bounds": {"objective__alpha": 1e-8, "control__lower": -0.5, "control__upper": 0.5},
