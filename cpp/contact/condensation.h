@@ -15,7 +15,7 @@ public:
   virtual void solve_sliding(Vec r, const ActiveSet& set, Vec p) const = 0;
 };
 
-/// The step operator condensed to the contact candidates: S = NᵀD⁻¹N, method.md section 6.
+/// The step operator condensed to the contact candidates: S = NᵀD⁻¹N, docs/method.md section 5.
 class Condensation final : public SlidingSolver {
 public:
   /// Collective. The arguments must outlive this object.

@@ -6,7 +6,7 @@
 
 namespace signorini::contact {
 
-/// The step's VI condensed to the m candidates (method.md section 6): with the predicted gaps g⁰ = g(D⁻¹r) it
+/// The step's VI condensed to the m candidates (docs/method.md section 5): with the predicted gaps g⁰ = g(D⁻¹r) it
 /// is 0 ≤ λ ⟂ g = g⁰ + Sλ ≥ 0, and y = D⁻¹(r − Nλ). No VI is solved if no predicted gap is negative. Else the
 /// set is sought by primal-dual steps from the previous one, which is mostly the right one or a neighbour;
 /// where that does not settle it soon, PETSc's VI solver finds it, in the gaps: 0 ≤ g ⟂ S⁻¹(g − g⁰) ≥ 0. S⁻¹,

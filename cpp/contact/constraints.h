@@ -8,7 +8,7 @@
 namespace signorini::contact {
 
 /// The linearised nonpenetration constraints g_i(y) = ψ_i − ν_i·y_i ≥ 0 of the m contact candidates
-/// (method.md section 2): one for each obstacle and each node of its contact boundary that can move against
+/// (docs/method.md section 2): one for each obstacle and each node of its contact boundary that can move against
 /// it. A node may have several. Candidates are numbered by their nodes' coordinates, then by obstacle, so
 /// that the numbering does not depend on the number of ranks; all arrays over candidates are the same on
 /// every rank.

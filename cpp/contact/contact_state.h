@@ -5,7 +5,7 @@
 
 namespace signorini::contact {
 
-/// Status of a candidate after a step, method.md section 4: A = S ∪ W.
+/// Status of a candidate after a step, docs/method.md section 4: A = S ∪ W.
 enum class Status : std::uint8_t {
   open,   ///< g > 0
   weak,   ///< W: g = 0 and λ = 0

@@ -4,7 +4,7 @@
 
 namespace signorini::contact {
 
-/// A solve with D in two halves, between which contact acts (method.md section 6): the first predicts the
+/// A solve with D in two halves, between which contact acts (docs/method.md section 5): the first predicts the
 /// motion without contact at the candidates, the second ends the solve with the contact forces that this
 /// called for.
 class Elimination {

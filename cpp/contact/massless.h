@@ -3,7 +3,7 @@
 
 namespace signorini::contact {
 
-/// Massless contact (method.md section 5; Khenous, Laborde, Renard 2008): EᵀME, where E replaces the velocity of
+/// Massless contact (docs/method.md section 2; Khenous, Laborde, Renard 2008): EᵀME, where E replaces the velocity of
 /// each contact node in the directions of its constraints by what nodes within the body extrapolate there. The
 /// contact nodes so carry no mass in these directions. E keeps every velocity field that is linear in space, so
 /// the mass, its first moments and the moments of inertia stay; where too few nodes are near for that, only the

@@ -4,7 +4,7 @@
 
 namespace signorini::control {
 
-/// The value of J and its parts (method.md section 3).
+/// The value of J and its parts (docs/method.md section 3).
 struct Value {
   double tracking = 0;     ///< τ/2 Σ ½ (‖e_{k−1}‖² + ‖e_k‖²)
   double terminal = 0;     ///< γ ‖e_N‖²

@@ -30,7 +30,7 @@ private:
 /// Numbers (0, 1, 2) of the components named, in their order; all of them where none is.
 std::vector<int> component_numbers(const std::optional<std::vector<std::string>>& names, int dim);
 
-/// The matrices of the body, no boundary condition applied; method.md section 1. The upper half in blocks of
+/// The matrices of the body, no boundary condition applied; docs/method.md section 1. The upper half in blocks of
 /// the space dimension (SBAIJ), which makes the products between two solves twice as fast as rows do; where a
 /// form acts on each component alike, as L2 and m do, one component is stored for all (MAIJ).
 struct Operators {

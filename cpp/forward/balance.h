@@ -4,7 +4,7 @@
 
 namespace signorini::forward {
 
-/// What one step did to energy and momentum: the exact discrete identities of method.md section 2. In 2D
+/// What one step did to energy and momentum: the exact discrete identities of docs/method.md section 2. In 2D
 /// energies are J/m, forces N/m.
 struct StepBalance {
   double kinetic_energy = 0;             ///< ½ v·Mv at the end of the step

@@ -5,7 +5,7 @@
 
 namespace signorini::forward {
 
-/// How well a motion keeps what its scheme keeps exactly (method.md section 2): watched step by step, each
+/// How well a motion keeps what its scheme keeps exactly (docs/method.md section 2): watched step by step, each
 /// defect relative to what of its kind the run has seen so far.
 class Invariants {
 public:

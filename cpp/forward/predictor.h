@@ -4,7 +4,7 @@
 
 namespace signorini::forward {
 
-/// What contact-stabilized stepping (method.md section 5) adds to a step: the predictor x = y_{k−1} + τ v_{k−1}
+/// What contact-stabilized stepping (docs/method.md section 2) adds to a step: the predictor x = y_{k−1} + τ v_{k−1}
 /// is moved to z, the nearest point to it in the norm of M that obeys the contact condition. z − x is called
 /// the jump. A predictor that obeys it already costs a look at its gaps.
 class Predictor {

@@ -64,10 +64,10 @@ public:
   /// Throws SolverFailure.
   void one_sided_step(Vec y0, Vec v0, StepLoad load, contact::ContactSets& contact, Vec y1, Vec v1) const;
 
-  /// The transpose of linearised_step on the active set of `contact` (4.40)–(4.41), with the seed's adjoint
+  /// The transpose of linearised_step on the active set of `contact` (4.40)–(4.41), with the paper's adjoint
   /// states:
   ///     D p_k − μ_k = R p_{k+1} − τ M q_{k+1} + ∂J/∂y_k,   q_k = −q_{k+1} + rate() (p_{k+1} − p_k)
-  /// and in contact-stabilized stepping, with j = Π_{k+1} q_{k+1} − q_{k+1} (the step of method.md section 5,
+  /// and in contact-stabilized stepping, with j = Π_{k+1} q_{k+1} − q_{k+1} (the step of docs/method.md section 2,
   /// transposed, for v̄ = M (τ/2 p + τ²/4 q)),
   ///     D p_k − μ_k = R p_{k+1} − τ M (q_{k+1} + 3/2 j) + ∂J/∂y_k,
   ///     q_k = −q_{k+1} − 2 j + rate() (p_{k+1} − p_k)

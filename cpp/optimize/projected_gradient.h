@@ -4,7 +4,7 @@
 
 namespace signorini::optimize {
 
-/// Algorithm 1 of the seed: projected gradient steps, damped by a quadratic regularisation. Each step
+/// Algorithm 1 of the paper: projected gradient steps, damped by a quadratic regularisation. Each step
 /// minimises the model J + ⟨g, δ⟩ + ω/2 ‖δ‖² over the bounds. With ρ = actual/predicted decrease, a step is
 /// taken if ρ ≥ 0.1, and ω becomes the curvature that would have made the model exact, ω + 2 (predicted −
 /// actual)/‖δ‖² (= ω (2 − ρ) without bounds), but at most ten times and at least a tenth of what it was, and

@@ -127,7 +127,7 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
                  {.density = [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(problem.space, k))); }},
                  [&](int k, Vec pk) { p[static_cast<std::size_t>(k)] = petsc::copy(pk); });
 
-  // The seed's recursion, written out with matrices: D = M + τ/2 B + τ²/4 A, R = M + τ/2 B − τ²/4 A.
+  // The paper's recursion, written out with matrices: D = M + τ/2 B + τ²/4 A, R = M + τ/2 B − τ²/4 A.
   const fem::Operators& body = problem.operators;
   const auto apply = [&](double a, Vec x, Vec out) { // out = (M + τ/2 B + a τ²/4 A) x
     petsc::Vector product = petsc::zero_like(x);

@@ -1,4 +1,4 @@
-"""1000 iterations of Algorithm 1 on the half disc at h = 0.5, and the behaviour that the seed text reports of them."""
+"""1000 iterations of Algorithm 1 on the half disc at h = 0.5, and the behaviour that the paper reports of them."""
 
 import json
 import sys

@@ -84,7 +84,7 @@ def normal_control(out: Path, step: int) -> tuple[int, float]:
 
 def certificate(out: Path, figures: Figures) -> None:
     """At a kink the gradient norm stalls, and the shortest combination of gradients tells that J is stationary: g = α u + (τ s/2) p
-    there, and p has no normal part where all pieces of J are in contact, so neither has u (seed, Fig. 5)."""
+    there, and p has no normal part where all pieces of J are in contact, so neither has u (Fig. 5 of the paper)."""
     for method in FASTER:
         history, run = optimize(out, method, ["control"])
         first, last, kink = history["gradient_norm"][0], history["gradient_norm"][-1], run["kink"]
