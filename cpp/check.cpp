@@ -46,7 +46,7 @@ private:
 };
 
 /// Energy law, momentum, complementarity of a whole motion.
-void invariants(const Problem& problem, const forward::Load& load, std::vector<CheckRow>& rows) {
+void invariants(const Problem& problem, const forward::ForceAtStep& load, std::vector<CheckRow>& rows) {
   const contact::Constraints* constraints = problem.stepper.constraints();
   std::optional<ContactWatch> contact;
   if (constraints)

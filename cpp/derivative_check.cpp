@@ -43,6 +43,28 @@ Switches switches(const Contact& a, const Contact& b) {
   return sum;
 }
 
+/// Smooth duals of states, of which no derivative of J is a multiple.
+class Waves final : public forward::StateDuals {
+public:
+  explicit Waves(const control::ControlSpace& controls)
+      : space_(controls.space()), steps_(controls.steps()), shape_(space_.vector()) {}
+  [[nodiscard]] bool has_density() const override { return false; }
+  [[nodiscard]] bool has_vector() const override { return true; }
+  void add(int k, forward::StateDual sum) const override { check(VecAXPY(sum.vector, 1, at(k))); }
+
+  /// Valid until the next call.
+  [[nodiscard]] Vec at(int k) const {
+    wave(space_, space_.points(), fem::component_numbers({}, space_.dim()), static_cast<double>(k) / steps_, 1,
+         petsc::WriteArray(shape_));
+    return shape_;
+  }
+
+private:
+  const fem::Space& space_;
+  int steps_;
+  petsc::Vector shape_;
+};
+
 class DerivativeCheck {
 public:
   DerivativeCheck(control::ReducedProblem& problem, const control::Control& u, double solver_tolerance,
@@ -85,17 +107,10 @@ private:
   }
 
   double transpose_defect() {
-    const fem::Space& space = controls_.space();
-    petsc::Vector shape = space.vector();
-    const auto shape_of = [&](int k) {
-      wave(space, space.points(), fem::component_numbers({}, space.dim()), static_cast<double>(k) / controls_.steps(), 1,
-           shape);
-      return Vec(shape);
-    };
+    const Waves waves(controls_);
     double forward = 0;
-    problem_.linearised(d_, [&](int k, Vec dy) { forward += petsc::dot(dy, shape_of(k)); });
-    const forward::Load dual{.force = [&](int k, Vec out) { check(VecAXPY(out, 1, shape_of(k))); }};
-    const control::Control back = problem_.adjoint(dual);
+    problem_.linearised(d_, [&](int k, Vec dy) { forward += petsc::dot(dy, waves.at(k)); });
+    const control::Control back = problem_.adjoint({controls_.space(), waves});
     const double backward = controls_.product(back, d_);
     return std::abs(forward - backward) / std::max(std::abs(forward), std::abs(backward));
   }

@@ -13,19 +13,33 @@ public:
                 const control::ControlSpace& controls)
       : body_(body), coarse_(controls), controls_(body.space(), body.operators(), problem.stepper.scheme(),
                                                   problem.steps(), *problem.scene.control),
-        coarse_field_(controls.field()), field_(controls_.field()), values_(controls_.value()) {
+        coarse_field_(controls.field()), field_(controls_.field()), values_(controls_.size()) {
     if (problem.scene.load)
       load_.emplace(body.space(), *problem.scene.load, problem.stepper.scheme());
   }
 
-  /// With a control; valid as long as this object and the control live.
-  forward::Load load(const control::Control& u) const {
-    const forward::Load control = controls_.load([this, &u](int k) { return enriched(u.at(k)); });
-    return load_ ? load_->load() + control : control;
+  /// With a control; valid as long as `force` lives.
+  [[nodiscard]] forward::ForceAtStep with(const forward::Load& force) const {
+    return {body_.space(), {load_ ? &*load_ : nullptr, &force}};
   }
 
+  /// What a control of the run does to the enriched body.
+  class Force final : public forward::Load {
+  public:
+    Force(const EnrichedLoads& loads, const control::Control& u) : loads_(loads), u_(u) {}
+    [[nodiscard]] bool has_density() const override { return loads_.controls_.acts_by_density(); }
+    [[nodiscard]] bool has_vector() const override { return !has_density(); }
+    void add(int k, forward::NodalForce sum) const override {
+      loads_.controls_.add_force(loads_.enriched(u_.at(k)), sum);
+    }
+
+  private:
+    const EnrichedLoads& loads_;
+    const control::Control& u_;
+  };
+
 private:
-  Vec enriched(Vec u) const {
+  std::span<const double> enriched(std::span<const double> u) const {
     if (controls_.cellwise())
       return u;
     coarse_.extend(u, coarse_field_);
@@ -37,7 +51,8 @@ private:
   const adjoint::EnrichedBody& body_;
   const control::ControlSpace& coarse_;
   control::ControlSpace controls_;
-  petsc::Vector coarse_field_, field_, values_;
+  petsc::Vector coarse_field_, field_;
+  mutable std::vector<double> values_;
   std::optional<forward::SceneLoad> load_;
 };
 
@@ -77,21 +92,28 @@ public:
 
   adjoint::ErrorParts parts;
 
-  /// ∂J/∂y_k along a motion, given like a load; valid as long as both live.
-  forward::Load derivative(const forward::Trajectory& motion) {
-    const auto density = [this, &motion](int k) {
-      check(VecWAXPY(coarse_, -1, objective_.desired(k), motion.y(k)));
-      body_.embed(coarse_, distance_);
-      check(VecScale(distance_, objective_.weight(k)));
-      return Vec(distance_);
-    };
-    forward::Load load;
-    if (own_)
-      load.force = [this, density](int k, Vec out) { check(MatMultAdd(own_, density(k), out, out)); };
-    else
-      load.density = [density](int k, Vec out) { check(VecAXPY(out, 1, density(k))); };
-    return load;
-  }
+  /// ∂J/∂y_k along a motion, on the enriched body.
+  class Derivative final : public forward::StateDuals {
+  public:
+    Derivative(const EnrichedObjective& objective, const forward::Trajectory& motion)
+        : objective_(objective), motion_(motion) {}
+    [[nodiscard]] bool has_density() const override { return !objective_.own_; }
+    [[nodiscard]] bool has_vector() const override { return !has_density(); }
+    void add(int k, forward::StateDual sum) const override {
+      const EnrichedObjective& o = objective_;
+      check(VecWAXPY(o.coarse_, -1, o.objective_.desired(k), motion_.y(k)));
+      o.body_.embed(o.coarse_, o.distance_);
+      check(VecScale(o.distance_, o.objective_.weight(k)));
+      if (o.own_)
+        check(MatMultAdd(o.own_, o.distance_, sum.vector, sum.vector));
+      else
+        check(VecAXPY(sum.density, 1, o.distance_));
+    }
+
+  private:
+    const EnrichedObjective& objective_;
+    const forward::Trajectory& motion_;
+  };
 
 private:
   /// ‖e + sign d‖² − ‖e‖² for e = y − y_d
@@ -124,32 +146,41 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
   }
   // Motions of their own, since velocities are wanted; that of the current control is looked at beside the
   // other one.
-  const auto run = [&](forward::Trajectory& trajectory, const control::Control& u,
+  const auto run = [&](forward::Trajectory& trajectory, const control::ControlForce& u,
                        const forward::Watch& watch) {
-    trajectory.run(problem.load() + control_problem.controls.load(u), watch);
+    trajectory.run(problem.load(&u), watch);
     if (trajectory.steps() < problem.steps())
       throw Interrupted();
   };
   forward::Trajectory motion(stepper, problem.initial, problem.steps(), control_problem.storage, true);
-  run(motion, reduced.control(), [&](const forward::Frame& frame) {
+  const control::ControlForce force(control_problem.controls, reduced.control());
+  run(motion, force, [&](const forward::Frame& frame) {
     if (objective)
       objective->observe(frame.k, frame.y1);
   });
-  const forward::Load derivative = control_problem.objective.derivative([&](int k) { return motion.y(k); });
-  const forward::Load enriched_derivative = objective ? objective->derivative(motion) : forward::Load{};
-  const auto weigh = [&](const forward::Trajectory& trajectory, const control::Control& u) {
-    const forward::Load load = problem.load() + control_problem.controls.load(u),
-                        enriched_load = loads ? loads->load(u) : forward::Load{};
+  const control::Derivative along(control_problem.objective, motion);
+  const forward::DualAtStep derivative(problem.space, along);
+  std::optional<EnrichedObjective::Derivative> enriched_along;
+  std::optional<forward::DualAtStep> enriched_derivative;
+  if (objective)
+    enriched_derivative.emplace(body->space(), enriched_along.emplace(*objective, motion));
+  const auto weigh = [&](const forward::Trajectory& trajectory, const control::ControlForce& u, const control::Control& values) {
+    const forward::ForceAtStep load = problem.load(&u);
+    std::optional<EnrichedLoads::Force> enriched_force;
+    std::optional<forward::ForceAtStep> enriched_load;
+    if (loads)
+      enriched_load = loads->with(enriched_force.emplace(*loads, values));
     return adjoint::weighted_residual(stepper, body ? &*body : nullptr,
-                                      {trajectory, load, enriched_load, derivative, enriched_derivative});
+                                      {trajectory, load, derivative, enriched_load ? &*enriched_load : nullptr,
+                                       enriched_derivative ? &*enriched_derivative : nullptr});
   };
-  adjoint::ErrorParts parts = weigh(motion, reduced.control());
+  adjoint::ErrorParts parts = weigh(motion, force, reduced.control());
   if (control_problem.reference) {
-    const control::Control& u = *control_problem.reference;
+    const control::ControlForce u(control_problem.controls, *control_problem.reference);
     const forward::Storage storage(stepper, problem.scene.trajectory, problem.steps(), 0.5, problem.timers);
     forward::Trajectory desired(stepper, problem.initial, problem.steps(), storage, true);
     run(desired, u, {});
-    const adjoint::ErrorParts other = weigh(desired, u);
+    const adjoint::ErrorParts other = weigh(desired, u, *control_problem.reference);
     parts.time -= other.time;
     parts.initial -= other.initial;
     if (parts.space)

@@ -5,10 +5,9 @@ namespace signorini {
 using petsc::check;
 
 void wave(const fem::Space& space, const std::vector<double>& points, const std::vector<int>& components, double t,
-          int which, Vec out) {
+          int which, std::span<double> values) {
   const double unit = 2 * M_PI / space.mesh().diameter();
   const std::size_t n = components.size();
-  const petsc::WriteArray values(out);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double* x = &points[i / n * 3];
     const double c = components[i % n];

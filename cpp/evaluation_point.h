@@ -6,7 +6,7 @@ namespace signorini {
 /// Components of a smooth field at points (× 3) and time t / T, the same on any number of ranks; `which` picks one of
 /// several.
 void wave(const fem::Space& space, const std::vector<double>& points, const std::vector<int>& components, double t,
-          int which, Vec out);
+          int which, std::span<double> out);
 
 /// A smooth control, likewise. Collective.
 control::Control wave(const control::ControlSpace& controls, int which);

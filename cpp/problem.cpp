@@ -39,60 +39,107 @@ bool has_densities(const scene::Scene& scene, bool optimal_control) {
          (optimal_control && scene.objective && !scene.objective->on);
 }
 
-using StateAt = control::Objective::StateAt;
+using Displacements = std::unique_ptr<const forward::Displacements>;
 
 /// The motion under a reference control.
-StateAt computed_states(const Problem& problem, const forward::Load& load, const forward::Storage& storage,
-                        const Console& console) {
-  const auto trajectory =
-      std::make_shared<forward::Trajectory>(problem.stepper, problem.initial, problem.steps(), storage);
-  Progress progress(console, "desired state", static_cast<std::size_t>(problem.steps()));
-  trajectory->run(load, [&](const forward::Frame& frame) { progress.update(static_cast<std::size_t>(frame.k)); });
-  if (trajectory->steps() < problem.steps())
-    throw Interrupted();
-  return [trajectory](int k) { return trajectory->y(k); };
-}
-
-/// States that can be evaluated at any time: all at once if they may be kept in memory, else each as it is asked for.
-StateAt given_states(const Problem& problem, std::function<void(double t, Vec y)> evaluate, bool keep) {
-  const forward::Scheme& scheme = problem.stepper.scheme();
-  if (keep) {
-    const auto all = std::make_shared<petsc::Series>(
-        petsc::zero_series(problem.initial.y, static_cast<std::size_t>(problem.steps()) + 1));
-    for (int k = 0; k <= problem.steps(); ++k)
-      evaluate(scheme.time(k), (*all)[static_cast<std::size_t>(k)]);
-    return [all](int k) { return Vec((*all)[static_cast<std::size_t>(k)]); };
-  }
-  const auto last = std::make_shared<std::pair<int, petsc::Vector>>(-1, problem.space.vector());
-  return [&problem, scheme, last, evaluate = std::move(evaluate)](int k) {
-    if (std::exchange(last->first, k) != k) {
-      const auto timer = problem.timers.time("desired state");
-      evaluate(scheme.time(k), last->second);
+Displacements computed(const Problem& problem, const control::ControlSpace& controls, const control::Control& reference,
+                       const forward::Storage& storage, const Console& console) {
+  /// With the force that steps are made again by where the storage keeps checkpoints.
+  class Computed final : public forward::Displacements {
+  public:
+    Computed(const Problem& problem, const control::ControlSpace& controls, const control::Control& u,
+             const forward::Storage& storage)
+        : force_(controls, u), trajectory_(problem.stepper, problem.initial, problem.steps(), storage) {}
+    void run(const Problem& problem, const forward::Watch& watch) {
+      trajectory_.run(problem.load(&force_), watch);
+      if (trajectory_.steps() < problem.steps())
+        throw Interrupted();
     }
-    return Vec(last->second);
+    [[nodiscard]] Vec y(int k) const override { return trajectory_.y(k); }
+
+  private:
+    control::ControlForce force_;
+    forward::Trajectory trajectory_;
   };
+  auto motion = std::make_unique<Computed>(problem, controls, reference, storage);
+  Progress progress(console, "desired state", static_cast<std::size_t>(problem.steps()));
+  motion->run(problem, [&](const forward::Frame& frame) { progress.update(static_cast<std::size_t>(frame.k)); });
+  return motion;
 }
 
-StateAt desired_states(const Problem& problem, const control::ControlSpace& controls,
-                       const std::optional<control::Control>& reference, const forward::Storage& storage,
-                       const Console& console) {
+/// A displacement at time t. Collective.
+using Evaluate = std::function<void(double t, Vec y)>;
+
+/// Evaluated once, and kept.
+class Kept final : public forward::Displacements {
+public:
+  Kept(const Problem& problem, const Evaluate& evaluate)
+      : all_(petsc::zero_series(problem.initial.y, static_cast<std::size_t>(problem.steps()) + 1)) {
+    for (int k = 0; k <= problem.steps(); ++k)
+      evaluate(problem.stepper.scheme().time(k), all_[static_cast<std::size_t>(k)]);
+  }
+  [[nodiscard]] Vec y(int k) const override { return all_[static_cast<std::size_t>(k)]; }
+
+private:
+  petsc::Series all_;
+};
+
+/// Evaluated as they are asked for.
+class Evaluated final : public forward::Displacements {
+public:
+  Evaluated(const Problem& problem, Evaluate evaluate)
+      : problem_(problem), evaluate_(std::move(evaluate)), y_(problem.space.vector()) {}
+  [[nodiscard]] Vec y(int k) const override {
+    if (std::exchange(last_, k) != k) {
+      const auto timer = problem_.timers.time("desired state");
+      evaluate_(problem_.stepper.scheme().time(k), y_);
+    }
+    return y_;
+  }
+
+private:
+  const Problem& problem_;
+  Evaluate evaluate_;
+  petsc::Vector y_;
+  mutable int last_ = -1;
+};
+
+/// The same at all times.
+class Constant final : public forward::Displacements {
+public:
+  Constant(const Problem& problem, const scene::Field& field) : y_(problem.space.vector()) {
+    problem.space.interpolate(field, 0, y_);
+  }
+  [[nodiscard]] Vec y(int) const override { return y_; }
+
+private:
+  petsc::Vector y_;
+};
+
+Displacements given(const Problem& problem, Evaluate evaluate, bool keep) {
+  if (keep)
+    return std::make_unique<Kept>(problem, evaluate);
+  return std::make_unique<Evaluated>(problem, std::move(evaluate));
+}
+
+Displacements desired_states(const Problem& problem, const control::ControlSpace& controls,
+                             const std::optional<control::Control>& reference, const forward::Storage& storage,
+                             const Console& console) {
   const auto timer = problem.timers.time("desired state");
   if (reference)
-    return computed_states(problem, problem.load() + controls.load(*reference), storage, console);
+    return computed(problem, controls, *reference, storage, console);
   if (const auto* run = std::get_if<scene::DesiredRun>(&problem.scene.objective->desired)) {
     const auto stored =
         std::make_shared<io::StoredField>(problem.space, run->folder / "state.h5", "displacement",
                                           "objective.desired.run", problem.stepper.scheme().time(problem.steps()));
-    return given_states(problem, [stored](double t, Vec y) { stored->at(t, y); }, storage.in_memory());
+    return given(problem, [stored](double t, Vec y) { stored->at(t, y); }, storage.in_memory());
   }
-  const auto& given = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
-  const auto field = std::make_shared<scene::Field>(given.displacement, "objective.desired.displacement", true);
+  const auto& desired = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
+  const auto field = std::make_shared<scene::Field>(desired.displacement, "objective.desired.displacement", true);
   if (field->depends_on_time())
-    return given_states(
+    return given(
         problem, [&problem, field](double t, Vec y) { problem.space.interpolate(*field, t, y); }, storage.in_memory());
-  const auto always = std::make_shared<petsc::Vector>(problem.space.vector());
-  problem.space.interpolate(*field, 0, *always);
-  return [always](int) { return Vec(*always); };
+  return std::make_unique<Constant>(problem, *field);
 }
 
 /// The budget's part of the motions of controls.
@@ -142,8 +189,6 @@ Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs n
     scene_load.emplace(space, *s.load, stepper.scheme());
 }
 
-forward::Load Problem::load() const { return scene_load ? scene_load->load() : forward::Load{}; }
-
 long Problem::free_dofs() const {
   long clamped = static_cast<long>(stepper.clamped().dofs().size());
   MPI_Allreduce(MPI_IN_PLACE, &clamped, 1, MPI_LONG, MPI_SUM, space.comm());
@@ -158,10 +203,11 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
   require_memory(problem, *controls_, false);
   control_ = first_guess(*controls_, control);
   controls_->project(*control_);
+  force_.emplace(*controls_, *control_);
 }
 
-forward::Load GivenControl::load() const {
-  return control_ ? problem_.load() + controls_->load(*control_) : problem_.load();
+forward::ForceAtStep GivenControl::load() const {
+  return problem_.load(force_ ? &*force_ : nullptr);
 }
 
 ControlProblem::ControlProblem(const Problem& problem, const Console& console)
@@ -172,7 +218,7 @@ ControlProblem::ControlProblem(const Problem& problem, const Console& console)
       desired_storage(problem.stepper, problem.scene.trajectory, problem.steps(), share(problem.scene), problem.timers),
       objective(controls, problem.operators, problem.stepper.scheme(),
                 desired_states(problem, controls, reference, desired_storage, console), *problem.scene.objective),
-      reduced(problem.stepper, controls, objective, problem.initial, problem.load(), storage, problem.timers) {}
+      reduced(problem.stepper, controls, objective, problem.initial, problem.scene_loads(), storage, problem.timers) {}
 
 control::Control ControlProblem::first_guess(const scene::Scene& scene) const {
   return signorini::first_guess(controls, *scene.control);

@@ -21,8 +21,12 @@ struct Problem {
   forward::Initial initial;
   std::optional<forward::SceneLoad> scene_load;
 
-  /// The load without a control.
-  [[nodiscard]] forward::Load load() const;
+  /// The scene's loads, null if it has none.
+  [[nodiscard]] const forward::Load* scene_loads() const { return scene_load ? &*scene_load : nullptr; }
+  /// All that acts on the body: the scene's loads and, if given, a control's, which must outlive it. Collective.
+  [[nodiscard]] forward::ForceAtStep load(const forward::Load* control = nullptr) const {
+    return {space, {scene_loads(), control}};
+  }
   [[nodiscard]] int steps() const { return scene.time.steps; }
   /// Unknowns that no clamp holds, on all ranks. Collective.
   [[nodiscard]] long free_dofs() const;
@@ -33,14 +37,17 @@ class GivenControl {
 public:
   /// Collective. `problem` must outlive this object. Throws UserError.
   explicit GivenControl(const Problem& problem);
+  GivenControl(const GivenControl&) = delete;
+  GivenControl& operator=(const GivenControl&) = delete;
 
-  /// All loads, the control's included; valid as long as this object lives.
-  [[nodiscard]] forward::Load load() const;
+  /// All that acts, the control included; valid as long as this object lives.
+  [[nodiscard]] forward::ForceAtStep load() const;
 
 private:
   const Problem& problem_;
   std::optional<control::ControlSpace> controls_;
   std::optional<control::Control> control_;
+  std::optional<control::ControlForce> force_; ///< of control_
 };
 
 /// The scene's control and objective on top of it.

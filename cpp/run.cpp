@@ -22,7 +22,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   console.line(headline(problem));
 
   const GivenControl given(problem);
-  const forward::Load load = given.load();
+  const forward::ForceAtStep load = given.load();
   Recorder recorder(problem, folder, nullptr);
   int steps = 0;
   {

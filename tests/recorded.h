@@ -1,9 +1,41 @@
 #pragma once
 #include "forward/balance.h"
 #include "problem.h"
+#include <functional>
 #include <vector>
 
 namespace signorini::test {
+
+/// Forces or duals by functions of the step, which add to a density, a vector or both.
+template <class Part>
+class ByFunctions final : public forward::StepByStep<Part> {
+public:
+  using Add = std::function<void(int k, Vec out)>;
+  explicit ByFunctions(Add density, Add vector = {}) : density_(std::move(density)), vector_(std::move(vector)) {}
+  [[nodiscard]] bool has_density() const override { return static_cast<bool>(density_); }
+  [[nodiscard]] bool has_vector() const override { return static_cast<bool>(vector_); }
+  void add(int k, Part sum) const override {
+    if (density_)
+      density_(k, sum.density);
+    if (vector_)
+      vector_(k, sum.vector);
+  }
+
+private:
+  Add density_, vector_;
+};
+using Force = ByFunctions<forward::NodalForce>;
+using Dual = ByFunctions<forward::StateDual>;
+
+/// The displacements of a motion that was recorded.
+class Displacements final : public forward::Displacements {
+public:
+  explicit Displacements(const petsc::Series& y) : y_(y) {}
+  [[nodiscard]] Vec y(int k) const override { return y_[static_cast<std::size_t>(k)]; }
+
+private:
+  const petsc::Series& y_;
+};
 
 /// A motion with all that can be looked at, of the steps 0…N.
 struct Recorded {
@@ -12,7 +44,7 @@ struct Recorded {
   std::vector<forward::StepBalance> balance;
   int steps = 0;
 
-  Recorded(const Problem& problem, const forward::Load& load) {
+  Recorded(const Problem& problem, const forward::ForceAtStep& load) {
     forward::Balance weigh(problem.stepper);
     steps = forward::stream(problem.stepper, problem.initial, load, problem.steps(),
                             [&](const forward::Frame& frame) {

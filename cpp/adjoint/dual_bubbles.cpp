@@ -26,8 +26,8 @@ void Duals::move(Vec p_k, const contact::ContactSets* later) {
   check(VecCopy(p_k, p));
 }
 
-DualBubbles::DualBubbles(const EnrichedBody& body, const forward::Load& derivative, forward::Scheme scheme)
-    : body_(body), derivative_at_(body.space(), derivative), scheme_(scheme),
+DualBubbles::DualBubbles(const EnrichedBody& body, const forward::DualAtStep& derivative, forward::Scheme scheme)
+    : body_(body), derivative_(derivative), scheme_(scheme),
       diagonal_(fem::diagonal(body.operators().A)) {
   for (petsc::Vector* x : {&b_, &left_, &z_, &direction_, &image_, &work_})
     *x = body.space().vector();
@@ -47,7 +47,7 @@ void DualBubbles::residual(int k, const Duals& duals) {
     coarse_ = petsc::zero_like(duals.p);
   const fem::Operators& operators = body_.operators();
   const double tau = scheme_.tau;
-  forward::force_of(derivative_at_(k), operators, left_);
+  forward::assemble(derivative_.at(k), operators, left_);
   check(VecAXPBYPCZ(coarse_, 3 / tau, -1 / tau, 0, duals.velocity, duals.velocity_later));
   check(VecAXPY(coarse_, -1, duals.p));
   add(operators.M, 1);

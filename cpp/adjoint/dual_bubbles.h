@@ -30,9 +30,9 @@ private:
 /// other (hierarchical error estimate, Bank and Smith 1993).
 class DualBubbles {
 public:
-  /// `derivative` is ∂J/∂y_k on the enriched body, given like a load. Collective. The references must outlive
+  /// `derivative` is ∂J/∂y_k on the enriched body. Collective. The references must outlive
   /// this object.
-  DualBubbles(const EnrichedBody& body, const forward::Load& derivative, forward::Scheme scheme);
+  DualBubbles(const EnrichedBody& body, const forward::DualAtStep& derivative, forward::Scheme scheme);
 
   /// b_k on the active set of step k, from N − 1 down. Valid until the next call. Collective. Throws
   /// SolverFailure.
@@ -50,7 +50,7 @@ private:
   double precondition(const contact::ActiveSet& active);
 
   const EnrichedBody& body_;
-  forward::LoadAtStep derivative_at_;
+  const forward::DualAtStep& derivative_;
   forward::Scheme scheme_;
   petsc::Vector coarse_, b_, left_, z_, direction_, image_, work_, diagonal_;
 };

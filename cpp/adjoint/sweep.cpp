@@ -11,18 +11,16 @@ long& sweeps = count("adjoint sweeps");
 }
 
 void sweep(const forward::Stepper& stepper, const std::vector<contact::ContactSets>& contact,
-           const forward::Load& derivative, const std::function<void(int k, Vec p)>& visit) {
+           const forward::DualAtStep& derivative, const std::function<void(int k, Vec p)>& visit) {
   ++sweeps;
   petsc::Vector p = stepper.space().vector(), p_next = stepper.space().vector(), q = stepper.space().vector();
-  const forward::LoadAtStep derivative_at(stepper.space(), derivative);
   forward::Extrapolation extrapolation(stepper);
   const int steps = static_cast<int>(contact.size()) - 1;
   for (int k = steps; k >= 1; --k) {
     try {
       extrapolation.guess(p);
       const auto i = static_cast<std::size_t>(k);
-      const forward::StepLoad dual = derivative_at(k);
-      stepper.adjoint_step(contact[i], k < steps ? &contact[i + 1] : nullptr, dual, p_next, q, p);
+      stepper.adjoint_step(contact[i], k < steps ? &contact[i + 1] : nullptr, derivative.at(k), p_next, q, p);
       extrapolation.remember(p);
     } catch (const SolverFailure& failure) {
       throw SolverFailure(fmt::format("adjoint step {}: {}", k, failure.what()));

@@ -42,14 +42,14 @@ private:
 /// What is left of the equation of motion of step k in functions of degree 2: f − M a − B w − A ȳ.
 class Residual {
 public:
-  Residual(const EnrichedBody& body, const Window& motion, const forward::Load& load, double tau)
-      : body_(body), motion_(motion), load_at_(body.space(), load), tau_(tau),
+  Residual(const EnrichedBody& body, const Window& motion, const forward::ForceAtStep& load, double tau)
+      : body_(body), motion_(motion), load_(load), tau_(tau),
         coarse_(petsc::zero_like(motion.now.y)), fine_(body.space().vector()), sum_(body.space().vector()),
         product_(body.space().vector()) {}
 
   Vec operator()(int k) {
     const fem::Operators& operators = body_.operators();
-    forward::force_of(load_at_(k), operators, sum_);
+    forward::assemble(load_.at(k), operators, sum_);
     subtract(operators.M, 1 / tau_, motion_.now.v, -1 / tau_, motion_.before.v);
     if (operators.B)
       subtract(*operators.B, 1 / tau_, motion_.now.y, -1 / tau_, motion_.before.y);
@@ -68,7 +68,7 @@ private:
 
   const EnrichedBody& body_;
   const Window& motion_;
-  forward::LoadAtStep load_at_;
+  const forward::ForceAtStep& load_;
   double tau_;
   petsc::Vector coarse_, fine_, sum_, product_;
 };
@@ -76,8 +76,8 @@ private:
 /// The time part, interface by interface between steps, from the last one on.
 class TimePart {
 public:
-  TimePart(const forward::Stepper& stepper, const Window& motion, int steps, const forward::Load& load)
-      : stepper_(stepper), motion_(motion), steps_(steps), load_at_(stepper.space(), load),
+  TimePart(const forward::Stepper& stepper, const Window& motion, int steps, const forward::ForceAtStep& load)
+      : stepper_(stepper), motion_(motion), steps_(steps), load_(load),
         tau_(stepper.scheme().tau), rate_(stepper.space().vector()), later_(stepper.space().vector()),
         force_(stepper.space().vector()), force_later_(stepper.space().vector()),
         moves_(stepper.space().vector()), product_(stepper.space().vector()) {}
@@ -85,7 +85,7 @@ public:
   /// Takes p_k after p_{k+1}.
   void take(int k, Vec p) {
     std::swap(force_, force_later_);
-    forward::force_of(load_at_(k), stepper_.operators(), force_);
+    forward::assemble(load_.at(k), stepper_.operators(), force_);
     // π' = (p_{k+1} − p_k)/2, with p_{N+1} = 0
     check(VecAXPBYPCZ(rate_, -0.5, 0.5, 0, p, later_));
     const bool last = k == steps_;
@@ -139,7 +139,7 @@ private:
   const forward::Stepper& stepper_;
   const Window& motion_;
   int steps_;
-  forward::LoadAtStep load_at_;
+  const forward::ForceAtStep& load_;
   double tau_, sum_ = 0;
   petsc::Vector rate_, later_, force_, force_later_, moves_, product_;
 };
@@ -150,8 +150,8 @@ public:
   SpacePart(const forward::Stepper& stepper, const EnrichedBody& body, const Window& motion,
             const Weighted& run)
       : body_(body), contact_(run.motion.contact()), scheme_(stepper.scheme()), steps_(run.motion.steps()),
-        duals_(stepper), bubbles_(body, run.enriched_derivative, scheme_),
-        residual_(body, motion, run.enriched_load, scheme_.tau), later_(body.space().vector()),
+        duals_(stepper), bubbles_(body, *run.enriched_derivative, scheme_),
+        residual_(body, motion, *run.enriched_load, scheme_.tau), later_(body.space().vector()),
         dual_(body.space().vector()), product_(body.space().vector()), coarse_(stepper.space().vector()) {}
 
   /// Takes p_k after p_{k+1}.

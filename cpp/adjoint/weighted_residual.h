@@ -26,8 +26,11 @@ struct ErrorParts {
 /// A motion of a run whose error counts, and what it counts for.
 struct Weighted {
   const forward::Trajectory& motion;         ///< with velocities
-  const forward::Load &load, &enriched_load; ///< that acted on it, and the same on the enriched body
-  const forward::Load &derivative, &enriched_derivative; ///< ∂J/∂y_k, given like loads, likewise
+  const forward::ForceAtStep& load; ///< that acted on it
+  const forward::DualAtStep& derivative; ///< ∂J/∂y_k
+  /// The same on the enriched body; null without a space part.
+  const forward::ForceAtStep* enriched_load;
+  const forward::DualAtStep* enriched_derivative;
 };
 
 /// The adjoint-weighted residual of a computed motion (Becker and Rannacher 2001), active sets frozen, by one

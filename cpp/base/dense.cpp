@@ -5,16 +5,38 @@
 
 namespace signorini {
 
-void solve_dense(std::vector<double> K, std::span<double> b) {
-  const auto n = static_cast<PetscBLASInt>(std::lround(std::sqrt(static_cast<double>(K.size()))));
+int factorise_dense(std::span<double> K, std::size_t n) {
+  const auto size = static_cast<PetscBLASInt>(n);
+  PetscBLASInt info = 0;
+  if (n > 0)
+    LAPACKpotrf_("L", &size, K.data(), &size, &info);
+  return static_cast<int>(info);
+}
+
+void solve_factorised(std::span<const double> factor, std::size_t n, std::span<double> b) {
   if (n == 0)
     return;
-  const auto columns = static_cast<PetscBLASInt>(b.size()) / n;
+  const auto size = static_cast<PetscBLASInt>(n), columns = static_cast<PetscBLASInt>(b.size() / n);
   PetscBLASInt info = 0;
-  LAPACKpotrf_("L", &n, K.data(), &n, &info);
-  if (info != 0)
+  LAPACKpotrs_("L", &size, &columns, factor.data(), &size, b.data(), &size, &info);
+}
+
+int invert_factorised(std::span<double> factor, std::size_t n) {
+  const auto size = static_cast<PetscBLASInt>(n);
+  PetscBLASInt info = 0;
+  if (n > 0)
+    LAPACKpotri_("L", &size, factor.data(), &size, &info);
+  for (std::size_t j = 0; j < n; ++j) // LAPACK fills the lower triangle, column by column
+    for (std::size_t i = j + 1; i < n; ++i)
+      factor[i * n + j] = factor[j * n + i];
+  return static_cast<int>(info);
+}
+
+void solve_dense(std::vector<double> K, std::span<double> b) {
+  const auto n = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(K.size()))));
+  if (factorise_dense(K, n) != 0)
     throw SolverFailure("a small dense matrix is not positive definite");
-  LAPACKpotrs_("L", &n, &columns, K.data(), &n, b.data(), &n, &info);
+  solve_factorised(K, n, b);
 }
 
 } // namespace signorini

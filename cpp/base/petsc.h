@@ -95,6 +95,20 @@ private:
   std::size_t size_ = 0;
 };
 
+/// Lets a vector stand for an array of this rank, as long as this object lives; what it held is left alone.
+class Placed {
+public:
+  /// `array` has as many entries as the vector has owned ones. It may be written through x if it is not const.
+  Placed(Vec x, std::span<const double> array) : x_(x) { check(VecPlaceArray(x, array.data())); }
+  ~Placed() { (void)VecResetArray(x_); }
+  Placed(const Placed&) = delete;
+  Placed& operator=(const Placed&) = delete;
+  operator Vec() const { return x_; }
+
+private:
+  Vec x_;
+};
+
 /// The one component that a matrix of type MAIJ stores for all; null for other types.
 Mat component(Mat matrix);
 

@@ -1,10 +1,10 @@
 #include "contact/condensation.h"
 #include "base/collective.h"
+#include "base/dense.h"
 #include "base/error.h"
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
-#include <petscblaslapack.h>
 
 namespace signorini::contact {
 
@@ -30,8 +30,6 @@ void Condensation::solve_active(const ActiveSet& set, std::span<double> b) const
 
 void Condensation::solve_here(const ActiveSet& set, std::span<double> b) const {
   const std::size_t m = zero_.size();
-  const PetscBLASInt n = static_cast<PetscBLASInt>(set.size()), one = 1;
-  PetscBLASInt info = 0;
   if (set != work_.factorised) {
     work_.factorised.clear();
     work_.factor.resize(set.size() * set.size());
@@ -39,29 +37,22 @@ void Condensation::solve_here(const ActiveSet& set, std::span<double> b) const {
       for (std::size_t j = 0; j < set.size(); ++j)
         work_.factor[i * set.size() + j] =
             S_[static_cast<std::size_t>(set[i]) * m + static_cast<std::size_t>(set[j])];
-    LAPACKpotrf_("L", &n, work_.factor.data(), &n, &info);
-    if (info != 0)
-      throw SolverFailure(fmt::format("the condensed matrix of {} active candidates is singular (pivot {})",
-                                      set.size(), static_cast<int>(info)));
+    if (const int pivot = factorise_dense(work_.factor, set.size()); pivot != 0)
+      throw SolverFailure(
+          fmt::format("the condensed matrix of {} active candidates is singular (pivot {})", set.size(), pivot));
     work_.factorised = set;
   }
-  LAPACKpotrs_("L", &n, &one, work_.factor.data(), &n, b.data(), &n, &info);
+  solve_factorised(work_.factor, set.size(), b.first(set.size()));
 }
 
 std::vector<double> Condensation::inverse() const {
   const auto m = static_cast<std::size_t>(constraints_.count());
-  const auto n = static_cast<PetscBLASInt>(m);
   std::vector<double> K = S_;
-  PetscBLASInt info = 0;
-  LAPACKpotrf_("L", &n, K.data(), &n, &info);
-  if (info == 0)
-    LAPACKpotri_("L", &n, K.data(), &n, &info);
-  if (info != 0)
-    throw SolverFailure(fmt::format("the condensed matrix of {} candidates is singular (pivot {})", m,
-                                    static_cast<int>(info)));
-  for (std::size_t j = 0; j < m; ++j) // LAPACK fills the lower triangle, column by column
-    for (std::size_t i = j + 1; i < m; ++i)
-      K[i * m + j] = K[j * m + i];
+  int pivot = factorise_dense(K, m);
+  if (pivot == 0)
+    pivot = invert_factorised(K, m);
+  if (pivot != 0)
+    throw SolverFailure(fmt::format("the condensed matrix of {} candidates is singular (pivot {})", m, pivot));
   return K;
 }
 

@@ -1,6 +1,7 @@
 #include "contact/constraints.h"
 #include "base/collective.h"
 #include "base/counters.h"
+#include "base/text.h"
 #include "contact/node_basis.h"
 #include <algorithm>
 #include <array>
@@ -134,8 +135,7 @@ void Constraints::group_by_node() {
 }
 
 std::string Constraints::shown(int i) const {
-  const double* x = &points_[3 * static_cast<std::size_t>(i)];
-  return fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
+  return point_text(&points_[3 * static_cast<std::size_t>(i)]);
 }
 
 std::span<const double> Constraints::psi(double t) const {

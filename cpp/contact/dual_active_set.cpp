@@ -1,9 +1,9 @@
 #include "contact/dual_active_set.h"
+#include "base/dense.h"
 #include "base/error.h"
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
-#include <petscblaslapack.h>
 
 namespace signorini::contact {
 
@@ -14,21 +14,14 @@ DualActiveSet::DualActiveSet(std::size_t m) {
 
 void DualActiveSet::solve_on_set(std::span<const double> S, std::size_t m, const ActiveSet& set,
                                  std::span<double> b) const {
-  const auto n = static_cast<PetscBLASInt>(set.size());
-  const PetscBLASInt one = 1;
-  PetscBLASInt info = 0;
-  if (n == 0)
-    return;
   factor_.clear();
   for (int i : set)
     for (int j : set)
       factor_.push_back(S[static_cast<std::size_t>(i) * m + static_cast<std::size_t>(j)]);
-  LAPACKpotrf_("L", &n, factor_.data(), &n, &info);
-  if (info != 0)
+  if (const int pivot = factorise_dense(factor_, set.size()); pivot != 0)
     throw SolverFailure(
-        fmt::format("the condensed matrix of {} independent constraints is singular (pivot {})", set.size(),
-                    static_cast<int>(info)));
-  LAPACKpotrs_("L", &n, &one, factor_.data(), &n, b.data(), &n, &info);
+        fmt::format("the condensed matrix of {} independent constraints is singular (pivot {})", set.size(), pivot));
+  solve_factorised(factor_, set.size(), b.first(set.size()));
 }
 
 bool DualActiveSet::solve(std::span<const double> S, std::span<const double> gap0, double tolerance,

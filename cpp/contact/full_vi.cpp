@@ -1,5 +1,6 @@
 #include "contact/full_vi.h"
 #include "base/error.h"
+#include "base/text.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -51,11 +52,11 @@ void require_one_per_node(const Constraints& constraints) {
   const auto twin = std::ranges::adjacent_find(nodes);
   if (twin == nodes.end())
     return;
-  const double* x = &constraints.points()[3 * static_cast<std::size_t>(twin - nodes.begin())];
   throw UserError(
-      fmt::format("solver.vi: found \"full\" with {} obstacles for the node at ({:.6g}, {:.6g}, {:.6g}), "
+      fmt::format("solver.vi: found \"full\" with {} obstacles for the node at {}, "
                   "allowed is \"condensed\": the full VI takes one obstacle per node",
-                  std::ranges::count(nodes, *twin), x[0], x[1], x[2]));
+                  std::ranges::count(nodes, *twin),
+                  point_text(&constraints.points()[3 * static_cast<std::size_t>(twin - nodes.begin())])));
 }
 
 petsc::Matrix frames(const Constraints& constraints, Mat D, const std::vector<int>& axes,

@@ -1,6 +1,8 @@
 #include "contact/massless.h"
 #include "base/collective.h"
+#include "base/dense.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "contact/node_basis.h"
 #include <algorithm>
 #include <array>
@@ -35,8 +37,7 @@ constexpr Demand demands[] = {{true, 10}, {true, 30}, {false, 1 + 1e-9}};
 /// Weights of `around` that extrapolate fields to `x`, the nearer a node the greater its part; empty if they
 /// cannot be had.
 std::vector<double> extrapolation(const Point& x, const std::vector<Point>& around, int dim, Demand demand) {
-  const auto rows = static_cast<PetscBLASInt>(demand.linear ? dim + 1 : 1);
-  const auto n = static_cast<std::size_t>(rows);
+  const auto n = static_cast<std::size_t>(demand.linear ? dim + 1 : 1);
   double size = 0;
   for (const Point& y : around)
     size = std::max(size, std::hypot(y[0] - x[0], y[1] - x[1], y[2] - x[2]));
@@ -59,12 +60,9 @@ std::vector<double> extrapolation(const Point& x, const std::vector<Point>& arou
     V.push_back(weight);
   }
   std::array<double, 4> b{1};
-  const PetscBLASInt one = 1;
-  PetscBLASInt info = 0;
-  LAPACKpotrf_("L", &rows, normal.data(), &rows, &info);
-  if (info != 0)
+  if (factorise_dense(normal, n) != 0)
     return {};
-  LAPACKpotrs_("L", &rows, &one, normal.data(), &rows, b.data(), &rows, &info);
+  solve_factorised(normal, n, std::span(b).first(n));
   std::vector<double> w(around.size());
   std::array<double, 4> moments{};
   double absolute = 0;
@@ -215,13 +213,10 @@ petsc::Matrix massless(const fem::Space& space, const Constraints& constraints,
           if (!around.empty())
             weights = extrapolation(place.at(node), around, dim, demand);
         }
-      if (weights.empty()) {
-        const double* x = &constraints.points()[3 * static_cast<std::size_t>(here.candidate)];
-        throw UserError(
-            fmt::format("contact.mass: found \"massless\" where the node at ({:.6g}, {:.6g}, {:.6g}) "
-                        "has only contact nodes around it, allowed are meshes with others near",
-                        x[0], x[1], x[2]));
-      }
+      if (weights.empty())
+        throw UserError(fmt::format("contact.mass: found \"massless\" where the node at {} has only contact nodes around it, "
+                                    "allowed are meshes with others near",
+                                    point_text(&constraints.points()[3 * static_cast<std::size_t>(here.candidate)])));
       std::array<double, 9> onto{}; // the constrained directions
       const NodeBasis& basis = bases.at(node);
       for (int c = 0; c < dim; ++c) {

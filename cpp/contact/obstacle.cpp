@@ -1,5 +1,6 @@
 #include "contact/obstacle.h"
 #include "base/error.h"
+#include "base/text.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -30,8 +31,6 @@ Point unit(const std::vector<double>& x) {
              p); // lengths that would over- or underflow
   return scaled(1 / length(p), p);
 }
-
-std::string shown(const double* x) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]); }
 
 } // namespace
 
@@ -93,7 +92,7 @@ Obstacle::Plane Obstacle::round(const Point& r, double radius, bool inside, cons
     throw UserError(
         fmt::format("{}: the node at {} is at the middle, from where no one direction leads out of "
                     "the obstacle, allowed are nodes off the centre or axis",
-                    key_, shown(x)));
+                    key_, point_text(x)));
   const double sign = inside ? -1 : 1;
   return {scaled(sign / distance, r), sign * (distance - radius)};
 }
@@ -116,7 +115,7 @@ Obstacle::Plane Obstacle::plane(const scene::SignedDistance&, const double* x) c
           distance_->evaluate(beside.data(), 0, &sides[side]);
         } catch (const UserError& error) {
           throw UserError(fmt::format("{}, and around the node at {}, where its derivatives are wanted",
-                                      error.what(), shown(x)));
+                                      error.what(), point_text(x)));
         }
         largest = std::max(largest, std::abs(sides[side] - value));
       }
@@ -129,7 +128,7 @@ Obstacle::Plane Obstacle::plane(const scene::SignedDistance&, const double* x) c
     throw UserError(fmt::format(
         "{}.distance: the expression has no slope at the node at {}, allowed are expressions that grow "
         "where they lead out of the obstacle",
-        key_, shown(x)));
+        key_, point_text(x)));
   return {scaled(1 / size, gradient), value / size};
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 
 namespace signorini::control {
 using petsc::check;
@@ -12,26 +13,15 @@ namespace {
 long& spaces = count("control spaces");
 }
 
-Control::Control(const Control& other) : steps_(other.steps_) {
-  for (const petsc::Vector& value : other.values_)
-    values_.push_back(petsc::copy(value));
-}
+/// Entries that a level-2 operation takes at a time: what it goes through once stays in the cache meanwhile.
+constexpr std::size_t block = 4096;
 
-Control& Control::operator=(const Control& other) {
-  if (this != &other)
-    for (std::size_t k = 0; k < values_.size(); ++k)
-      check(VecCopy(other.values_[k], values_[k]));
-  return *this;
-}
-
-void Control::add(double a, const Control& x) {
-  for (std::size_t k = 0; k < values_.size(); ++k)
-    check(VecAXPY(values_[k], a, x.values_[k]));
-}
-
-void Control::scale(double a) {
-  for (const petsc::Vector& value : values_)
-    check(VecScale(value, a));
+void Control::add(std::span<const double> a, std::span<const std::shared_ptr<const Control>> x) {
+  for (std::size_t first = 0; first < values_.size(); first += block) {
+    const std::size_t size = std::min(block, values_.size() - first);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      axpy(a[i], x[i]->values().subspan(first, size), values().subspan(first, size));
+  }
 }
 
 namespace {
@@ -102,7 +92,7 @@ void ControlSpace::take_cells(const std::optional<std::string>& on) {
     own_ = fem::columns(own_, columns);
   }
   volumes_ = volumes();
-  work_ = petsc::zero_like(volumes_);
+  make_work(volumes_);
 }
 
 void ControlSpace::take_nodes(const fem::Operators& operators, const std::optional<std::string>& on) {
@@ -115,7 +105,7 @@ void ControlSpace::take_nodes(const fem::Operators& operators, const std::option
   else if (on)
     own_ = std::move(part);
   mass_ = own_ ? Mat(own_) : L2;
-  work_ = petsc::vector_of(mass_);
+  make_work(petsc::vector_of(mass_));
   if (bounded())
     lumped_ = lump(mass_);
 }
@@ -132,140 +122,135 @@ void ControlSpace::keep_places(Vec weights, const std::vector<double>& points) {
   MPI_Allreduce(MPI_IN_PLACE, &everywhere_, 1, MPI_CXX_BOOL, MPI_LAND, space_.comm());
 }
 
+void ControlSpace::make_work(Vec values) {
+  for (petsc::Vector* vector : {&work_, &in_, &out_})
+    *vector = petsc::zero_like(values);
+  size_ = petsc::ReadArray(work_).size();
+}
+
 petsc::Vector ControlSpace::field() const { return petsc::zero_like(field_); }
 
-void ControlSpace::extend(Vec values, Vec field) const {
+void ControlSpace::extend(std::span<const double> values, Vec field) const {
   check(VecZeroEntries(field));
   add(1, values, field);
 }
 
-void ControlSpace::add(double a, Vec values, Vec field) const {
-  if (everywhere_) {
-    check(VecAXPY(field, a, values));
-    return;
-  }
-  const petsc::ReadArray from(values);
+void ControlSpace::add(double a, std::span<const double> values, Vec field) const {
   const petsc::WriteArray to(field);
-  for (std::size_t i = 0; i < from.size(); ++i)
-    to[entry(i)] += a * from[i];
-}
-
-void ControlSpace::restrict(Vec field, Vec values) const {
   if (everywhere_) {
-    check(VecCopy(field, values));
+    axpy(a, values, to);
     return;
   }
-  const petsc::ReadArray from(field);
-  const petsc::WriteArray to(values);
-  for (std::size_t i = 0; i < to.size(); ++i)
-    to[i] = from[entry(i)];
+  for (std::size_t i = 0; i < values.size(); ++i)
+    to[entry(i)] += a * values[i];
 }
 
-Control ControlSpace::unset() const {
-  petsc::Series values(vectors());
-  for (petsc::Vector& value : values)
-    check(VecDuplicate(work_, value.put()));
-  return Control(std::move(values), steps_);
+void ControlSpace::restrict(Vec field, std::span<double> values) const {
+  const petsc::ReadArray from(field);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = from[everywhere_ ? i : entry(i)];
 }
 
 double ControlSpace::control_bytes() const {
   PetscInt size = 0;
   check(VecGetSize(work_, &size));
-  return sizeof(PetscScalar) * static_cast<double>(size) * static_cast<double>(vectors());
+  return sizeof(PetscScalar) * static_cast<double>(size) * count();
 }
 
-Control ControlSpace::zero() const { return constant(0); }
+Control ControlSpace::zero() const { return Control(size_, count(), steps_); }
 
 Control ControlSpace::constant(double value) const {
-  Control u = unset();
-  for (int k = 1; k <= u.count(); ++k)
-    check(VecSet(u.at(k), value));
+  Control u = zero();
+  std::ranges::fill(u.values(), value);
   return u;
 }
 
 Control ControlSpace::interpolate(const scene::Components& components, const std::string& key) const {
   const scene::Field field(components, key, !constant_in_time_);
-  Control u = unset();
+  Control u = zero();
   for (int k = 1; k <= u.count(); ++k)
     if (k > 1 && !field.depends_on_time())
-      check(VecCopy(u.at(1), u.at(k)));
+      std::ranges::copy(u.at(1), u.at(k).begin());
     else
       fem::interpolate(space_.comm(), field, constant_in_time_ ? 0 : scheme_.load_time(k), points_, components_,
                        u.at(k));
   return u;
 }
 
-void ControlSpace::mass(Vec x, Vec out) const {
+void ControlSpace::mass(std::span<const double> u, std::span<double> out) const {
+  const petsc::Placed x(in_, u), image(out_, out);
   if (cellwise_)
-    check(VecPointwiseMult(out, volumes_, x));
+    check(VecPointwiseMult(image, volumes_, x));
   else
-    check(MatMult(mass_, x, out));
+    check(MatMult(mass_, x, image));
 }
 
-template <class Mass>
-double ControlSpace::product(const Control& u, const Control& w, Mass&& mass) const {
-  double sum = 0;
-  for (int k = 1; k <= u.count(); ++k) {
-    mass(w.at(k), work_);
-    sum += petsc::dot(u.at(k), work_);
-  }
-  return duration() * sum;
+Control ControlSpace::mass(const Control& u) const {
+  Control image = zero();
+  for (int k = 1; k <= u.count(); ++k)
+    mass(u.at(k), image.at(k));
+  return image;
 }
 
-double ControlSpace::product(const Control& u, const Control& w) const {
-  return product(u, w, [this](Vec x, Vec out) { mass(x, out); });
+double ControlSpace::sum(double mine) const {
+  MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_DOUBLE, MPI_SUM, space_.comm());
+  return duration() * mine;
 }
+
+double ControlSpace::product(const Control& u, const Control& w) const { return sum(dot(u.values(), mass(w).values())); }
 
 double ControlSpace::product_at(int k, const Control& u, const Control& w) const {
-  mass(w.at(k), work_);
-  return petsc::dot(u.at(k), work_);
+  std::vector<double> image(size_);
+  mass(w.at(k), image);
+  return sum(dot(u.at(k), image)) / duration();
 }
 
 double ControlSpace::norm(const Control& u) const { return std::sqrt(product(u, u)); }
 
-double ControlSpace::metric(const Control& u, const Control& w) const {
-  if (!lumped_)
-    return product(u, w);
-  return product(u, w, [this](Vec x, Vec out) { check(VecPointwiseMult(out, lumped_, x)); });
-}
+double ControlSpace::metric(const Control& u, const Control& w) const { return sum(dot(u.values(), dual(w).values())); }
 
 Control ControlSpace::dual(const Control& u) const {
-  Control dual = unset();
-  for (int k = 1; k <= u.count(); ++k) {
-    if (lumped_)
-      check(VecPointwiseMult(dual.at(k), lumped_, u.at(k)));
-    else
-      mass(u.at(k), dual.at(k));
-  }
+  if (!lumped_)
+    return mass(u);
+  Control dual = u;
+  const petsc::ReadArray weight(lumped_);
+  for (int k = 1; k <= u.count(); ++k)
+    std::ranges::transform(u.at(k), std::span<const double>(weight), dual.at(k).begin(), std::multiplies());
   return dual;
 }
 
-double ControlSpace::pairing(const Control& dual, const Control& w) const {
-  double sum = 0;
-  for (int k = 1; k <= w.count(); ++k)
-    sum += petsc::dot(dual.at(k), w.at(k));
-  return duration() * sum;
+std::vector<double> ControlSpace::pairings(const Control& dual, std::span<const std::shared_ptr<const Control>> w) const {
+  std::vector<double> sums(w.size());
+  const std::span<const double> values = dual.values();
+  for (std::size_t first = 0; first < values.size(); first += block) {
+    const std::size_t size = std::min(block, values.size() - first);
+    for (std::size_t i = 0; i < w.size(); ++i)
+      sums[i] += dot(values.subspan(first, size), w[i]->values().subspan(first, size));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, space_.comm());
+  scale(duration(), sums);
+  return sums;
 }
 
 void ControlSpace::to_metric(Control& gradient) const {
-  for (int k = 1; lumped_ && k <= gradient.count(); ++k) {
-    check(MatMult(mass_, gradient.at(k), work_));
-    check(VecPointwiseDivide(gradient.at(k), work_, lumped_));
-  }
+  if (!lumped_)
+    return;
+  Control image = mass(gradient);
+  const petsc::ReadArray weight(lumped_);
+  for (int k = 1; k <= gradient.count(); ++k)
+    std::ranges::transform(image.at(k), std::span<const double>(weight), gradient.at(k).begin(), std::divides());
 }
 
 void ControlSpace::project(Control& u) const {
   if (!bounded())
     return;
   const std::size_t n = components_.size();
-  for (int k = 1; k <= u.count(); ++k) {
-    const petsc::WriteArray values(u.at(k));
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      if (lower_)
-        values[i] = std::max(values[i], (*lower_)[i % n]);
-      if (upper_)
-        values[i] = std::min(values[i], (*upper_)[i % n]);
-    }
+  const std::span<double> values = u.values(); // place by place in every step
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (lower_)
+      values[i] = std::max(values[i], (*lower_)[i % n]);
+    if (upper_)
+      values[i] = std::min(values[i], (*upper_)[i % n]);
   }
 }
 
@@ -273,35 +258,27 @@ void ControlSpace::hold(Control& w, const Control& u, const Control& d) const {
   if (!bounded())
     return;
   const std::size_t n = components_.size();
-  for (int k = 1; k <= w.count(); ++k) {
-    const petsc::WriteArray values(w.at(k));
-    const petsc::ReadArray at(u.at(k)), direction(d.at(k));
-    for (std::size_t i = 0; i < values.size(); ++i)
-      if ((lower_ && at[i] <= (*lower_)[i % n] && direction[i] < 0) ||
-          (upper_ && at[i] >= (*upper_)[i % n] && direction[i] > 0))
-        values[i] = 0;
+  const std::span<const double> at = u.values(), direction = d.values();
+  const std::span<double> values = w.values();
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if ((lower_ && at[i] <= (*lower_)[i % n] && direction[i] < 0) ||
+        (upper_ && at[i] >= (*upper_)[i % n] && direction[i] > 0))
+      values[i] = 0;
+}
+
+void ControlSpace::add_force(std::span<const double> u, forward::NodalForce sum) const {
+  if (acts_by_density()) {
+    add(scale_, u, sum.density);
+    return;
   }
-}
-
-forward::Load ControlSpace::load(const Control& u) const {
-  return load([&u](int k) { return u.at(k); });
-}
-
-forward::Load ControlSpace::load(std::function<Vec(int k)> u) const {
-  forward::Load load;
-  if (cellwise_)
-    load.force = [this, u](int k, Vec out) {
-      check(VecAXPBY(work_, scale_, 0, u(k)));
-      check(MatMultAdd(own_, work_, out, out));
-    };
-  else if (whole_)
-    load.density = [this, u](int k, Vec out) { add(scale_, u(k), out); };
-  else
-    load.force = [this, u](int k, Vec out) { // on no other nodes: there the functions of these vanish
-      check(MatMult(mass_, u(k), work_));
-      add(scale_, work_, out);
-    };
-  return load;
+  const petsc::Placed values(in_, u);
+  if (cellwise_) {
+    check(VecAXPBY(work_, scale_, 0, values));
+    check(MatMultAdd(own_, work_, sum.vector, sum.vector));
+  } else { // on no other nodes: there the functions of these vanish
+    check(MatMult(mass_, values, work_));
+    add(scale_, petsc::ReadArray(work_), sum.vector);
+  }
 }
 
 void ControlSpace::add_riesz(int k, Vec p, Control& g) const {
@@ -309,10 +286,17 @@ void ControlSpace::add_riesz(int k, Vec p, Control& g) const {
   if (cellwise_) { // the mean of p over each cell
     check(MatMultTranspose(own_, p, work_));
     check(VecPointwiseDivide(work_, work_, volumes_));
-  } else if (!everywhere_) {
-    restrict(p, work_);
+    axpy(weight, petsc::ReadArray(work_), g.at(k));
+    return;
   }
-  check(VecAXPY(g.at(k), weight, everywhere_ && !cellwise_ ? p : Vec(work_)));
+  const petsc::ReadArray states(p);
+  if (everywhere_) {
+    axpy(weight, states, g.at(k));
+    return;
+  }
+  const std::span<double> values = g.at(k);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] += weight * states[entry(i)];
 }
 
 } // namespace signorini::control

@@ -1,37 +1,46 @@
 #pragma once
+#include "base/blas.h"
 #include "fem/operators.h"
 #include "forward/load.h"
 #include "scene/expression.h"
-#include <functional>
+#include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace signorini::control {
 
-/// A control u: one vector per time step, constant on (t_{k−1}, t_k), or one for all of them.
+/// A control u, constant on (t_{k−1}, t_k): the values of this rank in one array, step by step (steps × values), or
+/// those of one step for all.
 class Control {
 public:
-  /// `values` holds one vector, for all steps, or one for each.
-  Control(petsc::Series values, int steps) : values_(std::move(values)), steps_(steps) {}
-  Control(const Control& other);
-  Control& operator=(const Control& other);
-  Control(Control&&) = default;
-  Control& operator=(Control&&) = default;
+  /// Zero. `size`: values of a step on this rank. `count`: steps whose values differ, 1 or N.
+  Control(std::size_t size, int count, int steps)
+      : values_(size * static_cast<std::size_t>(count)), size_(size), count_(count), steps_(steps) {}
 
-  /// u_k, k = 1…N.
-  [[nodiscard]] Vec at(int k) const {
-    return values_[values_.size() == 1 ? 0 : static_cast<std::size_t>(k) - 1];
-  }
+  /// u_k (values), k = 1…N.
+  [[nodiscard]] std::span<const double> at(int k) const { return {values_.data() + begin(k), size_}; }
+  [[nodiscard]] std::span<double> at(int k) { return {values_.data() + begin(k), size_}; }
+  /// All of them (count × values).
+  [[nodiscard]] std::span<const double> values() const { return values_; }
+  [[nodiscard]] std::span<double> values() { return values_; }
+  /// N.
   [[nodiscard]] int steps() const { return steps_; }
-  /// Different vectors: 1 or N.
-  [[nodiscard]] int count() const { return static_cast<int>(values_.size()); }
+  /// Steps whose values differ: 1 or N.
+  [[nodiscard]] int count() const { return count_; }
 
   /// this += a x.
-  void add(double a, const Control& x);
-  void scale(double a);
+  void add(double a, const Control& x) { axpy(a, x.values_, values_); }
+  /// this += Σ_i a_i x_i; goes through this once.
+  void add(std::span<const double> a, std::span<const std::shared_ptr<const Control>> x);
+  void scale(double a) { signorini::scale(a, values_); }
 
 private:
-  petsc::Series values_;
-  int steps_;
+  [[nodiscard]] std::size_t begin(int k) const { return count_ == 1 ? 0 : size_ * (static_cast<std::size_t>(k) - 1); }
+
+  std::vector<double> values_;
+  std::size_t size_;
+  int count_, steps_;
 };
 
 /// The space of controls: what they act on, their products, their bounds, and how they enter the equation of
@@ -39,7 +48,7 @@ private:
 /// body, a part of it or a surface (there a cell's value acts on those of its facets that lie on it). All
 /// members collective.
 ///
-/// A vector u_k holds values only where and in what components the control acts, (places × components), place
+/// u_k holds values only where and in what components the control acts, (places × components), place
 /// by place; extend() makes a field of it. A control of a surface is small.
 ///
 /// Two products: product() is that of L2(0,T; L2), τ Σ (u_k, w_k), over what the control acts on. metric() is
@@ -53,32 +62,30 @@ public:
                const scene::Control& scene);
 
   [[nodiscard]] Control zero() const;
-  /// One whose values are still to be written.
-  [[nodiscard]] Control unset() const;
   /// The same number wherever the control acts.
   [[nodiscard]] Control constant(double value) const;
   /// Values at the nodes or midpoints, in the middle of each step; of a control constant in time, at t = 0.
   /// Throws UserError naming `key`.
   [[nodiscard]] Control interpolate(const scene::Components& components, const std::string& key) const;
 
-  /// Values for one step, zero.
-  [[nodiscard]] petsc::Vector value() const { return petsc::zero_like(work_); }
+  /// Values of a step on this rank.
+  [[nodiscard]] std::size_t size() const { return size_; }
   /// A zero field: a vector of V, or one for each cell (owned cells × dim).
   [[nodiscard]] petsc::Vector field() const;
   /// The field with these values, zero where and in what components the control does not act.
-  void extend(Vec values, Vec field) const;
+  void extend(std::span<const double> values, Vec field) const;
   /// The values of a field where the control acts.
-  void restrict(Vec field, Vec values) const;
+  void restrict(Vec field, std::span<double> values) const;
 
   [[nodiscard]] double product(const Control& u, const Control& w) const;
   /// (u_k, w_k)
   [[nodiscard]] double product_at(int k, const Control& u, const Control& w) const;
   [[nodiscard]] double norm(const Control& u) const;
   [[nodiscard]] double metric(const Control& u, const Control& w) const;
-  /// w ↦ metric(u, w) by the values that pairing() multiplies w's with: many products with one control are cheaper
-  /// through it.
+  /// w ↦ metric(u, w) by the values that pairings() multiplies w's with.
   [[nodiscard]] Control dual(const Control& u) const;
-  [[nodiscard]] double pairing(const Control& dual, const Control& w) const;
+  /// metric(u, w_i) for each w_i, by the dual of u, which is gone through once.
+  [[nodiscard]] std::vector<double> pairings(const Control& dual, std::span<const std::shared_ptr<const Control>> w) const;
   /// From the Riesz representative of a functional by product() to that by metric(), in place.
   void to_metric(Control& gradient) const;
 
@@ -104,33 +111,35 @@ public:
   /// In which components, ascending numbers.
   [[nodiscard]] const std::vector<int>& components() const { return components_; }
 
-  /// s u_k; valid as long as `u` and this object live.
-  [[nodiscard]] forward::Load load(const Control& u) const;
-  /// The same for a control whose u_k is evaluated in each step.
-  [[nodiscard]] forward::Load load(std::function<Vec(int k)> u) const;
+  /// Whether a control acts by a density, else by forces on the nodes.
+  [[nodiscard]] bool acts_by_density() const { return whole_ && !cellwise_; }
+  /// Adds s u for the values u of a step.
+  void add_force(std::span<const double> u, forward::NodalForce sum) const;
 
   /// Adds to g what step k contributes to the Riesz representative, by product(), of the functional
-  /// u ↦ Σ_k impulse() p_k · (force of u_k): the transpose of load(). For one vector per step (τ s/2) p_k.
+  /// u ↦ Σ_k impulse() p_k · (force of u_k): the transpose of add_force(). For one vector per step (τ s/2) p_k.
   void add_riesz(int k, Vec p, Control& g) const;
 
 private:
-  [[nodiscard]] std::size_t vectors() const {
-    return constant_in_time_ ? 1 : static_cast<std::size_t>(steps_);
-  }
-  /// τ, or T where one vector is that of all steps.
-  [[nodiscard]] double duration() const { return scheme_.tau * steps_ / static_cast<double>(vectors()); }
+  [[nodiscard]] int count() const { return constant_in_time_ ? 1 : steps_; }
+  /// τ, or T where the values of one step are those of all.
+  [[nodiscard]] double duration() const { return scheme_.tau * steps_ / count(); }
   /// field += a · values.
-  void add(double a, Vec values, Vec field) const;
-  /// out = mass matrix · x.
-  void mass(Vec x, Vec out) const;
-  template <class Mass>
-  double product(const Control& u, const Control& w, Mass&& mass) const;
+  void add(double a, std::span<const double> values, Vec field) const;
+  /// out_k = mass matrix · u_k, the matrix of product().
+  [[nodiscard]] Control mass(const Control& u) const;
+  /// The same of one step.
+  void mass(std::span<const double> u, std::span<double> out) const;
+  /// duration() Σ over all ranks.
+  [[nodiscard]] double sum(double mine) const;
 
   /// Entry of a field that an owned value is.
   [[nodiscard]] std::size_t entry(std::size_t value) const {
     const std::size_t n = components_.size();
     return static_cast<std::size_t>(places_[value / n] * space_.dim() + components_[value % n]);
   }
+  /// Vectors of the layout of `values`.
+  void make_work(Vec values);
   void take_cells(const std::optional<std::string>& on);
   void take_nodes(const fem::Operators& operators, const std::optional<std::string>& on);
   /// Keeps the places of which a field, its weights, is not zero.
@@ -149,8 +158,23 @@ private:
   Mat mass_ = nullptr;    ///< nodal: the mass matrix (values × values), own_ or W
   petsc::Vector volumes_; ///< cellwise: the diagonal mass matrix
   std::optional<std::vector<double>> lower_, upper_; ///< one entry per component of components_
-  petsc::Vector work_, field_;                       ///< of values; a field
+  std::size_t size_ = 0;
+  petsc::Vector work_, in_, out_, field_;            ///< of values, two of them stand for steps of controls; a field
   petsc::Vector lumped_; ///< diagonal of the lumped mass matrix; null where metric() is product()
+};
+
+/// What a control does to the body, s u_k.
+class ControlForce final : public forward::Load {
+public:
+  /// The references must outlive this object.
+  ControlForce(const ControlSpace& controls, const Control& u) : controls_(controls), u_(u) {}
+  [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
+  [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
+  void add(int k, forward::NodalForce sum) const override { controls_.add_force(u_.at(k), sum); }
+
+private:
+  const ControlSpace& controls_;
+  const Control& u_;
 };
 
 } // namespace signorini::control

@@ -11,7 +11,7 @@ long& objectives = count("objectives");
 }
 
 Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, forward::Scheme scheme,
-                     StateAt desired, const scene::Objective& scene)
+                     std::unique_ptr<const forward::Displacements> desired, const scene::Objective& scene)
     : scheme_(scheme), steps_(controls.steps()), desired_(std::move(desired)), tracking_(scene.tracking),
       alpha_(scene.alpha), gamma_(scene.gamma), controls_(controls),
       own_(scene.on ? fem::assemble_L2(controls.space(), *scene.on, "objective.on") : petsc::Matrix()),
@@ -27,7 +27,7 @@ double Objective::tracking_weight(int k) const {
 double Objective::terminal_weight(int k) const { return k == steps_ ? 2 * gamma_ : 0; }
 
 double Objective::squared_distance(int k, Vec y) const {
-  check(VecWAXPY(error_, -1, desired_(k), y));
+  check(VecWAXPY(error_, -1, desired(k), y));
   check(MatMult(observed_, error_, work_));
   return petsc::dot(error_, work_);
 }
@@ -73,33 +73,25 @@ double Objective::quadrature_error(const std::vector<double>& squared_distances,
   return error;
 }
 
-forward::Load Objective::dual(std::function<void(int k, double weight, Vec out)> add) const {
-  forward::Load load;
+void Objective::add_derivative(int k, Vec y, forward::StateDual sum) const {
+  const Vec out = own_ ? Vec(work_) : sum.density;
   if (own_)
-    load.force = [this, add](int k, Vec out) {
-      if (weight(k) == 0)
-        return;
-      check(VecZeroEntries(work_));
-      add(k, weight(k), work_);
-      check(MatMultAdd(observed_, work_, out, out));
-    };
-  else
-    load.density = [this, add](int k, Vec out) {
-      if (weight(k) != 0)
-        add(k, weight(k), out);
-    };
-  return load;
+    check(VecZeroEntries(out));
+  check(VecAXPBYPCZ(out, weight(k), -weight(k), 1, y, desired(k)));
+  add_observed(sum);
 }
 
-forward::Load Objective::derivative(StateAt y) const {
-  return dual([this, y = std::move(y)](int k, double weight, Vec out) {
-    const Vec is = y(k), desired = desired_(k);
-    check(VecAXPBYPCZ(out, weight, -weight, 1, is, desired));
-  });
+void Objective::add_second_derivative(int k, Vec dy, forward::StateDual sum) const {
+  const Vec out = own_ ? Vec(work_) : sum.density;
+  if (own_)
+    check(VecZeroEntries(out));
+  check(VecAXPY(out, weight(k), dy));
+  add_observed(sum);
 }
 
-forward::Load Objective::second_derivative(StateAt dy) const {
-  return dual([dy = std::move(dy)](int k, double weight, Vec out) { check(VecAXPY(out, weight, dy(k))); });
+void Objective::add_observed(forward::StateDual sum) const {
+  if (own_)
+    check(MatMultAdd(observed_, work_, sum.vector, sum.vector));
 }
 
 } // namespace signorini::control

@@ -10,27 +10,35 @@ using petsc::check;
 
 namespace {
 long& problems = count("reduced problems");
-}
+
+/// δy_0…δy_N where they are kept.
+class LinearisedMotion final : public forward::Displacements {
+public:
+  explicit LinearisedMotion(forward::States& states) : states_(states) {}
+  [[nodiscard]] Vec y(int k) const override { return states_.at(k).y; }
+
+private:
+  forward::States& states_;
+};
+
+} // namespace
 
 ReducedProblem::ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls,
                                const Objective& objective, const forward::Initial& initial,
-                               forward::Load load, const forward::Storage& storage, Timers& timers)
+                               const forward::Load* load, const forward::Storage& storage, Timers& timers)
     : stepper_(stepper), controls_(controls), objective_(objective), initial_(initial),
-      load_(std::move(load)), storage_(storage), timers_(timers), current_(point()), trial_(point()) {
+      load_(load), storage_(storage), timers_(timers), current_(point()), trial_(point()) {
   ++problems;
 }
 
 std::unique_ptr<ReducedProblem::Point> ReducedProblem::point() const {
-  return std::unique_ptr<Point>(
-      new Point{controls_.zero(), {stepper_, initial_, controls_.steps(), storage_}, {}, {}});
+  return std::make_unique<Point>(controls_, stepper_, initial_, storage_);
 }
-
-forward::Load ReducedProblem::load() const { return load_ + controls_.load(current_->u); }
 
 double ReducedProblem::value(const Control& u) {
   trial_->u = u;
   const auto timer = timers_.time("forward");
-  trial_->trajectory.run(load_ + controls_.load(trial_->u), [&](const forward::Frame& frame) {
+  trial_->trajectory.run(load(*trial_), [&](const forward::Frame& frame) {
     const auto other = timers_.time("objective");
     objective_.observe(frame.k, frame.y1, trial_->squared_distances);
   });
@@ -43,27 +51,27 @@ double ReducedProblem::value(const Control& u) {
 
 void ReducedProblem::accept() { std::swap(current_, trial_); }
 
-Control ReducedProblem::riesz(const std::vector<contact::ContactSets>& contact, const forward::Load& dual, double scale, const Control& u) {
+Control ReducedProblem::riesz(const std::vector<contact::ContactSets>& contact, const forward::DualAtStep& dual, double scale, const Control& u) {
   const auto timer = timers_.time("adjoint");
-  Control g = controls_.unset();
-  for (int k = 1; k <= g.count(); ++k)
-    check(VecAXPBY(g.at(k), scale, 0, u.at(k)));
+  Control g = u;
+  g.scale(scale);
   adjoint::sweep(stepper_, contact, dual, [&](int k, Vec p) { controls_.add_riesz(k, p, g); });
   ++sweeps_.adjoint;
   return g;
 }
 
-Control ReducedProblem::adjoint(const forward::Load& dual) { return riesz(current_->trajectory.contact(), dual, 0, current_->u); }
+Control ReducedProblem::adjoint(const forward::DualAtStep& dual) { return riesz(current_->trajectory.contact(), dual, 0, current_->u); }
 
 Control ReducedProblem::l2_gradient(const Point& at) {
-  return riesz(at.trajectory.contact(), objective_.derivative([&at](int k) { return at.trajectory.y(k); }), objective_.alpha(), at.u);
+  const Derivative derivative(objective_, at.trajectory);
+  return riesz(at.trajectory.contact(), {stepper_.space(), derivative}, objective_.alpha(), at.u);
 }
 
 Control ReducedProblem::l2_gradient() { return l2_gradient(*current_); }
 
 void ReducedProblem::adjoint_states(const std::function<void(int k, Vec p)>& visit) const {
-  adjoint::sweep(stepper_, current_->trajectory.contact(),
-                 objective_.derivative([this](int k) { return current_->trajectory.y(k); }), visit);
+  const Derivative derivative(objective_, current_->trajectory);
+  adjoint::sweep(stepper_, current_->trajectory.contact(), {stepper_.space(), derivative}, visit);
 }
 
 Control ReducedProblem::gradient() {
@@ -80,17 +88,17 @@ Control ReducedProblem::trial_gradient() {
 
 void ReducedProblem::march_linearised(const Control& d, const std::function<void(forward::March& march)>& use) {
   const std::vector<contact::ContactSets>& contact = current_->trajectory.contact();
-  march_linearised(d, [&](int k, Vec y0, Vec v0, forward::StepLoad load, Vec y1, Vec v1) {
+  march_linearised(d, [&](int k, Vec y0, Vec v0, forward::NodalForce load, Vec y1, Vec v1) {
     stepper_.linearised_step(y0, v0, load, contact[static_cast<std::size_t>(k)], y1, v1);
   }, use);
 }
 
 void ReducedProblem::march_linearised(const Control& d, const Step& step, const std::function<void(forward::March& march)>& use) {
   const petsc::Vector rest = stepper_.space().vector();
-  const forward::Load load = controls_.load(d);
-  const forward::LoadAtStep load_at(stepper_.space(), load);
+  const ControlForce force(controls_, d);
+  const forward::ForceAtStep forces(stepper_.space(), force);
   forward::March march(stepper_, rest, rest, [&](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
-    step(k, y0, v0, load_at(k), y1, v1);
+    step(k, y0, v0, forces.at(k), y1, v1);
   });
   use(march);
 }
@@ -119,8 +127,8 @@ void ReducedProblem::linearised(const Control& d, const std::function<void(int k
 }
 
 ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
-  const forward::Load derivative = objective_.derivative([this](int k) { return current_->trajectory.y(k); });
-  const forward::LoadAtStep derivative_at(stepper_.space(), derivative);
+  const Derivative along(objective_, current_->trajectory);
+  const forward::DualAtStep derivative(stepper_.space(), along);
   const petsc::Vector work = stepper_.space().vector();
   OneSided slope{.contact = current_->trajectory.contact()};
   slope.by_motion = objective_.alpha() * controls_.product(current_->u, d);
@@ -132,20 +140,20 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
     slope.by_motion += petsc::dot(dual, y);
     slope.size += one * other;
   };
-  const Step step = [&](int k, Vec y0, Vec v0, forward::StepLoad load, Vec y1, Vec v1) {
+  const Step step = [&](int k, Vec y0, Vec v0, forward::NodalForce load, Vec y1, Vec v1) {
     stepper_.one_sided_step(y0, v0, load, slope.contact[static_cast<std::size_t>(k)], y1, v1);
   };
   march_linearised(d, step, [&](forward::March& march) {
     through_linearised(march, [&](const forward::State& state) {
       if (state.k == 0)
         return;
-      const forward::StepLoad dual = derivative_at(state.k);
+      const forward::StateDual dual = derivative.at(state.k);
       if (dual.density) {
         check(MatMult(*stepper_.operators().W, dual.density, work));
         add(work, state.y);
       }
-      if (dual.force)
-        add(dual.force, state.y);
+      if (dual.vector)
+        add(dual.vector, state.y);
     });
   });
   slope.by_gradient = controls_.product(riesz(slope.contact, derivative, objective_.alpha(), current_->u), d);
@@ -153,11 +161,13 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
 }
 
 Control ReducedProblem::l2_hessian_product(const Control& d) {
-  Control h = controls_.unset();
+  Control h = controls_.zero();
   march_linearised(d, [&](forward::March& march) {
     const std::unique_ptr<forward::States> dy = storage_.place(march);
     through_linearised(march, [&](const forward::State& state) { dy->keep(state); });
-    h = riesz(current_->trajectory.contact(), objective_.second_derivative([&](int k) { return dy->at(k).y; }), objective_.alpha(), d);
+    const LinearisedMotion linearised(*dy);
+    const SecondDerivative second(objective_, linearised);
+    h = riesz(current_->trajectory.contact(), {stepper_.space(), second}, objective_.alpha(), d);
   });
   return h;
 }

@@ -20,9 +20,9 @@ public:
     int forward = 0, adjoint = 0;
   };
 
-  /// The references must outlive this object. `load` is the load without the control.
+  /// The references must outlive this object. `load` is the load without the control, null if there is none.
   ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls, const Objective& objective,
-                 const forward::Initial& initial, forward::Load load, const forward::Storage& storage,
+                 const forward::Initial& initial, const forward::Load* load, const forward::Storage& storage,
                  Timers& timers);
 
   /// J(u) by a forward sweep; u becomes the trial. Throws Interrupted, SolverFailure.
@@ -59,12 +59,14 @@ public:
   };
   OneSided one_sided_slope(const Control& d);
 
-  /// S'(u)* w for duals w_1…w_N of the states, given like a load, as Riesz representative in L2(0,T; L2).
-  Control adjoint(const forward::Load& dual);
+  /// S'(u)* w for duals w_1…w_N of the states, as Riesz representative in L2(0,T; L2).
+  Control adjoint(const forward::DualAtStep& dual);
 
   [[nodiscard]] double inner(const Control& u, const Control& w) const { return controls_.metric(u, w); }
   [[nodiscard]] Control dual(const Control& u) const { return controls_.dual(u); }
-  [[nodiscard]] double pairing(const Control& dual, const Control& w) const { return controls_.pairing(dual, w); }
+  [[nodiscard]] std::vector<double> pairings(const Control& dual, std::span<const std::shared_ptr<const Control>> w) const {
+    return controls_.pairings(dual, w);
+  }
   void project(Control& u) const { controls_.project(u); }
   void hold(Control& w, const Control& u, const Control& d) const { controls_.hold(w, u, d); }
 
@@ -79,22 +81,27 @@ public:
   [[nodiscard]] Sweeps sweeps() const { return sweeps_; }
   /// Goes on counting from there.
   void count_from(Sweeps sweeps) { sweeps_ = sweeps; }
-  /// Load with the current control.
-  [[nodiscard]] forward::Load load() const;
+  /// All that acts with the current control; valid until another is accepted.
+  [[nodiscard]] forward::ForceAtStep load() const { return load(*current_); }
   [[nodiscard]] const ControlSpace& controls() const { return controls_; }
   [[nodiscard]] const Objective& objective() const { return objective_; }
   [[nodiscard]] const forward::Stepper& stepper() const { return stepper_; }
 
 private:
   struct Point {
+    Point(const ControlSpace& controls, const forward::Stepper& stepper, const forward::Initial& initial, const forward::Storage& storage)
+        : u(controls.zero()), force(controls, u), trajectory(stepper, initial, controls.steps(), storage) {}
+
     Control u;
+    ControlForce force; ///< of u
     forward::Trajectory trajectory;
     std::vector<double> squared_distances;
     Value value;
   };
 
   [[nodiscard]] std::unique_ptr<Point> point() const;
-  using Step = std::function<void(int k, Vec y0, Vec v0, forward::StepLoad load, Vec y1, Vec v1)>;
+  [[nodiscard]] forward::ForceAtStep load(const Point& at) const { return {stepper_.space(), {load_, &at.force}}; }
+  using Step = std::function<void(int k, Vec y0, Vec v0, forward::NodalForce load, Vec y1, Vec v1)>;
   /// Hands a march over S'(u) d, by these steps or those on the current contact, to `use`.
   void march_linearised(const Control& d, const Step& step, const std::function<void(forward::March& march)>& use);
   void march_linearised(const Control& d, const std::function<void(forward::March& march)>& use);
@@ -102,17 +109,17 @@ private:
   void through_linearised(forward::March& march, const std::function<void(const forward::State& state)>& visit);
 
   /// scale u + S'(at)* w as Riesz representative in L2(0,T; L2).
-  Control riesz(const std::vector<contact::ContactSets>& contact, const forward::Load& dual, double scale, const Control& u);
+  Control riesz(const std::vector<contact::ContactSets>& contact, const forward::DualAtStep& dual, double scale, const Control& u);
   Control l2_gradient(const Point& at);
 
   const forward::Stepper& stepper_;
   const ControlSpace& controls_;
   const Objective& objective_;
   const forward::Initial& initial_;
-  forward::Load load_;
+  const forward::Load* load_; ///< null without one
   const forward::Storage& storage_;
   Timers& timers_;
-  std::unique_ptr<Point> current_, trial_; ///< where they are they stay: loads refer to their controls
+  std::unique_ptr<Point> current_, trial_; ///< where they are they stay: forces refer to their controls
   Sweeps sweeps_;
 };
 

@@ -1,6 +1,7 @@
 #include "fem/operators.h"
 #include "base/collective.h"
 #include "base/error.h"
+#include "base/text.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -32,14 +33,11 @@ Clamped::Clamped(const Space& space, const std::vector<scene::Clamp>& clamps)
           const std::string value =
               clamp.value && !scene::vanishes({clamp.value->at(c)}) ? clamp.value->at(c) : "0";
           const auto [held, first] = motion.try_emplace(node * dim_ + components[c], value, i);
-          if (!first && held->second.first != value) {
-            const double* x = &space.points()[3 * static_cast<std::size_t>(node)];
-            throw UserError(fmt::format("{}: found \"{}\" where {} holds {} of the node at ({:.6g}, {:.6g}, "
-                                        "{:.6g}) by \"{}\", allowed is the "
-                                        "same motion where clamps meet",
-                                        key(i, "value"), value, key(held->second.second, "value"),
-                                        "xyz"[components[c]], x[0], x[1], x[2], held -> second.first));
-          }
+          if (!first && held->second.first != value)
+            throw UserError(fmt::format("{}: found \"{}\" where {} holds {} of the node at {} by \"{}\", allowed is the same "
+                                        "motion where clamps meet",
+                                        key(i, "value"), value, key(held->second.second, "value"), "xyz"[components[c]],
+                                        point_text(&space.points()[3 * static_cast<std::size_t>(node)]), held->second.first));
         }
     });
   }

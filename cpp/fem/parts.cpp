@@ -1,5 +1,6 @@
 #include "fem/parts.h"
 #include "base/collective.h"
+#include "base/text.h"
 #include "scene/names.h"
 #include <dolfinx/mesh/Mesh.h>
 #include <dolfinx/mesh/utils.h>
@@ -12,8 +13,7 @@ namespace {
 std::string place(const mesh::Mesh& mesh, std::int32_t cell) {
   const std::vector<double> x =
       dolfinx::mesh::compute_midpoints(*mesh.dolfinx(), mesh.dim(), std::vector{cell});
-  return mesh.dim() == 2 ? fmt::format("({:.6g}, {:.6g})", x[0], x[1])
-                         : fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
+  return point_text(x.data(), mesh.dim());
 }
 
 void require_one_material(const mesh::Mesh& mesh, const std::vector<Part>& parts) {

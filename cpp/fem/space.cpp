@@ -68,7 +68,8 @@ std::vector<int> Space::nodes_on(const std::string& group, const std::string& ke
 void Space::interpolate(const scene::Field& field, double t, Vec out) const {
   std::vector<int> all(static_cast<std::size_t>(dim()));
   std::iota(all.begin(), all.end(), 0);
-  fem::interpolate(comm(), field, t, points_, all, out);
+  const petsc::WriteArray values(out);
+  fem::interpolate(comm(), field, t, points_, all, values);
 }
 
 std::vector<double> Space::midpoints() const {
@@ -76,9 +77,8 @@ std::vector<double> Space::midpoints() const {
 }
 
 void interpolate(MPI_Comm comm, const scene::Field& field, double t, const std::vector<double>& points,
-                 const std::vector<int>& components, Vec out) {
+                 const std::vector<int>& components, std::span<double> values) {
   together(comm, [&] {
-    const petsc::WriteArray values(out);
     std::vector<double> all(field.size());
     for (std::size_t i = 0, value = 0; 3 * i < points.size(); ++i) {
       field.evaluate(&points[3 * i], t, all.data());

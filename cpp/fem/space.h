@@ -4,6 +4,7 @@
 #include "scene/expression.h"
 #include <concepts>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace dolfinx::fem {
@@ -61,7 +62,7 @@ private:
 /// Some components of a field at points (× 3) at time t, point by point. Collective. Throws UserError on every
 /// rank if a value is not finite.
 void interpolate(MPI_Comm comm, const scene::Field& field, double t, const std::vector<double>& points,
-                 const std::vector<int>& components, Vec out);
+                 const std::vector<int>& components, std::span<double> out);
 
 /// Vector functions that are constant on each cell. Collective.
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh);

@@ -50,7 +50,7 @@ StepBalance Balance::operator()(const Frame& frame) {
   if (frame.k == 0)
     return now;
   check(VecWAXPY(w_, -1, frame.y0, frame.y1)); // w holds y_k − y_{k−1} until it is divided by τ
-  force_of(frame.load, body, load_);
+  assemble(frame.load, body, load_);
   contact_forces(stepper_, frame.contact, force_);
   now.external_work = dot(load_, w_);
   now.contact_work = dot(force_, w_);

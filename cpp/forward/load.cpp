@@ -2,6 +2,7 @@
 #include "base/counters.h"
 #include <algorithm>
 #include <fmt/format.h>
+#include <iterator>
 
 namespace signorini::forward {
 using petsc::check;
@@ -10,46 +11,41 @@ namespace {
 
 long& evaluations = count("load evaluations");
 
-Load::Add both(Load::Add a, Load::Add b) {
-  if (!a || !b)
-    return a ? std::move(a) : std::move(b);
-  return [a = std::move(a), b = std::move(b)](int k, Vec out) {
-    a(k, out);
-    b(k, out);
-  };
-}
-
-Vec at_step(const Load::Add& add, int k, Vec out) {
-  if (!add)
-    return nullptr;
-  check(VecZeroEntries(out));
-  add(k, out);
+/// Of the sum of terms, the part that `out` is for; null if none has it.
+Vec zeroed(const petsc::Vector& out) {
+  if (out)
+    check(VecZeroEntries(out));
   return out;
 }
 
 } // namespace
 
-Load operator+(Load a, Load b) {
-  return {both(std::move(a.density), std::move(b.density)), both(std::move(a.force), std::move(b.force))};
-}
-
-void force_of(StepLoad load, const fem::Operators& operators, Vec out) {
-  check(VecZeroEntries(out));
-  if (load.density)
-    check(MatMult(*operators.W, load.density, out));
-  if (load.force)
-    check(VecAXPY(out, 1, load.force));
-}
-
-LoadAtStep::LoadAtStep(const fem::Space& space, const Load& load) : load_(load) {
-  if (load.density)
+template <class Part>
+SumAtStep<Part>::SumAtStep(const fem::Space& space, std::initializer_list<const StepByStep<Part>*> terms) {
+  std::ranges::copy_if(terms, std::back_inserter(terms_), [](const auto* term) { return term != nullptr; });
+  if (std::ranges::any_of(terms_, &StepByStep<Part>::has_density))
     density_ = space.vector();
-  if (load.force)
-    force_ = space.vector();
+  if (std::ranges::any_of(terms_, &StepByStep<Part>::has_vector))
+    vector_ = space.vector();
 }
 
-StepLoad LoadAtStep::operator()(int k) const {
-  return {at_step(load_.density, k, density_), at_step(load_.force, k, force_)};
+template <class Part>
+Part SumAtStep<Part>::at(int k) const {
+  const Part sum{{zeroed(density_), zeroed(vector_)}};
+  for (const StepByStep<Part>* term : terms_)
+    term->add(k, sum);
+  return sum;
+}
+
+template class SumAtStep<NodalForce>;
+template class SumAtStep<StateDual>;
+
+void assemble(Functional functional, const fem::Operators& operators, Vec out) {
+  check(VecZeroEntries(out));
+  if (functional.density)
+    check(MatMult(*operators.W, functional.density, out));
+  if (functional.vector)
+    check(VecAXPY(out, 1, functional.vector));
 }
 
 SceneLoad::SceneLoad(const fem::Space& space, const scene::Load& scene, Scheme scheme)
@@ -75,7 +71,7 @@ void SceneLoad::evaluate(const Term& term, int k) const {
     check(MatMult(term.surface, term.nodal, term.force));
 }
 
-void SceneLoad::add(const Term& term, int k, Vec out) const {
+void SceneLoad::add_term(const Term& term, int k, Vec out) const {
   if (term.field.depends_on_time())
     evaluate(term, k);
   check(VecAXPY(out, 1, term.surface ? term.force : term.nodal));
@@ -93,16 +89,11 @@ double SceneLoad::surface_bytes() const {
   return sum;
 }
 
-Load SceneLoad::load() const {
-  Load load;
+void SceneLoad::add(int k, NodalForce sum) const {
   if (body_)
-    load.density = [this](int k, Vec out) { add(*body_, k, out); };
-  if (!tractions_.empty())
-    load.force = [this](int k, Vec out) {
-      for (const Term& term : tractions_)
-        add(term, k, out);
-    };
-  return load;
+    add_term(*body_, k, sum.density);
+  for (const Term& term : tractions_)
+    add_term(term, k, sum.vector);
 }
 
 } // namespace signorini::forward

@@ -2,51 +2,79 @@
 #include "fem/operators.h"
 #include "forward/scheme.h"
 #include "scene/expression.h"
-#include <functional>
+#include <initializer_list>
 #include <optional>
+#include <vector>
 
 namespace signorini::forward {
 
-/// What acts on the body in step k = 1…N (f_k + s u_k), or what a backward sweep starts from at step k. Each
-/// part adds to a vector of V; an empty part is none and costs nothing.
-struct Load {
-  using Add = std::function<void(int k, Vec out)>;
-  Add density{}; ///< force density at the nodes, N/m³: its force on the nodes is its product with W
-  Add force{};   ///< force on the nodes, N
+/// A functional on V in two parts: φ ↦ (density, φ) + vector·φ. A null part is zero and costs nothing.
+struct Functional {
+  Vec density = nullptr; ///< at the nodes; its product with W belongs to the nodes
+  Vec vector = nullptr;
 };
 
-Load operator+(Load a, Load b);
+/// What acts on the body in a step, f_k + s u_k: a force density, N/m³, and forces on the nodes, N.
+struct NodalForce : Functional {};
 
-/// The load of one step; null parts are none.
-struct StepLoad {
-  Vec density = nullptr, force = nullptr;
-};
+/// The derivative of a function of the states by one of them, such as ∂J/∂y_k.
+struct StateDual : Functional {};
 
-/// The force on the nodes of both parts. Collective.
-void force_of(StepLoad load, const fem::Operators& operators, Vec out);
-
-/// A load step by step, with vectors for the parts that it has.
-class LoadAtStep {
+/// Forces, or duals of states, of the steps k = 1…N. All members collective.
+template <class Part>
+class StepByStep {
 public:
-  /// Collective. The references must outlive this object.
-  LoadAtStep(const fem::Space& space, const Load& load);
+  virtual ~StepByStep() = default;
+  /// Whether there is such a part in any step; else add() leaves it alone in `sum`.
+  [[nodiscard]] virtual bool has_density() const = 0;
+  [[nodiscard]] virtual bool has_vector() const = 0;
+  /// Adds that of step k.
+  virtual void add(int k, Part sum) const = 0;
+};
 
-  /// Valid until the next call. Collective.
-  [[nodiscard]] StepLoad operator()(int k) const;
+using Load = StepByStep<NodalForce>;
+using StateDuals = StepByStep<StateDual>;
+
+/// The sum of several, with vectors for the parts that they have. All members collective.
+template <class Part>
+class SumAtStep {
+public:
+  /// Null terms are zero. The references must outlive this object.
+  SumAtStep(const fem::Space& space, std::initializer_list<const StepByStep<Part>*> terms);
+  SumAtStep(const fem::Space& space, const StepByStep<Part>& term) : SumAtStep(space, {&term}) {}
+
+  /// Valid until the next call.
+  [[nodiscard]] Part at(int k) const;
 
 private:
-  const Load& load_;
-  petsc::Vector density_, force_;
+  std::vector<const StepByStep<Part>*> terms_;
+  petsc::Vector density_, vector_;
+};
+
+using ForceAtStep = SumAtStep<NodalForce>;
+using DualAtStep = SumAtStep<StateDual>;
+
+/// The functional as a vector. Collective.
+void assemble(Functional functional, const fem::Operators& operators, Vec out);
+
+/// Displacements y_0…y_N of a motion.
+class Displacements {
+public:
+  virtual ~Displacements() = default;
+  /// y_k, valid until the next is asked for. Collective.
+  [[nodiscard]] virtual Vec y(int k) const = 0;
 };
 
 /// The body force and the tractions of a scene; evaluated again only if they depend on time.
-class SceneLoad {
+class SceneLoad final : public Load {
 public:
   /// Collective. The references must outlive this object. Throws UserError.
   SceneLoad(const fem::Space& space, const scene::Load& scene, Scheme scheme);
 
-  /// f(t_{k−1/2}); valid as long as this object lives.
-  [[nodiscard]] Load load() const;
+  [[nodiscard]] bool has_density() const override { return body_.has_value(); }
+  [[nodiscard]] bool has_vector() const override { return !tractions_.empty(); }
+  /// f(t_{k−1/2}).
+  void add(int k, NodalForce sum) const override;
 
   /// Whether any part of it is evaluated in every step.
   [[nodiscard]] bool depends_on_time() const;
@@ -62,7 +90,7 @@ private:
     petsc::Vector force;   ///< surface · nodal
   };
   void evaluate(const Term& term, int k) const;
-  void add(const Term& term, int k, Vec out) const;
+  void add_term(const Term& term, int k, Vec out) const;
 
   const fem::Space& space_;
   Scheme scheme_;

@@ -61,7 +61,7 @@ Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
 }
 
 int go_through(const Stepper& stepper, March& march, int steps, Stops stops,
-               const std::function<contact::ContactState&(int k)>& contact, const StepLoad& acting,
+               const std::function<contact::ContactState&(int k)>& contact, const NodalForce& acting,
                const Watch& watch) {
   const auto stopped = [&] { return stops == Stops::obeyed && stop_requested(stepper.space().comm()); };
   march.restart();
@@ -78,15 +78,14 @@ int go_through(const Stepper& stepper, March& march, int steps, Stops stops,
   return k;
 }
 
-int stream(const Stepper& stepper, const Initial& initial, const Load& load, int steps, const Watch& watch,
+int stream(const Stepper& stepper, const Initial& initial, const ForceAtStep& load, int steps, const Watch& watch,
            Stops stops) {
-  const LoadAtStep load_at(stepper.space(), load);
-  StepLoad acting;
+  NodalForce acting;
   std::array<contact::ContactState, 2> two{contact::ContactState(candidates(stepper)),
                                            contact::ContactState(candidates(stepper))};
   const auto contact = [&](int k) -> contact::ContactState& { return two[static_cast<std::size_t>(k % 2)]; };
   March march(stepper, initial.y, initial.v, [&](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
-    acting = load_at(k);
+    acting = load.at(k);
     stepper.step(k, y0, v0, acting, contact(k - 1), contact(k), y1, v1);
   });
   return go_through(stepper, march, steps, stops, contact, acting,

@@ -20,7 +20,7 @@ struct Initial {
 struct Frame {
   int k;
   Vec y0, v0;    ///< at t_{k−1}
-  StepLoad load; ///< f_k + s u_k
+  NodalForce load; ///< f_k + s u_k
   Vec y1, v1;    ///< at t_k
   const contact::ContactState& contact;
   bool last; ///< no other follows
@@ -33,13 +33,13 @@ enum class Stops { obeyed, ignored };
 
 /// Shows `steps` steps from the initial state and keeps none but the last two states; shows fewer if a stop
 /// was requested and is obeyed. Returns the number of steps done. Collective. Throws SolverFailure naming the step.
-int stream(const Stepper& stepper, const Initial& initial, const Load& load, int steps, const Watch& watch,
+int stream(const Stepper& stepper, const Initial& initial, const ForceAtStep& load, int steps, const Watch& watch,
            Stops stops = Stops::obeyed);
 
 /// Likewise, from t_0 on, what a march makes, whose last step was under the load `acting` and brought the contact
 /// `contact(k)`.
 int go_through(const Stepper& stepper, March& march, int steps, Stops stops,
-               const std::function<contact::ContactState&(int k)>& contact, const StepLoad& acting,
+               const std::function<contact::ContactState&(int k)>& contact, const NodalForce& acting,
                const Watch& watch);
 
 /// The number of candidates of a run.

@@ -49,22 +49,22 @@ double Stepper::scheme_bytes() const {
   return (massless_ ? petsc::bytes(*massless_) : 0) + (predictor_ ? predictor_->bytes() : 0);
 }
 
-void Stepper::right_hand_side(Vec x, double a, Vec z, double b, StepLoad load) const {
+void Stepper::right_hand_side(Vec x, double a, Vec z, double b, Functional source) const {
   const std::optional<double> rho = massless_ ? std::nullopt : operators_.uniform_density;
-  if (!load.density) {
+  if (!source.density) {
     check(VecAXPBY(work_, a, 0, z));
     check(MatMult(M(), work_, r_));
   } else if (rho) { // one product does for both
-    check(VecAXPBYPCZ(work_, a, b / *rho, 0, z, load.density));
+    check(VecAXPBYPCZ(work_, a, b / *rho, 0, z, source.density));
     check(MatMult(M(), work_, r_));
   } else {
     check(MatMult(M(), z, r_));
-    check(MatMult(*operators_.W, load.density, work_));
+    check(MatMult(*operators_.W, source.density, work_));
     check(VecAXPBY(r_, b, a, work_));
   }
   check(MatMultAdd(R_, x, r_, r_));
-  if (load.force)
-    check(VecAXPY(r_, b, load.force));
+  if (source.vector)
+    check(VecAXPY(r_, b, source.vector));
   clamped_.clear(r_);
 }
 
@@ -92,7 +92,7 @@ void Stepper::velocity(Vec y0, Vec v0, Vec jump, Vec y1, Vec v1) const {
     check(VecAXPY(v1, -rate, jump));
 }
 
-void Stepper::step(int k, Vec y0, Vec v0, StepLoad load, const contact::ContactSets& previous,
+void Stepper::step(int k, Vec y0, Vec v0, NodalForce load, const contact::ContactSets& previous,
                    contact::ContactState& contact, Vec y1, Vec v1) const {
   const std::span<const double> psi =
       constraints_ ? constraints_->psi(scheme_.time(k)) : std::span<const double>();
@@ -158,13 +158,13 @@ void Stepper::solve_one_sided(contact::ContactSets& contact, Vec p) const {
   throw SolverFailure("the weak contact of a linearised step did not settle");
 }
 
-Vec Stepper::linearised_right_hand_side(Vec y0, Vec v0, StepLoad load, const contact::ContactSets& contact) const {
+Vec Stepper::linearised_right_hand_side(Vec y0, Vec v0, NodalForce load, const contact::ContactSets& contact) const {
   const Vec jump = predictor_ ? predictor_->linearised_jump(contact.predictor, predicted(y0, v0)) : nullptr;
   right_hand_side(y0, scheme_.momentum(), with_jump(v0, 1 / scheme_.tau, jump), scheme_.impulse(), load);
   return jump;
 }
 
-void Stepper::linearised_step(Vec y0, Vec v0, StepLoad load, const contact::ContactSets& contact, Vec y1,
+void Stepper::linearised_step(Vec y0, Vec v0, NodalForce load, const contact::ContactSets& contact, Vec y1,
                               Vec v1) const {
   const Vec jump = linearised_right_hand_side(y0, v0, load, contact);
   solve_sliding(contact.active, y1);
@@ -172,7 +172,7 @@ void Stepper::linearised_step(Vec y0, Vec v0, StepLoad load, const contact::Cont
   ++linearised_steps;
 }
 
-void Stepper::one_sided_step(Vec y0, Vec v0, StepLoad load, contact::ContactSets& contact, Vec y1, Vec v1) const {
+void Stepper::one_sided_step(Vec y0, Vec v0, NodalForce load, contact::ContactSets& contact, Vec y1, Vec v1) const {
   const Vec jump = linearised_right_hand_side(y0, v0, load, contact);
   if (!contact.weak.empty())
     solve_one_sided(contact, y1);
@@ -183,7 +183,7 @@ void Stepper::one_sided_step(Vec y0, Vec v0, StepLoad load, contact::ContactSets
 }
 
 void Stepper::adjoint_step(const contact::ContactSets& contact, const contact::ContactSets* next,
-                           StepLoad derivative, Vec p_next, Vec q, Vec p) const {
+                           StateDual derivative, Vec p_next, Vec q, Vec p) const {
   const Vec jump = predictor_ && next ? predictor_->linearised_jump(next->predictor, q) : nullptr;
   right_hand_side(p_next, -scheme_.momentum(), with_jump(q, 1.5, jump), 1, derivative);
   solve_sliding(contact.active, p);

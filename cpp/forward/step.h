@@ -51,18 +51,18 @@ public:
   /// `previous` is that at y0, and y1 holds a guess on entry if solver().takes_guess(). Allocates nothing,
   /// but where a solver of PETSc's does: in VIs that PETSc solves, with MUMPS. Collective. Throws
   /// UserError, SolverFailure.
-  void step(int k, Vec y0, Vec v0, StepLoad load, const contact::ContactSets& previous,
+  void step(int k, Vec y0, Vec v0, NodalForce load, const contact::ContactSets& previous,
             contact::ContactState& contact, Vec y1, Vec v1) const;
 
   /// The step's linearisation on the active set of `contact`: (δy0, δv0, δload) → (δy1, δv1); y1 as in
   /// step(). Collective.
-  void linearised_step(Vec y0, Vec v0, StepLoad load, const contact::ContactSets& contact, Vec y1,
+  void linearised_step(Vec y0, Vec v0, NodalForce load, const contact::ContactSets& contact, Vec y1,
                        Vec v1) const;
 
   /// The same where W may open, as the exact one-sided derivative of the step lets it: x·ν ≤ 0 there in place of 0. On return
   /// `contact` has the set that stays closed as its active one, on which linearised_step() gives the same. Collective.
   /// Throws SolverFailure.
-  void one_sided_step(Vec y0, Vec v0, StepLoad load, contact::ContactSets& contact, Vec y1, Vec v1) const;
+  void one_sided_step(Vec y0, Vec v0, NodalForce load, contact::ContactSets& contact, Vec y1, Vec v1) const;
 
   /// The transpose of linearised_step on the active set of `contact` (4.40)–(4.41), with the paper's adjoint
   /// states:
@@ -71,24 +71,24 @@ public:
   /// transposed, for v̄ = M (τ/2 p + τ²/4 q)),
   ///     D p_k − μ_k = R p_{k+1} − τ M (q_{k+1} + 3/2 j) + ∂J/∂y_k,
   ///     q_k = −q_{k+1} − 2 j + rate() (p_{k+1} − p_k)
-  /// `next` is the contact of step k + 1, null at N; `derivative` is ∂J/∂y_k, given like a load. `q` is q_{k+1} on entry and q_k on return; `p_next`
+  /// `next` is the contact of step k + 1, null at N; `derivative` is ∂J/∂y_k. `q` is q_{k+1} on entry and q_k on return; `p_next`
   /// is p_{k+1}; `p` becomes p_k and holds a guess on entry as y1 in step(). Both states are zero at k = N
   /// + 1. The dual of step k's nodal force is impulse() p_k. Collective.
   void adjoint_step(const contact::ContactSets& contact, const contact::ContactSets* next,
-                    StepLoad derivative, Vec p_next, Vec q, Vec p) const;
+                    StateDual derivative, Vec p_next, Vec q, Vec p) const;
 
 private:
   /// D and M with the contact nodes' mass moved into the body.
   void move_mass(const scene::Scene& scene, Mat D);
-  /// r_ = R x + M (a z) + b (W density + force) on the free dofs: what a step and an adjoint step share.
-  void right_hand_side(Vec x, double a, Vec z, double b, StepLoad load) const;
+  /// r_ = R x + M (a z) + b source on the free dofs: what a step and an adjoint step share.
+  void right_hand_side(Vec x, double a, Vec z, double b, Functional source) const;
   /// x + c j, or x itself without a jump j.
   Vec with_jump(Vec x, double c, Vec jump) const;
   /// y + τ v.
   Vec predicted(Vec y, Vec v) const;
   void velocity(Vec y0, Vec v0, Vec jump, Vec y1, Vec v1) const;
   /// r_ of a linearised step; returns the predictor's jump, null without one.
-  Vec linearised_right_hand_side(Vec y0, Vec v0, StepLoad load, const contact::ContactSets& contact) const;
+  Vec linearised_right_hand_side(Vec y0, Vec v0, NodalForce load, const contact::ContactSets& contact) const;
   void solve_sliding(const contact::ActiveSet& active, Vec p) const;
   /// The same where W may open: min ½ p·Dp − r·p over p·ν = 0 on S, p·ν ≤ 0 on W; what stays closed becomes active.
   void solve_one_sided(contact::ContactSets& contact, Vec p) const;

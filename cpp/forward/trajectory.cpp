@@ -9,7 +9,7 @@ Trajectory::Trajectory(const Stepper& stepper, const Initial& initial, int steps
       march_(stepper, initial.y, initial.v,
              [this](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
                const auto i = static_cast<std::size_t>(k);
-               acting_ = (*load_at_)(k);
+               acting_ = load_->at(k);
                stepper_.step(k, y0, v0, acting_, contact_[i - 1], now_, y1, v1);
              }),
       states_(storage.place(march_, velocities)) {}
@@ -24,9 +24,8 @@ void Margins::take(const contact::ContactState& contact) {
     }
 }
 
-void Trajectory::run(Load load, const Watch& watch) {
+void Trajectory::run(ForceAtStep load, const Watch& watch) {
   load_ = std::move(load);
-  load_at_.emplace(stepper_.space(), load_);
   steps_ = 0;
   now_ = contact::ContactState(candidates(stepper_));
   margins_ = {};

@@ -18,7 +18,7 @@ struct Margins {
 
 /// A motion of N steps that can be looked at again: its states from where the storage keeps them, the active sets
 /// of all steps in memory. All members collective.
-class Trajectory {
+class Trajectory final : public Displacements {
 public:
   /// `velocities`: v() is wanted. The references must outlive this object. Throws WriteFailure.
   Trajectory(const Stepper& stepper, const Initial& initial, int steps, const Storage& storage,
@@ -26,10 +26,10 @@ public:
   Trajectory(const Trajectory&) = delete; // its parts refer to it
   Trajectory& operator=(const Trajectory&) = delete;
 
-  /// Moves the body under `load`, which must stay as it is for as long as states are asked for, and shows the
+  /// Moves the body under `load`, whose terms must stay as they are for as long as states are asked for, and shows the
   /// frames as they go by; fewer than N steps if a stop was requested. Throws SolverFailure naming the step,
   /// WriteFailure.
-  void run(Load load, const Watch& watch = {});
+  void run(ForceAtStep load, const Watch& watch = {});
 
   /// Those of the last run.
   [[nodiscard]] int steps() const { return steps_; }
@@ -38,7 +38,7 @@ public:
   [[nodiscard]] const Margins& margins() const { return margins_; }
   /// Displacement and velocity at t_k. Valid until the next call of at(). Throws WriteFailure, SolverFailure.
   [[nodiscard]] States::View at(int k) const { return states_->at(k); }
-  [[nodiscard]] Vec y(int k) const { return at(k).y; }
+  [[nodiscard]] Vec y(int k) const override { return at(k).y; }
 
 private:
   const Stepper& stepper_;
@@ -46,9 +46,8 @@ private:
   std::vector<contact::ContactSets> contact_;
   contact::ContactState now_; ///< of the last step made
   Margins margins_;
-  Load load_;
-  std::optional<LoadAtStep> load_at_;
-  StepLoad acting_;
+  std::optional<ForceAtStep> load_; ///< of the last run
+  NodalForce acting_;
   March march_;
   std::unique_ptr<States> states_;
 };

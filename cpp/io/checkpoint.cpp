@@ -56,9 +56,7 @@ CheckpointWriter::CheckpointWriter(const control::ControlSpace& controls, const 
                                    const std::filesystem::path& file)
     : controls_(controls), part_(part), file_(file), out_(H5I_INVALID_HID, H5Fclose) {
   const MPI_Comm comm = controls.space().comm();
-  PetscInt mine = 0;
-  petsc::check(VecGetLocalSize(controls.value(), &mine));
-  for (const auto n : gather(comm, std::vector<int>{static_cast<int>(mine)})) {
+  for (const auto n : gather(comm, std::vector<int>{static_cast<int>(controls.size())})) {
     starts_.push_back(counts_.empty() ? 0 : starts_.back() + counts_.back());
     counts_.push_back(n);
   }
@@ -110,8 +108,8 @@ void CheckpointWriter::operator()(const std::string& name, const std::shared_ptr
     table = make_table(out_, name, H5T_IEEE_F64LE, static_cast<hsize_t>(u->count()), columns, sizeof(double));
   std::vector<double> row(rank(comm) == 0 ? columns : 0); // gathered there whether it can be written or not
   for (int k = 1; k <= u->count(); ++k) {
-    const petsc::ReadArray values(u->at(k));
-    MPI_Gatherv(std::span<const double>(values).data(), static_cast<int>(values.size()), MPI_DOUBLE,
+    const std::span<const double> values = u->at(k);
+    MPI_Gatherv(values.data(), static_cast<int>(values.size()), MPI_DOUBLE,
                 row.data(), counts_.data(), starts_.data(), MPI_DOUBLE, 0, comm);
     if (!out_ || !failure_.empty())
       continue;
@@ -228,7 +226,7 @@ void CheckpointReader::match_places() {
 
 void CheckpointReader::operator()(const std::string& name, std::shared_ptr<const control::Control>& u) {
   const MPI_Comm comm = controls_.space().comm();
-  control::Control read = controls_.unset();
+  control::Control read = controls_.zero();
   Opened table(H5I_INVALID_HID, H5Dclose);
   on_root(comm, [&] {
     table = Opened(H5Dopen(in_, name.c_str(), H5P_DEFAULT), H5Dclose);
@@ -247,7 +245,7 @@ void CheckpointReader::operator()(const std::string& name, std::shared_ptr<const
         damaged(name);
     });
     MPI_Bcast(row.data(), static_cast<int>(row.size()), MPI_DOUBLE, 0, comm);
-    const petsc::WriteArray values(read.at(k));
+    const std::span<double> values = read.at(k);
     for (std::size_t i = 0; i < values.size(); ++i)
       values[i] = row[rows_[i / components] * components + i % components];
   }

@@ -1,5 +1,6 @@
 #include "io/point_match.h"
 #include "base/collective.h"
+#include "base/text.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,11 +13,6 @@
 namespace signorini::io {
 
 namespace {
-
-std::string place(const double* x, int dim) {
-  return dim == 2 ? fmt::format("({:.6g}, {:.6g})", x[0], x[1])
-                  : fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
-}
 
 /// Points by place: those of one mesh agree to the last digits; a cell is so much larger than that that few of them lie
 /// near its sides, and so small that it holds one node's.
@@ -140,7 +136,7 @@ std::vector<std::size_t> match_points(const fem::Space& space, const std::vector
     for (std::size_t i = 0; i < there.size() / dim; ++i)
       if (!known.emplace(grid.cell_of(&there[i * dim], dim, 0), i).second)
         fail(fmt::format("found two points at {} m, allowed are meshes whose nodes are apart or in cells apart",
-                         place(&there[i * dim], space.dim())));
+                         point_text(&there[i * dim], space.dim())));
     for (std::size_t i = 0; i < here.size() / 3; ++i) {
       const double* x = &here[3 * i];
       auto found = known.end();
@@ -148,7 +144,7 @@ std::vector<std::size_t> match_points(const fem::Space& space, const std::vector
       if (found == known.end())
         fail(
             fmt::format("found no point at {} m, where this scene has one; allowed is a run on the same mesh",
-                        place(x, space.dim())));
+                        point_text(x, space.dim())));
       numbers.push_back(found->second);
     }
   });

@@ -1,6 +1,7 @@
 #include "mesh/gmsh_model.h"
 #include "base/error.h"
 #include "base/own_process.h"
+#include "base/text.h"
 #include "mesh/msh_file.h"
 #include <algorithm>
 #include <array>
@@ -233,9 +234,7 @@ private:
 
   /// Where a node is, for messages.
   [[nodiscard]] std::string place(std::int64_t node) const {
-    const double* x = point(node);
-    return raw_.dim == 2 ? fmt::format("({}, {})", x[0], x[1])
-                         : fmt::format("({}, {}, {})", x[0], x[1], x[2]);
+    return point_text(point(node), raw_.dim);
   }
 
   /// Determinant of the edges from a cell's first corner, and the product of their lengths.

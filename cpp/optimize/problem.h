@@ -14,20 +14,27 @@
 /// diagonal one only.
 namespace signorini::optimize {
 
+/// A vector that several hold and none changes, so that the state of a search is cheap to copy.
+template <class Vector>
+using Shared = std::shared_ptr<const Vector>;
+
 /// A smooth (or piecewise smooth) function on a Hilbert space with simple bounds.
 template <class P>
-concept BoundedProblem = requires(P problem, const typename P::Vector& u, typename P::Vector& w) {
+concept BoundedProblem = requires(P problem, const typename P::Vector& u, typename P::Vector& w,
+                                  const std::vector<Shared<typename P::Vector>>& list,
+                                  const std::vector<double>& factors) {
   { problem.value(u) } -> std::convertible_to<double>;              // J(u); u becomes the trial
   { problem.trial_gradient() } -> std::same_as<typename P::Vector>; // there, Riesz representative by inner()
   { problem.accept() };                                             // the trial becomes the current point
   { problem.inner(u, u) } -> std::convertible_to<double>;
-  { problem.dual(u) } -> std::same_as<typename P::Vector>; // w ↦ inner(u, w), as pairing(dual(u), w):
-  { problem.pairing(u, u) } -> std::convertible_to<double>; // cheaper where u stays the same
+  { problem.dual(u) } -> std::same_as<typename P::Vector>; // w ↦ inner(u, w), as pairings(dual(u), {w}),
+  { problem.pairings(u, list) } -> std::same_as<std::vector<double>>; // which goes through u once
   { problem.project(w) }; // onto the bounds, in the norm of inner()
   {
     problem.hold(w, u, u)
   }; // (w, u, d): w = 0 where u is at a bound and d points out of it; symmetric by inner()
   { w.add(1.0, u) };
+  { w.add(factors, list) }; // w += Σ factors_i list_i
   { w.scale(1.0) };
 };
 
@@ -118,10 +125,6 @@ typename P::Vector tangential(const P& problem, const typename P::Vector& u, con
   problem.hold(along, u, d);
   return along;
 }
-
-/// A vector that several hold and none changes, so that the state of a search is cheap to copy.
-template <class Vector>
-using Shared = std::shared_ptr<const Vector>;
 
 template <class Vector>
 Shared<Vector> share(Vector v) {

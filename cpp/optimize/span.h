@@ -2,6 +2,7 @@
 #include "optimize/problem.h"
 #include <algorithm>
 #include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -41,12 +42,8 @@ public:
     const double length = norm(problem, v);
     Coordinates x(basis_.size());
     for (int pass = 0; pass < 2; ++pass) { // Gram and Schmidt, twice for rounding
-      const Vector dual = problem.dual(v);
-      Coordinates part;
-      for (const Shared<Vector>& q : basis_)
-        part.push_back(problem.pairing(dual, *q));
-      for (std::size_t i = 0; i < x.size(); ++i)
-        v.add(-part[i], *basis_[i]);
+      const Coordinates part = problem.pairings(problem.dual(v), basis_);
+      v.add(scaled(part, -1), basis_);
       add(x, 1, part);
     }
     const double rest = norm(problem, v);
@@ -63,8 +60,7 @@ public:
   [[nodiscard]] Vector vector(const Coordinates& x, const Vector& like) const {
     Vector v = like;
     v.scale(0);
-    for (std::size_t i = 0; i < x.size(); ++i)
-      v.add(x[i], *basis_[i]);
+    v.add(x, std::span(basis_).first(x.size()));
     return v;
   }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "optimize/problem.h"
+#include <span>
 
 namespace signorini::optimize {
 
@@ -63,8 +64,11 @@ public:
   void accept() { problem_.accept(); }
   [[nodiscard]] double inner(const Vector& u, const Vector& w) const { return problem_.inner(u, w) / squared_length(); }
   [[nodiscard]] Vector dual(const Vector& u) const { return problem_.dual(u); }
-  [[nodiscard]] double pairing(const Vector& dual, const Vector& w) const {
-    return problem_.pairing(dual, w) / squared_length();
+  [[nodiscard]] std::vector<double> pairings(const Vector& dual, std::span<const Shared<Vector>> w) const {
+    std::vector<double> products = problem_.pairings(dual, w);
+    for (double& product : products)
+      product /= squared_length();
+    return products;
   }
   void project(Vector& u) const { problem_.project(u); }
   void hold(Vector& w, const Vector& u, const Vector& d) const { problem_.hold(w, u, d); }

@@ -270,11 +270,6 @@ std::vector<Reader> Reader::tables(const std::string& key) {
   return readers;
 }
 
-void Reader::not_available(const std::string& key) {
-  if (table_.contains(key)) // not has(): it is none of the keys that are allowed
-    fail(key, "not available yet; leave it out");
-}
-
 void Reader::finish() const {
   for (const auto& [key, value] : table_) {
     const std::string name{key.str()};

@@ -47,9 +47,6 @@ public:
   Reader table(const std::string& key);
   std::vector<Reader> tables(const std::string& key);
 
-  /// Rejects a key that interface names promise and this version does not have.
-  void not_available(const std::string& key);
-
   /// Throws for the first key that was not asked for, with the nearest one that was.
   void finish() const;
 

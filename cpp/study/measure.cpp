@@ -157,7 +157,7 @@ double seconds(const Timers& timers) {
   return sum;
 }
 
-void simulate(const Problem& problem, const forward::Load& load, Watch& watch) {
+void simulate(const Problem& problem, const forward::ForceAtStep& load, Watch& watch) {
   const auto timer = problem.timers.time("forward");
   const int done = forward::stream(problem.stepper, problem.initial, load, problem.steps(), [&](const forward::Frame& frame) {
     const auto other = problem.timers.time("watching");
@@ -170,15 +170,14 @@ void simulate(const Problem& problem, const forward::Load& load, Watch& watch) {
 std::vector<double> sampled(const Problem& problem, const Samples& samples, const control::ControlSpace& controls,
                             const control::Control& g) {
   Series series(samples, problem.space);
-  const petsc::Vector mean = petsc::copy(g.at(1));
+  std::vector<double> mean(controls.size());
   const int n = g.count();
   const double tau = problem.scene.time.end / n;
   for (int k = 1; k <= n; ++k) // values in the middle of steps, linear in between and beyond
     series.take_until((k - 0.5) * tau, k == n, [&](double t, Vec out) {
       const double s = k == 1 ? 1 : std::clamp(1 + (t - (k - 0.5) * tau) / tau, 0.0, 1.0);
-      check(VecCopy(g.at(k), mean));
-      if (s < 1)
-        check(VecAXPBY(mean, 1 - s, s, g.at(k - 1)));
+      for (std::size_t i = 0; i < mean.size(); ++i)
+        mean[i] = s < 1 ? s * g.at(k)[i] + (1 - s) * g.at(k - 1)[i] : g.at(k)[i];
       controls.extend(mean, out);
     });
   return series.take();

@@ -39,8 +39,8 @@ private:
 /// contact.
 class Floor {
 public:
-  Floor(const Problem& problem, const forward::Load& load)
-      : problem_(problem), load_at_(problem.space, load), r_(problem.space.vector()),
+  Floor(const Problem& problem, const forward::ForceAtStep& load)
+      : problem_(problem), load_(load), r_(problem.space.vector()),
         y_(problem.space.vector()), f_(problem.space.vector()), guess_(problem.stepper) {
     guess_.remember(problem.initial.y);
   }
@@ -50,7 +50,7 @@ public:
     const auto i = static_cast<std::size_t>(k);
     const forward::Stepper& stepper = problem_.stepper;
     const forward::Scheme& scheme = stepper.scheme();
-    const forward::StepLoad load = load_at_(k);
+    const forward::NodalForce load = load_.at(k);
     Watch watch;
     check(VecAXPBYPCZ(f_, scheme.momentum(), scheme.impulse() / *problem_.operators.uniform_density, 0,
                       motion.v[i - 1], load.density));
@@ -72,7 +72,7 @@ public:
 
 private:
   const Problem& problem_;
-  forward::LoadAtStep load_at_;
+  const forward::ForceAtStep& load_;
   petsc::Vector r_, y_, f_;
   forward::Extrapolation guess_;
 };
@@ -90,13 +90,14 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   ControlProblem control_problem(problem, Console(false, false));
   control::ReducedProblem& reduced = control_problem.reduced;
   const control::Control u = control_problem.first_guess(scene);
-  const forward::Load load = problem.load() + control_problem.controls.load(u);
+  const control::ControlForce force(control_problem.controls, u);
+  const forward::ForceAtStep load = problem.load(&force), floor_load = problem.load(&force);
 
   const test::Recorded motion(problem, load);
   Least forward(steps), adjoint(steps), solve(steps), products(steps), adjoint_floor(steps);
   Watch watch;
   for (int repeat = 0; repeat < repeats; ++repeat) {
-    Floor floor(problem, load);
+    Floor floor(problem, floor_load);
     watch.lap();
     forward::stream(problem.stepper, problem.initial, load, steps, [&](const forward::Frame& frame) {
       const double seconds = watch.lap();
@@ -110,12 +111,13 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     });
   }
   control::Control gradient = control_problem.controls.zero();
-  const auto state = [&](int k) { return Vec(motion.y[static_cast<std::size_t>(k)]); };
+  const test::Displacements states(motion.y);
+  const control::Derivative derivative(control_problem.objective, states);
   for (int repeat = 0; repeat < repeats; ++repeat) {
-    Floor floor(problem, load);
+    Floor floor(problem, floor_load);
     watch.lap();
-    adjoint::sweep(problem.stepper, motion.sets(), control_problem.objective.derivative(state), [&](int k, Vec p) {
-                     check(VecAXPY(gradient.at(k), 1, p));
+    adjoint::sweep(problem.stepper, motion.sets(), {problem.space, derivative}, [&](int k, Vec p) {
+                     axpy(1, petsc::ReadArray(p), gradient.at(k));
                      adjoint.take(k, watch.lap());
                      const auto [s, w] = floor(motion, k);
                      adjoint_floor.take(k, s + w);

@@ -64,9 +64,9 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     control_problem.emplace(problem, Console(false, false));
   else
     given.emplace(problem);
-  const forward::Load load = controlled ? problem.load() : given->load();
+  const auto load = [&] { return controlled ? control_problem->reduced.load() : given->load(); };
   std::optional<BareLoop> bare;
-  if (scene.contacts.empty() && !load.density && !load.force && !controlled)
+  if (scene.contacts.empty() && !load().at(1).density && !load().at(1).vector)
     bare.emplace(problem);
 
   constexpr double never = std::numeric_limits<double>::infinity();
@@ -79,7 +79,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     long before = count("solves with D");
     if (!controlled) {
       watch.lap();
-      forward::stream(problem.stepper, problem.initial, load, problem.steps(), {});
+      forward::stream(problem.stepper, problem.initial, load(), problem.steps(), {});
       run = std::min(run, watch.lap());
       run_solves = count("solves with D") - before;
       if (bare) {
@@ -110,9 +110,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
 
   // Once more, looked at: whether contact occurred, and that the bare loop moves the body alike.
   double difference = 0;
-  const control::Control* u = controlled ? &control_problem->reduced.control() : nullptr;
-  forward::stream(problem.stepper, problem.initial, u ? load + control_problem->controls.load(*u) : load,
-                  problem.steps(), [&](const forward::Frame& frame) {
+  forward::stream(problem.stepper, problem.initial, load(), problem.steps(), [&](const forward::Frame& frame) {
                     contact_steps += !frame.contact.active.empty();
                     if (!frame.last || !bare)
                       return;

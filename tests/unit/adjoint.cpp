@@ -52,19 +52,18 @@ TEST_CASE("the sweep is the transpose of the linearised steps", "[adjoint]") {
     double forward = 0, backward = 0;
     for (int k = 1; k <= run.trajectory.steps; ++k) {
       const petsc::Vector density = test::smooth(space, k);
-      stepper.linearised_step(y0, v0, {.density = density},
+      stepper.linearised_step(y0, v0, {{.density = density}},
                               run.trajectory.contact[static_cast<std::size_t>(k)], y1, v1);
       check(MatMult(*run.ready.problem.operators.W, test::smooth(space, -k), product));
       forward += dot(y1, product);
       std::swap(y0, y1);
       std::swap(v0, v1);
     }
-    adjoint::sweep(stepper, run.trajectory.sets(),
-                   {.density = [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(space, -k))); }},
-                   [&](int k, Vec p) {
-                     check(MatMult(*run.ready.problem.operators.W, test::smooth(space, k), product));
-                     backward += stepper.scheme().impulse() * dot(p, product);
-                   });
+    const test::Dual smooth([&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(space, -k))); });
+    adjoint::sweep(stepper, run.trajectory.sets(), {space, smooth}, [&](int k, Vec p) {
+      check(MatMult(*run.ready.problem.operators.W, test::smooth(space, k), product));
+      backward += stepper.scheme().impulse() * dot(p, product);
+    });
     CHECK(std::abs(forward) > 0);
     CHECK(std::abs(forward - backward) < (iterative ? 1e-9 : 1e-12) * std::abs(forward));
   }
@@ -84,7 +83,7 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
                         dload = test::smooth(space, 3);
     petsc::Vector load = space.vector(), y = space.vector(), v = space.vector(), ly = space.vector(),
                   lv = space.vector();
-    run.ready.problem.load().density(k, load);
+    check(VecCopy(run.ready.problem.load().at(k).density, load));
     contact::ContactState moved(stepper.constraints()->count());
     // A step is piecewise affine: no truncation, only rounding, so that the largest ε that keeps the sets is the best.
     double epsilon = 1;
@@ -95,10 +94,10 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
       check(VecAXPY(y0, epsilon, dy));
       check(VecAXPY(v0, epsilon, dv));
       check(VecAXPY(f, epsilon, dload));
-      stepper.step(k, y0, v0, {.density = f}, run.trajectory.contact[i - 1], moved, y, v);
+      stepper.step(k, y0, v0, {{.density = f}}, run.trajectory.contact[i - 1], moved, y, v);
     } while (moved.active != run.trajectory.contact[i].active || moved.predictor != run.trajectory.contact[i].predictor);
     REQUIRE(!moved.active.empty());
-    stepper.linearised_step(dy, dv, {.density = dload}, moved, ly, lv);
+    stepper.linearised_step(dy, dv, {{.density = dload}}, moved, ly, lv);
     check(VecAXPY(y, -1, run.trajectory.y[i]));
     check(VecScale(y, 1 / epsilon));
     check(VecAXPY(v, -1, run.trajectory.v[i]));
@@ -123,9 +122,8 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
     check(MatMult(*problem.operators.W, test::smooth(problem.space, k), product));
     return product;
   };
-  adjoint::sweep(stepper, run.trajectory.sets(),
-                 {.density = [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(problem.space, k))); }},
-                 [&](int k, Vec pk) { p[static_cast<std::size_t>(k)] = petsc::copy(pk); });
+  const test::Dual smooth([&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(problem.space, k))); });
+  adjoint::sweep(stepper, run.trajectory.sets(), {problem.space, smooth}, [&](int k, Vec pk) { p[static_cast<std::size_t>(k)] = petsc::copy(pk); });
 
   // The paper's recursion, written out with matrices: D = M + τ/2 B + τ²/4 A, R = M + τ/2 B − τ²/4 A.
   const fem::Operators& body = problem.operators;
@@ -176,9 +174,9 @@ TEST_CASE("adjoint states vanish on the clamp", "[adjoint]") {
   const test::Recorded trajectory(ready.problem);
   CHECK(std::ranges::any_of(trajectory.contact, [](const contact::ContactState& state) { return !state.active.empty(); }));
   int steps = 0;
+  const test::Dual smooth([&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(ready.problem.space, k))); });
   adjoint::sweep(
-      ready.problem.stepper, trajectory.sets(),
-      {.density = [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(ready.problem.space, k))); }},
+      ready.problem.stepper, trajectory.sets(), {ready.problem.space, smooth},
       [&](int, Vec p) {
         petsc::Vector rest = petsc::copy(p);
         ready.problem.stepper.clamped().clear(rest);
@@ -243,10 +241,11 @@ TEST_CASE("bubbles of the adjoint states take up what the run's duals leave", "[
   const fem::Operators& operators = body.operators();
   const double tau = stepper.scheme().tau;
   const petsc::Vector pushed = test::smooth(body.space(), 3);
-  const forward::Load derivative{.force = [&](int k, Vec out) {
+  const test::Dual at_step_4({}, [&](int k, Vec out) {
     if (k == 4)
       check(VecAXPY(out, 1, pushed));
-  }};
+  });
+  const forward::DualAtStep derivative(body.space(), at_step_4);
   adjoint::DualBubbles bubbles(body, derivative, stepper.scheme());
   adjoint::Duals duals(stepper);
   const contact::ActiveSet active{1, 2};

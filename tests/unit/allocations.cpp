@@ -81,15 +81,16 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
     const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.scheme(),
                                          problem.steps(), *ready.scene.control);
     const control::Control u = controls.interpolate({"0", "-1"}, "u");
-    const forward::Load load = problem.load() + controls.load(u);
+    const control::ControlForce force(controls, u);
+    const auto load = [&] { return problem.load(&force); };
     Timers timers;
     const forward::Storage storage(problem.stepper, {}, problem.steps(), 1, timers);
     forward::Trajectory trajectory(problem.stepper, problem.initial, problem.steps(), storage);
-    trajectory.run(load); // work space that CHOLMOD and PETSc make once
+    trajectory.run(load()); // work space that CHOLMOD and PETSc make once
     long stepping = 0, before = 0;
     int contact_steps = 0, set_changes = 0;
     (void)allocations([&] {
-      trajectory.run(load, [&](const forward::Frame& frame) {
+      trajectory.run(load(), [&](const forward::Frame& frame) {
         stepping += frame.k > 1 ? calls - before : 0; // what comes before the first step is made once a run
         contact_steps += !frame.contact.active.empty();
         set_changes += frame.contact.vi_iterations > 0;
@@ -102,7 +103,7 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
     forward::Balance weigh(problem.stepper);
     long streaming = 0;
     const auto stream = [&] {
-      forward::stream(problem.stepper, problem.initial, load, problem.steps(),
+      forward::stream(problem.stepper, problem.initial, load(), problem.steps(),
                       [&](const forward::Frame& frame) {
                         weigh(frame);
                         streaming += frame.k > 1 ? calls - before : 0;
@@ -114,9 +115,8 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
     petsc::Vector dual = test::smooth(problem.space, 1);
     long back = 0;
     (void)allocations([&] {
-      const forward::Load derivative{
-          .density = [&](int, Vec density) { petsc::check(VecAXPY(density, 1, dual)); }};
-      adjoint::sweep(problem.stepper, trajectory.contact(), derivative, [&](int k, Vec) {
+      const test::Dual derivative([&](int, Vec density) { petsc::check(VecAXPY(density, 1, dual)); });
+      adjoint::sweep(problem.stepper, trajectory.contact(), {problem.space, derivative}, [&](int k, Vec) {
         back += k < problem.steps() ? calls - before : 0;
         before = calls;
       });

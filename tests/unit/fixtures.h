@@ -57,6 +57,21 @@ inline double difference(Vec x, Vec y) {
   return largest(d);
 }
 
+/// The same of arrays that the ranks hold parts of. Collective.
+inline double largest(std::span<const double> x) {
+  double value = 0;
+  for (double entry : x)
+    value = std::max(value, std::abs(entry));
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+  return value;
+}
+
+inline double difference(std::span<const double> x, std::span<const double> y) {
+  std::vector<double> d(x.begin(), x.end());
+  axpy(-1, y, d);
+  return largest(d);
+}
+
 /// Number of true values over all ranks.
 inline long total(long mine) {
   MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_LONG, MPI_SUM, MPI_COMM_WORLD);

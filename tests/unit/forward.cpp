@@ -285,13 +285,13 @@ TEST_CASE("initial states that a clamp or an obstacle forbids are refused", "[fo
 TEST_CASE("a solution that is not finite ends the run with its step", "[forward]") {
   for (const char* scene : {"tests/data/block.toml", "tests/data/manufactured.toml"}) { // with contact and without
     const test::Ready ready(scene);
-    const forward::Load poison{.density = [&](int k, Vec out) {
+    const test::Force poison([&](int k, Vec out) {
       if (k == 3)
         check(VecSet(out, std::numeric_limits<double>::quiet_NaN()));
-    }};
+    });
     INFO(scene);
     try {
-      (void)test::Recorded(ready.problem, poison);
+      (void)test::Recorded(ready.problem, {ready.problem.space, poison});
       FAIL("NaN went through");
     } catch (const SolverFailure& failure) {
       CHECK(std::string(failure.what()).starts_with("step 3 "));
@@ -627,7 +627,7 @@ TEST_CASE("the scale of the momentum balance adds the moduli of its terms", "[fo
                        all(product(stepper.M(), v1)) / tau;
   forward::Balance weigh(stepper);
   (void)weigh({0, nullptr, nullptr, {}, y0, v0, contact, false});
-  const forward::StepBalance balance = weigh({1, y0, v0, {.density = density}, y1, v1, contact, true});
+  const forward::StepBalance balance = weigh({1, y0, v0, {{.density = density}}, y1, v1, contact, true});
   CHECK(std::abs(balance.momentum_scale / exact - 1) < 1e-12);
   CHECK(std::abs(std::hypot(balance.contact_force[0], balance.contact_force[1]) / length_of_sum(pushes) - 1) < 1e-12);
 }

@@ -16,6 +16,10 @@ namespace {
 
 struct Point {
   std::vector<double> x;
+  void add(std::span<const double> a, std::span<const optimize::Shared<Point>> others) {
+    for (std::size_t i = 0; i < others.size(); ++i)
+      add(a[i], *others[i]);
+  }
   void add(double a, const Point& other) {
     for (std::size_t i = 0; i < x.size(); ++i)
       x[i] += a * other.x[i];
@@ -45,7 +49,12 @@ struct Bounded {
       u.x[i] *= w[i];
     return u;
   }
-  static double pairing(const Point& a, const Point& b) { return std::inner_product(a.x.begin(), a.x.end(), b.x.begin(), 0.0); }
+  static std::vector<double> pairings(const Point& a, std::span<const optimize::Shared<Point>> b) {
+    std::vector<double> products;
+    for (const optimize::Shared<Point>& point : b)
+      products.push_back(std::inner_product(a.x.begin(), a.x.end(), point->x.begin(), 0.0));
+    return products;
+  }
   void project(Point& u) const {
     for (double& x : u.x)
       x = std::clamp(x, lower, upper);
@@ -332,7 +341,7 @@ struct InOtherUnits {
   }
   double inner(const Point& a, const Point& b) const { return given.inner(a, b); }
   Point dual(const Point& u) const { return given.dual(u); }
-  static double pairing(const Point& a, const Point& b) { return P::pairing(a, b); }
+  static std::vector<double> pairings(const Point& a, std::span<const optimize::Shared<Point>> b) { return P::pairings(a, b); }
   void project(Point& u) const { bounds().project(u); }
   void hold(Point& v, const Point& u, const Point& d) const { bounds().hold(v, u, d); }
   [[nodiscard]] Bounded bounds() const { return {{}, c * given.lower, c * given.upper, {}, {}}; }

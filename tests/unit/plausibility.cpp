@@ -39,7 +39,7 @@ std::set<std::string> warnings(std::vector<std::string> overrides) {
   const Problem& problem = ready.problem;
   forward::Balance weigh(problem.stepper);
   forward::Plausibility watch(problem.stepper, ready.scene, problem.steps());
-  const forward::Load load = problem.load();
+  const forward::ForceAtStep load = problem.load();
   forward::stream(problem.stepper, problem.initial, load, problem.steps(), [&](const forward::Frame& frame) {
     const forward::StepBalance balance = weigh(frame);
     watch.observe(frame, &balance);

@@ -107,7 +107,7 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
       CHECK((sets.active.empty() ? sets.active.capacity() : sets.weak.capacity()) <= sets.active.size());
     // Another motion in the same storage, and this one again.
     forward::Trajectory other(problem.stepper, problem.initial, N, storage);
-    other.run({});
+    other.run({problem.space, {}});
     CHECK(test::difference(other.y(N), expected.y.back()) > 0);
     is_right(N);
     is_right(N / 2);
@@ -259,7 +259,7 @@ TEST_CASE("a trajectory that runs again shows the last run's states, from every 
   const test::Ready ready("tests/data/block.toml", {"solver.linear=iterative"});
   const Problem& problem = ready.problem;
   const int N = problem.steps();
-  const test::Recorded loaded(problem), falling(problem, {});
+  const test::Recorded loaded(problem), falling(problem, {problem.space, {}});
   REQUIRE(test::difference(loaded.y.back(), falling.y.back()) > 0);
   Timers timers;
   for (const scene::Trajectory& scene :
@@ -268,7 +268,7 @@ TEST_CASE("a trajectory that runs again shows the last run's states, from every 
     const forward::Storage storage(problem.stepper, scene, N, 1, timers);
     forward::Trajectory trajectory(problem.stepper, problem.initial, N, storage, true);
     for (const test::Recorded* expected : {&loaded, &falling, &loaded}) {
-      trajectory.run(expected == &loaded ? problem.load() : forward::Load());
+      trajectory.run(expected == &loaded ? problem.load() : forward::ForceAtStep(problem.space, {}));
       for (int k : {N, N, N / 2, 1}) { // the last one asked for before the next run too
         const forward::States::View state = trajectory.at(k);
         CHECK(test::difference(state.y, expected->y[static_cast<std::size_t>(k)]) == 0);
