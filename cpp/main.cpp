@@ -1,8 +1,8 @@
+#include "app/run.h"
+#include "app/run_manifest.h"
 #include "base/error.h"
 #include "base/petsc.h"
 #include "base/signals.h"
-#include "report.h"
-#include "run.h"
 #include "scene/names.h"
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -10,9 +10,9 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <fmt/format.h>
 #include <limits>
 #include <new>
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <thread>
 #include <unistd.h>
@@ -27,11 +27,12 @@ using namespace signorini::exit_status;
 struct Verb {
   const char *name, *text;
 };
-constexpr Verb verbs[] = {{"simulate", "forward run only"},
-                          {"optimize", "forward, adjoint, update, until the stopping criterion"},
-                          {"check", "derivatives and discrete invariants of this scene"},
-                          {"study", "what accuracy costs in time: a ladder of sizes, steps, degrees and schemes"},
-                          {"info", "effects and what each adds, unknowns, memory; --time N: the time, from N steps"}};
+constexpr Verb verbs[] = {
+    {"simulate", "forward run only"},
+    {"optimize", "forward, adjoint, update, until the stopping criterion"},
+    {"check", "derivatives and discrete invariants of this scene"},
+    {"study", "what accuracy costs in time: a ladder of sizes, steps, degrees and schemes"},
+    {"info", "effects and what each adds, unknowns, memory; --time N: the time, from N steps"}};
 
 std::string did_you_mean(const std::string& found, const std::vector<std::string>& valid) {
   const std::string near = signorini::scene::nearest(found, valid);
@@ -47,11 +48,12 @@ void require_verb(int argc, char** argv) {
     throw UserError(fmt::format("command line: found no verb, allowed: {}; see signorini --help", allowed));
   const std::string found = argv[1];
   if (!found.starts_with("-") && std::ranges::find(names, found) == names.end())
-    throw UserError(fmt::format("command line: found the verb \"{}\"{}, allowed: {}; see signorini --help", found,
-                                did_you_mean(found, names), allowed));
+    throw UserError(fmt::format("command line: found the verb \"{}\"{}, allowed: {}; see signorini --help",
+                                found, did_you_mean(found, names), allowed));
 }
 
-/// A time such as 90, 90s, 10min or 2h, in seconds.
+/// Replaces a time such as 90, 90s, 10min or 2h by its seconds; returns an error message, empty if it is
+/// valid.
 std::string to_seconds(std::string& text) {
   constexpr std::pair<std::string_view, double> units[] = {{"min", 60}, {"h", 3600}, {"s", 1}};
   std::string_view number = text;
@@ -72,26 +74,35 @@ std::string to_seconds(std::string& text) {
 
 void add_study_options(CLI::App& app, Request& request) {
   const auto list = [&](const char* name, auto& values, const char* text) {
-    app.add_option(name, values, text)->delimiter(',')->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option(name, values, text)
+        ->delimiter(',')
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   };
-  list("--sizes", request.study.choice.sizes, "element sizes, m, such as 1,0.5 (default: the scene's, 2 and 4 times that)");
+  list("--sizes", request.study.choice.sizes,
+       "element sizes, m, such as 1,0.5 (default: the scene's, 2 and 4 times that)");
   list("--steps", request.study.choice.steps, "time steps, s (default: the scene's, 2 and 4 times that)");
   list("--degrees", request.study.choice.degrees, "1,2 (default: the scene's)");
-  list("--schemes", request.study.choice.schemes, "of contact-implicit,contact-stabilized,massless (default: the scene's)");
-  list("--quantity", request.study.quantities, "what is compared, such as J,displacement,gradient,impulse (default: all but the gradient)");
-  app.add_option("--budget", request.study.budget, "stop before a rung that would end later, such as 90s, 10min or 2h")
+  list("--schemes", request.study.choice.schemes,
+       "of contact-implicit,contact-stabilized,massless (default: the scene's)");
+  list("--quantity", request.study.quantities,
+       "what is compared, such as J,displacement,gradient,impulse (default: all but the gradient)");
+  app.add_option("--budget", request.study.budget,
+                 "stop before a rung that would end later, such as 90s, 10min or 2h")
       ->transform(CLI::Validator(to_seconds, "TIME"));
   app.add_flag("--dry-run", request.study.dry_run, "price the ladder and run nothing");
-  app.add_option("--suggest", request.suggest, "instead: a size and a step for this relative error of J, such as 1e-2")
+  app.add_option("--suggest", request.suggest,
+                 "instead: a size and a step for this relative error of J, such as 1e-2")
       ->check(CLI::Range(1e-12, 1.0));
 }
 
-/// Parses the command line; returns an exit status if there is nothing to run.
+/// Parses the command line; returns an exit status if there is nothing to run. Throws UserError.
 std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, bool& quiet) {
   require_verb(argc, argv);
   CLI::App app("Optimal control of dynamic contact with exact discrete gradients.", "signorini");
   app.require_subcommand(1);
-  app.footer("Options after -- go to PETSc. Exit status: 0 done; 1 a check failed; 2 the scene, the mesh or an option is\n"
+  app.footer("Options after -- go to PETSc. Exit status: 0 done; 1 a check failed; 2 the scene, the mesh or "
+             "an option is\n"
              "wrong; 3 a solver failed; 130 interrupted.");
   for (const Verb& verb : verbs) {
     CLI::App* sub = app.add_subcommand(verb.name, verb.text)->allow_extras();
@@ -101,7 +112,8 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     sub->add_flag("--quiet", quiet, "say nothing but errors");
-    sub->add_flag("--resume", request.resume, "optimize: go on from the checkpoint in the folder, where there is one");
+    sub->add_flag("--resume", request.resume,
+                  "optimize: go on from the checkpoint in the folder, where there is one");
     if (std::string_view(verb.name) == "info")
       sub->add_option("--time", request.timed_steps, "time this many steps, for an estimate of the whole")
           ->check(CLI::Range(1, std::numeric_limits<int>::max()));
@@ -119,24 +131,26 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
     throw UserError(fmt::format("command line: {}; see signorini --help", error.what()));
   }
   if (const std::vector<std::string> extra = app.remaining(true); !extra.empty())
-    throw UserError(fmt::format("command line: \"{}\" is not expected{}, allowed are one scene and the options --out, "
-                                "--set, --quiet; see signorini --help",
-                                extra.front(), did_you_mean(extra.front(), {"--out", "--set", "--quiet", "--resume"})));
+    throw UserError(
+        fmt::format("command line: \"{}\" is not expected{}, allowed are one scene and the options --out, "
+                    "--set, --quiet; see signorini --help",
+                    extra.front(), did_you_mean(extra.front(), {"--out", "--set", "--quiet", "--resume"})));
   if (request.resume && request.verb != "optimize")
-    throw UserError(fmt::format("--resume: found with {}, allowed is optimize, which writes checkpoints{}", request.verb,
-                                request.verb == "study" ? "; a study goes on from what its folder has without it" : ""));
+    throw UserError(
+        fmt::format("--resume: found with {}, allowed is optimize, which writes checkpoints{}", request.verb,
+                    request.verb == "study" ? "; a study goes on from what its folder has without it" : ""));
   return std::nullopt;
 }
 
-/// Prints an error as one line, whatever the names in it are made of.
+/// Prints an error as one line, with control characters in names replaced.
 void complain(std::string text) {
   std::ranges::replace_if(text, [](unsigned char c) { return std::iscntrl(c); }, ' ');
   fmt::print(stderr, "signorini: {}\n", text);
 }
 
-/// A failure that this rank saw and others may not have: say it once and end them all.
+/// Prints a failure that other ranks may not have seen, once, and ends all ranks.
 [[noreturn]] void abort_all(int rank, const std::string& text, int status) {
-  // Where every rank fails alike rank 0 speaks and ends the others while they wait.
+  // If every rank fails alike, rank 0 prints and ends the others while they sleep.
   if (rank != 0)
     std::this_thread::sleep_for(std::chrono::seconds(2));
   complain(text);
@@ -144,7 +158,7 @@ void complain(std::string text) {
   std::abort();
 }
 
-/// PETSc options of the command line that no solver asked for.
+/// Warns of PETSc options of the command line that no solver used.
 void report_unused(const std::vector<std::string>& given) {
   PetscInt count = 0;
   char **names = nullptr, **values = nullptr;
@@ -152,9 +166,11 @@ void report_unused(const std::vector<std::string>& given) {
     return;
   for (PetscInt i = 0; i < count; ++i)
     if (const std::string name = fmt::format("-{}", names[i]); std::ranges::find(given, name) != given.end())
-      fmt::print(stderr, "signorini: the PETSc option {} was not used; prefixes of its solvers: -step_, -condensed_vi_, "
-                         "-full_vi_\n",
-                 name);
+      fmt::print(
+          stderr,
+          "signorini: the PETSc option {} was not used; prefixes of its solvers: -step_, -condensed_vi_, "
+          "-full_vi_\n",
+          name);
   (void)PetscOptionsLeftRestore(nullptr, &count, &names, &values);
 }
 
@@ -180,8 +196,9 @@ int guarded(int argc, char** argv, int rank, int ranks) {
     complain(error.what());
     return wrong_input;
   } catch (const std::bad_alloc&) {
-    const char* text = "there is not enough memory for this scene, allowed are fewer time steps, larger elements or another "
-                       "trajectory.storage; signorini info tells what each takes";
+    const char* text =
+        "there is not enough memory for this scene, allowed are fewer time steps, larger elements or another "
+        "trajectory.storage; signorini info tells what each takes";
     if (ranks > 1)
       abort_all(rank, text, wrong_input);
     complain(text);
@@ -197,21 +214,22 @@ int guarded(int argc, char** argv, int rank, int ranks) {
 } // namespace
 
 int main(int argc, char** argv) {
-  // What stands behind -- is PETSc's.
-  char** const dashes = std::find_if(argv, argv + argc, [](const char* a) { return std::string_view(a) == "--"; });
+  // Arguments after -- go to PETSc.
+  char** const dashes =
+      std::find_if(argv, argv + argc, [](const char* a) { return std::string_view(a) == "--"; });
   const int own = static_cast<int>(dashes - argv);
   std::vector<char*> petsc_arguments{argv[0]};
   if (own < argc)
     petsc_arguments.insert(petsc_arguments.end(), dashes + 1, argv + argc);
-  signorini::catch_stop_signals(); // from the start: a signal while libraries start up is one like any other
+  signorini::catch_stop_signals(); // before libraries start, so that no signal is missed
   int petsc_count = static_cast<int>(petsc_arguments.size());
   petsc_arguments.push_back(nullptr);
   char** petsc_values = petsc_arguments.data();
   if (PetscInitialize(&petsc_count, &petsc_values, nullptr, nullptr) != PETSC_SUCCESS)
     return solver_failed;
-  spdlog::set_level(spdlog::level::warn); // the libraries speak of trouble only
+  spdlog::set_level(spdlog::level::warn); // the libraries log warnings and errors only
   signorini::petsc::keep_error_messages();
-  (void)PetscOptionsSetValue(nullptr, "-options_left", "0"); // said by report_unused, of the user's own alone
+  (void)PetscOptionsSetValue(nullptr, "-options_left", "0"); // report_unused() covers the user's own
   int rank = 0, ranks = 1;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);

@@ -1,6 +1,6 @@
 #pragma once
+#include "app/problem.h"
 #include "forward/balance.h"
-#include "problem.h"
 #include <functional>
 #include <vector>
 
@@ -11,7 +11,8 @@ template <class Part>
 class ByFunctions final : public forward::StepByStep<Part> {
 public:
   using Add = std::function<void(int k, Vec out)>;
-  explicit ByFunctions(Add density, Add vector = {}) : density_(std::move(density)), vector_(std::move(vector)) {}
+  explicit ByFunctions(Add density, Add vector = {})
+      : density_(std::move(density)), vector_(std::move(vector)) {}
   [[nodiscard]] bool has_density() const override { return static_cast<bool>(density_); }
   [[nodiscard]] bool has_vector() const override { return static_cast<bool>(vector_); }
   void add(int k, Part sum) const override {
@@ -46,13 +47,13 @@ struct Recorded {
 
   Recorded(const Problem& problem, const forward::ForceAtStep& load) {
     forward::Balance weigh(problem.stepper);
-    steps = forward::stream(problem.stepper, problem.initial, load, problem.steps(),
-                            [&](const forward::Frame& frame) {
-                              y.push_back(petsc::copy(frame.y1));
-                              v.push_back(petsc::copy(frame.v1));
-                              contact.push_back(frame.contact);
-                              balance.push_back(weigh(frame));
-                            });
+    steps = forward::integrate(problem.stepper, problem.initial, load, problem.steps(),
+                               [&](const forward::Frame& frame) {
+                                 y.push_back(petsc::copy(frame.y1));
+                                 v.push_back(petsc::copy(frame.v1));
+                                 contact.push_back(frame.contact);
+                                 balance.push_back(weigh(frame));
+                               });
   }
   /// Of the steps 0…N.
   [[nodiscard]] std::vector<contact::ContactSets> sets() const { return {contact.begin(), contact.end()}; }

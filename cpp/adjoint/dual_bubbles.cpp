@@ -26,9 +26,9 @@ void Duals::move(Vec p_k, const contact::ContactSets* later) {
   check(VecCopy(p_k, p));
 }
 
-DualBubbles::DualBubbles(const EnrichedBody& body, const forward::DualAtStep& derivative, forward::Scheme scheme)
-    : body_(body), derivative_(derivative), scheme_(scheme),
-      diagonal_(fem::diagonal(body.operators().A)) {
+DualBubbles::DualBubbles(const EnrichedBody& body, const forward::DualAtStep& derivative,
+                         forward::Scheme scheme)
+    : body_(body), derivative_(derivative), scheme_(scheme), diagonal_(fem::diagonal(body.operators().A)) {
   for (petsc::Vector* x : {&b_, &left_, &z_, &direction_, &image_, &work_})
     *x = body.space().vector();
   check(VecScale(diagonal_, scheme.impulse()));
@@ -87,7 +87,7 @@ Vec DualBubbles::next(int k, const Duals& duals, const contact::ActiveSet& activ
   check(VecAXPY(left_, -1, image_));
   double product = precondition(active);
   check(VecCopy(z_, direction_));
-  // A hundredth of the bubbles' energy norm; what is neglected of the error is more.
+  // Of a squared norm: 1 % in the bubbles' energy norm, below the error that the estimate neglects.
   constexpr double tolerance = 1e-4;
   constexpr int most = 1000;
   const double enough = tolerance * std::max(size, product);

@@ -4,14 +4,16 @@
 
 namespace signorini::adjoint {
 
-/// The duals of a run at step k and after it, for k from N down: of nodal forces p_k, and ω_k, by which M ω_k
-/// is the derivative by v_k of what is left of J after t_k:
-///     ω_N = 0,   ω_{k−1} = τ p_k − ω_k,   in contact-stabilized stepping + τ (Π_k − 1)(p_k − 2/τ ω_k)
+/// The adjoint states p_k of a run and ω_k, at steps k and k + 1, for k from N down; M ω_k is the derivative
+/// by v_k of the part of J after t_k (docs/method.md section 4):
+///     ω_N = 0,   ω_{k−1} = τ p_k − ω_k;   contact-stabilized steps add τ (Π_k − 1)(p_k − 2/τ ω_k)
 class Duals {
 public:
+  /// `stepper` must outlive this object. Collective.
   explicit Duals(const forward::Stepper& stepper);
 
-  /// To p_k and ω_k. `later` is the contact of step k + 1, null at N. Collective.
+  /// Moves from step k + 1 to k, with p_k in `p`. `later` is the contact of step k + 1, null at N.
+  /// Collective.
   void move(Vec p, const contact::ContactSets* later);
 
   petsc::Vector p, p_later, velocity, velocity_later; ///< p_k, p_{k+1}, ω_k, ω_{k+1}
@@ -21,13 +23,14 @@ private:
   petsc::Vector work_;
 };
 
-/// What the adjoint states of the enriched body have of bubbles, from the residual that the run's duals leave
-/// there: between steps k and k + 1
+/// The bubble part b_k of the enriched body's adjoint states. The run's duals leave there, between steps k
+/// and k + 1, the residual
 ///     ρ_k = ∂J/∂y_k + M ((3 ω_k − ω_{k+1})/τ − p_k) + τ/2 B (p_{k+1} − p_k) − τ²/4 A (p_k + p_{k+1})
-/// which is zero on V where nothing is in contact, must be taken up by bubbles b: (τ²/2 A + τ/2 B) b_k = ρ_k
-/// + τ/2 B b_{k+1}. Their inertia is left out; they are stiffer by far than the waves that the mesh can
-/// carry. By conjugate gradients, in a few iterations on any mesh, since neighbouring bubbles alone feel each
-/// other (hierarchical error estimate, Bank and Smith 1993).
+/// which is zero on V where nothing is in contact. The bubbles solve
+///     (τ²/2 A + τ/2 B) b_k = ρ_k + τ/2 B b_{k+1}
+/// without inertia: they are far stiffer than the waves that the mesh can resolve. Conjugate gradients,
+/// preconditioned by the diagonal, take a few iterations on any mesh, since only neighbouring bubbles are
+/// coupled (hierarchical error estimate, Bank and Smith 1993; docs/method.md section 7).
 class DualBubbles {
 public:
   /// `derivative` is ∂J/∂y_k on the enriched body. Collective. The references must outlive
@@ -38,15 +41,15 @@ public:
   /// SolverFailure.
   Vec next(int k, const Duals& duals, const contact::ActiveSet& active);
 
-  /// The last one; zero before the first.
+  /// b_k of the last call of next(); zero before the first.
   [[nodiscard]] Vec last() const { return b_; }
 
 private:
   void residual(int k, const Duals& duals);
   void add(Mat matrix, double factor);
-  /// out = (τ²/2 A + τ/2 B) x among bubbles
+  /// out = (τ²/2 A + τ/2 B) x, restricted to the bubbles that are free to move.
   void apply(Vec x, const contact::ActiveSet& active, Vec out);
-  /// z of the residual left, by the diagonal; returns their product.
+  /// z = residual / diagonal, restricted likewise; returns z · residual.
   double precondition(const contact::ActiveSet& active);
 
   const EnrichedBody& body_;

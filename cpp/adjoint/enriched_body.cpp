@@ -45,7 +45,7 @@ void EnrichedBody::match(const contact::Constraints& constraints) {
   std::map<std::pair<PetscInt, int>, int> candidate; // by node and obstacle
   for (int i = 0; i < constraints.count(); ++i)
     candidate[{constraints.first_dofs()[i] / dim, constraints.obstacles()[i]}] = i;
-  constexpr int elsewhere = -2; // known to another rank
+  constexpr int elsewhere = -2; // on another rank; less than −1 for MPI_MAX
   ends_.assign(static_cast<std::size_t>(constraints_->count()), {elsewhere, elsewhere});
   const Mat embed = petsc::component(embed_);
   PetscInt begin = 0, end = 0;

@@ -1,12 +1,12 @@
 #pragma once
 #include "contact/constraints.h"
-#include "fem/enrichment.h"
+#include "fem/degree_raising.h"
 #include <optional>
 
 namespace signorini::adjoint {
 
-/// The body in functions of degree 2 on the mesh of a run of degree 1. They are those of degree 1 and
-/// bubbles: functions that are zero at the vertices, one for each edge and component.
+/// The body in functions of degree 2 on the mesh of a run of degree 1. These are sums of functions of degree
+/// 1 and bubbles: functions that vanish at the vertices, one for each edge and component.
 class EnrichedBody {
 public:
   /// `linear` is the run's space and `constraints` its contact, null without. Collective. The references must
@@ -21,18 +21,19 @@ public:
   /// y of degree 1 as a function of degree 2. Collective.
   void embed(Vec y, Vec out) const;
 
-  /// What interpolation in the run's space leaves out of a field at time t: bubbles. Collective. Throws
-  /// UserError as fem::Space::interpolate does.
+  /// The interpolation of a field at time t (s) in degree 2 less that in the run's space, a combination of
+  /// bubbles. Collective. Throws UserError as fem::Space::interpolate does.
   void interpolation_error(const scene::Field& field, double t, Vec out) const;
 
-  /// That of the scene's initial displacement and velocity; null where it has none.
+  /// interpolation_error() of the scene's initial displacement and velocity; null where it has none.
   struct InitialError {
     petsc::Vector y, v;
   };
   [[nodiscard]] const InitialError& initial_error() const { return initial_error_; }
 
-  /// Leaves of x, in the product of the coefficients, the bubbles that may move: zero where clamps hold and,
-  /// along ν, in the middle of edges whose ends are both in contact with the same obstacle. Collective.
+  /// Projects x, in the Euclidean product of the coefficients, onto the bubbles that are free to move: zero
+  /// at vertices and clamped dofs and, along ν, in the middle of edges whose ends are both active against the
+  /// same obstacle. Collective.
   void keep_bubbles(const contact::ActiveSet& active, Vec x) const;
 
 private:
@@ -42,12 +43,12 @@ private:
   const fem::Space& linear_;
   fem::Space space_;
   fem::Operators operators_;
-  fem::Clamped clamped_;
+  fem::DirichletDofs clamped_;
   petsc::Matrix embed_;
   std::vector<int> vertices_; ///< owned nodes, local numbers
   std::optional<contact::Constraints> constraints_;
   std::vector<std::array<int, 2>>
-      ends_; ///< of each candidate here the run's candidates at the ends of its edge, or −1
+      ends_; ///< for each candidate here the run's candidates at the ends of its edge, or −1
   std::vector<double> zero_;
   InitialError initial_error_;
 };

@@ -7,7 +7,7 @@ using petsc::check, petsc::dot;
 
 namespace {
 
-/// A motion around t_k, for k from N down.
+/// The states of a motion at t_{k+1}, t_k and t_{k−1}, for k from N down.
 class Window {
 public:
   struct Instant {
@@ -20,7 +20,7 @@ public:
     fill(trajectory.steps(), before);
   }
 
-  /// To t_k after t_{k+1}.
+  /// Moves from t_{k+1} to t_k.
   void move(int k) {
     std::swap(later, now);
     std::swap(now, before);
@@ -31,7 +31,7 @@ public:
 
 private:
   void fill(int k, const Instant& x) const {
-    const forward::States::View state = trajectory_.at(k);
+    const forward::StateStore::View state = trajectory_.at(k);
     check(VecCopy(state.y, x.y));
     check(VecCopy(state.v, x.v));
   }
@@ -39,13 +39,12 @@ private:
   const forward::Trajectory& trajectory_;
 };
 
-/// What is left of the equation of motion of step k in functions of degree 2: f − M a − B w − A ȳ.
+/// The residual r_k of the equation of motion in functions of degree 2; see weighted_residual().
 class Residual {
 public:
   Residual(const EnrichedBody& body, const Window& motion, const forward::ForceAtStep& load, double tau)
-      : body_(body), motion_(motion), load_(load), tau_(tau),
-        coarse_(petsc::zero_like(motion.now.y)), fine_(body.space().vector()), sum_(body.space().vector()),
-        product_(body.space().vector()) {}
+      : body_(body), motion_(motion), load_(load), tau_(tau), coarse_(petsc::zero_like(motion.now.y)),
+        fine_(body.space().vector()), sum_(body.space().vector()), product_(body.space().vector()) {}
 
   Vec operator()(int k) {
     const fem::Operators& operators = body_.operators();
@@ -73,14 +72,14 @@ private:
   petsc::Vector coarse_, fine_, sum_, product_;
 };
 
-/// The time part, interface by interface between steps, from the last one on.
+/// The time part, summed over t_k from k = N down.
 class TimePart {
 public:
   TimePart(const forward::Stepper& stepper, const Window& motion, int steps, const forward::ForceAtStep& load)
-      : stepper_(stepper), motion_(motion), steps_(steps), load_(load),
-        tau_(stepper.scheme().tau), rate_(stepper.space().vector()), later_(stepper.space().vector()),
-        force_(stepper.space().vector()), force_later_(stepper.space().vector()),
-        moves_(stepper.space().vector()), product_(stepper.space().vector()) {}
+      : stepper_(stepper), motion_(motion), steps_(steps), load_(load), tau_(stepper.scheme().tau),
+        rate_(stepper.space().vector()), later_(stepper.space().vector()), force_(stepper.space().vector()),
+        force_later_(stepper.space().vector()), moves_(stepper.space().vector()),
+        product_(stepper.space().vector()) {}
 
   /// Takes p_k after p_{k+1}.
   void take(int k, Vec p) {
@@ -104,7 +103,7 @@ private:
     return dot(rate_, product_);
   }
 
-  /// At t_k, per time.
+  /// The integrand at t_k, for the trapezoidal rule.
   double at_interface(bool last) {
     const fem::Operators& body = stepper_.operators();
     double value = 0;
@@ -123,7 +122,7 @@ private:
     return value + tau_ / 24 * dot(rate_, moves_);
   }
 
-  /// The boundary terms at t = 0, π(0) = τ/2 p_1, and half an interval of the first interface's rate.
+  /// The boundary terms at t = 0, π(0) = τ/2 p_1, and the integral's end at t = 0, with π' of t_1.
   void start(Vec p) {
     const Mat A = stepper_.operators().A;
     check(VecCopy(motion_.before.v, moves_));
@@ -144,7 +143,7 @@ private:
   petsc::Vector rate_, later_, force_, force_later_, moves_, product_;
 };
 
-/// The parts of space and initial data, from the last step on.
+/// The parts of space and initial data, summed from step N down.
 class SpacePart {
 public:
   SpacePart(const forward::Stepper& stepper, const EnrichedBody& body, const Window& motion,
@@ -162,7 +161,8 @@ public:
     body_.embed(p, dual_);
     space_ += scheme_.impulse() * dot(dual_, r);
     if (k < steps_) {
-      // Of p_k⁺ the mean of the bubbles before and after t_k, and at the ends those beside.
+      // b_k lies between steps k and k + 1: p_k⁺ takes the mean of b_{k−1} and b_k, and p_1⁺ and p_N⁺ the
+      // only one.
       const Vec b = bubbles_.next(k, duals_, contact_[i].active);
       const double now = k == 1 ? 1 : 0.5, before = k + 1 == steps_ ? 1 : 0.5;
       space_ += scheme_.impulse() * (now * dot(b, r) + before * dot(b, later_));
@@ -172,10 +172,10 @@ public:
 
   [[nodiscard]] double space() const { return space_; }
 
-  /// After p_1.
+  /// The part of initial data; to be called after take(1, p_1).
   double initial() {
     check(VecZeroEntries(coarse_));
-    duals_.move(coarse_, &contact_[1]); // p_1 is the later one now, and with it ω_0 and ω_1
+    duals_.move(coarse_, &contact_[1]); // now p_later is p_1, and the velocities ω_0, ω_1
     const auto& [dy, dv] = body_.initial_error();
     const fem::Operators& operators = body_.operators();
     double value = 0;
@@ -191,7 +191,7 @@ public:
   }
 
 private:
-  /// error·matrix (dual + factor b); ω is τ/2 p but for terms of the order of τ.
+  /// error·matrix (dual + factor b); the factor for ω is τ/2, since ω = τ/2 p to leading order in τ.
   double weighed(Mat matrix, Vec dual, double factor, Vec error) {
     body_.embed(dual, dual_);
     check(VecAXPY(dual_, factor, bubbles_.last()));

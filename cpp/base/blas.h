@@ -3,7 +3,7 @@
 
 namespace signorini {
 
-/// Arrays of this rank, by BLAS; of any length, though BLAS counts with 32 bits. Not collective.
+/// BLAS on arrays of this rank, also beyond its 32-bit counts; x and y of equal length. Not collective.
 
 /// y += a x.
 void axpy(double a, std::span<const double> x, std::span<double> y);

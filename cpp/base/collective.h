@@ -7,19 +7,21 @@
 
 namespace signorini {
 
+/// Number of this rank. Not collective.
 inline int rank(MPI_Comm comm) {
   int r = 0;
   MPI_Comm_rank(comm, &r);
   return r;
 }
 
+/// Number of ranks. Not collective.
 inline int ranks(MPI_Comm comm) {
   int size = 1;
   MPI_Comm_size(comm, &size);
   return size;
 }
 
-/// The text or numbers of rank `root` on every rank. Collective.
+/// Returns the text or numbers of rank `root` on every rank. Collective.
 template <class Sequence>
 Sequence broadcast(MPI_Comm comm, Sequence values, int root = 0) {
   auto size = static_cast<long>(values.size());
@@ -30,7 +32,7 @@ Sequence broadcast(MPI_Comm comm, Sequence values, int root = 0) {
   return values;
 }
 
-/// The entries of all ranks, by rank, on every rank. Collective.
+/// Returns the entries of all ranks, in the order of the ranks, on every rank. Collective.
 template <class T>
 std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine) {
   const int size = ranks(comm), bytes = static_cast<int>(mine.size() * sizeof(T));
@@ -42,10 +44,11 @@ std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine) {
   return all;
 }
 
-/// Runs `work` on rank 0; a Failure there is thrown on every rank, so that none waits for the others. Collective.
+/// Runs `work` on rank 0; a Failure there is thrown on every rank, so that no rank is left waiting.
+/// Collective.
 template <class Failure = UserError, class Work>
 void on_root(MPI_Comm comm, Work&& work) {
-  if (ranks(comm) == 1) { // allocates nothing
+  if (ranks(comm) == 1) { // avoids the allocations of a broadcast
     work();
     return;
   }
@@ -62,8 +65,8 @@ void on_root(MPI_Comm comm, Work&& work) {
     throw Failure(problem);
 }
 
-/// Runs `work` on every rank; a UserError on any rank is thrown on every rank (the lowest rank's text).
-/// Collective.
+/// Runs `work` on every rank; a UserError of any rank is thrown on all, with the text of the lowest rank that
+/// threw. Collective.
 template <class Work>
 void together(MPI_Comm comm, Work&& work) {
   std::string problem;

@@ -4,7 +4,7 @@ namespace signorini {
 namespace {
 
 std::map<std::string, long>& registry() {
-  static std::map<std::string, long> all; // made at its first use, which may be before main
+  static std::map<std::string, long> all; // counters of other files are initialised before main, in any order
   return all;
 }
 

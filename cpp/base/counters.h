@@ -4,12 +4,12 @@
 
 namespace signorini {
 
-/// How often this process made or did something, by name, for run.json: what a scene does not ask for must
-/// count nothing. The reference stays valid: in a loop it is taken once before, and counting costs an
-/// increment.
+/// Returns the counter `name` of this process, zero at first; run.json lists them, to show that a scene costs
+/// nothing that it does not ask for. The reference stays valid: take it once before a loop, so that counting
+/// costs an increment. Not collective.
 long& count(const std::string& name);
 
-/// All of them.
+/// All counters of this process, by name. Not collective.
 const std::map<std::string, long>& counts();
 
 } // namespace signorini

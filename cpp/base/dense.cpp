@@ -26,7 +26,7 @@ int invert_factorised(std::span<double> factor, std::size_t n) {
   PetscBLASInt info = 0;
   if (n > 0)
     LAPACKpotri_("L", &size, factor.data(), &size, &info);
-  for (std::size_t j = 0; j < n; ++j) // LAPACK fills the lower triangle, column by column
+  for (std::size_t j = 0; j < n; ++j) // LAPACK fills the lower triangle only
     for (std::size_t i = j + 1; i < n; ++i)
       factor[i * n + j] = factor[j * n + i];
   return static_cast<int>(info);

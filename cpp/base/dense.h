@@ -4,18 +4,18 @@
 
 namespace signorini {
 
-/// The factor of a symmetric positive definite K (n × n), in place, by LAPACK's Cholesky: 0, or the number of the pivot that is
-/// not positive.
+/// Factorises a symmetric positive definite K (n × n) in place by LAPACK's Cholesky (lower triangle). Returns
+/// 0, or the number, from 1, of the first pivot that is not positive.
 int factorise_dense(std::span<double> K, std::size_t n);
 
-/// x of K x = b by that factor, for each of the columns of b (n each), in place.
+/// Solves K x = b in place with that factor, for each column of b (n × columns, column by column).
 void solve_factorised(std::span<const double> factor, std::size_t n, std::span<double> b);
 
-/// K⁻¹ by that factor, in place, both triangles. The number of a pivot that is zero, 0 if none is.
+/// Replaces that factor by K⁻¹, both triangles. Returns 0, or the number, from 1, of a pivot that is zero.
 int invert_factorised(std::span<double> factor, std::size_t n);
 
-/// x of K x = b for a symmetric positive definite K (n × n), for each of the columns of b (n each), in place. Throws SolverFailure
-/// if K is not positive definite.
+/// Solves K x = b in place for a symmetric positive definite K (n × n), for each column of b (n × columns,
+/// column by column). Throws SolverFailure if K is not positive definite.
 void solve_dense(std::vector<double> K, std::span<double> b);
 
 } // namespace signorini

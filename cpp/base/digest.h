@@ -7,13 +7,13 @@
 
 namespace signorini {
 
-/// A number of 64 bits that tells contents apart which nobody made to be alike: FNV-1a of pieces and their
-/// lengths.
+/// 64-bit hash (FNV-1a) of pieces and their lengths, to tell contents apart; not safe against contents that
+/// were made to collide.
 class Digest {
 public:
   Digest& add(std::string_view piece) {
     mix(piece);
-    const std::uint64_t size = piece.size(); // so that "ab", "c" is another than "a", "bc"
+    const std::uint64_t size = piece.size(); // so that "ab", "c" and "a", "bc" differ
     mix({reinterpret_cast<const char*>(&size), sizeof size});
     return *this;
   }
@@ -21,7 +21,7 @@ public:
     return add({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)});
   }
 
-  /// As 16 digits.
+  /// The hash as 16 hexadecimal digits.
   [[nodiscard]] std::string text() const { return fmt::format("{:016x}", state_); }
 
 private:

@@ -10,7 +10,8 @@ class UserError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A file cannot be written, which one rank may see and others not: exit status 2, on several ranks by ending them all.
+/// A file cannot be written, possibly on some ranks only: exit status 2; on several ranks the program aborts
+/// them all.
 class WriteFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -20,7 +21,7 @@ class SolverFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The user asked to stop while a sweep was under way: what is complete is written, exit status 130.
+/// The user asked to stop during a sweep: complete results are written, exit status 130.
 class Interrupted : public std::exception {
 public:
   [[nodiscard]] const char* what() const noexcept override { return "interrupted"; }

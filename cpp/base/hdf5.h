@@ -5,7 +5,7 @@
 
 namespace signorini {
 
-/// Sole owner of something that HDF5 opened.
+/// Sole owner of an HDF5 identifier, which it closes.
 class Opened {
 public:
   Opened(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
@@ -19,7 +19,7 @@ public:
     std::swap(close_, other.close_);
     return *this;
   }
-  /// Whether it could be closed, which for a file is writing the last of it.
+  /// Closes the identifier and returns whether that succeeded: closing a file writes its remaining data.
   bool finish() {
     const hid_t id = std::exchange(id_, H5I_INVALID_HID);
     return id < 0 || close_(id) >= 0;
@@ -32,7 +32,7 @@ private:
   herr_t (*close_)(hid_t);
 };
 
-/// Rows and columns of a dataset, zero if it is no table.
+/// Rows and columns of a dataset; zeros unless it has two dimensions.
 inline std::array<hsize_t, 2> shape(hid_t dataset) {
   std::array<hsize_t, 2> rows_columns{};
   const Opened space(H5Dget_space(dataset), H5Sclose);

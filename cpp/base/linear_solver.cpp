@@ -12,8 +12,8 @@ using petsc::check;
 namespace {
 long& solves = count("solves with D");
 constexpr const char* prefix = "step_";
-constexpr double megabyte = 1e6; // in which MUMPS counts
-/// Relative residuals at which a judge is asked: early, where most of what changes shows, and again.
+constexpr double megabyte = 1e6; // the unit of INFOG(17) and INFOG(22)
+/// Relative residuals at which the judge is called: early, where most changes already show, and once more.
 constexpr std::array judged_at{1e-3, 1e-6};
 } // namespace
 
@@ -40,16 +40,21 @@ double MumpsSolver::estimate() const {
 }
 
 void MumpsSolver::factorise() {
+  // Which rank takes which part is decided by their loads at the time, so that the space estimated by the
+  // analysis may fall short, at random. Space that is not used costs no memory: twice as much is set aside,
+  // and where even that is too little, or the user's own option, more.
+  constexpr PetscInt twice = 100, most = 1000; // per cent
+  PetscBool chosen = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, prefix, "-mat_mumps_icntl_14", &chosen));
+  if (!chosen)
+    check(MatMumpsSetIcntl(factor_, 14, twice));
+  PetscInt extra = 0;
+  check(MatMumpsGetIcntl(factor_, 14, &extra));
   MatFactorInfo info;
   check(MatFactorInfoInitialize(&info));
   check(MatCholeskyFactorNumeric(factor_, matrix_, &info));
-  // Which rank takes which part is decided by their loads at the time, so that the space set aside after the
-  // analysis may fall short, at random: then once more with more of it.
-  constexpr PetscInt most = 1000; // per cent
-  PetscInt extra = 0;
-  check(MatMumpsGetIcntl(factor_, 14, &extra));
   while (short_of_space() && extra < most) {
-    extra = std::max<PetscInt>(2 * extra, 50);
+    extra = std::max<PetscInt>(2 * extra, twice);
     analyse();
     check(MatMumpsSetIcntl(factor_, 14, extra));
     check(MatCholeskyFactorNumeric(factor_, matrix_, &info));
@@ -58,15 +63,17 @@ void MumpsSolver::factorise() {
   check(MatMumpsGetInfog(factor_, 1, &error));
   check(MatMumpsGetInfog(factor_, 2, &detail));
   if (error < 0)
-    throw SolverFailure(fmt::format("the factorisation of the step operator D by MUMPS failed: INFOG(1) = {}, "
-                                    "INFOG(2) = {}",
-                                    error, detail));
+    throw SolverFailure(
+        fmt::format("the factorisation of the step operator D by MUMPS failed: INFOG(1) = {}, "
+                    "INFOG(2) = {}",
+                    error, detail));
   matrix_ = {};
 }
 
 bool MumpsSolver::short_of_space() const {
   PetscInt error = 0;
   check(MatMumpsGetInfog(factor_, 1, &error));
+  // Workspace (-8, -9) or message buffers (-17, -20) too small: MUMPS users' guide, INFOG(1).
   return error == -8 || error == -9 || error == -17 || error == -20;
 }
 
@@ -87,7 +94,7 @@ ConjugateGradients::ConjugateGradients(Mat matrix) {
   check(KSPSetType(ksp_, KSPCG));
   check(KSPSetNormType(ksp_, KSP_NORM_NATURAL));
   check(KSPSetInitialGuessNonzero(ksp_, PETSC_TRUE));
-  constexpr double tolerance = 1e-12; // the gradient is exact to about this
+  constexpr double tolerance = 1e-12; // the gradient of J is accurate to about this
   constexpr PetscInt most = 2000;
   check(KSPSetTolerances(ksp_, tolerance, 0, PETSC_CURRENT, most));
   check(KSPSetConvergenceTest(ksp_, converged, this, nullptr));
@@ -133,7 +140,7 @@ PetscErrorCode ConjugateGradients::precondition(PC shell, Vec x, Vec y) {
     (*self.now_.project)(self.projected_);
     PetscCall(PCApply(self.preconditioner_, self.projected_, y));
     (*self.now_.project)(y);
-  } catch (...) { // no exception may cross PETSc
+  } catch (...) { // no exception may propagate through PETSc's C code
     PetscFunctionReturn(PETSC_ERR_LIB);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -145,7 +152,7 @@ PetscErrorCode ConjugateGradients::converged(KSP ksp, PetscInt iteration, PetscR
   const auto& self = *static_cast<const ConjugateGradients*>(context);
   Solve& now = self.now_;
   *reason = KSP_CONVERGED_ITERATING;
-  if (iteration == 0) // the solution's size is that of the guess, or, without one, of the right-hand side
+  if (iteration == 0) // for a zero guess the residual measures the solution
     now.scale = std::max(now.scale, residual);
   const auto due = std::ranges::count_if(judged_at, [&](double at) { return residual <= at * now.scale; });
   if (!std::isfinite(residual)) {
@@ -176,7 +183,7 @@ bool ConjugateGradients::solve(Vec b, Vec x, const Projector& project, const Jud
 
 void ConjugateGradients::run(Vec b, Vec x, Solve solve) const {
   now_ = solve;
-  now_.scale = std::sqrt(std::abs(petsc::dot(b, x))); // x·b is about x·D x
+  now_.scale = std::sqrt(std::abs(petsc::dot(b, x))); // energy norm of the guess: x·b ≈ x·Dx
   check(KSPSolve(ksp_, b, x));
   count_solve();
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
@@ -194,7 +201,8 @@ void ConjugateGradients::run(Vec b, Vec x, Solve solve) const {
 }
 
 double ConjugateGradients::bytes() const {
-  // Block Jacobi keeps a block a node; of others, which options may put in its place, PETSc does not tell.
+  // Block Jacobi stores one block per node; PETSc does not report the memory of preconditioners that options
+  // may choose instead.
   Mat matrix = nullptr;
   PetscInt rows = 0, block = 1;
   check(KSPGetOperators(ksp_, &matrix, nullptr));

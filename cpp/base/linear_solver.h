@@ -5,16 +5,16 @@
 
 namespace signorini {
 
-/// Solver for one symmetric positive definite matrix, prepared once and used at every step.
+/// Solver for one symmetric positive definite matrix, set up once and used at every step.
 class LinearSolver {
 public:
   virtual ~LinearSolver() = default;
 
-  /// x = matrix⁻¹ b; `x` holds a guess on entry, which a direct solver ignores. Collective. Throws
-  /// SolverFailure.
+  /// Solves matrix x = b; `x` holds an initial guess on entry, which a direct solver ignores. Collective.
+  /// Throws SolverFailure.
   virtual void solve(Vec b, Vec x) const = 0;
 
-  /// What solves, for reports: a package, or the method and its preconditioner.
+  /// Name for reports: the package, or the method and its preconditioner.
   [[nodiscard]] virtual std::string name() const = 0;
 
   /// Memory of the factor or preconditioner on all ranks, bytes. Collective.
@@ -27,16 +27,16 @@ protected:
 /// Factorisation by MUMPS on any number of ranks. PETSc options with the prefix `-step_` are honoured.
 class MumpsSolver final : public LinearSolver {
 public:
-  /// Orders and counts. Collective. Throws SolverFailure.
+  /// Analyses a copy of `matrix`: elimination order and memory. Collective. Throws SolverFailure.
   explicit MumpsSolver(Mat matrix);
 
-  /// Whether the factor's entries can be numbered: MUMPS does with 64 bits.
+  /// Whether the factor's entries can be indexed; always, since MUMPS uses 64-bit indices.
   [[nodiscard]] static bool possible() { return true; }
 
-  /// Memory that the factorisation will take on all ranks, as counted, bytes. Collective.
+  /// Memory of the factorisation on all ranks as estimated by the analysis, bytes. Collective.
   [[nodiscard]] double estimate() const;
 
-  /// To be called once before solve(). Collective. Throws SolverFailure.
+  /// Computes the factor; to be called once before solve(). Collective. Throws SolverFailure.
   void factorise();
 
   void solve(Vec b, Vec x) const override;
@@ -49,15 +49,15 @@ private:
   petsc::Matrix matrix_, factor_;
 };
 
-/// The method of conjugate gradients, its preconditioner set up once: block Jacobi, a block for each
-/// node, the same on any number of ranks. PETSc options with the prefix `-step_` are honoured, but for the
-/// convergence test: the residual in the norm of the preconditioner, which is about the error in the norm of
-/// the matrix, falls below tolerance() times the solution's size.
+/// Preconditioned conjugate gradients; the preconditioner, set up once, is block Jacobi with one block per
+/// node, which does not depend on the number of ranks. PETSc options with the prefix `-step_` are honoured,
+/// except for the convergence test: the residual in the norm of the preconditioner (natural norm), about the
+/// energy norm of the error, must fall below tolerance() times the energy norm of the solution.
 class ConjugateGradients final : public LinearSolver {
 public:
   /// Orthogonal projector onto a subspace of vectors, in place.
   using Projector = std::function<void(Vec)>;
-  /// Looks at an unfinished solution and tells whether to go on with it.
+  /// Inspects an iterate and returns whether to continue.
   using Judge = std::function<bool(Vec)>;
 
   /// `matrix` must outlive this object unchanged. Collective. Throws SolverFailure.
@@ -67,8 +67,9 @@ public:
 
   void solve(Vec b, Vec x) const override;
 
-  /// Solves on a subspace: P (b − matrix x) = 0 with x − guess in the range of P. `judge`, if given, is asked
-  /// on the way, and false ends the solve: then false is returned. Collective. Throws SolverFailure.
+  /// Solves on a subspace: P (b − matrix x) = 0 with x − guess in the range of P. `judge`, if given, is
+  /// called at two intermediate residuals; if it returns false, the solve ends there and returns false.
+  /// Collective. Throws SolverFailure.
   bool solve(Vec b, Vec x, const Projector& project, const Judge& judge) const;
 
   /// Relative tolerance of a solve (-step_ksp_rtol).
@@ -78,13 +79,13 @@ public:
   [[nodiscard]] double bytes() const override;
 
 private:
-  /// The solve that is under way.
+  /// State of the current solve.
   struct Solve {
     const Projector* project = nullptr;
     const Judge* judge = nullptr;
-    std::ptrdiff_t asked = 0; ///< residuals of judged_at passed when the judge was asked last
+    std::ptrdiff_t asked = 0; ///< residuals of judged_at passed at the last call of the judge
     bool stopped = false;     ///< by the judge
-    double scale = 0;         ///< size of the solution in the norm of the residual
+    double scale = 0;         ///< norm of the solution to which residuals are relative
   };
 
   static PetscErrorCode precondition(PC shell, Vec x, Vec y);

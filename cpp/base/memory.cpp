@@ -19,7 +19,7 @@ double resident_memory() {
 }
 
 void forget_peak_memory() {
-  malloc_trim(0); // what is free would count
+  malloc_trim(0); // freed heap memory would count as resident
   std::ofstream("/proc/self/clear_refs") << "5";
 }
 

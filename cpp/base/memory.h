@@ -2,16 +2,17 @@
 
 namespace signorini {
 
-/// Peak resident memory of this process since it started or since the last forget_peak_memory(), bytes.
+/// Peak resident memory of this process since its start or the last forget_peak_memory(), bytes.
 double peak_memory();
 
 /// Resident memory of this process now, bytes.
 double resident_memory();
 
-/// Starts the peak afresh, where the system lets it (Linux).
+/// Resets the peak to the present resident memory where the system allows it (Linux); first returns free heap
+/// memory to the system.
 void forget_peak_memory();
 
-/// Memory of the machine, bytes.
+/// Physical memory of the machine, bytes.
 double machine_memory();
 
 } // namespace signorini

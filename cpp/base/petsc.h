@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
-/// PETSc objects with C++ lifetimes.
+/// Owning wrappers and helpers for PETSc objects.
 namespace signorini::petsc {
 
-/// Throws SolverFailure with PETSc's own message if `ierr` is an error, std::bad_alloc if memory is short.
+/// Throws SolverFailure with PETSc's own message if `ierr` is an error, std::bad_alloc if memory ran out.
 void check(PetscErrorCode ierr, std::source_location where = std::source_location::current());
 
 /// Makes PETSc keep its error messages for check() instead of printing a traceback.
@@ -29,7 +29,7 @@ public:
 
   operator T() const { return object_; }
 
-  /// Address for a PETSc function that creates an object; what was held is destroyed first.
+  /// Address for a PETSc function that creates an object; destroys the object held before.
   T* put() {
     destroy(&object_);
     return &object_;
@@ -52,7 +52,7 @@ Vector zero_like(Vec x);
 /// A vector of the same layout and entries. Collective.
 Vector copy(Vec x);
 
-/// A zero vector that a square matrix can be multiplied with. Collective.
+/// A zero vector x of the layout for products matrix x (the columns'). Collective.
 Vector vector_of(Mat matrix);
 
 /// A series of vectors, one per time step.
@@ -61,7 +61,7 @@ using Series = std::vector<Vector>;
 /// `count` zero vectors of the layout of `x`. Collective.
 Series zero_series(Vec x, std::size_t count);
 
-/// The owned entries of a vector for reading, as long as this object lives.
+/// Read access to this rank's entries of a vector during this object's lifetime.
 class ReadArray {
 public:
   explicit ReadArray(Vec x);
@@ -78,7 +78,7 @@ private:
   std::size_t size_ = 0;
 };
 
-/// The owned entries of a vector for writing, as long as this object lives.
+/// Write access to this rank's entries of a vector during this object's lifetime.
 class WriteArray {
 public:
   explicit WriteArray(Vec x);
@@ -95,10 +95,12 @@ private:
   std::size_t size_ = 0;
 };
 
-/// Lets a vector stand for an array of this rank, as long as this object lives; what it held is left alone.
+/// Makes a vector use an array of this rank as its entries during this object's lifetime (VecPlaceArray); its
+/// own entries are unchanged afterwards.
 class Placed {
 public:
-  /// `array` has as many entries as the vector has owned ones. It may be written through x if it is not const.
+  /// `array`: as many entries as this rank owns of x; it must outlive this object. Writing through x is
+  /// allowed only if the array itself is not const.
   Placed(Vec x, std::span<const double> array) : x_(x) { check(VecPlaceArray(x, array.data())); }
   ~Placed() { (void)VecResetArray(x_); }
   Placed(const Placed&) = delete;
@@ -109,7 +111,7 @@ private:
   Vec x_;
 };
 
-/// The one component that a matrix of type MAIJ stores for all; null for other types.
+/// The scalar matrix that a matrix of type MAIJ applies to each component, borrowed; null for other types.
 Mat component(Mat matrix);
 
 /// Memory of the entries and indices of a sparse matrix on all ranks, bytes. Collective.
@@ -118,12 +120,12 @@ double bytes(Mat matrix);
 /// x·y. Collective.
 double dot(Vec x, Vec y);
 
-/// The MPI communicator of a PETSc object.
+/// The MPI communicator of a PETSc object. Not collective.
 MPI_Comm comm(PetscObject object);
 inline MPI_Comm comm(Vec x) { return comm(reinterpret_cast<PetscObject>(x)); }
 inline MPI_Comm comm(Mat x) { return comm(reinterpret_cast<PetscObject>(x)); }
 
-/// The options prefixed `name_` belong to one solver; sets `-name_key value` unless the user has.
+/// Sets the option `-name_key value` of the solver with the prefix `name_` unless the user has set it.
 void default_option(const char* name, const char* key, const char* value);
 
 } // namespace signorini::petsc

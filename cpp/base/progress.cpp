@@ -46,7 +46,7 @@ void Progress::update(std::size_t done, const std::string& note) {
     drawn_ = true;
   } else if (const std::size_t tenth = 10 * done / total_; tenth > tenth_) {
     tenth_ = tenth;
-    // Runs of less than a few seconds need no account of their progress.
+    // Loops of a few seconds need no progress lines.
     if (seconds > 3 || left > 3)
       console_.line(fmt::format("{} {}/{}  {} left  {}", label_, done, total_, duration(left), note));
   }

@@ -5,12 +5,13 @@
 
 namespace signorini {
 
-/// Where a run says what it does: rank 0 of a run that is not quiet. Everything else is silent.
+/// Console output of a run: only rank 0 writes, and only if the run is not quiet.
 class Console {
 public:
+  /// `speaks`: whether this rank writes; `terminal`: whether to draw progress bars (on stderr).
   Console(bool speaks, bool terminal) : speaks_(speaks), terminal_(terminal) {}
 
-  /// One line of text.
+  /// Writes one line of text to stdout.
   void line(const std::string& text) const;
 
   [[nodiscard]] bool speaks() const { return speaks_; }
@@ -20,16 +21,17 @@ private:
   bool speaks_, terminal_;
 };
 
-/// Progress of a loop of known length: a bar with the time left on a terminal, a line at every tenth otherwise.
+/// Progress of a loop of known length: on a terminal a bar with the estimated time left, otherwise a line at
+/// every tenth.
 class Progress {
 public:
-  /// `from`: what is done already, and took none of this progress's time.
+  /// `from`: iterations done before, which do not count for the estimated time. `console` must outlive this.
   Progress(const Console& console, std::string label, std::size_t total, std::size_t from = 0);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// `done` of `total` are done; `note` is shown behind the numbers.
+  /// Shows that `done` of `total` iterations are done, followed by `note`.
   void update(std::size_t done, const std::string& note = {});
 
 private:

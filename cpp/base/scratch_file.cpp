@@ -17,8 +17,8 @@ std::filesystem::path scratch_folder() {
   return given && *given ? given : "/var/tmp";
 }
 
-/// rows × columns, a row at a time on disk and none in a cache: what is written is written, or fails, at
-/// once.
+/// A dataset (rows × columns), chunked by rows and without a cache, so that a write that fails does so in
+/// write() and not later.
 Opened make_table(hid_t file, hsize_t rows, hsize_t columns) {
   const std::array<hsize_t, 2> shape{rows, columns}, chunk{1, columns};
   const Opened space(H5Screate_simple(2, shape.data(), nullptr), H5Sclose);
@@ -45,9 +45,9 @@ ScratchFile::ScratchFile(std::size_t rows, std::size_t columns)
 }
 
 Opened ScratchFile::open() {
-  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence says it, instead of HDF5's stack
+  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // fail() reports errors, in place of HDF5's error stack
   errno = 0;
-  // HDF5 opens by name: in a folder that nobody else can write to.
+  // HDF5 opens files by name only: use a folder to which no other user can write.
   std::string own = (folder_ / "signorini-XXXXXX").string();
   if (!mkdtemp(own.data()))
     fail("written");

@@ -5,16 +5,17 @@
 
 namespace signorini {
 
-/// Rows of numbers on disk, of this process alone, which are gone when it ends, however it ends: the HDF5
-/// file loses its name as soon as it is open. It is in $TMPDIR, else in /var/tmp, since /tmp may be memory.
+/// Table of numbers on disk, private to this process: an HDF5 file that is unlinked once it is open, so that
+/// it is gone when the process ends, however it ends. It is in $TMPDIR, else in /var/tmp, since /tmp may be
+/// held in memory. Not collective.
 class ScratchFile {
 public:
-  /// Throws WriteFailure.
+  /// An empty table (rows × columns). Throws WriteFailure.
   ScratchFile(std::size_t rows, std::size_t columns);
 
-  /// Throws WriteFailure, where the disk is full for example.
+  /// Writes one row (columns). Throws WriteFailure, for example if the disk is full.
   void write(std::size_t row, std::span<const double> values);
-  /// A row that was written. Throws WriteFailure.
+  /// Reads one row (columns) that was written before. Throws WriteFailure.
   void read(std::size_t row, std::span<double> values) const;
 
 private:
@@ -24,7 +25,7 @@ private:
 
   std::filesystem::path folder_;
   std::size_t rows_, columns_;
-  Opened file_, table_, line_; ///< line_: the shape of a row in memory
+  Opened file_, table_, line_; ///< line_: dataspace of a row in memory
 };
 
 } // namespace signorini

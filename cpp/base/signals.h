@@ -3,8 +3,9 @@
 
 namespace signorini {
 
-/// From now on SIGINT, SIGTERM and SIGUSR1 ask the run to stop at the next safe point instead of ending the process; a
-/// second one of them ends it at once. SIGUSR1 is the one that mpirun passes on: at the others it kills its ranks.
+/// From now on SIGINT, SIGTERM and SIGUSR1 ask the run to stop at the next safe point instead of ending the
+/// process; the same signal a second time ends it at once. Use SIGUSR1 with mpirun, which forwards it to its
+/// ranks; at the others mpirun kills them.
 void catch_stop_signals();
 
 /// Whether any rank was asked to stop. Collective.

@@ -11,13 +11,13 @@ using petsc::check;
 
 namespace {
 
-/// Entries of L up to which solves are faster without supernodes: it is in the processor's cache then, and
-/// calls of the BLAS on its small blocks cost more than they save (`./dev bench` tells the time of a solve;
-/// measured on both sides of this).
+/// Entries of L below which a simplicial factor solves faster than a supernodal one: L is then in the
+/// processor's cache (measured on both sides of this value by `./dev bench`, which reports the time of a
+/// solve).
 constexpr double small_factor = 1e6;
 
-/// The blocks of a sequential BAIJ matrix: rows and columns of blocks, values block by block, each column by
-/// column.
+/// Access to a sequential BAIJ matrix: compressed rows of blocks, the values block by block, each block
+/// column by column.
 class Blocks {
 public:
   explicit Blocks(Mat matrix) : matrix_(matrix) {
@@ -73,7 +73,7 @@ struct SparseCholesky::Cholmod {
   Cholmod(const Cholmod&) = delete;
   Cholmod& operator=(const Cholmod&) = delete;
 
-  /// Throws unless the last call succeeded.
+  /// Throws SolverFailure unless the last call of CHOLMOD succeeded.
   void require(const char* doing) const {
     if (common.status == CHOLMOD_OK)
       return;
@@ -85,8 +85,8 @@ struct SparseCholesky::Cholmod {
                                     common.status));
   }
 
-  /// Room for the lower triangle of a symmetric n × n matrix, which `fill` fills: column starts, rows,
-  /// values.
+  /// Allocates the lower triangle of a symmetric (n × n) matrix; `fill` gets its arrays of column starts,
+  /// rows and values.
   template <class Fill>
   cholmod_sparse* lower(std::size_t n, std::size_t entries, bool pattern, Fill&& fill) {
     cholmod_sparse* A =
@@ -108,12 +108,13 @@ struct SparseCholesky::Cholmod {
   }
 };
 
-SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner, double most) : c_(std::make_unique<Cholmod>()) {
+SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner, double most)
+    : c_(std::make_unique<Cholmod>()) {
   const Blocks D(matrix);
   corner_size_ = static_cast<int>(corner.size()) * D.size;
   cholmod_common& common = c_->common;
 
-  // The nodes outside the corner are ordered to keep L sparse, by their graph; the corner follows.
+  // The graph of the nodes outside the corner is ordered for a sparse L; the corner follows.
   std::vector<int> number(static_cast<std::size_t>(D.count), 0), node;
   for (int i : corner)
     number[static_cast<std::size_t>(i)] = -1;
@@ -133,7 +134,7 @@ SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner, double m
         }
         p[node.size()] = entries;
       });
-  common.nmethods = 2; // the better of the two
+  common.nmethods = 2; // CHOLMOD keeps the better of the two
   common.method[0].ordering = CHOLMOD_METIS;
   common.method[1].ordering = CHOLMOD_AMD;
   common.supernodal = CHOLMOD_SIMPLICIAL;
@@ -178,12 +179,12 @@ SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner, double m
                          });
   common.nmethods = 1;
   common.method[0].ordering = CHOLMOD_GIVEN;
-  common.postorder = 0; // the order above is one already
-  // Narrow supernodes are taken as they are: a solve waits for memory, and a zero costs as much as an entry.
+  common.postorder = 0; // the analysis above has postordered
+  // Solves are bound by memory bandwidth: keep narrow supernodes rather than merge them and pad with zeros.
   std::ranges::copy(std::array{2, 4, 8}, common.nrelax);
   common.supernodal = block_entries < small_factor ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
   c_->factor = cholmod_analyze_p(c_->matrix, permutation.data(), nullptr, 0, &common);
-  possible_ = common.status != CHOLMOD_TOO_LARGE; // with the zeros of its supernodes
+  possible_ = common.status != CHOLMOD_TOO_LARGE; // counts the zeros that pad supernodes
   if (possible_)
     c_->require("the analysis");
 }
@@ -202,9 +203,10 @@ double SparseCholesky::estimate() const {
 
 void SparseCholesky::factorise() {
   if (!possible_)
-    throw SolverFailure(fmt::format("the factorisation of the step operator D by CHOLMOD failed: its {:.3g} entries "
-                                    "are too many for 32-bit indices",
-                                    entries_));
+    throw SolverFailure(
+        fmt::format("the factorisation of the step operator D by CHOLMOD failed: its {:.3g} entries "
+                    "are too many for 32-bit indices",
+                    entries_));
   cholmod_factorize(c_->matrix, c_->factor, &c_->common);
   c_->require("the factorisation");
   cholmod_free_sparse(&c_->matrix, &c_->common);

@@ -7,25 +7,25 @@
 
 namespace signorini {
 
-/// Factorisation by CHOLMOD on one rank, the two triangular halves of a solve apart: P A Pᵀ = L Lᵀ with
-/// chosen nodes (the corner) last in the elimination order. After the forward half L⁻¹ P b the last entries
-/// hold all that the corner feels of b, in c ≪ n numbers; changing them before the backward half changes the
-/// solution as a load on the corner would.
+/// Factorisation P A Pᵀ = L Lᵀ by CHOLMOD on one rank, with separate forward and backward solves and chosen
+/// nodes (the corner, here the contact candidates) last in the elimination order; docs/method.md section 5.
+/// After the forward solve L⁻¹ P b the last c ≪ n entries hold the whole effect of b on the corner; a change
+/// of them before the backward solve changes the solution as a load on the corner would.
 class SparseCholesky final : public LinearSolver {
 public:
-  /// Orders and counts. `matrix` is a sequential BAIJ matrix, used until factorise() only; `corner` are nodes
-  /// (blocks), in the order in which the corner's entries are wanted; `most` entries can be numbered. Throws
-  /// SolverFailure.
+  /// Chooses the elimination order and counts the factor's entries. `matrix`: sequential BAIJ, copied;
+  /// `corner`: nodes (blocks), in the order in which the corner's entries are wanted; `most`: number of
+  /// entries that can be indexed. Throws SolverFailure.
   SparseCholesky(Mat matrix, std::span<const int> corner, double most = std::numeric_limits<int>::max());
   ~SparseCholesky() override;
 
-  /// Whether the factor's entries can be numbered: there is none to be made where they cannot.
+  /// Whether the factor's entries can be indexed; if not, factorise() throws.
   [[nodiscard]] bool possible() const { return possible_; }
 
-  /// Memory that the factorisation will take, as counted, bytes; where it is not possible, at least.
+  /// Memory of the factorisation by the count of its entries, bytes; a lower bound if it is not possible().
   [[nodiscard]] double estimate() const;
 
-  /// To be called once before solves. Throws SolverFailure.
+  /// Computes the factor; to be called once before solves. Throws SolverFailure.
   void factorise();
 
   void solve(Vec b, Vec x) const override;
@@ -34,12 +34,12 @@ public:
 
   /// Entries of the corner: its nodes times the block size.
   [[nodiscard]] int corner_size() const { return corner_size_; }
-  /// Last diagonal block of L (c × c, column by column, lower).
+  /// Last diagonal block of L (c × c, column by column, lower triangle), after factorise().
   [[nodiscard]] std::vector<double> corner_factor() const;
 
-  /// Forward half: z = L⁻¹ P b, kept until the next one; returns its corner (c).
+  /// Forward solve z = L⁻¹ P b; returns the corner of z (c), valid until the next forward solve.
   std::span<const double> forward(Vec b) const;
-  /// Backward half: x = Pᵀ L⁻ᵀ z with `corner` in place of the corner of z.
+  /// Backward solve x = Pᵀ L⁻ᵀ z with `corner` (c) in place of the corner of z.
   void backward(std::span<const double> corner, Vec x) const;
 
 private:
@@ -47,7 +47,7 @@ private:
   std::unique_ptr<Cholmod> c_;
   int corner_size_;
   bool possible_ = true;
-  double entries_ = 0; ///< of the factor without what supernodes add
+  double entries_ = 0; ///< of the factor without the zeros that pad supernodes
 };
 
 } // namespace signorini

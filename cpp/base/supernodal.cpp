@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstddef>
 
-// Debian builds for the oldest x86-64; the loops below are worth a second version for wide registers.
+// Debian builds for baseline x86-64; the loops below gain from a second version for wider vector registers.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define SIGNORINI_WIDE __attribute__((target_clones("arch=x86-64-v3", "default")))
 #else
@@ -13,12 +13,12 @@ namespace signorini {
 
 namespace {
 
-/// Supernodes between the one in work and the one asked for from memory: a supernode is a few kilobytes,
-/// and memory answers in the time of one or two.
+/// Supernodes by which prefetching runs ahead: a supernode has a few kilobytes, and memory latency is about
+/// the time of one or two.
 constexpr std::ptrdiff_t lookahead = 4;
 constexpr std::ptrdiff_t cache_line = 64 / sizeof(double);
 
-/// A dense trapezoid of L, column by column: `height` rows of which the first `width` are its own columns.
+/// A dense trapezoid of L, column by column: `height` rows, the first `width` of them its diagonal block.
 struct Supernode {
   const double* values;
   const int* rows_below;
@@ -40,7 +40,7 @@ void prefetch(const cholmod_factor& L, std::ptrdiff_t s) {
     __builtin_prefetch(next.values + i);
 }
 
-/// below −= B own, for the rows of the supernode below its own columns (B).
+/// below −= B own, where B are the rows of the supernode below its diagonal block.
 SIGNORINI_WIDE void subtract_product(const Supernode& s, const double* __restrict own,
                                      double* __restrict below) {
   const std::ptrdiff_t n = s.height - s.width;

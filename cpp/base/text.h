@@ -3,7 +3,7 @@
 
 namespace signorini {
 
-/// A point as messages show it: its first `dim` coordinates, m, with six digits.
+/// A point as text for messages: its first `dim` coordinates, m, with six significant digits.
 std::string point_text(const double* x, int dim = 3);
 
 } // namespace signorini

@@ -13,7 +13,7 @@ public:
     long calls = 0;
   };
 
-  /// Adds the time from its making to its end to one phase, less that of phases within.
+  /// Adds the time of its lifetime to one phase, without that of phases nested in it.
   class Scope {
   public:
     Scope(Timers& timers, Entry& entry);
@@ -26,10 +26,11 @@ public:
 
     Timers& timers_;
     Entry& entry_;
-    Scope* around_; ///< the phase that this one is within
+    Scope* around_; ///< the enclosing phase, or null
     std::chrono::steady_clock::time_point start_;
   };
 
+  /// Starts a phase, which ends with the Scope returned; the Timers must outlive it.
   [[nodiscard]] Scope time(const std::string& phase) { return {*this, entries_[phase]}; }
   [[nodiscard]] const std::map<std::string, Entry>& entries() const { return entries_; }
 

@@ -9,7 +9,7 @@
 namespace signorini::contact {
 using petsc::check;
 
-CondensedVi::CondensedVi(const Constraints& constraints, const Condensation& condensation,
+CondensedVi::CondensedVi(const Constraints& constraints, const DelassusOperator& condensation,
                          const Complementarity& complementarity)
     : constraints_(constraints), condensation_(condensation), complementarity_(complementarity),
       length_unit_(constraints.gap_tolerance()), gap0_(static_cast<std::size_t>(constraints.count())),
@@ -96,7 +96,7 @@ void CondensedVi::find_set(ContactState& state) const {
   set_.clear();
   try {
     state.vi_iterations += solver.vi->solve(solver.constant, solver.x);
-  } catch (const SolverFailure&) { // the caller settles the set from here, and fails if that does not end
+  } catch (const SolverFailure&) { // solve() goes on from this set by primal-dual steps
     for (std::size_t i = 0; i < gap0_.size(); ++i)
       if (gap0_[i] < 0)
         set_.push_back(static_cast<int>(i));
@@ -104,13 +104,14 @@ void CondensedVi::find_set(ContactState& state) const {
   }
   const petsc::ReadArray x(solver.x), force(solver.vi->residual());
   for (std::size_t i = 0; i < x.size(); ++i)
-    if (force[i] > x[i]) // one of them is zero, to within the solver's tolerance
+    if (force[i] > x[i]) // one of them is zero to the solver's tolerance
       set_.push_back(static_cast<int>(i));
 }
 
 void CondensedVi::find_independent_set(ContactState& state) const {
   const auto depends = [this](const ActiveSet& set, int i) { return constraints_.depends(set, i); };
-  // Two digits above what rounding of S may leave, among which the search would go in circles.
+  // 1e-8 is two digits above the rounding of S (Complementarity::negligible_gap()); if gaps of its size
+  // counted as penetration, the search could cycle.
   const double tolerance = std::min(length_unit_, 1e-8 * deepest());
   if (!dual_.solve(condensation_.S(), gap0_, tolerance, std::cref(depends), set_, state.lambda,
                    state.vi_iterations))
@@ -118,8 +119,9 @@ void CondensedVi::find_independent_set(ContactState& state) const {
 }
 
 void CondensedVi::search(ContactState& state) const {
-  // PETSc counts the entries of a matrix, and this one is dense.
-  const bool fits = gap0_.size() * gap0_.size() < static_cast<std::size_t>(std::numeric_limits<PetscInt>::max());
+  // PETSc counts the entries of a dense matrix in PetscInt.
+  const bool fits =
+      gap0_.size() * gap0_.size() < static_cast<std::size_t>(std::numeric_limits<PetscInt>::max());
   if (constraints_.dependent() || !fits)
     find_independent_set(state);
   else
@@ -145,22 +147,23 @@ void CondensedVi::solve(Vec r, std::span<const double> psi, const ContactSets& p
     set_ = previous.active;
     constraints_.drop_dependent(set_);
     solve_on_set(state);
-    // A penetration that is left over does work on the body when it is closed: to what is negligible beside
-    // the body that can be much beside a short step's motion, and so the set is right to rounding if it can.
+    // Closing a residual penetration does spurious work, which is large relative to the motion in a short
+    // step even where the penetration is negligible relative to the body; so solve to rounding.
     double size = 0;
     for (std::size_t i = 0; i < gap0_.size(); ++i)
       size = std::max({size, std::abs(psi[i]), std::abs(gap0_[i])});
     const double rounding = 10 * std::numeric_limits<double>::epsilon() * size;
-    constexpr int soon = 5; // a set that moves by a candidate or two is settled by then
+    constexpr int soon = 5; // enough for a change of one or two candidates
     settle(state, psi, std::min(rounding, length_unit_), soon);
     if (!holds(state, psi)) {
       on_root<SolverFailure>(constraints_.comm(), [&] { search(state); });
       decided(state);
       solve_on_set(state);
-      // Candidates within the VI solver's tolerance of both bounds may be on the wrong side.
+      // The VI solver may misplace candidates whose gap and force are both zero within its tolerance.
       constexpr int most = 50;
       settle(state, psi, length_unit_, most);
-      // A body that hardly deforms within a step can lead both of them in circles, but not this one.
+      // Both methods can cycle for a body that is nearly rigid within a step; the dual active-set method
+      // cannot.
       if (!holds(state, psi)) {
         on_root<SolverFailure>(constraints_.comm(), [&] { find_independent_set(state); });
         decided(state);

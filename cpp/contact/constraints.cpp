@@ -15,8 +15,8 @@ namespace {
 
 long& made = count("constraints");
 
-/// The components of a node that can move, a bit for each.
-int free_components(const fem::Clamped& clamped, int node, int dim) {
+/// The components of a node that no clamp holds, one bit each.
+int free_components(const fem::DirichletDofs& clamped, int node, int dim) {
   int free = 0;
   for (int c = 0; c < dim; ++c)
     free |= clamped.contains(node, c) ? 0 : 1 << c;
@@ -25,7 +25,7 @@ int free_components(const fem::Clamped& clamped, int node, int dim) {
 
 } // namespace
 
-Constraints::Constraints(const fem::Space& space, const fem::Clamped& clamped,
+Constraints::Constraints(const fem::Space& space, const fem::DirichletDofs& clamped,
                          const std::vector<scene::Contact>& contacts)
     : dim_(space.dim()), diameter_(space.mesh().diameter()), gap_tolerance_(1e-10 * diameter_),
       comm_(space.comm()) {
@@ -46,10 +46,10 @@ Constraints::Constraints(const fem::Space& space, const fem::Clamped& clamped,
 }
 
 void Constraints::add_candidates(const std::vector<scene::Contact>& contacts, const fem::Space& space,
-                                 const fem::Clamped& clamped) {
+                                 const fem::DirichletDofs& clamped) {
   std::vector<double> x;
   std::vector<std::int64_t> first;
-  std::vector<int> kind; // obstacle, free components
+  std::vector<int> kind; // for each: obstacle, free components
   for (std::size_t obstacle = 0; obstacle < contacts.size(); ++obstacle)
     for (int node : space.nodes_on(contacts[obstacle].on, keys_[obstacle] + ".on")) {
       x.insert(x.end(), &space.points()[3 * node], &space.points()[3 * node] + 3);
@@ -134,9 +134,7 @@ void Constraints::group_by_node() {
   work_.set.reserve(size);
 }
 
-std::string Constraints::shown(int i) const {
-  return point_text(&points_[3 * static_cast<std::size_t>(i)]);
-}
+std::string Constraints::shown(int i) const { return point_text(&points_[3 * static_cast<std::size_t>(i)]); }
 
 std::span<const double> Constraints::psi(double t) const {
   if (!moving())
@@ -168,17 +166,17 @@ bool Constraints::place(const Node& node, std::span<const double> gap) const {
 }
 
 void Constraints::require_room(std::span<const double> psi, double t) const {
-  if (held_) // clamps that move make or take room
+  if (held_) // whether there is room depends on the motion of the clamps too
     return;
   if (!dependent_)
     return;
   together(comm_, [&] {
     for (const Node& node : per_node_)
       if (node.crowded && !place(node, psi))
-        throw UserError(
-            fmt::format("contact: at t = {:.6g} s the obstacles leave no room for the node at {}, allowed are "
-                        "obstacles between which every node has a place",
-                        t, shown(node.first)));
+        throw UserError(fmt::format(
+            "contact: at t = {:.6g} s the obstacles leave no room for the node at {}, allowed are "
+            "obstacles between which every node has a place",
+            t, shown(node.first)));
   });
 }
 
@@ -190,7 +188,7 @@ void Constraints::normal_components(Vec x, std::span<double> out) const {
       for (int c = 0; local_[i] >= 0 && c < dim_; ++c)
         out[i] += normals_[i * dim_ + c] * values[local_[i] + c];
   }
-  // Every entry comes from one rank alone, so the sum is exact and the same on all of them.
+  // Every entry comes from one rank alone, so the sum is exact and the same on every rank.
   MPI_Allreduce(MPI_IN_PLACE, out.data(), count(), MPI_DOUBLE, MPI_SUM, comm_);
 }
 
@@ -327,7 +325,7 @@ void Constraints::next_set(const ActiveSet& set, std::span<const double> lambda,
 void Constraints::exchange(std::span<const double> lambda, ActiveSet& set, std::size_t begin) const {
   NodeBasis basis(dim_);
   std::array<int, 3> members{};
-  for (const bool pushes : {true, false}) // what is closed and pushes is independent
+  for (const bool pushes : {true, false}) // closed candidates with forces are independent
     for (std::size_t at = begin; at < set.size(); ++at) {
       const int i = set[at];
       if ((lambda[i] > 0) != pushes)
@@ -336,7 +334,7 @@ void Constraints::exchange(std::span<const double> lambda, ActiveSet& set, std::
         members[basis.size() - 1] = i;
         continue;
       }
-      std::array<double, 3> part{}; // of each member in the direction of i
+      std::array<double, 3> part{}; // coefficients of the members in the direction of i
       for (std::size_t k = 0; k < basis.size(); ++k)
         part[k] = basis.along(k, direction(i));
       basis.combine(part);
@@ -345,7 +343,7 @@ void Constraints::exchange(std::span<const double> lambda, ActiveSet& set, std::
         if (part[k] > NodeBasis::parallel &&
             (leaves == basis.size() || lambda[members[k]] * part[leaves] < lambda[members[leaves]] * part[k]))
           leaves = k;
-      if (leaves == basis.size() || lambda[members[leaves]] == 0) // that one has just come itself
+      if (leaves == basis.size() || lambda[members[leaves]] == 0) // it was just added, with no force
         continue;
       members[leaves] = i;
       const std::size_t size = basis.size();

@@ -9,18 +9,18 @@ namespace signorini::contact {
 enum class Status : std::uint8_t {
   open,   ///< g > 0
   weak,   ///< W: g = 0 and λ = 0
-  strong, ///< S: g = 0 and λ > 0, its own or, where it depends on others of its node, theirs
+  strong, ///< S: g = 0 and λ > 0; where it depends on others of its node, their λ counts too
 };
 
 /// Numbers of the candidates in contact, ascending.
 using ActiveSet = std::vector<int>;
 
-/// What a step's derivative and the next step depend on, the same on every rank. Its size is that of the contact, not
-/// of the candidates.
+/// The active sets, on which a step's derivative and the next step depend, the same on every rank. They grow
+/// with the number of candidates in contact, not with m.
 struct ContactSets {
   ActiveSet active;    ///< A = S ∪ W
   ActiveSet weak;      ///< W
-  ActiveSet predictor; ///< Z: candidates that the step's projected predictor touches; contact-stabilized alone
+  ActiveSet predictor; ///< Z: candidates that the projected predictor touches; contact-stabilized only
 };
 
 /// Contact after one step; arrays over all m candidates.
@@ -28,9 +28,9 @@ struct ContactState : ContactSets {
   std::vector<double> lambda; ///< λ_i ≥ 0: τ²/2 times the nodal contact force
   std::vector<double> gap;    ///< g_i, m
   std::vector<Status> status;
-  int vi_iterations = 0; ///< Newton steps that found the active set; 0 where the previous step's was right
+  int vi_iterations = 0; ///< (primal-dual) Newton steps that found the active set; 0 if it was right at once
 
-  /// All m candidates open. Holds room for every active set, so that steps do not allocate.
+  /// All m candidates open. Reserves room for every active set, so that steps do not allocate.
   explicit ContactState(int m = 0)
       : lambda(static_cast<std::size_t>(m)), gap(static_cast<std::size_t>(m)),
         status(static_cast<std::size_t>(m), Status::open) {

@@ -19,8 +19,8 @@ void DualActiveSet::solve_on_set(std::span<const double> S, std::size_t m, const
     for (int j : set)
       factor_.push_back(S[static_cast<std::size_t>(i) * m + static_cast<std::size_t>(j)]);
   if (const int pivot = factorise_dense(factor_, set.size()); pivot != 0)
-    throw SolverFailure(
-        fmt::format("the condensed matrix of {} independent constraints is singular (pivot {})", set.size(), pivot));
+    throw SolverFailure(fmt::format(
+        "the condensed matrix of {} independent constraints is singular (pivot {})", set.size(), pivot));
   solve_factorised(factor_, set.size(), b.first(set.size()));
 }
 
@@ -34,7 +34,8 @@ bool DualActiveSet::solve(std::span<const double> S, std::span<const double> gap
       g += S[j * m + static_cast<std::size_t>(i)] * lambda[static_cast<std::size_t>(i)];
     return g;
   };
-  const int most = 100 * static_cast<int>(m) + 100; // each full step raises the dual objective: a few times m
+  // Each full step raises the dual objective, so that a few times m steps suffice.
+  const int most = 100 * static_cast<int>(m) + 100;
   set.clear();
   std::ranges::fill(lambda, 0);
   for (;;) {
@@ -45,7 +46,7 @@ bool DualActiveSet::solve(std::span<const double> S, std::span<const double> gap
         deepest = g, j = i;
     if (j == m)
       break;
-    // Constraint j is closed by its own force; those that this would make pull leave the set on the way.
+    // Raise λ_j until gap j is closed; on the way, candidates whose force falls to zero leave the set.
     for (bool closed = false; !closed;) {
       if (++steps > most)
         throw SolverFailure(fmt::format(
@@ -64,7 +65,7 @@ bool DualActiveSet::solve(std::span<const double> S, std::span<const double> gap
       double step = dependent ? std::numeric_limits<double>::infinity() : std::max(0.0, -g / slope);
       std::size_t leaves = set.size();
       for (std::size_t i = 0; i < set.size(); ++i)
-        if (r_[i] > 1e-10 * largest) // else it is rounding
+        if (r_[i] > 1e-10 * largest) // the others are rounding
           if (const double limit = lambda[static_cast<std::size_t>(set[i])] / r_[i]; limit < step)
             step = limit, leaves = i;
       if (std::isinf(step))
@@ -81,7 +82,7 @@ bool DualActiveSet::solve(std::span<const double> S, std::span<const double> gap
       }
     }
     set.insert(std::ranges::lower_bound(set, static_cast<int>(j)), static_cast<int>(j));
-    // λ afresh, so that rounding does not gather.
+    // Recompute λ, so that rounding does not accumulate.
     r_.clear();
     for (int i : set)
       r_.push_back(-gap0[static_cast<std::size_t>(i)]);

@@ -5,20 +5,21 @@
 
 namespace signorini::contact {
 
-/// 0 ≤ λ ⟂ g⁰ + Sλ ≥ 0 for a symmetric S = NᵀKN, K positive definite, that is singular where the columns of N
-/// depend on each other: the dual active-set method of Goldfarb and Idnani (1983), which ends after finitely
-/// many steps with the solution or the proof that there is none. Its sets are independent at all times.
+/// Solves 0 ≤ λ ⟂ g⁰ + Sλ ≥ 0 by the dual active-set method of Goldfarb and Idnani (1983), for a symmetric S
+/// = NᵀKN with K positive definite, which is singular where the columns of N are linearly dependent. The
+/// method ends after finitely many steps with the solution or the proof that there is none. Its active sets
+/// are independent throughout.
 class DualActiveSet {
 public:
-  /// Whether column j of N depends on those of a set.
+  /// Whether column j of N depends linearly on those of a set.
   using Depends = std::function<bool(const ActiveSet& set, int j)>;
 
-  /// For up to m columns; solves within this size allocate nothing.
+  /// Reserves memory for m columns; solves up to this size allocate nothing.
   explicit DualActiveSet(std::size_t m);
 
-  /// Finds the set with λ > 0, ascending, and λ (m), for S (m × m) and g⁰ (m); negative gaps above
-  /// −`tolerance` count as zero. False if there is no λ. Returns the number of steps in `steps`. Throws
-  /// SolverFailure if rounding spoils the search.
+  /// Finds the active set, ascending, and λ (m), for S (m × m) and g⁰ (m); negative gaps above −`tolerance`
+  /// count as zero. Returns false if there is no λ. Adds the number of steps to `steps`. Throws SolverFailure
+  /// if rounding keeps the search from ending or S_AA is singular.
   [[nodiscard]] bool solve(std::span<const double> S, std::span<const double> gap0, double tolerance,
                            const Depends& depends, ActiveSet& set, std::span<double> lambda,
                            int& steps) const;

@@ -19,11 +19,11 @@ void triangular(const std::vector<double>& L, const char* transposed, std::span<
 
 } // namespace
 
-CornerElimination::CornerElimination(const Constraints& constraints, const SparseCholesky& D)
+TrailingBlockElimination::TrailingBlockElimination(const Constraints& constraints, const SparseCholesky& D)
     : constraints_(constraints), D_(D), L_(D.corner_factor()), z_(static_cast<std::size_t>(D.corner_size())),
       corner_(z_.size()) {}
 
-void CornerElimination::predict(Vec r, std::span<double> normal) const {
+void TrailingBlockElimination::predict(Vec r, std::span<double> normal) const {
   std::ranges::copy(D_.forward(r), z_.begin());
   corner_ = z_;
   triangular(L_, "T", corner_);
@@ -36,7 +36,7 @@ void CornerElimination::predict(Vec r, std::span<double> normal) const {
   }
 }
 
-void CornerElimination::finish(std::span<const double> lambda, Vec y) const {
+void TrailingBlockElimination::finish(std::span<const double> lambda, Vec y) const {
   if (std::ranges::all_of(lambda, [](double force) { return force == 0; })) {
     D_.backward(z_, y);
     return;
@@ -54,7 +54,7 @@ void CornerElimination::finish(std::span<const double> lambda, Vec y) const {
   D_.backward(corner_, y);
 }
 
-std::vector<double> CornerElimination::condensed() const {
+std::vector<double> TrailingBlockElimination::condensed() const {
   const auto m = static_cast<std::size_t>(constraints_.count()),
              dim = static_cast<std::size_t>(constraints_.dim()), c = z_.size();
   std::vector<double> X(c * m, 0.0), S(m * m, 0.0); // X = L⁻¹N
@@ -72,10 +72,10 @@ std::vector<double> CornerElimination::condensed() const {
   return S;
 }
 
-double CornerElimination::bytes() const { return sizeof(double) * static_cast<double>(L_.size()); }
+double TrailingBlockElimination::bytes() const { return sizeof(double) * static_cast<double>(L_.size()); }
 
-ColumnElimination::ColumnElimination(const Constraints& constraints, const LinearSolver& D, Vec layout,
-                                     double memory)
+StoredColumnsElimination::StoredColumnsElimination(const Constraints& constraints, const LinearSolver& D,
+                                                   Vec layout, double memory)
     : constraints_(constraints), D_(D), r_(petsc::zero_like(layout)), y_(petsc::zero_like(layout)),
       work_(petsc::zero_like(layout)) {
   const auto m = static_cast<std::size_t>(constraints.count());
@@ -103,13 +103,13 @@ ColumnElimination::ColumnElimination(const Constraints& constraints, const Linea
   used_.reserve(m);
 }
 
-void ColumnElimination::predict(Vec r, std::span<double> normal) const {
+void StoredColumnsElimination::predict(Vec r, std::span<double> normal) const {
   check(VecCopy(r, r_));
   D_.solve(r, y_);
   constraints_.normal_components(y_, normal);
 }
 
-void ColumnElimination::finish(std::span<const double> lambda, Vec y) const {
+void StoredColumnsElimination::finish(std::span<const double> lambda, Vec y) const {
   weights_.clear();
   used_.clear();
   for (std::size_t i = 0; i < lambda.size(); ++i)
@@ -130,7 +130,7 @@ void ColumnElimination::finish(std::span<const double> lambda, Vec y) const {
   D_.solve(work_, y);
 }
 
-double ColumnElimination::bytes() const {
+double StoredColumnsElimination::bytes() const {
   double sum = 0;
   for (const petsc::Vector& column : columns_) {
     PetscInt n = 0;

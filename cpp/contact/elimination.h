@@ -4,17 +4,18 @@
 
 namespace signorini::contact {
 
-/// A solve with D in two halves, between which contact acts (docs/method.md section 5): the first predicts the
-/// motion without contact at the candidates, the second ends the solve with the contact forces that this
-/// called for.
+/// A solve with D in two halves, between which the contact forces are found (docs/method.md section 5):
+/// predict() gives the motion without contact at the candidates, finish() completes the solve with the
+/// contact forces.
 class Elimination {
 public:
   virtual ~Elimination() = default;
 
-  /// First half for the right-hand side r: `normal` (m) becomes Nᵀ D⁻¹ r. Collective.
+  /// First half for the right-hand side r: `normal` (m) becomes ν_i·D⁻¹r. Collective.
   virtual void predict(Vec r, std::span<double> normal) const = 0;
 
-  /// Second half: y = D⁻¹ (r − Nλ); may be repeated with other forces. Collective.
+  /// Second half, for the r of the last predict(): y = D⁻¹ (r − Nλ); may be repeated with other λ (m).
+  /// Collective.
   virtual void finish(std::span<const double> lambda, Vec y) const = 0;
 
   /// S = Nᵀ D⁻¹ N (m × m), the same on every rank. Collective.
@@ -24,13 +25,13 @@ public:
   [[nodiscard]] virtual double bytes() const = 0;
 };
 
-/// By a factorisation with the candidates last: all of contact happens in its corner, and a step with contact
-/// takes one solve like any other.
-class CornerElimination final : public Elimination {
+/// Uses a Cholesky factor with the candidates last in the elimination order: contact involves only the last
+/// diagonal block of the factor (its corner), and a step with contact takes one solve, as one without.
+class TrailingBlockElimination final : public Elimination {
 public:
   /// The corner of `D` must be the candidates' nodes, each once, in their order. The arguments must outlive
   /// this object.
-  CornerElimination(const Constraints& constraints, const SparseCholesky& D);
+  TrailingBlockElimination(const Constraints& constraints, const SparseCholesky& D);
 
   void predict(Vec r, std::span<double> normal) const override;
   void finish(std::span<const double> lambda, Vec y) const override;
@@ -41,16 +42,16 @@ private:
   const Constraints& constraints_;
   const SparseCholesky& D_;
   std::vector<double> L_;                  ///< corner of the factor (c × c)
-  mutable std::vector<double> z_, corner_; ///< corner of the last forward half; of a half under way (c)
+  mutable std::vector<double> z_, corner_; ///< corner after the last forward half; scratch (c)
 };
 
-/// By any solver, with the columns D⁻¹N stored where they fit the memory allowed; a step with contact takes a
-/// second solve where they do not.
-class ColumnElimination final : public Elimination {
+/// Works with any solver of D. The columns of D⁻¹N are stored if they fit into `memory` (bytes, on all
+/// ranks); if not, a step with contact takes a second solve.
+class StoredColumnsElimination final : public Elimination {
 public:
-  /// One solve per candidate. Collective. The references must outlive this object. Throws Interrupted,
-  /// SolverFailure.
-  ColumnElimination(const Constraints& constraints, const LinearSolver& D, Vec layout, double memory);
+  /// Makes one solve per candidate; `layout` is a vector of V. Collective. The references must outlive this
+  /// object. Throws Interrupted, SolverFailure.
+  StoredColumnsElimination(const Constraints& constraints, const LinearSolver& D, Vec layout, double memory);
 
   void predict(Vec r, std::span<double> normal) const override;
   void finish(std::span<const double> lambda, Vec y) const override;

@@ -12,11 +12,11 @@ using petsc::check;
 
 namespace {
 
-/// An orthonormal frame (dim × dim, row by row) whose column `axis` is the direction n: the reflection that
-/// takes that coordinate to ±n. Components that n does not have stay as they are.
+/// An orthonormal frame (dim × dim, row by row) whose column `axis` is n / `length`: the Householder
+/// reflection that maps this axis to ±n. Components in which n is zero are unchanged.
 std::array<double, 9> frame(const double* n, double length, int dim, int axis) {
   std::array<double, 3> w{};
-  const double sign = n[axis] >= 0 ? 1 : -1; // away from cancellation
+  const double sign = n[axis] >= 0 ? 1 : -1; // avoids cancellation
   double ww = 0;
   for (int c = 0; c < dim; ++c)
     w[c] = n[c] / length + (c == axis ? sign : 0), ww += w[c] * w[c];
@@ -27,7 +27,7 @@ std::array<double, 9> frame(const double* n, double length, int dim, int axis) {
   return F;
 }
 
-/// The largest component of each candidate's direction.
+/// Index of the largest component of each candidate's direction.
 std::vector<int> largest_components(const Constraints& constraints) {
   std::vector<int> axes;
   for (int i = 0; i < constraints.count(); ++i) {
@@ -92,7 +92,7 @@ FullVi::FullVi(const Constraints& constraints, Mat D, const Complementarity& com
       Q_(frames(constraints, D, axis_, length_)) {
   if (constraints.held())
     diagonal_ = fem::diagonal(D);
-  petsc::Matrix rows; // PETSc multiplies and extracts by rows, not by blocks
+  petsc::Matrix rows; // PETSc multiplies and extracts submatrices by rows, not by blocks
   check(MatConvert(D, MATAIJ, MAT_INITIAL_MATRIX, rows.put()));
   check(MatPtAP(rows, Q_, MAT_INITIAL_MATRIX, PETSC_DEFAULT, D_.put()));
   check(MatCreateVecs(D_, z_.put(), r_.put()));
@@ -114,8 +114,7 @@ PetscInt FullVi::coordinate(std::size_t i) const {
   return dof >= begin && dof < end ? dof - begin + axis_[i] : -1;
 }
 
-void FullVi::solve(Vec r, std::span<const double> psi, const ContactSets&, ContactState& state,
-                   Vec y) const {
+void FullVi::solve(Vec r, std::span<const double> psi, const ContactSets&, ContactState& state, Vec y) const {
   const std::size_t m = psi.size();
   check(MatMultTranspose(Q_, r, r_));
   check(VecScale(r_, -1 / force_unit_));
@@ -129,8 +128,8 @@ void FullVi::solve(Vec r, std::span<const double> psi, const ContactSets&, Conta
       if (const PetscInt at = coordinate(i); at >= 0) {
         upper[at] =
             (psi[i] - constraints_.held_normal(static_cast<int>(i), known)) / length_[i] / length_unit_;
-        // A guess from the bound can come a rounding below it, and the solver would leave it there: one unit,
-        // the gap tolerance, is no distance.
+        // Rounding may put a guess on the bound slightly below it, where the solver would leave it: within
+        // one unit, the gap tolerance, it counts as on the bound.
         if (z[at] >= upper[at] - 1)
           z[at] = upper[at];
       }

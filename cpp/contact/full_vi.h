@@ -5,9 +5,9 @@
 
 namespace signorini::contact {
 
-/// The step's VI posed on all unknowns: nodal frames rotated so that ν is a coordinate direction, where the
-/// constraint is a simple bound, and PETSc's VI solver on the whole. The reference for CondensedVi. A node
-/// has one candidate.
+/// Solves the step's VI in all unknowns by PETSc's VI solver, in nodal frames in which ν is a coordinate
+/// direction, so that the constraint is a simple bound (docs/method.md section 5). The reference for
+/// CondensedVi. Allows one candidate per node.
 class FullVi final : public ViSolver {
 public:
   /// Collective. The arguments must outlive this object. PETSc options with the prefix `-full_vi_` are
@@ -18,15 +18,15 @@ public:
              Vec y) const override;
 
 private:
-  /// The bounded coordinate of a candidate if this rank owns it, else −1: its local number in z.
+  /// Local number in z_ of a candidate's bounded coordinate if this rank owns it, else −1.
   [[nodiscard]] PetscInt coordinate(std::size_t i) const;
 
   const Constraints& constraints_;
   const Complementarity& complementarity_;
-  double length_unit_, force_unit_; ///< of the VI: a negligible gap, and the force that makes it
-  std::vector<int> axis_;           ///< component that the direction of each candidate's force takes over (m)
-  std::vector<double> length_;      ///< of these directions, 1 but where a clamp holds components (m)
-  petsc::Matrix Q_;        ///< nodal frames: a column of a candidate's block is the direction of its force
+  double length_unit_, force_unit_; ///< of the VI: a negligible gap (m); that times D's largest diagonal
+  std::vector<int> axis_;           ///< component that each candidate's force direction replaces (m)
+  std::vector<double> length_;      ///< of these directions; 1 unless clamps hold components (m)
+  petsc::Matrix Q_;        ///< nodal frames: column axis_ of a candidate's block is its force direction
   petsc::Matrix D_;        ///< QᵀDQ in these units
   petsc::Vector diagonal_; ///< of D where clamps hold components of candidates' nodes, else null
   petsc::Vector z_, r_;

@@ -19,29 +19,30 @@ namespace {
 
 using Point = std::array<double, 3>;
 
-/// A node of a group, owned by this rank, and the nodes around it, ring by ring of elements.
+/// A contact node owned by this rank, and the nodes within one, two and three rings of elements around it.
 struct Surroundings {
   static constexpr int rings = 3;
   int candidate; ///< the first one of the node
   std::array<std::vector<PetscInt>, rings> nodes;
 };
 
-/// What an extrapolation is to be exact for, and the sum of absolute weights that it may have: 3 is two nodes
-/// in a row behind a surface, 9 such behind an edge, 27 behind a corner.
+/// Conditions on an extrapolation: exact for linear fields, or for constants only; and a bound on the sum of
+/// absolute weights. That sum is 3 for two nodes in a row behind a surface, 9 behind an edge, 27 behind a
+/// corner.
 struct Demand {
   bool linear;
   double cancellation;
 };
 constexpr Demand demands[] = {{true, 10}, {true, 30}, {false, 1 + 1e-9}};
 
-/// Weights of `around` that extrapolate fields to `x`, the nearer a node the greater its part; empty if they
-/// cannot be had.
+/// Weights of the nodes `around` that extrapolate fields to `x`, larger for nearer nodes; empty if `demand`
+/// cannot be met.
 std::vector<double> extrapolation(const Point& x, const std::vector<Point>& around, int dim, Demand demand) {
   const auto n = static_cast<std::size_t>(demand.linear ? dim + 1 : 1);
   double size = 0;
   for (const Point& y : around)
     size = std::max(size, std::hypot(y[0] - x[0], y[1] - x[1], y[2] - x[2]));
-  // The least weighted norm under Σ w = 1, Σ w (y − x) = 0: w = V Cᵀ (C V Cᵀ)⁻¹ (1, 0).
+  // The least Σ w_j²/V_j, V_j = distance⁻⁴, under Σ w = 1, Σ w (y − x) = 0: w = V Cᵀ (C V Cᵀ)⁻¹ (1, 0).
   std::vector<std::array<double, 4>> C;
   std::vector<double> V;
   std::array<double, 16> normal{};
@@ -73,7 +74,7 @@ std::vector<double> extrapolation(const Point& x, const std::vector<Point>& arou
       moments[i] += w[j] * C[j][i];
     absolute += std::abs(w[j]);
   }
-  constexpr double rounding = 1e-12; // nodes in a line: no linear field is known beside it
+  constexpr double rounding = 1e-12; // nodes on a line do not determine linear fields beside it
   const double defect = std::hypot(std::abs(moments[0] - 1) + std::abs(moments[1]), moments[2], moments[3]);
   if (!(absolute <= demand.cancellation && defect <= rounding * absolute))
     return {};
@@ -82,8 +83,8 @@ std::vector<double> extrapolation(const Point& x, const std::vector<Point>& arou
 
 std::vector<Surroundings> surroundings(const Constraints& constraints, const std::vector<int>& candidates,
                                        Mat rows) {
-  // One set for all of a rank's nodes, since PETSc wants as many sets on every rank; the rings of each node are
-  // then found in the part of the matrix that they span.
+  // PETSc requires as many index sets on every rank, so all nodes of a rank share one; the rings of each node
+  // are then found in the submatrix of that set.
   const int dim = constraints.dim();
   std::vector<PetscInt> first;
   for (int i : candidates)
@@ -123,7 +124,7 @@ std::vector<Surroundings> surroundings(const Constraints& constraints, const std
   return found;
 }
 
-/// Where nodes are, those of other ranks too. Collective.
+/// Coordinates of the surrounding nodes, those of other ranks too. Collective.
 std::map<PetscInt, Point> places(const fem::Space& space, const std::vector<Surroundings>& all) {
   const int dim = space.dim();
   std::set<PetscInt> nodes;
@@ -166,7 +167,7 @@ petsc::Matrix massless(const fem::Space& space, const Constraints& constraints,
   PetscInt begin = 0, end = 0;
   check(MatGetOwnershipRange(rows, &begin, &end));
 
-  // All directions at a node in which an obstacle whose contact is massless holds it.
+  // The directions of each node's constraints whose obstacles have massless contact.
   std::map<PetscInt, NodeBasis> bases;
   std::vector<int> owned;
   for (int i = 0; i < constraints.count(); ++i)
@@ -185,7 +186,7 @@ petsc::Matrix massless(const fem::Space& space, const Constraints& constraints,
   check(MatSetType(E, MATAIJ));
   check(MatSetUp(E));
   const auto insert = [&](PetscInt row, PetscInt column, const std::array<double, 9>& block) {
-    check(MatSetValuesBlocked(E, 1, &row, 1, &column, block.data(), INSERT_VALUES)); // whole, for BAIJ
+    check(MatSetValuesBlocked(E, 1, &row, 1, &column, block.data(), INSERT_VALUES)); // whole blocks, for BAIJ
   };
   std::array<double, 9> identity{};
   for (int c = 0; c < dim; ++c)
@@ -214,10 +215,11 @@ petsc::Matrix massless(const fem::Space& space, const Constraints& constraints,
             weights = extrapolation(place.at(node), around, dim, demand);
         }
       if (weights.empty())
-        throw UserError(fmt::format("contact.mass: found \"massless\" where the node at {} has only contact nodes around it, "
-                                    "allowed are meshes with others near",
-                                    point_text(&constraints.points()[3 * static_cast<std::size_t>(here.candidate)])));
-      std::array<double, 9> onto{}; // the constrained directions
+        throw UserError(fmt::format(
+            "contact.mass: found \"massless\" where the node at {} has only contact nodes around it, "
+            "allowed are meshes with others near",
+            point_text(&constraints.points()[3 * static_cast<std::size_t>(here.candidate)])));
+      std::array<double, 9> onto{}; // projector onto the constrained directions
       const NodeBasis& basis = bases.at(node);
       for (int c = 0; c < dim; ++c) {
         Point unit{}, part{}, column{};

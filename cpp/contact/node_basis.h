@@ -5,12 +5,12 @@
 
 namespace signorini::contact {
 
-/// Orthonormal basis q of the force directions n of constraints at one node, by Gram and Schmidt: n_j = Σ_k
-/// R_jk q_k.
+/// Orthonormal basis q of the force directions n of constraints at one node, by Gram–Schmidt: n_j = Σ_k R_jk
+/// q_k.
 class NodeBasis {
 public:
-  /// Directions depend on each other if less than this is left of one of them beside the others: forces that
-  /// tell them apart would keep four digits.
+  /// Directions count as linearly dependent if orthogonalisation leaves less than this part of one of them:
+  /// forces that distinguish them would be accurate to four digits only.
   static constexpr double parallel = 1e-6;
 
   explicit NodeBasis(int dim) : dim_(static_cast<std::size_t>(dim)) {}
@@ -19,12 +19,13 @@ public:
 
   void clear() { size_ = 0; }
 
-  /// Adds a direction (dim); false, and nothing is added, if it depends on those there.
+  /// Adds a direction (dim). Returns false and adds nothing if it depends linearly on those already in the
+  /// basis.
   bool add(const double* n) {
     std::array<double, 3> left{};
     std::copy(n, n + dim_, left.begin());
     std::array<double, 3> row{};
-    for (int pass = 0; pass < 2; ++pass) // the second one takes out the rounding of the first
+    for (int pass = 0; pass < 2; ++pass) // the second pass removes the rounding of the first
       for (std::size_t k = 0; k < size_; ++k) {
         const double part = along(k, left.data());
         row[k] += part;
@@ -56,7 +57,7 @@ public:
         x[c] += b[k] * q_[k][c];
   }
 
-  /// Coordinates of the shortest vector with the products b_j with the directions: b ← R⁻¹ b.
+  /// Coordinates of the shortest vector x with n_j·x = b_j: b ← R⁻¹ b.
   void shortest(std::array<double, 3>& b) const {
     for (std::size_t j = 0; j < size_; ++j) {
       for (std::size_t k = 0; k < j; ++k)
@@ -65,7 +66,7 @@ public:
     }
   }
 
-  /// Coefficients a of the directions in a vector of coordinates b, Σ_j a_j n_j = Σ_k b_k q_k: b ← R⁻ᵀ b.
+  /// Coefficients a of the directions in the vector with coordinates b, Σ_j a_j n_j = Σ_k b_k q_k: b ← R⁻ᵀ b.
   void combine(std::array<double, 3>& b) const {
     for (std::size_t k = size_; k-- > 0;) {
       for (std::size_t j = k + 1; j < size_; ++j)

@@ -28,7 +28,7 @@ Point from(const Point& a, const double* x) { return {x[0] - a[0], x[1] - a[1], 
 Point unit(const std::vector<double>& x) {
   Point p = padded(x);
   p = scaled(1 / std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}),
-             p); // lengths that would over- or underflow
+             p); // so that the length does not over- or underflow
   return scaled(1 / length(p), p);
 }
 
@@ -88,7 +88,7 @@ Obstacle::Plane Obstacle::plane(const scene::Cylinder& cylinder, const double* x
 
 Obstacle::Plane Obstacle::round(const Point& r, double radius, bool inside, const double* x) const {
   const double distance = length(r);
-  if (!(distance > 1e-10 * radius)) // the direction is rounding
+  if (!(distance > 1e-10 * radius)) // nearer to the middle the direction is rounding
     throw UserError(
         fmt::format("{}: the node at {} is at the middle, from where no one direction leads out of "
                     "the obstacle, allowed are nodes off the centre or axis",
@@ -98,8 +98,8 @@ Obstacle::Plane Obstacle::round(const Point& r, double radius, bool inside, cons
 }
 
 Obstacle::Plane Obstacle::plane(const scene::SignedDistance&, const double* x) const {
-  // Central differences of order 6. On lengths l of the obstacle's shape their error is (h/l)^6, 1e-12 where
-  // the shape bends within a hundredth of the body, and rounding is 1e-16 (distance/h).
+  // Central differences of order 6. For an obstacle of length scale l their error is (h/l)^6, 1e-12 where l
+  // is a hundredth of the body's diameter, and their rounding is 1e-16 (distance/h).
   const double h = 1e-4 * diameter_;
   constexpr std::array weights{45.0 / 60, -9.0 / 60, 1.0 / 60};
   double value = 0, largest = 0;
@@ -122,8 +122,7 @@ Obstacle::Plane Obstacle::plane(const scene::SignedDistance&, const double* x) c
       gradient[c] += weights[k] * (sides[1] - sides[0]) / h;
     }
   const double size = length(gradient);
-  // Where the derivative vanishes, differences are of second order, and what is left of the sum is their
-  // rounding.
+  // Where the gradient vanishes, one-sided differences are of second order in h, and their sum is rounding.
   if (!(size * h > 1e-6 * largest))
     throw UserError(fmt::format(
         "{}.distance: the expression has no slope at the node at {}, allowed are expressions that grow "

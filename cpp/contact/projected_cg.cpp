@@ -26,7 +26,7 @@ void ProjectedCg::evaluate(Vec r, std::span<const double> psi, Vec y, ContactSta
   } else {
     check(MatMult(matrix_, y, residual_));
     check(VecAYPX(residual_, -1, r));
-    constraints_.forces(set_, residual_, state.lambda); // D y = r − Nλ
+    constraints_.forces(set_, residual_, state.lambda); // Nλ = r − D y
   }
   constraints_.next_set(set_, state.lambda, state.gap, next_);
 }
@@ -39,13 +39,13 @@ void ProjectedCg::solve(Vec r, std::span<const double> psi, const ContactSets& p
     evaluate(r, psi, x, state);
     return next_ == set_;
   };
-  const ConjugateGradients::Judge judge = std::cref(look); // small enough not to be allocated
+  const ConjugateGradients::Judge judge = std::cref(look); // a reference: std::function does not allocate
   set_ = previous.active;
   constraints_.drop_dependent(set_);
-  constraints_.hold(diagonal_, r, y); // on which gaps depend
-  // Block principal pivoting (Júdice and Pires): whole primal-dual steps as long as fewer and fewer
-  // candidates are on the wrong side, else one node at a time, the last one on the wrong side, which ends
-  // after finitely many (Murty).
+  constraints_.hold(diagonal_, r, y); // gaps depend on held components too
+  // Block principal pivoting (Júdice and Pires): primal-dual steps as long as the number of candidates on the
+  // wrong side reaches a new minimum within `patience` steps, else one node at a time, that of the last
+  // candidate on the wrong side, which ends after finitely many steps (Murty).
   std::size_t fewest = zero_.size() + 1;
   int left = patience;
   for (state.vi_iterations = 0;; ++state.vi_iterations) {
@@ -57,8 +57,8 @@ void ProjectedCg::solve(Vec r, std::span<const double> psi, const ContactSets& p
       evaluate(r, psi, y, state);
       PetscReal size = 0;
       check(VecNorm(y, NORM_INFINITY, &size));
-      if (next_ == set_ || complementarity_.holds(state.lambda, state.gap, constraints_.gap_tolerance(), size,
-                                                  D_.tolerance()))
+      if (next_ == set_ ||
+          complementarity_.holds(state.lambda, state.gap, constraints_.gap_tolerance(), size, D_.tolerance()))
         break;
     }
     wrong_.clear();

@@ -1,13 +1,13 @@
 #pragma once
-#include "contact/condensation.h"
+#include "contact/delassus_operator.h"
 #include "contact/vi_solver.h"
 
 namespace signorini::contact {
 
-/// Contact without a factor of D and without S: conjugate gradients on the motions that keep a set of gaps
-/// closed, the set updated by primal-dual steps. It is judged on the way to the solution, since the sooner it
-/// changes, the less is lost.
-class ProjectedCg final : public ViSolver, public SlidingSolver {
+/// Contact without a factor of D and without S (docs/method.md section 5): conjugate gradients on the motions
+/// that keep the gaps of a set closed, the set updated by primal-dual steps. The set is checked before a
+/// solve has converged, to end it early where the set will change.
+class ProjectedCg final : public ViSolver, public ActiveSetKkt {
 public:
   /// `matrix` is D. Collective. The arguments must outlive this object.
   ProjectedCg(const Constraints& constraints, const ConjugateGradients& D, Mat matrix,
@@ -18,7 +18,7 @@ public:
   void solve_sliding(Vec r, const ActiveSet& set, Vec p) const override;
 
 private:
-  /// λ and g of a motion that keeps set_ closed, and the set that they call for. Collective.
+  /// Computes λ and g of a motion y that keeps the gaps of set_ closed, and the next set, next_. Collective.
   void evaluate(Vec r, std::span<const double> psi, Vec y, ContactState& state) const;
 
   const Constraints& constraints_;

@@ -11,9 +11,9 @@ using petsc::check;
 
 namespace {
 
-/// What a solve leaves open of a motion, relative to it: rounding, three digits above a double's, which
-/// backward errors of factorisations do not reach; and a solver's tolerance, which is in the norm of the
-/// energy, of which a single node may have more than its share.
+/// Relative error of a solve's displacements: rounding, 1e3 times the machine epsilon, which backward errors
+/// of factorisations do not reach; and the solver's tolerance, which bounds the energy norm, times a factor,
+/// since the error of a single node may be larger.
 double accuracy(double tolerance) {
   constexpr double rounding = 1e3 * std::numeric_limits<double>::epsilon(), share = 100;
   return rounding + share * tolerance;
@@ -30,8 +30,8 @@ void ViSolver::count_solved() { ++solved; }
 Complementarity::Complementarity(const Constraints& constraints, Mat D)
     : constraints_(constraints), gap_tolerance_(constraints.gap_tolerance()) {
   const petsc::Vector diagonal = fem::diagonal(D);
-  // Σ_c n_c² D_cc is the stiffness against moving the node alone along n, the direction of its force, but for
-  // D's entries between its components.
+  // Σ_c n_c² D_cc is the stiffness against moving the node alone along n, the direction of its force, if D's
+  // entries that couple the node's components are neglected.
   const std::size_t m = static_cast<std::size_t>(constraints.count());
   stiffness_.assign(m, 0.0);
   PetscInt begin = 0, end = 0;
@@ -50,7 +50,7 @@ Complementarity::Complementarity(const Constraints& constraints, Mat D)
 }
 
 double Complementarity::negligible_gap(double deepest, double size) const {
-  constexpr double relative = 1e-10; // of S's rounding and condition, as below
+  constexpr double relative = 1e-10; // rounding of S times its condition number, as below
   return std::min(gap_tolerance_, relative * deepest + accuracy(0) * size);
 }
 
@@ -59,8 +59,8 @@ double Complementarity::negligible_motion(std::span<const double> lambda, double
   double largest = 0;
   for (std::size_t i = 0; i < lambda.size(); ++i)
     largest = std::max(largest, lambda[i] / stiffness_[i]);
-  // Forces follow from gaps by S⁻¹, whose rounding is that of S times its condition, up to 1e6 for a stiff
-  // body that nothing holds; the residual r − D y is known to the accuracy of its terms.
+  // Forces follow from gaps by S⁻¹, whose rounding is that of S times its condition number, up to 1e6 for a
+  // stiff body without clamps; the residual r − D y is known to the accuracy of its terms.
   constexpr double relative = 1e-10;
   return relative * largest + accuracy(tolerance) * size;
 }
@@ -78,7 +78,7 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
   PetscReal size = 0;
   check(VecNorm(y, NORM_INFINITY, &size));
   const double motion = negligible_motion(state.lambda, size, tolerance);
-  // Gaps are differences of places, known to the rounding of coordinates.
+  // Gaps are differences of positions, known to the rounding of coordinates.
   const double closed = std::min(gap_tolerance_, accuracy(tolerance) * (constraints_.diameter() + size));
   double penetration = 0, adhesion = 0, distance = 0;
   for (std::size_t i = 0; i < state.lambda.size(); ++i) {
@@ -99,7 +99,8 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
                     state.lambda.size()));
   for (std::size_t i = 0; i < state.lambda.size(); ++i)
     if (state.status[i] == Status::open && state.gap[i] <= closed)
-      // What those with forces hold already cannot open, and some of their force may as well be its own.
+      // It cannot open while the candidates with forces on which it depends are closed, and part of their
+      // force may be assigned to it.
       state.status[i] =
           constraints_.depends(state.active, static_cast<int>(i)) ? Status::strong : Status::weak;
   state.active.clear();

@@ -4,62 +4,64 @@
 
 namespace signorini::contact {
 
-/// Solver of one contact step: minimise ½ y·Dy − r·y over g(y) ≥ 0 (4.22).
+/// Solver of one contact step: minimise ½ y·Dy − r·y over g(y) ≥ 0 (4.22), docs/method.md section 2.
 class ViSolver {
 public:
   ViSolver();
   virtual ~ViSolver() = default;
 
-  /// Solves for `y`, which holds a guess on entry, and for `state`, made for the m candidates; `psi` (m) are
-  /// the gaps of the undeformed body at the end of the step, `previous` is the previous step's contact, from
-  /// which the search starts. Collective. Throws SolverFailure with reason and residual.
+  /// Solves for `y`, which holds a guess on entry, and for `state`, constructed for the m candidates; `psi`
+  /// (m) are the gaps of the undeformed body at the end of the step, in metres, `previous` is the previous
+  /// step's contact, from which the search starts. Collective. Throws SolverFailure with reason and residual.
   virtual void solve(Vec r, std::span<const double> psi, const ContactSets& previous, ContactState& state,
                      Vec y) const = 0;
 
 protected:
-  /// Counts a step in which the inequality mattered: the motion without contact would have penetrated.
+  /// Counts a step whose inequality had to be solved. Solvers that test the motion without contact first do
+  /// not count steps in which it does not penetrate.
   static void count_solved();
 };
 
-/// Tells candidates apart as open, weak and strong, and throws SolverFailure unless the state is
-/// complementary. What counts as zero is what rounding, or an iterative solver's tolerance, leaves of the
-/// quantities of the step itself, and no figure of its own: contact forces λ are τ²/2 times forces, and with
-/// short steps the weight of a body moves its nodes by less than any fixed part of its diameter.
+/// Classifies candidates as open, weakly or strongly active (4.36), and throws SolverFailure unless the state
+/// is complementary. What counts as zero is relative to the quantities of the step itself, by rounding or an
+/// iterative solver's tolerance. Fixed thresholds would not do: contact forces λ are τ²/2 times forces, and
+/// in short steps the weight of a body moves its nodes by less than any fixed part of its diameter.
 class Complementarity {
 public:
   /// Collective.
   Complementarity(const Constraints& constraints, Mat D);
 
-  /// Of a step's solution y, whose solver left an error of `tolerance` relative to it, 0 for rounding alone.
-  /// Collective.
+  /// Sets status and active sets of `state` from its λ and gaps and the step's solution y, whose relative
+  /// error from the solver is `tolerance`, 0 for rounding alone. Collective. Throws SolverFailure if they are
+  /// not finite or not complementary.
   void classify(ContactState& state, Vec y, double tolerance = 0) const;
 
-  /// The penetration (m) that rounding may leave of one that was `deepest` (m) without forces, in a motion of
-  /// a `size` (m).
+  /// The penetration (m) that rounding may leave if it was at most `deepest` (m) without contact forces and
+  /// displacements are of `size` (m).
   [[nodiscard]] double negligible_gap(double deepest, double size) const;
 
-  /// Whether g ≥ 0 but for a `negligible` gap (m), and λ ≥ 0 but for the forces that are negligible in a motion
-  /// of a `size` (m) found with `tolerance`.
+  /// Whether g ≥ 0, λ ≥ 0 and one of them is zero, up to a `negligible` gap (m) and up to forces that are
+  /// negligible for displacements of `size` (m) found with the relative `tolerance`.
   [[nodiscard]] bool holds(std::span<const double> lambda, std::span<const double> gap, double negligible,
                            double size, double tolerance = 0) const {
     return holds_to(negligible, negligible_motion(lambda, size, tolerance), lambda, gap);
   }
 
-  /// The same where a force is negligible if it moves its node, the others held, by less than a gap that is.
+  /// Likewise, where a force is negligible if it moves its node alone by less than the `negligible` gap (m).
   [[nodiscard]] bool holds_within(double negligible, std::span<const double> lambda,
                                   std::span<const double> gap) const {
     return holds_to(negligible, negligible, lambda, gap);
   }
 
 private:
-  /// The motion (m) of a node, the others held, below which the force that makes it is zero.
+  /// A force counts as zero if it moves its node alone, the others held, by less than this (m).
   [[nodiscard]] double negligible_motion(std::span<const double> lambda, double size, double tolerance) const;
   [[nodiscard]] bool holds_to(double negligible, double motion, std::span<const double> lambda,
                               std::span<const double> gap) const;
 
   const Constraints& constraints_;
   double gap_tolerance_;
-  std::vector<double> stiffness_; ///< of D against moving the candidate's node alone (m)
+  std::vector<double> stiffness_; ///< of D against moving a candidate's node alone along its direction (m)
 };
 
 } // namespace signorini::contact

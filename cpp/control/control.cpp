@@ -13,7 +13,7 @@ namespace {
 long& spaces = count("control spaces");
 }
 
-/// Entries that a level-2 operation takes at a time: what it goes through once stays in the cache meanwhile.
+/// Entries in a block of a level-2 operation, so that the block of the common vector stays in the cache.
 constexpr std::size_t block = 4096;
 
 void Control::add(std::span<const double> a, std::span<const std::shared_ptr<const Control>> x) {
@@ -43,8 +43,8 @@ std::vector<int> ascending(std::vector<int> numbers) {
   return numbers;
 }
 
-/// HRZ lumping: the diagonal of W, scaled to the whole mass; positive for every degree. For degree 1 the row
-/// sums.
+/// HRZ lumping: the diagonal of W, scaled to the total mass; positive for every degree. For degree 1 it is
+/// the row sums.
 petsc::Vector lump(Mat W) {
   petsc::Vector diagonal = fem::diagonal(W), one = petsc::zero_like(diagonal),
                 mass = petsc::zero_like(diagonal);
@@ -77,7 +77,7 @@ void ControlSpace::take_cells(const std::optional<std::string>& on) {
   own_ = fem::assemble_cellwise(space_, on, "control.on");
   const petsc::Vector one = space_.vector();
   check(VecSet(one, 1));
-  const auto volumes = [&] { // nodal functions add up to one
+  const auto volumes = [&] { // the nodal functions are a partition of unity
     petsc::Vector x;
     check(MatCreateVecs(own_, x.put(), nullptr));
     check(MatMultTranspose(own_, one, x));
@@ -172,8 +172,8 @@ Control ControlSpace::interpolate(const scene::Components& components, const std
     if (k > 1 && !field.depends_on_time())
       std::ranges::copy(u.at(1), u.at(k).begin());
     else
-      fem::interpolate(space_.comm(), field, constant_in_time_ ? 0 : scheme_.load_time(k), points_, components_,
-                       u.at(k));
+      fem::interpolate(space_.comm(), field, constant_in_time_ ? 0 : scheme_.load_time(k), points_,
+                       components_, u.at(k));
   return u;
 }
 
@@ -197,7 +197,9 @@ double ControlSpace::sum(double mine) const {
   return duration() * mine;
 }
 
-double ControlSpace::product(const Control& u, const Control& w) const { return sum(dot(u.values(), mass(w).values())); }
+double ControlSpace::product(const Control& u, const Control& w) const {
+  return sum(dot(u.values(), mass(w).values()));
+}
 
 double ControlSpace::product_at(int k, const Control& u, const Control& w) const {
   std::vector<double> image(size_);
@@ -207,7 +209,9 @@ double ControlSpace::product_at(int k, const Control& u, const Control& w) const
 
 double ControlSpace::norm(const Control& u) const { return std::sqrt(product(u, u)); }
 
-double ControlSpace::metric(const Control& u, const Control& w) const { return sum(dot(u.values(), dual(w).values())); }
+double ControlSpace::metric(const Control& u, const Control& w) const {
+  return sum(dot(u.values(), dual(w).values()));
+}
 
 Control ControlSpace::dual(const Control& u) const {
   if (!lumped_)
@@ -219,7 +223,8 @@ Control ControlSpace::dual(const Control& u) const {
   return dual;
 }
 
-std::vector<double> ControlSpace::pairings(const Control& dual, std::span<const std::shared_ptr<const Control>> w) const {
+std::vector<double> ControlSpace::pairings(const Control& dual,
+                                           std::span<const std::shared_ptr<const Control>> w) const {
   std::vector<double> sums(w.size());
   const std::span<const double> values = dual.values();
   for (std::size_t first = 0; first < values.size(); first += block) {
@@ -238,7 +243,8 @@ void ControlSpace::to_metric(Control& gradient) const {
   Control image = mass(gradient);
   const petsc::ReadArray weight(lumped_);
   for (int k = 1; k <= gradient.count(); ++k)
-    std::ranges::transform(image.at(k), std::span<const double>(weight), gradient.at(k).begin(), std::divides());
+    std::ranges::transform(image.at(k), std::span<const double>(weight), gradient.at(k).begin(),
+                           std::divides());
 }
 
 void ControlSpace::project(Control& u) const {
@@ -254,7 +260,7 @@ void ControlSpace::project(Control& u) const {
   }
 }
 
-void ControlSpace::hold(Control& w, const Control& u, const Control& d) const {
+void ControlSpace::zero_blocked(Control& w, const Control& u, const Control& d) const {
   if (!bounded())
     return;
   const std::size_t n = components_.size();
@@ -275,15 +281,15 @@ void ControlSpace::add_force(std::span<const double> u, forward::NodalForce sum)
   if (cellwise_) {
     check(VecAXPBY(work_, scale_, 0, values));
     check(MatMultAdd(own_, work_, sum.vector, sum.vector));
-  } else { // on no other nodes: there the functions of these vanish
+  } else { // other basis functions vanish where the control acts
     check(MatMult(mass_, values, work_));
     add(scale_, petsc::ReadArray(work_), sum.vector);
   }
 }
 
 void ControlSpace::add_riesz(int k, Vec p, Control& g) const {
-  const double weight = scheme_.impulse() / duration() * scale_; // duration() of the product is divided out
-  if (cellwise_) { // the mean of p over each cell
+  const double weight = scheme_.impulse() / duration() * scale_; // divided by that of product()
+  if (cellwise_) {                                               // the mean of p over each cell
     check(MatMultTranspose(own_, p, work_));
     check(VecPointwiseDivide(work_, work_, volumes_));
     axpy(weight, petsc::ReadArray(work_), g.at(k));

@@ -10,8 +10,8 @@
 
 namespace signorini::control {
 
-/// A control u, constant on (t_{k−1}, t_k): the values of this rank in one array, step by step (steps × values), or
-/// those of one step for all.
+/// A control u, constant on (t_{k−1}, t_k): the values of this rank in one array, step by step
+/// (count × values); count is N, or 1 for a control that is constant in time.
 class Control {
 public:
   /// Zero. `size`: values of a step on this rank. `count`: steps whose values differ, 1 or N.
@@ -31,30 +31,32 @@ public:
 
   /// this += a x.
   void add(double a, const Control& x) { axpy(a, x.values_, values_); }
-  /// this += Σ_i a_i x_i; goes through this once.
+  /// this += Σ_i a_i x_i, in one pass over this.
   void add(std::span<const double> a, std::span<const std::shared_ptr<const Control>> x);
   void scale(double a) { signorini::scale(a, values_); }
 
 private:
-  [[nodiscard]] std::size_t begin(int k) const { return count_ == 1 ? 0 : size_ * (static_cast<std::size_t>(k) - 1); }
+  [[nodiscard]] std::size_t begin(int k) const {
+    return count_ == 1 ? 0 : size_ * (static_cast<std::size_t>(k) - 1);
+  }
 
   std::vector<double> values_;
   std::size_t size_;
   int count_, steps_;
 };
 
-/// The space of controls: what they act on, their products, their bounds, and how they enter the equation of
+/// The space of controls: where they act, their products, their bounds, and how they enter the equation of
 /// motion. Nodal values of the displacement's degree ("P1"), or one value for each cell ("P0"); on the whole
 /// body, a part of it or a surface (there a cell's value acts on those of its facets that lie on it). All
 /// members collective.
 ///
-/// u_k holds values only where and in what components the control acts, (places × components), place
-/// by place; extend() makes a field of it. A control of a surface is small.
+/// u_k stores values only at the places (nodes or cells) and in the components where the control acts,
+/// (places × components), place by place; extend() gives the field. A control on a surface is thus small.
 ///
-/// Two products: product() is that of L2(0,T; L2), τ Σ (u_k, w_k), over what the control acts on. metric() is
-/// what the optimizer measures with: the same where the mass matrix is diagonal or there are no bounds; else
-/// with a diagonal one (lumped, HRZ), because clipping the values to the bounds is the projection onto the
-/// bounds exactly where the mass matrix is diagonal.
+/// product() is that of L2(0,T; L2), τ Σ (u_k, w_k), over the set on which the control acts. metric() is the
+/// product of the optimizer: the same where the mass matrix is diagonal or there are no bounds; else with the
+/// lumped mass matrix (HRZ), because clipping the values to the bounds is the projection onto the bounds
+/// exactly where the mass matrix is diagonal (docs/method.md section 6).
 class ControlSpace {
 public:
   /// The references must outlive this object. Throws UserError.
@@ -72,7 +74,7 @@ public:
   [[nodiscard]] std::size_t size() const { return size_; }
   /// A zero field: a vector of V, or one for each cell (owned cells × dim).
   [[nodiscard]] petsc::Vector field() const;
-  /// The field with these values, zero where and in what components the control does not act.
+  /// The field with these values, zero in places and components where the control does not act.
   void extend(std::span<const double> values, Vec field) const;
   /// The values of a field where the control acts.
   void restrict(Vec field, std::span<double> values) const;
@@ -82,22 +84,23 @@ public:
   [[nodiscard]] double product_at(int k, const Control& u, const Control& w) const;
   [[nodiscard]] double norm(const Control& u) const;
   [[nodiscard]] double metric(const Control& u, const Control& w) const;
-  /// w ↦ metric(u, w) by the values that pairings() multiplies w's with.
+  /// The functional metric(u, ·), as the values that pairings() multiplies with those of w.
   [[nodiscard]] Control dual(const Control& u) const;
-  /// metric(u, w_i) for each w_i, by the dual of u, which is gone through once.
-  [[nodiscard]] std::vector<double> pairings(const Control& dual, std::span<const std::shared_ptr<const Control>> w) const;
-  /// From the Riesz representative of a functional by product() to that by metric(), in place.
+  /// metric(u, w_i) for each w_i from the dual of u, in one pass over it.
+  [[nodiscard]] std::vector<double> pairings(const Control& dual,
+                                             std::span<const std::shared_ptr<const Control>> w) const;
+  /// Converts the Riesz representative of a functional in product() to that in metric(), in place.
   void to_metric(Control& gradient) const;
 
   [[nodiscard]] bool bounded() const { return lower_ || upper_; }
   /// Clips to the bounds: the projection in metric().
   void project(Control& u) const;
   /// Sets w to zero where u is at a bound and d points out of it.
-  void hold(Control& w, const Control& u, const Control& d) const;
+  void zero_blocked(Control& w, const Control& u, const Control& d) const;
 
   /// Memory of one control, bytes. Collective.
   [[nodiscard]] double control_bytes() const;
-  /// Memory of the matrix that only the control needs, bytes; 0 if W does. Collective.
+  /// Memory of the matrix assembled for the control alone, bytes; 0 where W serves. Collective.
   [[nodiscard]] double matrix_bytes() const { return own_ ? petsc::bytes(own_) : 0; }
 
   [[nodiscard]] int steps() const { return steps_; }
@@ -108,21 +111,22 @@ public:
   [[nodiscard]] const std::vector<double>& points() const { return points_; }
   /// Their numbers among the owned nodes or cells (places).
   [[nodiscard]] const std::vector<int>& places() const { return places_; }
-  /// In which components, ascending numbers.
+  /// The components in which the control acts, ascending numbers.
   [[nodiscard]] const std::vector<int>& components() const { return components_; }
 
-  /// Whether a control acts by a density, else by forces on the nodes.
+  /// Whether the control acts by a force density, else by forces on the nodes (forward::NodalForce).
   [[nodiscard]] bool acts_by_density() const { return whole_ && !cellwise_; }
-  /// Adds s u for the values u of a step.
+  /// Adds the force s u, for the values u of a step.
   void add_force(std::span<const double> u, forward::NodalForce sum) const;
 
-  /// Adds to g what step k contributes to the Riesz representative, by product(), of the functional
-  /// u ↦ Σ_k impulse() p_k · (force of u_k): the transpose of add_force(). For one vector per step (τ s/2) p_k.
+  /// Adds to g the contribution of step k to the Riesz representative, in product(), of the functional
+  /// u ↦ Σ_k impulse() p_k · (force of u_k): the transpose of add_force(). For nodal values that vary in time
+  /// it is (τ s/2) p_k (docs/method.md section 4).
   void add_riesz(int k, Vec p, Control& g) const;
 
 private:
   [[nodiscard]] int count() const { return constant_in_time_ ? 1 : steps_; }
-  /// τ, or T where the values of one step are those of all.
+  /// τ, or T for a control that is constant in time.
   [[nodiscard]] double duration() const { return scheme_.tau * steps_ / count(); }
   /// field += a · values.
   void add(double a, std::span<const double> values, Vec field) const;
@@ -133,16 +137,16 @@ private:
   /// duration() Σ over all ranks.
   [[nodiscard]] double sum(double mine) const;
 
-  /// Entry of a field that an owned value is.
+  /// The local entry of a field that holds an owned value.
   [[nodiscard]] std::size_t entry(std::size_t value) const {
     const std::size_t n = components_.size();
     return static_cast<std::size_t>(places_[value / n] * space_.dim() + components_[value % n]);
   }
-  /// Vectors of the layout of `values`.
+  /// Creates the work vectors in the layout of `values`.
   void make_work(Vec values);
   void take_cells(const std::optional<std::string>& on);
   void take_nodes(const fem::Operators& operators, const std::optional<std::string>& on);
-  /// Keeps the places of which a field, its weights, is not zero.
+  /// Takes the places where a field, its weights, is not zero.
   void keep_places(Vec weights, const std::vector<double>& points);
 
   const fem::Space& space_;
@@ -152,18 +156,18 @@ private:
   bool constant_in_time_, cellwise_, whole_;
   std::vector<int> components_;
   std::vector<int> places_; ///< owned nodes or cells where the control acts, ascending local numbers
-  bool everywhere_ = false; ///< on every rank, in all components: values are a field
+  bool everywhere_ = false; ///< at all places and components of all ranks: values are a field
   std::vector<double> points_;
   petsc::Matrix own_;     ///< nodal: mass matrix, if it is not W; cellwise: ∫ u·φ (dofs × values)
   Mat mass_ = nullptr;    ///< nodal: the mass matrix (values × values), own_ or W
   petsc::Vector volumes_; ///< cellwise: the diagonal mass matrix
   std::optional<std::vector<double>> lower_, upper_; ///< one entry per component of components_
   std::size_t size_ = 0;
-  petsc::Vector work_, in_, out_, field_;            ///< of values, two of them stand for steps of controls; a field
+  petsc::Vector work_, in_, out_, field_; ///< of values; in_, out_ on arrays of controls; a field
   petsc::Vector lumped_; ///< diagonal of the lumped mass matrix; null where metric() is product()
 };
 
-/// What a control does to the body, s u_k.
+/// The force s u_k of a control on the body, as a load.
 class ControlForce final : public forward::Load {
 public:
   /// The references must outlive this object.

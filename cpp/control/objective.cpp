@@ -56,8 +56,9 @@ double Objective::quadrature_error(const std::vector<double>& squared_distances,
   constexpr int points = 3;
   if (steps_ < points)
     return 0;
-  // τ times the change of a rate from t = 0 to T, from the three values next to each end: `first` and `last` are their numbers,
-  // `weights` the rate's, outermost value first.
+  // τ times the change of a time derivative from t = 0 to T, by one-sided differences of three values at each
+  // end: `first` and `last` are the outermost numbers, `weights` those of the difference at t = 0, outermost
+  // first.
   const auto change = [](auto&& at, int first, int last, const std::array<double, points>& weights) {
     double sum = 0;
     for (int i = 0; i < points; ++i)
@@ -67,9 +68,11 @@ double Objective::quadrature_error(const std::vector<double>& squared_distances,
   double error = 0;
   if (tracking_ > 0)
     error -= tracking_ * scheme_.tau / 12 *
-             change([&](int k) { return squared_distances[static_cast<std::size_t>(k)] / 2; }, 0, steps_, {-1.5, 2, -0.5});
+             change([&](int k) { return squared_distances[static_cast<std::size_t>(k)] / 2; }, 0, steps_,
+                    {-1.5, 2, -0.5});
   if (alpha_ > 0 && u.count() == steps_)
-    error += alpha_ * scheme_.tau / 24 * change([&](int k) { return controls_.product_at(k, u, u) / 2; }, 1, steps_, {-2, 3, -1});
+    error += alpha_ * scheme_.tau / 24 *
+             change([&](int k) { return controls_.product_at(k, u, u) / 2; }, 1, steps_, {-2, 3, -1});
   return error;
 }
 

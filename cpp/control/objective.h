@@ -7,54 +7,58 @@ namespace signorini::control {
 
 /// The value of J and its parts (docs/method.md section 3).
 struct Value {
-  double tracking = 0;     ///< τ/2 Σ ½ (‖e_{k−1}‖² + ‖e_k‖²)
+  double tracking = 0;     ///< θ τ/2 Σ ½ (‖e_{k−1}‖² + ‖e_k‖²)
   double terminal = 0;     ///< γ ‖e_N‖²
   double control_cost = 0; ///< α τ/2 Σ ‖u_k‖²
   [[nodiscard]] double total() const { return tracking + terminal + control_cost; }
 };
 
-/// J: how far the motion is from the desired one, over the body, a part of it or a surface, and what the
-/// control costs. A term whose weight is zero is not evaluated. All members collective.
+/// The objective J (docs/method.md section 3): the distance of the motion from the desired one in L2 of the
+/// body, a part of it or a surface, and the cost of the control. A term whose weight is zero is not
+/// evaluated. All members collective.
 class Objective {
 public:
-  /// `desired` is y_d,0…y_d,N, each asked for at any time. The references must outlive this object. Throws UserError.
+  /// `desired` is y_d,0…y_d,N, read in any order. The references must outlive this object. Throws UserError.
   Objective(const ControlSpace& controls, const fem::Operators& operators, forward::Scheme scheme,
             std::unique_ptr<const forward::Displacements> desired, const scene::Objective& scene);
 
-  /// What J takes of a motion as it goes by: ‖y_k − y_d,k‖² of each step (N + 1), zero where it has no weight.
+  /// Stores ‖y_k − y_d,k‖² as entry k of `squared_distances` (N + 1); an entry without weight stays zero.
   void observe(int k, Vec y, std::vector<double>& squared_distances) const;
 
+  /// J from the squared distances of observe().
   [[nodiscard]] Value value(const std::vector<double>& squared_distances, const Control& u) const;
 
-  /// Whether derivatives by states are densities, else vectors.
+  /// Whether derivatives by states are densities, else vectors (forward::Functional).
   [[nodiscard]] bool observes_whole() const { return !own_; }
   /// Adds ∂J/∂y_k = weight(k) W (y − y_d,k).
   void add_derivative(int k, Vec y, forward::StateDual sum) const;
   /// Adds ∂²J/∂y_k² δy.
   void add_second_derivative(int k, Vec dy, forward::StateDual sum) const;
 
-  /// The integrals over time less their quadrature, to leading order: −τ²/12 of the change of ½ θ ‖e‖²'s rate (trapezoidal
-  /// rule) and, if u_k is that in the middle of step k, +τ²/24 of that of α/2 ‖u‖²'s (midpoint rule).
+  /// The time integrals of J less their quadrature, to leading order: −τ²/12 times the change of
+  /// d/dt ½ θ ‖e‖² from 0 to T (trapezoidal rule) and, where the control varies in time, +τ²/24 times that of
+  /// d/dt α/2 ‖u‖² (midpoint rule, u_k being the value in the middle of step k). Zero for fewer than three
+  /// steps.
   [[nodiscard]] double quadrature_error(const std::vector<double>& squared_distances, const Control& u) const;
 
   /// α: the derivative by the control is α u.
   [[nodiscard]] double alpha() const { return alpha_; }
 
-  /// ‖y − y_d,k‖ in L2 of what is observed.
+  /// ‖y − y_d,k‖ in L2 of the set that is observed.
   [[nodiscard]] double distance(int k, Vec y) const;
 
   /// y_d,k, valid until the next is asked for.
   [[nodiscard]] Vec desired(int k) const { return desired_->y(k); }
 
-  /// J's state part is Σ_k ½ weight(k) ‖e_k‖², the trapezoidal rule and what counts of the end: what value and derivatives
-  /// share.
+  /// w_k of docs/method.md section 3: the state part of J is Σ_k ½ weight(k) ‖e_k‖², tracking and terminal
+  /// term.
   [[nodiscard]] double weight(int k) const { return tracking_weight(k) + terminal_weight(k); }
 
 private:
   [[nodiscard]] double tracking_weight(int k) const;
   [[nodiscard]] double terminal_weight(int k) const;
   double squared_distance(int k, Vec y) const;
-  /// sum += observed_ · density, which is work_.
+  /// Adds observed_ · work_ to the vector of `sum`, unless the whole body is observed.
   void add_observed(forward::StateDual sum) const;
 
   forward::Scheme scheme_;
@@ -62,12 +66,13 @@ private:
   std::unique_ptr<const forward::Displacements> desired_;
   double tracking_, alpha_, gamma_;
   const ControlSpace& controls_;
-  petsc::Matrix own_; ///< the L2 product of what is observed; null for the whole body
+  petsc::Matrix own_; ///< the L2 product of the observed set; null for the whole body
   Mat observed_;      ///< own_ or W
   petsc::Vector error_, work_;
 };
 
-/// The duals of states that an objective makes of a motion, or of a linearised one; where it has no weight none is asked for.
+/// Derivatives of an objective by the states along a motion, or a linearised one. States without weight are
+/// not asked for.
 class ObjectiveDuals : public forward::StateDuals {
 public:
   /// The references must outlive this object.
@@ -91,7 +96,7 @@ public:
   }
 };
 
-/// ∂²J/∂y_k² δy_k along a linearised one.
+/// ∂²J/∂y_k² δy_k along a linearised motion.
 class SecondDerivative final : public ObjectiveDuals {
 public:
   using ObjectiveDuals::ObjectiveDuals;

@@ -11,23 +11,24 @@ using petsc::check;
 namespace {
 long& problems = count("reduced problems");
 
-/// δy_0…δy_N where they are kept.
+/// δy_0…δy_N from the storage of states.
 class LinearisedMotion final : public forward::Displacements {
 public:
-  explicit LinearisedMotion(forward::States& states) : states_(states) {}
+  explicit LinearisedMotion(forward::StateStore& states) : states_(states) {}
   [[nodiscard]] Vec y(int k) const override { return states_.at(k).y; }
 
 private:
-  forward::States& states_;
+  forward::StateStore& states_;
 };
 
 } // namespace
 
 ReducedProblem::ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls,
                                const Objective& objective, const forward::Initial& initial,
-                               const forward::Load* load, const forward::Storage& storage, Timers& timers)
-    : stepper_(stepper), controls_(controls), objective_(objective), initial_(initial),
-      load_(load), storage_(storage), timers_(timers), current_(point()), trial_(point()) {
+                               const forward::Load* load, const forward::StateStoreFactory& storage,
+                               Timers& timers)
+    : stepper_(stepper), controls_(controls), objective_(objective), initial_(initial), load_(load),
+      storage_(storage), timers_(timers), current_(point()), trial_(point()) {
   ++problems;
 }
 
@@ -51,7 +52,8 @@ double ReducedProblem::value(const Control& u) {
 
 void ReducedProblem::accept() { std::swap(current_, trial_); }
 
-Control ReducedProblem::riesz(const std::vector<contact::ContactSets>& contact, const forward::DualAtStep& dual, double scale, const Control& u) {
+Control ReducedProblem::riesz(const std::vector<contact::ContactSets>& contact,
+                              const forward::DualAtStep& dual, double scale, const Control& u) {
   const auto timer = timers_.time("adjoint");
   Control g = u;
   g.scale(scale);
@@ -60,7 +62,9 @@ Control ReducedProblem::riesz(const std::vector<contact::ContactSets>& contact, 
   return g;
 }
 
-Control ReducedProblem::adjoint(const forward::DualAtStep& dual) { return riesz(current_->trajectory.contact(), dual, 0, current_->u); }
+Control ReducedProblem::adjoint(const forward::DualAtStep& dual) {
+  return riesz(current_->trajectory.contact(), dual, 0, current_->u);
+}
 
 Control ReducedProblem::l2_gradient(const Point& at) {
   const Derivative derivative(objective_, at.trajectory);
@@ -86,40 +90,45 @@ Control ReducedProblem::trial_gradient() {
   return g;
 }
 
-void ReducedProblem::march_linearised(const Control& d, const std::function<void(forward::March& march)>& use) {
+void ReducedProblem::integrate_linearised(
+    const Control& d, const std::function<void(forward::TimeIntegrator& integrator)>& use) {
   const std::vector<contact::ContactSets>& contact = current_->trajectory.contact();
-  march_linearised(d, [&](int k, Vec y0, Vec v0, forward::NodalForce load, Vec y1, Vec v1) {
-    stepper_.linearised_step(y0, v0, load, contact[static_cast<std::size_t>(k)], y1, v1);
-  }, use);
+  integrate_linearised(
+      d,
+      [&](int k, Vec y0, Vec v0, forward::NodalForce load, Vec y1, Vec v1) {
+        stepper_.linearised_step(y0, v0, load, contact[static_cast<std::size_t>(k)], y1, v1);
+      },
+      use);
 }
 
-void ReducedProblem::march_linearised(const Control& d, const Step& step, const std::function<void(forward::March& march)>& use) {
+void ReducedProblem::integrate_linearised(
+    const Control& d, const Step& step, const std::function<void(forward::TimeIntegrator& integrator)>& use) {
   const petsc::Vector rest = stepper_.space().vector();
   const ControlForce force(controls_, d);
   const forward::ForceAtStep forces(stepper_.space(), force);
-  forward::March march(stepper_, rest, rest, [&](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
+  forward::TimeIntegrator integrator(stepper_, rest, rest, [&](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
     step(k, y0, v0, forces.at(k), y1, v1);
   });
-  use(march);
+  use(integrator);
 }
 
-void ReducedProblem::through_linearised(forward::March& march,
-                                        const std::function<void(const forward::State& state)>& visit) {
+void ReducedProblem::make_linearised_steps(forward::TimeIntegrator& integrator,
+                                           const std::function<void(const forward::State& state)>& visit) {
   const auto timer = timers_.time("linearised");
-  march.restart();
-  visit(march.state());
+  integrator.restart();
+  visit(integrator.state());
   for (int k = 1; k <= controls_.steps(); ++k) {
     if (stop_requested(stepper_.space().comm()))
       throw Interrupted();
-    march.advance();
-    visit(march.state());
+    integrator.advance();
+    visit(integrator.state());
   }
   ++sweeps_.forward;
 }
 
 void ReducedProblem::linearised(const Control& d, const std::function<void(int k, Vec dy)>& visit) {
-  march_linearised(d, [&](forward::March& march) {
-    through_linearised(march, [&](const forward::State& state) {
+  integrate_linearised(d, [&](forward::TimeIntegrator& integrator) {
+    make_linearised_steps(integrator, [&](const forward::State& state) {
       if (state.k > 0)
         visit(state.k, state.y);
     });
@@ -143,8 +152,8 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
   const Step step = [&](int k, Vec y0, Vec v0, forward::NodalForce load, Vec y1, Vec v1) {
     stepper_.one_sided_step(y0, v0, load, slope.contact[static_cast<std::size_t>(k)], y1, v1);
   };
-  march_linearised(d, step, [&](forward::March& march) {
-    through_linearised(march, [&](const forward::State& state) {
+  integrate_linearised(d, step, [&](forward::TimeIntegrator& integrator) {
+    make_linearised_steps(integrator, [&](const forward::State& state) {
       if (state.k == 0)
         return;
       const forward::StateDual dual = derivative.at(state.k);
@@ -162,9 +171,9 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
 
 Control ReducedProblem::l2_hessian_product(const Control& d) {
   Control h = controls_.zero();
-  march_linearised(d, [&](forward::March& march) {
-    const std::unique_ptr<forward::States> dy = storage_.place(march);
-    through_linearised(march, [&](const forward::State& state) { dy->keep(state); });
+  integrate_linearised(d, [&](forward::TimeIntegrator& integrator) {
+    const std::unique_ptr<forward::StateStore> dy = storage_.place(integrator);
+    make_linearised_steps(integrator, [&](const forward::State& state) { dy->keep(state); });
     const LinearisedMotion linearised(*dy);
     const SecondDerivative second(objective_, linearised);
     h = riesz(current_->trajectory.contact(), {stepper_.space(), second}, objective_.alpha(), d);

@@ -8,22 +8,23 @@
 
 namespace signorini::control {
 
-/// u ↦ J(S(u), u) with S the solution operator of the contact problem: value, gradient, Hessian product. The
-/// problem keeps the trajectory of the current control and that of a trial, in `storage`; a rejected trial changes
-/// nothing. All members collective; those that compute throw WriteFailure if the storage does.
+/// The reduced objective u ↦ J(S(u), u), S being the solution operator of the contact problem: value,
+/// gradient, Hessian product (docs/method.md section 4). Keeps the trajectories of the current control and of
+/// a trial, in `storage`; a rejected trial changes nothing. All members collective; those that compute throw
+/// WriteFailure if the storage does.
 class ReducedProblem {
 public:
   using Vector = Control;
 
-  /// Those made so far; a linearised one counts as a forward one.
+  /// Numbers of sweeps so far; a linearised one counts as a forward one.
   struct Sweeps {
     int forward = 0, adjoint = 0;
   };
 
   /// The references must outlive this object. `load` is the load without the control, null if there is none.
   ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls, const Objective& objective,
-                 const forward::Initial& initial, const forward::Load* load, const forward::Storage& storage,
-                 Timers& timers);
+                 const forward::Initial& initial, const forward::Load* load,
+                 const forward::StateStoreFactory& storage, Timers& timers);
 
   /// J(u) by a forward sweep; u becomes the trial. Throws Interrupted, SolverFailure.
   double value(const Control& u);
@@ -46,16 +47,18 @@ public:
   /// The Hessian product as Riesz representative in the optimizer's metric.
   Control hessian_product(const Control& d);
 
-  /// S'(u) d: shows the linearised states δy_1…δy_N at the current control, active sets frozen. Throws Interrupted.
+  /// S'(u) d: shows the linearised states δy_1…δy_N at the current control, active sets frozen. Throws
+  /// Interrupted.
   void linearised(const Control& d, const std::function<void(int k, Vec dy)>& visit);
 
-  /// J'(u; d), exact where contact is weak too: by the linearised motion in which weak candidates may open, and as ⟨g, d⟩ with
-  /// the gradient g of the piece of J that lies that way, whose contact has the sets that then stay closed. Both are
-  /// the same; where no contact is weak g is the gradient. Throws Interrupted.
+  /// The one-sided derivative J'(u; d), exact at weak contact too (docs/method.md section 4), computed twice:
+  /// by the linearised motion in which weak candidates may open, and as ⟨g, d⟩ with the gradient g of the
+  /// piece of J in the direction d, which slides on the sets C_k that then stay closed. They agree up to
+  /// rounding; without weak contact g is the gradient. Throws Interrupted.
   struct OneSided {
     double by_motion = 0, by_gradient = 0;
-    double size = 0; ///< what by_motion would be if nothing cancelled, against which rounding is to be seen
-    std::vector<contact::ContactSets> contact;
+    double size = 0; ///< sum of bounds of by_motion's terms, the scale of its rounding
+    std::vector<contact::ContactSets> contact; ///< with C_k as active sets
   };
   OneSided one_sided_slope(const Control& d);
 
@@ -64,11 +67,12 @@ public:
 
   [[nodiscard]] double inner(const Control& u, const Control& w) const { return controls_.metric(u, w); }
   [[nodiscard]] Control dual(const Control& u) const { return controls_.dual(u); }
-  [[nodiscard]] std::vector<double> pairings(const Control& dual, std::span<const std::shared_ptr<const Control>> w) const {
+  [[nodiscard]] std::vector<double> pairings(const Control& dual,
+                                             std::span<const std::shared_ptr<const Control>> w) const {
     return controls_.pairings(dual, w);
   }
   void project(Control& u) const { controls_.project(u); }
-  void hold(Control& w, const Control& u, const Control& d) const { controls_.hold(w, u, d); }
+  void zero_blocked(Control& w, const Control& u, const Control& d) const { controls_.zero_blocked(w, u, d); }
 
   [[nodiscard]] const Control& control() const { return current_->u; }
   [[nodiscard]] const Value& value() const { return current_->value; }
@@ -79,9 +83,9 @@ public:
   /// Shows p_N … p_1 of the current control, each valid during the call, by one more adjoint sweep.
   void adjoint_states(const std::function<void(int k, Vec p)>& visit) const;
   [[nodiscard]] Sweeps sweeps() const { return sweeps_; }
-  /// Goes on counting from there.
+  /// Sets the counters, when a search is resumed.
   void count_from(Sweeps sweeps) { sweeps_ = sweeps; }
-  /// All that acts with the current control; valid until another is accepted.
+  /// The forces of the loads and the current control; valid until another is accepted.
   [[nodiscard]] forward::ForceAtStep load() const { return load(*current_); }
   [[nodiscard]] const ControlSpace& controls() const { return controls_; }
   [[nodiscard]] const Objective& objective() const { return objective_; }
@@ -89,7 +93,8 @@ public:
 
 private:
   struct Point {
-    Point(const ControlSpace& controls, const forward::Stepper& stepper, const forward::Initial& initial, const forward::Storage& storage)
+    Point(const ControlSpace& controls, const forward::Stepper& stepper, const forward::Initial& initial,
+          const forward::StateStoreFactory& storage)
         : u(controls.zero()), force(controls, u), trajectory(stepper, initial, controls.steps(), storage) {}
 
     Control u;
@@ -100,16 +105,23 @@ private:
   };
 
   [[nodiscard]] std::unique_ptr<Point> point() const;
-  [[nodiscard]] forward::ForceAtStep load(const Point& at) const { return {stepper_.space(), {load_, &at.force}}; }
+  [[nodiscard]] forward::ForceAtStep load(const Point& at) const {
+    return {stepper_.space(), {load_, &at.force}};
+  }
   using Step = std::function<void(int k, Vec y0, Vec v0, forward::NodalForce load, Vec y1, Vec v1)>;
-  /// Hands a march over S'(u) d, by these steps or those on the current contact, to `use`.
-  void march_linearised(const Control& d, const Step& step, const std::function<void(forward::March& march)>& use);
-  void march_linearised(const Control& d, const std::function<void(forward::March& march)>& use);
-  /// Goes through it once.
-  void through_linearised(forward::March& march, const std::function<void(const forward::State& state)>& visit);
+  /// Calls `use` with an integrator of S'(u) d that makes these steps or, without them, those linearised on
+  /// the current contact.
+  void integrate_linearised(const Control& d, const Step& step,
+                            const std::function<void(forward::TimeIntegrator& integrator)>& use);
+  void integrate_linearised(const Control& d,
+                            const std::function<void(forward::TimeIntegrator& integrator)>& use);
+  /// Makes all of its steps once and shows the states 0…N. Throws Interrupted.
+  void make_linearised_steps(forward::TimeIntegrator& integrator,
+                             const std::function<void(const forward::State& state)>& visit);
 
-  /// scale u + S'(at)* w as Riesz representative in L2(0,T; L2).
-  Control riesz(const std::vector<contact::ContactSets>& contact, const forward::DualAtStep& dual, double scale, const Control& u);
+  /// scale u + S'* w for duals w and S' linearised on `contact`, as Riesz representative in L2(0,T; L2).
+  Control riesz(const std::vector<contact::ContactSets>& contact, const forward::DualAtStep& dual,
+                double scale, const Control& u);
   Control l2_gradient(const Point& at);
 
   const forward::Stepper& stepper_;
@@ -117,9 +129,9 @@ private:
   const Objective& objective_;
   const forward::Initial& initial_;
   const forward::Load* load_; ///< null without one
-  const forward::Storage& storage_;
+  const forward::StateStoreFactory& storage_;
   Timers& timers_;
-  std::unique_ptr<Point> current_, trial_; ///< where they are they stay: forces refer to their controls
+  std::unique_ptr<Point> current_, trial_; ///< never moved: forces refer to their controls
   Sweeps sweeps_;
 };
 

@@ -11,12 +11,12 @@ namespace signorini::fem {
 
 namespace {
 
-/// Sets of things numbered 0, 1, …, which start one by one.
+/// Disjoint sets of the numbers 0 … n − 1 (union-find), at first of one number each.
 class Sets {
 public:
   explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
 
-  [[nodiscard]] std::size_t first(std::size_t i) const { // of those in the set of i
+  [[nodiscard]] std::size_t first(std::size_t i) const { // least number of the set of i
     while (parent_[i] != i)
       i = parent_[i] = parent_[parent_[i]];
     return i;
@@ -35,14 +35,16 @@ std::int64_t sum(MPI_Comm comm, std::int64_t mine) {
   return mine;
 }
 
-/// Owned facets of a group, so that each is one rank's.
-std::vector<std::int32_t> owned_facets(const mesh::Mesh& mesh, const std::string& group, const std::string& key) {
+/// Facets of a group that this rank owns, so that none is counted twice.
+std::vector<std::int32_t> owned_facets(const mesh::Mesh& mesh, const std::string& group,
+                                       const std::string& key) {
   std::vector<std::int32_t> facets = mesh.facets(group, key);
   const std::int32_t owned = mesh.dolfinx()->topology()->index_map(mesh.dim() - 1)->size_local();
   std::erase_if(facets, [&](std::int32_t facet) { return facet >= owned; });
   return facets;
 }
 
+/// Global numbers of this rank's nodes, owned and ghosts.
 std::vector<std::int64_t> global_nodes(const Space& space) {
   const auto map = space.dolfinx()->dofmap()->index_map;
   std::vector<std::int32_t> local(static_cast<std::size_t>(map->size_local() + map->num_ghosts()));
@@ -63,7 +65,7 @@ int connected_parts(const Space& space) {
     for (std::int32_t node : nodes)
       here.unite(static_cast<std::size_t>(nodes[0]), static_cast<std::size_t>(node));
   }
-  // A set goes by the number, among all, of its first node; sets of several ranks that share a node are one.
+  // Local sets are named by the global number of their first node; those that share a node are joined.
   using Pair = std::array<std::int64_t, 2>;
   const auto owned = static_cast<std::size_t>(space.owned_nodes());
   std::vector<Pair> joined;
@@ -104,7 +106,8 @@ std::int64_t facets_among(const Space& space, const std::string& group, const st
   const int dim = space.dim();
   const auto cells = topology->connectivity(dim - 1, dim), facets = topology->connectivity(dim, dim - 1);
   const auto dofmap = space.dolfinx()->dofmap();
-  const auto closure = dofmap->element_dof_layout().entity_closure_dofs_all()[static_cast<std::size_t>(dim) - 1];
+  const auto closure =
+      dofmap->element_dof_layout().entity_closure_dofs_all()[static_cast<std::size_t>(dim) - 1];
   const std::vector<std::int64_t> global = global_nodes(space);
   std::int64_t count = 0;
   for (std::int32_t facet : owned_facets(space.mesh(), group, key)) {
@@ -113,7 +116,8 @@ std::int64_t facets_among(const Space& space, const std::string& group, const st
     const auto which = static_cast<std::size_t>(std::ranges::find(around, facet) - around.begin());
     count += std::ranges::all_of(closure.at(which), [&](int dof) {
       const std::int32_t node = dofmap->cell_dofs(cell)[static_cast<std::size_t>(dof)];
-      return std::ranges::binary_search(first_dofs, static_cast<PetscInt>(global[static_cast<std::size_t>(node)] * dim));
+      return std::ranges::binary_search(first_dofs,
+                                        static_cast<PetscInt>(global[static_cast<std::size_t>(node)] * dim));
     });
   }
   return sum(space.comm(), count);

@@ -4,14 +4,15 @@
 
 namespace signorini::fem {
 
-/// Number of parts of the mesh that share no node with each other. Collective.
+/// Number of connected parts of the mesh; parts are connected if they share a node. Collective.
 int connected_parts(const Space& space);
 
-/// Facets of a group, on all ranks, that have a cell on either side. Collective. Throws UserError naming `key`.
+/// Number of facets of a group, on all ranks, with a cell on either side. Collective. Throws UserError naming
+/// `key`, as mesh::Mesh::facets does.
 std::int64_t inner_facets(const mesh::Mesh& mesh, const std::string& group, const std::string& key);
 
-/// Facets of a group, on all ranks, of which all nodes are in a list of first dofs, ascending. Collective. Throws
-/// UserError naming `key`.
+/// Number of facets of a group, on all ranks, all of whose nodes are in `first_dofs`: the first global dofs
+/// of nodes, ascending, of all ranks. Collective. Throws UserError naming `key`, as mesh::Mesh::facets does.
 std::int64_t facets_among(const Space& space, const std::string& group, const std::string& key,
                           const std::vector<PetscInt>& first_dofs);
 

@@ -15,14 +15,15 @@ namespace {
 
 using Gradient = std::array<std::array<double, 3>, 3>; // ∂y_r/∂x_c
 
-/// Of a matrix given by its entries f(i, j).
+/// Determinant of a (3 × 3) matrix given by its entries f(i, j).
 template <class Entry>
 double determinant(Entry&& f) {
-  return f(0, 0) * (f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1)) - f(0, 1) * (f(1, 0) * f(2, 2) - f(1, 2) * f(2, 0)) +
+  return f(0, 0) * (f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1)) -
+         f(0, 1) * (f(1, 0) * f(2, 2) - f(1, 2) * f(2, 0)) +
          f(0, 2) * (f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0));
 }
 
-/// The largest modulus of an eigenvalue of the symmetric part.
+/// The largest modulus of an eigenvalue of the symmetric part, by the trigonometric formula.
 double principal_strain(const Gradient& G) {
   const auto e = [&](int i, int j) { return (G[i][j] + G[j][i]) / 2; };
   const double mean = (e(0, 0) + e(1, 1) + e(2, 2)) / 3;
@@ -40,19 +41,21 @@ double principal_strain(const Gradient& G) {
   return std::max(std::abs(high), std::abs(low));
 }
 
+/// Length of the axial vector of the skew part: an angle, rad.
 double rotation(const Gradient& G) {
   return std::hypot(G[1][0] - G[0][1], G[2][1] - G[1][2], G[0][2] - G[2][0]) / 2;
 }
 
+/// det(I + ∇y).
 double volume_ratio(const Gradient& G) {
   return determinant([&](int i, int j) { return G[i][j] + (i == j); });
 }
 
-/// The largest over all ranks; of equal ones the first in place.
+/// The largest over all ranks; of equal ones that at the least coordinates. Collective.
 void reduce(MPI_Comm comm, Largest& largest) {
-  const std::vector<std::array<double, 4>> all =
-      gather(comm, std::vector<std::array<double, 4>>{
-                       {-largest.value, largest.at[0], largest.at[1], largest.at[2]}});
+  const std::vector<std::array<double, 4>> all = gather(
+      comm,
+      std::vector<std::array<double, 4>>{{-largest.value, largest.at[0], largest.at[1], largest.at[2]}});
   const std::array<double, 4> first = *std::ranges::min_element(all);
   largest = {-first[0], {first[1], first[2], first[3]}};
 }
@@ -81,7 +84,8 @@ Deformation deformation(const Space& space, Vec y) {
   Deformation found;
   for (std::int32_t cell : space.mesh().owned_cells()) {
     const auto vertex = [&](int i) {
-      return &x[3 * static_cast<std::size_t>(geometry(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))];
+      return &x[3 * static_cast<std::size_t>(
+                        geometry(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))];
     };
     const Simplex simplex(dim, vertex);
     std::array<Simplex::Point, 4> slope{}; // of the barycentric coordinates
@@ -102,10 +106,13 @@ Deformation deformation(const Space& space, Vec y) {
       for (std::size_t e = 0; space.degree() == 2 && e < edges.size(); ++e)
         for (int end : {0, 1})
           if (static_cast<std::size_t>(edges[e][static_cast<std::size_t>(end)]) == v)
-            add(vertices + e, 4, slope[static_cast<std::size_t>(edges[e][static_cast<std::size_t>(1 - end)])]);
+            add(vertices + e, 4,
+                slope[static_cast<std::size_t>(edges[e][static_cast<std::size_t>(1 - end)])]);
       const auto note = [&](Largest& largest, double value) {
         if (value > largest.value)
-          largest = {value, {vertex(static_cast<int>(v))[0], vertex(static_cast<int>(v))[1], vertex(static_cast<int>(v))[2]}};
+          largest = {value,
+                     {vertex(static_cast<int>(v))[0], vertex(static_cast<int>(v))[1],
+                      vertex(static_cast<int>(v))[2]}};
       };
       note(found.strain, principal_strain(G));
       note(found.rotation, rotation(G));

@@ -5,21 +5,21 @@
 
 namespace signorini::fem {
 
-/// The largest value of something over the cells' vertices, and where.
+/// The largest value of a quantity over the cells' vertices, and where it is attained.
 struct Largest {
   double value = 0;
-  std::array<double, 3> at{}; ///< in the undeformed body, m
+  std::array<double, 3> at{}; ///< point of the undeformed body, m
 };
 
-/// How far a motion is from being a small one.
+/// How much a displacement violates the assumption of small strain.
 struct Deformation {
   Largest strain;            ///< modulus of a principal strain
-  Largest rotation;          ///< angle by which a place turns, rad
-  std::int64_t inverted = 0; ///< cells that det(I + ∇y) ≤ 0 turns inside out at a vertex
+  Largest rotation;          ///< angle of the infinitesimal rotation, ½ |curl y|, rad
+  std::int64_t inverted = 0; ///< number of cells with det(I + ∇y) ≤ 0 at a vertex
 };
 
-/// Of y by its gradient at the vertices of all cells, where strains of degree 1 and 2 are largest. As costly as a
-/// product with a matrix or two. Collective.
+/// Evaluates ∇y at the vertices of all cells, where the strains of degree 1 and 2 are largest. Costs as much
+/// as one or two matrix-vector products. Collective.
 Deformation deformation(const Space& space, Vec y);
 
 } // namespace signorini::fem

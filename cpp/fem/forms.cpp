@@ -59,8 +59,8 @@ Compiled compile(const Space& space, Form form, const scene::Material& material,
   const auto type = form == Form::L2_surface || form == Form::L2_cellwise_surface ? exterior_facet : cell;
   const std::shared_ptr<const dolfinx::fem::FunctionSpace<double>> V = space.dolfinx();
   Compiled compiled = dolfinx::fem::create_form<PetscScalar, double>(
-      *generated(space.dim(), space.degree()).at(static_cast<std::size_t>(form)), {V, cellwise_trial ? cellwise(space.mesh()) : V},
-      {}, constants, {{type, {{1, entities}}}}, {});
+      *generated(space.dim(), space.degree()).at(static_cast<std::size_t>(form)),
+      {V, cellwise_trial ? cellwise(space.mesh()) : V}, {}, constants, {{type, {{1, entities}}}}, {});
   if (compiled.integral_ids(type) != std::vector{1} || compiled.integral_types() != std::set{type})
     throw std::runtime_error(
         "forms/viscoelasticity.py: the measures of a form are dx(1), of L2_surface ds(1)");
@@ -85,8 +85,8 @@ petsc::Matrix symmetric(petsc::Matrix matrix) {
   return matrix;
 }
 
-/// The facets that this rank owns, each as a pair of a cell and its number in it. Of a facet inside of the
-/// body one of its two cells: functions of V are the same from either.
+/// The facets that this rank owns, each as a pair of a cell and the facet's number in it. Of the two cells of
+/// an inner facet either will do, as functions of V are continuous.
 std::vector<std::int32_t> sides(const Space& space, const std::vector<std::int32_t>& facets) {
   const auto topology = space.mesh().dolfinx()->topology();
   const int dim = topology->dim();
@@ -104,7 +104,7 @@ std::vector<std::int32_t> sides(const Space& space, const std::vector<std::int32
   return sides;
 }
 
-/// A form of no material over `entities`, in rows.
+/// Assembles a form without material over `entities` (AIJ). Collective.
 petsc::Matrix assemble_over(const Space& space, Form form, const std::vector<std::int32_t>& entities) {
   constexpr double no_tau = 0;
   petsc::Matrix matrix(
@@ -114,7 +114,7 @@ petsc::Matrix assemble_over(const Space& space, Form form, const std::vector<std
   return matrix;
 }
 
-/// `volume` over a group of cells or `surface` over one of facets.
+/// Assembles `volume` over a group of cells or `surface` over one of facets (AIJ). Collective.
 petsc::Matrix assemble_over(const Space& space, const std::string& group, const std::string& key, Form volume,
                             Form surface) {
   return space.mesh().group_dimension(group, key) < space.dim()

@@ -17,9 +17,9 @@ std::vector<int> component_numbers(const std::optional<std::vector<std::string>>
   return numbers;
 }
 
-Clamped::Clamped(const Space& space, const std::vector<scene::Clamp>& clamps)
+DirichletDofs::DirichletDofs(const Space& space, const std::vector<scene::Clamp>& clamps)
     : dim_(space.dim()), first_dof_(space.first_dof()) {
-  std::map<int, std::pair<std::string, std::size_t>> motion; // of each dof, and the clamp that says so
+  std::map<int, std::pair<std::string, std::size_t>> motion; // of each dof, and the first clamp that holds it
   for (std::size_t i = 0; i < clamps.size(); ++i) {
     const scene::Clamp& clamp = clamps[i];
     const auto key = [&](std::size_t j, const char* name) {
@@ -34,10 +34,11 @@ Clamped::Clamped(const Space& space, const std::vector<scene::Clamp>& clamps)
               clamp.value && !scene::vanishes({clamp.value->at(c)}) ? clamp.value->at(c) : "0";
           const auto [held, first] = motion.try_emplace(node * dim_ + components[c], value, i);
           if (!first && held->second.first != value)
-            throw UserError(fmt::format("{}: found \"{}\" where {} holds {} of the node at {} by \"{}\", allowed is the same "
-                                        "motion where clamps meet",
-                                        key(i, "value"), value, key(held->second.second, "value"), "xyz"[components[c]],
-                                        point_text(&space.points()[3 * static_cast<std::size_t>(node)]), held->second.first));
+            throw UserError(fmt::format(
+                "{}: found \"{}\" where {} holds {} of the node at {} by \"{}\", allowed is the same "
+                "motion where clamps meet",
+                key(i, "value"), value, key(held->second.second, "value"), "xyz"[components[c]],
+                point_text(&space.points()[3 * static_cast<std::size_t>(node)]), held -> second.first));
         }
     });
   }
@@ -45,19 +46,19 @@ Clamped::Clamped(const Space& space, const std::vector<scene::Clamp>& clamps)
     dofs_.push_back(dof);
 }
 
-bool Clamped::contains(int node, int component) const {
+bool DirichletDofs::contains(int node, int component) const {
   return std::ranges::binary_search(dofs_, node * dim_ + component);
 }
 
-void Clamped::clear(Vec x) const {
+void DirichletDofs::clear(Vec x) const {
   const petsc::WriteArray values(x);
   for (int dof : dofs_)
     values[static_cast<std::size_t>(dof)] = 0;
 }
 
-double Clamped::decouple(Mat matrix) const {
+double DirichletDofs::decouple(Mat matrix) const {
   const petsc::Vector diagonal = fem::diagonal(matrix);
-  PetscReal largest = 0; // keeps the matrix as well conditioned as its free part, whatever the units
+  PetscReal largest = 0; // keeps the condition number of the free part, in any units
   check(VecMax(diagonal, nullptr, &largest));
   std::vector<PetscInt> rows;
   for (int dof : dofs_)
@@ -75,7 +76,7 @@ petsc::Matrix symmetric_half(const petsc::Matrix& blocks) {
 
 namespace {
 
-/// c with matrix = c other to rounding, if there is one; told by a random vector.
+/// c with matrix = c other to rounding, if there is one; tested on a random vector. Collective.
 std::optional<double> ratio(Mat matrix, Mat other) {
   petsc::Vector x = petsc::vector_of(matrix), y = petsc::zero_like(x), z = petsc::zero_like(x);
   check(VecSetRandom(x, nullptr));
@@ -92,7 +93,7 @@ std::optional<double> ratio(Mat matrix, Mat other) {
   return std::abs(c - 1) <= rounding ? 1 : c;
 }
 
-/// The first component of a matrix in rows.
+/// The rows and columns of the first component of an AIJ matrix with blocks. Collective.
 petsc::Matrix first_component(Mat rows) {
   PetscInt dim = 1, begin = 0, end = 0;
   check(MatGetBlockSize(rows, &dim));
@@ -104,7 +105,7 @@ petsc::Matrix first_component(Mat rows) {
   return component;
 }
 
-/// One component of a matrix of blocks, acting on all of them (MAIJ).
+/// The first component of an AIJ matrix, applied to all components (MAIJ). Collective.
 petsc::Matrix one_for_all(Mat rows) {
   PetscInt dim = 1;
   check(MatGetBlockSize(rows, &dim));
@@ -113,7 +114,7 @@ petsc::Matrix one_for_all(Mat rows) {
   return all;
 }
 
-/// The same if it does what the matrix does; else the matrix in blocks.
+/// one_for_all() if that is the same operator, else the matrix's upper half in blocks (SBAIJ). Collective.
 petsc::Matrix compress(petsc::Matrix rows) {
   petsc::Matrix all = one_for_all(rows);
   if (ratio(rows, all) == 1)
@@ -123,13 +124,14 @@ petsc::Matrix compress(petsc::Matrix rows) {
   return symmetric_half(blocks);
 }
 
-/// Owned local numbers among those of all ranks.
+/// Global numbers `first` + i of owned local numbers i. Collective.
 petsc::IndexSet numbers(MPI_Comm comm, PetscInt first, const std::vector<int>& local) {
   std::vector<PetscInt> global;
   for (int i : local)
     global.push_back(first + i);
   petsc::IndexSet set;
-  check(ISCreateGeneral(comm, static_cast<PetscInt>(global.size()), global.data(), PETSC_COPY_VALUES, set.put()));
+  check(ISCreateGeneral(comm, static_cast<PetscInt>(global.size()), global.data(), PETSC_COPY_VALUES,
+                        set.put()));
   return set;
 }
 
@@ -170,7 +172,7 @@ Operators assemble_operators(const Space& space, const std::vector<scene::Materi
 
 petsc::Matrix assemble_L2(const Space& space, const std::string& group, const std::string& key) {
   const petsc::Matrix component = first_component(assemble_part(space, group, key));
-  // Zeros between the functions of a surface and those behind it: they vanish there exactly.
+  // Functions of nodes off the group vanish on it exactly: drop these zeros.
   check(MatEliminateZeros(component, PETSC_FALSE));
   petsc::Matrix all;
   check(MatCreateMAIJ(component, space.dim(), all.put()));
@@ -211,7 +213,7 @@ petsc::Matrix assemble_mass(const Space& space, const std::vector<scene::Materia
 }
 
 petsc::Matrix shifted(Mat A, Mat D, double c) {
-  // In whole blocks: PETSc 3.22 adds halves wrongly on several ranks (MatAXPY of MPISBAIJ).
+  // In full blocks, since MatAXPY of MPISBAIJ is wrong on several ranks in PETSc 3.22.
   petsc::Matrix blocks, sum;
   check(MatConvert(A, MATBAIJ, MAT_INITIAL_MATRIX, blocks.put()));
   check(MatDuplicate(D, MAT_COPY_VALUES, sum.put()));

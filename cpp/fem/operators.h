@@ -4,21 +4,23 @@
 
 namespace signorini::fem {
 
-/// The dofs that clamps hold.
-class Clamped {
+/// The dofs that clamps prescribe.
+class DirichletDofs {
 public:
-  /// Collective. Throws UserError if a group is missing or two clamps hold a dof differently.
-  Clamped(const Space& space, const std::vector<scene::Clamp>& clamps);
+  /// Collective. Throws UserError, on every rank, if a group is missing or two clamps prescribe different
+  /// motions of a dof.
+  DirichletDofs(const Space& space, const std::vector<scene::Clamp>& clamps);
 
   /// Owned dofs that are clamped, ascending local numbers.
   [[nodiscard]] const std::vector<int>& dofs() const { return dofs_; }
+  /// Whether a component of an owned node (local number) is clamped. Not collective.
   [[nodiscard]] bool contains(int node, int component) const;
 
-  /// Sets the clamped entries of a vector of V to zero.
+  /// Sets the clamped entries of a vector of V to zero. Not collective.
   void clear(Vec x) const;
 
-  /// Decouples the clamped dofs of a symmetric matrix: their rows and columns zero but for the diagonal,
-  /// whose entry is returned. Collective.
+  /// Decouples the clamped dofs of a symmetric matrix: sets their rows and columns to zero and their diagonal
+  /// to the largest diagonal entry, which is returned. Collective.
   double decouple(Mat matrix) const;
 
 private:
@@ -27,51 +29,53 @@ private:
   PetscInt first_dof_;
 };
 
-/// Numbers (0, 1, 2) of the components named, in their order; all of them where none is.
+/// Numbers (0, 1, 2) of the components `names`, in their order; those of all `dim` components if absent.
 std::vector<int> component_numbers(const std::optional<std::vector<std::string>>& names, int dim);
 
-/// The matrices of the body, no boundary condition applied; docs/method.md section 1. The upper half in blocks of
-/// the space dimension (SBAIJ), which makes the products between two solves twice as fast as rows do; where a
+/// The matrices of the body without boundary conditions; docs/method.md section 1. They are stored as upper
+/// halves in blocks of the space dimension (SBAIJ), whose products are twice as fast as with AIJ; where a
 /// form acts on each component alike, as L2 and m do, one component is stored for all (MAIJ).
 struct Operators {
-  petsc::Matrix M;                       ///< m, kg
-  petsc::Matrix A;                       ///< a
-  std::optional<petsc::Matrix> B;        ///< b; absent in an elastic body
-  std::optional<petsc::Matrix> W;        ///< L2; absent where nothing is given by its density in the body
+  petsc::Matrix M;                       ///< form m, kg
+  petsc::Matrix A;                       ///< form a
+  std::optional<petsc::Matrix> B;        ///< form b; absent if the body is elastic
+  std::optional<petsc::Matrix> W;        ///< form L2; absent unless asked for (densities)
   std::optional<double> uniform_density; ///< ρ with M = ρ W, if there is one, kg/m³
 };
 
-/// The diagonal of one of them. Collective.
+/// The diagonal of one of these matrices, of any type. Collective.
 petsc::Vector diagonal(Mat matrix);
 
-/// `densities`: whether W is wanted. Collective. Throws UserError unless every cell is of one of the materials.
+/// Assembles the matrices of the body; `densities`: whether W is needed, as for loads, nodal controls and an
+/// objective over the whole body. Collective. Throws UserError unless every cell belongs to exactly one of
+/// the materials.
 Operators assemble_operators(const Space& space, const std::vector<scene::Material>& materials,
                              bool densities);
 
-/// The L2 product over a part of the body (a group of cells) or a surface (a group of facets), stored as W
-/// is: one component for all, with entries only where the part's own functions meet. Collective. Throws
-/// UserError naming the scene's `key` if there is no such group.
+/// Assembles the L2 product over a part of the body (a group of cells) or a surface (a group of facets),
+/// stored like W: one component for all (MAIJ), with entries only between nodes of the part. Collective.
+/// Throws UserError naming the scene's `key` if there is no such group.
 petsc::Matrix assemble_L2(const Space& space, const std::string& group, const std::string& key);
 
-/// What an L2 product, W or of assemble_L2, couples among some nodes (owned, ascending local numbers), in so
-/// many components. Collective.
+/// Restricts an L2 product, W or of assemble_L2, to some nodes (owned, ascending local numbers) and to a
+/// number of components (MAIJ). Collective.
 petsc::Matrix among_nodes(Mat L2, const std::vector<int>& nodes, int components);
 
-/// Some of a matrix's columns (owned, ascending local numbers). Collective.
+/// The submatrix of all rows and of some columns (owned, ascending local numbers). Collective.
 petsc::Matrix columns(Mat matrix, const std::vector<int>& columns);
 
-/// The operator D of every step, from the form d (d_elastic without viscosity), in blocks (BAIJ). Collective.
-/// Throws as assemble_operators does.
+/// Assembles the operator D of every step, docs/method.md section 1, from the form d (d_elastic without
+/// viscosity) for the time step `tau`, s, in blocks (BAIJ). Collective. Throws as assemble_operators does.
 petsc::Matrix assemble_step_operator(const Space& space, const std::vector<scene::Material>& materials,
                                      double tau);
 
-/// The operator m of the mass alone, in blocks (BAIJ). Collective. Throws as assemble_operators does.
+/// Assembles the mass matrix M alone, in blocks (BAIJ). Collective. Throws as assemble_operators does.
 petsc::Matrix assemble_mass(const Space& space, const std::vector<scene::Material>& materials);
 
 /// The upper half of a symmetric matrix of blocks (SBAIJ). Collective.
 petsc::Matrix symmetric_half(const petsc::Matrix& blocks);
 
-/// D − c A, stored as Operators are. Collective.
+/// D − c A as its upper half in blocks (SBAIJ). Collective.
 petsc::Matrix shifted(Mat A, Mat D, double c);
 
 } // namespace signorini::fem

@@ -20,14 +20,19 @@ namespace {
 Simplex simplex(const dolfinx::mesh::Mesh<double>& mesh, std::int32_t cell) {
   const auto dofs = mesh.geometry().dofmap();
   const std::span<const double> x = mesh.geometry().x();
-  return {mesh.topology()->dim(),
-          [&](int i) { return &x[3 * static_cast<std::size_t>(dofs(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))]; }};
+  return {mesh.topology()->dim(), [&](int i) {
+            return &x[3 * static_cast<std::size_t>(
+                              dofs(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))];
+          }};
 }
 
-/// For each point the owned cell that holds it or, if none does, the nearest one, with the distance squared.
-std::vector<std::pair<double, std::int32_t>> nearest_cells(const mesh::Mesh& body, const std::vector<double>& points) {
+/// For each point (n × 3) the owned cell that contains it, else the nearest one, with the squared distance,
+/// m²; cell −1 on ranks without cells.
+std::vector<std::pair<double, std::int32_t>> nearest_cells(const mesh::Mesh& body,
+                                                           const std::vector<double>& points) {
   const auto& mesh = *body.dolfinx();
-  std::vector<std::pair<double, std::int32_t>> found(points.size() / 3, {std::numeric_limits<double>::infinity(), -1});
+  std::vector<std::pair<double, std::int32_t>> found(points.size() / 3,
+                                                     {std::numeric_limits<double>::infinity(), -1});
   const std::vector<std::int32_t> cells = body.owned_cells();
   if (cells.empty())
     return found;
@@ -47,7 +52,8 @@ std::vector<std::pair<double, std::int32_t>> nearest_cells(const mesh::Mesh& bod
     }
   if (outside.empty())
     return found;
-  const std::vector<std::int32_t> near = dolfinx::geometry::compute_closest_entity<double>(tree, midpoints, mesh, outside);
+  const std::vector<std::int32_t> near =
+      dolfinx::geometry::compute_closest_entity<double>(tree, midpoints, mesh, outside);
   const std::vector<double> distance = dolfinx::geometry::squared_distance<double>(mesh, dim, near, outside);
   for (std::size_t j = 0; j < numbers.size(); ++j)
     found[numbers[j]] = {distance[j], near[j]};
@@ -55,9 +61,10 @@ std::vector<std::pair<double, std::int32_t>> nearest_cells(const mesh::Mesh& bod
 }
 
 /// Values of the scalar basis functions at ξ.
-std::vector<double> basis(const dolfinx::fem::FiniteElement<double>& element, const std::array<double, 3>& xi, int dim) {
-  const auto [values, shape] = element.basix_element().tabulate(0, std::span(xi.data(), static_cast<std::size_t>(dim)),
-                                                                {1, static_cast<std::size_t>(dim)});
+std::vector<double> basis(const dolfinx::fem::FiniteElement<double>& element, const std::array<double, 3>& xi,
+                          int dim) {
+  const auto [values, shape] = element.basix_element().tabulate(
+      0, std::span(xi.data(), static_cast<std::size_t>(dim)), {1, static_cast<std::size_t>(dim)});
   return values;
 }
 
@@ -67,9 +74,10 @@ Quadrature quadrature(const mesh::Mesh& mesh) {
   const auto& cells = *mesh.dolfinx();
   const int dim = mesh.dim();
   constexpr int order = 2;
-  const auto [x, w] = basix::quadrature::make_quadrature<double>(
-      basix::quadrature::type::Default, dim == 2 ? basix::cell::type::triangle : basix::cell::type::tetrahedron,
-      basix::polyset::type::standard, order);
+  const auto [x, w] = basix::quadrature::make_quadrature<double>(basix::quadrature::type::Default,
+                                                                 dim == 2 ? basix::cell::type::triangle
+                                                                          : basix::cell::type::tetrahedron,
+                                                                 basix::polyset::type::standard, order);
   std::vector<std::array<double, 4>> rows; // x, y, z, weight
   for (std::int32_t c : mesh.owned_cells()) {
     const Simplex here = simplex(cells, c);
@@ -92,7 +100,7 @@ Sampler::Sampler(const Space& space, const std::vector<double>& points)
     : dim_(space.dim()), comm_(space.comm()), count_(points.size() / 3) {
   const auto& mesh = *space.mesh().dolfinx();
   const auto found = nearest_cells(space.mesh(), points);
-  // Each point is evaluated where it is nearest, by the lowest of ranks alike.
+  // Each point is evaluated by the rank with the nearest cell; of several, by the lowest.
   std::vector<double> least(count_);
   std::ranges::transform(found, least.begin(), [](const auto& cell) { return cell.first; });
   MPI_Allreduce(MPI_IN_PLACE, least.data(), static_cast<int>(count_), MPI_DOUBLE, MPI_MIN, comm_);
@@ -106,7 +114,8 @@ Sampler::Sampler(const Space& space, const std::vector<double>& points)
 
   petsc::Matrix one;
   check(MatCreate(comm_, one.put()));
-  check(MatSetSizes(one, static_cast<PetscInt>(mine_.size()), space.owned_nodes(), PETSC_DETERMINE, PETSC_DETERMINE));
+  check(MatSetSizes(one, static_cast<PetscInt>(mine_.size()), space.owned_nodes(), PETSC_DETERMINE,
+                    PETSC_DETERMINE));
   check(MatSetType(one, MATAIJ));
   check(MatSetUp(one));
   PetscInt row = 0;
@@ -117,7 +126,8 @@ Sampler::Sampler(const Space& space, const std::vector<double>& points)
     const auto nodes = dofmap->cell_dofs(found[i].second);
     std::vector<std::int64_t> columns(nodes.size());
     dofmap->index_map->local_to_global(nodes, columns);
-    const std::vector<double> phi = basis(*element, simplex(mesh, found[i].second).reference(&points[3 * i]), dim_);
+    const std::vector<double> phi =
+        basis(*element, simplex(mesh, found[i].second).reference(&points[3 * i]), dim_);
     for (std::size_t j = 0; j < columns.size(); ++j)
       check(MatSetValue(one, row, static_cast<PetscInt>(columns[j]), phi[j], INSERT_VALUES));
     ++row;

@@ -4,7 +4,7 @@
 
 namespace signorini::fem {
 
-/// A straight triangle in the plane z = 0, or a tetrahedron: x = corner + J ξ.
+/// Affine map x = corner + J ξ of a straight triangle in the plane z = 0, or of a tetrahedron.
 class Simplex {
 public:
   using Point = std::array<double, 3>;
@@ -26,10 +26,10 @@ public:
     determinant_ = dot(a, dual_[0]);
   }
 
-  /// dim! times the volume.
+  /// |det J|, which is dim! times the volume, m^dim.
   [[nodiscard]] double volume() const { return std::abs(determinant_); }
 
-  /// ∇ of the barycentric coordinate of vertex i.
+  /// Gradient of the barycentric coordinate of vertex i, 1/m.
   [[nodiscard]] Point gradient(int i) const {
     Point g{};
     for (int e = 0; e < dim_; ++e)
@@ -38,13 +38,14 @@ public:
     return g;
   }
 
-  /// ξ of a point, inside or not.
+  /// Reference coordinates ξ of a point x (3), inside or not.
   [[nodiscard]] Point reference(const double* x) const {
     const Point from{x[0] - corner_[0], x[1] - corner_[1], x[2] - corner_[2]};
-    return {dot(dual_[0], from) / determinant_, dot(dual_[1], from) / determinant_, dot(dual_[2], from) / determinant_};
+    return {dot(dual_[0], from) / determinant_, dot(dual_[1], from) / determinant_,
+            dot(dual_[2], from) / determinant_};
   }
 
-  /// The point at ξ (dim).
+  /// The point x at ξ (dim), m.
   [[nodiscard]] Point point(const double* xi) const {
     Point x = corner_;
     for (int e = 0; e < dim_; ++e)
@@ -61,7 +62,7 @@ private:
 
   int dim_;
   Point corner_{};
-  std::array<Point, 3> edges_{}, dual_{}; ///< columns of J, rows of its inverse times its determinant
+  std::array<Point, 3> edges_{}, dual_{}; ///< columns of J, rows of det(J) J⁻¹
   double determinant_ = 0;
 };
 

@@ -13,6 +13,7 @@ namespace signorini::fem {
 
 namespace {
 
+/// A space of vector functions of `degree`. Collective.
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> vectors(const mesh::Mesh& mesh, int degree,
                                                              bool discontinuous) {
   const auto cell = dolfinx::mesh::cell_type_to_basix_type(mesh.dolfinx()->topology()->cell_type());
@@ -41,7 +42,7 @@ Space::Space(const mesh::Mesh& mesh, int degree) : mesh_(&mesh), degree_(degree)
   dofs_ = static_cast<PetscInt>(map->size_global() * dim());
   points_ = V_->tabulate_dof_coordinates(false);
   points_.resize(3 * static_cast<std::size_t>(owned_nodes_));
-  // Nodes on an axis come out a rounding error away from it, where an expression may have a pole or a step.
+  // Rounding moves nodes off the coordinate planes, where an expression may have a pole or a jump.
   for (double& coordinate : points_)
     if (std::abs(coordinate) < 1e-14 * mesh.diameter())
       coordinate = 0;

@@ -14,8 +14,8 @@ class FunctionSpace;
 
 namespace signorini::fem {
 
-/// V: continuous vector Lagrange functions of degree 1 or 2 on the mesh. Vectors of V hold the owned nodes'
-/// components, node by node; the values at the nodes are the coefficients.
+/// V: continuous vector Lagrange functions of degree 1 or 2 on the mesh, without boundary conditions. Vectors
+/// of V hold the values at the owned nodes (owned_nodes × dim), node by node.
 class Space {
 public:
   /// Collective. `mesh` must outlive the space.
@@ -26,11 +26,11 @@ public:
   [[nodiscard]] const mesh::Mesh& mesh() const { return *mesh_; }
   [[nodiscard]] MPI_Comm comm() const { return mesh_->comm(); }
 
-  /// Nodes that this rank owns; its dofs are (owned_nodes × dim).
+  /// Number of nodes that this rank owns; its dofs are (owned_nodes × dim).
   [[nodiscard]] int owned_nodes() const { return owned_nodes_; }
-  /// Number of this rank's first dof among all.
+  /// Global number of this rank's first dof.
   [[nodiscard]] PetscInt first_dof() const { return first_dof_; }
-  /// Dofs on all ranks.
+  /// Number of dofs on all ranks.
   [[nodiscard]] PetscInt dofs() const { return dofs_; }
   /// Coordinates of the owned nodes, (owned_nodes × 3), m.
   [[nodiscard]] const std::vector<double>& points() const { return points_; }
@@ -38,11 +38,12 @@ public:
   /// A zero vector of V. Collective.
   [[nodiscard]] petsc::Vector vector() const;
 
-  /// Owned nodes on a boundary group, ascending local numbers. Collective. Throws UserError naming `key`.
+  /// Owned nodes on a boundary group, ascending local numbers. Collective. Throws UserError naming
+  /// `key`, as mesh::Mesh::facets does.
   [[nodiscard]] std::vector<int> nodes_on(const std::string& group, const std::string& key) const;
 
-  /// Nodal interpolation of a field at time t. Collective. Throws UserError on every rank if a value is not
-  /// finite.
+  /// Nodal interpolation of a field at time t, s. Collective. Throws UserError on every rank if a value is
+  /// not finite.
   void interpolate(const scene::Field& field, double t, Vec out) const;
 
   /// Midpoints of the owned cells, (cells × 3), m.
@@ -59,15 +60,15 @@ private:
   std::shared_ptr<dolfinx::fem::FunctionSpace<double>> V_;
 };
 
-/// Some components of a field at points (× 3) at time t, point by point. Collective. Throws UserError on every
-/// rank if a value is not finite.
+/// Evaluates `components` of a field at points (n × 3), m, and time t, s, into `out` (n × components).
+/// Collective. Throws UserError on every rank if a value is not finite.
 void interpolate(MPI_Comm comm, const scene::Field& field, double t, const std::vector<double>& points,
                  const std::vector<int>& components, std::span<double> out);
 
-/// Vector functions that are constant on each cell. Collective.
+/// The space of vector functions that are constant on each cell. Collective.
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh);
 
-/// The vector Lagrange space of `degree` on the same mesh, as dolfinx has it: for output. Collective.
+/// The vector Lagrange space of `degree` on a mesh, as a dolfinx object, for Space and output. Collective.
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> lagrange(const mesh::Mesh& mesh, int degree);
 
 } // namespace signorini::fem

@@ -23,7 +23,8 @@ std::array<double, 3> resultant(const Stepper& stepper, Vec x) {
 
 double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
 
-/// −(2/τ²) λ_k ν: the contact forces on the body (N), in full. Of components that clamps hold only these feel them.
+/// −(2/τ²) Σ λ_i ν_i, the contact forces on the body (N), including components that clamps hold; these act on
+/// the clamps alone.
 void contact_forces(const Stepper& stepper, const contact::ContactState& contact, Vec force) {
   check(VecZeroEntries(force));
   if (stepper.constraints())
@@ -33,7 +34,8 @@ void contact_forces(const Stepper& stepper, const contact::ContactState& contact
 } // namespace
 
 Balance::Balance(const Stepper& stepper) : stepper_(stepper) {
-  for (petsc::Vector* x : {&Ay0_, &Ay1_, &Mv0_, &Mv1_, &Bw_, &w_, &jump_, &load_, &force_, &inertia_, &defect_})
+  for (petsc::Vector* x :
+       {&Ay0_, &Ay1_, &Mv0_, &Mv1_, &Bw_, &w_, &jump_, &load_, &force_, &inertia_, &defect_})
     *x = stepper.space().vector();
 }
 
@@ -57,10 +59,11 @@ StepBalance Balance::operator()(const Frame& frame) {
   check(VecScale(w_, 1 / tau));
   check(VecZeroEntries(Bw_));
   if (body.B) {
-    check(MatMult(*body.B, w_, Bw_)); // w is also the mean of v_{k−1} and v_k
+    check(MatMult(*body.B, w_, Bw_)); // w is (v_{k−1} + v_k)/2 unless there is a jump or a moving clamp
     now.viscous_dissipation = tau * dot(w_, Bw_);
   }
-  // Crank–Nicolson form: its defect is the clamp's reaction on the clamped dofs and zero elsewhere.
+  // Defect of the equation of motion in Crank–Nicolson form: the clamps' reaction on the clamped dofs and
+  // zero elsewhere.
   check(VecWAXPY(inertia_, -1, Mv0_, Mv1_));
   check(VecScale(inertia_, 1 / tau));
   check(VecCopy(inertia_, defect_));
@@ -68,8 +71,9 @@ StepBalance Balance::operator()(const Frame& frame) {
   check(VecAXPBYPCZ(defect_, 0.5, 0.5, 1, Ay0_, Ay1_));
   check(VecAXPY(defect_, -1, load_));
   check(VecAXPY(defect_, -1, force_));
-  // Where y_k − y_{k−1} is not τ (v_{k−1} + v_k)/2, what changes the momentum works on the difference j too: contact on the
-  // jump of the predictor, which moves the body without work, and a clamp on its own motion.
+  // Where j = y_k − y_{k−1} − τ (v_{k−1} + v_k)/2 is not zero, the kinetic energy changes by −j·M (v_k −
+  // v_{k−1})/τ in addition to the work on y_k − y_{k−1}. On free dofs this is work of contact, since the
+  // predictor's jump moves the body without work; on clamped dofs it is work of the clamps' motion.
   if (stepper_.predictor() || stepper_.motion()) {
     check(VecWAXPY(jump_, 1, frame.v0, frame.v1));
     check(VecAXPBY(jump_, tau, -tau / 2, w_));
@@ -84,7 +88,7 @@ StepBalance Balance::operator()(const Frame& frame) {
   const std::array<double, 3> whole = resultant(stepper_, defect_);
   const double all_work = stepper_.motion() ? tau * dot(defect_, w_) : 0;
   stepper_.clamped().clear(defect_);
-  if (stepper_.motion()) // of the reaction
+  if (stepper_.motion()) // work of the reaction
     now.external_work += all_work - tau * dot(defect_, w_);
   now.energy_residual = energy_ - before + now.viscous_dissipation - now.external_work - now.contact_work;
   const std::array<double, 3> free = resultant(stepper_, defect_);
@@ -94,7 +98,7 @@ StepBalance Balance::operator()(const Frame& frame) {
     now.momentum_residual[c] = rate[c] - applied[c] - now.contact_force[c] - (whole[c] - free[c]);
   PetscReal internal = 0, momentum = 0;
   check(VecNorm(Ay1_, NORM_1, &internal)); // the internal forces, whose sum must cancel
-  check(VecNorm(Mv1_, NORM_1, &momentum)); // of which the rate is a difference
+  check(VecNorm(Mv1_, NORM_1, &momentum)); // the rate is a difference of these
   now.momentum_scale = length(rate) + length(applied) + length(now.contact_force) + internal + momentum / tau;
   return now;
 }

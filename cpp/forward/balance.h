@@ -1,18 +1,18 @@
 #pragma once
-#include "forward/simulate.h"
+#include "forward/integrate.h"
 #include <array>
 
 namespace signorini::forward {
 
-/// What one step did to energy and momentum: the exact discrete identities of docs/method.md section 2. In 2D
-/// energies are J/m, forces N/m.
+/// Energy and momentum balance of one step, from the exact discrete identities of docs/method.md section 2.
+/// In 2D energies are J/m, forces N/m.
 struct StepBalance {
-  double kinetic_energy = 0;             ///< ½ v·Mv at the end of the step
-  double elastic_energy = 0;             ///< ½ y·Ay
-  double viscous_dissipation = 0;        ///< τ w·Bw of the step, w = (y_k − y_{k−1})/τ
-  double external_work = 0;              ///< f·(y_k − y_{k−1}) of the step, control and the motion of clamps included
-  double contact_work = 0;               ///< F_k·(y_k − y_{k−1}), never positive where obstacles rest
-  double energy_residual = 0;            ///< of the energy law
+  double kinetic_energy = 0;      ///< ½ v·Mv at the end of the step
+  double elastic_energy = 0;      ///< ½ y·Ay at the end of the step
+  double viscous_dissipation = 0; ///< τ w·Bw of the step, w = (y_k − y_{k−1})/τ
+  double external_work = 0;   ///< f·(y_k − y_{k−1}) of the step, control and the motion of clamps included
+  double contact_work = 0;    ///< F_k·(y_k − y_{k−1}), never positive where obstacles rest
+  double energy_residual = 0; ///< of the energy identity
   std::array<double, 3> contact_force{}; ///< resultant on the body
   std::array<double, 3>
       momentum_residual{}; ///< rate of momentum less loads, contact forces and the clamp's reaction
@@ -20,13 +20,14 @@ struct StepBalance {
       0; ///< sum of the moduli of the terms of the momentum balance, for judging the residual
 };
 
-/// Weighs a motion frame by frame, from frame 0 on, whose balance holds the initial energies only.
+/// Computes the balances of a motion frame by frame, from frame 0 on, whose balance holds the initial
+/// energies only.
 class Balance {
 public:
   /// Collective. `stepper` must outlive this object.
   explicit Balance(const Stepper& stepper);
 
-  /// Of the frame after the last one. Allocates nothing. Collective.
+  /// Balance of the frame that follows the last one. Allocates nothing. Collective.
   StepBalance operator()(const Frame& frame);
 
 private:

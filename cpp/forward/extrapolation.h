@@ -4,21 +4,22 @@
 
 namespace signorini::forward {
 
-/// Guesses the next of a series of solutions from the last three, by the parabola through them; does nothing
-/// where the stepper's solver takes no guess.
+/// Extrapolates a series of solutions by the parabola through the last three, as a guess of the next one;
+/// does nothing where the stepper's solver takes no guess.
 class Extrapolation {
 public:
   explicit Extrapolation(const Stepper& stepper);
 
+  /// Stores a copy of the latest solution.
   void remember(Vec x);
-  /// Leaves `out` as it is before anything was remembered.
+  /// Sets `out` to the extrapolated next solution; leaves it unchanged if nothing is remembered.
   void guess(Vec out) const;
 
   void forget() { known_ = 0; }
-  /// Goes on as `other` would.
+  /// Copies what `other` remembers.
   void take(const Extrapolation& other);
 
-  /// Vectors that it keeps.
+  /// Number of vectors that an object stores.
   static int vectors(const Stepper& stepper) { return stepper.solver().takes_guess() ? most : 0; }
 
 private:

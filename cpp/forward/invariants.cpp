@@ -13,7 +13,7 @@ bool worse(double a, double b) { return a > b || (std::isnan(a) && !std::isnan(b
 
 double worst_of(double a, double b) { return worse(b, a) ? b : a; }
 
-/// A defect beside what it is a part of; none where it is negative.
+/// `value` relative to `whole`; zero where it is negative.
 double part(double value, double whole) { return value <= 0 ? 0 : value / whole; }
 
 } // namespace
@@ -25,8 +25,8 @@ Invariants::Invariants(const Stepper& stepper) : stepper_(stepper) {
 }
 
 void Invariants::observe(const Frame& frame, const StepBalance& balance) {
-  // Of y·Ay where strains are small beside the motion itself, as of a stiff body in flight: no energy is
-  // known better than to this.
+  // Rounding of y·Ay, to which energies are known at best: large where strains are small relative to the
+  // displacement, as of a stiff body in flight.
   PetscReal size = 0;
   check(VecNorm(frame.y1, NORM_2, &size));
   const double rounding = 10 * std::numeric_limits<double>::epsilon() * stiffness_ * size * size;

@@ -5,39 +5,40 @@
 
 namespace signorini::forward {
 
-/// How well a motion keeps what its scheme keeps exactly (docs/method.md section 2): watched step by step, each
-/// defect relative to what of its kind the run has seen so far.
+/// Monitors what the scheme conserves exactly (docs/method.md section 2), step by step: each defect is
+/// relative to the largest quantity of its kind in the run so far, or to the body's diameter.
 class Invariants {
 public:
   struct Defect {
     const char* name;
     double worst = 0; ///< over the steps so far
-    int step = 0;     ///< where
+    int step = 0;     ///< of the worst
   };
 
   /// Collective. `stepper` must outlive this object.
   explicit Invariants(const Stepper& stepper);
 
-  /// Takes the frame after the last one and its balance.
+  /// Updates the defects by the frame that follows the last one, and its balance.
   void observe(const Frame& frame, const StepBalance& balance);
 
-  /// Energy law, momentum law; where there is contact penetration, adhesion and complementarity.
+  /// Energy law and momentum law; with contact also penetration, adhesion and complementarity.
   [[nodiscard]] std::span<const Defect> defects() const {
     return {defects_.data(), stepper_.constraints() ? defects_.size() : 2};
   }
 
-  /// The worst of the last frame's defects in a few words, if it is above `tolerance`.
+  /// Describes the worst of the last frame's defects if it is above `tolerance`.
   [[nodiscard]] std::optional<std::string> violation(double tolerance) const;
 
   /// Of the last frame: momentum defect; largest of the contact defects.
   [[nodiscard]] double momentum() const { return now_[1]; }
   [[nodiscard]] double complementarity() const;
 
+  /// Largest energy of the run so far, J (in 2D J/m).
   [[nodiscard]] double largest_energy() const { return energy_; }
 
 private:
   const Stepper& stepper_;
-  double stiffness_ = 0; ///< a norm of A
+  double stiffness_ = 0; ///< largest diagonal entry of A, as its norm
   double energy_ = 0, forces_ = 0, contact_force_ = 0;
   std::array<Defect, 5> defects_{{{"energy law, residual beyond rounding / largest energy"},
                                   {"momentum law, residual / largest forces"},

@@ -11,7 +11,7 @@ namespace {
 
 long& evaluations = count("load evaluations");
 
-/// Of the sum of terms, the part that `out` is for; null if none has it.
+/// `out` set to zero; null if no term has such a part.
 Vec zeroed(const petsc::Vector& out) {
   if (out)
     check(VecZeroEntries(out));
@@ -57,7 +57,7 @@ SceneLoad::SceneLoad(const fem::Space& space, const scene::Load& scene, Scheme s
   for (std::size_t i = 0; i < scene.tractions.size(); ++i) {
     const auto key = [&](const char* name) { return fmt::format("load.traction[{}].{}", i, name); };
     const scene::Traction& traction = scene.tractions[i];
-    (void)space.mesh().facets(traction.on, key("on")); // a surface
+    (void)space.mesh().facets(traction.on, key("on")); // throws if the group is not a surface
     tractions_.push_back(Term{scene::Field(traction.value, key("value"), true), space.vector(),
                               fem::assemble_L2(space, traction.on, key("on")), space.vector()});
     evaluate(tractions_.back(), 1);

@@ -10,14 +10,14 @@ namespace signorini::forward {
 
 /// A functional on V in two parts: φ ↦ (density, φ) + vector·φ. A null part is zero and costs nothing.
 struct Functional {
-  Vec density = nullptr; ///< at the nodes; its product with W belongs to the nodes
-  Vec vector = nullptr;
+  Vec density = nullptr; ///< nodal values; W times these are the functional's entries
+  Vec vector = nullptr;  ///< entries of the functional
 };
 
 /// What acts on the body in a step, f_k + s u_k: a force density, N/m³, and forces on the nodes, N.
 struct NodalForce : Functional {};
 
-/// The derivative of a function of the states by one of them, such as ∂J/∂y_k.
+/// The derivative of a function of the states with respect to one of them, such as ∂J/∂y_k.
 struct StateDual : Functional {};
 
 /// Forces, or duals of states, of the steps k = 1…N. All members collective.
@@ -25,17 +25,17 @@ template <class Part>
 class StepByStep {
 public:
   virtual ~StepByStep() = default;
-  /// Whether there is such a part in any step; else add() leaves it alone in `sum`.
+  /// Whether any step has such a part; if none has, add() leaves that part of `sum` alone.
   [[nodiscard]] virtual bool has_density() const = 0;
   [[nodiscard]] virtual bool has_vector() const = 0;
-  /// Adds that of step k.
+  /// Adds the force or dual of step k to `sum`.
   virtual void add(int k, Part sum) const = 0;
 };
 
 using Load = StepByStep<NodalForce>;
 using StateDuals = StepByStep<StateDual>;
 
-/// The sum of several, with vectors for the parts that they have. All members collective.
+/// The sum of several such series; it allocates vectors for the parts that they have. All members collective.
 template <class Part>
 class SumAtStep {
 public:
@@ -43,7 +43,7 @@ public:
   SumAtStep(const fem::Space& space, std::initializer_list<const StepByStep<Part>*> terms);
   SumAtStep(const fem::Space& space, const StepByStep<Part>& term) : SumAtStep(space, {&term}) {}
 
-  /// Valid until the next call.
+  /// The sum at step k; valid until the next call.
   [[nodiscard]] Part at(int k) const;
 
 private:
@@ -54,7 +54,7 @@ private:
 using ForceAtStep = SumAtStep<NodalForce>;
 using DualAtStep = SumAtStep<StateDual>;
 
-/// The functional as a vector. Collective.
+/// out ← W density + vector, the functional as a vector of V. Collective.
 void assemble(Functional functional, const fem::Operators& operators, Vec out);
 
 /// Displacements y_0…y_N of a motion.
@@ -73,7 +73,7 @@ public:
 
   [[nodiscard]] bool has_density() const override { return body_.has_value(); }
   [[nodiscard]] bool has_vector() const override { return !tractions_.empty(); }
-  /// f(t_{k−1/2}).
+  /// Adds f(t_{k−1/2}).
   void add(int k, NodalForce sum) const override;
 
   /// Whether any part of it is evaluated in every step.
@@ -82,7 +82,8 @@ public:
   [[nodiscard]] double surface_bytes() const;
 
 private:
-  /// An expression at the nodes, and what it contributes: itself, or its product with the surface's mass.
+  /// An expression, its nodal values, and what it contributes: these for a body force, their product with the
+  /// surface's mass matrix for a traction.
   struct Term {
     scene::Field field;
     petsc::Vector nodal;

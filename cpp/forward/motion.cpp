@@ -13,9 +13,9 @@ namespace {
 
 bool moves(const scene::Clamp& clamp) { return clamp.value && !scene::vanishes(*clamp.value); }
 
-/// The derivative at the end of an interval by the polynomial through the values at Chebyshev's points, which is right to
-/// rounding for motions that steps resolve: f'(t) = Σ_j weight_j (f(t + place_j · reach) − f(t)) / reach, for the interval
-/// from t to t + reach.
+/// The derivative at the end of an interval, of the polynomial through the values at Chebyshev points,
+/// accurate to rounding for motions that the steps resolve: f'(t) = Σ_j weight_j (f(t + place_j · reach) −
+/// f(t)) / reach, for the interval from t to t + reach.
 struct Slope {
   static constexpr int degree = 6;
   std::array<double, degree + 1> place{}, weight{};
@@ -37,8 +37,8 @@ bool PrescribedMotion::in(const std::vector<scene::Clamp>& clamps) {
 
 PrescribedMotion::PrescribedMotion(const fem::Space& space, const std::vector<scene::Clamp>& clamps, Mat D,
                                    Scheme scheme)
-    : space_(space), scheme_(scheme), position_(space.vector()), velocity_(space.vector()), force_(space.vector()),
-      driving_(space.vector()) {
+    : space_(space), scheme_(scheme), position_(space.vector()), velocity_(space.vector()),
+      force_(space.vector()), driving_(space.vector()) {
   for (std::size_t i = 0; i < clamps.size(); ++i)
     if (moves(clamps[i])) {
       const std::string key = scene::clamp_key(clamps, i);
@@ -62,7 +62,7 @@ void PrescribedMotion::go_to(int k) const {
   if (now_ == k || (at_rest_ && now_ >= 0))
     return;
   static const Slope slope;
-  const double t = scheme_.time(k), reach = k == 0 ? scheme_.tau : -scheme_.tau; // times inside the run
+  const double t = scheme_.time(k), reach = k == 0 ? scheme_.tau : -scheme_.tau; // keeps times within the run
   const petsc::WriteArray g(position_), v(velocity_);
   now_ = -1;
   together(space_.comm(), [&] {
@@ -115,7 +115,7 @@ void PrescribedMotion::copy(Vec from, Vec to) const {
   for_each_dof([&](std::size_t dof) { target[dof] = source[dof]; });
 }
 
-void PrescribedMotion::apply(int k, const fem::Clamped& clamped, double diagonal, Vec r) const {
+void PrescribedMotion::apply(int k, const fem::DirichletDofs& clamped, double diagonal, Vec r) const {
   if (!at_rest_ || !forced_) {
     go_to(k);
     check(MatMult(D_, position_, force_));

@@ -5,9 +5,10 @@
 
 namespace signorini::forward {
 
-/// Clamps that move as the scene prescribes: y_k = g(t_k) and v_k = ġ(t_k) on their dofs, which act on the free ones as
-/// loads. With the recursion of the free dofs' velocities an error of v there, or a step of ġ, would stay for ever, with
-/// alternating sign, and shake the body by their common mass.
+/// Clamps that move as the scene prescribes (docs/method.md section 2): y_k = γ(t_k) and v_k = γ′(t_k) on
+/// their dofs, which act on the free ones as loads. The recursion for the free dofs' velocities is not used
+/// on them: it would keep an error of v, or a jump of γ′, for ever with alternating sign, and excite the body
+/// through the mass that couples clamped and free dofs.
 class PrescribedMotion {
 public:
   /// `D` is the step operator before its clamped dofs are decoupled. Collective. Throws UserError.
@@ -19,20 +20,20 @@ public:
   /// Memory of the D that it keeps, bytes. Collective.
   [[nodiscard]] double bytes() const { return petsc::bytes(D_); }
 
-  /// g(t_k) and ġ(t_k) on the moving dofs, zero elsewhere; valid until the next call of any member. Collective. Throws
-  /// UserError where they are not finite.
+  /// γ(t_k) and γ′(t_k) on the moving dofs, zero elsewhere; valid until the next call of any member.
+  /// Collective. Throws UserError where they are not finite.
   [[nodiscard]] Vec position(int k) const;
   [[nodiscard]] Vec velocity(int k) const;
 
-  /// Puts the motion of step k into the right-hand side of D's decoupled system: the force −D g on the free
-  /// dofs, and D's `diagonal` there times g on the `clamped` ones. Collective.
-  void apply(int k, const fem::Clamped& clamped, double diagonal, Vec r) const;
+  /// Puts the motion of step k into the right-hand side `r` of the system with decoupled D: adds the force −D
+  /// γ on the free dofs, and sets the `clamped` ones to D's entry `diagonal` there times γ. Collective.
+  void apply(int k, const fem::DirichletDofs& clamped, double diagonal, Vec r) const;
 
-  /// v with its moving dofs changed such that M acts on the free ones by the acceleration (v_k − v_{k−1})/τ of the clamps,
-  /// for the state `y`, `v` before step k. Valid until the next call. Collective.
+  /// `v` with its moving dofs changed such that, for the state `y`, `v` before step k, the mass transfers the
+  /// clamps' acceleration (v_k − v_{k−1})/τ to the free dofs. Valid until the next call. Collective.
   [[nodiscard]] Vec driving(int k, Vec y, Vec v) const;
 
-  /// Copies the moving dofs.
+  /// Copies the entries of the moving dofs.
   void copy(Vec from, Vec to) const;
 
 private:
@@ -43,13 +44,13 @@ private:
   /// Calls visit(dof) for all moving dofs.
   template <class Visit>
   void for_each_dof(Visit&& visit) const;
-  /// Evaluates g and ġ at t_k.
+  /// Evaluates γ and γ′ at t_k.
   void go_to(int k) const;
 
   const fem::Space& space_;
   Scheme scheme_;
   std::vector<Clamp> clamps_;
-  bool at_rest_; ///< does not depend on time
+  bool at_rest_; ///< γ does not depend on time
   petsc::Matrix D_;
   petsc::Vector position_, velocity_, force_, driving_;
   mutable int now_ = -1;        ///< the step of position_ and velocity_

@@ -13,18 +13,19 @@ using petsc::check;
 
 namespace {
 
-/// Of a stretch ε small strain leaves out ε²/2, from here on more than a fortieth of it.
+/// Small strain neglects ε²/2 of a stretch ε: beyond this limit more than a fortieth of it.
 constexpr double small_strain = 0.05;
-/// A body that turns by θ grows by θ²/2 in small strain, from here on by 0.4 per cent, which is as much as a strong load does
-/// to a stiff body.
+/// In small strain a rotation by θ stretches the body by θ²/2: beyond this limit by 0.4 per cent, as much as
+/// a strong load stretches a stiff body.
 constexpr double small_rotation = 5 * std::numbers::pi / 180;
-/// Part of a node's displacement by which its linearised gap may be off, as strain and stretch by small_strain.
+/// Error of a linearised gap relative to the node's displacement, with the same limit as strain.
 constexpr double small_gap_error = 0.05;
 
 double degrees(double angle) { return angle * 180 / std::numbers::pi; }
 
-/// The worst of all ranks first: value, a second figure, place.
+/// Value, a second figure and place (3), ordered by the value.
 using Row = std::array<double, 5>;
+/// The largest of all ranks' rows. Collective.
 Row largest(MPI_Comm comm, const Row& mine) {
   const std::vector<Row> all = gather(comm, std::vector<Row>{mine});
   return *std::ranges::max_element(all);
@@ -87,10 +88,10 @@ void Plausibility::look_at_contact(Vec y, int k) {
       double distance = 0;
       try {
         distance = obstacle.at(place.data()).height;
-      } catch (const UserError&) { // no direction leads out of the obstacle from there, so that it is deep inside
+      } catch (const UserError&) { // no direction leads out of the obstacle: the node is deep inside
         distance = gaps_[candidate] - std::sqrt(square);
       }
-      // Where neither says that they touch, it does not matter which is right.
+      // Where neither distance shows contact, their difference has no effect.
       if (std::min(gaps_[candidate], distance) > constraints.gap_tolerance())
         continue;
       const double along = std::sqrt(std::max(0.0, square - normal * normal)) / obstacle.radius(),
@@ -111,29 +112,33 @@ void Plausibility::look_at_contact(Vec y, int k) {
 
 std::string Plausibility::where(const Worst& worst) const {
   return fmt::format("at ({:.6g}) m, t = {:.6g} s",
-                     fmt::join(worst.at.begin(), worst.at.begin() + stepper_.space().dim(), ", "), worst.time);
+                     fmt::join(worst.at.begin(), worst.at.begin() + stepper_.space().dim(), ", "),
+                     worst.time);
 }
 
 void Plausibility::add_of_mesh(std::vector<Warning>& warnings) const {
   const fem::Space& space = stepper_.space();
   const int parts = fem::connected_parts(space);
   if (parts > 1)
-    warnings.push_back({"parts of the mesh",
-                        fmt::format("the mesh is in {} parts that share no node and move as if the others were not there",
-                                    parts),
-                        static_cast<double>(parts), 1});
+    warnings.push_back(
+        {"parts of the mesh",
+         fmt::format("the mesh is in {} parts that share no node and move as if the others were not there",
+                     parts),
+         static_cast<double>(parts), 1});
   for (std::size_t i = 0; i < scene_.contacts.size(); ++i) {
     const std::string key = scene::contact_key(scene_.contacts, i), &group = scene_.contacts[i].on;
     const auto add = [&](const char* name, std::int64_t facets, const char* what) {
       if (facets > 0)
-        warnings.push_back({name, fmt::format("{}.on: {} facet{} of the group \"{}\" {}", key, facets,
-                                              facets == 1 ? "" : "s", group, what),
+        warnings.push_back({name,
+                            fmt::format("{}.on: {} facet{} of the group \"{}\" {}", key, facets,
+                                        facets == 1 ? "" : "s", group, what),
                             static_cast<double>(facets), 0});
     };
     add("contact inside the body", fem::inner_facets(space.mesh(), group, key + ".on"),
         "inside the body, where no obstacle can touch it");
     add("contact on a clamp",
-        fem::facets_among(space, group, key + ".on", stepper_.constraints()->clamped_dofs(static_cast<int>(i))),
+        fem::facets_among(space, group, key + ".on",
+                          stepper_.constraints()->clamped_dofs(static_cast<int>(i))),
         "held by clamps: they touch nothing, wherever the obstacle is");
   }
 }
@@ -145,30 +150,36 @@ std::vector<Warning> Plausibility::warnings() {
   add_of_mesh(found);
   if (strain_.value > small_strain)
     found.push_back({"large strain",
-                     fmt::format("a principal strain is {:.3g} {}: small strain is meant for less than {}", strain_.value,
-                                 where(strain_), small_strain),
+                     fmt::format("a principal strain is {:.3g} {}: small strain is meant for less than {}",
+                                 strain_.value, where(strain_), small_strain),
                      strain_.value, small_strain});
   if (rotation_.value > small_rotation)
-    found.push_back({"large rotation",
-                     fmt::format("the body turns by {:.3g} degrees {}: small strain is meant for less than {:.3g}",
-                                 degrees(rotation_.value), where(rotation_), degrees(small_rotation)),
-                     degrees(rotation_.value), degrees(small_rotation)});
+    found.push_back(
+        {"large rotation",
+         fmt::format("the body turns by {:.3g} degrees {}: small strain is meant for less than {:.3g}",
+                     degrees(rotation_.value), where(rotation_), degrees(small_rotation)),
+         degrees(rotation_.value), degrees(small_rotation)});
   if (inverted_.value > 0)
-    found.push_back({"elements turned inside out",
-                     fmt::format("{} elements are turned inside out at t = {:.6g} s", inverted_.value, inverted_.time),
-                     inverted_.value, 0});
+    found.push_back(
+        {"elements turned inside out",
+         fmt::format("{} elements are turned inside out at t = {:.6g} s", inverted_.value, inverted_.time),
+         inverted_.value, 0});
   if (slip_.value > 1)
-    found.push_back({"motion beyond an obstacle's radius",
-                     fmt::format("the node {} has come {:.3g} radii of the obstacle along it: the obstacle that it sees is the "
-                                 "half-space that was next to it in the undeformed body",
-                                 where(slip_), slip_.value),
-                     slip_.value, 1});
+    found.push_back(
+        {"motion beyond an obstacle's radius",
+         fmt::format(
+             "the node {} has come {:.3g} radii of the obstacle along it: the obstacle that it sees is the "
+             "half-space that was next to it in the undeformed body",
+             where(slip_), slip_.value),
+         slip_.value, 1});
   if (gap_.value > small_gap_error)
-    found.push_back({"linearised gap",
-                     fmt::format("the gap of the node {} is off by {:.3g} of its displacement, since the obstacle is linearised "
-                                 "about the undeformed body: it is meant to be off by less than {}",
-                                 where(gap_), gap_.value, small_gap_error),
-                     gap_.value, small_gap_error});
+    found.push_back(
+        {"linearised gap",
+         fmt::format(
+             "the gap of the node {} is off by {:.3g} of its displacement, since the obstacle is linearised "
+             "about the undeformed body: it is meant to be off by less than {}",
+             where(gap_), gap_.value, small_gap_error),
+         gap_.value, small_gap_error});
   return found;
 }
 

@@ -6,32 +6,35 @@
 
 namespace signorini::forward {
 
-/// Something that makes results mean less than they seem to.
+/// A reason to doubt the results of a run.
 struct Warning {
-  std::string name;    ///< of its kind
-  std::string message; ///< with figure and place
-  double value, limit; ///< the figure, and from where on it is told
+  std::string name;    ///< of the kind of warning
+  std::string message; ///< with value and place
+  double value, limit; ///< the value, and the limit above which there is a warning
 };
 
-/// Whether a motion is one of those that the model is for: small strain, obstacles linearised about the undeformed body, one
-/// body. The model gives an answer for any other too, and no solver notices. It looks at a few frames as they go by, outside
-/// of the steps: at `looks` evenly spaced ones, the last, and that of the largest elastic energy, if that is told.
+/// Checks whether a motion is within the model's assumptions: small strain, obstacles linearised about the
+/// undeformed body, one body. The model gives an answer for any other motion too, and no solver notices. A
+/// few frames are checked, outside of the steps: `looks` evenly spaced ones, the last, and that of the
+/// largest elastic energy, if energies are given.
 class Plausibility {
 public:
-  /// Frames that are looked at on the way. Each look costs about as much as a product with a matrix.
+  /// Number of evenly spaced frames checked. A check costs about as much as a product with a matrix.
   static constexpr int looks = 16;
 
-  /// Of `steps` steps of a scene. Collective. The references must outlive this object.
+  /// For `steps` steps of a scene. Collective. The references must outlive this object.
   Plausibility(const Stepper& stepper, const scene::Scene& scene, int steps);
 
-  /// Takes the frame after the last one, from frame 0 on, and its elastic energy if it is known. Collective.
+  /// Observes the frame that follows the last one, from frame 0 on; `balance` is null if it is not known.
+  /// Collective.
   void observe(const Frame& frame, const StepBalance* balance);
 
-  /// What is to be told at the end, once of each kind. Collective.
+  /// The warnings at the end of a motion: one of each kind, of the mesh one for each contact table concerned.
+  /// Collective.
   [[nodiscard]] std::vector<Warning> warnings();
 
 private:
-  /// The largest of a kind so far, its limit not counted in.
+  /// The largest value of a kind so far, whether or not it is above the limit, with its time and place.
   struct Worst {
     double value = 0, time = 0;
     std::array<double, 3> at{};
@@ -45,7 +48,7 @@ private:
   const Stepper& stepper_;
   const scene::Scene& scene_;
   int stride_;
-  petsc::Vector strained_; ///< y where elastic energy was largest
+  petsc::Vector strained_; ///< y at the largest elastic energy so far
   double energy_ = 0;
   int strained_at_ = -1;
   Worst strain_, rotation_, inverted_, slip_, gap_;

@@ -6,19 +6,19 @@ using petsc::check;
 
 namespace {
 
-petsc::Matrix decoupled(petsc::Matrix M, const fem::Clamped& clamped) {
+petsc::Matrix decoupled(petsc::Matrix M, const fem::DirichletDofs& clamped) {
   clamped.decouple(M);
   return M;
 }
 
 } // namespace
 
-Predictor::Predictor(petsc::Matrix blocks, Mat M, const fem::Clamped& clamped, const contact::Constraints& constraints,
-                     const scene::Solver& scene, bool sliding)
+Predictor::Predictor(petsc::Matrix blocks, Mat M, const fem::DirichletDofs& clamped,
+                     const contact::Constraints& constraints, const scene::Solver& scene, bool sliding)
     : M_(M), clamped_(clamped), constraints_(constraints),
-      solver_(decoupled(std::move(blocks), clamped), &constraints, scene, sliding), zero_(petsc::vector_of(M)),
-      r_(petsc::zero_like(zero_)), jump_(petsc::zero_like(zero_)), before_(constraints.count()),
-      contact_(constraints.count()),
+      solver_(decoupled(std::move(blocks), clamped), &constraints, scene, sliding),
+      zero_(petsc::vector_of(M)), r_(petsc::zero_like(zero_)), jump_(petsc::zero_like(zero_)),
+      before_(constraints.count()), contact_(constraints.count()),
       gap_(static_cast<std::size_t>(constraints.count())) {}
 
 Vec Predictor::jump(std::span<const double> psi, Vec x, const contact::ActiveSet& previous,
@@ -28,7 +28,7 @@ Vec Predictor::jump(std::span<const double> psi, Vec x, const contact::ActiveSet
   if (std::ranges::all_of(gap_, [&](double g) { return g >= -constraints_.gap_tolerance(); }))
     return nullptr;
   check(VecZeroEntries(jump_));
-  before_.active = previous; // and no set of a step made earlier: a step made again must give the same bits
+  before_.active = previous; // not the set of the last call: a recomputed step must give the same bits
   solver_.vi()->solve(zero_, gap_, before_, contact_, jump_);
   set = contact_.active;
   return jump_;

@@ -4,23 +4,24 @@
 
 namespace signorini::forward {
 
-/// What contact-stabilized stepping (docs/method.md section 2) adds to a step: the predictor x = y_{k−1} + τ v_{k−1}
-/// is moved to z, the nearest point to it in the norm of M that obeys the contact condition. z − x is called
-/// the jump. A predictor that obeys it already costs a look at its gaps.
+/// The projection that contact-stabilized stepping (docs/method.md section 2) adds to a step: the predictor x
+/// = y_{k−1} + τ v_{k−1} is moved to z, the nearest point to it in the norm of M that obeys the contact
+/// condition. z − x is called the jump. For a predictor that obeys it already only the gaps are computed.
 class Predictor {
 public:
-  /// Factorises M, which comes in `blocks` (BAIJ) too. `sliding`: linearised or transposed steps are wanted. Collective. The references must outlive
-  /// this object. Throws SolverFailure.
-  Predictor(petsc::Matrix blocks, Mat M, const fem::Clamped& clamped,
+  /// Factorises M, which is also given in `blocks` (BAIJ). `sliding`: linearised or transposed steps are
+  /// wanted. Collective. The references must outlive this object. Throws SolverFailure.
+  Predictor(petsc::Matrix blocks, Mat M, const fem::DirichletDofs& clamped,
             const contact::Constraints& constraints, const scene::Solver& scene, bool sliding);
 
-  /// z − x for the gaps ψ of the undeformed body (m), null if that is zero; `set` becomes Z, the candidates
-  /// that z touches, and `previous` is that of the step before, from which the search starts. Valid until the next call. Collective. Throws SolverFailure.
+  /// The jump z − x of the predictor x for the gaps ψ of the undeformed body (m, in metres), null if it is
+  /// zero; `set` becomes Z, the candidates that z touches, and `previous` is the Z of the step before, from
+  /// which the search starts. Valid until the next call. Collective. Throws SolverFailure.
   [[nodiscard]] Vec jump(std::span<const double> psi, Vec x, const contact::ActiveSet& previous,
                          contact::ActiveSet& set) const;
 
-  /// Πx − x with Π the linearised projection on the set Z, null where Z is empty. Π is its own transpose in the
-  /// product with M. Valid until the next call. Collective.
+  /// Πx − x with Π the projection linearised on the set Z, null where Z is empty. Π is self-adjoint in the
+  /// product of M. Valid until the next call. Collective.
   [[nodiscard]] Vec linearised_jump(const contact::ActiveSet& set, Vec x) const;
 
   /// Memory on all ranks, bytes. Collective.
@@ -28,7 +29,7 @@ public:
 
 private:
   Mat M_;
-  const fem::Clamped& clamped_;
+  const fem::DirichletDofs& clamped_;
   const contact::Constraints& constraints_;
   StepSolver solver_;
   petsc::Vector zero_, r_, jump_;

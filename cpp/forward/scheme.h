@@ -2,12 +2,12 @@
 
 namespace signorini::forward {
 
-/// The coefficients of contact-implicit Newmark stepping (4.21)–(4.22), the one copy of them:
-///     D y_k − λ_k = R y_{k−1} + momentum() M v_{k−1} + impulse() (f_k + s W u_k),   R = D − 2 stiffness() A
-///     v_k = rate() (y_k − y_{k−1}) − v_{k−1}
-/// The form d in forms/ holds stiffness() and τ/2 too, since it defines D.
+/// The coefficients of contact-implicit Newmark stepping (4.21)–(4.22), docs/method.md section 2:
+///     D y_k + N λ_k = R y_{k−1} + momentum() M v_{k−1} + impulse() (f_k + s W u_k)
+///     v_k = rate() (y_k − y_{k−1}) − v_{k−1},   R = D − 2 stiffness() A
+/// Defined only here, except that the form d in forms/, which defines D, holds stiffness() and τ/2 too.
 struct Scheme {
-  double tau; ///< s
+  double tau; ///< time step, s
 
   [[nodiscard]] double momentum() const { return tau; }
   [[nodiscard]] double impulse() const { return tau * tau / 2; }

@@ -54,7 +54,7 @@ void Stepper::right_hand_side(Vec x, double a, Vec z, double b, Functional sourc
   if (!source.density) {
     check(VecAXPBY(work_, a, 0, z));
     check(MatMult(M(), work_, r_));
-  } else if (rho) { // one product does for both
+  } else if (rho) { // M = ρ W: one product for both terms
     check(VecAXPBYPCZ(work_, a, b / *rho, 0, z, source.density));
     check(MatMult(M(), work_, r_));
   } else {
@@ -85,7 +85,7 @@ void Stepper::velocity(Vec y0, Vec v0, Vec jump, Vec y1, Vec v1) const {
   {
     const petsc::ReadArray from(y0), to(y1), before(v0);
     const petsc::WriteArray after(v1);
-    for (std::size_t i = 0; i < after.size(); ++i) // one pass, and the difference before it is scaled
+    for (std::size_t i = 0; i < after.size(); ++i) // in one pass; subtracts before scaling
       after[i] = rate * (to[i] - from[i]) - before[i];
   }
   if (jump)
@@ -96,7 +96,8 @@ void Stepper::step(int k, Vec y0, Vec v0, NodalForce load, const contact::Contac
                    contact::ContactState& contact, Vec y1, Vec v1) const {
   const std::span<const double> psi =
       constraints_ ? constraints_->psi(scheme_.time(k)) : std::span<const double>();
-  const Vec jump = predictor_ ? predictor_->jump(psi, predicted(y0, v0), previous.predictor, contact.predictor) : nullptr;
+  const Vec jump =
+      predictor_ ? predictor_->jump(psi, predicted(y0, v0), previous.predictor, contact.predictor) : nullptr;
   const Vec momentum = with_jump(v0, 1 / scheme_.tau, jump);
   right_hand_side(y0, scheme_.momentum(), motion_ ? motion_->driving(k, y0, momentum) : momentum,
                   scheme_.impulse(), load);
@@ -117,7 +118,7 @@ void Stepper::step(int k, Vec y0, Vec v0, NodalForce load, const contact::Contac
 }
 
 void Stepper::solve_sliding(const contact::ActiveSet& active, Vec p) const {
-  if (const contact::SlidingSolver* sliding = solver_->sliding())
+  if (const contact::ActiveSetKkt* sliding = solver_->sliding())
     sliding->solve_sliding(r_, active, p);
   else
     solver_->linear().solve(r_, p);
@@ -128,7 +129,8 @@ void Stepper::solve_one_sided(contact::ContactSets& contact, Vec p) const {
   std::vector<double> force(m), motion(m);
   contact::ActiveSet& closed = contact.active;
   const petsc::Vector residual = petsc::zero_like(p);
-  const int several = 2 * static_cast<int>(contact.weak.size()) + 10; // then one at a time, which does not cycle for long
+  // After so many changes of the set one candidate changes at a time, which does not cycle for long.
+  const int several = 2 * static_cast<int>(contact.weak.size()) + 10;
   for (int change = 0; change < 20 * several; ++change) {
     solve_sliding(closed, p);
     check(MatMult(R_, p, residual)); // D p = R p + 2 stiffness() A p
@@ -144,8 +146,9 @@ void Stepper::solve_one_sided(contact::ContactSets& contact, Vec p) const {
     bool settled = true;
     for (std::size_t i = 0; i < m; ++i) {
       const bool is_closed = std::ranges::binary_search(closed, static_cast<int>(i));
-      const bool wrong = std::ranges::binary_search(contact.weak, static_cast<int>(i)) &&
-                         (is_closed ? force[i] < -rounding * largest_force : motion[i] > rounding * largest_motion);
+      const bool wrong =
+          std::ranges::binary_search(contact.weak, static_cast<int>(i)) &&
+          (is_closed ? force[i] < -rounding * largest_force : motion[i] > rounding * largest_motion);
       const bool flips = wrong && (settled || change < several);
       settled = settled && !wrong;
       if (is_closed != flips)
@@ -158,7 +161,8 @@ void Stepper::solve_one_sided(contact::ContactSets& contact, Vec p) const {
   throw SolverFailure("the weak contact of a linearised step did not settle");
 }
 
-Vec Stepper::linearised_right_hand_side(Vec y0, Vec v0, NodalForce load, const contact::ContactSets& contact) const {
+Vec Stepper::linearised_right_hand_side(Vec y0, Vec v0, NodalForce load,
+                                        const contact::ContactSets& contact) const {
   const Vec jump = predictor_ ? predictor_->linearised_jump(contact.predictor, predicted(y0, v0)) : nullptr;
   right_hand_side(y0, scheme_.momentum(), with_jump(v0, 1 / scheme_.tau, jump), scheme_.impulse(), load);
   return jump;
@@ -172,7 +176,8 @@ void Stepper::linearised_step(Vec y0, Vec v0, NodalForce load, const contact::Co
   ++linearised_steps;
 }
 
-void Stepper::one_sided_step(Vec y0, Vec v0, NodalForce load, contact::ContactSets& contact, Vec y1, Vec v1) const {
+void Stepper::one_sided_step(Vec y0, Vec v0, NodalForce load, contact::ContactSets& contact, Vec y1,
+                             Vec v1) const {
   const Vec jump = linearised_right_hand_side(y0, v0, load, contact);
   if (!contact.weak.empty())
     solve_one_sided(contact, y1);

@@ -8,8 +8,8 @@
 
 namespace signorini::forward {
 
-/// Everything that one time step needs and that no step changes: the operators, D factorised once, and, where
-/// the scene has contact, the constraints and their solver.
+/// Makes time steps and their derivatives (docs/method.md sections 2 and 4), and holds what no step changes:
+/// the operators, D factorised once, and, where the scene has contact, the constraints and their solver.
 class Stepper {
 public:
   /// Which contact objects a run needs.
@@ -27,13 +27,13 @@ public:
   [[nodiscard]] const Scheme& scheme() const { return scheme_; }
   [[nodiscard]] const fem::Space& space() const { return space_; }
   [[nodiscard]] const fem::Operators& operators() const { return operators_; }
-  [[nodiscard]] const fem::Clamped& clamped() const { return clamped_; }
+  [[nodiscard]] const fem::DirichletDofs& clamped() const { return clamped_; }
   [[nodiscard]] const StepSolver& solver() const { return *solver_; }
   /// Whether contact nodes carry no mass.
   [[nodiscard]] bool massless() const { return massless_.has_value(); }
-  /// M of this run: the body's, or with massless contact that with the contact nodes' mass moved.
+  /// The mass matrix M of this run: the body's, or with massless contact EᵀME (docs/method.md section 2).
   [[nodiscard]] Mat M() const { return massless_ ? Mat(*massless_) : Mat(operators_.M); }
-  /// Null but in contact-stabilized stepping.
+  /// Null except in contact-stabilized stepping.
   [[nodiscard]] const Predictor* predictor() const { return predictor_ ? &*predictor_ : nullptr; }
   /// Null where no clamp moves.
   [[nodiscard]] const PrescribedMotion* motion() const { return motion_ ? &*motion_ : nullptr; }
@@ -47,56 +47,59 @@ public:
   /// Memory of what the scheme adds to contact-implicit stepping, bytes. Collective.
   [[nodiscard]] double scheme_bytes() const;
 
-  /// Step k from (y0, v0) under a load to (y1, v1) and its contact with the obstacles where they are then;
-  /// `previous` is that at y0, and y1 holds a guess on entry if solver().takes_guess(). Allocates nothing,
-  /// but where a solver of PETSc's does: in VIs that PETSc solves, with MUMPS. Collective. Throws
-  /// UserError, SolverFailure.
+  /// Step k from (y0, v0) under `load` to (y1, v1) and the contact there, with obstacles where they are at
+  /// t_k; `previous` is the contact at y0, and y1 holds a guess on entry if solver().takes_guess(). Allocates
+  /// nothing, except within PETSc in VIs that PETSc solves and with MUMPS. Collective. Throws UserError,
+  /// SolverFailure.
   void step(int k, Vec y0, Vec v0, NodalForce load, const contact::ContactSets& previous,
             contact::ContactState& contact, Vec y1, Vec v1) const;
 
-  /// The step's linearisation on the active set of `contact`: (δy0, δv0, δload) → (δy1, δv1); y1 as in
-  /// step(). Collective.
+  /// The step linearised on the active set of `contact` (docs/method.md section 4): (δy0, δv0, δload) → (δy1,
+  /// δv1); y1 as in step(). Collective.
   void linearised_step(Vec y0, Vec v0, NodalForce load, const contact::ContactSets& contact, Vec y1,
                        Vec v1) const;
 
-  /// The same where W may open, as the exact one-sided derivative of the step lets it: x·ν ≤ 0 there in place of 0. On return
-  /// `contact` has the set that stays closed as its active one, on which linearised_step() gives the same. Collective.
-  /// Throws SolverFailure.
+  /// The one-sided derivative of the step: as linearised_step(), but weakly active candidates may open, x·ν ≤
+  /// 0 there in place of 0 (docs/method.md section 4). On return the active set of `contact` is the set C
+  /// that stays closed, on which linearised_step() gives the same. Collective. Throws SolverFailure.
   void one_sided_step(Vec y0, Vec v0, NodalForce load, contact::ContactSets& contact, Vec y1, Vec v1) const;
 
   /// The transpose of linearised_step on the active set of `contact` (4.40)–(4.41), with the paper's adjoint
   /// states:
   ///     D p_k − μ_k = R p_{k+1} − τ M q_{k+1} + ∂J/∂y_k,   q_k = −q_{k+1} + rate() (p_{k+1} − p_k)
-  /// and in contact-stabilized stepping, with j = Π_{k+1} q_{k+1} − q_{k+1} (the step of docs/method.md section 2,
-  /// transposed, for v̄ = M (τ/2 p + τ²/4 q)),
+  /// and in contact-stabilized stepping, with j = Π_{k+1} q_{k+1} − q_{k+1} (the transpose of the step of
+  /// docs/method.md section 2, with M (τ/2 p + τ²/4 q) the dual of the velocity),
   ///     D p_k − μ_k = R p_{k+1} − τ M (q_{k+1} + 3/2 j) + ∂J/∂y_k,
   ///     q_k = −q_{k+1} − 2 j + rate() (p_{k+1} − p_k)
-  /// `next` is the contact of step k + 1, null at N; `derivative` is ∂J/∂y_k. `q` is q_{k+1} on entry and q_k on return; `p_next`
-  /// is p_{k+1}; `p` becomes p_k and holds a guess on entry as y1 in step(). Both states are zero at k = N
-  /// + 1. The dual of step k's nodal force is impulse() p_k. Collective.
+  /// `next` is the contact of step k + 1, null at N; `derivative` is ∂J/∂y_k. `q` is q_{k+1} on entry and q_k
+  /// on return; `p_next` is p_{k+1}; `p` becomes p_k and holds a guess on entry as y1 in step(). Both adjoint
+  /// states are zero at k = N + 1. The dual of step k's nodal force is impulse() p_k. Collective.
   void adjoint_step(const contact::ContactSets& contact, const contact::ContactSets* next,
                     StateDual derivative, Vec p_next, Vec q, Vec p) const;
 
 private:
-  /// D and M with the contact nodes' mass moved into the body.
+  /// Replaces the mass in `D` by that of massless contact, and sets massless_.
   void move_mass(const scene::Scene& scene, Mat D);
-  /// r_ = R x + M (a z) + b source on the free dofs: what a step and an adjoint step share.
+  /// r_ = R x + a M z + b source on the free dofs, zero on the clamped ones: of steps and adjoint steps.
   void right_hand_side(Vec x, double a, Vec z, double b, Functional source) const;
   /// x + c j, or x itself without a jump j.
   Vec with_jump(Vec x, double c, Vec jump) const;
   /// y + τ v.
   Vec predicted(Vec y, Vec v) const;
+  /// v1 = 2/τ (y1 − y0 − jump) − v0.
   void velocity(Vec y0, Vec v0, Vec jump, Vec y1, Vec v1) const;
   /// r_ of a linearised step; returns the predictor's jump, null without one.
   Vec linearised_right_hand_side(Vec y0, Vec v0, NodalForce load, const contact::ContactSets& contact) const;
+  /// Solves with r_ on an active set.
   void solve_sliding(const contact::ActiveSet& active, Vec p) const;
-  /// The same where W may open: min ½ p·Dp − r·p over p·ν = 0 on S, p·ν ≤ 0 on W; what stays closed becomes active.
+  /// solve_sliding() where weakly active candidates may open: min ½ p·Dp − r·p over p·ν = 0 on S, p·ν ≤ 0 on
+  /// W. The set that stays closed becomes the active one.
   void solve_one_sided(contact::ContactSets& contact, Vec p) const;
 
   const fem::Space& space_;
   const fem::Operators& operators_;
   Scheme scheme_;
-  fem::Clamped clamped_;
+  fem::DirichletDofs clamped_;
   double clamped_diagonal_ = 0; ///< of D on the clamped dofs
   std::optional<PrescribedMotion> motion_;
   petsc::Matrix R_;

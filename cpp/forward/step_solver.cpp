@@ -14,11 +14,12 @@ std::vector<int> candidate_nodes(const contact::Constraints* constraints) {
   if (constraints)
     for (PetscInt dof : constraints->first_dofs())
       nodes.push_back(static_cast<int>(dof / constraints->dim()));
-  nodes.erase(std::ranges::unique(nodes).begin(), nodes.end()); // several candidates of a node follow each other
+  nodes.erase(std::ranges::unique(nodes).begin(),
+              nodes.end()); // several candidates of a node follow each other
   return nodes;
 }
 
-/// S and the factor of its active block.
+/// Memory of S and the factor of its active block, bytes.
 double dense_bytes(const contact::Constraints* constraints) {
   const double m = constraints ? constraints->count() : 0;
   return 2 * m * m * sizeof(double);
@@ -49,9 +50,10 @@ void StepSolver::factorise(const contact::Constraints* constraints, const scene:
     const double needed = solver->estimate() + dense_bytes(constraints);
     const bool possible = solver->possible();
     const std::string compared =
-        possible ? fmt::format("a factor needs {:.2g} GB, {:.2g} GB are allowed", needed / gigabyte,
-                               scene.memory / gigabyte)
-                 : fmt::format("a factor of {:.2g} GB has more entries than can be numbered", needed / gigabyte);
+        possible
+            ? fmt::format("a factor needs {:.2g} GB, {:.2g} GB are allowed", needed / gigabyte,
+                          scene.memory / gigabyte)
+            : fmt::format("a factor of {:.2g} GB has more entries than can be numbered", needed / gigabyte);
     if (scene.linear == "auto" && (needed > scene.memory || !possible)) {
       iterate();
       choice_ = fmt::format("{} ({} by {})", linear_->name(), compared, solver->name());
@@ -92,11 +94,11 @@ void StepSolver::add_contact(const contact::Constraints& constraints, const scen
     return;
   }
   if (cholesky_)
-    elimination_ = std::make_unique<contact::CornerElimination>(constraints, *cholesky_);
+    elimination_ = std::make_unique<contact::TrailingBlockElimination>(constraints, *cholesky_);
   else
-    elimination_ = std::make_unique<contact::ColumnElimination>(constraints, *linear_, petsc::vector_of(D_),
-                                                                scene.memory - linear_->bytes() -
-                                                                    dense_bytes(&constraints));
+    elimination_ = std::make_unique<contact::StoredColumnsElimination>(
+        constraints, *linear_, petsc::vector_of(D_),
+        scene.memory - linear_->bytes() - dense_bytes(&constraints));
   condensation_.emplace(constraints, *elimination_);
   sliding_ = &*condensation_;
   if (!vi_)

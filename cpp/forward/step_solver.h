@@ -13,8 +13,9 @@ namespace signorini::forward {
 /// the memory allowed.
 class StepSolver {
 public:
-  /// Counts, chooses, factorises. `constraints` is null without contact; `sliding`: linearised or transposed
-  /// steps are wanted. Collective. The references must outlive this object. Throws SolverFailure.
+  /// Estimates the factor's memory, chooses a solver and factorises. `constraints` is null without contact;
+  /// `sliding`: linearised or transposed steps are wanted. Collective. The references must outlive this
+  /// object. Throws SolverFailure.
   StepSolver(petsc::Matrix D, const contact::Constraints* constraints, const scene::Solver& scene,
              bool sliding);
   StepSolver(const StepSolver&) = delete; // its parts refer to each other
@@ -24,9 +25,9 @@ public:
   [[nodiscard]] const LinearSolver& linear() const { return *linear_; }
   /// Null without contact.
   [[nodiscard]] const contact::ViSolver* vi() const { return vi_; }
-  /// Null without contact, or if it was not wanted.
-  [[nodiscard]] const contact::SlidingSolver* sliding() const { return sliding_; }
-  /// Whether solutions start from a guess.
+  /// Null without contact, or if `sliding` was not wanted and contact is solved by the full VI.
+  [[nodiscard]] const contact::ActiveSetKkt* sliding() const { return sliding_; }
+  /// Whether solves start from a guess.
   [[nodiscard]] bool takes_guess() const { return iterative_ || full_vi_; }
 
   /// Relative error that a solve may leave; 0 for rounding alone.
@@ -54,12 +55,12 @@ private:
   const ConjugateGradients* iterative_ = nullptr;
   std::unique_ptr<contact::Elimination> elimination_;
   std::optional<contact::Complementarity> complementarity_;
-  std::optional<contact::Condensation> condensation_;
+  std::optional<contact::DelassusOperator> condensation_;
   std::optional<contact::CondensedVi> condensed_vi_;
   std::optional<contact::FullVi> full_vi_;
   std::optional<contact::ProjectedCg> projected_;
   const contact::ViSolver* vi_ = nullptr;
-  const contact::SlidingSolver* sliding_ = nullptr;
+  const contact::ActiveSetKkt* sliding_ = nullptr;
   std::string choice_;
 };
 

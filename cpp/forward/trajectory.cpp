@@ -3,16 +3,17 @@
 
 namespace signorini::forward {
 
-Trajectory::Trajectory(const Stepper& stepper, const Initial& initial, int steps, const Storage& storage,
-                       bool velocities)
-    : stepper_(stepper), capacity_(steps), contact_(static_cast<std::size_t>(steps) + 1), now_(candidates(stepper)),
-      march_(stepper, initial.y, initial.v,
-             [this](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
-               const auto i = static_cast<std::size_t>(k);
-               acting_ = load_->at(k);
-               stepper_.step(k, y0, v0, acting_, contact_[i - 1], now_, y1, v1);
-             }),
-      states_(storage.place(march_, velocities)) {}
+Trajectory::Trajectory(const Stepper& stepper, const Initial& initial, int steps,
+                       const StateStoreFactory& storage, bool velocities)
+    : stepper_(stepper), capacity_(steps), contact_(static_cast<std::size_t>(steps) + 1),
+      now_(candidates(stepper)),
+      integrator_(stepper, initial.y, initial.v,
+                  [this](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
+                    const auto i = static_cast<std::size_t>(k);
+                    acting_ = load_->at(k);
+                    stepper_.step(k, y0, v0, acting_, contact_[i - 1], now_, y1, v1);
+                  }),
+      states_(storage.place(integrator_, velocities)) {}
 
 void Margins::take(const contact::ContactState& contact) {
   for (std::size_t i = 0; i < contact.status.size(); ++i)
@@ -24,18 +25,18 @@ void Margins::take(const contact::ContactState& contact) {
     }
 }
 
-void Trajectory::run(ForceAtStep load, const Watch& watch) {
+void Trajectory::run(ForceAtStep load, const StepObserver& watch) {
   load_ = std::move(load);
   steps_ = 0;
   now_ = contact::ContactState(candidates(stepper_));
   margins_ = {};
   const auto contact = [this](int) -> contact::ContactState& { return now_; };
-  go_through(stepper_, march_, capacity_, Stops::obeyed, contact, acting_, [&](const Frame& frame) {
+  integrate_with(stepper_, integrator_, capacity_, Stops::obeyed, contact, acting_, [&](const Frame& frame) {
     steps_ = frame.k;
     contact_[static_cast<std::size_t>(frame.k)] = now_;
     if (frame.k > 0)
       margins_.take(now_);
-    states_->keep(march_.state());
+    states_->keep(integrator_.state());
     if (watch)
       watch(frame);
   });

@@ -13,18 +13,19 @@ namespace {
 
 constexpr const char* points_name = "points";
 
-/// Where a control's values are, those at one place told apart.
+/// The points of a control's values (places × 3), m, coincident nodes made distinct.
 std::vector<double> places_of(const control::ControlSpace& controls) {
   if (controls.cellwise())
     return controls.points();
   const std::vector<double> all = distinct_points(controls.space());
   std::vector<double> points;
   for (int node : controls.places())
-    points.insert(points.end(), &all[3 * static_cast<std::size_t>(node)], &all[3 * static_cast<std::size_t>(node)] + 3);
+    points.insert(points.end(), &all[3 * static_cast<std::size_t>(node)],
+                  &all[3 * static_cast<std::size_t>(node)] + 3);
   return points;
 }
 
-/// rows × columns of a type, with a checksum for every chunk.
+/// A table (rows × columns) of a type, with a checksum for every chunk.
 Opened make_table(hid_t file, const std::string& name, hid_t type, hsize_t rows, hsize_t columns,
                   std::size_t bytes) {
   constexpr std::size_t chunk_bytes = 1 << 20;
@@ -40,7 +41,7 @@ Opened make_table(hid_t file, const std::string& name, hid_t type, hsize_t rows,
   return {H5Dcreate(file, name.c_str(), type, space, link, layout, H5P_DEFAULT), H5Dclose};
 }
 
-/// Selects a row of a table for `transfer(row's space, memory's space)`.
+/// Calls `transfer(row's space, memory's space)` for a row of a table. False if it fails.
 template <class Transfer>
 bool on_row(hid_t table, hsize_t row, hsize_t columns, Transfer&& transfer) {
   const std::array<hsize_t, 2> start{row, 0}, count{1, columns};
@@ -63,9 +64,9 @@ CheckpointWriter::CheckpointWriter(const control::ControlSpace& controls, const 
   const std::vector<double> points = gather(comm, places_of(controls));
   if (rank(comm) != 0)
     return;
-  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence says it, instead of HDF5's stack
+  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence is reported instead of HDF5's stack
   const Opened access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST); // whose metadata have checksums
+  H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST); // its metadata have checksums
   errno = 0;
   out_ = Opened(H5Fcreate(part_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
   if (!out_)
@@ -77,7 +78,7 @@ CheckpointWriter::~CheckpointWriter() {
   if (rank(controls_.space().comm()) != 0)
     return;
   out_ = Opened(H5I_INVALID_HID, H5Fclose);
-  std::error_code ignored; // it has been moved, or nobody misses it
+  std::error_code ignored; // after commit() it has been moved
   std::filesystem::remove(part_, ignored);
 }
 
@@ -106,11 +107,11 @@ void CheckpointWriter::operator()(const std::string& name, const std::shared_ptr
   Opened table(H5I_INVALID_HID, H5Dclose);
   if (out_ && failure_.empty())
     table = make_table(out_, name, H5T_IEEE_F64LE, static_cast<hsize_t>(u->count()), columns, sizeof(double));
-  std::vector<double> row(rank(comm) == 0 ? columns : 0); // gathered there whether it can be written or not
+  std::vector<double> row(rank(comm) == 0 ? columns : 0); // collective, even if rank 0 cannot write
   for (int k = 1; k <= u->count(); ++k) {
     const std::span<const double> values = u->at(k);
-    MPI_Gatherv(values.data(), static_cast<int>(values.size()), MPI_DOUBLE,
-                row.data(), counts_.data(), starts_.data(), MPI_DOUBLE, 0, comm);
+    MPI_Gatherv(values.data(), static_cast<int>(values.size()), MPI_DOUBLE, row.data(), counts_.data(),
+                starts_.data(), MPI_DOUBLE, 0, comm);
     if (!out_ || !failure_.empty())
       continue;
     errno = 0;
@@ -220,8 +221,8 @@ void CheckpointReader::match_places() {
   for (std::size_t i = 0; i < padded.size(); ++i)
     if (i % 3 < dim)
       points.push_back(padded[i]);
-  rows_ =
-      match_points(space, points, places_of(controls_), [this](const std::string& problem) { fail(problem); });
+  rows_ = match_points(space, points, places_of(controls_),
+                       [this](const std::string& problem) { fail(problem); });
 }
 
 void CheckpointReader::operator()(const std::string& name, std::shared_ptr<const control::Control>& u) {

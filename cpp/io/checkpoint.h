@@ -8,13 +8,14 @@
 
 namespace signorini::io {
 
-/// Writes numbers, texts and controls by name into an HDF5 file that appears whole or not at all, on any
-/// number of ranks; every piece has a checksum. All members collective; rank 0 writes, and where that fails
-/// the others go on too and commit() says it.
+/// Writes numbers, texts and controls by name into an HDF5 file that commit() puts in place as a whole, on
+/// any number of ranks; every chunk has a checksum. All members collective; rank 0 writes, and a failure
+/// there is reported by commit() alone.
 class CheckpointWriter {
 public:
-  /// `part`, on the same disk, takes the place of `file` at commit(). `controls` must outlive this object.
-  CheckpointWriter(const control::ControlSpace& controls, const std::filesystem::path& part, const std::filesystem::path& file);
+  /// `part`, on the same disk, is renamed to `file` by commit(). `controls` must outlive this object.
+  CheckpointWriter(const control::ControlSpace& controls, const std::filesystem::path& part,
+                   const std::filesystem::path& file);
   ~CheckpointWriter();
   CheckpointWriter(const CheckpointWriter&) = delete;
   CheckpointWriter& operator=(const CheckpointWriter&) = delete;
@@ -24,7 +25,7 @@ public:
   void operator()(const std::string& name, const std::string& text);
   void operator()(const std::string& name, const std::shared_ptr<const control::Control>& u);
 
-  /// Puts the file in place. Returns what went wrong, empty if nothing did.
+  /// Puts the file in place. Returns the reason of a failure, empty without one.
   [[nodiscard]] std::string commit();
 
 private:
@@ -32,7 +33,7 @@ private:
 
   const control::ControlSpace& controls_;
   std::filesystem::path part_, file_;
-  std::vector<int> counts_, starts_; ///< values of each rank in a row
+  std::vector<int> counts_, starts_; ///< number and start of each rank's values in a row
   Opened out_;                       ///< on rank 0
   std::string failure_;              ///< on rank 0
 };
@@ -51,11 +52,11 @@ public:
   void operator()(const std::string& name, std::string& text);
   void operator()(const std::string& name, std::shared_ptr<const control::Control>& u);
 
-  /// Finds the places of the controls by their coordinates; before the first control is read. Throws
-  /// UserError if they are others.
+  /// Matches the places of the controls with those of the file by coordinates; to be called before the first
+  /// control is read. Throws UserError if they differ.
   void match_places();
 
-  /// Throws UserError: the file's name and what is wrong.
+  /// Throws UserError with the file's name and `problem`.
   [[noreturn]] void fail(const std::string& problem) const;
 
 private:

@@ -22,7 +22,7 @@ void copy(Vec from, dolfinx::fem::Function<PetscScalar>& to) {
   to.x()->scatter_fwd();
 }
 
-/// A parallel write to a full disk hangs in some MPI libraries, so the room is looked at before.
+/// A parallel write to a full disk hangs in some MPI libraries: check the free space beforehand.
 void require_room(const fem::Space& space, const OutputFolder& folder, const std::string& name,
                   std::size_t datasets) {
   const double values = static_cast<double>( // nodes or cells, whichever are more
@@ -41,8 +41,8 @@ void require_room(const fem::Space& space, const OutputFolder& folder, const std
   });
 }
 
-/// Whether an XDMF file has its end and all times: dolfinx does not look whether it could write them. What of a text a
-/// stream's buffer loses is more than one of its times takes.
+/// Whether an XDMF file has its end and all times: dolfinx does not check its writes. A lost stream buffer is
+/// longer than the text of one time, so that some of them would be missing.
 bool whole(const std::filesystem::path& file, std::size_t times) {
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -56,7 +56,7 @@ bool whole(const std::filesystem::path& file, std::size_t times) {
 
 struct FieldFile::Open {
   using Function = dolfinx::fem::Function<PetscScalar>;
-  Function own, written; ///< of the space, and what the file takes
+  Function own, written; ///< in the run's space and in the file's
   dolfinx::io::XDMFFile xdmf;
 };
 
@@ -65,14 +65,13 @@ FieldFile::FieldFile(const fem::Space& space, const OutputFolder& folder, const 
     : space_(space), folder_(folder), name_(name),
       as_they_are_(values == Values::cellwise || space.degree() == 1) {
   require_room(space, folder, name, fields);
-  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence says it, instead of HDF5's stack
+  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence is reported instead of HDF5's stack
   guarded([&] {
-    open_.reset(
-        new Open{Open::Function(space.dolfinx()),
-                 Open::Function(values == Values::cellwise ? fem::cellwise(space.mesh())
-                                : as_they_are_             ? space.dolfinx()
-                                                           : fem::lagrange(space.mesh(), 1)),
-                 dolfinx::io::XDMFFile(space.comm(), folder.staged(name), "w")});
+    open_.reset(new Open{Open::Function(space.dolfinx()),
+                         Open::Function(values == Values::cellwise ? fem::cellwise(space.mesh())
+                                        : as_they_are_             ? space.dolfinx()
+                                                                   : fem::lagrange(space.mesh(), 1)),
+                         dolfinx::io::XDMFFile(space.comm(), folder.staged(name), "w")});
     open_->xdmf.write_mesh(*space.mesh().dolfinx());
   });
 }
@@ -86,7 +85,7 @@ FieldFile::~FieldFile() {
   }
   try {
     open_->xdmf.close();
-  } catch (const std::exception&) { // its destructor would throw the same again, and end the program
+  } catch (const std::exception&) { // its destructor would throw again and end the program
     (void)open_.release();
   }
 }
@@ -98,7 +97,7 @@ void FieldFile::guarded(Work&& work) {
     work();
   } catch (const std::exception& error) {
     const std::string reason = errno != 0 ? std::generic_category().message(errno) : error.what();
-    (void)open_.release(); // its destructor would throw the same error again, and end the program
+    (void)open_.release(); // its destructor would throw again and end the program
     folder_.discard();
     throw WriteFailure(fmt::format("{}: cannot be written ({})", (folder_.path() / name_).string(), reason));
   }
@@ -130,7 +129,8 @@ void FieldFile::close() {
     if (!sorted_)
       sort_times();
     if (!whole(folder_.staged(name_), times_))
-      throw UserError(fmt::format("{}: cannot be written (a part of it is missing)", (folder_.path() / name_).string()));
+      throw UserError(
+          fmt::format("{}: cannot be written (a part of it is missing)", (folder_.path() / name_).string()));
   });
 }
 
@@ -139,7 +139,7 @@ void FieldFile::sort_times() const {
   constexpr unsigned everything = pugi::parse_default | pugi::parse_doctype | pugi::parse_declaration;
   pugi::xml_document document;
   if (!document.load_file(file.c_str(), everything))
-    return; // close() says that it is not whole
+    return; // close() reports the incomplete file
   for (pugi::xml_node series : document.child("Xdmf").child("Domain").children("Grid")) {
     if (series.attribute("GridType").value() != std::string("Collection"))
       continue;

@@ -8,30 +8,31 @@
 namespace signorini::io {
 
 /// Fields over time in an XDMF file and the HDF5 file beside it, at the mesh's own nodes (degree 2: their
-/// values at the vertices) or one value for each cell, written as the times go by.
+/// values at the vertices) or one value for each cell, written one by one during a run.
 class FieldFile {
 public:
   enum class Values { nodal, cellwise };
 
-  /// Opens the file `name` (.xdmf) for at most so many fields in all, one per name and time. Collective. The
-  /// references must outlive this object. Throws UserError if the disk has no room for them, WriteFailure, on
-  /// one rank or several, if the files cannot be written.
+  /// Opens the file `name` (.xdmf). `fields`: the most datasets to be written, one per field and time.
+  /// Collective. The references must outlive this object. Throws UserError if the disk has no room for them,
+  /// WriteFailure, on one rank or several, if the files cannot be written.
   FieldFile(const fem::Space& space, const OutputFolder& folder, const std::string& name, std::size_t fields,
             Values values = Values::nodal);
-  /// A file that was not closed is left as it is: on several ranks closing is collective.
+  /// Closes an open file on one rank only: on several ranks closing is collective, and the file is left as it
+  /// is.
   ~FieldFile();
   FieldFile(const FieldFile&) = delete;
   FieldFile& operator=(const FieldFile&) = delete;
 
-  /// At times in any order of each field. Collective. Throws WriteFailure.
+  /// Writes a field at `time` (s), in any order of times. Collective. Throws WriteFailure.
   void write(const std::string& field, Vec values, double time);
 
-  /// Collective. Throws WriteFailure, UserError.
+  /// Closes the file and checks that it is complete. Collective. Throws WriteFailure, UserError.
   void close();
 
 private:
   struct Open;
-  /// Puts the fields' times in ascending order, as readers take them.
+  /// Sorts the fields' times in ascending order, as readers expect.
   void sort_times() const;
   template <class Work>
   void guarded(Work&& work);
@@ -39,11 +40,11 @@ private:
   const fem::Space& space_;
   const OutputFolder& folder_;
   std::string name_;
-  bool as_they_are_;      ///< vectors hold what the file takes
-  std::size_t times_ = 0; ///< written, of all fields
+  bool as_they_are_;      ///< vectors hold the file's values
+  std::size_t times_ = 0; ///< datasets written, of all fields
   bool sorted_ = true;
-  std::map<std::string, double> last_; ///< times of the fields written last
-  std::unique_ptr<Open> open_; ///< null once closed
+  std::map<std::string, double> last_; ///< time written last, by field
+  std::unique_ptr<Open> open_;         ///< null once closed
 };
 
 } // namespace signorini::io

@@ -18,13 +18,13 @@ namespace {
 
 constexpr const char* file_name = ".signorini-lock";
 
-/// What a file holds; a discarded value if that is no JSON.
+/// The JSON in a file; a discarded value if it is not valid.
 Json read(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return Json::parse(in, nullptr, false);
 }
 
-/// The texts of a list of an object.
+/// The strings in the array `key` of an object; none without it.
 std::set<std::string> texts(const Json& object, const char* key) {
   std::set<std::string> found;
   if (object.is_object() && object.contains(key) && object[key].is_array())
@@ -40,21 +40,24 @@ bool present(const fs::path& file) {
 }
 
 [[noreturn]] void cannot_write(const fs::path& given, const std::string& reason) {
-  throw UserError(fmt::format("--out: {} cannot be written ({}), allowed is a folder that can", given.string(), reason));
+  throw UserError(
+      fmt::format("--out: {} cannot be written ({}), allowed is a folder that can", given.string(), reason));
 }
 
 std::string last_error() { return std::generic_category().message(errno); }
 
 } // namespace
 
-FolderLock::FolderLock(const fs::path& folder) : FolderLock(folder, Unlocked()) { // what follows is undone if it fails
+FolderLock::FolderLock(const fs::path& folder)
+    : FolderLock(folder, Unlocked()) { // delegates: the destructor undoes a failed lock
   make(folder);
   lock(folder);
 }
 
 void FolderLock::make(const fs::path& given) {
   std::error_code error;
-  for (fs::path missing = folder_; !present(missing) && missing.has_relative_path(); missing = missing.parent_path())
+  for (fs::path missing = folder_; !present(missing) && missing.has_relative_path();
+       missing = missing.parent_path())
     made_.push_back(missing);
   fs::create_directories(folder_, error);
   if (error)
@@ -67,14 +70,15 @@ void FolderLock::lock(const fs::path& given) {
     const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
     if (file < 0)
       cannot_write(given, last_error());
-    // A file system without locks cannot tell: there runs are not kept apart.
+    // Other failures mean a file system without locks: there runs are not kept apart.
     if (flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       close(file);
       const Json holder = read(path);
       const bool known = holder.is_object() && holder.contains("process") && holder.contains("host");
-      throw UserError(fmt::format("--out: found {} in use by {}, allowed is a folder that no other run writes to", given.string(),
-                                  known ? fmt::format("process {} on {}", holder["process"].dump(), holder["host"].dump())
-                                        : "another run that is just starting or ending"));
+      throw UserError(fmt::format(
+          "--out: found {} in use by {}, allowed is a folder that no other run writes to", given.string(),
+          known ? fmt::format("process {} on {}", holder["process"].dump(), holder["host"].dump())
+                : "another run that is just starting or ending"));
     }
     struct stat here{}, there{};
     if (fstat(file, &here) == 0 && stat(path.c_str(), &there) == 0 && here.st_ino == there.st_ino) {
@@ -97,21 +101,24 @@ void FolderLock::claim(const std::string& manifest, const Names& names, const Na
   manifest_ = manifest;
   for (const std::string& name : names)
     if (present(folder_ / name) && !early_.contains(name) && !vouched(name))
-      throw UserError(fmt::format("--out: found {}, which no run in that folder wrote, allowed is a folder without it",
-                                  (folder_ / name).string()));
+      throw UserError(
+          fmt::format("--out: found {}, which no run in that folder wrote, allowed is a folder without it",
+                      (folder_ / name).string()));
   early_.insert(early.begin(), early.end());
   char host[256] = "";
   gethostname(host, sizeof host - 1);
   const std::string text = Json{{"process", getpid()}, {"host", host}, {"early", early_}}.dump() + "\n";
-  errno = ENOSPC; // what a short write says
-  if (ftruncate(file_, 0) != 0 || pwrite(file_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()))
+  errno = ENOSPC; // for a short write, which sets no errno
+  if (ftruncate(file_, 0) != 0 ||
+      pwrite(file_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()))
     cannot_write(folder_, last_error());
 }
 
 FolderLock::~FolderLock() {
   if (file_ >= 0) {
-    const bool needed = std::ranges::any_of(
-        early_, [&](const std::string& name) { return present(folder_ / name) && (manifest_.empty() || !vouched(name)); });
+    const bool needed = std::ranges::any_of(early_, [&](const std::string& name) {
+      return present(folder_ / name) && (manifest_.empty() || !vouched(name));
+    });
     if (!needed)
       unlink((folder_ / file_name).c_str());
     close(file_);

@@ -6,22 +6,23 @@
 
 namespace signorini::io {
 
-/// The right to write into a folder, which one process has at a time, and to replace what earlier runs left there. A
-/// file of the folder tells other runs who has it; the kernel takes it back when the process ends, however that is.
-/// Not collective: of rank 0.
+/// The exclusive right of a process to write into a folder and to replace the files of earlier runs there. A
+/// lock file in the folder names the holder; the kernel releases the lock when the process ends, even if it
+/// is killed. Not collective: used on rank 0.
 class FolderLock {
 public:
   using Names = std::vector<std::string>;
 
-  /// Makes the folder. Throws UserError if that cannot be done or another process has it.
+  /// Creates and locks the folder. Throws UserError if that fails or another process holds the lock.
   explicit FolderLock(const std::filesystem::path& folder);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
-  /// Throws UserError if one of `names` is in the folder and no run put it there: neither is it among the "files" of a
-  /// `manifest` that this program wrote (without such a list that stands for all of the names), nor among the `early`
-  /// ones of a run that was killed. `early`: what this run puts there before its manifest.
+  /// Throws UserError if one of `names` is in the folder and no run wrote it: it is neither among the "files"
+  /// of a `manifest` of this program (a manifest without that list stands for all names) nor among the
+  /// `early` ones of a run that was killed; or if the lock file cannot be written. `early`: the files that
+  /// this run puts there before its manifest.
   void claim(const std::string& manifest, const Names& names, const Names& early);
 
   /// The folder.
@@ -32,7 +33,7 @@ private:
   FolderLock(const std::filesystem::path& folder, Unlocked) : folder_(std::filesystem::absolute(folder)) {}
   void make(const std::filesystem::path& given);
   void lock(const std::filesystem::path& given);
-  /// Whether the manifest stands for a file.
+  /// Whether by the manifest a run wrote the file.
   [[nodiscard]] bool vouched(const std::string& name) const;
 
   std::filesystem::path folder_;

@@ -48,10 +48,11 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
 }
 
 nlohmann::ordered_json versions() {
-  return {{"signorini", SIGNORINI_VERSION},
-          {"dolfinx", DOLFINX_VERSION},
-          {"petsc", fmt::format("{}.{}.{}", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR)},
-          {"gmsh", GMSH_API_VERSION}};
+  return {
+      {"signorini", SIGNORINI_VERSION},
+      {"dolfinx", DOLFINX_VERSION},
+      {"petsc", fmt::format("{}.{}.{}", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR)},
+      {"gmsh", GMSH_API_VERSION}};
 }
 
 std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& timers) {
@@ -89,7 +90,10 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
   if (m.kink) {
     ordered_json weak = ordered_json::array();
     for (const WeakContact& contact : m.kink->weak)
-      weak.push_back({{"step", contact.step}, {"time", contact.time}, {"candidate", contact.candidate}, {"node", contact.x}});
+      weak.push_back({{"step", contact.step},
+                      {"time", contact.time},
+                      {"candidate", contact.candidate},
+                      {"node", contact.x}});
     json["kink"] = {{"shortest_combination", m.kink->length},
                     {"radius", m.kink->radius},
                     {"gradients", m.kink->gradients},
@@ -99,8 +103,10 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
     json["invariants"][defect.name] = {{"worst", defect.worst}, {"step", defect.step}};
   json["warnings"] = ordered_json::array();
   for (const forward::Warning& warning : m.warnings)
-    json["warnings"].push_back(
-        {{"name", warning.name}, {"message", warning.message}, {"value", warning.value}, {"limit", warning.limit}});
+    json["warnings"].push_back({{"name", warning.name},
+                                {"message", warning.message},
+                                {"value", warning.value},
+                                {"limit", warning.limit}});
   for (const auto& [phase, entry] : timers.entries())
     json["timings"][phase] = {{"seconds", entry.seconds}, {"calls", entry.calls}};
   json["files"] = m.files;

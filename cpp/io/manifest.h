@@ -19,14 +19,14 @@ struct WeakContact {
   std::vector<double> x; ///< of its node in the undeformed body (dim), m
 };
 
-/// Where a search ended at a kink: optimize::Certificate, and the weak contact that makes it.
+/// A kink at which a search ended: optimize::Certificate and the weak contact that causes it.
 struct Kink {
   double length, radius;
   int gradients;
   std::vector<WeakContact> weak;
 };
 
-/// What run.json tells of a run.
+/// The contents of run.json.
 struct Manifest {
   std::string verb;
   std::string stop_reason;
@@ -35,20 +35,20 @@ struct Manifest {
   int candidates = 0;
   int steps_done = 0;
   std::string control_unit; ///< of control.scale, empty without a control
-  std::string solver;     ///< of the steps, and why
-  double peak_memory = 0; ///< bytes, summed over the ranks
+  std::string solver;       ///< of the steps, and the reason of its choice
+  double peak_memory = 0;   ///< bytes, summed over the ranks
   std::optional<control::Value> objective;
-  std::vector<forward::Invariants::Defect> invariants; ///< of the motion stored, none if none was watched
+  std::vector<forward::Invariants::Defect> invariants; ///< of the motion stored; empty if not monitored
   std::vector<forward::Warning> warnings;              ///< of the motion stored
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
   std::optional<Kink> kink;
-  std::vector<std::string> files; ///< that the run leaves
+  std::vector<std::string> files; ///< of the run
 };
 
-/// Of this program and the libraries whose versions matter.
+/// Versions of this program and of its main libraries.
 nlohmann::ordered_json versions();
 
-/// run.json.
+/// The text of run.json.
 std::string to_json(const Manifest& manifest, const scene::Scene& scene, const Timers& timers);
 
 /// The scene's effects by name, on or off.

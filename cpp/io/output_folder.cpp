@@ -17,15 +17,15 @@ constexpr std::array file_names{"state.h5",     "control.h5",   "adjoint.h5", "s
 
 constexpr const char *manifest = file_names.back(), *unfinished = ".unfinished-";
 
-/// Of a search; it stays until another one replaces it.
+/// The checkpoint of a search; it stays until another one replaces it.
 constexpr const char* checkpoint = "checkpoint.h5";
 
-/// What a search puts in place while it goes on.
+/// Files that a search puts in place before its end.
 const FolderLock::Names early_names{"history.csv", checkpoint};
 
-/// Removes what runs that were killed left half-written.
+/// Removes the half-written files of runs that were killed.
 void clear_unfinished(const fs::path& folder) {
-  std::error_code ignored; // they are in nobody's way
+  std::error_code ignored; // what remains is harmless
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
     if (entry.path().filename().string().starts_with(unfinished))
       fs::remove_all(entry.path(), ignored);
@@ -54,8 +54,8 @@ OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder, std::string_vi
     staging = (folder_ / (std::string(unfinished) + "XXXXXX")).string();
     if (!mkdtemp(staging.data())) {
       staging.clear();
-      throw UserError(fmt::format("--out: {} cannot be written ({}), allowed is a folder that can", folder.string(),
-                                  std::generic_category().message(errno)));
+      throw UserError(fmt::format("--out: {} cannot be written ({}), allowed is a folder that can",
+                                  folder.string(), std::generic_category().message(errno)));
     }
   });
   staging_ = broadcast(comm, staging);
@@ -67,7 +67,7 @@ OutputFolder::~OutputFolder() {
 }
 
 void OutputFolder::discard() const {
-  std::error_code ignored; // the run ends anyhow, and has nobody to tell
+  std::error_code ignored; // the run is ending, and what remains is harmless
   fs::remove_all(staging_, ignored);
 }
 

@@ -10,33 +10,32 @@
 
 namespace signorini::io {
 
-/// The folder that a run leaves its files in. Files are written into a hidden folder inside it and moved out
-/// together at the end, so that each appears whole or not at all and a failed run leaves everything as it
-/// was.
+/// The folder for the files of a run. Files are written into a hidden folder inside it and moved out together
+/// at the end, so that each appears whole or not at all and a failed run leaves everything as it was.
 class OutputFolder {
 public:
-  /// Makes the folder, takes it for this run alone and tidies up after runs that were killed. Collective. Throws UserError on
-  /// every rank if the folder cannot be written, another run has it, or a file is in the way that no run wrote; but for
-  /// that called `given`, which this run reads and judges itself.
+  /// Creates and locks the folder, and completes or removes what killed runs left there. Collective. Throws
+  /// UserError on every rank if the folder cannot be written, another run holds it, or it contains a file of
+  /// this run's names that no run wrote, other than `given`, which this run reads and checks itself.
   OutputFolder(MPI_Comm comm, const std::filesystem::path& folder, std::string_view given = {});
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// Where to write the file that will be called `name`.
+  /// The path at which to write the file `name` until publish().
   [[nodiscard]] std::filesystem::path staged(const std::string& name) const { return staging_ / name; }
 
   /// Writes a text file, on rank 0. Collective. Throws UserError.
   void write(const std::string& name, const std::string& text) const;
 
-  /// Removes everything written. Not collective.
+  /// Removes everything written so far. Not collective.
   void discard() const;
 
-  /// Moves everything written into place and removes what an earlier run left under the fixed names and this
+  /// Moves everything written into place, and removes files of an earlier run under the fixed names that this
   /// one did not write; all of it, or nothing if it throws. Collective. Throws UserError.
   void publish();
 
-  /// What run.json, which is written last, stands for: the files of this run, and those of earlier ones that stay. On rank 0.
+  /// The files that run.json, written last, lists: those of this run, and a checkpoint that stays. On rank 0.
   [[nodiscard]] FolderLock::Names files() const;
 
   [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
@@ -54,7 +53,7 @@ public:
   /// `folder` must outlive this object.
   TextFile(const OutputFolder& folder, const std::string& name);
 
-  /// Not collective; a failure shows at close().
+  /// Appends on rank 0. Not collective; a failure is reported by close().
   void append(std::string_view text);
 
   /// Collective. Throws UserError if not all of it could be written.

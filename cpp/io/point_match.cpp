@@ -14,8 +14,8 @@ namespace signorini::io {
 
 namespace {
 
-/// Points by place: those of one mesh agree to the last digits; a cell is so much larger than that that few of them lie
-/// near its sides, and so small that it holds one node's.
+/// Hash grid of points. The coordinates of a node in two runs agree within `near_`. A cell is so much larger
+/// that few points lie near its sides, and so small that it holds one node.
 class Grid {
 public:
   explicit Grid(const fem::Space& space) : near_(1e-10 * space.mesh().diameter()), cell_(100 * near_) {}
@@ -45,9 +45,9 @@ private:
   double near_, cell_;
 };
 
-/// Which of the points `here` (× stride) have another one in their place among `all` (× stride).
-std::vector<bool> crowded(const fem::Space& space, const std::vector<double>& here, const std::vector<double>& all,
-                          std::size_t stride) {
+/// Which of the points `here` (× stride) coincide with another one among `all` (× stride).
+std::vector<bool> crowded(const fem::Space& space, const std::vector<double>& here,
+                          const std::vector<double>& all, std::size_t stride) {
   const Grid grid(space);
   const auto dim = static_cast<std::size_t>(space.dim());
   std::map<Grid::Cell, int> counts;
@@ -66,7 +66,7 @@ std::vector<bool> crowded(const fem::Space& space, const std::vector<double>& he
   return found;
 }
 
-/// The part of the way to the middle of a node's cells by which it is moved: no other node is there.
+/// The fraction of the way to the middle of its cells by which a node is moved: no other node lies there.
 constexpr double inwards = 0.1;
 
 } // namespace
@@ -78,7 +78,7 @@ std::vector<double> distinct_points(const fem::Space& space) {
   MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, space.comm());
   if (!any)
     return points;
-  // Of each node its cells' number and the sum of their middles.
+  // For each node the sum of the midpoints of its cells, and their number.
   const auto dofmap = space.dolfinx()->dofmap();
   const std::vector<double> middles = space.midpoints();
   dolfinx::la::Vector<double> sums(dofmap->index_map, 4);
@@ -135,8 +135,9 @@ std::vector<std::size_t> match_points(const fem::Space& space, const std::vector
     std::map<Grid::Cell, std::size_t> known;
     for (std::size_t i = 0; i < there.size() / dim; ++i)
       if (!known.emplace(grid.cell_of(&there[i * dim], dim, 0), i).second)
-        fail(fmt::format("found two points at {} m, allowed are meshes whose nodes are apart or in cells apart",
-                         point_text(&there[i * dim], space.dim())));
+        fail(fmt::format(
+            "found two points at {} m, allowed are meshes whose nodes are apart or in cells apart",
+            point_text(&there[i * dim], space.dim())));
     for (std::size_t i = 0; i < here.size() / 3; ++i) {
       const double* x = &here[3 * i];
       auto found = known.end();

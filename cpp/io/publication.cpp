@@ -16,9 +16,9 @@ namespace {
 
 using Names = std::span<const char* const>;
 
-// A folder of results becomes `finished` at once, and with it their publication certain: earlier files go from their
-// places to a folder inside it, the new ones to theirs, and whoever comes next can finish that from any state between.
-// The list of earlier files goes last: without it there is nothing left to do.
+// Renaming the staging folder to `finished` is atomic and makes the publication certain: then earlier files
+// move to a folder inside it, and the new ones into place; a later run can complete this from any state in
+// between. The list of earlier files is removed at the end: without it nothing is left to do.
 constexpr const char *finished = ".finished", *list = "replaced", *earlier = "earlier";
 
 struct Move {
@@ -50,7 +50,7 @@ std::vector<std::string> read_list(const fs::path& file) {
   return replaced;
 }
 
-/// Throws std::filesystem::filesystem_error.
+/// Makes the moves that are left and appends them to `done`. Throws std::filesystem::filesystem_error.
 void go_on(const fs::path& folder, Names names, std::vector<Move>& done) {
   const fs::path from = folder / finished;
   const auto move = [&](const fs::path& source, const fs::path& target) {
@@ -67,7 +67,7 @@ void go_on(const fs::path& folder, Names names, std::vector<Move>& done) {
   synchronise(folder);
 }
 
-/// Removes what publishing left, which is in nobody's way.
+/// Removes the remains of a publication, which are harmless if this fails.
 void clear(const fs::path& folder) {
   std::error_code error;
   fs::remove(folder / finished / list, error);
@@ -75,12 +75,13 @@ void clear(const fs::path& folder) {
     fs::remove_all(folder / finished, error);
 }
 
-/// As the user knows it: of a file of the results, wherever it was at that moment, else of the folder.
-UserError problem(const fs::path& folder, Names names, const fs::filesystem_error& error, const std::string& more = {}) {
+/// The error as the user sees it: of the results' file, wherever it was at that moment, else of the folder.
+UserError problem(const fs::path& folder, Names names, const fs::filesystem_error& error,
+                  const std::string& more = {}) {
   const std::string name = error.path1().filename().string();
   const bool of_results = std::ranges::find(names, name) != names.end();
-  return UserError(fmt::format("{}: cannot be replaced ({}){}", (of_results ? folder / name : folder).string(),
-                               error.code().message(), more));
+  return UserError(fmt::format("{}: cannot be replaced ({}){}",
+                               (of_results ? folder / name : folder).string(), error.code().message(), more));
 }
 
 } // namespace
@@ -105,8 +106,9 @@ void publish(const fs::path& folder, const fs::path& staging, Names names) {
       for (const Move& move : std::views::reverse(done))
         fs::rename(move.to, move.from);
     } catch (const fs::filesystem_error&) {
-      throw problem(folder, names, error, fmt::format("; the results wait in {}, from where the next run there puts them in place",
-                                                      (folder / finished).string()));
+      throw problem(folder, names, error,
+                    fmt::format("; the results wait in {}, from where the next run there puts them in place",
+                                (folder / finished).string()));
     }
     throw problem(folder, names, error);
   }

@@ -1,7 +1,7 @@
 #include "io/stored_field.h"
-#include "io/point_match.h"
 #include "base/collective.h"
 #include "base/hdf5.h"
+#include "io/point_match.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -35,8 +35,8 @@ std::vector<std::int64_t> cells(hid_t dataset) {
   return all;
 }
 
-/// Names of a group's members and the times that they stand for, ascending; empty if a name is no time. The
-/// writer calls the dataset of 0.25 s "0_25".
+/// Times of a group's members, ascending, and their names; empty if a name is not a time. The writer calls
+/// the dataset of 0.25 s "0_25".
 std::vector<std::pair<double, std::string>> times_of(hid_t group) {
   H5G_info_t info{};
   if (H5Gget_info(group, &info) < 0)
@@ -80,7 +80,8 @@ StoredField::StoredField(const fem::Space& space, const std::filesystem::path& f
   MPI_Bcast(times_.data(), count, MPI_DOUBLE, 0, space.comm());
   points.resize(nodes_ * static_cast<std::size_t>(space.dim()));
   MPI_Bcast(points.data(), static_cast<int>(points.size()), MPI_DOUBLE, 0, space.comm());
-  rows_ = match_points(space, points, distinct_points(space), [this](const std::string& problem) { fail(problem); });
+  rows_ = match_points(space, points, distinct_points(space),
+                       [this](const std::string& problem) { fail(problem); });
 }
 
 void StoredField::fail(const std::string& problem) const {
@@ -91,7 +92,7 @@ void StoredField::look(double end, std::vector<double>& points) {
   if (!std::filesystem::is_regular_file(file_))
     fail(fmt::format("there is no such file, allowed is the folder of an earlier run that stored \"{}\"",
                      field_));
-  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence says it, instead of HDF5's stack
+  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence is reported instead of HDF5's stack
   const std::string damaged = "the file is damaged, or was not written by a run; allowed is a whole one";
   const Opened file = open_file(file_);
   if (!file)
@@ -128,7 +129,7 @@ void StoredField::look(double end, std::vector<double>& points) {
 
 Vec StoredField::stored(std::size_t number) {
   if (const auto known = std::ranges::find(kept_, number, &Stored::number); known != kept_.end()) {
-    std::rotate(known, known + 1, kept_.end()); // of two as far away the first one makes room
+    std::rotate(known, known + 1, kept_.end()); // the first of two equally distant ones is replaced
     return kept_.back().values;
   }
   constexpr std::size_t padded = 3; // vectors in an XDMF file have three components
@@ -147,7 +148,7 @@ Vec StoredField::stored(std::size_t number) {
   });
   all.resize(nodes_ * padded);
   MPI_Bcast(all.data(), static_cast<int>(all.size()), MPI_DOUBLE, 0, space_.comm());
-  if (kept_.size() == 2) { // the one farther away makes room, whether times grow or fall
+  if (kept_.size() == 2) { // replace the farther one, whichever way times go
     const auto distance = [number](const Stored& one) {
       return one.number > number ? one.number - number : number - one.number;
     };
@@ -163,11 +164,11 @@ Vec StoredField::stored(std::size_t number) {
 }
 
 void StoredField::at(double t, Vec out) {
-  // Two times at least, since they cover an interval.
+  // There are at least two times, since they cover an interval.
   const auto above = static_cast<std::size_t>(std::ranges::lower_bound(times_, t) - times_.begin());
   const std::size_t second = std::clamp<std::size_t>(above, 1, times_.size() - 1), first = second - 1;
   const double weight = (t - times_[first]) / (times_[second] - times_[first]);
-  constexpr double rounding = 1e-7; // a time that is stored but for this is taken as it is
+  constexpr double rounding = 1e-7; // relative; this near, the stored field is returned as it is
   if (weight < rounding) {
     check(VecCopy(stored(first), out));
   } else if (weight > 1 - rounding) {

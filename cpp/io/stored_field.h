@@ -9,13 +9,13 @@ namespace signorini::io {
 /// A field that an earlier run stored over time (FieldFile), on the same mesh and any number of ranks.
 class StoredField {
 public:
-  /// Finds `field` in an HDF5 file and matches its nodes with those of the space by their coordinates. `key`
-  /// of the scene asks for it. Collective. `space` must outlive this object. Throws UserError if the file is
-  /// missing or damaged, holds no such field, or holds it on another mesh or not from 0 to `end` (s).
+  /// Finds `field` in an HDF5 file and matches its nodes with those of the space by their coordinates. `key`:
+  /// that of the scene which names the run. Collective. `space` must outlive this object. Throws UserError if
+  /// the file is missing or damaged, has no such field, or has it on another mesh or not from 0 to `end` (s).
   StoredField(const fem::Space& space, const std::filesystem::path& file, const std::string& field,
               const std::string& key, double end);
 
-  /// The field at time t (s), linear between two stored times. Cheap if t grows, or falls, from call to call.
+  /// The field at time t (s), linear between two stored times, which are kept: cheap for monotonic t.
   /// Collective. Throws UserError if its values are damaged.
   void at(double t, Vec out);
 

@@ -7,7 +7,7 @@
 
 namespace signorini::io {
 
-/// Makes sure that what stands in a file, or the names in a folder, are on the disk. Throws filesystem_error.
+/// Flushes a file, or a folder's entries, to the disk. Throws filesystem_error.
 inline void synchronise(const std::filesystem::path& path) {
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool done = file >= 0 && fsync(file) == 0;

@@ -15,13 +15,14 @@ std::string steps_header(int dim, bool tracking) {
                      "energy_residual,";
   for (int c = 0; c < dim; ++c)
     text += fmt::format("contact_force_{},", axes[c]);
-  return text + (tracking ? "active,weak,min_gap,vi_iterations,momentum_residual,complementarity,tracking_error\n"
-                          : "active,weak,min_gap,vi_iterations,momentum_residual,complementarity\n");
+  return text + (tracking
+                     ? "active,weak,min_gap,vi_iterations,momentum_residual,complementarity,tracking_error\n"
+                     : "active,weak,min_gap,vi_iterations,momentum_residual,complementarity\n");
 }
 
 void add_steps_row(std::string& text, int k, double time, int dim, const forward::StepBalance& balance,
-                   const forward::Invariants& invariants,
-                   const contact::ContactState& contact, std::optional<double> tracking_error) {
+                   const forward::Invariants& invariants, const contact::ContactState& contact,
+                   std::optional<double> tracking_error) {
   auto out = std::back_inserter(text);
   fmt::format_to(out, "{},{:.10g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.6e},", k, time,
                  balance.kinetic_energy, balance.elastic_energy, balance.viscous_dissipation,
@@ -31,8 +32,8 @@ void add_steps_row(std::string& text, int k, double time, int dim, const forward
   const int weak = contact.count(contact::Status::weak);
   const double least =
       contact.gap.empty() ? std::numeric_limits<double>::quiet_NaN() : std::ranges::min(contact.gap);
-  fmt::format_to(out, "{},{},{:.17g},{},{:.3e},{:.3e}", contact.count(contact::Status::strong) + weak, weak, least,
-                 contact.vi_iterations, invariants.momentum(), invariants.complementarity());
+  fmt::format_to(out, "{},{},{:.17g},{},{:.3e},{:.3e}", contact.count(contact::Status::strong) + weak, weak,
+                 least, contact.vi_iterations, invariants.momentum(), invariants.complementarity());
   if (tracking_error)
     fmt::format_to(out, ",{:.17g}", *tracking_error);
   text += '\n';

@@ -10,8 +10,8 @@
 /// The CSV files of a run, as text.
 namespace signorini::io {
 
-/// steps.csv has one row per time step, row 0 the initial state; the column of the tracking error is left out
-/// in a run without an objective.
+/// Header of steps.csv: one row per time step, row 0 the initial state; the column of the tracking error only
+/// with `tracking`, in a run with an objective.
 std::string steps_header(int dim, bool tracking);
 
 /// Appends row k; `tracking_error` is ‖y_k − y_d,k‖ in L2 (m², in 3D m^5/2).
@@ -19,8 +19,8 @@ void add_steps_row(std::string& text, int k, double time, int dim, const forward
                    const forward::Invariants& invariants, const contact::ContactState& contact,
                    std::optional<double> tracking_error);
 
-/// contact.csv has one row per stored step and candidate, at its place in the undeformed body; where a scene
-/// has several obstacles a last column gives the number of the candidate's.
+/// Header of contact.csv: one row per stored step and candidate, with its point in the undeformed body; where
+/// a scene has several obstacles a last column gives the number of the candidate's.
 std::string contact_header(const contact::Constraints& constraints);
 
 /// Appends the rows of step k.
@@ -38,7 +38,7 @@ struct HistoryRow {
       std::numeric_limits<double>::quiet_NaN(); ///< nan without a reference control
 };
 
-/// With its header.
+/// history.csv with its header, and rows alone.
 std::string history_table(const std::vector<HistoryRow>& rows);
 std::string history_rows(const std::vector<HistoryRow>& rows);
 

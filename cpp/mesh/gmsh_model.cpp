@@ -1,6 +1,6 @@
 #include "mesh/gmsh_model.h"
 #include "base/error.h"
-#include "base/own_process.h"
+#include "base/subprocess.h"
 #include "base/text.h"
 #include "mesh/msh_file.h"
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 
 using Tag = std::size_t;
 
-/// gmsh's process-wide state, for as long as one file is read.
+/// Initialises and finalises gmsh, whose state is process-wide, around the reading of one file.
 class Session {
 public:
   Session() {
@@ -29,14 +29,14 @@ public:
   ~Session() {
     try {
       gmsh::finalize();
-    } catch (...) { // nothing more can be done about a library that fails to end
+    } catch (...) { // a destructor must not throw
     }
   }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 };
 
-/// gmsh's first complaint: its exceptions often carry only the last.
+/// gmsh's first error message, as its exceptions often carry only the last; `fallback` if it logged none.
 std::string complaint(const std::string& fallback) {
   std::vector<std::string> log;
   gmsh::logger::get(log);
@@ -57,10 +57,10 @@ std::string group_name(int dim, int tag) {
   return name.empty() ? std::to_string(tag) : name;
 }
 
-/// What the messages call the parts of a mesh of `dim` dimensions.
+/// Words of messages for the parts of a mesh of a dimension.
 struct Words {
   const char *cell, *cells, *facet, *facets;
-  const char* extent;                           ///< what a flat cell lacks
+  const char* extent;                           ///< "area" or "volume", which a degenerate cell lacks
   const char* body_kind;                        ///< of a Physical group in a .geo
   const char *straight_cells, *straight_facets; ///< with gmsh's names
 };
@@ -84,24 +84,25 @@ constexpr Words space_words{.cell = "tetrahedron",
 
 const Words& words(int dim) { return dim == 2 ? plane_words : space_words; }
 
-/// Node numbers of a cell or facet in ascending order, so that equal ones compare equal; what is left over is
-/// filled up.
+/// Node numbers of a cell or facet in ascending order, so that equal ones compare equal; unused entries hold
+/// the largest integer.
 using Simplex = std::array<std::int64_t, 4>;
 
 Simplex simplex(const std::int64_t* nodes, int count) {
   Simplex sorted;
-  sorted.fill(std::numeric_limits<std::int64_t>::max()); // stays behind the node numbers
+  sorted.fill(std::numeric_limits<std::int64_t>::max()); // sorts behind all node numbers
   std::copy_n(nodes, count, sorted.begin());
   std::ranges::sort(sorted);
   return sorted;
 }
 
-/// A facet as one of its cells has it.
+/// A facet of one cell.
 struct Facet {
   Simplex nodes;
-  std::int64_t opposite; ///< the cell's other corner
+  std::int64_t opposite; ///< the cell's vertex opposite of it
 };
 
+/// Extracts gmsh's current model and validates it. Throws UserError.
 class Extraction {
 public:
   explicit Extraction(const scene::Mesh& mesh) : file_(mesh.file.string()) {}
@@ -232,10 +233,8 @@ private:
 
   [[nodiscard]] const double* point(std::int64_t node) const { return &raw_.points[3 * node]; }
 
-  /// Where a node is, for messages.
-  [[nodiscard]] std::string place(std::int64_t node) const {
-    return point_text(point(node), raw_.dim);
-  }
+  /// A node's coordinates for messages.
+  [[nodiscard]] std::string place(std::int64_t node) const { return point_text(point(node), raw_.dim); }
 
   /// Determinant of the edges from a cell's first corner, and the product of their lengths.
   [[nodiscard]] std::pair<double, double> extent(const std::int64_t* cell) const {
@@ -297,7 +296,7 @@ private:
     }
   }
 
-  /// On which side of its facet a cell is: a sign.
+  /// Its sign tells on which side of the facet the cell lies.
   [[nodiscard]] double side(const Facet& facet) const {
     Simplex cell = facet.nodes;
     cell[raw_.dim] = facet.opposite;
@@ -343,7 +342,7 @@ private:
   RawMesh raw_;
   std::unordered_map<std::int64_t, std::int64_t> number_;
   std::map<int, std::array<std::int64_t, 2>> range_; ///< entity → its rows in raw_.cells
-  std::vector<Facet> facets_; ///< of every cell, ascending: one between two cells is there twice
+  std::vector<Facet> facets_; ///< of every cell, sorted; a facet between two cells appears twice
 };
 
 } // namespace
@@ -385,12 +384,12 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh) {
 
 RawMesh read_gmsh(const scene::Mesh& mesh) {
   constexpr char good = 'm', bad = 'e';
-  // gmsh believes counts that no file could hold, and goes on for ever; it reads tens of megabytes a second.
+  // gmsh trusts the counts in a damaged file and may never end; it reads tens of megabytes per second.
   std::optional<unsigned> seconds;
   if (std::error_code missing; mesh.file.extension() == ".msh")
     if (const auto size = std::filesystem::file_size(mesh.file, missing); !missing)
       seconds = 5 + static_cast<unsigned>(size / 1'000'000);
-  const std::optional<std::string> answer = in_own_process(
+  const std::optional<std::string> answer = in_subprocess(
       [&]() -> std::string {
         try {
           return good + packed(read_gmsh_here(mesh));

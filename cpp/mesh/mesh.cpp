@@ -11,8 +11,8 @@
 #include <dolfinx/mesh/MeshTags.h>
 #include <dolfinx/mesh/utils.h>
 #include <fmt/format.h>
-#include <numeric>
 #include <fmt/ranges.h>
+#include <numeric>
 
 namespace signorini::mesh {
 namespace {
@@ -42,7 +42,8 @@ std::shared_ptr<dolfinx::mesh::Mesh<double>> distribute(MPI_Comm comm, const Raw
                                  {nodes, static_cast<std::size_t>(dim)}, dolfinx::mesh::GhostMode::none));
 }
 
-/// This rank's facets out of a list of facets on rank 0.
+/// This rank's facets, local indices ascending, of a list on rank 0 (facets × dim, nodes of the file).
+/// Collective.
 std::vector<std::int32_t> local_facets(const dolfinx::mesh::Mesh<double>& mesh,
                                        const std::vector<std::int64_t>& facets) {
   const auto topology = mesh.topology();
@@ -62,9 +63,9 @@ std::vector<std::int32_t> local_facets(const dolfinx::mesh::Mesh<double>& mesh,
   return local;
 }
 
-/// The cells that this rank owns in ranges of the file's cells.
+/// The cells that this rank owns of `ranges` of the file's cells (ranges × 2), local indices ascending.
 std::vector<std::int32_t> owned_of(const dolfinx::mesh::Topology& topology,
-                                      const std::vector<std::int64_t>& ranges) {
+                                   const std::vector<std::int64_t>& ranges) {
   const std::vector<std::int64_t>& row = topology.original_cell_index.front();
   std::vector<std::int32_t> cells;
   for (std::int32_t cell = 0; cell < topology.index_map(topology.dim())->size_local(); ++cell)
@@ -93,7 +94,7 @@ Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh) : comm_(comm), file_(mesh.fil
   topology->create_connectivity(dim_ - 1, dim_);
   topology->create_connectivity(dim_, dim_ - 1);
 
-  std::string lines; // of dimension, whether there are elements, and name
+  std::string lines; // per group: its dimension, 0 if empty and else 1, its name
   for (const auto& [name, dim] : raw.other_groups)
     lines += fmt::format("{}1{}\n", dim, name);
   for (const auto& [name, facets] : raw.facets)

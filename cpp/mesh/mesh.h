@@ -26,7 +26,7 @@ public:
   /// Space dimension.
   [[nodiscard]] int dim() const { return dim_; }
 
-  /// Diagonal of the bounding box, m: the length against which gaps are small.
+  /// Diagonal of the bounding box, m: the reference length of tolerances for gaps.
   [[nodiscard]] double diameter() const { return diameter_; }
 
   /// Number of cells on all ranks.
@@ -50,7 +50,7 @@ public:
   /// on every rank.
   [[nodiscard]] int group_dimension(const std::string& group, const std::string& key) const;
 
-  /// Of points, cells and groups as they were read, on rank 0: another mesh has another one.
+  /// Digest of points, cells and groups as read, which tells meshes apart; empty on ranks other than 0.
   [[nodiscard]] const std::string& digest() const { return digest_; }
 
   [[nodiscard]] std::shared_ptr<dolfinx::mesh::Mesh<double>> dolfinx() const { return mesh_; }
@@ -64,8 +64,8 @@ private:
   std::int64_t cells_ = 0;
   std::shared_ptr<dolfinx::mesh::Mesh<double>> mesh_;
   struct Group {
-    std::vector<std::int32_t> entities; ///< on this rank; none of those that are neither cells nor facets
-    bool empty = true;                  ///< in the file
+    std::vector<std::int32_t> entities; ///< on this rank; empty for groups of neither cells nor facets
+    bool empty = true;                  ///< whether it has no elements in the file
   };
   using Groups = std::map<std::string, Group>;
   std::array<Groups, 4> groups_; ///< by dimension

@@ -21,7 +21,7 @@ std::string_view without_end_of_line(std::string_view line) {
   return line.substr(0, line.find_last_not_of(blank) + 1);
 }
 
-/// The MSH format begins with this section; gmsh takes comments before it.
+/// Throws UserError unless the file begins with $MeshFormat, or with comments, which gmsh accepts before it.
 void require_beginning(const std::string& file, std::string_view text) {
   constexpr std::array beginnings{std::string_view("$MeshFormat"), std::string_view("$Comments")};
   const std::string_view line = without_end_of_line(text.substr(0, text.find('\n')));
@@ -31,19 +31,22 @@ void require_beginning(const std::string& file, std::string_view text) {
   std::string found;
   for (char c : line.substr(0, shown))
     found += ' ' <= c && c <= '~' ? c : '?';
-  throw UserError(fmt::format("{}: not a .msh file: {}, allowed are files whose first line is $MeshFormat", file,
+  throw UserError(fmt::format("{}: not a .msh file: {}, allowed are files whose first line is $MeshFormat",
+                              file,
                               text.empty() ? "found an empty file"
-                                           : fmt::format("found \"{}{}\" on its first line", found, line.size() > shown ? "..." : "")));
+                                           : fmt::format("found \"{}{}\" on its first line", found,
+                                                         line.size() > shown ? "..." : "")));
 }
 
-/// gmsh may read a file that was cut short as far as it goes.
+/// Throws UserError unless the file ends with a section: gmsh may accept a truncated file without an error.
 void require_end(const std::string& file, std::string_view text) {
   const std::size_t last = text.find_last_not_of(" \t\r\n"), line = text.rfind('\n', last);
   if (text.substr(line == std::string_view::npos ? 0 : line + 1).starts_with("$End"))
     return;
-  throw UserError(fmt::format("{}: not a whole .msh file: its last line is not the end of a section ($End...); allowed are "
-                              "complete .msh files",
-                              file));
+  throw UserError(fmt::format(
+      "{}: not a whole .msh file: its last line is not the end of a section ($End...); allowed are "
+      "complete .msh files",
+      file));
 }
 
 } // namespace
@@ -52,7 +55,8 @@ MshFile::MshFile(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   if (in.bad())
-    throw UserError(fmt::format("mesh.file: {} cannot be read, allowed is the path of a .geo or .msh file", file.string()));
+    throw UserError(fmt::format("mesh.file: {} cannot be read, allowed is the path of a .geo or .msh file",
+                                file.string()));
   require_beginning(file.string(), text);
   require_end(file.string(), text);
   copy_ = memfd_create("signorini-mesh", MFD_CLOEXEC);
@@ -62,8 +66,9 @@ MshFile::MshFile(const std::filesystem::path& file) {
       const std::string reason = std::generic_category().message(errno);
       if (copy_ >= 0)
         close(copy_);
-      throw UserError(fmt::format("{}: cannot be copied into memory ({}), allowed is a .msh that there is room for",
-                                  file.string(), reason));
+      throw UserError(
+          fmt::format("{}: cannot be copied into memory ({}), allowed is a .msh that there is room for",
+                      file.string(), reason));
     }
     done += count > 0 ? static_cast<std::size_t>(count) : 0;
   }

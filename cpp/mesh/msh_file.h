@@ -4,17 +4,19 @@
 
 namespace signorini::mesh {
 
-/// A copy of a .msh in memory, for gmsh, which runs as a script what does not begin as a mesh, and the options that
-/// it finds in a file beside one (x.msh.opt). What is looked at is what gmsh gets, whatever becomes of the file.
+/// A validated copy of a .msh in memory, to be read by gmsh in place of the file: gmsh would run a file that
+/// does not begin as a mesh as a script, and run the options of a file beside it (x.msh.opt). What is
+/// validated is what gmsh reads, even if the file changes.
 class MshFile {
 public:
-  /// Throws UserError for a file that cannot be read, does not begin as MSH or was cut short.
+  /// Throws UserError for a file that cannot be read, does not begin as MSH, is truncated or does not fit
+  /// into memory. Not collective.
   explicit MshFile(const std::filesystem::path& file);
   ~MshFile();
   MshFile(const MshFile&) = delete;
   MshFile& operator=(const MshFile&) = delete;
 
-  /// Under which this process can open it; it says nothing of the file's own name.
+  /// Path under which this process can open the copy; unrelated to the file's own.
   [[nodiscard]] const std::string& path() const { return path_; }
 
 private:

@@ -4,11 +4,12 @@
 
 namespace signorini::optimize {
 
-/// A symmetric positive definite matrix B that is the Hessian along all directions in which it is known, B D
-/// = Y, and the least curvature found among them elsewhere: σ (I − D (DᵀD)⁻¹ Dᵀ) + Y (DᵀY)⁻¹ Yᵀ.
+/// A symmetric positive definite approximation B of the Hessian from pairs of directions and their Hessian
+/// products, B D = Y, with the least curvature σ among these on the complement:
+///     B = σ (I − D (DᵀD)⁻¹ Dᵀ) + Y (DᵀY)⁻¹ Yᵀ
 class Curvature {
 public:
-  /// H d = y, d·y > 0.
+  /// Adds the pair H d = y, d·y > 0.
   void learn(const Coordinates& d, const Coordinates& y) {
     const double curvature = dot(d, y) / dot(d, d);
     least_ = known_.empty() ? curvature : std::min(least_, curvature);
@@ -16,12 +17,12 @@ public:
     known_.emplace_back(d, y);
   }
 
-  /// At least the largest curvature along what is known.
+  /// The largest ‖y‖/‖d‖ of the pairs, at least their largest curvature; 1 without any.
   [[nodiscard]] double largest() const { return largest_ > 0 ? largest_ : 1; }
   [[nodiscard]] bool empty() const { return known_.empty(); }
   void forget_oldest() { known_.erase(known_.begin()); }
 
-  /// B in n dimensions, by columns. Throws SolverFailure if what is known contradicts itself.
+  /// B (n × n). Throws SolverFailure if DᵀD or DᵀY is not positive definite.
   [[nodiscard]] std::vector<double> matrix(std::size_t n) const {
     std::vector<double> B(n * n);
     for (std::size_t i = 0; i < n; ++i)
@@ -50,10 +51,10 @@ public:
   }
 
   template <class Archive>
-  void exchange(Archive& archive, const std::string& name) {
+  void serialize(Archive& archive, const std::string& name) {
     archive(name + "/least", least_);
     archive(name + "/largest", largest_);
-    exchange_list(archive, name, known_, [&](auto& pair, const std::string& number) {
+    serialize_list(archive, name, known_, [&](auto& pair, const std::string& number) {
       archive(number + "/d", pair.first);
       archive(number + "/y", pair.second);
     });

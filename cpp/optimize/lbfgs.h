@@ -5,13 +5,13 @@
 
 namespace signorini::optimize {
 
-/// Pairs of steps and changes of the gradient that L-BFGS keeps.
+/// Pairs of steps and gradient differences that L-BFGS keeps.
 constexpr int lbfgs_pairs = 20;
 
-/// Two-loop recursion (Nocedal 1980) in the product of the problem, on the free values (Bertsekas 1982):
-/// pairs are stored without what was held, so that once the held values stay the same it is that of the
-/// reduced problem. What is applied is the principal part of a positive operator, hence downhill whatever the
-/// pairs hold.
+/// L-BFGS directions by the two-loop recursion (Nocedal 1980), in the product of the problem and on the
+/// values that bounds do not block (Bertsekas 1982): pairs are stored without blocked values, so that once
+/// the blocked set no longer changes the method is that of the reduced problem. The operator applied is a
+/// principal part of a positive definite one, so that J descends along its directions whatever the pairs are.
 template <BoundedProblem P>
 class LimitedMemory {
 public:
@@ -35,7 +35,7 @@ public:
       d.add(weights.back() - problem.inner(*pair.y, d) / pair.sy, *pair.s);
       weights.pop_back();
     }
-    problem.hold(d, at.u, down);
+    problem.zero_blocked(d, at.u, down);
     return tangential(problem, at.u, d);
   }
 
@@ -45,14 +45,14 @@ public:
     y.add(-1, from.g);
     length_ = norm(problem, s);
     down.scale(-1);
-    problem.hold(s, to.u, down);
-    problem.hold(y, to.u, down);
+    problem.zero_blocked(s, to.u, down);
+    problem.zero_blocked(y, to.u, down);
     const double sy = problem.inner(s, y), yy = problem.inner(y, y);
     constexpr double least_cosine = 1e-8;
     if (!(sy > least_cosine * length_ * std::sqrt(yy)))
       return;
-    // Between the largest and the smallest curvature seen (Dai, Al-Baali, Yang 2015): those of J spread
-    // widely, from alpha up.
+    // Between the largest and the smallest inverse curvature seen (Dai, Al-Baali, Yang 2015): the curvatures
+    // of J spread widely, from alpha up.
     scale_ = std::sqrt(problem.inner(s, s) / yy);
     pairs_.push_back({share(std::move(s)), share(std::move(y)), sy});
     if (pairs_.size() > lbfgs_pairs)
@@ -66,10 +66,10 @@ public:
   }
 
   template <class Archive>
-  void exchange(Archive& archive) {
+  void serialize(Archive& archive) {
     archive("lbfgs/scale", scale_);
     archive("lbfgs/length", length_);
-    exchange_list(archive, "lbfgs/pairs", pairs_, [&](Pair& pair, const std::string& name) {
+    serialize_list(archive, "lbfgs/pairs", pairs_, [&](Pair& pair, const std::string& name) {
       archive(name + "/s", pair.s);
       archive(name + "/y", pair.y);
       archive(name + "/sy", pair.sy);
@@ -83,15 +83,15 @@ private:
   };
   std::vector<Pair> pairs_;
   double scale_ = 1;
-  double length_ = 1; ///< of the last step; at first of that which units were measured by
+  double length_ = 1; ///< of the last step, at first Cauchy's, the unit of length
 };
 
 /// Limited-memory BFGS with bounds.
-template <TwiceDifferentiable P, class Report, class Keeper = NoKeeper>
-[[nodiscard]] Ending<typename P::Vector> lbfgs(P& problem, typename P::Vector u, const Options& options,
-                                               Report&& report, Keeper&& keeper = {}) {
-  return search(problem, std::move(u), options,
-                Descent<Dimensionless<P>, LimitedMemory<Dimensionless<P>>>({}), report, keeper);
+template <TwiceDifferentiable P, class Report, class Checkpointer = NoCheckpointer>
+[[nodiscard]] Result<typename P::Vector> lbfgs(P& problem, typename P::Vector u, const Options& options,
+                                               Report&& report, Checkpointer&& keeper = {}) {
+  return minimize(problem, std::move(u), options,
+                  Descent<Dimensionless<P>, LimitedMemory<Dimensionless<P>>>({}), report, keeper);
 }
 
 } // namespace signorini::optimize

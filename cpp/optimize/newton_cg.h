@@ -5,11 +5,11 @@
 
 namespace signorini::optimize {
 
-/// Conjugate gradients on the free values, ended by the trust region or negative curvature (Steihaug 1983,
-/// Toint 1981) or as soon as the Newton equation is solved well enough for superlinear convergence; better is
-/// lost where the active sets change. Where the whole step is too long it is shortened rather than solved for
-/// again (Nocedal, Yuan 1998): a trial costs one sweep, a product two. On a kink the model is that of one
-/// side, so that the search may end above the minimiser there.
+/// Newton's equation by conjugate gradients on the free values, ended by the trust region or negative
+/// curvature (Steihaug 1983, Toint 1981) or once the residual suffices for superlinear convergence; more
+/// accuracy is wasted where the active sets change. A step that is too long is shortened rather than solved
+/// for again (Nocedal, Yuan 1998): a trial costs one sweep, a Hessian product two. At a kink the model is
+/// that of one side, so that the search may end above the minimiser.
 template <TwiceDifferentiable P>
 class TruncatedNewton {
 public:
@@ -35,7 +35,7 @@ public:
     on_boundary_ = false;
     for (int products = 0; products < most_products && std::sqrt(rr) > enough; ++products) {
       Vector Hp = problem.hessian_product(p);
-      problem.hold(Hp, at.u, down);
+      problem.zero_blocked(Hp, at.u, down);
       const double curvature = problem.inner(p, Hp), step = rr / curvature;
       if (!(curvature > 0) || dd + 2 * step * dp + step * step * pp >= radius_ * radius_) {
         const double rest = radius_ * radius_ - dd;
@@ -75,15 +75,15 @@ public:
   bool restart() { return !std::exchange(steepest_, true); }
 
   template <class Archive>
-  void exchange(Archive& archive) {
+  void serialize(Archive& archive) {
     archive("newton-cg/radius", radius_);
     archive("newton-cg/first", first_);
     archive("newton-cg/steepest", steepest_);
   }
 
 private:
-  /// The first of the first conjugate gradients is as long as the step that units were measured by, 1: a radius of 1
-  /// would leave it to rounding whether that is within.
+  /// Radius of the trust region. The first conjugate gradient step of a search is Cauchy's, of length 1 in
+  /// these units: with a radius of 1 rounding would decide whether it lies within.
   double radius_ = 2;
   double first_ = 0;     ///< largest gradient norm on free values so far
   double predicted_ = 0; ///< decrease of the quadratic model by the last direction
@@ -91,11 +91,11 @@ private:
 };
 
 /// Newton's method with bounds, by Hessian products.
-template <TwiceDifferentiable P, class Report, class Keeper = NoKeeper>
-[[nodiscard]] Ending<typename P::Vector> newton_cg(P& problem, typename P::Vector u, const Options& options,
-                                               Report&& report, Keeper&& keeper = {}) {
-  return search(problem, std::move(u), options,
-                Descent<Dimensionless<P>, TruncatedNewton<Dimensionless<P>>>({}), report, keeper);
+template <TwiceDifferentiable P, class Report, class Checkpointer = NoCheckpointer>
+[[nodiscard]] Result<typename P::Vector> newton_cg(P& problem, typename P::Vector u, const Options& options,
+                                                   Report&& report, Checkpointer&& keeper = {}) {
+  return minimize(problem, std::move(u), options,
+                  Descent<Dimensionless<P>, TruncatedNewton<Dimensionless<P>>>({}), report, keeper);
 }
 
 } // namespace signorini::optimize

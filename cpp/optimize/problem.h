@@ -8,35 +8,36 @@
 #include <string>
 #include <vector>
 
-/// Algorithms against a concept: they know neither PETSc nor dolfinx. PETSc's TAO is not among them: it
+/// Optimisation algorithms for a concept, independent of PETSc and dolfinx. PETSc's TAO is not used: it
 /// measures with the Euclidean product of the coefficients, whose iterations grow in number as the mesh is
-/// refined, and the change of variables by the root of the mass matrix that would cure this exists for a
-/// diagonal one only.
+/// refined; the remedy, a change of variables by the root of the mass matrix, exists for diagonal ones only.
 namespace signorini::optimize {
 
-/// A vector that several hold and none changes, so that the state of a search is cheap to copy.
+/// An immutable vector with several owners, so that the state of a search is cheap to copy.
 template <class Vector>
 using Shared = std::shared_ptr<const Vector>;
 
 /// A smooth (or piecewise smooth) function on a Hilbert space with simple bounds.
 template <class P>
-concept BoundedProblem = requires(P problem, const typename P::Vector& u, typename P::Vector& w,
-                                  const std::vector<Shared<typename P::Vector>>& list,
-                                  const std::vector<double>& factors) {
-  { problem.value(u) } -> std::convertible_to<double>;              // J(u); u becomes the trial
-  { problem.trial_gradient() } -> std::same_as<typename P::Vector>; // there, Riesz representative by inner()
-  { problem.accept() };                                             // the trial becomes the current point
-  { problem.inner(u, u) } -> std::convertible_to<double>;
-  { problem.dual(u) } -> std::same_as<typename P::Vector>; // w ↦ inner(u, w), as pairings(dual(u), {w}),
-  { problem.pairings(u, list) } -> std::same_as<std::vector<double>>; // which goes through u once
-  { problem.project(w) }; // onto the bounds, in the norm of inner()
-  {
-    problem.hold(w, u, u)
-  }; // (w, u, d): w = 0 where u is at a bound and d points out of it; symmetric by inner()
-  { w.add(1.0, u) };
-  { w.add(factors, list) }; // w += Σ factors_i list_i
-  { w.scale(1.0) };
-};
+concept BoundedProblem =
+    requires(P problem, const typename P::Vector& u, typename P::Vector& w,
+             const std::vector<Shared<typename P::Vector>>& list, const std::vector<double>& factors) {
+      { problem.value(u) } -> std::convertible_to<double>; // J(u); u becomes the trial
+      {
+        problem.trial_gradient()
+      } -> std::same_as<typename P::Vector>; // there, Riesz representative by inner()
+      { problem.accept() };                  // the trial becomes the current point
+      { problem.inner(u, u) } -> std::convertible_to<double>;
+      { problem.dual(u) } -> std::same_as<typename P::Vector>; // the functional inner(u, ·), for pairings()
+      { problem.pairings(u, list) } -> std::same_as<std::vector<double>>; // (dual(v), w): inner(v, w_i)
+      { problem.project(w) }; // onto the bounds, in the norm of inner()
+      {
+        problem.zero_blocked(w, u, u)
+      }; // (w, u, d): w = 0 where u is at a bound and d points out of it; self-adjoint in inner()
+      { w.add(1.0, u) };
+      { w.add(factors, list) }; // w += Σ factors_i list_i
+      { w.scale(1.0) };
+    };
 
 template <class P>
 concept TwiceDifferentiable = BoundedProblem<P> && requires(P problem, const typename P::Vector& d) {
@@ -44,6 +45,7 @@ concept TwiceDifferentiable = BoundedProblem<P> && requires(P problem, const typ
   { problem.hessian_product(d) } -> std::same_as<typename P::Vector>;
 };
 
+/// Stopping reasons of a search.
 enum class Stop { gradient_tolerance, kink, iteration_limit, no_decrease, solver_failed, interrupted };
 
 inline std::string name(Stop stop) {
@@ -64,11 +66,11 @@ inline std::string name(Stop stop) {
   return "unknown";
 }
 
-/// A convex combination of gradients gathered within a ball, that is short where a piecewise smooth function is
-/// stationary, be it at a kink (Goldstein 1977).
+/// Certificate of stationarity of a piecewise smooth function, kinks included: a short convex combination of
+/// gradients gathered within a ball (Goldstein 1977).
 template <class Vector>
 struct Certificate {
-  double length = 0;
+  double length = 0;          ///< of the combination
   double radius = 0;          ///< of the ball around the current point
   std::vector<Vector> points; ///< where the gradients were gathered
   std::vector<double> weights;
@@ -76,7 +78,7 @@ struct Certificate {
 
 /// How a search ended.
 template <class Vector>
-struct Ending {
+struct Result {
   Stop stop;
   std::optional<Certificate<Vector>> certificate = std::nullopt; ///< at a kink
 };
@@ -86,16 +88,16 @@ struct Options {
   double tolerance = 1e-6; ///< of the stationarity measure, relative to the first
 };
 
-/// What an iteration did.
+/// The record of one iteration.
 struct Iteration {
   int number = 0;
   double objective = 0;
   double gradient_norm = 0; ///< ‖u − P(u − s g)‖/s with s of the search's Units; without bounds ‖g‖
-  /// Multiple taken of the direction, projected gradient: of the problem's gradient; 0 in row 0.
+  /// Multiple taken of the direction; projected-gradient: of the problem's gradient; 0 at the first guess.
   double step_length = 0;
 
   template <class Archive>
-  void exchange(Archive& archive) {
+  void serialize(Archive& archive) {
     archive("iteration/number", number);
     archive("iteration/objective", objective);
     archive("iteration/gradient_norm", gradient_norm);
@@ -118,11 +120,11 @@ double stationarity(const P& problem, const typename P::Vector& u, const typenam
   return norm(problem, step);
 }
 
-/// What of d the bounds let u move along: its projection onto the tangent cone at u.
+/// The projection of d onto the tangent cone of the bounds at u.
 template <BoundedProblem P>
 typename P::Vector tangential(const P& problem, const typename P::Vector& u, const typename P::Vector& d) {
   typename P::Vector along = d;
-  problem.hold(along, u, d);
+  problem.zero_blocked(along, u, d);
   return along;
 }
 
@@ -131,11 +133,10 @@ Shared<Vector> share(Vector v) {
   return std::make_shared<const Vector>(std::move(v));
 }
 
-/// Passes a list, and of each element what `each` passes, to an archive: what a search remembers goes through
-/// exchange(archive) both when it is stored and when it is read. An archive takes numbers, lists of numbers and shared
-/// vectors by name.
+/// Serialises a list element by element. One serialize(archive) both writes and reads what a method
+/// remembers; an archive takes numbers, lists of numbers and shared vectors by name.
 template <class Archive, class T, class Each>
-void exchange_list(Archive& archive, const std::string& name, std::vector<T>& list, Each&& each) {
+void serialize_list(Archive& archive, const std::string& name, std::vector<T>& list, Each&& each) {
   auto count = static_cast<int>(list.size());
   archive(name + "/count", count);
   list.resize(static_cast<std::size_t>(count));
@@ -143,14 +144,14 @@ void exchange_list(Archive& archive, const std::string& name, std::vector<T>& li
     each(list[i], name + "/" + std::to_string(i));
 }
 
-/// Throws SolverFailure if the iterate is not.
+/// Throws SolverFailure if J or its gradient is not finite.
 inline void require_finite(const Iteration& iteration) {
   if (!std::isfinite(iteration.objective) || !std::isfinite(iteration.gradient_norm))
     throw SolverFailure("the objective or its gradient is not finite at iteration " +
                         std::to_string(iteration.number));
 }
 
-/// Whether a search ends at this iterate.
+/// The stopping reason at this iterate, if there is one.
 inline std::optional<Stop> ended(const Iteration& iteration, double tolerance, const Options& options) {
   if (!(iteration.gradient_norm > tolerance))
     return Stop::gradient_tolerance;
@@ -159,7 +160,7 @@ inline std::optional<Stop> ended(const Iteration& iteration, double tolerance, c
   return std::nullopt;
 }
 
-/// A decrease below the rounding of J itself cannot be told from none.
+/// The rounding error of J: a smaller decrease is indistinguishable from none.
 inline double rounding(double objective) {
   return 4 * std::numeric_limits<double>::epsilon() * std::abs(objective);
 }

@@ -1,20 +1,20 @@
 #pragma once
-#include "optimize/search.h"
+#include "optimize/minimize.h"
 #include <algorithm>
 
 namespace signorini::optimize {
 
-/// Algorithm 1 of the paper: projected gradient steps, damped by a quadratic regularisation. Each step
-/// minimises the model J + ⟨g, δ⟩ + ω/2 ‖δ‖² over the bounds. With ρ = actual/predicted decrease, a step is
-/// taken if ρ ≥ 0.1, and ω becomes the curvature that would have made the model exact, ω + 2 (predicted −
-/// actual)/‖δ‖² (= ω (2 − ρ) without bounds), but at most ten times and at least a tenth of what it was, and
-/// at least twice after a rejection. A trial that a solver fails at is rejected; only if no shorter step
-/// succeeds either does the failure end the search.
+/// Algorithm 1 of the paper: projected gradient steps with a quadratic regularisation. Each step minimises
+/// the model J + ⟨g, δ⟩ + ω/2 ‖δ‖² over the bounds. With ρ = actual/predicted decrease, a step is accepted if
+/// ρ ≥ 0.1, and ω becomes the curvature with which the model would have been exact, ω + 2 (predicted −
+/// actual)/‖δ‖² (= ω (2 − ρ) without bounds), but at most ten times and at least a tenth of the old ω, and at
+/// least twice after a rejection. A trial at which a solver fails is rejected; the search ends with that
+/// failure only if no shorter step succeeds either.
 class RegularisedSteps {
 public:
   template <TwiceDifferentiable P>
-  std::optional<Ending<typename P::Vector>> advance(Dimensionless<P>& problem,
-                                                    State<Dimensionless<P>, RegularisedSteps>& state, const Options&) {
+  std::optional<Result<typename P::Vector>>
+  advance(Dimensionless<P>& problem, State<Dimensionless<P>, RegularisedSteps>& state, const Options&) {
     constexpr double sufficient = 0.1, change = 10;
     auto& [u, objective, g] = state.current;
     for (bool failed = false;;) {
@@ -26,7 +26,7 @@ public:
       const double squared = problem.inner(delta, delta);
       const double predicted = -problem.inner(g, delta) - omega_ / 2 * squared;
       if (!(predicted > rounding(objective)))
-        return Ending<typename P::Vector>{failed ? Stop::solver_failed : Stop::no_decrease};
+        return Result<typename P::Vector>{failed ? Stop::solver_failed : Stop::no_decrease};
       double value = std::numeric_limits<double>::quiet_NaN();
       try {
         value = problem.value(trial);
@@ -52,19 +52,19 @@ public:
   }
 
   template <class Archive>
-  void exchange(Archive& archive) {
+  void serialize(Archive& archive) {
     archive("omega", omega_);
   }
 
 private:
-  double omega_ = 1; ///< ω; at first the curvature that the unit of a step was measured by
+  double omega_ = 1; ///< ω, at first the unit of curvature (units.h)
 };
 
-template <TwiceDifferentiable P, class Report, class Keeper = NoKeeper>
-[[nodiscard]] Ending<typename P::Vector> projected_gradient(P& problem, typename P::Vector u,
+template <TwiceDifferentiable P, class Report, class Checkpointer = NoCheckpointer>
+[[nodiscard]] Result<typename P::Vector> projected_gradient(P& problem, typename P::Vector u,
                                                             const Options& options, Report&& report,
-                                                            Keeper&& keeper = {}) {
-  return search(problem, std::move(u), options, RegularisedSteps(), report, keeper);
+                                                            Checkpointer&& keeper = {}) {
+  return minimize(problem, std::move(u), options, RegularisedSteps(), report, keeper);
 }
 
 } // namespace signorini::optimize

@@ -31,7 +31,7 @@ inline Coordinates scaled(Coordinates a, double factor) {
   return a;
 }
 
-/// A subspace that grows, so that what is done often is done with coordinates.
+/// A growing subspace with an orthonormal basis, so that frequent operations work on coordinates.
 template <BoundedProblem P>
 class Span {
 public:
@@ -41,7 +41,7 @@ public:
   Coordinates coordinates(const P& problem, Vector v) {
     const double length = norm(problem, v);
     Coordinates x(basis_.size());
-    for (int pass = 0; pass < 2; ++pass) { // Gram and Schmidt, twice for rounding
+    for (int pass = 0; pass < 2; ++pass) { // Gram-Schmidt, twice for rounding
       const Coordinates part = problem.pairings(problem.dual(v), basis_);
       v.add(scaled(part, -1), basis_);
       add(x, 1, part);
@@ -56,7 +56,7 @@ public:
     return x;
   }
 
-  /// The vector with coordinates x; `like` is any.
+  /// The vector with coordinates x; `like` is any vector of the problem.
   [[nodiscard]] Vector vector(const Coordinates& x, const Vector& like) const {
     Vector v = like;
     v.scale(0);
@@ -65,8 +65,9 @@ public:
   }
 
   template <class Archive>
-  void exchange(Archive& archive, const std::string& name) {
-    exchange_list(archive, name, basis_, [&](Shared<Vector>& q, const std::string& number) { archive(number, q); });
+  void serialize(Archive& archive, const std::string& name) {
+    serialize_list(archive, name, basis_,
+                   [&](Shared<Vector>& q, const std::string& number) { archive(number, q); });
   }
 
   [[nodiscard]] std::size_t dimension() const { return basis_.size(); }

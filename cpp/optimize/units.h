@@ -4,8 +4,8 @@
 
 namespace signorini::optimize {
 
-/// What a search measures in: a length L of controls and a multiple s of the gradient, whose units are those of a
-/// control squared over J. L²/s is then one of J, and L/s one of gradients.
+/// The units of a search: a length L of controls and a multiple s of the gradient, in units of a control
+/// squared over J. L²/s is then the unit of J, and L/s that of gradients.
 struct Units {
   double length = 1; ///< L
   double step = 1;   ///< s
@@ -14,40 +14,43 @@ struct Units {
   [[nodiscard]] double gradient() const { return length / step; }
 
   template <class Archive>
-  void exchange(Archive& archive) {
+  void serialize(Archive& archive) {
     archive("units/length", length);
     archive("units/step", step);
   }
 };
 
-/// Those of the problem itself at its current point u: L is how far the bounds let the step lead that ends at the least
-/// value of J's quadratic model along the steepest descent (Cauchy's, by one Hessian product), and s the multiple of the
-/// gradient that is as long. They are functions of u, J and the bounds, not of the mesh, and with other units of u or J
-/// they change as those do. A first guess enters by J's derivatives there alone: where zero is means nothing to J.
+/// The units of the problem at its current point u: L is the length of Cauchy's step, which minimises J's
+/// quadratic model along steepest descent (by one Hessian product), after projection onto the bounds; s is
+/// the multiple of the gradient of that length. They depend on u, J and the bounds, not on the mesh, and
+/// scale with the units of u and J. The first guess enters by J's derivatives there alone: the origin of
+/// controls has no influence.
 ///
-/// The Hessian may be singular: a J that is a sum of squares, as that of a motion with frozen contact, curves along its
-/// gradient all the same, and the step is at most 2 J/‖g‖² times the gradient. That it is where no curvature is to be seen.
+/// The Hessian may be singular. A J that is a sum of squares, as with frozen active sets, still has curvature
+/// along its gradient, and the step is at most 2 J/‖g‖² times the gradient; that bound is taken where no
+/// curvature is found.
 template <TwiceDifferentiable P>
-[[nodiscard]] Units measured(P& problem, const typename P::Vector& u, double objective, const typename P::Vector& g) {
+[[nodiscard]] Units measured(P& problem, const typename P::Vector& u, double objective,
+                             const typename P::Vector& g) {
   typename P::Vector down = g;
   down.scale(-1);
   const typename P::Vector d = tangential(problem, u, down);
   const double squared = problem.inner(d, d);
   if (squared == 0)
-    return {}; // stationary: nothing will be measured
+    return {}; // stationary: units do not matter
   const double curvature = problem.inner(d, problem.hessian_product(d));
   typename P::Vector step = u;
   step.add(curvature > 0 ? squared / curvature : 2 * std::abs(objective) / squared, d);
   problem.project(step);
   step.add(-1, u);
   const double length = norm(problem, step);
-  // Where it is not, J is linear and zero, and has no units of its own.
+  // Otherwise J is linear and zero, and defines no units.
   return std::isfinite(length) && length > 0 ? Units{length, length / std::sqrt(squared)} : Units();
 }
 
-/// A problem in its units, so that no method knows of any other: a control of the length L, a curvature of 1/s and a J
-/// of L²/s are one. Controls themselves stay as they are, and so do their bounds; products are divided by L², J by
-/// L²/s, and a gradient becomes s times that of the problem: as long as a step.
+/// The problem in dimensionless form, so that no method depends on its units: a control of length L, a
+/// curvature of 1/s and a J of L²/s become one. Controls and their bounds are unchanged; products are divided
+/// by L², J by L²/s, and gradients are multiplied by s, which gives them the length of a step.
 template <TwiceDifferentiable P>
 class Dimensionless {
 public:
@@ -62,7 +65,9 @@ public:
   Vector trial_gradient() { return stepped(problem_.trial_gradient()); }
   Vector hessian_product(const Vector& d) { return stepped(problem_.hessian_product(d)); }
   void accept() { problem_.accept(); }
-  [[nodiscard]] double inner(const Vector& u, const Vector& w) const { return problem_.inner(u, w) / squared_length(); }
+  [[nodiscard]] double inner(const Vector& u, const Vector& w) const {
+    return problem_.inner(u, w) / squared_length();
+  }
   [[nodiscard]] Vector dual(const Vector& u) const { return problem_.dual(u); }
   [[nodiscard]] std::vector<double> pairings(const Vector& dual, std::span<const Shared<Vector>> w) const {
     std::vector<double> products = problem_.pairings(dual, w);
@@ -71,9 +76,9 @@ public:
     return products;
   }
   void project(Vector& u) const { problem_.project(u); }
-  void hold(Vector& w, const Vector& u, const Vector& d) const { problem_.hold(w, u, d); }
+  void zero_blocked(Vector& w, const Vector& u, const Vector& d) const { problem_.zero_blocked(w, u, d); }
 
-  /// From a gradient of the problem.
+  /// Converts a gradient or Hessian product of the problem.
   [[nodiscard]] Vector stepped(Vector g) const {
     g.scale(units_.step);
     return g;

@@ -1,20 +1,20 @@
 #pragma once
-#include "optimize/search.h"
+#include "optimize/minimize.h"
 #include <optional>
 
 namespace signorini::optimize {
 
 template <BoundedProblem P>
 struct Search {
-  std::optional<Iterate<P>> found; ///< then it is the problem's trial
+  std::optional<Iterate<P>> found; ///< the accepted trial, also the problem's
   double length = 0;               ///< t
   bool solver_failed = false;      ///< in the last trial
 };
 
 /// Weak-Wolfe search by bisection and doubling (Lewis, Overton 2013), here along the arc t ↦ P(u + t d) and
-/// from t = 1. It asks for a sufficient decrease and for a slope that has become flatter, never for a small
-/// one, so that it ends beyond a kink where there is no small one. `d` must be tangential. A trial that a
-/// solver fails at is too far.
+/// from t = 1. It asks for sufficient decrease and for a slope above 0.9 of the first, negative one, never
+/// for a small one, so that it ends beyond a kink where there is no small slope. `d` must be tangential. A
+/// trial at which a solver fails counts as too long.
 template <BoundedProblem P>
 [[nodiscard]] Search<P> weak_wolfe_search(P& problem, const Iterate<P>& from, const typename P::Vector& d) {
   constexpr double sufficient = 1e-4, flatter = 0.9;

@@ -34,7 +34,7 @@ std::string texts(const Components& components) {
 
 Components zero(std::size_t size) { return Components(size, "0"); }
 
-/// Expressions, those that are mere numbers as numbers.
+/// A TOML array of expressions, of which constants are written as numbers.
 std::string numbers_or_texts(const Components& components) {
   std::vector<std::string> entries;
   for (const std::string& component : components) {
@@ -50,7 +50,7 @@ std::string bound(const std::vector<double>& values) {
   return values.size() == 1 ? number(values.front()) : numbers(values);
 }
 
-/// Lines of `key = value`, the unit behind them.
+/// Writes lines `key = value`, each followed by its unit.
 class Writer {
 public:
   void table(const std::string& heading) { out_ += (out_.empty() ? "" : "\n") + heading + "\n"; }
@@ -131,7 +131,7 @@ void write_boundary(Writer& out, const Scene& s, int dim) {
 }
 
 void write_initial(Writer& out, const Scene& s, int dim) {
-  // Where clamps move the default is what they do at the start, which no expression says.
+  // With moving clamps the default is their motion at the start, which a field of expressions cannot state.
   const bool rests = std::ranges::all_of(
       s.clamps, [](const Clamp& clamp) { return !clamp.value || vanishes(*clamp.value); });
   const auto field = [&](const char* name, const std::optional<Components>& given, const char* unit) {

@@ -9,7 +9,7 @@
 namespace signorini::scene {
 namespace {
 
-/// Whether an expression assigns to a variable, which muParser would do: an = that belongs to no comparison.
+/// Whether an expression has an = that belongs to no comparison: muParser would assign to a variable.
 bool assigns(const std::string& text) {
   for (std::size_t i = 0; i < text.size(); ++i)
     if (text[i] == '=') {
@@ -57,10 +57,11 @@ Field::Field(Components components, const std::string& key, bool time) : impl_(s
         (name == "t" ? impl_->depends_on_time : impl_->depends_on_place) = true;
     } catch (const mu::ParserError& error) {
       const int position = std::min(error.GetPos(), static_cast<int>(text.size()));
-      throw UserError(fmt::format("{}: the expression \"{}\" is wrong{}: {}; allowed are muParser's functions, the "
-                                  "constants pi and e, and the variables {}",
-                                  key, text, position >= 0 ? fmt::format(" at position {}", position) : "",
-                                  error.GetMsg(), time ? "x, y, z, t" : "x, y, z"));
+      throw UserError(
+          fmt::format("{}: the expression \"{}\" is wrong{}: {}; allowed are muParser's functions, the "
+                      "constants pi and e, and the variables {}",
+                      key, text, position >= 0 ? fmt::format(" at position {}", position) : "",
+                      error.GetMsg(), time ? "x, y, z, t" : "x, y, z"));
     }
   }
 }
@@ -78,9 +79,10 @@ void Field::evaluate(const double* x, double t, double* values) const {
   for (std::size_t i = 0; i < impl_->parsers.size(); ++i) {
     values[i] = impl_->parsers[i].Eval();
     if (!std::isfinite(values[i]))
-      throw UserError(fmt::format("{}: the expression \"{}\" is {} at x = {}, y = {}, z = {}, t = {}; it must "
-                                  "be finite in the whole body at all times",
-                                  impl_->key, impl_->text[i], values[i], x[0], x[1], x[2], t));
+      throw UserError(
+          fmt::format("{}: the expression \"{}\" is {} at x = {}, y = {}, z = {}, t = {}; it must "
+                      "be finite in the whole body at all times",
+                      impl_->key, impl_->text[i], values[i], x[0], x[1], x[2], t));
   }
 }
 

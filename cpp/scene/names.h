@@ -5,10 +5,10 @@
 
 namespace signorini::scene {
 
-/// The valid name nearest to `found` in edits, or an empty text if none is near.
+/// The valid name with the least edit distance from `found`, for suggestions; empty if none is close.
 std::string nearest(std::string_view found, const std::vector<std::string>& valid);
 
-/// "a, b, c".
+/// The names as "a, b, c".
 std::string list(const std::vector<std::string>& names);
 
 } // namespace signorini::scene

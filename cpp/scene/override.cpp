@@ -20,7 +20,9 @@ void override_key(toml::table& root, const std::string& assignment, const std::f
     try {
       (void)toml::parse("# " + value);
     } catch (const toml::parse_error&) {
-      throw UserError(fmt::format("--set {}: found neither a value of TOML nor a text, allowed is a text on one line in UTF-8", path));
+      throw UserError(fmt::format(
+          "--set {}: found neither a value of TOML nor a text, allowed is a text on one line in UTF-8",
+          path));
     }
     parsed.insert("value", value);
   }

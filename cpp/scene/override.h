@@ -5,8 +5,8 @@
 
 namespace signorini::scene {
 
-/// Sets one `key.path=value` of --set in a scene's table; the value is TOML, or a plain text. `file` is the scene's, for messages.
-/// Throws UserError.
+/// Applies one `key.path=value` of --set to a scene's table. The value is TOML, or else taken as a plain
+/// text; `file`: path of the scene, for messages. Throws UserError.
 void override_key(toml::table& root, const std::string& assignment, const std::filesystem::path& file);
 
 } // namespace signorini::scene

@@ -16,13 +16,15 @@ namespace {
 const Limits positive_length{.least = 0, .open = true, .unit = "m"};
 const Limits positive_time{.least = 0, .open = true, .unit = "s"};
 
-/// A path that the scene gives relative to its own file.
+/// Reads a path; relative ones are relative to the scene file.
 std::filesystem::path beside(const std::filesystem::path& file, Reader& in, const std::string& key) {
   const std::filesystem::path given = in.text(key);
   std::error_code error;
-  const auto path = std::filesystem::weakly_canonical(given.is_absolute() ? given : file.parent_path() / given, error);
+  const auto path =
+      std::filesystem::weakly_canonical(given.is_absolute() ? given : file.parent_path() / given, error);
   if (error)
-    in.fail(key, fmt::format("found a path that cannot be followed ({}), allowed is another", error.message()));
+    in.fail(key,
+            fmt::format("found a path that cannot be followed ({}), allowed is another", error.message()));
   return path;
 }
 
@@ -55,10 +57,10 @@ Time time(Reader in) {
   time.scheme = in.choice("scheme", {"contact-implicit", "contact-stabilized"}, time.scheme);
   const double steps = std::round(time.end / time.step);
   if (!(steps >= 1 && steps <= Time::most_steps))
-    in.fail("step",
-            fmt::format(
-                "found {:.10g} s, which makes {:.10g} steps to time.end = {:.10g} s, allowed are 1 to {}",
-                time.step, time.end / time.step, time.end, Time::most_steps));
+    in.fail(
+        "step",
+        fmt::format("found {:.10g} s, which makes {:.10g} steps to time.end = {:.10g} s, allowed are 1 to {}",
+                    time.step, time.end / time.step, time.end, Time::most_steps));
   // Decimal fractions such as 7.5e-3 / 5e-5 divide to within a few units in the last place.
   if (std::abs(steps * time.step - time.end) > 1e-9 * time.end)
     in.fail("end", fmt::format("found {:.10g} s, which is {:.10g} steps of {:.10g} s, allowed are whole "
@@ -88,7 +90,7 @@ Material material(Reader& in, bool one_of_several) {
   return material;
 }
 
-/// The components of a field that something acts on; absent: all.
+/// Reads `components`, the components that are held or act; absent: all.
 std::optional<std::vector<std::string>> components(Reader& in) {
   if (!in.has("components"))
     return std::nullopt;
@@ -98,7 +100,7 @@ std::optional<std::vector<std::string>> components(Reader& in) {
   return names;
 }
 
-/// One table [material] for the whole body, or tables [[material]] with a group each.
+/// Reads one table [material] for the whole body, or tables [[material]] with a group each.
 std::vector<Material> materials(Reader& root, bool several) {
   if (!several) {
     Reader in = root.table("material");
@@ -125,7 +127,7 @@ Clamp clamp(Reader in) {
   return clamp;
 }
 
-/// A vector that gives a direction: any length but zero.
+/// Reads a direction: a vector of any length but zero.
 std::vector<double> direction(Reader& in, const std::string& key, const std::string& what) {
   std::vector<double> vector = in.numbers(key, {});
   if (std::ranges::all_of(vector, [](double x) { return x == 0; }))
@@ -148,7 +150,7 @@ HalfSpace half_space(Reader& in) {
   return obstacle;
 }
 
-/// Whether the body is inside of a round obstacle.
+/// Reads `side`: whether the body is inside of a round obstacle.
 bool inside(Reader& in) { return in.choice("side", {"outside", "inside"}, "outside") == "inside"; }
 
 Cylinder cylinder(Reader& in) {
@@ -192,16 +194,17 @@ Contact contact(Reader in, const Time& time) {
   contact.on = in.text("on");
   contact.massless = in.choice("mass", {"consistent", "massless"}, "consistent") == "massless";
   if (contact.massless && time.stabilized())
-    in.fail("mass", "found \"massless\" with time.scheme \"contact-stabilized\", which projects in the norm of the "
-                    "mass; allowed is \"consistent\"");
+    in.fail("mass",
+            "found \"massless\" with time.scheme \"contact-stabilized\", which projects in the norm of the "
+            "mass; allowed is \"consistent\"");
   contact.obstacle = obstacle(in.table("obstacle"));
   contact.project = in.choice("initial", {"outside", "project"}, "outside") == "project";
   in.finish();
   return contact;
 }
 
-/// One of the controls that a scene allows: the same at all times if it is constant in time, and zero in the
-/// components that it leaves out.
+/// Reads an admissible control: without t if controls are constant in time, and zero in the components that
+/// control.components leaves out.
 Components controls(Reader& in, const std::string& key, const Control& control) {
   Components values = in.expressions(key, !control.constant_in_time);
   for (std::size_t c = 0; control.components && c < values.size(); ++c)
@@ -250,7 +253,7 @@ Objective objective(Reader in, const Control& control, const std::filesystem::pa
     if (desired.has(key))
       found.emplace_back(key);
   if (found.empty())
-    desired.finish(); // a misspelt key is the likeliest reason
+    desired.finish(); // reports a misspelt key, the likeliest reason
   if (found.size() != 1)
     in.fail("desired", fmt::format("found {}, allowed is one of control, displacement, run",
                                    found.empty() ? "none" : list(found)));
@@ -296,9 +299,10 @@ Trajectory trajectory(Reader in) {
   Trajectory trajectory;
   trajectory.storage = in.choice("storage", {"memory", "disk", "checkpoints"}, trajectory.storage);
   if (in.has("budget") && trajectory.storage != "checkpoints")
-    in.fail("budget", fmt::format("has no effect with storage = \"{}\", which keeps every state; allowed with "
-                                  "\"checkpoints\"",
-                                  trajectory.storage));
+    in.fail("budget",
+            fmt::format("has no effect with storage = \"{}\", which keeps every state; allowed with "
+                        "\"checkpoints\"",
+                        trajectory.storage));
   trajectory.budget = in.number("budget", {.least = 0, .open = true, .unit = "bytes"}, trajectory.budget);
   in.finish();
   return trajectory;
@@ -314,7 +318,9 @@ Exact exact(Reader in, bool contact) {
   if (in.has("pressure")) {
     exact.pressure = in.text("pressure");
     if (Field({*exact.pressure}, "exact.pressure", true).depends_on_time())
-      in.fail("pressure", fmt::format("found \"{}\", allowed is an expression of x, y and z: it is that at time.end", *exact.pressure));
+      in.fail("pressure",
+              fmt::format("found \"{}\", allowed is an expression of x, y and z: it is that at time.end",
+                          *exact.pressure));
   }
   const auto number = [&](const char* key, const char* unit, std::optional<double>& value) {
     if (in.has(key))
@@ -400,8 +406,9 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   scene.solver = in.has("solver") ? solver(in.table("solver")) : Solver{.memory = machine_memory() / 2};
   if (in.has("trajectory")) {
     if (!scene.objective)
-      in.fail("trajectory", "has no effect without an objective, since nothing is looked at again; add [control] and "
-                            "[objective] or leave it out");
+      in.fail("trajectory",
+              "has no effect without an objective, since nothing is looked at again; add [control] and "
+              "[objective] or leave it out");
     scene.trajectory = trajectory(in.table("trajectory"));
   }
   if (in.has("check")) {
@@ -418,7 +425,8 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   if (in.has("run")) {
     Reader run = in.table("run");
     scene.run.invariants = run.choice("invariants", {"warn", "stop", "off"}, scene.run.invariants);
-    scene.run.tolerance = run.number("tolerance", {.least = 0, .greatest = 1, .open = true}, scene.run.tolerance);
+    scene.run.tolerance =
+        run.number("tolerance", {.least = 0, .greatest = 1, .open = true}, scene.run.tolerance);
     run.finish();
   }
   if (in.has("output")) {

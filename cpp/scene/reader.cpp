@@ -12,6 +12,7 @@
 namespace signorini::scene {
 namespace {
 
+/// Edit distance (Levenshtein).
 std::size_t edits(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0);
@@ -26,7 +27,7 @@ std::size_t edits(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// A value as its user would write it, on one line.
+/// A value in TOML for messages, on one line of at most 60 bytes.
 std::string shown(const toml::node& node) {
   constexpr std::size_t most = 60;
   std::string text;
@@ -53,7 +54,7 @@ std::string shown(const toml::node& node) {
   if (text.size() <= most)
     return text;
   std::size_t end = most - 3;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) // within a character of several bytes
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) // do not split a UTF-8 character
     --end;
   return text.substr(0, end) + "...";
 }
@@ -95,7 +96,7 @@ std::string Reader::full(const std::string& key) const {
 
 void Reader::fail(const std::string& key, const std::string& problem) const {
   const toml::node* found = key.empty() ? nullptr : table_.get(key);
-  // The file as a whole has no line, nor has what --set gave.
+  // Neither the root table nor values from --set have a line.
   const auto line = found ? found->source().begin.line : path_.empty() ? 0 : table_.source().begin.line;
   throw UserError(line > 0 ? fmt::format("{}:{}: {}: {}", file_.string(), line, full(key), problem)
                            : fmt::format("{}: {}: {}", file_.string(), full(key), problem));
@@ -110,7 +111,7 @@ const toml::node& Reader::node(const std::string& key) {
   known_.insert(key);
   const toml::node* found = table_.get(key);
   if (!found) {
-    // A misspelt key explains a missing one better than its absence.
+    // If a misspelt key explains the missing one, report that.
     for (const auto& [other, value] : table_)
       if (const std::string name{other.str()};
           !known_.contains(name) && edits(name, key) <= (key.size() > 4 ? 2 : 1))

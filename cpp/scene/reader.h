@@ -10,54 +10,62 @@
 
 namespace signorini::scene {
 
-/// Limits of a number and its unit, for validation and for the message alike.
+/// Limits and unit of a number, for validation and messages.
 struct Limits {
   double least = -std::numeric_limits<double>::infinity();
   double greatest = std::numeric_limits<double>::infinity();
-  bool open = false; ///< the limits themselves are not allowed
+  bool open = false; ///< whether the limits themselves are excluded
   std::string unit = "no unit";
 
   [[nodiscard]] bool contain(double value) const;
   [[nodiscard]] std::string text() const;
 };
 
-/// One table of the scene file: every access validates, and finish() rejects the keys that nobody asked for.
+/// Validating access to one table of the scene file: every access throws UserError for a wrong value or a
+/// missing key without fallback, and finish() rejects keys that were never accessed. Table and file must
+/// outlive it.
 class Reader {
 public:
   Reader(const toml::table& table, std::string path, const std::filesystem::path& file)
       : table_(table), path_(std::move(path)), file_(file) {}
 
+  /// Whether the table has the key; counts as an access.
   [[nodiscard]] bool has(const std::string& key);
   double number(const std::string& key, const Limits& limits);
   double number(const std::string& key, const Limits& limits, double fallback);
   int integer(const std::string& key, int least, int greatest, int fallback);
+  /// A text on one line, not empty.
   std::string text(const std::string& key);
+  /// One of the texts allowed.
   std::string choice(const std::string& key, const std::vector<std::string>& allowed,
                      const std::string& fallback);
-  /// Names out of those allowed, each once, in the order given; an empty list is one.
+  /// A list of allowed names, without repetitions, in the order given; it may be empty.
   std::vector<std::string> names(const std::string& key, const std::vector<std::string>& allowed);
+  /// One number per space dimension, 2 or 3.
   std::vector<double> numbers(const std::string& key, const Limits& limits);
-  /// One number, or one per component.
+  /// One number, or one per space dimension.
   std::vector<double> number_or_numbers(const std::string& key, const Limits& limits);
-  /// One expression per space dimension, or `count` of them.
+  /// One expression per space dimension, or `count` of them if positive; `time`: whether t is allowed.
   Components expressions(const std::string& key, bool time, std::size_t count = 0);
   /// One expression.
   std::string expression(const std::string& key, bool time);
   bool flag(const std::string& key, bool fallback);
+  /// Reader of a subtable.
   Reader table(const std::string& key);
+  /// Readers of an array of tables; none if the key is absent.
   std::vector<Reader> tables(const std::string& key);
 
-  /// Throws for the first key that was not asked for, with the nearest one that was.
+  /// Throws UserError for the first key that was never accessed, suggesting the nearest one that was.
   void finish() const;
 
-  /// Throws UserError: file, line, key, `problem`.
+  /// Throws UserError with file, line, key and `problem`.
   [[noreturn]] void fail(const std::string& key, const std::string& problem) const;
 
 private:
   const toml::node& node(const std::string& key);
   double to_number(const toml::node& node, const std::string& key, const Limits& limits) const;
   [[nodiscard]] std::string full(const std::string& key) const;
-  /// Throws unless the expressions can be read.
+  /// Throws UserError unless the expressions parse.
   void require_readable(const Components& components, const std::string& key, bool time) const;
 
   const toml::table& table_;

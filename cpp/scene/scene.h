@@ -7,167 +7,189 @@
 #include <variant>
 #include <vector>
 
-/// What a scene file says, validated, in SI units, every default filled in. An absent optional is an absent
-/// effect.
+/// A validated scene file in SI units with all defaults filled in. An optional that is absent means that the
+/// effect is absent, unless stated otherwise.
 namespace signorini::scene {
 
-/// Components of a vector field as expressions, one per space dimension.
+/// Components of a vector field, one expression each.
 using Components = std::vector<std::string>;
 
+/// Table [mesh].
 struct Mesh {
   std::filesystem::path file; ///< .geo or .msh, absolute
   std::optional<double> size; ///< element size for a .geo, m; absent: the sizes that the .geo itself sets
-  double scale = 1;           ///< of these
+  double scale = 1;           ///< factor of these sizes
   int degree = 1;             ///< Lagrange degree of the displacement
 };
 
+/// Table [time]: N steps of length τ; docs/method.md section 2.
 struct Time {
-  double end = 0;  ///< s
-  double step = 0; ///< s
-  int steps = 0;   ///< end / step
+  double end = 0;                          ///< s
+  double step = 0;                         ///< s
+  int steps = 0;                           ///< end / step
   std::string scheme = "contact-implicit"; ///< or "contact-stabilized"
 
-  static constexpr int most_steps = 100'000'000; ///< which a number of 32 bits holds, and no run comes to the end of
+  static constexpr int most_steps = 100'000'000; ///< beyond any run, and within 32-bit integers
 
   [[nodiscard]] bool stabilized() const { return scheme == "contact-stabilized"; }
 };
 
+/// Viscosity of a material; docs/method.md section 1.
 struct Viscosity {
   double bulk = 0;  ///< κ, Pa s
   double shear = 0; ///< η, Pa s
 };
 
+/// Table [material], or one of [[material]].
 struct Material {
-  std::optional<std::string> on; ///< physical group of its cells; absent: the whole body
-  double density = 0;            ///< ρ, kg/m³
-  double young = 0;              ///< E, Pa
-  double poisson = 0;            ///< ν
-  std::optional<Viscosity> viscosity;
+  std::optional<std::string> on;      ///< physical group of its cells; absent: the whole body
+  double density = 0;                 ///< ρ, kg/m³
+  double young = 0;                   ///< E, Pa
+  double poisson = 0;                 ///< ν
+  std::optional<Viscosity> viscosity; ///< absent: elastic
 };
 
+/// One table [[clamp]].
 struct Clamp {
   std::string on;                                     ///< physical group
   std::optional<std::vector<std::string>> components; ///< those held, of "x", "y", "z"; absent: all
   std::optional<Components> value; ///< motion of each component held, m, of x, y, z, t; absent: at rest
 };
 
+/// Obstacle on one side of a plane, which may move.
 struct HalfSpace {
-  Components point;           ///< a point of the boundary plane, m, of t
+  Components point;           ///< a point of its boundary, m, as a function of t
   std::vector<double> normal; ///< out of the obstacle, any length but zero
 };
 
+/// Obstacle inside of a ball, or outside.
 struct Ball {
   std::vector<double> center; ///< m
   double radius = 0;          ///< m
-  bool inside = false;        ///< the body is within it: the obstacle is all around
+  bool inside = false;        ///< the body is inside of the ball and the obstacle outside
 };
 
+/// Obstacle inside of an infinite cylinder, or outside.
 struct Cylinder {
-  std::vector<double> point; ///< of the axis, m
+  std::vector<double> point; ///< a point of the axis, m
   std::vector<double> axis;  ///< any length but zero; empty in the plane, where the cylinder is a disc
   double radius = 0;         ///< m
   bool inside = false;       ///< as for a ball
 };
 
+/// Obstacle given by a level set.
 struct SignedDistance {
-  std::string distance; ///< a level set of x, y, z that is positive outside of the obstacle, any unit
+  std::string distance; ///< level set of x, y, z, positive outside of the obstacle, in any unit
 };
 
 using Obstacle = std::variant<HalfSpace, Ball, Cylinder, SignedDistance>;
 
+/// Table [contact], or one of [[contact]].
 struct Contact {
   std::string on; ///< physical group of the contact candidates
   Obstacle obstacle;
-  bool massless = false; ///< contact nodes carry no mass in the directions of their constraints
-  bool project = false;  ///< nodes that start inside are moved out of the obstacle; else they are an error
+  bool massless = false; ///< contact nodes have no mass along ν; docs/method.md section 2
+  bool project = false;  ///< move nodes that start inside the obstacle out of it; else they are an error
 };
 
+/// One table [[load.traction]].
 struct Traction {
   std::string on;   ///< physical group of the surface
   Components value; ///< N/m², of x, y, z, t
 };
 
+/// Table [load].
 struct Load {
   std::optional<Components> body; ///< N/m³ in 3D and plane strain, of x, y, z, t
   std::vector<Traction> tractions;
 };
 
+/// Table [initial]; absent fields are zero except where moving clamps prescribe them.
 struct Initial {
   std::optional<Components> displacement; ///< m, of x, y, z
   std::optional<Components> velocity;     ///< m/s, of x, y, z
 };
 
+/// Table [control].
 struct Control {
-  double scale = 1;              ///< s, N/m³ per unit of control; N/m² where it acts on a surface
+  double scale = 1;              ///< factor s, N/m³ per unit of control; N/m² where it acts on a surface
   std::optional<std::string> on; ///< physical group of a part of the body or of a surface; absent: the body
   std::optional<std::vector<std::string>> components; ///< those that act, of "x", "y", "z"; absent: all
   bool constant_in_time = false;
-  std::string space = "P1";                 ///< nodal values ("P1") or one for each cell ("P0")
+  std::string space = "P1";                 ///< nodal ("P1") or cellwise constant ("P0")
   std::optional<Components> initial;        ///< first guess, of x, y, z, t; absent: zero
-  std::optional<std::vector<double>> lower; ///< one number or one per component
-  std::optional<std::vector<double>> upper;
+  std::optional<std::vector<double>> lower; ///< lower bound, one or one per component; absent: none
+  std::optional<std::vector<double>> upper; ///< likewise
 };
 
+/// Desired state y_d given by a control.
 struct DesiredControl {
-  Components control; ///< reference control, of x, y, z, t: its state is the desired one
+  Components control; ///< reference control, of x, y, z, t, whose state is y_d
 };
+/// Desired state y_d given by expressions.
 struct DesiredDisplacement {
   Components displacement; ///< m, of x, y, z, t
 };
 
+/// Desired state y_d read from an earlier run.
 struct DesiredRun {
-  std::filesystem::path folder; ///< of an earlier run whose displacement is the desired one, absolute
+  std::filesystem::path folder; ///< output folder of that run, absolute
 };
 
+/// Table [objective]; docs/method.md section 3.
 struct Objective {
   std::variant<DesiredControl, DesiredDisplacement, DesiredRun> desired;
   std::optional<std::string> on; ///< physical group of a part of the body or of a surface; absent: the body
-  double tracking = 1;           ///< weight of the tracking term
-  double alpha = 0;              ///< weight of the control cost
-  double gamma = 0;              ///< weight of the terminal term
+  double tracking = 1;           ///< θ, weight of the tracking term
+  double alpha = 0;              ///< α, weight of the control cost
+  double gamma = 0;              ///< γ, weight of the terminal term, s
 };
 
+/// Table [optimizer]; docs/method.md section 6.
 struct Optimizer {
   std::string method = "lbfgs"; ///< or "newton-cg", "projected-gradient"
   int max_iterations = 1000;
-  double tolerance = 1e-6; ///< of the gradient norm, relative to the first guess's
-  int checkpoint = 10;     ///< iterations from one to the next; 0: none
+  double tolerance = 1e-6; ///< of the norm of the gradient, relative to that at the first guess
+  int checkpoint = 10;     ///< iterations between checkpoints; 0: none
 };
 
+/// Table [solver]; docs/method.md section 5.
 struct Solver {
-  std::string vi = "condensed";
-  std::string linear = "auto"; ///< "direct", "iterative", or whichever fits the memory
-  double memory = 0;           ///< that a factor of D may take in all, bytes
+  std::string vi = "condensed"; ///< or "full"
+  std::string linear = "auto";  ///< "direct", "iterative" or, "auto", whichever fits the memory
+  double memory = 0;            ///< limit for the factor of D and the dense matrices of contact in all, bytes
 };
 
-/// How the states of a motion are kept for the adjoint sweep.
+/// Table [trajectory]: how the states of a motion are stored for the adjoint sweep.
 struct Trajectory {
   std::string storage = "memory"; ///< or "disk", "checkpoints"
-  double budget = 1e9;            ///< of all checkpoints, bytes
+  double budget = 1e9;            ///< memory of all checkpoints, bytes
 };
 
+/// Table [check].
 struct Check {
-  std::optional<Components> control; ///< where `check` takes derivatives, of x, y, z, t
+  std::optional<Components> control; ///< at which `check` takes derivatives, of x, y, z, t
 };
 
-/// What is watched while a scene runs.
+/// Table [run]: the identities watched in every run; docs/method.md section 2.
 struct Run {
-  std::string invariants = "warn"; ///< where one is off: "warn" at the end, "stop" there; or "off"
-  double tolerance = 1e-10;        ///< relative
+  std::string invariants = "warn"; ///< on a violation "warn" at the end or "stop" there; "off": not watched
+  double tolerance = 1e-10;        ///< relative, beyond which an identity is violated
 
   [[nodiscard]] bool watched() const { return invariants != "off"; }
 };
 
-/// What is known of the solution, for errors.
+/// Table [exact]: known figures of the solution, for errors.
 struct Exact {
   std::optional<Components> displacement; ///< m, of x, y, z, t
   std::optional<std::string> pressure;    ///< N/m² on the contact surface at time.end, of x, y, z
-  std::optional<double> impulse;          ///< N s (in the plane N s/m): modulus of the contact forces' in all
-  std::optional<double> peak_force;       ///< N (in the plane N/m): largest modulus of the contact forces' resultant
-  std::optional<double> contact_start;    ///< s
-  std::optional<double> contact_time;     ///< s in all
+  std::optional<double> impulse;          ///< modulus of the total impulse of contact forces, N s (2D: N s/m)
+  std::optional<double> peak_force;       ///< largest modulus of their resultant, N (2D: N/m)
+  std::optional<double> contact_start;    ///< time of first contact, s
+  std::optional<double> contact_time;     ///< total duration of contact, s
 };
 
+/// Table [output].
 struct Output {
   int every = 1; ///< steps between stored fields
   std::vector<std::string> fields{"displacement", "velocity", "control",
@@ -182,12 +204,13 @@ struct Output {
   }
 };
 
+/// All tables of a scene file.
 struct Scene {
-  std::filesystem::path file;
-  std::string name;
+  std::filesystem::path file; ///< absolute
+  std::string name;           ///< of the file, without its extension
   Mesh mesh;
   Time time;
-  std::vector<Material> materials; ///< one at least
+  std::vector<Material> materials; ///< at least one
   std::vector<Clamp> clamps;
   std::vector<Contact> contacts;
   std::optional<Load> load;
@@ -203,34 +226,34 @@ struct Scene {
   Output output;
 };
 
-/// The text of a scene file. Throws UserError.
+/// Returns the text of a scene file. Throws UserError if it cannot be read.
 std::string read(const std::filesystem::path& file);
 
-/// Validates the text of a scene file; `overrides` are the texts `key.path=value` of --set.
-/// Throws UserError naming file, line, key, what was found and what is allowed.
+/// Parses and validates the text of a scene file; `overrides` are the texts `key.path=value` of --set. Throws
+/// UserError naming file, line, key, what was found and what is allowed.
 Scene parse(const std::string& text, const std::filesystem::path& file,
             const std::vector<std::string>& overrides = {});
 
-/// The name of one table of contact in messages: `contact`, or `contact[i]` of several.
+/// Name of a contact table in messages: `contact`, or `contact[i]` if there are several.
 std::string contact_key(const std::vector<Contact>& contacts, std::size_t i);
-/// Likewise of a clamp.
+/// Likewise for clamps.
 std::string clamp_key(const std::vector<Clamp>& clamps, std::size_t i);
 
-/// The components of a vector: "x", "y" and in space "z".
+/// Names of the components of a vector: "x", "y" and in 3D "z".
 std::vector<std::string> component_names(int dim);
 
-/// Whether a field is written as zero, which is no effect.
+/// Whether every component is written as 0 or 0.0, which has no effect.
 bool vanishes(const Components& components);
 
-/// Whether the first guess of a control is zero, which is no load: written so, or absent, and within the
+/// Whether the first guess of a control is zero, which is no load: absent or written as zero, and within the
 /// bounds.
 bool rests(const Control& control);
 
-/// Throws UserError unless every vector of the scene has `dim` components, and no other component is named.
+/// Throws UserError unless every vector of the scene has `dim` components and names no others.
 void require_dimension(const Scene& scene, int dim);
 
-/// The scene as TOML with every default and unit written out, for a mesh of `dim` dimensions; parse() reads
-/// it back to the same scene. What the clamps do at the start is a default that is left out.
+/// Returns the scene as TOML with every default and unit written out, for a mesh of `dim` dimensions; parse()
+/// reads it back to the same scene. Initial fields are left out if they follow moving clamps by default.
 std::string echo(const Scene& scene, int dim);
 
 } // namespace signorini::scene

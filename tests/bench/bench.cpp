@@ -3,8 +3,8 @@
 // caches and machine.
 //
 // usage: signorini-bench SCENE REPEATS [key.path=value …]    prints one JSON object
-#include "../recorded.h"
 #include "bench.h"
+#include "../recorded.h"
 
 using namespace signorini;
 using petsc::check;
@@ -40,8 +40,8 @@ private:
 class Floor {
 public:
   Floor(const Problem& problem, const forward::ForceAtStep& load)
-      : problem_(problem), load_(load), r_(problem.space.vector()),
-        y_(problem.space.vector()), f_(problem.space.vector()), guess_(problem.stepper) {
+      : problem_(problem), load_(load), r_(problem.space.vector()), y_(problem.space.vector()),
+        f_(problem.space.vector()), guess_(problem.stepper) {
     guess_.remember(problem.initial.y);
   }
 
@@ -99,7 +99,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   for (int repeat = 0; repeat < repeats; ++repeat) {
     Floor floor(problem, floor_load);
     watch.lap();
-    forward::stream(problem.stepper, problem.initial, load, steps, [&](const forward::Frame& frame) {
+    forward::integrate(problem.stepper, problem.initial, load, steps, [&](const forward::Frame& frame) {
       const double seconds = watch.lap();
       if (frame.k > 0) {
         forward.take(frame.k, seconds);
@@ -117,19 +117,19 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     Floor floor(problem, floor_load);
     watch.lap();
     adjoint::sweep(problem.stepper, motion.sets(), {problem.space, derivative}, [&](int k, Vec p) {
-                     axpy(1, petsc::ReadArray(p), gradient.at(k));
-                     adjoint.take(k, watch.lap());
-                     const auto [s, w] = floor(motion, k);
-                     adjoint_floor.take(k, s + w);
-                     watch.lap();
-                   });
+      axpy(1, petsc::ReadArray(p), gradient.at(k));
+      adjoint.take(k, watch.lap());
+      const auto [s, w] = floor(motion, k);
+      adjoint_floor.take(k, s + w);
+      watch.lap();
+    });
   }
 
   // Whole runs, as the optimizer makes them.
   double run = std::numeric_limits<double>::infinity(), whole = run;
   for (int repeat = 0; repeat < repeats; ++repeat) {
     watch.lap();
-    forward::stream(problem.stepper, problem.initial, load, steps, {});
+    forward::integrate(problem.stepper, problem.initial, load, steps, {});
     run = std::min(run, watch.lap());
     (void)reduced.value(u);
     reduced.accept();

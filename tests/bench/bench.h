@@ -1,10 +1,10 @@
 #pragma once
 #include "adjoint/sweep.h"
+#include "app/problem.h"
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "forward/extrapolation.h"
-#include "problem.h"
 #include <chrono>
 #include <fmt/format.h>
 #include <iostream>

@@ -79,7 +79,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     long before = count("solves with D");
     if (!controlled) {
       watch.lap();
-      forward::stream(problem.stepper, problem.initial, load(), problem.steps(), {});
+      forward::integrate(problem.stepper, problem.initial, load(), problem.steps(), {});
       run = std::min(run, watch.lap());
       run_solves = count("solves with D") - before;
       if (bare) {
@@ -110,16 +110,17 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
 
   // Once more, looked at: whether contact occurred, and that the bare loop moves the body alike.
   double difference = 0;
-  forward::stream(problem.stepper, problem.initial, load(), problem.steps(), [&](const forward::Frame& frame) {
-                    contact_steps += !frame.contact.active.empty();
-                    if (!frame.last || !bare)
-                      return;
-                    PetscReal size = 0;
-                    check(VecNorm(frame.y1, NORM_2, &size));
-                    check(VecAXPY(last, -1, frame.y1));
-                    check(VecNorm(last, NORM_2, &difference));
-                    difference /= size;
-                  });
+  forward::integrate(problem.stepper, problem.initial, load(), problem.steps(),
+                     [&](const forward::Frame& frame) {
+                       contact_steps += !frame.contact.active.empty();
+                       if (!frame.last || !bare)
+                         return;
+                       PetscReal size = 0;
+                       check(VecNorm(frame.y1, NORM_2, &size));
+                       check(VecAXPY(last, -1, frame.y1));
+                       check(VecNorm(last, NORM_2, &difference));
+                       difference /= size;
+                     });
 
   const auto per_step = [&](double seconds) -> nlohmann::json {
     return seconds < never ? nlohmann::json(seconds / problem.steps()) : nlohmann::json();

@@ -13,8 +13,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/// Meshes with something wrong: each must be read, to numbers that fit each other, or be refused by one sentence. Each is
-/// read by a process of its own, for gmsh may damage its own memory. An input that does neither stays behind as a file.
+/// Meshes with something wrong: each must be read, to numbers that fit each other, or be refused by one
+/// sentence. Each is read by a process of its own, for gmsh may damage its own memory. An input that does
+/// neither stays behind as a file.
 ///
 /// usage: signorini-fuzz-mesh SEED COUNT SOURCE_DIR FOLDER
 
@@ -27,7 +28,8 @@ constexpr int taken = 0, refused = 1, wrong = 3, slow = 4, stopped_by_sanitizer 
 /// Where the time went, for whoever reads the log.
 void out_of_time(int) {
   std::array<void*, 100> frames{};
-  backtrace_symbols_fd(frames.data(), backtrace(frames.data(), static_cast<int>(frames.size())), STDERR_FILENO);
+  backtrace_symbols_fd(frames.data(), backtrace(frames.data(), static_cast<int>(frames.size())),
+                       STDERR_FILENO);
   _exit(slow);
 }
 
@@ -69,7 +71,8 @@ void require_sound(const mesh::RawMesh& mesh) {
     require(fit(facets, mesh.dim), "the facets do not fit the nodes");
   const auto cells = static_cast<std::int64_t>(mesh.cells.size()) / (mesh.dim + 1);
   for (const auto& [name, ranges] : mesh.parts)
-    require(ranges.size() % 2 == 0 && std::ranges::all_of(ranges, [&](std::int64_t row) { return row >= 0 && row <= cells; }),
+    require(ranges.size() % 2 == 0 &&
+                std::ranges::all_of(ranges, [&](std::int64_t row) { return row >= 0 && row <= cells; }),
             "the parts do not fit the cells");
 }
 
@@ -126,8 +129,10 @@ public:
       rejected += outcome.status != taken;
       return;
     }
-    // A crash, which the program survives (mesh::read_gmsh); under the sanitizers their report says whose it is.
-    if (!outcome.ended || (outcome.status == stopped_by_sanitizer && outcome.said.find("libgmsh") != std::string::npos)) {
+    // A crash, which the program survives (mesh::read_gmsh); under the sanitizers their report says whose it
+    // is.
+    if (!outcome.ended ||
+        (outcome.status == stopped_by_sanitizer && outcome.said.find("libgmsh") != std::string::npos)) {
       ++crashes;
       return;
     }
@@ -137,8 +142,8 @@ public:
     }
     const auto kept = folder_ / fmt::format("mesh-{}.msh", inputs);
     fuzz::write(kept, text);
-    fmt::print("FAILED {}: {} {}: {}\n", kept.string(), outcome.ended ? "status" : strsignal(outcome.status), outcome.status,
-               outcome.said.substr(0, 6000));
+    fmt::print("FAILED {}: {} {}: {}\n", kept.string(), outcome.ended ? "status" : strsignal(outcome.status),
+               outcome.status, outcome.said.substr(0, 6000));
     ++failed;
   }
 
@@ -163,14 +168,17 @@ int main(int argc, char** argv) {
   Run run(folder);
   const int replayed = fuzz::replay(run, *task, ".msh");
   fuzz::Mutator mutator(seed, meshes(source / "tests/data", folder),
-                        {"$Nodes", "$EndNodes", "$Elements", "$EndElements", "$PhysicalNames", "$Periodic", "$Comments", "$NodeData",
-                         "$ParametricNodes", "$PartitionedEntities", "$GhostElements", "$MeshFormat", "\"body\"", "\"\"", "15", "92", "4.1", "2.2"});
+                        {"$Nodes", "$EndNodes", "$Elements", "$EndElements", "$PhysicalNames", "$Periodic",
+                         "$Comments", "$NodeData", "$ParametricNodes", "$PartitionedEntities",
+                         "$GhostElements", "$MeshFormat", "\"body\"", "\"\"", "15", "92", "4.1", "2.2"});
   for (long i = 0; i < count; ++i)
     run.take(mutator.next());
   std::filesystem::remove(folder / "last.msh");
   std::filesystem::remove(folder / "last.log");
-  fmt::print("meshes: {} inputs of seed {} and {} found before in {:.1f} s: {} accepted, {} rejected, {} crashed gmsh, "
+  fmt::print("meshes: {} inputs of seed {} and {} found before in {:.1f} s: {} accepted, {} rejected, {} "
+             "crashed gmsh, "
              "{} given up after 1 s in gmsh, {} failed\n",
-             run.inputs - replayed, seed, replayed, clock.seconds(), run.accepted, run.rejected, run.crashes, run.unended, run.failed);
+             run.inputs - replayed, seed, replayed, clock.seconds(), run.accepted, run.rejected, run.crashes,
+             run.unended, run.failed);
   return run.failed == 0 ? 0 : 1;
 }

@@ -32,7 +32,8 @@ inline void write(const std::filesystem::path& file, const std::string& text) {
 }
 
 /// The files of a folder with an ending, in the same order everywhere.
-inline std::vector<std::filesystem::path> files(const std::filesystem::path& folder, const std::string& ending) {
+inline std::vector<std::filesystem::path> files(const std::filesystem::path& folder,
+                                                const std::string& ending) {
   std::vector<std::filesystem::path> found;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     if (entry.path().extension() == ending)
@@ -63,7 +64,9 @@ inline Pieces lines(const std::string& text) {
 /// Words and numbers, blanks, and every other character by itself.
 inline Pieces tokens(const std::string& text) {
   const auto kind = [](unsigned char c) {
-    return std::isalnum(c) || c == '_' || c == '.' || c == '-' || c == '+' ? 1 : c == ' ' || c == '\t' ? 2 : 0;
+    return std::isalnum(c) || c == '_' || c == '.' || c == '-' || c == '+' ? 1
+           : c == ' ' || c == '\t'                                         ? 2
+                                                                           : 0;
   };
   Pieces pieces;
   for (std::size_t start = 0, end = 0; start < text.size(); start = end) {
@@ -78,8 +81,10 @@ inline Pieces tokens(const std::string& text) {
 
 class Mutator {
 public:
-  /// `words`: what may take a token's place, beside the tokens of the other texts and numbers at the ends of their ranges.
-  Mutator(std::uint64_t seed, Pieces texts, Pieces words) : random_(seed), texts_(std::move(texts)), words_(std::move(words)) {
+  /// `words`: what may take a token's place, beside the tokens of the other texts and numbers at the ends of
+  /// their ranges.
+  Mutator(std::uint64_t seed, Pieces texts, Pieces words)
+      : random_(seed), texts_(std::move(texts)), words_(std::move(words)) {
     for (const std::string& text : texts_)
       for (const std::string& token : tokens(text))
         words_.push_back(token);
@@ -107,13 +112,24 @@ private:
 
   void damage(std::string& text) {
     switch (below(10)) {
-    case 0: bytes(text); return;
-    case 1: rearrange(text, lines(text), lines(one_of(texts_))); return;
+    case 0:
+      bytes(text);
+      return;
+    case 1:
+      rearrange(text, lines(text), lines(one_of(texts_)));
+      return;
     case 2:
-    case 3: rearrange(text, tokens(text), words_); return;
-    case 4: text.insert(below(text.size() + 1), long_text()); return;
-    case 5: text.insert(below(text.size() + 1), one_of(odd_characters)); return;
-    default: replace(text);
+    case 3:
+      rearrange(text, tokens(text), words_);
+      return;
+    case 4:
+      text.insert(below(text.size() + 1), long_text());
+      return;
+    case 5:
+      text.insert(below(text.size() + 1), one_of(odd_characters));
+      return;
+    default:
+      replace(text);
     }
   }
 
@@ -122,11 +138,20 @@ private:
       return;
     const std::size_t at = below(text.size()), count = 1 + below(std::min<std::size_t>(text.size() - at, 40));
     switch (below(5)) {
-    case 0: text[at] = static_cast<char>(below(256)); return;
-    case 1: text[at] = static_cast<char>(text[at] ^ (1 << below(8))); return;
-    case 2: text.erase(at, count); return;
-    case 3: text.insert(below(text.size()), text.substr(at, count)); return;
-    default: text.resize(at);
+    case 0:
+      text[at] = static_cast<char>(below(256));
+      return;
+    case 1:
+      text[at] = static_cast<char>(text[at] ^ (1 << below(8)));
+      return;
+    case 2:
+      text.erase(at, count);
+      return;
+    case 3:
+      text.insert(below(text.size()), text.substr(at, count));
+      return;
+    default:
+      text.resize(at);
     }
   }
 
@@ -136,10 +161,18 @@ private:
       return;
     const auto at = pieces.begin() + static_cast<std::ptrdiff_t>(below(pieces.size()));
     switch (below(4)) {
-    case 0: pieces.erase(at, at + static_cast<std::ptrdiff_t>(1 + below(std::min<std::size_t>(4, pieces.end() - at)))); break;
-    case 1: pieces.insert(at, *at + ""); break;
-    case 2: std::swap(*at, pieces[below(pieces.size())]); break;
-    default: pieces.insert(at, one_of(others));
+    case 0:
+      pieces.erase(at,
+                   at + static_cast<std::ptrdiff_t>(1 + below(std::min<std::size_t>(4, pieces.end() - at))));
+      break;
+    case 1:
+      pieces.insert(at, *at + "");
+      break;
+    case 2:
+      std::swap(*at, pieces[below(pieces.size())]);
+      break;
+    default:
+      pieces.insert(at, one_of(others));
     }
     text = joined(pieces);
   }
@@ -168,17 +201,87 @@ private:
     return text;
   }
 
-  static constexpr std::array extremes{
-      "0",      "-0",     "1",    "2",    "3",     "-1",   "0.5",  "1e308", "-1e308", "1e309", "1e-308", "4.9e-324", "1e-400", "inf", "-inf",
-      "nan",    "+nan",   "1e15", "1e16", "1e-15", "1e17", "127",  "128",   "255",    "256",   "65536",  "0x7fffffff", "0o17", "0b11", "2147483647",
-      "2147483648", "-2147483648", "4294967295", "4294967296", "9223372036854775807", "-9223372036854775808", "9223372036854775808",
-      "18446744073709551615", "1_000", "01", ".5", "5.", "1e", "1e999999999", "0.30000000000000004", "100000000", "1000000"};
-  static constexpr std::array values{"true", "false", "[]", "{}", "\"\"", "''", "[[]]", "[1, 2]", "\"t\"", "\"x\"", "1979-05-27", "07:32:00",
-                                     "1979-05-27T07:32:00Z", "\"\"\"", "'''", "\n", "\t", "\r\n", "#", "=", ".", ",", "\"", "\\", "[", "]", "{", "}"};
-  static constexpr std::array brackets{"[", "]", "{", "}", "(", ")", "[[", "\"", "'", "[{a=", "(-", "-", "0", "9", "../", "x", "sin(", "1?", "a."};
-  static constexpr std::array odd_characters{"\xc3\xbc", "\xe2\x82\xac", "\xf0\x9f\x98\x80", "\xe2\x80\xa8", "\xef\xbb\xbf", "\xc2\x85", "\xff",
-                                             "\xc0\x80", "\xed\xa0\x80", "\xe2\x82",     "\x7f",         "\x01",         "\\u0000", "\\u001b",
-                                             "\\n",      "\\x",          "\\ud800",      "\\U0010ffff"};
+  static constexpr std::array extremes{"0",
+                                       "-0",
+                                       "1",
+                                       "2",
+                                       "3",
+                                       "-1",
+                                       "0.5",
+                                       "1e308",
+                                       "-1e308",
+                                       "1e309",
+                                       "1e-308",
+                                       "4.9e-324",
+                                       "1e-400",
+                                       "inf",
+                                       "-inf",
+                                       "nan",
+                                       "+nan",
+                                       "1e15",
+                                       "1e16",
+                                       "1e-15",
+                                       "1e17",
+                                       "127",
+                                       "128",
+                                       "255",
+                                       "256",
+                                       "65536",
+                                       "0x7fffffff",
+                                       "0o17",
+                                       "0b11",
+                                       "2147483647",
+                                       "2147483648",
+                                       "-2147483648",
+                                       "4294967295",
+                                       "4294967296",
+                                       "9223372036854775807",
+                                       "-9223372036854775808",
+                                       "9223372036854775808",
+                                       "18446744073709551615",
+                                       "1_000",
+                                       "01",
+                                       ".5",
+                                       "5.",
+                                       "1e",
+                                       "1e999999999",
+                                       "0.30000000000000004",
+                                       "100000000",
+                                       "1000000"};
+  static constexpr std::array values{"true",
+                                     "false",
+                                     "[]",
+                                     "{}",
+                                     "\"\"",
+                                     "''",
+                                     "[[]]",
+                                     "[1, 2]",
+                                     "\"t\"",
+                                     "\"x\"",
+                                     "1979-05-27",
+                                     "07:32:00",
+                                     "1979-05-27T07:32:00Z",
+                                     "\"\"\"",
+                                     "'''",
+                                     "\n",
+                                     "\t",
+                                     "\r\n",
+                                     "#",
+                                     "=",
+                                     ".",
+                                     ",",
+                                     "\"",
+                                     "\\",
+                                     "[",
+                                     "]",
+                                     "{",
+                                     "}"};
+  static constexpr std::array brackets{"[",  "]", "{", "}", "(",   ")", "[[",   "\"", "'", "[{a=",
+                                       "(-", "-", "0", "9", "../", "x", "sin(", "1?", "a."};
+  static constexpr std::array odd_characters{
+      "\xc3\xbc", "\xe2\x82\xac", "\xf0\x9f\x98\x80", "\xe2\x80\xa8", "\xef\xbb\xbf", "\xc2\x85", "\xff",
+      "\xc0\x80", "\xed\xa0\x80", "\xe2\x82",         "\x7f",         "\x01",         "\\u0000",  "\\u001b",
+      "\\n",      "\\x",          "\\ud800",          "\\U0010ffff"};
   std::mt19937_64 random_;
   Pieces texts_, words_;
 };
@@ -206,7 +309,8 @@ struct Task {
 /// Nothing, and a line on stderr, where it is not that.
 inline std::optional<Task> task(int argc, char** argv) {
   if (argc != 5) {
-    std::fprintf(stderr, "usage: %s SEED COUNT SOURCE_DIR FOLDER\n", std::filesystem::path(argv[0]).filename().c_str());
+    std::fprintf(stderr, "usage: %s SEED COUNT SOURCE_DIR FOLDER\n",
+                 std::filesystem::path(argv[0]).filename().c_str());
     return std::nullopt;
   }
   std::filesystem::create_directories(argv[4]);

@@ -1,14 +1,14 @@
+#include "scene/scene.h"
 #include "base/error.h"
 #include "mutate.h"
-#include "scene/scene.h"
 #include <csignal>
 #include <cstdio>
 #include <fmt/format.h>
 #include <optional>
 #include <sys/time.h>
 
-/// Scenes with something wrong: each must be taken, and then its echo must read back to the same echo, or be refused by
-/// one sentence. An input that does neither stays behind as a file.
+/// Scenes with something wrong: each must be taken, and then its echo must read back to the same echo, or be
+/// refused by one sentence. An input that does neither stays behind as a file.
 ///
 /// usage: signorini-fuzz-scene SEED COUNT SOURCE_DIR FOLDER
 
@@ -121,12 +121,14 @@ int main(int argc, char** argv) {
   for (const char* place : {"scenes", "tests/data", "tests/fuzz"})
     for (const auto& file : fuzz::files(source / place, ".toml"))
       scenes.push_back(fuzz::read(file));
-  fuzz::Mutator mutator(seed, scenes,
-                        {"sin(", "sqrt(", "min(", "sum()", "rnd", "?", ":", "==", "!=", "<=", "&&", "||", "^", "_e", "x", "y", "z", "t",
-                         "pi", "e", "(", ")", "cylinder", "P0", "stabilized", "run"});
+  fuzz::Mutator mutator(seed, scenes, {"sin(", "sqrt(",    "min(", "sum()",      "rnd", "?", ":",
+                                       "==",   "!=",       "<=",   "&&",         "||",  "^", "_e",
+                                       "x",    "y",        "z",    "t",          "pi",  "e", "(",
+                                       ")",    "cylinder", "P0",   "stabilized", "run"});
   fuzz::Mutator options(seed + 1,
-                        {"mesh.size=0.25", "material.0.young=1e8", "load.body=[\"0\", \"t\"]", "contact.obstacle.point=[0, \"t\"]",
-                         "clamp.0.value=[\"0\", \"0\"]", "mesh.file=a.geo", "control.initial=[1, 2]", "contact.on=bottom"},
+                        {"mesh.size=0.25", "material.0.young=1e8", "load.body=[\"0\", \"t\"]",
+                         "contact.obstacle.point=[0, \"t\"]", "clamp.0.value=[\"0\", \"0\"]",
+                         "mesh.file=a.geo", "control.initial=[1, 2]", "contact.on=bottom"},
                         {"=", ".", "a.b=", "..", "clamp.9", "contact.0.on="});
   for (long i = 0; i < count; ++i) {
     std::string text = mutator.next();
@@ -135,7 +137,8 @@ int main(int argc, char** argv) {
     run.take(text);
   }
   std::filesystem::remove(folder / "last.toml");
-  fmt::print("scenes: {} inputs of seed {} and {} found before in {:.1f} s: {} accepted, {} rejected, {} failed\n",
-             run.inputs - replayed, seed, replayed, clock.seconds(), run.taken, run.refused, run.failed);
+  fmt::print(
+      "scenes: {} inputs of seed {} and {} found before in {:.1f} s: {} accepted, {} rejected, {} failed\n",
+      run.inputs - replayed, seed, replayed, clock.seconds(), run.taken, run.refused, run.failed);
   return run.failed == 0 ? 0 : 1;
 }

@@ -85,25 +85,30 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
                   lv = space.vector();
     check(VecCopy(run.ready.problem.load().at(k).density, load));
     contact::ContactState moved(stepper.constraints()->count());
-    // A step is piecewise affine: no truncation, only rounding, so that the largest ε that keeps the sets is the best.
+    // A step is piecewise affine: no truncation, only rounding, so that the largest ε that keeps the sets is
+    // the best.
     double epsilon = 1;
     do {
       epsilon /= 10;
       REQUIRE(epsilon > 1e-6);
-      petsc::Vector y0 = petsc::copy(run.trajectory.y[i - 1]), v0 = petsc::copy(run.trajectory.v[i - 1]), f = petsc::copy(load);
+      petsc::Vector y0 = petsc::copy(run.trajectory.y[i - 1]), v0 = petsc::copy(run.trajectory.v[i - 1]),
+                    f = petsc::copy(load);
       check(VecAXPY(y0, epsilon, dy));
       check(VecAXPY(v0, epsilon, dv));
       check(VecAXPY(f, epsilon, dload));
       stepper.step(k, y0, v0, {{.density = f}}, run.trajectory.contact[i - 1], moved, y, v);
-    } while (moved.active != run.trajectory.contact[i].active || moved.predictor != run.trajectory.contact[i].predictor);
+    } while (moved.active != run.trajectory.contact[i].active ||
+             moved.predictor != run.trajectory.contact[i].predictor);
     REQUIRE(!moved.active.empty());
     stepper.linearised_step(dy, dv, {{.density = dload}}, moved, ly, lv);
     check(VecAXPY(y, -1, run.trajectory.y[i]));
     check(VecScale(y, 1 / epsilon));
     check(VecAXPY(v, -1, run.trajectory.v[i]));
     check(VecScale(v, 1 / epsilon));
-    // What rounding, or a few times the solver's tolerance, leaves of two displacements; velocities are 2/τ times as much.
-    const double off = (iterative ? 10 * stepper.solver().tolerance() : 1e-14) * test::largest(run.trajectory.y[i]) / epsilon;
+    // What rounding, or a few times the solver's tolerance, leaves of two displacements; velocities are 2/τ
+    // times as much.
+    const double off = (iterative ? 10 * stepper.solver().tolerance() : 1e-14) *
+                       test::largest(run.trajectory.y[i]) / epsilon;
     CHECK(off < 1e-4 * test::largest(ly)); // else it says nothing
     CHECK(test::difference(y, ly) < off);
     CHECK(test::difference(v, lv) < stepper.scheme().rate() * off);
@@ -123,7 +128,8 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
     return product;
   };
   const test::Dual smooth([&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(problem.space, k))); });
-  adjoint::sweep(stepper, run.trajectory.sets(), {problem.space, smooth}, [&](int k, Vec pk) { p[static_cast<std::size_t>(k)] = petsc::copy(pk); });
+  adjoint::sweep(stepper, run.trajectory.sets(), {problem.space, smooth},
+                 [&](int k, Vec pk) { p[static_cast<std::size_t>(k)] = petsc::copy(pk); });
 
   // The paper's recursion, written out with matrices: D = M + τ/2 B + τ²/4 A, R = M + τ/2 B − τ²/4 A.
   const fem::Operators& body = problem.operators;
@@ -172,28 +178,31 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
 TEST_CASE("adjoint states vanish on the clamp", "[adjoint]") {
   const test::Ready ready("scenes/half-disc.toml", {"mesh.size=3", "load.body=[\"0\", \"-1e6\"]"});
   const test::Recorded trajectory(ready.problem);
-  CHECK(std::ranges::any_of(trajectory.contact, [](const contact::ContactState& state) { return !state.active.empty(); }));
+  CHECK(std::ranges::any_of(trajectory.contact,
+                            [](const contact::ContactState& state) { return !state.active.empty(); }));
   int steps = 0;
-  const test::Dual smooth([&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(ready.problem.space, k))); });
-  adjoint::sweep(
-      ready.problem.stepper, trajectory.sets(), {ready.problem.space, smooth},
-      [&](int, Vec p) {
-        petsc::Vector rest = petsc::copy(p);
-        ready.problem.stepper.clamped().clear(rest);
-        CHECK(test::difference(rest, p) == 0);
-        steps += test::largest(p) > 0;
-        petsc::Vector seed = test::smooth(ready.problem.space, 1), free = petsc::copy(seed); // which is not zero there
-        ready.problem.stepper.clamped().clear(free);
-        CHECK(test::difference(free, seed) > 0.1);
-      });
+  const test::Dual smooth(
+      [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(ready.problem.space, k))); });
+  adjoint::sweep(ready.problem.stepper, trajectory.sets(), {ready.problem.space, smooth}, [&](int, Vec p) {
+    petsc::Vector rest = petsc::copy(p);
+    ready.problem.stepper.clamped().clear(rest);
+    CHECK(test::difference(rest, p) == 0);
+    steps += test::largest(p) > 0;
+    petsc::Vector seed = test::smooth(ready.problem.space, 1),
+                  free = petsc::copy(seed); // which is not zero there
+    ready.problem.stepper.clamped().clear(free);
+    CHECK(test::difference(free, seed) > 0.1);
+  });
   CHECK(steps == trajectory.steps);
 }
 
 TEST_CASE("bubbles slide in the middle of edges in contact, and nowhere else", "[adjoint]") {
-  // Candidates in the corner: 0 of the left side, 1 of the bottom; from there 2 to 5 up the left side, 6 to 9 along the bottom.
-  const test::Ready ready("tests/data/block.toml",
-                          {"contact=[{on=\"left\", obstacle={shape=\"half-space\", point=[-0.1, 0], normal=[1, 0.2]}}, "
-                           "{on=\"bottom\", obstacle={shape=\"half-space\", point=[0, -0.1], normal=[0.3, 1]}}]"});
+  // Candidates in the corner: 0 of the left side, 1 of the bottom; from there 2 to 5 up the left side, 6 to 9
+  // along the bottom.
+  const test::Ready ready(
+      "tests/data/block.toml",
+      {"contact=[{on=\"left\", obstacle={shape=\"half-space\", point=[-0.1, 0], normal=[1, 0.2]}}, "
+       "{on=\"bottom\", obstacle={shape=\"half-space\", point=[0, -0.1], normal=[0.3, 1]}}]"});
   const adjoint::EnrichedBody body(ready.problem.space, ready.problem.stepper.constraints(), ready.scene);
   const petsc::Vector x = test::smooth(body.space(), 1);
   petsc::Vector free = petsc::copy(x), held = body.space().vector();
@@ -249,8 +258,9 @@ TEST_CASE("bubbles of the adjoint states take up what the run's duals leave", "[
   adjoint::DualBubbles bubbles(body, derivative, stepper.scheme());
   adjoint::Duals duals(stepper);
   const contact::ActiveSet active{1, 2};
-  petsc::Vector before = body.space().vector(), residual = body.space().vector(), product = body.space().vector(),
-                embedded = body.space().vector(), diagonal = fem::diagonal(operators.A);
+  petsc::Vector before = body.space().vector(), residual = body.space().vector(),
+                product = body.space().vector(), embedded = body.space().vector(),
+                diagonal = fem::diagonal(operators.A);
   check(VecScale(diagonal, tau * tau / 2));
   check(VecAXPY(diagonal, tau / 2, fem::diagonal(*operators.B)));
   const auto add = [&](Mat matrix, Vec x, double factor) {

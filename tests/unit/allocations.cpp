@@ -84,7 +84,7 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
     const control::ControlForce force(controls, u);
     const auto load = [&] { return problem.load(&force); };
     Timers timers;
-    const forward::Storage storage(problem.stepper, {}, problem.steps(), 1, timers);
+    const forward::StateStoreFactory storage(problem.stepper, {}, problem.steps(), 1, timers);
     forward::Trajectory trajectory(problem.stepper, problem.initial, problem.steps(), storage);
     trajectory.run(load()); // work space that CHOLMOD and PETSc make once
     long stepping = 0, before = 0;
@@ -103,12 +103,12 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
     forward::Balance weigh(problem.stepper);
     long streaming = 0;
     const auto stream = [&] {
-      forward::stream(problem.stepper, problem.initial, load(), problem.steps(),
-                      [&](const forward::Frame& frame) {
-                        weigh(frame);
-                        streaming += frame.k > 1 ? calls - before : 0;
-                        before = calls;
-                      });
+      forward::integrate(problem.stepper, problem.initial, load(), problem.steps(),
+                         [&](const forward::Frame& frame) {
+                           weigh(frame);
+                           streaming += frame.k > 1 ? calls - before : 0;
+                           before = calls;
+                         });
     };
     (void)allocations(stream);
     CHECK(streaming == 0);
@@ -132,13 +132,14 @@ TEST_CASE("steps between several obstacles, one of which moves, allocate nothing
   const test::Ready ready(
       "tests/data/block.toml",
       {"initial.velocity=[\"-1\", \"-1\"]",
-       "contact=[{on=\"boundary\", obstacle={shape=\"half-space\", point=[0, \"-0.1 + 0.1*t\"], normal=[0.3, 1]}}, "
+       "contact=[{on=\"boundary\", obstacle={shape=\"half-space\", point=[0, \"-0.1 + 0.1*t\"], normal=[0.3, "
+       "1]}}, "
        "{on=\"boundary\", obstacle={shape=\"half-space\", point=[-0.1, 0], normal=[1, 0]}}, "
        "{on=\"boundary\", obstacle={shape=\"half-space\", point=[0, 1.5], normal=[0, -1]}}]"});
   const Problem& problem = ready.problem;
   REQUIRE(problem.stepper.constraints()->dependent());
-  const auto run = [&](const forward::Watch& watch) {
-    forward::stream(problem.stepper, problem.initial, problem.load(), problem.steps(), watch);
+  const auto run = [&](const forward::StepObserver& watch) {
+    forward::integrate(problem.stepper, problem.initial, problem.load(), problem.steps(), watch);
   };
   run({});
   long stepping = 0, before = 0;
@@ -147,7 +148,8 @@ TEST_CASE("steps between several obstacles, one of which moves, allocate nothing
     run([&](const forward::Frame& frame) {
       stepping += frame.k > 1 ? calls - before : 0;
       for (int i : frame.contact.active)
-        touched[static_cast<std::size_t>(problem.stepper.constraints()->obstacles()[static_cast<std::size_t>(i)])] = true;
+        touched[static_cast<std::size_t>(
+            problem.stepper.constraints()->obstacles()[static_cast<std::size_t>(i)])] = true;
       before = calls;
     });
   });

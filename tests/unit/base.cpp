@@ -1,5 +1,5 @@
-#include "base/best_combination.h"
 #include "base/error.h"
+#include "base/simplex_qp.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
@@ -31,12 +31,13 @@ std::vector<double> combined(const std::vector<std::vector<double>>& g, const st
 }
 
 std::vector<double> shortest(const std::vector<std::vector<double>>& g) {
-  return best_combination(products(g), std::vector<double>(g.size()));
+  return simplex_qp(products(g), std::vector<double>(g.size()));
 }
 
-/// How far weights are from the conditions of the best (Karush, Kuhn, Tucker), of the largest term: g_i·x + e_i is the same
-/// wherever w_i > 0 and no less elsewhere.
-double unmet(const std::vector<std::vector<double>>& g, const std::vector<double>& prices, const std::vector<double>& weights) {
+/// How far weights are from the conditions of the best (Karush, Kuhn, Tucker), of the largest term: g_i·x +
+/// e_i is the same wherever w_i > 0 and no less elsewhere.
+double unmet(const std::vector<std::vector<double>>& g, const std::vector<double>& prices,
+             const std::vector<double>& weights) {
   const auto x = combined(g, weights);
   std::vector<double> slopes;
   double mean = 0, largest = 0, sum = 0;
@@ -59,7 +60,8 @@ double unmet(const std::vector<std::vector<double>>& g, const std::vector<double
   return most / largest;
 }
 
-/// n vectors of which some are the same, some opposite, some depend on others, and lengths differ by orders of magnitude.
+/// n vectors of which some are the same, some opposite, some depend on others, and lengths differ by orders
+/// of magnitude.
 std::vector<std::vector<double>> awkward(std::mt19937& random, std::size_t n, std::size_t dimensions) {
   std::normal_distribution<double> normal;
   std::vector<std::vector<double>> g;
@@ -81,9 +83,9 @@ std::vector<std::vector<double>> awkward(std::mt19937& random, std::size_t n, st
 } // namespace
 
 TEST_CASE("There is no best combination of no vectors, and none of what is not finite", "[base]") {
-  CHECK_THROWS_AS((void)best_combination({}, {}), SolverFailure);
+  CHECK_THROWS_AS((void)simplex_qp({}, {}), SolverFailure);
   const std::vector<double> none{0, 0};
-  CHECK_THROWS_AS((void)best_combination(std::vector<double>{1, 0, 0, std::nan("")}, none), SolverFailure);
+  CHECK_THROWS_AS((void)simplex_qp(std::vector<double>{1, 0, 0, std::nan("")}, none), SolverFailure);
 }
 
 TEST_CASE("Awkward vectors have a best combination too", "[base]") {
@@ -94,13 +96,14 @@ TEST_CASE("Awkward vectors have a best combination too", "[base]") {
     for (const std::size_t dimensions : {1, 3, 10, 50})
       for (const bool priced : {false, true})
         for (int run = 0; run < 5; ++run) {
-          INFO(n << " vectors in " << dimensions << " dimensions" << (priced ? ", with prices" : "") << ", run " << run);
+          INFO(n << " vectors in " << dimensions << " dimensions" << (priced ? ", with prices" : "")
+                 << ", run " << run);
           const auto g = awkward(random, n, dimensions);
           std::vector<double> prices(n);
           if (priced)
             for (double& e : prices)
               e = 0.1 * uniform(random);
-          const double off = unmet(g, prices, best_combination(products(g), prices));
+          const double off = unmet(g, prices, simplex_qp(products(g), prices));
           CHECK(off < 1e-4);
           ++all;
           to_rounding += off < 1e-10;
@@ -117,14 +120,14 @@ TEST_CASE("The best combination does not depend on units", "[base]") {
     std::vector<double> prices, G = products(g);
     for (std::size_t i = 0; i < g.size(); ++i)
       prices.push_back(run % 2 ? uniform(random) : 0);
-    const auto weights = best_combination(G, prices);
+    const auto weights = simplex_qp(G, prices);
     for (const int exponent : {-60, 60}) {
       std::vector<double> other_G = G, other_prices = prices;
       for (double& x : other_G)
         x = std::ldexp(x, exponent);
       for (double& x : other_prices)
         x = std::ldexp(x, exponent);
-      CHECK(best_combination(other_G, other_prices) == weights);
+      CHECK(simplex_qp(other_G, other_prices) == weights);
     }
   }
 }
@@ -184,7 +187,7 @@ TEST_CASE("The best combination of vectors with prices satisfies its conditions"
         gi.push_back(normal(random));
       prices.push_back(std::abs(normal(random)));
     }
-    const auto weights = best_combination(products(g), prices);
+    const auto weights = simplex_qp(products(g), prices);
     cheaper += weights != shortest(g);
     const auto x = combined(g, weights);
     // g_i·x + e_i is the same wherever w_i > 0, and no less elsewhere.

@@ -19,7 +19,7 @@ struct Parts {
   scene::Scene scene;
   mesh::Mesh mesh;
   fem::Space space;
-  fem::Clamped clamped;
+  fem::DirichletDofs clamped;
   petsc::Matrix D;
   contact::Constraints constraints;
   forward::StepSolver solver;
@@ -83,7 +83,7 @@ TEST_CASE("the condensed matrix is what D says", "[contact]") {
   const Parts parts;
   MumpsSolver D(parts.D);
   D.factorise();
-  const contact::ColumnElimination columns(parts.constraints, D, parts.space.vector(), 1e9),
+  const contact::StoredColumnsElimination columns(parts.constraints, D, parts.space.vector(), 1e9),
       solves(parts.constraints, D, parts.space.vector(), 0);
   CHECK(columns.bytes() > 0);
   CHECK(solves.bytes() == 0);
@@ -94,7 +94,7 @@ TEST_CASE("the condensed matrix is what D says", "[contact]") {
                 force = parts.space.vector();
   parts.constraints.add_normal(1, lambda, force);
   D.solve(force, direct);
-  for (const contact::ColumnElimination* elimination : {&columns, &solves}) {
+  for (const contact::StoredColumnsElimination* elimination : {&columns, &solves}) {
     elimination->predict(zero, slip);
     CHECK(std::ranges::all_of(slip, [](double s) { return s == 0; }));
     elimination->finish(minus, y);
@@ -127,8 +127,8 @@ TEST_CASE("contact in the corner of the factor is contact everywhere", "[contact
     CHECK(cholesky.bytes() > 0.5 * estimate);
     MumpsSolver mumps(parts.D);
     mumps.factorise();
-    const contact::CornerElimination fast(parts.constraints, cholesky);
-    const contact::ColumnElimination slow(parts.constraints, mumps, parts.space.vector(), 0);
+    const contact::TrailingBlockElimination fast(parts.constraints, cholesky);
+    const contact::StoredColumnsElimination slow(parts.constraints, mumps, parts.space.vector(), 0);
     const std::vector<double> S = fast.condensed(), T = slow.condensed();
     double worst = 0;
     for (std::size_t i = 0; i < S.size(); ++i)
@@ -167,6 +167,8 @@ TEST_CASE("a factor that does not fit the memory allowed is not made", "[contact
 
 TEST_CASE("MUMPS is given more space where what it set aside falls short", "[contact]") {
   // On several ranks it does at random, as they are loaded. Here it is told to set aside too little.
+  if (ranks(MPI_COMM_WORLD) > 1)
+    return; // a factorisation that fails there may leave messages to the next one
   constexpr const char* relaxation = "-step_mat_mumps_icntl_14";
   const Parts parts({"mesh.size=0.02"});
   MumpsSolver usual(parts.D);
@@ -293,7 +295,8 @@ TEST_CASE("what is negligible in contact knows no units and no time step", "[con
         check(VecZeroEntries(y));
         const contact::ContactState state = parts.solve(r, y);
         CHECK(state.count(contact::Status::strong) == (g < 0 ? m : 0));
-        if (g > 0 && tau * tau * g / 2 > 1e-12) // else by less than the rounding of places, where it may count as closed
+        if (g > 0 && tau * tau * g / 2 >
+                         1e-12) // else by less than the rounding of places, where it may count as closed
           CHECK(state.count(contact::Status::open) == m);
       }
       // At rest a force too small for the solution to show, as of rounding, is none.
@@ -345,7 +348,8 @@ TEST_CASE("units of mass and time leave contact as it is", "[contact]") {
       petsc::Vector scaled = petsc::copy(r), y = parts.space.vector();
       check(VecScale(scaled, unit));
       contact::ContactState state(parts.constraints.count());
-      solver.vi()->solve(scaled, parts.constraints.psi(), contact::ContactState(parts.constraints.count()), state, y);
+      solver.vi()->solve(scaled, parts.constraints.psi(), contact::ContactState(parts.constraints.count()),
+                         state, y);
       CHECK(state.status == expected.status);
     };
     petsc::Vector y = parts.space.vector(), r = parts.space.vector();
@@ -406,15 +410,17 @@ TEST_CASE("a VI that does not converge ends with reason and residual", "[contact
   const Option option("-full_vi_snes_max_it", "0");
   const Parts parts({"solver.vi=full"});
   petsc::Vector y = parts.space.vector();
-  CHECK(failure(parts, y) == "the full_vi did not converge: DIVERGED_MAX_IT, scaled residual # after 0 iterations");
+  CHECK(failure(parts, y) ==
+        "the full_vi did not converge: DIVERGED_MAX_IT, scaled residual # after 0 iterations");
 }
 
 TEST_CASE("an iterative solve that does not converge ends with reason and residual", "[contact]") {
   const Option option("-step_ksp_max_it", "2");
   const Parts parts({"solver.linear=iterative"});
   petsc::Vector y = parts.space.vector();
-  CHECK_THAT(failure(parts, y), Catch::Matchers::StartsWith("the solve with the step operator D by CG with ") &&
-                                    Catch::Matchers::EndsWith(" failed: DIVERGED_ITS, residual # of # after 2 iterations"));
+  CHECK_THAT(failure(parts, y),
+             Catch::Matchers::StartsWith("the solve with the step operator D by CG with ") &&
+                 Catch::Matchers::EndsWith(" failed: DIVERGED_ITS, residual # of # after 2 iterations"));
 }
 
 TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[contact]") {
@@ -435,7 +441,8 @@ TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[
   CHECK(test::difference(y, z) < 1e-11 * test::largest(y)); // the condition of so stiff a D costs digits
 }
 
-TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces by the motion they make", "[contact]") {
+TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces by the motion they make",
+          "[contact]") {
   const Parts parts;
   const contact::Complementarity complementarity(parts.constraints, parts.D);
   const auto m = static_cast<std::size_t>(parts.constraints.count());
@@ -451,7 +458,8 @@ TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces 
     REQUIRE(stiffness[i] > 0);
   }
   const double allowed = parts.constraints.gap_tolerance(), deep = 0.01;
-  // A force (by the motion that it makes) and a gap at one candidate, where the others are clearly open or pressed.
+  // A force (by the motion that it makes) and a gap at one candidate, where the others are clearly open or
+  // pressed.
   const auto state = [&](std::size_t i, double motion, double gap) {
     contact::ContactState s(parts.constraints.count());
     for (std::size_t j = 0; j < m; ++j)
@@ -460,9 +468,10 @@ TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces 
     s.gap[i] = gap;
     return s;
   };
-  // 1e-10 of the largest force is nothing, gaps are known to rounding beside the body. An odd candidate's neighbours are
-  // the pressed ones.
-  const double motion = 1e-10 * deep, closed = 1e3 * std::numeric_limits<double>::epsilon() * parts.constraints.diameter();
+  // 1e-10 of the largest force is nothing, gaps are known to rounding beside the body. An odd candidate's
+  // neighbours are the pressed ones.
+  const double motion = 1e-10 * deep,
+               closed = 1e3 * std::numeric_limits<double>::epsilon() * parts.constraints.diameter();
   for (std::size_t i = 0; i < m; ++i) {
     for (const auto& [forces, gap, status] : {std::tuple{0.5, 0.5 * closed, contact::Status::weak},
                                               {-0.5, -0.5 * allowed, contact::Status::weak},
@@ -476,15 +485,19 @@ TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces 
       complementarity.classify(s, still);
       contact::ActiveSet expected;
       for (std::size_t j = 0; j < m; ++j) {
-        const contact::Status of_j = j == i ? status : j % 2 ? contact::Status::strong : contact::Status::open;
+        const contact::Status of_j = j == i  ? status
+                                     : j % 2 ? contact::Status::strong
+                                             : contact::Status::open;
         CHECK(s.status[j] == of_j);
         if (of_j != contact::Status::open)
           expected.push_back(static_cast<int>(j));
       }
       CHECK(s.active == expected);
     }
-    for (const auto& [forces, gaps] : {std::pair{0.0, -2.0}, {-2.0, 0.0}, {2.0, 2.0}, {2.0, -2.0}, {-2.0, 2.0}}) {
-      const contact::ContactState by_motion = state(i, forces * motion, gaps * allowed), by_gap = state(i, forces * allowed, gaps * allowed);
+    for (const auto& [forces, gaps] :
+         {std::pair{0.0, -2.0}, {-2.0, 0.0}, {2.0, 2.0}, {2.0, -2.0}, {-2.0, 2.0}}) {
+      const contact::ContactState by_motion = state(i, forces * motion, gaps * allowed),
+                                  by_gap = state(i, forces * allowed, gaps * allowed);
       CHECK_FALSE(complementarity.holds(by_motion.lambda, by_motion.gap, allowed, 0));
       CHECK_FALSE(complementarity.holds_within(allowed, by_gap.lambda, by_gap.gap));
       CHECK(complementarity.holds_within(3 * allowed, by_gap.lambda, by_gap.gap));
@@ -498,8 +511,10 @@ TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces 
   }
 }
 
-TEST_CASE("a direct solver is chosen by the memory of its factor and of two dense matrices of the candidates", "[contact]") {
-  const std::vector<std::string> many{"mesh.size=0.02", "contact.on=boundary", "contact.obstacle.point=[0, -9]"};
+TEST_CASE("a direct solver is chosen by the memory of its factor and of two dense matrices of the candidates",
+          "[contact]") {
+  const std::vector<std::string> many{"mesh.size=0.02", "contact.on=boundary",
+                                      "contact.obstacle.point=[0, -9]"};
   const auto with = [&](double memory) {
     std::vector<std::string> settings = many;
     settings.push_back(fmt::format("solver.memory={:.17g}", memory));
@@ -520,6 +535,7 @@ TEST_CASE("a direct solver is chosen by the memory of its factor and of two dens
   REQUIRE(dense > 1e-3 * factor); // a hundredth of it is then far beyond the rounding of their sum
   CHECK_FALSE(with(factor + 1.01 * dense).solver.takes_guess());
   CHECK(with(factor + 0.99 * dense).solver.takes_guess());
-  // On one rank contact is condensed by the factor's last block, with no column of D⁻¹ to keep for each candidate.
+  // On one rank contact is condensed by the factor's last block, with no column of D⁻¹ to keep for each
+  // candidate.
   CHECK(parts.solver.memory().condensation < 0.5 * m * parts.space.dofs() * sizeof(double));
 }

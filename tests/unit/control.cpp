@@ -1,4 +1,4 @@
-#include "check.h"
+#include "app/check/check.h"
 #include "fixtures.h"
 #include <algorithm>
 #include <array>
@@ -141,7 +141,8 @@ TEST_CASE("a control holds values where it acts and nowhere else", "[control]") 
     CHECK(test::difference(field, rest) == 0);
     PetscScalar sum = 0;
     PetscReal extended = 0;
-    double own = std::transform_reduce(u.at(2).begin(), u.at(2).end(), 0.0, std::plus(), [](double x) { return std::abs(x); });
+    double own = std::transform_reduce(u.at(2).begin(), u.at(2).end(), 0.0, std::plus(),
+                                       [](double x) { return std::abs(x); });
     MPI_Allreduce(MPI_IN_PLACE, &own, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
     petsc::check(VecNorm(field, NORM_1, &extended));
     petsc::check(VecSum(field, &sum));
@@ -152,7 +153,8 @@ TEST_CASE("a control holds values where it acts and nowhere else", "[control]") 
     petsc::check(VecGetSize(field, &whole));
     return std::array<PetscInt, 2>{size, whole};
   };
-  const std::string y = "control.components=[\"y\"]", given = "objective.desired={displacement=[\"0\", \"0\"]}";
+  const std::string y = "control.components=[\"y\"]",
+                    given = "objective.desired={displacement=[\"0\", \"0\"]}";
   const auto [all, nodes] = values({});
   CHECK(all == nodes);
   CHECK(values({y, given})[0] == nodes / 2);
@@ -224,7 +226,8 @@ TEST_CASE("a rejected trial changes nothing", "[control]") {
 }
 
 TEST_CASE("what pushes out of a bound is held there, each component by its own", "[control]") {
-  const test::Ready ready("tests/data/block.toml", {"control.lower=[-0.4, -0.2]", "control.upper=[0.3, 0.6]"});
+  const test::Ready ready("tests/data/block.toml",
+                          {"control.lower=[-0.4, -0.2]", "control.upper=[0.3, 0.6]"});
   const ControlProblem problem(ready.problem, test::silent());
   const control::ControlSpace& controls = problem.controls;
   constexpr std::array lower{-0.4, -0.2}, upper{0.3, 0.6};
@@ -239,7 +242,7 @@ TEST_CASE("what pushes out of a bound is held there, each component by its own",
       to[i] = directions[(i / 3 + 2 * static_cast<std::size_t>(k)) % directions.size()];
     }
   }
-  controls.hold(w, u, d);
+  controls.zero_blocked(w, u, d);
   long held = 0, wrong = 0;
   for (int k = 1; k <= u.count(); ++k) {
     const std::span<const double> at = u.at(k), to = d.at(k), out = w.at(k);

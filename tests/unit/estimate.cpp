@@ -1,4 +1,4 @@
-#include "estimate.h"
+#include "app/error_estimate.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
 #include <fmt/format.h>
@@ -49,7 +49,8 @@ TEST_CASE("the error in time is estimated by its first term", "[adjoint]") {
     const auto at = [&](const char* step) {
       return estimated("tests/data/block.toml", with(scene, {step}), false);
     };
-    const double exact = (4 * at("time.step=0.00125").J - at("time.step=0.0025").J) / 3; // without the first term
+    const double exact =
+        (4 * at("time.step=0.00125").J - at("time.step=0.0025").J) / 3; // without the first term
     std::vector<double> off;
     for (const char* step : {"time.step=0.02", "time.step=0.01"}) {
       const Estimated run = at(step);

@@ -232,7 +232,8 @@ TEST_CASE("the step operator is m + tau/2 b + tau^2/4 a", "[fem]") {
 
 TEST_CASE("decoupled dofs are held and the rest is untouched", "[fem]") {
   const Body body(1);
-  const fem::Clamped clamped(body.space, {{.on = "rest", .components = std::nullopt, .value = std::nullopt}});
+  const fem::DirichletDofs clamped(body.space,
+                                   {{.on = "rest", .components = std::nullopt, .value = std::nullopt}});
   petsc::Matrix D = fem::assemble_step_operator(body.space, body.scene.materials, 0.1);
   petsc::Vector x = test::smooth(body.space, 2), whole = petsc::zero_like(x), cut = petsc::zero_like(x);
   clamped.clear(x);

@@ -1,5 +1,5 @@
 #pragma once
-#include "problem.h"
+#include "app/problem.h"
 #include "recorded.h"
 #include <cmath>
 #include <filesystem>
@@ -12,7 +12,8 @@ inline scene::Scene parse(const std::filesystem::path& file, const std::vector<s
   return scene::parse(scene::read(file), file, overrides);
 }
 
-/// A file of the checkout, whose place main.cpp alone is compiled with: other files compile alike in any checkout.
+/// A file of the checkout, whose place main.cpp alone is compiled with: other files compile alike in any
+/// checkout.
 std::filesystem::path source(const std::string& file);
 
 /// A scene of the repository made ready, with its derivative machinery.
@@ -38,7 +39,8 @@ inline petsc::Vector smooth(const fem::Space& space, int which) {
     const double* p = &space.points()[static_cast<std::size_t>(3 * node)];
     for (int c = 0; c < space.dim(); ++c)
       values[static_cast<std::size_t>(node * space.dim() + c)] =
-          std::sin(1.3 * p[0] - 0.7 * p[1] + 0.9 * p[2] + which + 1.1 * c) + 0.2 * which * std::cos(2.1 * p[1]);
+          std::sin(1.3 * p[0] - 0.7 * p[1] + 0.9 * p[2] + which + 1.1 * c) +
+          0.2 * which * std::cos(2.1 * p[1]);
   }
   return x;
 }

@@ -2,9 +2,9 @@
 #include "fixtures.h"
 #include "forward/extrapolation.h"
 #include "forward/invariants.h"
+#include <array>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
-#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -190,15 +190,17 @@ TEST_CASE("energy and momentum hold with moving clamps, tractions and contact", 
 }
 
 TEST_CASE("clamps have the velocity of their motion at all times", "[forward]") {
-  // They stop within a step, after which neither they nor the body shake; with massless contact, and stabilized, too.
+  // They stop within a step, after which neither they nor the body shake; with massless contact, and
+  // stabilized, too.
   for (const std::vector<std::string>& more :
        {std::vector<std::string>{}, {"time.scheme=contact-stabilized"}, {"contact.mass=massless"}}) {
-    std::vector<std::string> overrides{"clamp=[{on=\"rest\", value=[\"0.05*sin(9*min(t, 0.145))\", \"-0.3*min(t, 0.145)\"]}]",
-                                       "initial={displacement=[\"0\", \"0\"]}", "material.viscosity.shear=5"};
+    std::vector<std::string> overrides{
+        "clamp=[{on=\"rest\", value=[\"0.05*sin(9*min(t, 0.145))\", \"-0.3*min(t, 0.145)\"]}]",
+        "initial={displacement=[\"0\", \"0\"]}", "material.viscosity.shear=5"};
     overrides.insert(overrides.end(), more.begin(), more.end());
     const test::Ready ready("tests/data/block.toml", overrides);
     const test::Recorded motion = run(ready);
-    const fem::Clamped& clamped = ready.problem.stepper.clamped();
+    const fem::DirichletDofs& clamped = ready.problem.stepper.clamped();
     double energy = 0;
     for (std::size_t k = 0; k < motion.v.size(); ++k) {
       const double t = 0.02 * static_cast<double>(k);
@@ -207,8 +209,10 @@ TEST_CASE("clamps have the velocity of their motion at all times", "[forward]") 
         const petsc::ReadArray v(motion.v[k]);
         for (int node = 0; node < ready.problem.space.owned_nodes(); ++node)
           if (clamped.contains(node, 0)) {
-            worst = std::max(worst, std::abs(v[static_cast<std::size_t>(2 * node)] - (t < 0.145 ? 0.45 * std::cos(9 * t) : 0)));
-            worst = std::max(worst, std::abs(v[static_cast<std::size_t>(2 * node + 1)] + (t < 0.145 ? 0.3 : 0)));
+            worst = std::max(worst, std::abs(v[static_cast<std::size_t>(2 * node)] -
+                                             (t < 0.145 ? 0.45 * std::cos(9 * t) : 0)));
+            worst =
+                std::max(worst, std::abs(v[static_cast<std::size_t>(2 * node + 1)] + (t < 0.145 ? 0.3 : 0)));
           }
       }
       MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
@@ -237,9 +241,11 @@ TEST_CASE("an initial velocity written down is kept where clamps move, and must 
                     Catch::Matchers::ContainsSubstring("initial.velocity: found a difference of 0.01"));
 }
 
-TEST_CASE("the force of a frictionless plane is normal to it, also where clamps hold a component", "[forward]") {
+TEST_CASE("the force of a frictionless plane is normal to it, also where clamps hold a component",
+          "[forward]") {
   const test::Ready ready("tests/data/block.toml",
-                          {"clamp=[{on=\"bottom\", components=[\"x\"], value=[\"0.1*t\"]}]", "initial={displacement=[\"0\", \"0\"]}"});
+                          {"clamp=[{on=\"bottom\", components=[\"x\"], value=[\"0.1*t\"]}]",
+                           "initial={displacement=[\"0\", \"0\"]}"});
   const test::Recorded motion = run(ready);
   int touched = 0;
   double energy = 0;
@@ -276,14 +282,18 @@ TEST_CASE("initial states that a clamp or an obstacle forbids are refused", "[fo
   CHECK_THROWS_AS(test::Ready("tests/data/block.toml", {"contact.obstacle.point=[0, 0.1]"}), UserError);
   // Of all candidates the first alone, and the last.
   using Catch::Matchers::ContainsSubstring;
-  CHECK_THROWS_WITH(test::Ready("tests/data/block.toml", {"contact.obstacle={shape=\"half-space\", point=[0.1, 0], normal=[1, 0.2]}"}),
+  CHECK_THROWS_WITH(test::Ready("tests/data/block.toml",
+                                {"contact.obstacle={shape=\"half-space\", point=[0.1, 0], normal=[1, 0.2]}"}),
                     ContainsSubstring("at (0, 0, 0) starts"));
-  CHECK_THROWS_WITH(test::Ready("tests/data/block.toml", {"contact.obstacle={shape=\"half-space\", point=[0.9, 0], normal=[-1, 0.2]}"}),
-                    ContainsSubstring("at (1, 0, 0) starts"));
+  CHECK_THROWS_WITH(
+      test::Ready("tests/data/block.toml",
+                  {"contact.obstacle={shape=\"half-space\", point=[0.9, 0], normal=[-1, 0.2]}"}),
+      ContainsSubstring("at (1, 0, 0) starts"));
 }
 
 TEST_CASE("a solution that is not finite ends the run with its step", "[forward]") {
-  for (const char* scene : {"tests/data/block.toml", "tests/data/manufactured.toml"}) { // with contact and without
+  for (const char* scene :
+       {"tests/data/block.toml", "tests/data/manufactured.toml"}) { // with contact and without
     const test::Ready ready(scene);
     const test::Force poison([&](int k, Vec out) {
       if (k == 3)
@@ -301,15 +311,16 @@ TEST_CASE("a solution that is not finite ends the run with its step", "[forward]
 
 TEST_CASE("the velocity of clamps is known at any step, whatever was asked before", "[forward]") {
   const test::Ready ready("tests/data/manufactured.toml",
-                          {"clamp=[{on=\"boundary\", value=[\"0.3*t^2\", \"0.2*x*t\"]}]", "initial.velocity=[\"0\", \"0.2*x\"]",
-                           "load.body=[\"0\", \"0\"]"});
+                          {"clamp=[{on=\"boundary\", value=[\"0.3*t^2\", \"0.2*x*t\"]}]",
+                           "initial.velocity=[\"0\", \"0.2*x\"]", "load.body=[\"0\", \"0\"]"});
   const forward::Stepper& stepper = ready.problem.stepper;
   REQUIRE(stepper.motion());
   petsc::Vector exact = ready.problem.space.vector(), moving = ready.problem.space.vector();
   for (const int k : {4, 1, 0, 3}) {
     (void)stepper.motion()->position(2);
     const double t = stepper.scheme().time(k);
-    ready.problem.space.interpolate(scene::Field({fmt::format("{:.17g}", 0.6 * t), "0.2*x"}, "test", false), 0, moving);
+    ready.problem.space.interpolate(scene::Field({fmt::format("{:.17g}", 0.6 * t), "0.2*x"}, "test", false),
+                                    0, moving);
     check(VecZeroEntries(exact));
     stepper.motion()->copy(moving, exact);
     CHECK(test::difference(stepper.motion()->velocity(k), exact) < 1e-9);
@@ -336,7 +347,8 @@ TEST_CASE("the margins of a motion are those of the step that is nearest to othe
 }
 
 TEST_CASE("a plane that meets a body is a body that meets the plane", "[forward]") {
-  // Seen from a frame that moves at (0.3, 0.7) m/s nothing else changes: the body is free, its load is constant.
+  // Seen from a frame that moves at (0.3, 0.7) m/s nothing else changes: the body is free, its load is
+  // constant.
   for (const char* solver : {"solver.vi=condensed", "solver.vi=full", "solver.linear=iterative"}) {
     const test::Ready rest("tests/data/block.toml", {solver, "initial.velocity=[\"0.2\", \"-1\"]"}),
         moving("tests/data/block.toml", {solver, "initial.velocity=[\"0.5\", \"-0.3\"]",
@@ -348,9 +360,11 @@ TEST_CASE("a plane that meets a body is a body that meets the plane", "[forward]
     for (std::size_t k = 0; k < a.contact.size(); ++k) {
       const double t = rest.problem.stepper.scheme().time(static_cast<int>(k));
       rest.problem.space.interpolate(
-          scene::Field({fmt::format("{:.17g}", 0.3 * t), fmt::format("{:.17g}", 0.7 * t)}, "test", false), 0, shift);
+          scene::Field({fmt::format("{:.17g}", 0.3 * t), fmt::format("{:.17g}", 0.7 * t)}, "test", false), 0,
+          shift);
       check(VecAXPY(shift, 1, a.y[k]));
-      CHECK(test::difference(shift, b.y[k]) < (rest.problem.stepper.solver().tolerance() > 0 ? 1e-10 : 1e-13));
+      CHECK(test::difference(shift, b.y[k]) <
+            (rest.problem.stepper.solver().tolerance() > 0 ? 1e-10 : 1e-13));
       CHECK(a.contact[k].active == b.contact[k].active);
       touched += a.contact[k].count(contact::Status::strong) > 0;
       for (std::size_t i = 0; i < a.contact[k].lambda.size(); ++i) {
@@ -375,9 +389,9 @@ TEST_CASE("a plane that meets a body is a body that meets the plane", "[forward]
 TEST_CASE("contact where a clamp holds one component, at rest or moving", "[forward]") {
   for (const auto& [motion, velocity] : {std::pair{"0", "0"}, {"0.3*t", "0.3"}}) {
     const auto with = [&](const char* solver) {
-      return std::vector<std::string>{solver, "contact.on=boundary",
-                                      fmt::format("initial.velocity=[\"{}\", \"-1\"]", velocity),
-                                      fmt::format("clamp=[{{on=\"left\", components=[\"x\"], value=[\"{}\"]}}]", motion)};
+      return std::vector<std::string>{
+          solver, "contact.on=boundary", fmt::format("initial.velocity=[\"{}\", \"-1\"]", velocity),
+          fmt::format("clamp=[{{on=\"left\", components=[\"x\"], value=[\"{}\"]}}]", motion)};
     };
     const test::Ready condensed("tests/data/block.toml", with("solver.vi=condensed")),
         full("tests/data/block.toml", with("solver.vi=full")),
@@ -425,9 +439,14 @@ TEST_CASE("a stiff body without a clamp lands without the contact set cycling", 
 
 TEST_CASE("a body that is pressed onto the plane in equilibrium stays there", "[forward]") {
   // Plane strain under a pressure p on its top, free to widen: uniform strains, which the mesh has exactly.
-  const double p = 2, young = 50, poisson = 0.3, tall = -p * (1 - poisson * poisson) / young, wide = p * poisson * (1 + poisson) / young;
-  for (const std::vector<std::string>& solver : std::vector<std::vector<std::string>>{
-           {"solver.vi=condensed"}, {"solver.vi=full"}, {"solver.linear=iterative"}, {"contact.mass=massless"}, {"time.scheme=contact-stabilized"}}) {
+  const double p = 2, young = 50, poisson = 0.3, tall = -p * (1 - poisson * poisson) / young,
+               wide = p * poisson * (1 + poisson) / young;
+  for (const std::vector<std::string>& solver :
+       std::vector<std::vector<std::string>>{{"solver.vi=condensed"},
+                                             {"solver.vi=full"},
+                                             {"solver.linear=iterative"},
+                                             {"contact.mass=massless"},
+                                             {"time.scheme=contact-stabilized"}}) {
     std::vector<std::string> overrides = solver;
     for (const std::string& setting :
          {std::string("contact.obstacle.point=[0, 0]"), std::string("contact.obstacle.normal=[0, 1]"),
@@ -437,12 +456,15 @@ TEST_CASE("a body that is pressed onto the plane in equilibrium stays there", "[
     const test::Ready ready("tests/data/block.toml", overrides);
     const test::Recorded trajectory = run(ready);
     REQUIRE(trajectory.steps == 30);
-    // Solvers leave their tolerance of each step's displacement, and rounding the digits that a step's stiffness takes.
-    const double size = test::largest(trajectory.y.front()), off = solver.front() == "solver.vi=full" ? 1e-7 : 1e-9;
+    // Solvers leave their tolerance of each step's displacement, and rounding the digits that a step's
+    // stiffness takes.
+    const double size = test::largest(trajectory.y.front()),
+                 off = solver.front() == "solver.vi=full" ? 1e-7 : 1e-9;
     CHECK(size > 0.03);
     for (std::size_t k = 1; k < trajectory.y.size(); ++k) {
       CHECK(test::difference(trajectory.y[k], trajectory.y.front()) < off * size);
-      CHECK(trajectory.contact[k].count(contact::Status::strong) == ready.problem.stepper.constraints()->count());
+      CHECK(trajectory.contact[k].count(contact::Status::strong) ==
+            ready.problem.stepper.constraints()->count());
       CHECK(std::abs(trajectory.balance[k].contact_force[1] / p - 1) < off);
     }
   }
@@ -459,11 +481,13 @@ TEST_CASE("the next state is guessed by the parabola through the last three", "[
     check(VecAXPY(x, square * k * k, c));
     return x;
   };
-  forward::Extrapolation guesses(ready.problem.stepper), copy(ready.problem.stepper), none(direct.problem.stepper);
+  forward::Extrapolation guesses(ready.problem.stepper), copy(ready.problem.stepper),
+      none(direct.problem.stepper);
   petsc::Vector out = petsc::copy(c);
   guesses.guess(out);
   CHECK(test::difference(out, c) == 0); // nothing is known
-  for (const auto& [linear, square] : {std::pair{0.0, 0.0}, {1.0, 0.0}, {-0.3, 0.2}}) { // one, two, three are known
+  for (const auto& [linear, square] :
+       {std::pair{0.0, 0.0}, {1.0, 0.0}, {-0.3, 0.2}}) { // one, two, three are known
     guesses.forget();
     const int known = 1 + (linear != 0) + (square != 0);
     for (int k = 0; k < known; ++k)
@@ -569,7 +593,8 @@ TEST_CASE("defects of a motion are weighed by what the run has seen", "[forward]
 TEST_CASE("clamps that move strain a body as they say, from node to node", "[forward]") {
   // A homogeneous strain at a constant rate needs no force, and Newmark's scheme is exact.
   const test::Ready ready("tests/data/manufactured.toml",
-                          {"load.body=[\"0\", \"0\"]", "clamp=[{on=\"boundary\", value=[\"(0.3*x - 0.1*y)*t\", \"0.2*x*t\"]}]",
+                          {"load.body=[\"0\", \"0\"]",
+                           "clamp=[{on=\"boundary\", value=[\"(0.3*x - 0.1*y)*t\", \"0.2*x*t\"]}]",
                            "initial.velocity=[\"0.3*x - 0.1*y\", \"0.2*x\"]"});
   const test::Recorded trajectory = run(ready);
   petsc::Vector exact = ready.problem.space.vector();
@@ -580,9 +605,10 @@ TEST_CASE("clamps that move strain a body as they say, from node to node", "[for
   }
   CHECK(test::largest(exact) > 0.05);
   // What is not written of the initial velocity is that of the clamps, and rest within.
-  const test::Ready started("tests/data/manufactured.toml",
-                            {"load.body=[\"0\", \"0\"]", "initial={displacement=[\"0\", \"0\"]}",
-                             "clamp=[{on=\"boundary\", value=[\"(0.3*x - 0.1*y)*t + 2*t^2\", \"0.2*x*t\"]}]"});
+  const test::Ready started(
+      "tests/data/manufactured.toml",
+      {"load.body=[\"0\", \"0\"]", "initial={displacement=[\"0\", \"0\"]}",
+       "clamp=[{on=\"boundary\", value=[\"(0.3*x - 0.1*y)*t + 2*t^2\", \"0.2*x*t\"]}]"});
   ready.problem.space.interpolate(scene::Field({"0.3*x - 0.1*y", "0.2*x"}, "test", false), 0, exact);
   petsc::Vector inside = petsc::copy(exact);
   ready.problem.stepper.clamped().clear(inside);
@@ -622,12 +648,13 @@ TEST_CASE("the scale of the momentum balance adds the moduli of its terms", "[fo
   petsc::Vector change = product(stepper.M(), v1), pushes = space.vector();
   check(VecAXPY(change, -1, product(stepper.M(), v0)));
   stepper.constraints()->add_normal(-1 / stepper.scheme().impulse(), contact.lambda, pushes);
-  const double exact = length_of_sum(change) / tau + length_of_sum(product(*ready.problem.operators.W, density)) +
-                       length_of_sum(pushes) + all(product(ready.problem.operators.A, y1)) +
-                       all(product(stepper.M(), v1)) / tau;
+  const double exact = length_of_sum(change) / tau +
+                       length_of_sum(product(*ready.problem.operators.W, density)) + length_of_sum(pushes) +
+                       all(product(ready.problem.operators.A, y1)) + all(product(stepper.M(), v1)) / tau;
   forward::Balance weigh(stepper);
   (void)weigh({0, nullptr, nullptr, {}, y0, v0, contact, false});
   const forward::StepBalance balance = weigh({1, y0, v0, {{.density = density}}, y1, v1, contact, true});
   CHECK(std::abs(balance.momentum_scale / exact - 1) < 1e-12);
-  CHECK(std::abs(std::hypot(balance.contact_force[0], balance.contact_force[1]) / length_of_sum(pushes) - 1) < 1e-12);
+  CHECK(std::abs(std::hypot(balance.contact_force[0], balance.contact_force[1]) / length_of_sum(pushes) - 1) <
+        1e-12);
 }

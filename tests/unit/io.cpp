@@ -98,13 +98,16 @@ TEST_CASE("points are found among the same in another order, and with other last
 
     std::vector<double> moved = there, twice = there;
     moved[dim] += 1e-6; // one point, which one rank alone misses: all of them refuse
-    CHECK_THROWS_WITH(io::match_points(space, moved, space.points(), refuse), ContainsSubstring("refused: found no point at ("));
+    CHECK_THROWS_WITH(io::match_points(space, moved, space.points(), refuse),
+                      ContainsSubstring("refused: found no point at ("));
     std::copy_n(there.begin(), dim, twice.begin() + static_cast<std::ptrdiff_t>(dim));
-    CHECK_THROWS_WITH(io::match_points(space, twice, space.points(), refuse), ContainsSubstring("found two points at ("));
+    CHECK_THROWS_WITH(io::match_points(space, twice, space.points(), refuse),
+                      ContainsSubstring("found two points at ("));
   }
 }
 
-TEST_CASE("a field that was stored is read as it was, linear between its times, in any order of them", "[io]") {
+TEST_CASE("a field that was stored is read as it was, linear between its times, in any order of them",
+          "[io]") {
   const Folder folder;
   for (const char* scene : {"tests/data/block.toml", "tests/data/cube.toml"}) {
     const test::Ready ready(scene);
@@ -128,16 +131,20 @@ TEST_CASE("a field that was stored is read as it was, linear between its times, 
     petsc::check(VecAXPBY(mean, 0.4, 0.6, test::smooth(space, 4)));
     CHECK(test::difference(read, mean) < 1e-14 * test::largest(mean));
 
-    const auto opened = [&](const std::string& name, double end) { io::StoredField(space, stored, name, "key", end); };
+    const auto opened = [&](const std::string& name, double end) {
+      io::StoredField(space, stored, name, "key", end);
+    };
     CHECK_THROWS_WITH(opened("velocity", 1), ContainsSubstring("found no field \"velocity\""));
     CHECK_THROWS_WITH(opened("displacement", 1.1), ContainsSubstring("from 0 to 1 s"));
     const test::Ready other(scene, {"mesh.size=0.2"});
-    CHECK_THROWS_WITH(io::StoredField(other.problem.space, stored, "displacement", "key", 1), ContainsSubstring("allowed is the mesh of this scene"));
+    CHECK_THROWS_WITH(io::StoredField(other.problem.space, stored, "displacement", "key", 1),
+                      ContainsSubstring("allowed is the mesh of this scene"));
     const std::string whole = content(stored);
     MPI_Barrier(space.comm());
     for (const std::size_t length : {std::size_t{0}, whole.size() / 2, whole.size() - 1}) {
       overwrite(stored, whole.substr(0, length));
-      CHECK_THROWS_WITH(opened("displacement", 1), ContainsSubstring("key: ") && ContainsSubstring("state.h5: "));
+      CHECK_THROWS_WITH(opened("displacement", 1),
+                        ContainsSubstring("key: ") && ContainsSubstring("state.h5: "));
     }
   }
 }
@@ -153,14 +160,17 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
       forward::Balance weigh(problem.stepper);
       std::vector<forward::StepBalance> balance;
       std::vector<contact::ContactState> states;
-      forward::stream(problem.stepper, problem.initial, problem.load(), problem.steps(), [&](const forward::Frame& frame) {
-        balance.push_back(weigh(frame));
-        states.push_back(frame.contact);
-        invariants.observe(frame, balance.back());
-        io::add_steps_row(steps, frame.k, problem.stepper.scheme().time(frame.k), dim, balance.back(), invariants, frame.contact,
-                          tracking ? std::optional(1.0 / (frame.k + 3)) : std::nullopt);
-        io::add_contact_rows(contact, frame.k, problem.stepper.scheme(), constraints, frame.contact);
-      });
+      forward::integrate(problem.stepper, problem.initial, problem.load(), problem.steps(),
+                         [&](const forward::Frame& frame) {
+                           balance.push_back(weigh(frame));
+                           states.push_back(frame.contact);
+                           invariants.observe(frame, balance.back());
+                           io::add_steps_row(steps, frame.k, problem.stepper.scheme().time(frame.k), dim,
+                                             balance.back(), invariants, frame.contact,
+                                             tracking ? std::optional(1.0 / (frame.k + 3)) : std::nullopt);
+                           io::add_contact_rows(contact, frame.k, problem.stepper.scheme(), constraints,
+                                                frame.contact);
+                         });
       const auto rows = cells(steps), candidates = cells(contact);
       const auto m = static_cast<std::size_t>(constraints.count());
       REQUIRE(rows.size() == balance.size() + 1);
@@ -173,14 +183,16 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
       for (std::size_t k = 0; k < balance.size(); ++k) {
         CHECK(number(rows, k, "step") == static_cast<double>(k));
         CHECK(number(rows, k, "kinetic_energy") == balance[k].kinetic_energy);
-        CHECK(number(rows, k, dim == 3 ? "contact_force_z" : "contact_force_y") == balance[k].contact_force[static_cast<std::size_t>(dim) - 1]);
+        CHECK(number(rows, k, dim == 3 ? "contact_force_z" : "contact_force_y") ==
+              balance[k].contact_force[static_cast<std::size_t>(dim) - 1]);
         CHECK(number(rows, k, "active") == static_cast<double>(states[k].active.size()));
         CHECK(number(rows, k, "min_gap") == std::ranges::min(states[k].gap));
         if (tracking)
           CHECK(number(rows, k, "tracking_error") == 1.0 / (static_cast<double>(k) + 3));
         for (std::size_t i = 0; i < m; ++i) {
           CHECK(number(candidates, k * m + i, "gap") == states[k].gap[i]);
-          CHECK(number(candidates, k * m + i, "force") == states[k].lambda[i] / problem.stepper.scheme().impulse());
+          CHECK(number(candidates, k * m + i, "force") ==
+                states[k].lambda[i] / problem.stepper.scheme().impulse());
           CHECK(number(candidates, k * m + i, "x") == constraints.points()[3 * i]);
           pushed += states[k].lambda[i] > 0;
         }
@@ -188,7 +200,8 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
       CHECK(pushed > 0);
     }
   }
-  const std::vector<io::HistoryRow> history{{.objective = 0.1, .gradient_norm = 1e-300}, {.iteration = 1, .objective = 1.0 / 3, .forward_sweeps = 7}};
+  const std::vector<io::HistoryRow> history{{.objective = 0.1, .gradient_norm = 1e-300},
+                                            {.iteration = 1, .objective = 1.0 / 3, .forward_sweeps = 7}};
   const auto rows = cells(io::history_table(history));
   REQUIRE(rows.size() == 3);
   CHECK(rows[1].size() == rows[0].size());
@@ -201,7 +214,9 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
 TEST_CASE("run.json tells what the run was, and nothing that it had not", "[io]") {
   const scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
   Timers timers;
-  { const auto timer = timers.time("forward"); }
+  {
+    const auto timer = timers.time("forward");
+  }
   io::Manifest manifest;
   manifest.verb = "optimize";
   manifest.ranks = 3;
@@ -274,7 +289,8 @@ Pieces read(const control::ControlSpace& controls, const fs::path& file) {
 
 /// Whether they are the same to the last bit. Collective.
 bool same(const Pieces& a, const Pieces& b) {
-  bool equal = a.value == b.value && a.numbers == b.numbers && a.none == b.none && a.text == b.text && a.u->count() == b.u->count();
+  bool equal = a.value == b.value && a.numbers == b.numbers && a.none == b.none && a.text == b.text &&
+               a.u->count() == b.u->count();
   for (int k = 1; k <= a.u->count(); ++k)
     equal = test::difference(a.u->at(k), b.u->at(k)) == 0 && equal;
   return equal;
@@ -286,9 +302,12 @@ TEST_CASE("a checkpoint is read as it was written, and where it is damaged not a
   const Folder folder;
   const fs::path file = folder.path / "checkpoint.h5";
   for (const std::vector<std::string>& overrides :
-       {std::vector<std::string>{"time.end=0.1"}, {"time.end=0.1", "control.on=rest", "control.components=[\"y\"]", "objective.desired={displacement=[\"0\", \"0\"]}"}}) {
+       {std::vector<std::string>{"time.end=0.1"},
+        {"time.end=0.1", "control.on=rest", "control.components=[\"y\"]",
+         "objective.desired={displacement=[\"0\", \"0\"]}"}}) {
     const test::Ready ready("tests/data/block.toml", overrides);
-    const control::ControlSpace controls(ready.problem.space, ready.problem.operators, ready.problem.stepper.scheme(), ready.problem.steps(),
+    const control::ControlSpace controls(ready.problem.space, ready.problem.operators,
+                                         ready.problem.stepper.scheme(), ready.problem.steps(),
                                          *ready.scene.control);
     Pieces pieces;
     pieces.u = std::make_shared<const control::Control>(some(controls));
@@ -322,9 +341,11 @@ TEST_CASE("a checkpoint is read as it was written, and where it is damaged not a
     std::vector<std::string> finer = overrides;
     finer.push_back("mesh.size=0.2");
     const test::Ready other("tests/data/block.toml", finer);
-    const control::ControlSpace elsewhere(other.problem.space, other.problem.operators, other.problem.stepper.scheme(), other.problem.steps(),
+    const control::ControlSpace elsewhere(other.problem.space, other.problem.operators,
+                                          other.problem.stepper.scheme(), other.problem.steps(),
                                           *other.scene.control);
-    CHECK_THROWS_WITH(read(elsewhere, file), ContainsSubstring("allowed is the mesh of the run that wrote it"));
+    CHECK_THROWS_WITH(read(elsewhere, file),
+                      ContainsSubstring("allowed is the mesh of the run that wrote it"));
     CHECK(same(read(controls, file), pieces));
   }
 }

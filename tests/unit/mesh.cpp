@@ -1,6 +1,6 @@
 #include "base/collective.h"
 #include "base/error.h"
-#include "base/own_process.h"
+#include "base/subprocess.h"
 #include "fixtures.h"
 #include "mesh/gmsh_model.h"
 #include <catch2/catch_test_macros.hpp>
@@ -179,7 +179,8 @@ TEST_CASE("surface groups hold their nodes once, on any number of ranks", "[mesh
 
 TEST_CASE("a .msh is read as a mesh alone, whatever it is called and whatever lies beside it", "[mesh]") {
   namespace fs = std::filesystem;
-  const fs::path folder = fs::temp_directory_path() / fmt::format("signorini-msh-{}-{}", getpid(), rank(MPI_COMM_WORLD));
+  const fs::path folder =
+      fs::temp_directory_path() / fmt::format("signorini-msh-{}-{}", getpid(), rank(MPI_COMM_WORLD));
   fs::create_directory(folder);
   const fs::path trace = folder / "trace";
   const std::string command = fmt::format("SystemCall \"touch '{}'\";\n", trace.string());
@@ -191,8 +192,11 @@ TEST_CASE("a .msh is read as a mesh alone, whatever it is called and whatever li
     std::ofstream(folder / name) << text;
     return folder / name;
   };
-  const auto cells = [](const fs::path& file) { return mesh::read_gmsh({.file = file, .size = {}}).cells.size() / 3; };
-  // A script is one in a .geo, and in the options that gmsh takes with a file of this name: the commands work.
+  const auto cells = [](const fs::path& file) {
+    return mesh::read_gmsh({.file = file, .size = {}}).cells.size() / 3;
+  };
+  // A script is one in a .geo, and in the options that gmsh takes with a file of this name: the commands
+  // work.
   (void)write("square.geo.opt", command);
   fs::copy_file(test::source("tests/data/square.geo"), folder / "square.geo");
   CHECK(mesh::read_gmsh({.file = folder / "square.geo", .size = 0.5}).dim == 2);
@@ -201,10 +205,10 @@ TEST_CASE("a .msh is read as a mesh alone, whatever it is called and whatever li
   CHECK(cells(write("mesh.msh", mesh)) == 1);
   CHECK(cells(write("a b'$(touch trace).msh", mesh)) == 1);
   CHECK(cells(write("comments.msh", "$Comments\n" + command + "$EndComments\n" + mesh)) == 1);
-  for (const std::string& text : {command + mesh, command + "$EndElements\n", "\n" + command + mesh, "$MeshFormats\n" + command + mesh,
-                                  std::string()})
-    CHECK_THROWS_WITH(cells(write("hostile.msh", text)),
-                      ContainsSubstring("hostile.msh: not a .msh file") && ContainsSubstring("first line is $MeshFormat"));
+  for (const std::string& text : {command + mesh, command + "$EndElements\n", "\n" + command + mesh,
+                                  "$MeshFormats\n" + command + mesh, std::string()})
+    CHECK_THROWS_WITH(cells(write("hostile.msh", text)), ContainsSubstring("hostile.msh: not a .msh file") &&
+                                                             ContainsSubstring("first line is $MeshFormat"));
   CHECK_FALSE(fs::exists(trace));
   fs::remove_all(folder);
 }
@@ -217,6 +221,6 @@ TEST_CASE("a file that makes gmsh crash is refused by one sentence", "[mesh]") {
       CHECK_THROWS_AS(mesh::read_gmsh({.file = entry.path(), .size = {}}), UserError);
     }
   CHECK(found > 0);
-  CHECK(in_own_process([] { return std::string("whole"); }) == "whole");
-  CHECK_FALSE(in_own_process([]() -> std::string { std::abort(); }));
+  CHECK(in_subprocess([] { return std::string("whole"); }) == "whole");
+  CHECK_FALSE(in_subprocess([]() -> std::string { std::abort(); }));
 }

@@ -50,7 +50,7 @@ struct Walls {
   scene::Scene scene;
   mesh::Mesh mesh;
   fem::Space space;
-  fem::Clamped clamped;
+  fem::DirichletDofs clamped;
   petsc::Matrix D;
   contact::Constraints constraints;
 
@@ -456,7 +456,8 @@ TEST_CASE("a candidate whose twin carries the force is not weak", "[contact]") {
 }
 
 TEST_CASE("the obstacles of a node follow each other in their order, at many nodes too", "[contact]") {
-  const Walls walls(half_space("bottom", "[0, -0.1]", "[0, 1]") + half_space("bottom", "[0, -0.2]", "[0.1, 1]") +
+  const Walls walls(half_space("bottom", "[0, -0.1]", "[0, 1]") +
+                        half_space("bottom", "[0, -0.2]", "[0.1, 1]") +
                         half_space("bottom", "[0, -0.3]", "[0.2, 1]"),
                     "block.toml", {"mesh.size=0.02"});
   const contact::Constraints& constraints = walls.constraints;
@@ -471,8 +472,9 @@ TEST_CASE("the obstacles of a node follow each other in their order, at many nod
 
 TEST_CASE("a node that clamps hold wholly is no candidate and needs no plane", "[contact]") {
   // At the corner (0, 0) the level set has no slope.
-  const std::string nowhere = "{ on = \"boundary\", obstacle = { shape = \"signed-distance\", distance = \"x^2 + y^2 + "
-                              "0.01\" } },";
+  const std::string nowhere =
+      "{ on = \"boundary\", obstacle = { shape = \"signed-distance\", distance = \"x^2 + y^2 + "
+      "0.01\" } },";
   CHECK_THROWS_WITH(Walls(nowhere), ContainsSubstring("no slope") && ContainsSubstring("(0, 0, 0)"));
   const Walls walls(nowhere, "block.toml", {"clamp=[{on=\"bottom\"}]"});
   CHECK(walls.constraints.count() == 16 - 5);

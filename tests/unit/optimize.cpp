@@ -2,11 +2,11 @@
 #include "optimize/newton_cg.h"
 #include "optimize/projected_gradient.h"
 #include <algorithm>
+#include <catch2/catch_test_macros.hpp>
 #include <functional>
 #include <map>
 #include <numeric>
 #include <random>
-#include <catch2/catch_test_macros.hpp>
 #include <utility>
 #include <vector>
 
@@ -59,7 +59,7 @@ struct Bounded {
     for (double& x : u.x)
       x = std::clamp(x, lower, upper);
   }
-  void hold(Point& v, const Point& u, const Point& d) const {
+  void zero_blocked(Point& v, const Point& u, const Point& d) const {
     for (std::size_t i = 0; i < v.x.size(); ++i)
       if ((u.x[i] <= lower && d.x[i] < 0) || (u.x[i] >= upper && d.x[i] > 0))
         v.x[i] = 0;
@@ -104,7 +104,8 @@ struct Quadratic : Bounded {
   }
 };
 
-/// A quadratic whose Hessian at the first guess is wrong by a factor, as that of contact which is about to change.
+/// A quadratic whose Hessian at the first guess is wrong by a factor, as that of contact which is about to
+/// change.
 struct Misleading : Quadratic {
   double factor = 1;
   bool misled = false;
@@ -116,8 +117,8 @@ struct Misleading : Quadratic {
   }
 };
 
-/// Σ c_i √(1 + (x_i − t_i)²), ever flatter away from t, so that Newton's step from there is much too long; outside of a
-/// radius a solver fails.
+/// Σ c_i √(1 + (x_i − t_i)²), ever flatter away from t, so that Newton's step from there is much too long;
+/// outside of a radius a solver fails.
 struct Fragile : Quadratic {
   double radius = 10;
   int failures = 0, last = 1'000'000; ///< evaluations after the last one fail too
@@ -341,9 +342,11 @@ struct InOtherUnits {
   }
   double inner(const Point& a, const Point& b) const { return given.inner(a, b); }
   Point dual(const Point& u) const { return given.dual(u); }
-  static std::vector<double> pairings(const Point& a, std::span<const optimize::Shared<Point>> b) { return P::pairings(a, b); }
+  static std::vector<double> pairings(const Point& a, std::span<const optimize::Shared<Point>> b) {
+    return P::pairings(a, b);
+  }
   void project(Point& u) const { bounds().project(u); }
-  void hold(Point& v, const Point& u, const Point& d) const { bounds().hold(v, u, d); }
+  void zero_blocked(Point& v, const Point& u, const Point& d) const { bounds().zero_blocked(v, u, d); }
   [[nodiscard]] Bounded bounds() const { return {{}, c * given.lower, c * given.upper, {}, {}}; }
 };
 
@@ -357,9 +360,9 @@ const Point start{{0, 0, 0, 5}};
 enum class Method { projected_gradient, lbfgs, newton_cg };
 constexpr Method methods[] = {Method::projected_gradient, Method::lbfgs, Method::newton_cg};
 
-template <class P, class Keeper = optimize::NoKeeper>
-optimize::Ending<Point> search(Method method, P& problem, const Point& from, const optimize::Options& options,
-                               Record& record, const Keeper& keeper = {}) {
+template <class P, class Checkpointer = optimize::NoCheckpointer>
+optimize::Result<Point> search(Method method, P& problem, const Point& from, const optimize::Options& options,
+                               Record& record, const Checkpointer& keeper = {}) {
   switch (method) {
   case Method::lbfgs:
     return optimize::lbfgs(problem, from, options, record, keeper);
@@ -376,9 +379,11 @@ optimize::Stop minimise(Method method, P& problem, const Point& from, const opti
   return search(method, problem, from, options, record).stop;
 }
 
-/// That a search went down to a kink, that its certificate is what it says, by the gradients at its points, and that J, which is
-/// convex, is nowhere near as low as the tolerance, relative to the first norm, tells apart.
-void require_certified(Pieces& problem, const optimize::Ending<Point>& ending, const Record& record, double tolerance) {
+/// That a search went down to a kink, that its certificate is what it says, by the gradients at its points,
+/// and that J, which is convex, is nowhere near as low as the tolerance, relative to the first norm, tells
+/// apart.
+void require_certified(Pieces& problem, const optimize::Result<Point>& ending, const Record& record,
+                       double tolerance) {
   REQUIRE(ending.stop == optimize::Stop::kink);
   REQUIRE(ending.certificate);
   const Point u = problem.current;
@@ -441,9 +446,11 @@ TEST_CASE("a first step that is much too long or short is repaired", "[optimize]
       Misleading problem;
       problem.factor = factor;
       Record record;
-      // Curvatures are 0.75 to 16 on the free values: 21 ln(1/tolerance) gradient steps, and one for each factor of ten.
+      // Curvatures are 0.75 to 16 on the free values: 21 ln(1/tolerance) gradient steps, and one for each
+      // factor of ten.
       const int enough = method == Method::projected_gradient ? 200 : 20;
-      const auto stop = minimise(method, problem, start, {.max_iterations = enough, .tolerance = 1e-4}, record);
+      const auto stop =
+          minimise(method, problem, start, {.max_iterations = enough, .tolerance = 1e-4}, record);
       CHECK(stop == optimize::Stop::gradient_tolerance);
       CHECK(problem.misled);
       for (std::size_t i = 0; i < problem.t.size(); ++i)
@@ -454,8 +461,8 @@ TEST_CASE("a first step that is much too long or short is repaired", "[optimize]
 
 /// That a search does the same in units of the control of `c` and of J of `k`, but for a relative difference.
 template <class P>
-void require_same(Method method, const P& given, const Point& from, const optimize::Options& options, double c, double k,
-                  double difference) {
+void require_same(Method method, const P& given, const Point& from, const optimize::Options& options,
+                  double c, double k, double difference) {
   INFO("method " << static_cast<int>(method) << ", u by " << c << ", J by " << k);
   P problem = given;
   InOtherUnits<P> other{given, c, k};
@@ -493,7 +500,8 @@ void require_same(Method method, const P& given, const Point& from, const optimi
 TEST_CASE("units of powers of two change no digit of a search", "[optimize]") {
   const double big = std::ldexp(1, 30), small = std::ldexp(1, -30);
   for (Method method : methods)
-    for (const auto& [c, k] : {std::pair{big, 1.0}, {small, 1.0}, {1.0, big}, {1.0, small}, {big, small}, {small, small}}) {
+    for (const auto& [c, k] :
+         {std::pair{big, 1.0}, {small, 1.0}, {1.0, big}, {1.0, small}, {big, small}, {small, small}}) {
       const optimize::Options options{.max_iterations = 60, .tolerance = 1e-7};
       require_same(method, Quadratic(), start, options, c, k, 0);
       require_same(method, Coupled(), Point{std::vector<double>(Coupled::n)}, options, c, k, 0);
@@ -559,8 +567,7 @@ TEST_CASE("the search says why it stopped", "[optimize]") {
           optimize::Stop::iteration_limit);
     CHECK(record.rows.size() == 3);
     Coupled exhausted;
-    const auto stop =
-        minimise(method, exhausted, origin, {.max_iterations = 2000, .tolerance = 0}, record);
+    const auto stop = minimise(method, exhausted, origin, {.max_iterations = 2000, .tolerance = 0}, record);
     // Newton's method may end exactly at the minimiser.
     CHECK((stop == optimize::Stop::no_decrease || record.rows.back().gradient_norm == 0));
     Quadratic stopped;
@@ -615,8 +622,9 @@ TEST_CASE("what is held couples to the rest: all methods end where Karush, Kuhn 
     Coupled problem;
     Record record;
     // Gradient steps: curvatures are 1 to 43.
-    const auto stop = minimise(method, problem, Point{std::vector<double>(Coupled::n)},
-                               {.max_iterations = method == Method::projected_gradient ? 600 : 60, .tolerance = 1e-6}, record);
+    const auto stop = minimise(
+        method, problem, Point{std::vector<double>(Coupled::n)},
+        {.max_iterations = method == Method::projected_gradient ? 600 : 60, .tolerance = 1e-6}, record);
     CHECK(stop == optimize::Stop::gradient_tolerance);
     const Point g = problem.derivative(problem.current);
     int held = 0;
@@ -637,7 +645,8 @@ TEST_CASE("a minimiser on a kink is found where the gradient does not vanish", "
   for (Method method : {Method::lbfgs, Method::newton_cg}) {
     Kinked problem;
     Record record;
-    const auto stop = minimise(method, problem, Point{{2, -1, 1}}, {.max_iterations = 500, .tolerance = 1e-8}, record);
+    const auto stop =
+        minimise(method, problem, Point{{2, -1, 1}}, {.max_iterations = 500, .tolerance = 1e-8}, record);
     CHECK(stop == optimize::Stop::kink);
     const double x[] = {-0.15, -0.2, 0};
     for (std::size_t i = 0; i < 3; ++i)
@@ -659,7 +668,8 @@ TEST_CASE("where many pieces meet the search ends with a certificate", "[optimiz
                                    {.max_iterations = 500, .tolerance = 1e-7}, record);
         require_certified(problem, ending, record, 1e-7);
         CHECK(record.rows.size() < 250); // 30 to 160, by the pieces that it comes by
-        const auto at_bounds = std::ranges::count_if(problem.current.x, [&](double x) { return x == problem.lower || x == problem.upper; });
+        const auto at_bounds = std::ranges::count_if(
+            problem.current.x, [&](double x) { return x == problem.lower || x == problem.upper; });
         held += at_bounds > 0;
       }
   CHECK(held >= 6); // of 12
@@ -677,14 +687,15 @@ TEST_CASE("where more pieces meet than a model keeps, what is certified is the m
       require_certified(problem, ending, record, 1e-5);
       values.push_back(record.rows.back().objective);
     }
-    // J is convex: at a distance of at most one its values differ by the lengths of the certificates, 3e-5, and what J
-    // curves within their radii, (3e-4)².
+    // J is convex: at a distance of at most one its values differ by the lengths of the certificates, 3e-5,
+    // and what J curves within their radii, (3e-4)².
     CHECK(std::abs(values[0] - values[1]) < 1e-4);
   }
 }
 
 TEST_CASE("a certificate among more pieces than a model keeps is not of nothing", "[optimize]") {
-  // Here a model that may drop the piece of the current point finds none near it, and no gradient at all to be short.
+  // Here a model that may drop the piece of the current point finds none near it, and no gradient at all to
+  // be short.
   std::vector<double> values;
   for (Method method : {Method::newton_cg, Method::lbfgs}) {
     INFO("method " << static_cast<int>(method));
@@ -709,7 +720,9 @@ struct Archive {
 struct Writer {
   Archive& archive;
   void operator()(const std::string& name, double value) { archive.numbers[name] = {value}; }
-  void operator()(const std::string& name, const std::vector<double>& values) { archive.numbers[name] = values; }
+  void operator()(const std::string& name, const std::vector<double>& values) {
+    archive.numbers[name] = values;
+  }
   void operator()(const std::string& name, const optimize::Shared<Point>& u) { archive.vectors[name] = u; }
 };
 
@@ -732,7 +745,7 @@ struct StoredAt {
   bool restore(auto& state) const {
     if (going_on) {
       Reader reader{archive};
-      state.exchange(reader);
+      state.serialize(reader);
     }
     return going_on;
   }
@@ -741,9 +754,11 @@ struct StoredAt {
     if (!due(state.iteration))
       return;
     Writer writer{archive};
-    state.exchange(writer);
+    state.serialize(writer);
   }
-  static void restored(double stored, double found) { CHECK(std::abs(stored / found - 1) < 1e-15); } // in other units
+  static void restored(double stored, double found) {
+    CHECK(std::abs(stored / found - 1) < 1e-15);
+  } // in other units
 };
 
 } // namespace
@@ -759,7 +774,8 @@ TEST_CASE("a search that was stored anywhere goes on to the last bit", "[optimiz
       const int last = whole.rows.back().number;
       REQUIRE(last > 20); // among the kinks
       for (int stored : {0, 1, 4, 11, 20}) {
-        INFO("method " << static_cast<int>(method) << ", bound " << bound << ", stored at " << stored << " of " << last);
+        INFO("method " << static_cast<int>(method) << ", bound " << bound << ", stored at " << stored
+                       << " of " << last);
         Archive archive;
         Record before, after;
         Pieces one(3, bound), other(3, bound);
@@ -771,7 +787,8 @@ TEST_CASE("a search that was stored anywhere goes on to the last bit", "[optimiz
         CHECK(end.stop == ending.stop);
         REQUIRE(after.rows.size() == static_cast<std::size_t>(last - stored));
         for (std::size_t i = 0; i < after.rows.size(); ++i) {
-          const optimize::Iteration &here = after.rows[i], &there = whole.rows[static_cast<std::size_t>(stored) + 1 + i];
+          const optimize::Iteration &here = after.rows[i],
+                                    &there = whole.rows[static_cast<std::size_t>(stored) + 1 + i];
           REQUIRE(here.number == there.number);
           REQUIRE(here.objective == there.objective);
           REQUIRE(here.gradient_norm == there.gradient_norm);
@@ -840,8 +857,8 @@ TEST_CASE("known curvature is that of the Hessian, and the least known elsewhere
   CHECK(distance(apply(axes.matrix(n), x), {2.4, -0.6, 0.25, 0.35, -0.5}) < 1e-14);
   axes.forget_oldest(); // of curvature 3
   CHECK(distance(apply(axes.matrix(n), x), {2.4, -0.1, 0.25, 0.35, -0.5}) < 1e-14);
-  // A full one, H = 2 I + G Gᵀ, by directions that are not orthogonal: B d = H d, B is symmetric and at least as large
-  // as the least of what is known.
+  // A full one, H = 2 I + G Gᵀ, by directions that are not orthogonal: B d = H d, B is symmetric and at least
+  // as large as the least of what is known.
   const std::vector<Coordinates> G{{1, 2, 0, -1, 0.5}, {0, 1, -1, 3, 2}, {0.5, 0, 1, 1, -2}};
   const auto H = [&](const Coordinates& d) {
     Coordinates y = optimize::scaled(d, 2);
@@ -865,7 +882,8 @@ TEST_CASE("known curvature is that of the Hessian, and the least known elsewhere
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < i; ++j)
       CHECK(std::abs(B[i * n + j] - B[j * n + i]) < 1e-13 * largest);
-  // Along what is orthogonal to all directions and to what they were taken to there is the least curvature alone.
+  // Along what is orthogonal to all directions and to what they were taken to there is the least curvature
+  // alone.
   optimize::Curvature two;
   two.learn({1}, {3, 1});
   two.learn({0, 1}, {1, 5, 2});
@@ -907,7 +925,8 @@ TEST_CASE("a subspace that grows holds what it was given, in orthonormal coordin
 }
 
 TEST_CASE("a line search ends where J is lower and its slope flatter, or beyond a kink", "[optimize]") {
-  // J on the line x = t d from 0, as a function of one variable; d is the steepest descent, of length `length`.
+  // J on the line x = t d from 0, as a function of one variable; d is the steepest descent, of length
+  // `length`.
   struct Line : Bounded {
     std::function<std::pair<double, double>(double)> J; ///< with its derivative
     int evaluations = 0;
@@ -927,14 +946,14 @@ TEST_CASE("a line search ends where J is lower and its slope flatter, or beyond 
   const auto parabola = [](double x) { return std::pair{(x - 1) * (x - 1), 2 * (x - 1)}; };
   const auto kink = [](double x) { return x < 1 ? std::pair{2 - x, -1.0} : std::pair{1 + 3 * (x - 1), 3.0}; };
   // Sufficient: (x − 1)² ≤ 1 − 2e-4 x up to 2 − 2e-4; flatter than 0.9: from 0.1 on.
-  for (const Case& c : {Case{parabola, 1, 1, 1, 1},         // the first trial does
-                        Case{parabola, 1.9, 1.9, 1.9, 1},   // it need not be good
-                        Case{parabola, 2.5, 1.25, 1.25, 2}, // too long: half
-                        Case{parabola, 16, 1, 1, 5},        // and again
+  for (const Case& c : {Case{parabola, 1, 1, 1, 1},          // the first trial does
+                        Case{parabola, 1.9, 1.9, 1.9, 1},    // it need not be good
+                        Case{parabola, 2.5, 1.25, 1.25, 2},  // too long: half
+                        Case{parabola, 16, 1, 1, 5},         // and again
                         Case{parabola, 0.03, 0.12, 0.12, 3}, // too short: twice, and again
                         Case{parabola, 0.1000001, 0.1, 0.11, 1},
-                        Case{kink, 1.2, 1.2, 1.2, 1},       // beyond the kink, where J is lower still
-                        Case{kink, 0.75, 1.125, 1.125, 3},  // 0.75 as steep, 1.5 too high, then between
+                        Case{kink, 1.2, 1.2, 1.2, 1},      // beyond the kink, where J is lower still
+                        Case{kink, 0.75, 1.125, 1.125, 3}, // 0.75 as steep, 1.5 too high, then between
                         Case{kink, 4, 1, 1, 3}}) {
     Line problem;
     problem.J = c.J;
@@ -1009,7 +1028,8 @@ TEST_CASE("a trust region follows what its model was worth", "[optimize]") {
   CHECK(is(length(), 8));
 }
 
-TEST_CASE("conjugate gradients need a product for each curvature, and solve Newton's equation", "[optimize]") {
+TEST_CASE("conjugate gradients need a product for each curvature, and solve Newton's equation",
+          "[optimize]") {
   // Three curvatures in eight directions; two values are held at a bound that the gradient pushes out of.
   struct Quadric : Bounded {
     int products = 0;
@@ -1026,8 +1046,8 @@ TEST_CASE("conjugate gradients need a product for each curvature, and solve Newt
   Quadric problem;
   optimize::TruncatedNewton<Quadric> newton;
   Point u{std::vector<double>(8, 0.5)}, g{{1, -2, 3, 1, 2, -1, 0.5, 1}};
-  u.x[0] = u.x[4] = -1; // g > 0 there
-  g.scale(1e-3); // so that the trust region does not matter
+  u.x[0] = u.x[4] = -1;                         // g > 0 there
+  g.scale(1e-3);                                // so that the trust region does not matter
   (void)newton.direction(problem, {u, 0.0, g}); // the gradient at the start is the measure of small ones
   g.scale(1e-12);
   problem.products = 0;

@@ -1,7 +1,7 @@
+#include "forward/plausibility.h"
 #include "base/collective.h"
 #include "fem/coherence.h"
 #include "fixtures.h"
-#include "forward/plausibility.h"
 #include "io/point_match.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
@@ -40,10 +40,11 @@ std::set<std::string> warnings(std::vector<std::string> overrides) {
   forward::Balance weigh(problem.stepper);
   forward::Plausibility watch(problem.stepper, ready.scene, problem.steps());
   const forward::ForceAtStep load = problem.load();
-  forward::stream(problem.stepper, problem.initial, load, problem.steps(), [&](const forward::Frame& frame) {
-    const forward::StepBalance balance = weigh(frame);
-    watch.observe(frame, &balance);
-  });
+  forward::integrate(problem.stepper, problem.initial, load, problem.steps(),
+                     [&](const forward::Frame& frame) {
+                       const forward::StepBalance balance = weigh(frame);
+                       watch.observe(frame, &balance);
+                     });
   std::set<std::string> names;
   for (const forward::Warning& warning : watch.warnings()) {
     CHECK(warning.value > warning.limit);
@@ -121,23 +122,28 @@ TEST_CASE("a run is told what makes it mean less than it seems to, and nothing e
   CHECK(warnings(gentle) == Names{});
   CHECK(warnings(gentle_but({"mesh.degree=2"})) == Names{});
   CHECK(warnings(gentle_but({"initial.velocity=[\"0\", \"-2\"]"})).contains("large strain"));
-  CHECK(warnings(gentle_but({"contact.obstacle.point=[0, -9]", "initial.velocity=[\"-0.5*y\", \"0.5*x\"]", "load.body=[\"0\", \"0\"]"}))
+  CHECK(warnings(gentle_but({"contact.obstacle.point=[0, -9]", "initial.velocity=[\"-0.5*y\", \"0.5*x\"]",
+                             "load.body=[\"0\", \"0\"]"}))
             .contains("large rotation"));
   CHECK(warnings(gentle_but({"contact.obstacle.point=[0, -9]", "initial.displacement=[\"-1.5*x\", \"0\"]"}))
             .contains("elements turned inside out"));
   CHECK(warnings(gentle_but({mesh_of("apart.geo")})) == Names{"parts of the mesh"});
   CHECK(warnings(gentle_but({mesh_of("cracked.geo")})) == Names{});
-  CHECK(warnings(gentle_but({mesh_of("parts.geo"), "contact=[{on=\"interface\", obstacle={shape=\"half-space\", point=[0, -9], normal=[0, 1]}}]"})) ==
-        Names{"contact inside the body"});
+  CHECK(
+      warnings(gentle_but(
+          {mesh_of("parts.geo"),
+           "contact=[{on=\"interface\", obstacle={shape=\"half-space\", point=[0, -9], normal=[0, 1]}}]"})) ==
+      Names{"contact inside the body"});
   // Half of the boundary is held; the ends of a clamp, which belong to both, are not told.
-  CHECK(warnings(gentle_but({"clamp=[{on=\"rest\"}]", "contact.on=\"boundary\"", "initial.velocity=[\"0\", \"0\"]"})) ==
-        Names{"contact on a clamp"});
+  CHECK(warnings(gentle_but({"clamp=[{on=\"rest\"}]", "contact.on=\"boundary\"",
+                             "initial.velocity=[\"0\", \"0\"]"})) == Names{"contact on a clamp"});
   CHECK(warnings(gentle_but({"clamp=[{on=\"rest\"}]", "initial.velocity=[\"0\", \"0\"]"})) == Names{});
 }
 
 TEST_CASE("motion along a curved obstacle is told where its half-space is no longer good", "[forward]") {
   const auto ball = [](double radius, const char* velocity) {
-    return gentle_but({fmt::format("contact.obstacle={{shape=\"ball\", center=[0.5, {}], radius={}}}", -radius - 1e-3, radius),
+    return gentle_but({fmt::format("contact.obstacle={{shape=\"ball\", center=[0.5, {}], radius={}}}",
+                                   -radius - 1e-3, radius),
                        fmt::format("initial.velocity=[\"{}\", \"-0.01\"]", velocity)});
   };
   CHECK(warnings(ball(10, "0")) == Names{});
@@ -147,8 +153,9 @@ TEST_CASE("motion along a curved obstacle is told where its half-space is no lon
   CHECK(sharp.contains("motion beyond an obstacle's radius"));
   CHECK(sharp.contains("linearised gap"));
   // The same surface as an expression has no radius.
-  const auto level = gentle_but({"contact.obstacle={shape=\"signed-distance\", distance=\"sqrt((x - 0.5)^2 + (y + 0.101)^2) - 0.1\"}",
-                                 "initial.velocity=[\"0.5\", \"-0.01\"]"});
+  const auto level = gentle_but(
+      {"contact.obstacle={shape=\"signed-distance\", distance=\"sqrt((x - 0.5)^2 + (y + 0.101)^2) - 0.1\"}",
+       "initial.velocity=[\"0.5\", \"-0.01\"]"});
   const Names told = warnings(level);
   CHECK(told.contains("linearised gap"));
   CHECK_FALSE(told.contains("motion beyond an obstacle's radius"));
@@ -174,7 +181,8 @@ TEST_CASE("nodes at one place are told apart by their cells", "[mesh]") {
   const auto fail = [](const std::string& problem) { throw UserError(problem); };
   const std::vector<std::size_t> rows = io::match_points(cracked.space, there, apart, fail);
   for (std::size_t i = 0; i < rows.size(); ++i)
-    CHECK(std::abs(there[2 * rows[i]] - apart[3 * i]) + std::abs(there[2 * rows[i] + 1] - apart[3 * i + 1]) < 1e-12);
+    CHECK(std::abs(there[2 * rows[i]] - apart[3 * i]) + std::abs(there[2 * rows[i] + 1] - apart[3 * i + 1]) <
+          1e-12);
   // Without, they are refused.
   there.clear();
   const std::vector<double> places = gather(MPI_COMM_WORLD, points);

@@ -1,6 +1,6 @@
 #include "base/error.h"
 #include "fixtures.h"
-#include "scene/difference.h"
+#include "scene/compatibility.h"
 #include "scene/expression.h"
 #include "scene/names.h"
 #include <catch2/catch_test_macros.hpp>
@@ -25,9 +25,12 @@ std::filesystem::path temporary(const std::string& text) {
 } // namespace
 
 TEST_CASE("the echoed scene reads back to itself", "[scene]") {
-  for (const auto& [name, dim] : {std::pair{"scenes/half-disc.toml", 2}, {"tests/data/block.toml", 2},
-                                  {"tests/data/manufactured.toml", 2}, {"scenes/half-ball.toml", 3},
-                                  {"tests/data/manufactured-space.toml", 3}, {"tests/data/two-materials.toml", 2}}) {
+  for (const auto& [name, dim] : {std::pair{"scenes/half-disc.toml", 2},
+                                  {"tests/data/block.toml", 2},
+                                  {"tests/data/manufactured.toml", 2},
+                                  {"scenes/half-ball.toml", 3},
+                                  {"tests/data/manufactured-space.toml", 3},
+                                  {"tests/data/two-materials.toml", 2}}) {
     const scene::Scene scene = test::parse(test::source(name), {"solver.vi=full"});
     CHECK(scene.solver.vi == "full");
     CHECK_NOTHROW(scene::require_dimension(scene, dim));
@@ -44,7 +47,8 @@ TEST_CASE("the echoed scene reads back to itself", "[scene]") {
 TEST_CASE("the echo leaves the start to clamps that move", "[scene]") {
   const auto file = test::source("tests/data/block.toml"); // gives a velocity and no displacement
   for (const auto& [value, moves] : {std::pair{"[\"0\", \"0\"]", false}, {"[\"0\", \"t\"]", true}}) {
-    const scene::Scene scene = test::parse(file, {fmt::format("clamp=[{{ on = \"left\", value = {} }}]", value)});
+    const scene::Scene scene =
+        test::parse(file, {fmt::format("clamp=[{{ on = \"left\", value = {} }}]", value)});
     const auto echo = temporary(scene::echo(scene, 2));
     const scene::Initial initial = test::parse(echo).initial;
     CHECK(initial.displacement.has_value() == !moves);
@@ -55,15 +59,19 @@ TEST_CASE("the echo leaves the start to clamps that move", "[scene]") {
 
 TEST_CASE("one list says what poses the problem", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
-  const auto echo = [&](const std::vector<std::string>& overrides) { return scene::echo(test::parse(file, overrides), 2); };
+  const auto echo = [&](const std::vector<std::string>& overrides) {
+    return scene::echo(test::parse(file, overrides), 2);
+  };
   const std::string first = echo({});
-  for (const char* other : {"optimizer.tolerance=1e-3", "optimizer.method=newton-cg", "output.every=7", "run.invariants=off",
-                            "trajectory.storage=disk", "solver.memory=1e9", "exact.impulse=1.0", "check.control=[\"0\", \"1\"]"}) {
+  for (const char* other : {"optimizer.tolerance=1e-3", "optimizer.method=newton-cg", "output.every=7",
+                            "run.invariants=off", "trajectory.storage=disk", "solver.memory=1e9",
+                            "exact.impulse=1.0", "check.control=[\"0\", \"1\"]"}) {
     INFO(other);
     CHECK(scene::problem(echo({other})) == scene::problem(first));
     CHECK(scene::difference(first, echo({other})).first.empty());
   }
-  for (const char* other : {"objective.alpha=0.5", "mesh.size=2", "time.step=2.5e-5", "control.upper=1.0", "solver.vi=full"}) {
+  for (const char* other :
+       {"objective.alpha=0.5", "mesh.size=2", "time.step=2.5e-5", "control.upper=1.0", "solver.vi=full"}) {
     INFO(other);
     CHECK(scene::problem(echo({other})) != scene::problem(first));
     CHECK_FALSE(scene::difference(first, echo({other})).second.empty());
@@ -91,10 +99,13 @@ TEST_CASE("a list of names is a set, and may be empty", "[scene]") {
 
 TEST_CASE("an earlier run's folder is relative to the scene file, and echoed as it is found", "[scene]") {
   const std::string text =
-      "[mesh]\nfile = \"a.msh\"\n[time]\nend = 1.0\nstep = 0.5\n[material]\ndensity = 1.0\nyoung = 1.0\npoisson = 0.3\n"
+      "[mesh]\nfile = \"a.msh\"\n[time]\nend = 1.0\nstep = 0.5\n[material]\ndensity = 1.0\nyoung = "
+      "1.0\npoisson = 0.3\n"
       "[control]\nscale = 1.0\n[objective]\ndesired = { run = \"../runs/first\" }\nalpha = 1.0\n";
   const scene::Scene scene = scene::parse(text, "/somewhere/scenes/a.toml");
-  const auto folder = [](const scene::Scene& s) { return std::get<scene::DesiredRun>(s.objective->desired).folder; };
+  const auto folder = [](const scene::Scene& s) {
+    return std::get<scene::DesiredRun>(s.objective->desired).folder;
+  };
   CHECK(folder(scene) == "/somewhere/runs/first");
   CHECK(folder(scene::parse(scene::echo(scene, 2), "/elsewhere/b.toml")) == "/somewhere/runs/first");
   CHECK_NOTHROW(scene::require_dimension(scene, 2));

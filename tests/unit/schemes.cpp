@@ -18,7 +18,7 @@ struct Moved {
   scene::Scene scene;
   mesh::Mesh mesh;
   fem::Space space;
-  fem::Clamped clamped;
+  fem::DirichletDofs clamped;
   contact::Constraints constraints;
   petsc::Matrix before, after;
 

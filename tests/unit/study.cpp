@@ -1,8 +1,8 @@
+#include "app/study/density.h"
+#include "app/study/measure.h"
 #include "base/error.h"
 #include "fem/sampler.h"
 #include "fixtures.h"
-#include "study/density.h"
-#include "study/measure.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <limits>
@@ -15,7 +15,8 @@ using Catch::Matchers::WithinAbs, Catch::Matchers::WithinRel;
 namespace {
 
 const Quantity Q{"Q", "Q", "", false, false};
-/// Of differences that are not divided by values which change with the rung, so that models of errors come out exactly.
+/// Of differences that are not divided by values which change with the rung, so that models of errors come
+/// out exactly.
 const Quantity D{"Q", "Q", "", false, true};
 const Quantity F{"F", "F", "", true, false};
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
@@ -33,7 +34,8 @@ std::vector<Result> runs(double a, double p, double b, double q) {
   std::vector<Result> results;
   for (double size : {4.0, 2.0, 1.0, 0.5})
     for (int steps : {10, 20, 40, 80})
-      results.push_back(run(size, steps, steps / (size * size), 1 + a * std::pow(size, p) + b * std::pow(steps, -q)));
+      results.push_back(
+          run(size, steps, steps / (size * size), 1 + a * std::pow(size, p) + b * std::pow(steps, -q)));
   return results;
 }
 
@@ -63,7 +65,9 @@ TEST_CASE("samples are the same on any number of ranks, and those of functions o
       std::vector<double> points = quadrature.points;
       const std::array outside{-0.05, 0.5, dim == 2 ? 0.0 : 0.4};
       points.insert(points.end(), outside.begin(), outside.end());
-      const auto line = [](const double* x, std::size_t c) { return 1 + x[0] - 2 * x[1] + 3 * x[2] + static_cast<double>(c); };
+      const auto line = [](const double* x, std::size_t c) {
+        return 1 + x[0] - 2 * x[1] + 3 * x[2] + static_cast<double>(c);
+      };
       const petsc::Vector y = ready.problem.space.vector();
       {
         const petsc::WriteArray values(y);
@@ -117,7 +121,9 @@ TEST_CASE("errors are relative to what is known, or to the finest rung", "[study
   CHECK(errors(Q, mixed, {}).reference == std::size_t(1));
 }
 
-TEST_CASE("the estimate is exact where errors fall as the model says, and has no effectivity beside a reference as bad", "[study]") {
+TEST_CASE("the estimate is exact where errors fall as the model says, and has no effectivity beside a "
+          "reference as bad",
+          "[study]") {
   constexpr double rounding = 1e-8;
   const Errors found = errors(D, runs(0.1, 2, 3, 1), {{{"Q", 1}}, {}});
   int estimated = 0;
@@ -127,7 +133,8 @@ TEST_CASE("the estimate is exact where errors fall as the model says, and has no
       CHECK_THAT(*effectivity, WithinAbs(1, rounding));
     }
   CHECK(estimated == 9); // those with a wider and a longer neighbour
-  // Beside the finest rung errors lack its own, r, which is shown where it is a third of theirs at most: (e + r) / e in [1, 4/3].
+  // Beside the finest rung errors lack its own, r, which is shown where it is a third of theirs at most: (e +
+  // r) / e in [1, 4/3].
   const Errors beside_finest = errors(D, runs(0.1, 2, 3, 1), {});
   REQUIRE(beside_finest.effectivity[5]); // size 2, 20 steps: e + r = 0.4 + 0.15, r = 0.025 + 0.0375
   CHECK_THAT(*beside_finest.effectivity[5], WithinAbs(0.55 / (0.55 - 0.0625), rounding));
@@ -138,9 +145,12 @@ TEST_CASE("the estimate is exact where errors fall as the model says, and has no
 }
 
 TEST_CASE("on the front is what no cheaper rung is as accurate as", "[study]") {
-  // By seconds and moduli: the cheapest; dearer and worse; dearer and as good; two alike; as dear as they; the best; no number.
-  const std::vector<Result> results = chain({{1, 0.5}, {2, 0.6}, {3, -0.5}, {4, 0.3}, {4, 0.3}, {4, 0.4}, {9, 0.1}, {5, no_number}});
-  CHECK(errors(D, results, {{{"Q", 0}}, {}}).pareto == std::vector<bool>{true, false, false, true, true, true, true, false});
+  // By seconds and moduli: the cheapest; dearer and worse; dearer and as good; two alike; as dear as they;
+  // the best; no number.
+  const std::vector<Result> results =
+      chain({{1, 0.5}, {2, 0.6}, {3, -0.5}, {4, 0.3}, {4, 0.3}, {4, 0.4}, {9, 0.1}, {5, no_number}});
+  CHECK(errors(D, results, {{{"Q", 0}}, {}}).pareto ==
+        std::vector<bool>{true, false, false, true, true, true, true, false});
 }
 
 TEST_CASE("the cheapest rung for each tolerance is named, and what is out of reach", "[study]") {
@@ -164,7 +174,8 @@ TEST_CASE("what has no size gives no relative error, and what is no number no er
     CHECK(sentences(zero, to_zero, scene).size() == 3);
     CHECK(orders(quantity, to_zero, {}).empty());
     // The finest is no number: the finest that is one takes its place.
-    const std::vector<Result> spoilt = chain({{1, 1.5}, {2, no_number}, {3, 1}, {4, std::numeric_limits<double>::infinity()}});
+    const std::vector<Result> spoilt =
+        chain({{1, 1.5}, {2, no_number}, {3, 1}, {4, std::numeric_limits<double>::infinity()}});
     const Errors found = errors(quantity, spoilt, {});
     CHECK(found.reference == std::size_t(2));
     CHECK(found.error == std::vector<std::optional<double>>{0.5, std::nullopt, std::nullopt, std::nullopt});
@@ -210,7 +221,8 @@ TEST_CASE("a scheme that is named holds for every contact, and without one each 
     std::vector<std::pair<bool, bool>> found;
     for (const Rung& rung : ladder(scene, choice)) {
       const scene::Scene changed = on_rung(scene, rung);
-      CHECK(changed.time.scheme == (rung.scheme == "contact-stabilized" ? "contact-stabilized" : "contact-implicit"));
+      CHECK(changed.time.scheme ==
+            (rung.scheme == "contact-stabilized" ? "contact-stabilized" : "contact-implicit"));
       found.emplace_back(changed.contacts[0].massless, changed.contacts[1].massless);
     }
     return found;
@@ -237,9 +249,10 @@ TEST_CASE("steps that no number could count are refused", "[study]") {
 
 TEST_CASE("sampling ends on a mesh that sets its own density, in whole or in part", "[study]") {
   constexpr std::size_t per_cell = 3, wanted = 12'000; // of the quadrature's points
-  for (const auto& [file, size, least] : {std::tuple{"tests/data/fixed-density.geo", std::optional<double>(0.25), 2 * 70 * 70},
-                                          {"tests/data/fixed-density.geo", std::nullopt, 2 * 70 * 70},
-                                          {"tests/data/fixed-top.geo", 1, 5000}}) {
+  for (const auto& [file, size, least] :
+       {std::tuple{"tests/data/fixed-density.geo", std::optional<double>(0.25), 2 * 70 * 70},
+        {"tests/data/fixed-density.geo", std::nullopt, 2 * 70 * 70},
+        {"tests/data/fixed-top.geo", 1, 5000}}) {
     scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
     scene.mesh.file = test::source(file);
     scene.mesh.size = size;

@@ -1,7 +1,7 @@
+#include "app/study/store.h"
 #include "base/collective.h"
 #include "fem/forms.h"
 #include "fixtures.h"
-#include "study/store.h"
 #include <catch2/catch_test_macros.hpp>
 #include <fmt/format.h>
 #include <fstream>

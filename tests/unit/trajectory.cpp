@@ -1,11 +1,11 @@
 #include "forward/trajectory.h"
+#include "app/error_estimate.h"
 #include "base/collective.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/scratch_file.h"
-#include "estimate.h"
 #include "fixtures.h"
-#include "forward/schedule.h"
+#include "forward/binomial_checkpointing.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
@@ -67,8 +67,8 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
   const Problem& problem = ready.problem;
   const test::Recorded expected(problem);
   const int N = problem.steps();
-  REQUIRE(std::ranges::any_of(expected.contact,
-                              [](const contact::ContactSets& c) { return !c.active.empty(); }));
+  REQUIRE(
+      std::ranges::any_of(expected.contact, [](const contact::ContactSets& c) { return !c.active.empty(); }));
   Timers timers;
   std::vector<std::pair<scene::Trajectory, long>> storages{{{}, 0}, {{.storage = "disk"}, 0}};
   for (int slots : {1, 2, 3, 7, N - 1, 5 * N})
@@ -76,7 +76,7 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
                           forward::steps_made(N, std::min(slots, N - 1)) - N);
   for (const auto& [scene, again] : storages) {
     INFO(scene.storage << " " << scene.budget);
-    const forward::Storage storage(problem.stepper, scene, N, 1, timers);
+    const forward::StateStoreFactory storage(problem.stepper, scene, N, 1, timers);
     forward::Trajectory trajectory(problem.stepper, problem.initial, N, storage, true);
     int shown = 0;
     trajectory.run(problem.load(), [&](const forward::Frame& frame) {
@@ -85,7 +85,7 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
     });
     CHECK(trajectory.steps() == N);
     const auto is_right = [&](int k) {
-      const forward::States::View state = trajectory.at(k);
+      const forward::StateStore::View state = trajectory.at(k);
       const auto i = static_cast<std::size_t>(k);
       CHECK(test::difference(state.y, expected.y[i]) == 0);
       CHECK(test::difference(state.v, expected.v[i]) == 0);
@@ -200,7 +200,8 @@ TEST_CASE("errors are estimated alike from every storage", "[adjoint]") {
       if (!expected)
         expected = error;
       CHECK(std::abs(error.time) > 0);
-      // On more than two ranks the matrices of degree 2, made anew each time, are summed up in no fixed order.
+      // On more than two ranks the matrices of degree 2, made anew each time, are summed up in no fixed
+      // order.
       const double rounding = ranks(MPI_COMM_WORLD) > 2 ? 1e-12 : 0;
       CHECK(std::abs(error.time - expected->time) <= rounding * std::abs(error.time));
       CHECK(std::abs(*error.space - *expected->space) <= rounding * std::abs(*error.space));
@@ -265,12 +266,12 @@ TEST_CASE("a trajectory that runs again shows the last run's states, from every 
   for (const scene::Trajectory& scene :
        {scene::Trajectory{}, scene::Trajectory{.storage = "disk"}, checkpoints(problem.stepper, 3)}) {
     INFO(scene.storage);
-    const forward::Storage storage(problem.stepper, scene, N, 1, timers);
+    const forward::StateStoreFactory storage(problem.stepper, scene, N, 1, timers);
     forward::Trajectory trajectory(problem.stepper, problem.initial, N, storage, true);
     for (const test::Recorded* expected : {&loaded, &falling, &loaded}) {
       trajectory.run(expected == &loaded ? problem.load() : forward::ForceAtStep(problem.space, {}));
       for (int k : {N, N, N / 2, 1}) { // the last one asked for before the next run too
-        const forward::States::View state = trajectory.at(k);
+        const forward::StateStore::View state = trajectory.at(k);
         CHECK(test::difference(state.y, expected->y[static_cast<std::size_t>(k)]) == 0);
         CHECK(test::difference(state.v, expected->v[static_cast<std::size_t>(k)]) == 0);
       }

@@ -7,7 +7,8 @@ int main(void) {
   const double constants[] = {1.0, 0.0};
   const double x[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
   double A[36] = {0};
-  form_viscoelasticity_triangle_1_a->form_integrals[0]->tabulate_tensor_float64(A, NULL, constants, x, NULL, NULL);
+  form_viscoelasticity_triangle_1_a->form_integrals[0]->tabulate_tensor_float64(A, NULL, constants, x, NULL,
+                                                                                NULL);
   printf("%.17g\n", A[0]);
   return 0;
 }

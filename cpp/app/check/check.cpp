@@ -1,0 +1,121 @@
+#include "app/check/check.h"
+#include "app/check/derivative_check.h"
+#include "app/check/evaluation_point.h"
+#include "base/error.h"
+#include "forward/invariants.h"
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace signorini {
+
+namespace {
+
+/// Statistics of contact over a motion, frame by frame.
+class ContactWatch {
+public:
+  explicit ContactWatch(const forward::Stepper& stepper)
+      : constraints_(*stepper.constraints()), scheme_(stepper.scheme()),
+        before_(constraints_.psi().begin(), constraints_.psi().end()) {}
+
+  void observe(const forward::Frame& frame, double contact_work) {
+    if (frame.k == 0)
+      return;
+    const contact::ContactState& state = frame.contact;
+    const int strong = state.count(contact::Status::strong);
+    steps += strong > 0;
+    weak += state.count(contact::Status::weak);
+    most = std::max(most, strong);
+    projected += !state.predictor.empty();
+    if (constraints_.moving()) {
+      const std::span<const double> psi = constraints_.psi(scheme_.time(frame.k));
+      for (std::size_t i = 0; i < psi.size(); ++i)
+        contact_work += state.lambda[i] / scheme_.impulse() * (psi[i] - before_[i]);
+      before_.assign(psi.begin(), psi.end());
+    }
+    work = std::max(work, contact_work);
+  }
+
+  int steps = 0, weak = 0, most = 0, projected = 0;
+  /// The largest work of contact in a step less that of the obstacles' motion, −2/τ² λ_k·(ψ_k − ψ_{k−1}): it
+  /// is −2/τ² λ_k·g(y_{k−1}) ≤ 0 (docs/method.md section 2).
+  double work = 0;
+
+private:
+  const contact::Constraints& constraints_;
+  forward::Scheme scheme_;
+  std::vector<double> before_;
+};
+
+/// Adds the rows of a whole motion: energy law, momentum, complementarity, contact. Throws Interrupted.
+void invariants(const Problem& problem, const forward::ForceAtStep& load, std::vector<CheckRow>& rows) {
+  const contact::Constraints* constraints = problem.stepper.constraints();
+  std::optional<ContactWatch> contact;
+  if (constraints)
+    contact.emplace(problem.stepper);
+  forward::Balance weigh(problem.stepper);
+  forward::Invariants watch(problem.stepper);
+  const int done = forward::integrate(problem.stepper, problem.initial, load, problem.steps(),
+                                      [&](const forward::Frame& frame) {
+                                        const forward::StepBalance balance = weigh(frame);
+                                        watch.observe(frame, balance);
+                                        if (contact)
+                                          contact->observe(frame, balance.contact_work);
+                                      });
+  if (done < problem.steps())
+    throw Interrupted();
+  const double tolerance = problem.scene.run.tolerance, energy = watch.largest_energy();
+  rows.push_back({"the body moved (largest energy)", fmt::format("{:.2e}", energy), "> 0", energy > 0});
+  if (!(energy > 0))
+    return;
+  for (const forward::Invariants::Defect& defect : watch.defects())
+    rows.push_back(below(defect.name, defect.worst, tolerance));
+  if (!contact)
+    return;
+  rows.push_back({"contact occurred",
+                  contact->steps > 0 ? fmt::format("{} steps, at most {} nodes, {} weak in all",
+                                                   contact->steps, contact->most, contact->weak)
+                                     : "never: this checks nothing of contact",
+                  "in one step at least", contact->steps > 0});
+  if (problem.stepper.predictor())
+    rows.push_back({"the predictor was projected", fmt::format("in {} steps", contact->projected),
+                    "in one step at least", contact->projected > 0});
+  if (contact->steps == 0)
+    return;
+  rows.push_back(below(constraints->moving() ? "contact adds no work to the obstacles', work / largest energy"
+                                             : "contact never does work, work / largest energy",
+                       contact->work / energy, tolerance));
+}
+
+} // namespace
+
+bool check_scene(const Problem& problem, const Console& console) {
+  const scene::Scene& scene = problem.scene;
+  std::vector<CheckRow> rows;
+  if (scene.contacts.empty())
+    console.line("The scene has no contact: what follows checks a linear problem.");
+  if (scene.objective) {
+    ControlProblem control_problem(problem, console);
+    std::string where;
+    const control::Control u = evaluation_point(problem, control_problem, where);
+    console.line(fmt::format("Derivatives at {}.", where));
+    check_derivatives(control_problem.reduced, u, problem.stepper.solver().tolerance(), console, rows);
+    invariants(problem, control_problem.reduced.load(), rows);
+  } else {
+    console.line("The scene has no objective: there are no derivatives to check.");
+    const GivenControl given(problem);
+    invariants(problem, given.load(), rows);
+  }
+  console.line(fmt::format("{:<6}{:<58}{:<50}{}", "", "check", "measured", "allowed"));
+  bool all = true;
+  for (const CheckRow& row : rows) {
+    console.line(
+        fmt::format("{:<6}{:<58}{:<50}{}", row.holds ? "ok" : "FAIL", row.name, row.measured, row.allowed));
+    all = all && row.holds;
+  }
+  console.line(all ? (scene.contacts.empty() ? "All checks hold; contact was not checked."
+                                             : "All checks hold, contact included.")
+                   : "A check failed.");
+  return all;
+}
+
+} // namespace signorini

@@ -1,0 +1,24 @@
+#pragma once
+#include "base/progress.h"
+#include "control/reduced_problem.h"
+#include <string>
+#include <vector>
+
+namespace signorini {
+
+/// One line of check's table.
+struct CheckRow {
+  std::string name, measured, allowed;
+  bool holds;
+};
+
+/// A row that holds where `value` is at most `limit`.
+CheckRow below(const std::string& name, double value, double limit);
+
+/// Compares the derivatives of J at u with differences of J, prints how far they can be trusted, and adds
+/// rows to the table. `solver_tolerance` is the relative error of a step's solve. Collective. Throws
+/// SolverFailure, Interrupted.
+void check_derivatives(control::ReducedProblem& problem, const control::Control& u, double solver_tolerance,
+                       const Console& console, std::vector<CheckRow>& rows);
+
+} // namespace signorini

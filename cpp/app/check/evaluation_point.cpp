@@ -1,0 +1,45 @@
+#include "app/check/evaluation_point.h"
+#include <cmath>
+
+namespace signorini {
+using petsc::check;
+
+void wave(const fem::Space& space, const std::vector<double>& points, const std::vector<int>& components,
+          double t, int which, std::span<double> values) {
+  const double unit = 2 * M_PI / space.mesh().diameter();
+  const std::size_t n = components.size();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double* x = &points[i / n * 3];
+    const double c = components[i % n];
+    values[i] =
+        std::cos(unit * ((1 + c) * x[0] + 2 * x[1] - x[2]) + (1 + which) * 2 * M_PI * t + which + 0.7 * c);
+  }
+}
+
+control::Control wave(const control::ControlSpace& controls, int which) {
+  control::Control u = controls.zero();
+  for (int k = 1; k <= u.count(); ++k) // in the middle of each step, like every other control
+    wave(controls.space(), controls.points(), controls.components(),
+         u.count() == 1 ? 0 : (k - 0.5) / u.count(), which, u.at(k));
+  return u;
+}
+
+control::Control evaluation_point(const Problem& problem, const ControlProblem& control_problem,
+                                  std::string& description) {
+  const scene::Scene& scene = problem.scene;
+  if (scene.check.control) {
+    description = "the control of [check]";
+    return control_problem.controls.interpolate(*scene.check.control, "check.control");
+  }
+  if (control_problem.reference) {
+    description = "the reference control, disturbed by a fifth of its size";
+    control::Control u = *control_problem.reference;
+    const control::Control disturbance = wave(control_problem.controls, 2);
+    u.add(0.2 * control_problem.controls.norm(u) / control_problem.controls.norm(disturbance), disturbance);
+    return u;
+  }
+  description = "the first guess";
+  return control_problem.first_guess(scene);
+}
+
+} // namespace signorini

@@ -1,0 +1,200 @@
+#include "app/error_estimate.h"
+#include "base/error.h"
+
+namespace signorini {
+using petsc::check;
+
+namespace {
+
+/// The loads of a scene and its controls in functions of degree 2.
+class EnrichedLoads {
+public:
+  EnrichedLoads(const adjoint::EnrichedBody& body, const Problem& problem,
+                const control::ControlSpace& controls)
+      : body_(body), coarse_(controls), controls_(body.space(), body.operators(), problem.stepper.scheme(),
+                                                  problem.steps(), *problem.scene.control),
+        coarse_field_(controls.field()), field_(controls_.field()), values_(controls_.size()) {
+    if (problem.scene.load)
+      load_.emplace(body.space(), *problem.scene.load, problem.stepper.scheme());
+  }
+
+  /// The forces of the loads and of a control; valid as long as `force` lives.
+  [[nodiscard]] forward::ForceAtStep with(const forward::Load& force) const {
+    return {body_.space(), {load_ ? &*load_ : nullptr, &force}};
+  }
+
+  /// The force of a control of the run on the enriched body.
+  class Force final : public forward::Load {
+  public:
+    Force(const EnrichedLoads& loads, const control::Control& u) : loads_(loads), u_(u) {}
+    [[nodiscard]] bool has_density() const override { return loads_.controls_.acts_by_density(); }
+    [[nodiscard]] bool has_vector() const override { return !has_density(); }
+    void add(int k, forward::NodalForce sum) const override {
+      loads_.controls_.add_force(loads_.enriched(u_.at(k)), sum);
+    }
+
+  private:
+    const EnrichedLoads& loads_;
+    const control::Control& u_;
+  };
+
+private:
+  std::span<const double> enriched(std::span<const double> u) const {
+    if (controls_.cellwise())
+      return u;
+    coarse_.extend(u, coarse_field_);
+    body_.embed(coarse_field_, field_);
+    controls_.restrict(field_, values_);
+    return values_;
+  }
+
+  const adjoint::EnrichedBody& body_;
+  const control::ControlSpace& coarse_;
+  control::ControlSpace controls_;
+  petsc::Vector coarse_field_, field_;
+  mutable std::vector<double> values_;
+  std::optional<forward::SceneLoad> load_;
+};
+
+/// The direct effect of the interpolation errors of initial and desired displacement on J's state part,
+/// Σ_k ½ weight(k) ‖y_k − y_d,k‖², along a motion, in functions of degree 2.
+class EnrichedObjective {
+public:
+  EnrichedObjective(const adjoint::EnrichedBody& body, const Problem& problem,
+                    const control::Objective& objective)
+      : body_(body), problem_(problem), objective_(objective), coarse_(problem.space.vector()),
+        distance_(body.space().vector()), sum_(body.space().vector()), product_(body.space().vector()),
+        off_(body.space().vector()) {
+    const scene::Objective& scene = *problem.scene.objective;
+    if (scene.on)
+      own_ = fem::assemble_L2(body.space(), *scene.on, "objective.on");
+    if (const auto* desired = std::get_if<scene::DesiredDisplacement>(&scene.desired)) {
+      desired_.emplace(desired->displacement, "objective.desired.displacement", true);
+      body_.interpolation_error(*desired_, 0, off_);
+    }
+  }
+
+  void observe(int k, Vec y) {
+    const double weight = objective_.weight(k);
+    const Vec initial = k == 0 ? Vec(body_.initial_error().y) : nullptr;
+    if (weight == 0 || !(desired_ || initial))
+      return;
+    check(VecWAXPY(coarse_, -1, objective_.desired(k), y));
+    body_.embed(coarse_, distance_);
+    if (initial)
+      parts.initial += weight / 2 * change(initial, 1);
+    if (!desired_)
+      return;
+    if (k > 0 && desired_->depends_on_time())
+      body_.interpolation_error(*desired_, problem_.stepper.scheme().time(k), off_);
+    parts.desired += weight / 2 * change(off_, -1);
+  }
+
+  adjoint::ErrorParts parts;
+
+  /// ∂J/∂y_k along a motion, on the enriched body.
+  class Derivative final : public forward::StateDuals {
+  public:
+    Derivative(const EnrichedObjective& objective, const forward::Trajectory& motion)
+        : objective_(objective), motion_(motion) {}
+    [[nodiscard]] bool has_density() const override { return !objective_.own_; }
+    [[nodiscard]] bool has_vector() const override { return !has_density(); }
+    void add(int k, forward::StateDual sum) const override {
+      const EnrichedObjective& o = objective_;
+      check(VecWAXPY(o.coarse_, -1, o.objective_.desired(k), motion_.y(k)));
+      o.body_.embed(o.coarse_, o.distance_);
+      check(VecScale(o.distance_, o.objective_.weight(k)));
+      if (o.own_)
+        check(MatMultAdd(o.own_, o.distance_, sum.vector, sum.vector));
+      else
+        check(VecAXPY(sum.density, 1, o.distance_));
+    }
+
+  private:
+    const EnrichedObjective& objective_;
+    const forward::Trajectory& motion_;
+  };
+
+private:
+  /// ‖e + sign d‖² − ‖e‖² for e = y − y_d
+  double change(Vec d, double sign) {
+    check(VecWAXPY(sum_, 2 * sign, distance_, d));
+    check(MatMult(own_ ? Mat(own_) : Mat(*body_.operators().W), sum_, product_));
+    return petsc::dot(d, product_);
+  }
+
+  const adjoint::EnrichedBody& body_;
+  const Problem& problem_;
+  const control::Objective& objective_;
+  petsc::Matrix own_;
+  std::optional<scene::Field> desired_;
+  petsc::Vector coarse_, distance_, sum_, product_, off_;
+};
+
+} // namespace
+
+adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem& control_problem) {
+  const forward::Stepper& stepper = problem.stepper;
+  const control::ReducedProblem& reduced = control_problem.reduced;
+  std::optional<adjoint::EnrichedBody> body;
+  std::optional<EnrichedLoads> loads;
+  std::optional<EnrichedObjective> objective;
+  if (problem.space.degree() == 1) {
+    body.emplace(problem.space, stepper.constraints(), problem.scene);
+    loads.emplace(*body, problem, control_problem.controls);
+    objective.emplace(*body, problem, control_problem.objective);
+  }
+  // Separate trajectories, since velocities are needed. ∂J/∂y_k is taken of the current control's motion
+  // while the desired one is weighed, so that both are read at a time.
+  const auto run = [&](forward::Trajectory& trajectory, const control::ControlForce& u,
+                       const forward::StepObserver& watch) {
+    trajectory.run(problem.load(&u), watch);
+    if (trajectory.steps() < problem.steps())
+      throw Interrupted();
+  };
+  forward::Trajectory motion(stepper, problem.initial, problem.steps(), control_problem.storage, true);
+  const control::ControlForce force(control_problem.controls, reduced.control());
+  run(motion, force, [&](const forward::Frame& frame) {
+    if (objective)
+      objective->observe(frame.k, frame.y1);
+  });
+  const control::Derivative along(control_problem.objective, motion);
+  const forward::DualAtStep derivative(problem.space, along);
+  std::optional<EnrichedObjective::Derivative> enriched_along;
+  std::optional<forward::DualAtStep> enriched_derivative;
+  if (objective)
+    enriched_derivative.emplace(body->space(), enriched_along.emplace(*objective, motion));
+  const auto weigh = [&](const forward::Trajectory& trajectory, const control::ControlForce& u,
+                         const control::Control& values) {
+    const forward::ForceAtStep load = problem.load(&u);
+    std::optional<EnrichedLoads::Force> enriched_force;
+    std::optional<forward::ForceAtStep> enriched_load;
+    if (loads)
+      enriched_load = loads->with(enriched_force.emplace(*loads, values));
+    return adjoint::weighted_residual(stepper, body ? &*body : nullptr,
+                                      {trajectory, load, derivative,
+                                       enriched_load ? &*enriched_load : nullptr,
+                                       enriched_derivative ? &*enriched_derivative : nullptr});
+  };
+  adjoint::ErrorParts parts = weigh(motion, force, reduced.control());
+  if (control_problem.reference) {
+    const control::ControlForce u(control_problem.controls, *control_problem.reference);
+    const forward::StateStoreFactory storage(stepper, problem.scene.trajectory, problem.steps(), 0.5,
+                                             problem.timers);
+    forward::Trajectory desired(stepper, problem.initial, problem.steps(), storage, true);
+    run(desired, u, {});
+    const adjoint::ErrorParts other = weigh(desired, u, *control_problem.reference);
+    parts.time -= other.time;
+    parts.initial -= other.initial;
+    if (parts.space)
+      *parts.space -= *other.space;
+  }
+  if (objective) {
+    parts.initial += objective->parts.initial;
+    parts.desired = objective->parts.desired;
+  }
+  parts.time += control_problem.objective.quadrature_error(reduced.squared_distances(), reduced.control());
+  return parts;
+}
+
+} // namespace signorini

@@ -1,0 +1,17 @@
+#pragma once
+#include "adjoint/weighted_residual.h"
+#include "app/problem.h"
+
+namespace signorini {
+
+/// Estimates the error of J at the current control of a run, J(exact) − J, without a finer run
+/// (docs/method.md section 7): the adjoint-weighted residual of the motion and, where that of a control is
+/// desired, of the desired motion; the error of the quadrature in time; and, in functions of degree 2, the
+/// interpolation errors of initial data, weighted with the adjoint, of loads, as part of the residual, and of
+/// a desired displacement, δ = y_d⁺ − y_d, by its effect on J, Σ_k ½ weight(k) (‖e_k − δ_k‖² − ‖e_k‖²). The
+/// control is taken as given. One forward and one adjoint sweep for each motion. Storage "checkpoints" takes
+/// half of its budget once more for the desired one. Collective. Throws SolverFailure, Interrupted,
+/// WriteFailure.
+adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem& control_problem);
+
+} // namespace signorini

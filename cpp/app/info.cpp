@@ -1,0 +1,209 @@
+#include "app/info.h"
+#include "base/collective.h"
+#include "base/memory.h"
+#include "forward/binomial_checkpointing.h"
+#include "forward/state_store.h"
+#include "io/manifest.h"
+#include "optimize/lbfgs.h"
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+
+namespace signorini {
+namespace {
+
+/// What an effect adds.
+struct Cost {
+  std::string matrices{};
+  double bytes = 0; ///< of the matrices and of vectors
+  std::string step{};
+};
+
+std::string megabytes(double bytes) { return fmt::format("{:.3g} MB", bytes / 1e6); }
+
+/// Memory of the states and active sets that an optimisation keeps, on all ranks, bytes; the sets at their
+/// upper bound, with every candidate active throughout. Adjoint states are not kept.
+double motions_bytes(const Problem& problem) {
+  const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
+  const scene::Trajectory& kept = problem.scene.trajectory;
+  const int controlled = problem.scene.optimizer.method == "newton-cg" ? 3 : 2; // iterate, trial, linearised
+  const double sets = problem.stepper.predictor() ? 2 : 1,                      // kept on every rank
+      step = sizeof(contact::ContactSets) + sets * sizeof(int) * forward::candidates(problem.stepper),
+               contact = step * (problem.steps() + 1) * ranks(problem.space.comm());
+  const double states =
+      forward::StateStoreFactory(problem.stepper, kept, problem.steps(), computed ? 0.5 : 1, problem.timers)
+          .bytes();
+  const double in_memory = kept.storage == "memory"        ? (controlled + 1) * states
+                           : kept.storage == "checkpoints" ? (computed ? 2 : 1) * states
+                                                           : 0;
+  return in_memory + (computed ? 3 : 2) * contact;
+}
+
+/// The steps or disk space that the storage of states adds to a gradient, in words.
+std::string again(const Problem& problem) {
+  const scene::Trajectory& kept = problem.scene.trajectory;
+  if (kept.storage == "memory")
+    return "";
+  const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
+  const forward::StateStoreFactory storage(problem.stepper, kept, problem.steps(), computed ? 0.5 : 1,
+                                           problem.timers);
+  if (kept.storage == "disk")
+    return fmt::format(" (states on disk: {} a motion)", megabytes(storage.bytes()));
+  const int slots = static_cast<int>(std::lround(storage.bytes() / forward::State::bytes(problem.stepper)));
+  const double made = static_cast<double>(forward::steps_made(problem.steps(), slots));
+  return fmt::format(", and {:.2f} steps made again{} ({} checkpoints)", made / problem.steps() - 1,
+                     computed ? " of either motion" : "", slots);
+}
+
+/// Costs of the effects that add anything, by the names of io::effects.
+std::map<std::string, Cost> costs(const Problem& problem) {
+  const scene::Scene& scene = problem.scene;
+  const fem::Operators& body = problem.operators;
+  const forward::Stepper& stepper = problem.stepper;
+  const std::string density_product =
+      body.uniform_density ? "nothing: one product with M does" : "a product with W";
+  const double vector = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
+  std::map<std::string, Cost> costs;
+  costs["clamp"].step = "nothing: its unknowns are decoupled in D";
+  if (body.B)
+    costs["viscosity"] = {"B", petsc::bytes(*body.B), "nothing: it is in D and R"};
+  if (stepper.motion())
+    costs["moving clamp"] = {"D before the clamps", stepper.motion()->bytes(), "a product"};
+  if (const contact::Constraints* constraints = stepper.constraints()) {
+    costs["contact"] = {fmt::format("of the {} candidates", constraints->count()),
+                        stepper.solver().memory().condensation,
+                        "in flight a look at the gaps; in contact an inequality"};
+    if (stepper.predictor())
+      costs["contact-stabilized"] = {"the factor of M", stepper.scheme_bytes(),
+                                     "in contact an inequality with M"};
+    else if (stepper.scheme_bytes() > 0)
+      costs["massless contact"] = {"M with mass moved", stepper.scheme_bytes(), "nothing: it is in D and R"};
+    if (constraints->moving())
+      costs["moving obstacle"].step = "the gaps anew";
+  }
+  if (problem.scene_load) {
+    const std::string evaluated =
+        problem.scene_load->depends_on_time() ? ", evaluated anew" : ", evaluated once";
+    if (scene.load->body)
+      costs["body load"] = {"W", petsc::bytes(*body.W) + 2 * vector, density_product + evaluated};
+    if (!scene.load->tractions.empty())
+      costs["traction"] = {"L2 of the surface", problem.scene_load->surface_bytes() + 3 * vector,
+                           "a vector added" + evaluated};
+  }
+  if (!scene.objective)
+    return costs;
+  const control::ControlSpace controls(problem.space, body, stepper.scheme(), problem.steps(),
+                                       *scene.control);
+  const bool own = controls.matrix_bytes() > 0;
+  costs["control"] = {own ? "its L2" : "W",
+                      (own ? controls.matrix_bytes() : petsc::bytes(*body.W)) + 5 * controls.control_bytes(),
+                      own ? "a product" : density_product};
+  if (controls.bounded())
+    costs["control bounds"].bytes =
+        controls.cellwise()
+            ? 0
+            : controls.control_bytes() / (scene.control->constant_in_time ? 1 : problem.steps());
+  if (scene.optimizer.method == "lbfgs")
+    costs["control"].bytes += 2 * optimize::lbfgs_pairs * controls.control_bytes();
+  costs["objective"] = {scene.objective->on ? "L2 of what is observed" : "W", motions_bytes(problem),
+                        "a gradient: an adjoint step, with one solve" + again(problem)};
+  return costs;
+}
+
+struct StepTimes {
+  double free = 0, contact = 0, adjoint = 0; ///< s each
+  int free_steps = 0, contact_steps = 0;
+};
+
+/// Runs `steps` steps from the start, and as many adjoint ones on the last contact if there is an objective.
+StepTimes time_steps(const Problem& problem, int steps) {
+  using Clock = std::chrono::steady_clock;
+  const auto seconds_since = [](Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  };
+  StepTimes times;
+  const GivenControl given(problem);
+  const petsc::Vector p_next = problem.space.vector(), q = problem.space.vector(), p = problem.space.vector();
+  auto start = Clock::now();
+  forward::integrate(problem.stepper, problem.initial, given.load(), steps, [&](const forward::Frame& frame) {
+    const double seconds = seconds_since(start);
+    const bool touches = !frame.contact.active.empty();
+    if (frame.k > 0) {
+      (touches ? times.contact : times.free) += seconds;
+      ++(touches ? times.contact_steps : times.free_steps);
+    }
+    if (frame.last && problem.scene.objective) {
+      petsc::check(VecCopy(frame.y1, p_next));
+      start = Clock::now();
+      for (int k = 0; k < steps; ++k)
+        problem.stepper.adjoint_step(frame.contact, &frame.contact, {}, p_next, q, p);
+      times.adjoint = seconds_since(start) / steps;
+    }
+    start = Clock::now();
+  });
+  times.free /= std::max(times.free_steps, 1);
+  times.contact /= std::max(times.contact_steps, 1);
+  return times;
+}
+
+std::string estimate(const Problem& problem, int timed_steps) {
+  const int steps = std::min(timed_steps, problem.steps());
+  const StepTimes times = time_steps(problem, steps);
+  const double all = times.free * times.free_steps + times.contact * times.contact_steps;
+  std::string text = fmt::format("{} steps timed:", steps);
+  if (times.free_steps)
+    text += fmt::format(" {:.3g} ms each without contact", 1e3 * times.free);
+  if (times.contact_steps)
+    text += fmt::format("{} {:.3g} ms each of {} in contact", times.free_steps ? "," : "",
+                        1e3 * times.contact, times.contact_steps);
+  const double sweep = all / steps * problem.steps();
+  text += fmt::format("\n{} such steps: {:.2g} s", problem.steps(), sweep);
+  if (problem.scene.objective)
+    text += fmt::format("; with the adjoint sweep, as in each iteration of optimize: {:.2g} s",
+                        sweep + times.adjoint * problem.steps());
+  if (problem.stepper.constraints() && !times.contact_steps)
+    text += "\n(no contact yet in these; steps in contact take longer)";
+  return text;
+}
+
+} // namespace
+
+void print_info(const Problem& problem, int timed_steps, const Console& console) {
+  const fem::Operators& body = problem.operators;
+  const forward::Stepper& stepper = problem.stepper;
+  console.line(
+      fmt::format("{}: unknowns: {} ({} free), cells: {}, candidates: {}, steps: {} of {} s\nsolver: {}",
+                  problem.scene.name, problem.space.dofs(), problem.free_dofs(), problem.mesh.cells(),
+                  stepper.constraints() ? stepper.constraints()->count() : 0, problem.steps(),
+                  problem.scene.time.step, stepper.solver().choice()));
+  console.line(fmt::format(
+      "always: M {}, A {}, R {}, {} {}; a step: one solve with D, products with R and M\n",
+      megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)), megabytes(petsc::bytes(stepper.R())),
+      stepper.solver().tolerance() > 0 ? "D and its preconditioner" : "the factor of D",
+      megabytes(stepper.solver().memory().factor)));
+  constexpr const char* row = "{:<22}{:<24}{:>10}   {}";
+  console.line(fmt::format(row, "effects", "adds matrices", "memory", "and in a step"));
+  std::map<std::string, Cost> all = costs(problem);
+  std::string off;
+  for (const auto& [name, on] : io::effects(problem.scene)) {
+    if (!on) {
+      off += (off.empty() ? "" : ", ") + name;
+      continue;
+    }
+    const Cost& cost = all[name];
+    const std::string line =
+        fmt::format(row, name, cost.matrices, cost.bytes > 0 ? megabytes(cost.bytes) : "", cost.step);
+    console.line(line.substr(0, line.find_last_not_of(' ') + 1));
+  }
+  console.line(fmt::format("off: {}", off.empty() ? "none" : off));
+  double setup = 0;
+  for (const auto& [phase, entry] : problem.timers.entries())
+    setup += entry.seconds;
+  double memory = peak_memory();
+  MPI_Allreduce(MPI_IN_PLACE, &memory, 1, MPI_DOUBLE, MPI_SUM, problem.space.comm());
+  console.line(fmt::format("\nset-up took {:.2g} s and {} in all", setup, megabytes(memory)));
+  console.line(timed_steps > 0 ? estimate(problem, timed_steps) : "for an estimate of the time: --time 20");
+}
+
+} // namespace signorini

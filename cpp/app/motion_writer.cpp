@@ -1,0 +1,80 @@
+#include "app/motion_writer.h"
+#include "base/error.h"
+#include <fmt/format.h>
+
+namespace signorini {
+
+MotionWriter::MotionWriter(const Problem& problem, const io::OutputFolder& folder,
+                           const control::Objective* objective)
+    : problem_(problem), objective_(objective),
+      plausibility_(problem.stepper, problem.scene, problem.steps()) {
+  const auto timer = problem.timers.time("output");
+  const scene::Output& output = problem.scene.output;
+  const int dim = problem.space.dim();
+  if (output.table("steps") || problem.scene.run.watched())
+    balance_.emplace(problem.stepper);
+  if (balance_)
+    invariants_.emplace(problem.stepper);
+  if (output.table("steps")) {
+    steps_.emplace(folder, "steps.csv");
+    steps_->append(io::steps_header(dim, objective != nullptr));
+  }
+  if (output.table("contact") && problem.stepper.constraints()) {
+    contact_.emplace(folder, "contact.csv");
+    contact_->append(io::contact_header(*problem.stepper.constraints()));
+  }
+  const std::size_t fields = output.field("displacement") + output.field("velocity");
+  const auto times = static_cast<std::size_t>((problem.steps() - 1) / output.every + 2);
+  if (fields > 0)
+    state_.emplace(problem.space, folder, "state.xdmf", fields * times);
+}
+
+void MotionWriter::operator()(const forward::Frame& frame) {
+  const auto timer = problem_.timers.time("output");
+  forward::StepBalance balance;
+  if (balance_) {
+    balance = (*balance_)(frame);
+    invariants_->observe(frame, balance);
+    if (problem_.scene.run.invariants == "stop")
+      if (const auto violation = invariants_->violation(problem_.scene.run.tolerance))
+        throw SolverFailure(fmt::format("step {} (t = {:.6g} s): {}", frame.k,
+                                        problem_.stepper.scheme().time(frame.k), *violation));
+  }
+  plausibility_.observe(frame, balance_ ? &balance : nullptr);
+  if (steps_) {
+    std::optional<double> tracking_error;
+    if (objective_)
+      tracking_error = objective_->distance(frame.k, frame.y1);
+    text_.clear();
+    io::add_steps_row(text_, frame.k, problem_.stepper.scheme().time(frame.k), problem_.space.dim(), balance,
+                      *invariants_, frame.contact, tracking_error);
+    steps_->append(text_);
+  }
+  if (stored(frame.k, problem_.scene.output.every, frame.last))
+    store(frame);
+}
+
+void MotionWriter::store(const forward::Frame& frame) {
+  const forward::Scheme& scheme = problem_.stepper.scheme();
+  if (contact_) {
+    text_.clear();
+    io::add_contact_rows(text_, frame.k, scheme, *problem_.stepper.constraints(), frame.contact);
+    contact_->append(text_);
+  }
+  if (state_ && problem_.scene.output.field("displacement"))
+    state_->write("displacement", frame.y1, scheme.time(frame.k));
+  if (state_ && problem_.scene.output.field("velocity"))
+    state_->write("velocity", frame.v1, scheme.time(frame.k));
+}
+
+void MotionWriter::finish() {
+  const auto timer = problem_.timers.time("output");
+  if (steps_)
+    steps_->close();
+  if (contact_)
+    contact_->close();
+  if (state_)
+    state_->close();
+}
+
+} // namespace signorini

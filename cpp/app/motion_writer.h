@@ -1,0 +1,50 @@
+#pragma once
+#include "app/problem.h"
+#include "forward/invariants.h"
+#include "forward/plausibility.h"
+#include "io/fields.h"
+#include "io/tables.h"
+#include <optional>
+
+namespace signorini {
+
+/// Whether a run stores fields and contact of step k: every n-th, and the last that it makes.
+inline bool stored(int k, int every, bool last) { return k % every == 0 || last; }
+
+/// Writes steps.csv, contact.csv and state.xdmf of a motion frame by frame, as the scene's [output] asks, and
+/// monitors its invariants and plausibility.
+class MotionWriter {
+public:
+  /// `objective` is null in a run without one. Collective. The arguments must outlive this object. Throws
+  /// UserError, WriteFailure.
+  MotionWriter(const Problem& problem, const io::OutputFolder& folder, const control::Objective* objective);
+
+  /// Takes the frame after the last one, from frame 0 on. Collective. Throws UserError, WriteFailure; with
+  /// run.invariants = "stop" SolverFailure at the step that violates an invariant.
+  void operator()(const forward::Frame& frame);
+
+  /// The invariants monitored; null without.
+  [[nodiscard]] const forward::Invariants* invariants() const {
+    return invariants_ ? &*invariants_ : nullptr;
+  }
+
+  /// Warnings where the motion leaves the range of the model. Collective.
+  [[nodiscard]] std::vector<forward::Warning> warnings() { return plausibility_.warnings(); }
+
+  /// Closes the files. Collective. Throws UserError, WriteFailure.
+  void finish();
+
+private:
+  void store(const forward::Frame& frame);
+
+  const Problem& problem_;
+  const control::Objective* objective_;
+  std::optional<forward::Balance> balance_;
+  std::optional<forward::Invariants> invariants_;
+  forward::Plausibility plausibility_;
+  std::optional<io::TextFile> steps_, contact_;
+  std::optional<io::FieldFile> state_;
+  std::string text_; ///< buffer of rows
+};
+
+} // namespace signorini

@@ -1,0 +1,208 @@
+#include "app/optimize.h"
+#include "app/optimizer_log.h"
+#include "app/run_manifest.h"
+#include "base/collective.h"
+#include "base/counters.h"
+#include "base/error.h"
+#include "optimize/lbfgs.h"
+#include "optimize/newton_cg.h"
+#include "optimize/projected_gradient.h"
+#include <algorithm>
+#include <fmt/format.h>
+#include <map>
+
+namespace signorini {
+namespace {
+
+/// steps.csv, contact.csv, state.xdmf.
+void write_motion(const Problem& problem, const control::ReducedProblem& reduced, MotionWriter& recorder) {
+  const auto timer = problem.timers.time("replay");
+  forward::integrate(problem.stepper, problem.initial, reduced.load(), problem.steps(), std::ref(recorder),
+                     forward::Stops::ignored);
+  recorder.finish();
+}
+
+/// control.xdmf and adjoint.xdmf.
+void write_control(const io::OutputFolder& folder, const Problem& problem,
+                   const control::ReducedProblem& reduced) {
+  const auto timer = problem.timers.time("output");
+  const scene::Output& output = problem.scene.output;
+  std::vector<int> steps;
+  for (int k = 1; k <= problem.steps(); ++k)
+    if (stored(k, output.every, k == problem.steps()))
+      steps.push_back(k);
+  using enum io::FieldFile::Values;
+  const auto write = [&](const std::string& name, io::FieldFile::Values values, auto&& at) {
+    if (!output.field(name))
+      return;
+    io::FieldFile file(problem.space, folder, name + ".xdmf", steps.size(), values);
+    at([&](int k, Vec x) { file.write(name, x, problem.stepper.scheme().time(k)); });
+    file.close();
+  };
+  write("control", reduced.controls().cellwise() ? cellwise : nodal, [&](auto&& store) {
+    const petsc::Vector field = reduced.controls().field();
+    for (int k : steps) {
+      reduced.controls().extend(reduced.control().at(k), field);
+      store(k, field);
+    }
+  });
+  write("adjoint", nodal, [&](auto&& store) {
+    reduced.adjoint_states([&](int k, Vec p) {
+      if (std::ranges::binary_search(steps, k))
+        store(k, p);
+    });
+  });
+}
+
+/// How the states of motions were stored, and its cost, in words.
+std::string storage_line(const Problem& problem, const ControlProblem& control_problem) {
+  const auto seconds = [&](const char* phase) {
+    const auto found = problem.timers.entries().find(phase);
+    return found == problem.timers.entries().end() ? 0.0 : found->second.seconds;
+  };
+  const std::string& kept = problem.scene.trajectory.storage;
+  const double bytes = control_problem.storage.bytes();
+  const std::string room = fmt::format("{:.3g} MB", bytes * 1e-6);
+  if (kept == "disk")
+    return fmt::format("states on disk, {} a motion: written in {:.1f} s, read in {:.1f} s", room,
+                       seconds("states written"), seconds("states read"));
+  if (kept == "checkpoints")
+    return fmt::format("states in checkpoints of {:.3g} MB: {} steps made again in {:.1f} s",
+                       bytes * 1e-6 * (control_problem.reference ? 2 : 1), count("recomputed steps"),
+                       seconds("states recomputed"));
+  return fmt::format("states in memory, {} a motion", room);
+}
+
+using Result = optimize::Result<control::Control>;
+
+Result minimise(ControlProblem& problem, const scene::Scene& scene, OptimizerLog& record) {
+  const optimize::Options options{.max_iterations = scene.optimizer.max_iterations,
+                                  .tolerance = scene.optimizer.tolerance};
+  control::Control guess = problem.first_guess(scene);
+  const std::string& method = scene.optimizer.method;
+  if (method == "lbfgs")
+    return optimize::lbfgs(problem.reduced, std::move(guess), options, record, record);
+  if (method == "newton-cg")
+    return optimize::newton_cg(problem.reduced, std::move(guess), options, record, record);
+  return optimize::projected_gradient(problem.reduced, std::move(guess), options, record, record);
+}
+
+/// Weak contact at a kink: the candidates, by step, that are active at some points of a certificate and open
+/// at others. Its sweeps are not counted. An interruption sets `interrupted`; the list is then incomplete.
+std::vector<io::WeakContact> weak_contact(control::ReducedProblem& reduced,
+                                          const std::vector<control::Control>& points, bool& interrupted) {
+  const auto sweeps = reduced.sweeps();
+  std::map<std::pair<int, int>, std::size_t> closed; // number of points where it is active
+  std::size_t seen = 0;
+  for (const control::Control& point : points) {
+    try {
+      (void)reduced.value(point);
+    } catch (const Interrupted&) { // the search has ended; its result is still written
+      interrupted = true;
+      break;
+    }
+    ++seen;
+    const auto& contact = reduced.trial_trajectory().contact();
+    for (std::size_t k = 1; k < contact.size(); ++k)
+      for (int i : contact[k].active)
+        ++closed[{static_cast<int>(k), i}];
+  }
+  reduced.count_from(sweeps);
+  std::vector<io::WeakContact> weak;
+  for (const auto& [where, times] : closed)
+    if (times < seen) {
+      const auto& [k, i] = where;
+      const double* x = &reduced.stepper().constraints()->points()[3 * static_cast<std::size_t>(i)];
+      weak.push_back({k, reduced.stepper().scheme().time(k), i, {x, x + reduced.stepper().space().dim()}});
+    }
+  return weak;
+}
+
+/// Describes the kink at which a search ended, on the console too. Collective.
+io::Kink describe(control::ReducedProblem& reduced,
+                  const optimize::Certificate<control::Control>& certificate, double first_norm,
+                  bool& interrupted, const Console& console) {
+  io::Kink kink{certificate.length, certificate.radius, static_cast<int>(certificate.points.size()),
+                weak_contact(reduced, certificate.points, interrupted)};
+  console.line(fmt::format(
+      "{} gradients within {:.1e} of the control have a combination of length {:.2e}, {:.1e} of the first "
+      "gradient's; contact is weak at {}{} candidates and steps:",
+      kink.gradients, kink.radius, kink.length, kink.length / first_norm, interrupted ? "at least " : "",
+      kink.weak.size()));
+  constexpr std::size_t most_lines = 8;
+  for (std::size_t i = 0; i < std::min(most_lines, kink.weak.size()); ++i)
+    console.line(fmt::format("  step {} (t = {:.6g} s), node at ({:.6g}) m", kink.weak[i].step,
+                             kink.weak[i].time, fmt::join(kink.weak[i].x, ", ")));
+  if (kink.weak.size() > most_lines)
+    console.line(fmt::format("  and {} more: run.json has them all", kink.weak.size() - most_lines));
+  return kink;
+}
+
+void require_control_problem(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out) {
+  if (!scene.objective)
+    throw UserError(
+        fmt::format("{}: optimize needs the tables [control] and [objective], and the scene has {}",
+                    scene.file.string(), scene.control ? "no objective" : "neither"));
+  if (const auto* run = std::get_if<scene::DesiredRun>(&scene.objective->desired))
+    on_root(comm, [&] {
+      std::error_code missing;
+      if (std::filesystem::equivalent(out, run->folder, missing))
+        throw UserError(
+            fmt::format("--out: found the folder of objective.desired.run, {}, whose files this run "
+                        "would replace, allowed is another",
+                        run->folder.string()));
+    });
+}
+
+} // namespace
+
+int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,
+                   const Console& console) {
+  require_control_problem(comm, scene, out);
+  io::OutputFolder folder(comm, out, resume ? OptimizerLog::checkpoint : "");
+  Timers timers;
+  const Problem problem(comm, scene, {.sliding = true}, timers);
+  console.line(headline(problem));
+  ControlProblem control_problem(problem, console);
+  control::ReducedProblem& reduced = control_problem.reduced;
+
+  OptimizerLog record(control_problem, problem, folder, resume, console);
+  const Result ending = minimise(control_problem, scene, record);
+  record.end();
+  if (!record.evaluated()) // rows of a checkpoint alone are no result
+    throw Interrupted();
+  const std::vector<io::HistoryRow>& rows = record.rows();
+  if (scene.output.table("history"))
+    folder.write("history.csv", io::history_table(rows));
+  folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
+  MotionWriter recorder(problem, folder, &reduced.objective());
+  write_motion(problem, reduced, recorder);
+  write_control(folder, problem, reduced);
+  const double first_norm = rows.front().gradient_norm;
+  console.line("stopped: " + optimize::name(ending.stop));
+  io::Manifest m = manifest(problem, "optimize", optimize::name(ending.stop), reduced.trajectory().steps());
+  add_watched(m, recorder, scene.run, console);
+  m.objective = reduced.value();
+  m.iterations = rows.back().iteration;
+  m.forward_sweeps = reduced.sweeps().forward;
+  m.adjoint_sweeps = reduced.sweeps().adjoint;
+  bool interrupted = ending.stop == optimize::Stop::interrupted;
+  if (ending.certificate)
+    m.kink = describe(reduced, *ending.certificate, first_norm, interrupted, console);
+  m.files = folder.files();
+  folder.write("run.json", io::to_json(m, scene, timers));
+  console.line(fmt::format(
+      "J {:.6e} -> {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e}), |g| "
+      "{:.2e} -> {:.2e} (tolerance {:.2e})\n{} iterations, {} forward and {} adjoint sweeps in {:.1f} s",
+      rows.front().objective, m.objective->total(), m.objective->tracking, m.objective->terminal,
+      m.objective->control_cost, first_norm, rows.back().gradient_norm,
+      scene.optimizer.tolerance * first_norm, rows.back().iteration, *m.forward_sweeps, *m.adjoint_sweeps,
+      rows.back().seconds));
+  console.line(storage_line(problem, control_problem));
+  finish(folder, console);
+  return ending.stop == optimize::Stop::solver_failed ? exit_status::solver_failed
+         : interrupted                                ? exit_status::interrupted
+                                                      : exit_status::done;
+}
+
+} // namespace signorini

@@ -1,0 +1,95 @@
+#pragma once
+#include "app/problem.h"
+#include "io/checkpoint.h"
+#include "io/output_folder.h"
+#include "io/tables.h"
+#include "optimize/minimize.h"
+#include <fstream>
+
+namespace signorini {
+
+/// Output of a search while it runs: progress, history.csv in the folder, one line for each iteration as soon
+/// as it is made, and checkpoint.h5. All members collective.
+class OptimizerLog {
+public:
+  static constexpr const char* checkpoint = "checkpoint.h5"; ///< the file's name
+
+  /// With `resume` the search continues from the folder's checkpoint, if there is one. The references must
+  /// outlive this object.
+  OptimizerLog(ControlProblem& control_problem, const Problem& problem, const io::OutputFolder& folder,
+               bool resume, const Console& console);
+
+  /// Records an iterate, the problem's current point.
+  void operator()(const optimize::Iteration& iteration);
+
+  /// Restores the state of the search; false if there is no checkpoint. Throws UserError if it is damaged or
+  /// of another problem.
+  template <class State>
+  bool restore(State& state) {
+    if (!resume_ || !found())
+      return false;
+    io::CheckpointReader in(control_problem_.controls, file_);
+    read(in);
+    state.serialize(in);
+    return true;
+  }
+
+  /// Compares J as stored in the checkpoint with J as evaluated now. Throws UserError if they differ by more
+  /// than another number of ranks explains.
+  void restored(double stored, double found);
+
+  /// Whether a checkpoint is to be written after this iteration.
+  [[nodiscard]] bool due(const optimize::Iteration& iteration) const {
+    return every_ > 0 && iteration.number % every_ == 0 && iteration.number != stored_at_;
+  }
+
+  /// Writes a checkpoint. A failure is reported and the search goes on: the last checkpoint stays.
+  template <class State>
+  void store(State& state) {
+    if (every_ == 0 || rows_.empty())
+      return;
+    const auto timer = problem_.timers.time("checkpoint");
+    io::CheckpointWriter out(control_problem_.controls, folder_.staged(checkpoint), file_);
+    write(out);
+    state.serialize(out);
+    stored_at_ = state.iteration.number;
+    if (const std::string failure = out.commit(); !failure.empty())
+      console_.line(not_written(failure));
+  }
+
+  /// Ends the display of progress.
+  void end() { progress_.reset(); }
+
+  /// The history of the whole search, iterations before it was resumed included.
+  [[nodiscard]] const std::vector<io::HistoryRow>& rows() const { return rows_; }
+
+  /// Whether the problem's current point is one of the search: J was evaluated at the first guess, or at the
+  /// checkpoint's control.
+  [[nodiscard]] bool evaluated() const { return evaluated_; }
+
+private:
+  using Clock = std::chrono::steady_clock;
+
+  [[nodiscard]] bool found() const;
+  void read(io::CheckpointReader& in);
+  void write(io::CheckpointWriter& out) const;
+  /// Starts history.csv with the rows so far, or adds the last one.
+  void show_row();
+  [[nodiscard]] double seconds() const;
+  [[nodiscard]] std::string not_written(const std::string& failure) const;
+
+  ControlProblem& control_problem_;
+  const Problem& problem_;
+  const io::OutputFolder& folder_;
+  const Console& console_;
+  std::filesystem::path file_;
+  int every_, stored_at_ = -1;
+  bool resume_, evaluated_ = false;
+  std::optional<Progress> progress_;
+  Clock::time_point start_ = Clock::now();
+  double earlier_ = 0; ///< seconds of the search before it was resumed
+  std::vector<io::HistoryRow> rows_;
+  std::ofstream history_; ///< on rank 0
+};
+
+} // namespace signorini

@@ -1,0 +1,234 @@
+#include "app/problem.h"
+#include "base/collective.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/signals.h"
+#include "io/stored_field.h"
+#include <fmt/format.h>
+
+namespace signorini {
+using petsc::check;
+
+namespace {
+
+template <class Make>
+auto timed(Timers& timers, const char* phase, Make&& make) {
+  const auto timer = timers.time(phase);
+  return make();
+}
+
+mesh::Mesh read_mesh(MPI_Comm comm, const scene::Scene& scene) {
+  mesh::Mesh mesh(comm, scene.mesh);
+  scene::require_dimension(scene, mesh.dim());
+  // The groups must exist even if this run uses neither control nor objective.
+  if (scene.control && scene.control->on)
+    (void)mesh.group_dimension(*scene.control->on, "control.on");
+  if (scene.objective && scene.objective->on)
+    (void)mesh.group_dimension(*scene.objective->on, "objective.on");
+  return mesh;
+}
+
+/// Whether simulate applies a control.
+bool has_given_control(const scene::Scene& scene) { return scene.control && !scene::rests(*scene.control); }
+
+/// Whether a load, control or objective is given by its density in the body, which needs W.
+bool has_densities(const scene::Scene& scene, bool optimal_control) {
+  const bool controlled = optimal_control ? scene.control.has_value() : has_given_control(scene);
+  return (scene.load && scene.load->body) ||
+         (controlled && !scene.control->on && scene.control->space == "P1") ||
+         (optimal_control && scene.objective && !scene.objective->on);
+}
+
+using Displacements = std::unique_ptr<const forward::Displacements>;
+
+/// The motion under a reference control.
+Displacements computed(const Problem& problem, const control::ControlSpace& controls,
+                       const control::Control& reference, const forward::StateStoreFactory& storage,
+                       const Console& console) {
+  /// Owns the control's force too: steps are made again by it where the storage keeps checkpoints.
+  class Computed final : public forward::Displacements {
+  public:
+    Computed(const Problem& problem, const control::ControlSpace& controls, const control::Control& u,
+             const forward::StateStoreFactory& storage)
+        : force_(controls, u), trajectory_(problem.stepper, problem.initial, problem.steps(), storage) {}
+    void run(const Problem& problem, const forward::StepObserver& watch) {
+      trajectory_.run(problem.load(&force_), watch);
+      if (trajectory_.steps() < problem.steps())
+        throw Interrupted();
+    }
+    [[nodiscard]] Vec y(int k) const override { return trajectory_.y(k); }
+
+  private:
+    control::ControlForce force_;
+    forward::Trajectory trajectory_;
+  };
+  auto motion = std::make_unique<Computed>(problem, controls, reference, storage);
+  Progress progress(console, "desired state", static_cast<std::size_t>(problem.steps()));
+  motion->run(problem,
+              [&](const forward::Frame& frame) { progress.update(static_cast<std::size_t>(frame.k)); });
+  return motion;
+}
+
+/// A displacement at time t. Collective.
+using Evaluate = std::function<void(double t, Vec y)>;
+
+/// All evaluated at construction and kept in memory.
+class Kept final : public forward::Displacements {
+public:
+  Kept(const Problem& problem, const Evaluate& evaluate)
+      : all_(petsc::zero_series(problem.initial.y, static_cast<std::size_t>(problem.steps()) + 1)) {
+    for (int k = 0; k <= problem.steps(); ++k)
+      evaluate(problem.stepper.scheme().time(k), all_[static_cast<std::size_t>(k)]);
+  }
+  [[nodiscard]] Vec y(int k) const override { return all_[static_cast<std::size_t>(k)]; }
+
+private:
+  petsc::Series all_;
+};
+
+/// Evaluated on demand.
+class Evaluated final : public forward::Displacements {
+public:
+  Evaluated(const Problem& problem, Evaluate evaluate)
+      : problem_(problem), evaluate_(std::move(evaluate)), y_(problem.space.vector()) {}
+  [[nodiscard]] Vec y(int k) const override {
+    if (std::exchange(last_, k) != k) {
+      const auto timer = problem_.timers.time("desired state");
+      evaluate_(problem_.stepper.scheme().time(k), y_);
+    }
+    return y_;
+  }
+
+private:
+  const Problem& problem_;
+  Evaluate evaluate_;
+  petsc::Vector y_;
+  mutable int last_ = -1;
+};
+
+/// Constant in time.
+class Constant final : public forward::Displacements {
+public:
+  Constant(const Problem& problem, const scene::Field& field) : y_(problem.space.vector()) {
+    problem.space.interpolate(field, 0, y_);
+  }
+  [[nodiscard]] Vec y(int) const override { return y_; }
+
+private:
+  petsc::Vector y_;
+};
+
+Displacements given(const Problem& problem, Evaluate evaluate, bool keep) {
+  if (keep)
+    return std::make_unique<Kept>(problem, evaluate);
+  return std::make_unique<Evaluated>(problem, std::move(evaluate));
+}
+
+Displacements desired_states(const Problem& problem, const control::ControlSpace& controls,
+                             const std::optional<control::Control>& reference,
+                             const forward::StateStoreFactory& storage, const Console& console) {
+  const auto timer = problem.timers.time("desired state");
+  if (reference)
+    return computed(problem, controls, *reference, storage, console);
+  if (const auto* run = std::get_if<scene::DesiredRun>(&problem.scene.objective->desired)) {
+    const auto stored = std::make_shared<io::StoredField>(problem.space, run->folder / "state.h5",
+                                                          "displacement", "objective.desired.run",
+                                                          problem.stepper.scheme().time(problem.steps()));
+    return given(problem, [stored](double t, Vec y) { stored->at(t, y); }, storage.in_memory());
+  }
+  const auto& desired = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
+  const auto field =
+      std::make_shared<scene::Field>(desired.displacement, "objective.desired.displacement", true);
+  if (field->depends_on_time())
+    return given(
+        problem, [&problem, field](double t, Vec y) { problem.space.interpolate(*field, t, y); },
+        storage.in_memory());
+  return std::make_unique<Constant>(problem, *field);
+}
+
+/// The share of the storage budget for the motions of controls.
+double share(const scene::Scene& scene) {
+  return std::holds_alternative<scene::DesiredControl>(scene.objective->desired) ? 0.5 : 1;
+}
+
+/// Throws UserError if a control and, with `motion`, a motion with all its states in memory exceed the
+/// machine's memory, one machine for each rank: the number of steps is then unintended, and Linux would grant
+/// the memory until it kills the program.
+void require_memory(const Problem& problem, const control::ControlSpace& controls, bool motion) {
+  const bool kept = motion && problem.scene.trajectory.storage == "memory";
+  const double state = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
+  const double needed = controls.control_bytes() + (kept ? state * problem.steps() : 0),
+               room = machine_memory() * ranks(problem.space.comm());
+  if (needed > room)
+    throw UserError(fmt::format(
+        "time.step: found {:.10g} s, which makes {} steps, of which a control{} alone take {:.3g} GB "
+        "of memory, allowed is what fits in the machine's {:.3g} GB",
+        problem.scene.time.step, problem.steps(), kept ? " and a motion" : "", needed / 1e9, room / 1e9));
+}
+
+control::Control first_guess(const control::ControlSpace& controls, const scene::Control& scene) {
+  return scene.initial ? controls.interpolate(*scene.initial, "control.initial") : controls.zero();
+}
+
+std::optional<control::Control> reference_control(const Problem& problem,
+                                                  const control::ControlSpace& controls) {
+  require_memory(problem, controls, true);
+  if (const auto* desired = std::get_if<scene::DesiredControl>(&problem.scene.objective->desired))
+    return controls.interpolate(desired->control, "objective.desired.control");
+  return std::nullopt;
+}
+
+} // namespace
+
+Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs needs, Timers& t)
+    : scene(s), timers(t), mesh(timed(t, "mesh", [&] { return read_mesh(comm, s); })),
+      space(mesh, s.mesh.degree),
+      operators(timed(
+          t, "assembly",
+          [&] { return fem::assemble_operators(space, s.materials, has_densities(s, needs.sliding)); })),
+      stepper(timed(t, "solver", [&] { return forward::Stepper(space, operators, s, needs); })),
+      initial(stepper, s.initial) {
+  if (stop_requested(comm))
+    throw Interrupted();
+  if (s.load)
+    scene_load.emplace(space, *s.load, stepper.scheme());
+}
+
+long Problem::free_dofs() const {
+  long clamped = static_cast<long>(stepper.clamped().dofs().size());
+  MPI_Allreduce(MPI_IN_PLACE, &clamped, 1, MPI_LONG, MPI_SUM, space.comm());
+  return static_cast<long>(space.dofs()) - clamped;
+}
+
+GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
+  if (!has_given_control(problem.scene))
+    return;
+  const scene::Control& control = *problem.scene.control;
+  controls_.emplace(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(), control);
+  require_memory(problem, *controls_, false);
+  control_ = first_guess(*controls_, control);
+  controls_->project(*control_);
+  force_.emplace(*controls_, *control_);
+}
+
+forward::ForceAtStep GivenControl::load() const { return problem_.load(force_ ? &*force_ : nullptr); }
+
+ControlProblem::ControlProblem(const Problem& problem, const Console& console)
+    : controls(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(),
+               *problem.scene.control),
+      reference(reference_control(problem, controls)),
+      storage(problem.stepper, problem.scene.trajectory, problem.steps(), share(problem.scene),
+              problem.timers),
+      desired_storage(problem.stepper, problem.scene.trajectory, problem.steps(), share(problem.scene),
+                      problem.timers),
+      objective(controls, problem.operators, problem.stepper.scheme(),
+                desired_states(problem, controls, reference, desired_storage, console),
+                *problem.scene.objective),
+      reduced(problem.stepper, controls, objective, problem.initial, problem.scene_loads(), storage,
+              problem.timers) {}
+
+control::Control ControlProblem::first_guess(const scene::Scene& scene) const {
+  return signorini::first_guess(controls, *scene.control);
+}
+
+} // namespace signorini

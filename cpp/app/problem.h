@@ -1,0 +1,74 @@
+#pragma once
+#include "base/progress.h"
+#include "control/reduced_problem.h"
+#include <optional>
+
+namespace signorini {
+
+/// A scene set up for simulation: the modules by value, in the order of their dependence.
+struct Problem {
+  /// Collective. Throws UserError, SolverFailure.
+  Problem(MPI_Comm comm, const scene::Scene& scene, forward::Stepper::Needs needs, Timers& timers);
+  Problem(const Problem&) = delete;
+  Problem& operator=(const Problem&) = delete;
+
+  const scene::Scene& scene;
+  Timers& timers;
+  mesh::Mesh mesh;
+  fem::Space space;
+  fem::Operators operators;
+  forward::Stepper stepper;
+  forward::Initial initial;
+  std::optional<forward::SceneLoad> scene_load;
+
+  /// The scene's loads, null if it has none.
+  [[nodiscard]] const forward::Load* scene_loads() const { return scene_load ? &*scene_load : nullptr; }
+  /// All forces on the body: the scene's loads and, if given, a control's, which must outlive the result.
+  /// Collective.
+  [[nodiscard]] forward::ForceAtStep load(const forward::Load* control = nullptr) const {
+    return {space, {scene_loads(), control}};
+  }
+  [[nodiscard]] int steps() const { return scene.time.steps; }
+  /// Unknowns that no clamp holds, on all ranks. Collective.
+  [[nodiscard]] long free_dofs() const;
+};
+
+/// The control that a scene gives (control.initial, within its bounds), for runs that do not optimise.
+class GivenControl {
+public:
+  /// Collective. `problem` must outlive this object. Throws UserError.
+  explicit GivenControl(const Problem& problem);
+  GivenControl(const GivenControl&) = delete;
+  GivenControl& operator=(const GivenControl&) = delete;
+
+  /// All forces, the control's included; valid as long as this object lives.
+  [[nodiscard]] forward::ForceAtStep load() const;
+
+private:
+  const Problem& problem_;
+  std::optional<control::ControlSpace> controls_;
+  std::optional<control::Control> control_;
+  std::optional<control::ControlForce> force_; ///< of control_
+};
+
+/// The control problem of a scene: control, objective, desired motion and reduced problem.
+struct ControlProblem {
+  /// Computes the desired states, by simulating the reference control if there is one. Collective. Throws
+  /// UserError, SolverFailure, Interrupted.
+  ControlProblem(const Problem& problem, const Console& console);
+  ControlProblem(const ControlProblem&) = delete;
+  ControlProblem& operator=(const ControlProblem&) = delete;
+
+  control::ControlSpace controls;
+  std::optional<control::Control> reference; ///< the control whose state is desired, if the scene names one
+  /// For the motions of controls, of which one is read at a time, and for the desired motion. Where the
+  /// latter is computed, each has half of the scene's budget.
+  forward::StateStoreFactory storage, desired_storage;
+  control::Objective objective;
+  control::ReducedProblem reduced;
+
+  /// The scene's first guess.
+  [[nodiscard]] control::Control first_guess(const scene::Scene& scene) const;
+};
+
+} // namespace signorini

@@ -1,0 +1,105 @@
+#include "app/run.h"
+#include "app/check/check.h"
+#include "app/info.h"
+#include "app/motion_writer.h"
+#include "app/optimize.h"
+#include "app/run_manifest.h"
+#include "base/collective.h"
+#include "base/error.h"
+#include "io/manifest.h"
+#include "io/output_folder.h"
+#include <fmt/format.h>
+
+namespace signorini {
+namespace {
+
+MPI_Comm world() { return MPI_COMM_WORLD; }
+
+int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, const Console& console) {
+  io::OutputFolder folder(world(), out);
+  Timers timers;
+  const Problem problem(world(), scene, {.sliding = false}, timers);
+  console.line(headline(problem));
+
+  const GivenControl given(problem);
+  const forward::ForceAtStep load = given.load();
+  MotionWriter recorder(problem, folder, nullptr);
+  int steps = 0;
+  {
+    const auto timer = timers.time("forward");
+    Progress progress(console, "steps", static_cast<std::size_t>(problem.steps()));
+    steps = forward::integrate(problem.stepper, problem.initial, load, problem.steps(),
+                               [&](const forward::Frame& frame) {
+                                 recorder(frame);
+                                 progress.update(static_cast<std::size_t>(frame.k));
+                               });
+  }
+  if (steps == 0) // no result that could replace an earlier run's
+    throw Interrupted();
+  const bool complete = steps == problem.steps();
+  recorder.finish();
+  folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
+  io::Manifest m = manifest(problem, "simulate", complete ? "end of time" : "interrupted", steps);
+  add_watched(m, recorder, scene.run, console);
+  m.files = folder.files();
+  folder.write("run.json", io::to_json(m, scene, timers));
+  console.line(fmt::format("{}{} steps in {:.2g} s", complete ? "" : "interrupted after ", steps,
+                           timers.entries().at("forward").seconds));
+  finish(folder, console);
+  return complete ? exit_status::done : exit_status::interrupted;
+}
+
+int check(const scene::Scene& scene, const Console& console) {
+  Timers timers;
+  const Problem problem(world(), scene, {.sliding = scene.objective.has_value()}, timers);
+  console.line(headline(problem));
+  return check_scene(problem, console) ? exit_status::done : exit_status::check_failed;
+}
+
+/// A run replaces scene.toml in its folder by the echo of its scene. Where that file is itself the scene to
+/// be run, it must be an unchanged echo. Throws UserError.
+void require_not_the_users(const scene::Scene& scene, const std::string& text,
+                           const std::filesystem::path& out) {
+  const std::filesystem::path echo = out / "scene.toml";
+  std::error_code none;
+  if (!std::filesystem::equivalent(scene.file, echo, none))
+    return;
+  const scene::Scene written = scene::parse(text, scene.file, {});
+  for (int dim : {2, 3})
+    if (scene::echo(written, dim) == text)
+      return;
+  throw UserError(
+      fmt::format("--out: found the scene itself, {}, which the run would replace, allowed is another folder",
+                  echo.string()));
+}
+
+} // namespace
+
+int run(const Request& request, const Console& console) {
+  std::string text; // read once: ranks with different scenes would deadlock
+  on_root(world(), [&] { text = scene::read(request.scene); });
+  scene::Scene scene = scene::parse(broadcast(world(), text), request.scene, request.overrides);
+  // Its default depends on the machine, and all ranks must choose the same solvers.
+  MPI_Allreduce(MPI_IN_PLACE, &scene.solver.memory, 1, MPI_DOUBLE, MPI_MIN, world());
+  const std::filesystem::path out =
+      !request.out.empty()
+          ? request.out
+          : std::filesystem::path("results") / (request.verb == "study" ? scene.name + "-study" : scene.name);
+  if (request.verb == "simulate" || request.verb == "optimize")
+    on_root(world(), [&] { require_not_the_users(scene, text, out); });
+  if (request.verb == "simulate")
+    return simulate_scene(scene, out, console);
+  if (request.verb == "optimize")
+    return optimize_scene(world(), scene, out, request.resume, console);
+  if (request.verb == "check")
+    return check(scene, console);
+  if (request.verb == "study")
+    return request.suggest ? study::suggest(world(), scene, *request.suggest, request.study.budget, console)
+                           : study::run_study(world(), scene, out, request.study, console);
+  Timers timers;
+  const Problem problem(world(), scene, {.sliding = scene.objective.has_value()}, timers);
+  print_info(problem, request.timed_steps, console);
+  return exit_status::done;
+}
+
+} // namespace signorini

@@ -1,0 +1,26 @@
+#pragma once
+#include "app/study/study.h"
+#include "base/progress.h"
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace signorini {
+
+/// What the command line asks for.
+struct Request {
+  std::string verb; ///< simulate, optimize, check, study or info
+  std::filesystem::path scene;
+  std::filesystem::path out; ///< empty: results/<scene name>
+  std::vector<std::string> overrides;
+  bool resume = false; ///< continue optimize from its checkpoint
+  int timed_steps = 0; ///< number of steps that info makes and times
+  study::Options study;
+  std::optional<double> suggest; ///< tolerance for which study proposes size and step
+};
+
+/// Runs the request on MPI_COMM_WORLD and returns the exit status. Collective. Throws UserError,
+/// SolverFailure, Interrupted.
+int run(const Request& request, const Console& console);
+
+} // namespace signorini

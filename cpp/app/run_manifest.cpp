@@ -1,0 +1,62 @@
+#include "app/run_manifest.h"
+#include "base/collective.h"
+#include "base/memory.h"
+#include <fmt/format.h>
+
+namespace signorini {
+
+std::string headline(const Problem& problem) {
+  const int size = ranks(problem.space.comm());
+  std::string on;
+  for (const auto& [name, active] : io::effects(problem.scene))
+    if (active)
+      on += (on.empty() ? "" : ", ") + name;
+  return fmt::format(
+      "{}: {} free unknowns, {} contact candidates, {} steps of {} s, {} rank{}\neffects: {}\nsolver: {}",
+      problem.scene.name, problem.free_dofs(),
+      problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0, problem.steps(),
+      problem.scene.time.step, size, size == 1 ? "" : "s", on.empty() ? "none" : on,
+      problem.stepper.solver().choice());
+}
+
+io::Manifest manifest(const Problem& problem, const std::string& verb, const std::string& stop_reason,
+                      int steps_done) {
+  io::Manifest m;
+  m.verb = verb;
+  m.stop_reason = stop_reason;
+  m.ranks = ranks(problem.space.comm());
+  m.unknowns = static_cast<long>(problem.space.dofs());
+  m.free_unknowns = problem.free_dofs();
+  m.cells = static_cast<long>(problem.mesh.cells());
+  m.candidates = problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0;
+  m.steps_done = steps_done;
+  if (const auto& control = problem.scene.control)
+    m.control_unit =
+        control->on && problem.mesh.group_dimension(*control->on, "control.on") < problem.mesh.dim() ? "N/m²"
+                                                                                                     : "N/m³";
+  m.solver = problem.stepper.solver().choice();
+  m.peak_memory = peak_memory();
+  MPI_Allreduce(MPI_IN_PLACE, &m.peak_memory, 1, MPI_DOUBLE, MPI_SUM, problem.space.comm());
+  return m;
+}
+
+void finish(io::OutputFolder& folder, const Console& console) {
+  folder.publish();
+  console.line(fmt::format("results in {}", folder.path().string()));
+}
+
+void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Run& run,
+                 const Console& console) {
+  if (recorder.invariants())
+    manifest.invariants.assign(recorder.invariants()->defects().begin(),
+                               recorder.invariants()->defects().end());
+  for (const forward::Invariants::Defect& defect : manifest.invariants)
+    if (run.watched() && !(defect.worst <= run.tolerance))
+      console.line(fmt::format("warning: {} is {:.2e} at step {}, allowed is {:.0e} (run.tolerance)",
+                               defect.name, defect.worst, defect.step, run.tolerance));
+  manifest.warnings = recorder.warnings();
+  for (const forward::Warning& warning : manifest.warnings)
+    console.line("warning: " + warning.message);
+}
+
+} // namespace signorini

@@ -1,0 +1,28 @@
+#pragma once
+#include "app/motion_writer.h"
+#include "io/manifest.h"
+#include "io/output_folder.h"
+
+/// Output common to the verbs that write results.
+namespace signorini {
+
+/// Exit statuses of the program.
+namespace exit_status {
+constexpr int done = 0, check_failed = 1, wrong_input = 2, solver_failed = 3, interrupted = 130;
+}
+
+/// The run about to be made, in words. Collective.
+std::string headline(const Problem& problem);
+
+/// The part of run.json that is common to all runs. Collective.
+io::Manifest manifest(const Problem& problem, const std::string& verb, const std::string& stop_reason,
+                      int steps_done);
+
+/// Adds the recorder's invariants and warnings to run.json and prints those beyond their limits. Collective.
+void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Run& run,
+                 const Console& console);
+
+/// Puts the files in place. Collective. Throws UserError.
+void finish(io::OutputFolder& folder, const Console& console);
+
+} // namespace signorini

@@ -1,0 +1,14 @@
+#pragma once
+#include "scene/scene.h"
+#include <mpi.h>
+#include <vector>
+
+namespace signorini::study {
+
+/// Throw UserError if the sizes are needed but do not change the mesh of a scene, as with a .geo that sets
+/// its own density (Transfinite curves, say): require_answer_to() by the two coarsest of a ladder's sizes,
+/// require_answer() by sizes next to the scene's own. Collective.
+void require_answer_to(MPI_Comm comm, const scene::Scene& scene, const std::vector<double>& sizes);
+void require_answer(MPI_Comm comm, const scene::Scene& scene);
+
+} // namespace signorini::study

@@ -1,0 +1,116 @@
+#include "app/study/ladder.h"
+#include "base/error.h"
+#include "scene/names.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace signorini::study {
+namespace {
+constexpr const char *massless = "massless", *mixed = "mixed";
+}
+
+const std::vector<std::string>& scheme_names() {
+  static const std::vector<std::string> names{"contact-implicit", "contact-stabilized", massless};
+  return names;
+}
+
+SchemeAndMass scheme_and_mass(const std::string& scheme) {
+  if (scheme == massless || scheme == mixed)
+    return {scheme_names().front(), scheme};
+  return {scheme, "consistent"};
+}
+
+namespace {
+
+std::string own_scheme(const scene::Scene& scene) {
+  const auto without = std::ranges::count_if(scene.contacts, &scene::Contact::massless);
+  if (without == 0)
+    return scene.time.scheme;
+  return without == std::ssize(scene.contacts) ? massless : mixed;
+}
+
+template <class T>
+std::vector<T> or_default(const std::vector<T>& given, std::vector<T> otherwise) {
+  return given.empty() ? std::move(otherwise) : given;
+}
+
+/// The whole number of steps to time.end whose length is nearest.
+int steps_of(double tau, double end) {
+  const double steps = std::round(end / tau);
+  if (!(steps <= scene::Time::most_steps))
+    throw UserError(fmt::format(
+        "--steps: found {} s, which makes {:.10g} steps to time.end = {:.10g} s, allowed are 1 to {}", tau,
+        end / tau, end, scene::Time::most_steps));
+  return std::max(1, static_cast<int>(steps));
+}
+
+void require_positive(const std::vector<double>& values, const char* option, const char* unit) {
+  for (double value : values)
+    if (!(value > 0 && std::isfinite(value)))
+      throw UserError(fmt::format("{}: found {}, allowed are numbers above 0 {}", option, value, unit));
+}
+
+} // namespace
+
+std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
+  require_positive(choice.sizes, "--sizes", "m");
+  require_positive(choice.steps, "--steps", "s");
+  for (int degree : choice.degrees)
+    if (degree != 1 && degree != 2)
+      throw UserError(fmt::format("--degrees: found {}, allowed are 1 and 2", degree));
+  for (const std::string& scheme : choice.schemes) {
+    if (std::ranges::find(scheme_names(), scheme) == scheme_names().end())
+      throw UserError(
+          fmt::format("--schemes: found \"{}\", allowed: {}", scheme, scene::list(scheme_names())));
+    if (scheme != scheme_names().front() && scene.contacts.empty())
+      throw UserError(fmt::format(
+          "--schemes: found \"{}\" in a scene without contact, where it makes no difference, allowed is {}",
+          scheme, scheme_names().front()));
+  }
+  const bool meshed = scene.mesh.file.extension() == ".msh";
+  if (!choice.sizes.empty() && meshed)
+    throw UserError("--sizes: have no effect on a .msh, which is meshed already; allowed with a .geo");
+  const double step = scene.time.step, size = scene.mesh.size.value_or(scene.mesh.scale);
+  const std::vector<double> sizes =
+      or_default(choice.sizes, meshed ? std::vector{size} : std::vector{4 * size, 2 * size, size});
+  std::vector<Rung> rungs;
+  for (double width : sizes)
+    for (double tau : or_default(choice.steps, {4 * step, 2 * step, step}))
+      for (int degree : or_default(choice.degrees, {scene.mesh.degree}))
+        for (const std::string& scheme : or_default(choice.schemes, {own_scheme(scene)}))
+          rungs.push_back({width, steps_of(tau, scene.time.end), degree, scheme});
+  std::ranges::sort(rungs);
+  const auto twice = std::ranges::unique(rungs);
+  rungs.erase(twice.begin(), twice.end());
+  return rungs;
+}
+
+scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
+  scene::Scene changed = scene;
+  (scene.mesh.size ? *changed.mesh.size : changed.mesh.scale) = rung.size;
+  changed.mesh.degree = rung.degree;
+  changed.time.steps = rung.steps;
+  changed.time.step = scene.time.end / rung.steps;
+  changed.time.scheme = scheme_and_mass(rung.scheme).scheme;
+  if (rung.scheme != mixed)
+    for (scene::Contact& contact : changed.contacts)
+      contact.massless = rung.scheme == massless;
+  return changed;
+}
+
+double relative_unknowns(const Rung& rung, int dim) { return std::pow(rung.degree / rung.size, dim); }
+
+double work(const Rung& rung, int dim) {
+  return rung.steps * std::pow(relative_unknowns(rung, dim), step_power(dim));
+}
+
+std::string words(const Rung& rung, const scene::Scene& scene) {
+  std::string text;
+  if (scene.mesh.file.extension() != ".msh")
+    text = fmt::format("{} {:.4g}, ", scene.mesh.size ? "size" : "scale", rung.size);
+  text += fmt::format("step {:.3g}, degree {}", scene.time.end / rung.steps, rung.degree);
+  return rung.scheme == scheme_names().front() ? text : text + ", " + rung.scheme;
+}
+
+} // namespace signorini::study

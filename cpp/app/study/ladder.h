@@ -1,0 +1,60 @@
+#pragma once
+#include "scene/scene.h"
+#include <map>
+#include <string>
+#include <vector>
+
+/// Accuracy against cost: a ladder of runs of one scene, their errors and observed orders.
+namespace signorini::study {
+
+/// One run of a ladder.
+struct Rung {
+  double size = 1; ///< element size, m; in a scene without mesh.size the scale of the .geo's own
+  int steps = 0;
+  int degree = 1;
+  /// Or "contact-stabilized", or "massless": contact-implicit with massless contact; or "mixed":
+  /// contact-implicit where some tables of contact are massless and others not, as the scene has it.
+  std::string scheme = "contact-implicit";
+
+  friend auto operator<=>(const Rung&, const Rung&) = default;
+};
+
+/// What a ladder is made of; an empty list stands for the default.
+struct Choice {
+  std::vector<double> sizes, steps; ///< m, s
+  std::vector<int> degrees;
+  std::vector<std::string> schemes;
+};
+
+/// Names that --schemes takes.
+const std::vector<std::string>& scheme_names();
+
+/// A rung's time.scheme and contact.mass, which is "mixed" where it differs between contacts.
+struct SchemeAndMass {
+  std::string scheme, mass;
+};
+SchemeAndMass scheme_and_mass(const std::string& scheme);
+
+/// Every size with every step, degree and scheme; the default is the scene's own with twice and four times
+/// its size and step. Where the .geo sets its own sizes they are scales of these; a .msh has one. Steps are
+/// the nearest that divide time.end. A scheme that is named holds for every contact; without one they are as
+/// the scene has them. Throws UserError.
+std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice);
+
+/// The scene with the size, step, degree and scheme of a rung.
+scene::Scene on_rung(const scene::Scene& scene, const Rung& rung);
+
+/// The exponent with which the time of a step with a factor grows in its unknowns: ./dev bench scaling,
+/// space.
+constexpr double step_power(int dim) { return dim == 2 ? 1.2 : 1.4; }
+
+/// A number to which the unknowns of a rung are proportional.
+double relative_unknowns(const Rung& rung, int dim);
+
+/// A number to which the time of a rung is proportional.
+double work(const Rung& rung, int dim);
+
+/// "size 0.5, step 5e-05, degree 1"; the scheme too where it is not contact-implicit.
+std::string words(const Rung& rung, const scene::Scene& scene);
+
+} // namespace signorini::study

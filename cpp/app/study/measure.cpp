@@ -1,0 +1,318 @@
+#include "app/study/measure.h"
+#include "app/check/evaluation_point.h"
+#include "app/error_estimate.h"
+#include "app/study/pressure.h"
+#include "base/collective.h"
+#include "base/digest.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "forward/balance.h"
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace signorini::study {
+using petsc::check;
+
+namespace {
+
+bool has(const std::vector<Quantity>& wanted, const std::string& name) {
+  return std::ranges::any_of(wanted, [&](const Quantity& quantity) { return quantity.name == name; });
+}
+
+/// Samples a field over time, which is passed in ascending order.
+class Series {
+public:
+  Series(const Samples& samples, const fem::Space& space)
+      : samples_(samples), sampler_(space, samples.body.points), here_(space.vector()) {
+    values_.reserve(samples.times.size() * samples.body.weights.size() *
+                    static_cast<std::size_t>(space.dim()));
+  }
+
+  /// Takes every sample time up to t1, with `last` all that are left. `at(t, out)` evaluates the field
+  /// between the last time and t1.
+  template <class At>
+  void take_until(double t1, bool last, At&& at) {
+    const double reach = last ? std::numeric_limits<double>::infinity() : t1;
+    while (next_ < samples_.times.size() && samples_.times[next_] <= reach) {
+      at(std::min(samples_.times[next_], t1), here_);
+      const std::vector<double> values = sampler_(here_);
+      values_.insert(values_.end(), values.begin(), values.end());
+      ++next_;
+    }
+  }
+
+  std::vector<double> take() {
+    samples_.scale(values_);
+    return std::move(values_);
+  }
+
+private:
+  const Samples& samples_;
+  fem::Sampler sampler_;
+  petsc::Vector here_;
+  std::size_t next_ = 0;
+  std::vector<double> values_;
+};
+
+double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
+
+/// Measures the wanted quantities of a motion frame by frame.
+class Watch {
+public:
+  Watch(const Problem& problem, const Samples& samples, const std::vector<Quantity>& wanted)
+      : problem_(problem), wanted_(wanted), weigh_(problem.stepper) {
+    if (has(wanted, "displacement"))
+      displacement_.emplace(samples, problem.space);
+    if (has(wanted, "pressure"))
+      pressure_.emplace(problem);
+  }
+
+  void operator()(const forward::Frame& frame) {
+    const forward::StepBalance balance = weigh_(frame);
+    const double tau = problem_.stepper.scheme().tau, t = problem_.stepper.scheme().time(frame.k);
+    energy_ = std::max(energy_, balance.kinetic_energy + balance.elastic_energy);
+    lost_ -= balance.contact_work;
+    const std::array<double, 3>& force = balance.contact_force;
+    // Forces of contact-implicit steps alternate, their means over two steps do not (docs/method.md section
+    // 2).
+    peak_ = std::max(peak_, length({(force[0] + before_[0]) / 2, (force[1] + before_[1]) / 2,
+                                    (force[2] + before_[2]) / 2}));
+    before_ = force;
+    for (int c = 0; c < 3; ++c)
+      impulse_[c] += tau * force[c];
+    if (frame.contact.count(contact::Status::strong) > 0) {
+      if (contact_steps_++ == 0)
+        start_ = t - tau / 2; // closed at some time within the step
+    }
+    if (displacement_)
+      displacement_->take_until(t, frame.last, [&](double at, Vec y) {
+        // Within a step y is quadratic and v linear, except for the jump of a projected predictor.
+        const double s = frame.k == 0 ? 1 : 1 + (at - t) / tau;
+        check(VecCopy(frame.y1, y));
+        if (frame.k > 0 && s < 1) {
+          check(VecAXPBY(y, 1 - s, s, frame.y0));
+          check(VecAXPY(y, -tau / 2 * s * (1 - s), frame.v1));
+          check(VecAXPY(y, tau / 2 * s * (1 - s), frame.v0));
+        }
+      });
+    if (pressure_ && frame.k > 0 && frame.k + 2 > problem_.steps())
+      last_forces_.push_back(frame.contact.lambda);
+  }
+
+  void report(Measured& measured) {
+    const double tau = problem_.stepper.scheme().tau;
+    if (displacement_)
+      measured.fields["displacement"] = displacement_->take();
+    const auto give = [&](const char* name, double value) {
+      if (has(wanted_, name))
+        measured.numbers[name] = value;
+    };
+    give("energy_loss", energy_ > 0 ? lost_ / energy_ : 0);
+    give("impulse", length(impulse_));
+    give("peak_force", peak_);
+    give("contact_start", contact_steps_ > 0 ? start_ : problem_.scene.time.end);
+    give("contact_time", contact_steps_ * tau);
+    if (pressure_)
+      measured.numbers["pressure"] = pressure_error();
+  }
+
+private:
+  /// The error of the pressure, relative, in L2 of the contact surface; mean of the last two steps, since the
+  /// forces of single ones alternate.
+  [[nodiscard]] double pressure_error() const {
+    const scene::Field exact({*problem_.scene.exact->pressure}, "exact.pressure", false);
+    const std::vector<double>& points = problem_.stepper.constraints()->points();
+    std::vector<double> mean(points.size() / 3, 0.0);
+    for (const std::vector<double>& force : last_forces_)
+      for (std::size_t i = 0; i < mean.size(); ++i)
+        mean[i] += force[i] / static_cast<double>(last_forces_.size());
+    const std::vector<double> found = (*pressure_)(std::move(mean), problem_.stepper.scheme().impulse());
+    double error = 0, size = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const double area = pressure_->area()[i];
+      if (area <= 0)
+        continue;
+      double p = 0;
+      exact.evaluate(&points[3 * i], 0, &p);
+      error += area * (found[i] - p) * (found[i] - p);
+      size += area * p * p;
+    }
+    return std::sqrt(error / size);
+  }
+
+  const Problem& problem_;
+  const std::vector<Quantity>& wanted_;
+  forward::Balance weigh_;
+  std::optional<Series> displacement_;
+  std::optional<Pressure> pressure_;
+  std::vector<std::vector<double>> last_forces_;
+  double energy_ = 0, lost_ = 0, peak_ = 0, start_ = 0;
+  int contact_steps_ = 0;
+  std::array<double, 3> before_{}, impulse_{};
+};
+
+/// Seconds of the phases that no run can do without.
+double seconds(const Timers& timers) {
+  double sum = 0;
+  for (const char* phase : {"mesh", "assembly", "solver", "desired state", "forward", "objective", "adjoint",
+                            "states written", "states read", "states recomputed"})
+    if (const auto found = timers.entries().find(phase); found != timers.entries().end())
+      sum += found->second.seconds;
+  return sum;
+}
+
+void simulate(const Problem& problem, const forward::ForceAtStep& load, Watch& watch) {
+  const auto timer = problem.timers.time("forward");
+  const int done = forward::integrate(problem.stepper, problem.initial, load, problem.steps(),
+                                      [&](const forward::Frame& frame) {
+                                        const auto other = problem.timers.time("watching");
+                                        watch(frame);
+                                      });
+  if (done < problem.steps())
+    throw Interrupted();
+}
+
+std::vector<double> sampled(const Problem& problem, const Samples& samples,
+                            const control::ControlSpace& controls, const control::Control& g) {
+  Series series(samples, problem.space);
+  std::vector<double> mean(controls.size());
+  const int n = g.count();
+  const double tau = problem.scene.time.end / n;
+  for (int k = 1; k <= n; ++k) // values in the middle of steps, linear in between, constant beyond
+    series.take_until((k - 0.5) * tau, k == n, [&](double t, Vec out) {
+      const double s = k == 1 ? 1 : std::clamp(1 + (t - (k - 0.5) * tau) / tau, 0.0, 1.0);
+      for (std::size_t i = 0; i < mean.size(); ++i)
+        mean[i] = s < 1 ? s * g.at(k)[i] + (1 - s) * g.at(k - 1)[i] : g.at(k)[i];
+      controls.extend(mean, out);
+    });
+  return series.take();
+}
+
+} // namespace
+
+Samples::Samples(MPI_Comm comm, const scene::Scene& scene) {
+  constexpr std::size_t most = 12'000;
+  constexpr int intervals = 100;
+  scene::Mesh mesh = scene.mesh;
+  for (std::size_t before = std::numeric_limits<std::size_t>::max();;) {
+    const mesh::Mesh read(comm, mesh);
+    dim = read.dim();
+    body = fem::quadrature(read);
+    digest = read.digest();
+    const std::size_t points = body.weights.size();
+    if (points <= most || mesh.file.extension() == ".msh" ||
+        points >= before) // the .geo sets its own density
+      break;
+    before = points;
+    (mesh.size ? *mesh.size : mesh.scale) *= 2;
+  }
+  for (int j = 0; j <= intervals; ++j)
+    times.push_back(scene.time.end * j / intervals);
+  digest = Digest().add(digest).add(body.points).add(body.weights).add(times).text();
+}
+
+void Samples::scale(std::vector<double>& values) const {
+  const std::size_t n = body.weights.size(), components = values.size() / (n * times.size());
+  const double interval = times[1] - times[0];
+  for (std::size_t j = 0; j < times.size(); ++j)
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t c = 0; c < components; ++c)
+        values[(j * n + i) * components + c] *=
+            std::sqrt(body.weights[i] * (j == 0 || j + 1 == times.size() ? interval / 2 : interval));
+}
+
+std::vector<Quantity> quantities(const scene::Scene& scene) {
+  std::vector<Quantity> all{{"displacement", "displacement", "m", true}};
+  if (scene.objective) {
+    all.insert(all.begin(), {"J", "J", ""});
+    if (scene.control->space == "P1")
+      all.push_back({"gradient", "gradient", "", true});
+  }
+  if (scene.contacts.empty())
+    return all;
+  all.push_back({"impulse", "impulse of contact", "N s"});
+  all.push_back({"peak_force", "peak force", "N"});
+  all.push_back({"contact_start", "start of contact", "s"});
+  all.push_back({"contact_time", "time in contact", "s"});
+  const auto rests = [](const scene::Contact& contact) {
+    const auto* plane = std::get_if<scene::HalfSpace>(&contact.obstacle);
+    return !plane || !scene::Field(plane->point, "point", true).depends_on_time();
+  };
+  if (std::ranges::all_of(scene.contacts, rests))
+    all.push_back({"energy_loss", "energy lost in contact", "", false, true});
+  if (scene.exact && scene.exact->pressure)
+    all.push_back({"pressure", "pressure at the end", "", false, true});
+  return all;
+}
+
+Exact exact_values(const scene::Scene& scene, const Samples& samples) {
+  // Contact with obstacles at rest loses no energy, and the pressure's number already is its error.
+  Exact exact{{{"energy_loss", 0}, {"pressure", 0}}, {}};
+  if (!scene.exact)
+    return exact;
+  const auto number = [&](const char* name, const std::optional<double>& value) {
+    if (value)
+      exact.numbers[name] = *value;
+  };
+  number("impulse", scene.exact->impulse);
+  number("peak_force", scene.exact->peak_force);
+  number("contact_start", scene.exact->contact_start);
+  number("contact_time", scene.exact->contact_time);
+  if (scene.exact->displacement) {
+    const scene::Field field(*scene.exact->displacement, "exact.displacement", true);
+    const std::size_t n = samples.body.weights.size(), dim = field.size();
+    std::vector<double> values(samples.times.size() * n * dim);
+    for (std::size_t j = 0; j < samples.times.size(); ++j)
+      for (std::size_t i = 0; i < n; ++i)
+        field.evaluate(&samples.body.points[3 * i], samples.times[j], &values[(j * n + i) * dim]);
+    samples.scale(values);
+    exact.fields["displacement"] = std::move(values);
+  }
+  return exact;
+}
+
+Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& samples,
+                 const std::vector<Quantity>& wanted, bool estimate) {
+  forget_peak_memory();
+  const double before = resident_memory(); // such as the samples of other rungs
+  Measured measured;
+  Timers timers;
+  const Problem problem(comm, scene, {.sliding = scene.objective.has_value()}, timers);
+  measured.unknowns = problem.free_dofs();
+  Watch watch(problem, samples, wanted);
+  const auto peak = [&] {
+    double memory = std::max(0.0, peak_memory() - before);
+    MPI_Allreduce(MPI_IN_PLACE, &memory, 1, MPI_DOUBLE, MPI_SUM, comm);
+    return memory;
+  };
+  if (!scene.objective) {
+    const GivenControl given(problem);
+    simulate(problem, given.load(), watch);
+    measured.memory = peak();
+  } else {
+    ControlProblem control_problem(problem, Console(false, false));
+    control::ReducedProblem& reduced = control_problem.reduced;
+    std::string where;
+    measured.numbers["J"] = reduced.value(evaluation_point(problem, control_problem, where));
+    reduced.accept();
+    if (has(wanted, "gradient")) {
+      const control::Control g = reduced.l2_gradient();
+      measured.memory = peak();
+      measured.fields["gradient"] = sampled(problem, samples, control_problem.controls, g);
+    } else {
+      measured.memory = peak();
+    }
+    measured.seconds = seconds(timers);
+    simulate(problem, reduced.load(), watch);
+    if (estimate)
+      measured.estimate = estimate_error(problem, control_problem);
+  }
+  watch.report(measured);
+  if (!scene.objective)
+    measured.seconds = seconds(timers);
+  MPI_Allreduce(MPI_IN_PLACE, &measured.seconds, 1, MPI_DOUBLE, MPI_MAX, comm);
+  return measured;
+}
+
+} // namespace signorini::study

@@ -1,0 +1,134 @@
+#include "app/study/pressure.h"
+#include "base/collective.h"
+#include <algorithm>
+#include <basix/cell.h>
+#include <dolfinx/fem/DofMap.h>
+#include <dolfinx/fem/FunctionSpace.h>
+#include <dolfinx/mesh/Mesh.h>
+#include <map>
+
+namespace signorini::study {
+using petsc::check;
+
+namespace {
+
+/// ∫ φ over an obstacle's group for the node of each of its candidates that this rank owns; 0 for the others.
+std::vector<double> shares(const Problem& problem, std::size_t obstacle) {
+  const contact::Constraints& constraints = *problem.stepper.constraints();
+  const petsc::Matrix mass = fem::assemble_L2(problem.space, problem.scene.contacts[obstacle].on,
+                                              scene::contact_key(problem.scene.contacts, obstacle) + ".on");
+  const petsc::Vector one = problem.space.vector(), sum = problem.space.vector();
+  check(VecSet(one, 1));
+  check(MatMult(mass, one, sum));
+  PetscInt begin = 0, end = 0;
+  check(VecGetOwnershipRange(sum, &begin, &end));
+  const petsc::ReadArray values(sum);
+  std::vector<double> found(static_cast<std::size_t>(constraints.count()), 0.0);
+  for (std::size_t j = 0; j < found.size(); ++j)
+    if (const PetscInt dof = constraints.first_dofs()[j];
+        constraints.obstacles()[j] == static_cast<int>(obstacle) && dof >= begin && dof < end)
+      found[j] = values[static_cast<std::size_t>(dof - begin)];
+  return found;
+}
+
+/// A node in the middle of an edge and those at its ends, numbers among all nodes.
+using EdgeNodes = std::array<std::int64_t, 3>;
+
+/// The edges of a group's facets for functions of degree 2, each once, on all ranks alike. Collective.
+std::vector<EdgeNodes> edges_on(const fem::Space& space, const std::string& group, const std::string& key) {
+  const auto topology = space.mesh().dolfinx()->topology();
+  const int dim = topology->dim();
+  const auto cell = dolfinx::mesh::cell_type_to_basix_type(topology->cell_type());
+  const std::vector<std::vector<std::vector<int>>> corners = basix::cell::topology(cell);
+  const auto cells_of = topology->connectivity(dim - 1, dim),
+             facets_of = topology->connectivity(dim, dim - 1);
+  const auto dofmap = space.dolfinx()->dofmap();
+  const auto node_of = [&](int entity_dim, int entity) {
+    return dofmap->element_dof_layout().entity_dofs(entity_dim, entity).front();
+  };
+  std::vector<EdgeNodes> found;
+  for (std::int32_t facet : space.mesh().facets(group, key)) {
+    const std::int32_t owner = cells_of->links(facet).front();
+    const auto own = facets_of->links(owner);
+    const auto number = static_cast<std::size_t>(std::ranges::find(own, facet) - own.begin());
+    const std::vector<int>& facet_corners = corners[static_cast<std::size_t>(dim - 1)][number];
+    for (std::size_t edge = 0; edge < corners[1].size(); ++edge) {
+      const std::vector<int>& ends = corners[1][edge];
+      if (!std::ranges::all_of(
+              ends, [&](int end) { return std::ranges::find(facet_corners, end) != facet_corners.end(); }))
+        continue;
+      const auto nodes = dofmap->cell_dofs(owner);
+      const std::array<std::int32_t, 3> local{
+          nodes[static_cast<std::size_t>(node_of(1, static_cast<int>(edge)))],
+          nodes[static_cast<std::size_t>(node_of(0, ends[0]))],
+          nodes[static_cast<std::size_t>(node_of(0, ends[1]))]};
+      EdgeNodes global{};
+      dofmap->index_map->local_to_global(local, global);
+      std::sort(global.begin() + 1, global.end()); // the same for every facet at the edge
+      found.push_back(global);
+    }
+  }
+  found = gather(space.comm(), found);
+  std::ranges::sort(found);
+  const auto twice = std::ranges::unique(found);
+  found.erase(twice.begin(), twice.end());
+  return found;
+}
+
+} // namespace
+
+Pressure::Pressure(const Problem& problem)
+    : area_(static_cast<std::size_t>(problem.stepper.constraints()->count()), 0.0) {
+  for (std::size_t i = 0; i < problem.scene.contacts.size(); ++i) {
+    const std::vector<double> own = shares(problem, i);
+    std::ranges::transform(area_, own, area_.begin(), std::plus<>());
+    if (problem.space.degree() > 1)
+      add_edges(problem, static_cast<int>(i));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, area_.data(), static_cast<int>(area_.size()), MPI_DOUBLE, MPI_SUM,
+                problem.space.comm());
+  gather_at_vertices(area_);
+  if (problem.space.degree() == 1)
+    return;
+  std::vector<double> of_hats(area_.size(), 0.0); // no area where all edges of a vertex are clamped
+  for (const Edge& edge : edges_)
+    for (const int end : edge.ends)
+      if (end >= 0)
+        of_hats[static_cast<std::size_t>(end)] = area_[static_cast<std::size_t>(end)];
+  area_ = std::move(of_hats);
+}
+
+void Pressure::add_edges(const Problem& problem, int obstacle) {
+  const contact::Constraints& constraints = *problem.stepper.constraints();
+  std::map<std::int64_t, int> candidate; // of each node
+  for (int j = 0; j < constraints.count(); ++j)
+    if (constraints.obstacles()[static_cast<std::size_t>(j)] == obstacle)
+      candidate[constraints.first_dofs()[static_cast<std::size_t>(j)] / problem.space.dim()] = j;
+  const auto candidate_at = [&](std::int64_t node) {
+    const auto found = candidate.find(node);
+    return found == candidate.end() ? -1 : found->second;
+  };
+  const auto i = static_cast<std::size_t>(obstacle);
+  for (const EdgeNodes& nodes : edges_on(problem.space, problem.scene.contacts[i].on,
+                                         scene::contact_key(problem.scene.contacts, i) + ".on"))
+    if (const int middle = candidate_at(nodes[0]); middle >= 0)
+      edges_.push_back({middle, {candidate_at(nodes[1]), candidate_at(nodes[2])}});
+}
+
+void Pressure::gather_at_vertices(std::vector<double>& values) const {
+  for (const Edge& edge : edges_) {
+    for (const int end : edge.ends)
+      if (end >= 0)
+        values[static_cast<std::size_t>(end)] += values[static_cast<std::size_t>(edge.middle)] / 2;
+    values[static_cast<std::size_t>(edge.middle)] = 0;
+  }
+}
+
+std::vector<double> Pressure::operator()(std::vector<double> lambda, double impulse) const {
+  gather_at_vertices(lambda);
+  for (std::size_t i = 0; i < lambda.size(); ++i)
+    lambda[i] = area_[i] > 0 ? lambda[i] / impulse / area_[i] : 0;
+  return lambda;
+}
+
+} // namespace signorini::study

@@ -1,0 +1,30 @@
+#pragma once
+#include "app/study/ladder.h"
+#include "base/progress.h"
+#include <mpi.h>
+#include <optional>
+
+namespace signorini::study {
+
+struct Options {
+  Choice choice;
+  std::vector<std::string> quantities; ///< names; empty: all that the scene has but the gradient
+  std::optional<double> budget;        ///< s
+  bool dry_run = false;                ///< price the ladder and stop
+};
+
+/// Runs the ladder in the order of cost and leaves study.csv, study.json and a file for each rung in `out`.
+/// Rungs that are already there are not run again. With a budget it stops before a rung that would not end
+/// within it. Returns the exit status: 130 if interrupted, with the results so far kept. Collective. Throws
+/// UserError, SolverFailure.
+int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
+              const Options& options, const Console& console);
+
+/// Proposes a size and step for a relative error of J below `tolerance`, from the error estimate of one run,
+/// runs them, and reports whether by their own estimate the tolerance is met; repeats from there if not, a
+/// few times and within the budget (s). Returns the exit status: 1 if it is not met. Collective. Throws
+/// UserError, SolverFailure.
+int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, std::optional<double> budget,
+            const Console& console);
+
+} // namespace signorini::study

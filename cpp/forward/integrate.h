@@ -1,0 +1,51 @@
+#pragma once
+#include "forward/load.h"
+#include "forward/time_integrator.h"
+#include <functional>
+
+namespace signorini::forward {
+
+/// Initial displacement and velocity.
+struct Initial {
+  petsc::Vector y, v;
+
+  /// Interpolates the scene's initial fields and moves nodes out of obstacles if the scene asks for it. A
+  /// field that is not given is zero, except on moving clamps, which prescribe it. Collective. Throws
+  /// UserError if a field differs from the clamps' motion at t = 0 or a candidate starts inside an obstacle.
+  Initial(const Stepper& stepper, const scene::Initial& scene);
+};
+
+/// State of a motion at t_k, with the step k that led to it. Frame 0 is the initial state: it has no step,
+/// and the vectors of one are null. Valid only during the call of the observer.
+struct Frame {
+  int k;
+  Vec y0, v0;      ///< at t_{k−1}
+  NodalForce load; ///< f_k + s u_k
+  Vec y1, v1;      ///< at t_k
+  const contact::ContactState& contact;
+  bool last; ///< no other frame follows
+};
+
+using StepObserver = std::function<void(const Frame&)>;
+
+/// Whether a request to stop ends a motion.
+enum class Stops { obeyed, ignored };
+
+/// Makes `steps` steps from the initial state and passes each frame to `watch` (which may be empty), storing
+/// no more than the last two states; ends early if a stop was requested and is obeyed. Returns the number of
+/// steps done. Collective. Throws SolverFailure naming the step.
+int integrate(const Stepper& stepper, const Initial& initial, const ForceAtStep& load, int steps,
+              const StepObserver& watch, Stops stops = Stops::obeyed);
+
+/// Likewise, with the steps of `integrator` from t_0 on. `acting` and `contact(k)` refer to the load and the
+/// contact of the integrator's last step.
+int integrate_with(const Stepper& stepper, TimeIntegrator& integrator, int steps, Stops stops,
+                   const std::function<contact::ContactState&(int k)>& contact, const NodalForce& acting,
+                   const StepObserver& watch);
+
+/// The number of candidates of a run, 0 without contact.
+inline int candidates(const Stepper& stepper) {
+  return stepper.constraints() ? stepper.constraints()->count() : 0;
+}
+
+} // namespace signorini::forward

@@ -1,0 +1,58 @@
+#pragma once
+#include "base/timers.h"
+#include "forward/time_integrator.h"
+#include "scene/scene.h"
+#include <memory>
+
+namespace signorini::forward {
+
+/// Stores the states of N steps as they are computed and returns them later, mostly from the last one to the
+/// first. All members collective.
+class StateStore {
+public:
+  /// Valid until the next call of the same object.
+  struct View {
+    Vec y, v; ///< v is null where velocities were not asked for
+  };
+
+  virtual ~StateStore() = default;
+  /// Stores the states in order, k = 0 … N; k = 0 starts a new motion. Throws WriteFailure.
+  virtual void keep(const State& state) = 0;
+  /// The state at t_k, bit for bit. Throws WriteFailure, SolverFailure.
+  virtual View at(int k) = 0;
+};
+
+/// Makes the stores for the states of a run's motions, as the scene's [trajectory] says: in memory, in files
+/// on disk, or as a few checkpoints in memory from which the other states are recomputed.
+class StateStoreFactory {
+public:
+  /// `share` is the part of the scene's budget that these stores may use. Checkpoints belong to the store
+  /// that was used last; those of the others are discarded. The references must outlive this object. Throws
+  /// UserError if there is no room for one checkpoint.
+  StateStoreFactory(const Stepper& stepper, const scene::Trajectory& scene, int steps, double share,
+                    Timers& timers);
+
+  /// A store for the states of one motion, that of `integrator`, which recomputes those that are not kept;
+  /// `velocities`: v is wanted too. This object and the integrator must outlive it. Collective. Throws
+  /// WriteFailure.
+  [[nodiscard]] std::unique_ptr<StateStore> place(TimeIntegrator& integrator, bool velocities = false) const;
+
+  [[nodiscard]] bool in_memory() const { return scene_.storage == "memory"; }
+  /// Memory or disk space on all ranks, bytes: of one motion's displacements, or of all checkpoints.
+  /// Collective.
+  [[nodiscard]] double bytes() const;
+
+private:
+  struct Pool;
+  class InMemory;
+  class OnDisk;
+  class Checkpoints;
+
+  const Stepper& stepper_;
+  scene::Trajectory scene_;
+  int steps_;
+  Timers& timers_;
+  std::shared_ptr<Pool> pool_; ///< null without checkpoints
+};
+
+} // namespace signorini::forward
