@@ -148,7 +148,7 @@ TEST_CASE("a control holds values where it acts and nowhere else", "[control]") 
     petsc::check(VecSum(field, &sum));
     CHECK(std::abs(own - extended) <= 1e-12 * own);
     CHECK(std::abs(sum - own) <= 1e-12 * own); // positive where it acts
-    const PetscInt size = test::total(static_cast<long>(controls.size()));
+    const auto size = static_cast<PetscInt>(test::total(static_cast<long>(controls.size())));
     PetscInt whole = 0;
     petsc::check(VecGetSize(field, &whole));
     return std::array<PetscInt, 2>{size, whole};
