@@ -164,26 +164,26 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
   std::optional<forward::DualAtStep> enriched_derivative;
   if (objective)
     enriched_derivative.emplace(body->space(), enriched_along.emplace(*objective, motion));
-  const auto weigh = [&](const forward::Trajectory& trajectory, const control::ControlForce& u,
-                         const control::Control& values) {
-    const forward::ForceAtStep load = problem.load(&u);
+  const auto weigh = [&](const forward::Trajectory& trajectory, const control::Control& u) {
+    const control::ControlForce acting(control_problem.controls, u);
+    const forward::ForceAtStep load = problem.load(&acting);
     std::optional<EnrichedLoads::Force> enriched_force;
     std::optional<forward::ForceAtStep> enriched_load;
     if (loads)
-      enriched_load = loads->with(enriched_force.emplace(*loads, values));
+      enriched_load = loads->with(enriched_force.emplace(*loads, u));
     return adjoint::weighted_residual(stepper, body ? &*body : nullptr,
                                       {trajectory, load, derivative,
                                        enriched_load ? &*enriched_load : nullptr,
                                        enriched_derivative ? &*enriched_derivative : nullptr});
   };
-  adjoint::ErrorParts parts = weigh(motion, force, reduced.control());
+  adjoint::ErrorParts parts = weigh(motion, reduced.control());
   if (control_problem.reference) {
     const control::ControlForce u(control_problem.controls, *control_problem.reference);
     const forward::StateStoreFactory storage(stepper, problem.scene.trajectory, problem.steps(), 0.5,
                                              problem.timers);
     forward::Trajectory desired(stepper, problem.initial, problem.steps(), storage, true);
     run(desired, u, {});
-    const adjoint::ErrorParts other = weigh(desired, u, *control_problem.reference);
+    const adjoint::ErrorParts other = weigh(desired, *control_problem.reference);
     parts.time -= other.time;
     parts.initial -= other.initial;
     if (parts.space)

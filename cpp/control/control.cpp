@@ -198,7 +198,13 @@ double ControlSpace::sum(double mine) const {
 }
 
 double ControlSpace::product(const Control& u, const Control& w) const {
-  return sum(dot(u.values(), mass(w).values()));
+  std::vector<double> image(size_); // of one step: products are made often, and controls are long
+  double mine = 0;
+  for (int k = 1; k <= u.count(); ++k) {
+    mass(w.at(k), image);
+    mine += dot(u.at(k), image);
+  }
+  return sum(mine);
 }
 
 double ControlSpace::product_at(int k, const Control& u, const Control& w) const {
@@ -210,7 +216,16 @@ double ControlSpace::product_at(int k, const Control& u, const Control& w) const
 double ControlSpace::norm(const Control& u) const { return std::sqrt(product(u, u)); }
 
 double ControlSpace::metric(const Control& u, const Control& w) const {
-  return sum(dot(u.values(), dual(w).values()));
+  if (!lumped_)
+    return product(u, w);
+  const petsc::ReadArray weight(lumped_);
+  double mine = 0;
+  for (int k = 1; k <= u.count(); ++k) {
+    const std::span<const double> a = u.at(k), b = w.at(k);
+    for (std::size_t i = 0; i < a.size(); ++i)
+      mine += a[i] * (weight[i] * b[i]);
+  }
+  return sum(mine);
 }
 
 Control ControlSpace::dual(const Control& u) const {
@@ -240,11 +255,12 @@ std::vector<double> ControlSpace::pairings(const Control& dual,
 void ControlSpace::to_metric(Control& gradient) const {
   if (!lumped_)
     return;
-  Control image = mass(gradient);
+  std::vector<double> image(size_);
   const petsc::ReadArray weight(lumped_);
-  for (int k = 1; k <= gradient.count(); ++k)
-    std::ranges::transform(image.at(k), std::span<const double>(weight), gradient.at(k).begin(),
-                           std::divides());
+  for (int k = 1; k <= gradient.count(); ++k) {
+    mass(gradient.at(k), image);
+    std::ranges::transform(image, std::span<const double>(weight), gradient.at(k).begin(), std::divides());
+  }
 }
 
 void ControlSpace::project(Control& u) const {

@@ -77,22 +77,21 @@ double Objective::quadrature_error(const std::vector<double>& squared_distances,
 }
 
 void Objective::add_derivative(int k, Vec y, forward::StateDual sum) const {
-  const Vec out = own_ ? Vec(work_) : sum.density;
-  if (own_)
-    check(VecZeroEntries(out));
-  check(VecAXPBYPCZ(out, weight(k), -weight(k), 1, y, desired(k)));
-  add_observed(sum);
+  add_weighted(k, y, desired(k), sum);
 }
 
 void Objective::add_second_derivative(int k, Vec dy, forward::StateDual sum) const {
+  add_weighted(k, dy, nullptr, sum);
+}
+
+void Objective::add_weighted(int k, Vec y, Vec less, forward::StateDual sum) const {
   const Vec out = own_ ? Vec(work_) : sum.density;
   if (own_)
     check(VecZeroEntries(out));
-  check(VecAXPY(out, weight(k), dy));
-  add_observed(sum);
-}
-
-void Objective::add_observed(forward::StateDual sum) const {
+  if (less)
+    check(VecAXPBYPCZ(out, weight(k), -weight(k), 1, y, less));
+  else
+    check(VecAXPY(out, weight(k), y));
   if (own_)
     check(MatMultAdd(observed_, work_, sum.vector, sum.vector));
 }

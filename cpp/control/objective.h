@@ -58,8 +58,8 @@ private:
   [[nodiscard]] double tracking_weight(int k) const;
   [[nodiscard]] double terminal_weight(int k) const;
   double squared_distance(int k, Vec y) const;
-  /// Adds observed_ · work_ to the vector of `sum`, unless the whole body is observed.
-  void add_observed(forward::StateDual sum) const;
+  /// sum += weight(k) W (y − less); a null `less` is zero.
+  void add_weighted(int k, Vec y, Vec less, forward::StateDual sum) const;
 
   forward::Scheme scheme_;
   int steps_;

@@ -2,7 +2,6 @@
 #include <cmath>
 
 namespace signorini {
-using petsc::check;
 
 void wave(const fem::Space& space, const std::vector<double>& points, const std::vector<int>& components,
           double t, int which, std::span<double> values) {
