@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_DISC, SIGNORINI, SOURCE, preloadable  # noqa: E402
+from harness import HALF_DISC, SIGNORINI, SOURCE, captured, preloadable  # noqa: E402
 
 LIBRARY = Path(sys.argv[3]).resolve()
 LOCK = ".signorini-lock"
@@ -26,8 +26,8 @@ STUDY = ("--sizes", "6", "--steps", "5e-5", "--quantity", "J", "--set", "time.en
 def run(verb: str, scene: Path, out: Path | str, *options: str, ranks: int = 1, cwd: Path | None = None) -> subprocess.CompletedProcess:
     launcher = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
     quick = STUDY if verb == "study" else QUICK
-    return subprocess.run([*launcher, str(SIGNORINI), verb, str(scene), "--out", str(out), *quick, *options],
-                          capture_output=True, text=True, timeout=120, cwd=cwd)  # fmt: skip
+    command = [*launcher, str(SIGNORINI), verb, str(scene), "--out", str(out), *quick, *options]
+    return captured(command, timeout=120, cwd=cwd)
 
 
 def refuses(done: subprocess.CompletedProcess, *texts: str) -> None:

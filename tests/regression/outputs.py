@@ -8,7 +8,7 @@ import xml.etree.ElementTree as xml
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_BALL, HALF_DISC, SOURCE, attempt, signorini, table  # noqa: E402
+from harness import HALF_BALL, HALF_DISC, SIGNORINI, SOURCE, attempt, captured, signorini, table  # noqa: E402
 
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
@@ -161,12 +161,7 @@ def only_what_is_asked_for(folder: Path) -> None:
 def silence_and_plain_lines(folder: Path) -> None:
     quiet = attempt("simulate", HALF_DISC, folder / "q", mesh__size=3)
     assert "\r" not in quiet.stdout + quiet.stderr and "\033" not in quiet.stdout + quiet.stderr
-    import subprocess
-
-    from harness import SIGNORINI
-
-    silent = subprocess.run([SIGNORINI, "simulate", HALF_DISC, "--quiet", "--out", folder / "s", "--set", "mesh.size=3"],
-                            capture_output=True, text=True)  # fmt: skip
+    silent = captured([str(SIGNORINI), "simulate", str(HALF_DISC), "--quiet", "--out", str(folder / "s"), "--set", "mesh.size=3"])
     assert silent.returncode == 0 and silent.stdout == silent.stderr == ""
     info = signorini("info", HALF_DISC, mesh__size=3).stdout
     assert "viscosity" in info and "candidates: 7" in info
@@ -175,7 +170,7 @@ def silence_and_plain_lines(folder: Path) -> None:
     assert "initial velocity" in on and "traction" in off.splitlines()[0]
     parts = signorini("info", SOURCE / "tests/data/two-materials.toml").stdout
     assert "several materials" in parts.split("\noff:")[0] and "several materials" in off.splitlines()[0]
-    timed = subprocess.run([SIGNORINI, "info", SOURCE / "tests/data/block.toml", "--time", "30"], capture_output=True, text=True).stdout
+    timed = captured([str(SIGNORINI), "info", str(SOURCE / "tests/data/block.toml"), "--time", "30"]).stdout
     assert "30 steps timed:" in timed and "in contact" in timed and "adjoint" in timed
     print("piped output is plain, --quiet says nothing, info names the effects")
 

@@ -15,12 +15,12 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_DISC, SIGNORINI, SOURCE, table  # noqa: E402
+from harness import HALF_DISC, SIGNORINI, SOURCE, captured, table  # noqa: E402
 
 import numpy as np  # noqa: E402
 
 # Iterations enough to be among the kinks for a while.
-USUAL = {"mesh.size": "3", "time.end": "4e-3", "output.fields": "[]", "optimizer.checkpoint": "1", "optimizer.max_iterations": "200"}
+USUAL = {"mesh.size": "3", "time.end": "4e-3", "output.fields": "[]", "optimizer.checkpoint": "1", "optimizer.max_iterations": "80"}
 
 
 def command(out: Path, *options: str, ranks: int = 1, scene: Path = HALF_DISC, **overrides: str) -> list[str]:
@@ -31,7 +31,7 @@ def command(out: Path, *options: str, ranks: int = 1, scene: Path = HALF_DISC, *
 
 
 def run(out: Path, *options: str, **more: object) -> subprocess.CompletedProcess:
-    return subprocess.run(command(out, *options, **more), capture_output=True, text=True)
+    return captured(command(out, *options, **more))
 
 
 def complete(out: Path, *options: str, **more: object) -> str:
@@ -83,8 +83,11 @@ def kills(folder: Path, whole: list[str], seconds: float, count: int) -> None:
 
 
 def methods(folder: Path, lbfgs: list[str]) -> None:
-    """Stopped in smooth parts of the search and among kinks."""
-    for method, most, steps in (("lbfgs", 200, (3, 15, 40)), ("newton-cg", 40, (2, 12)), ("projected-gradient", 30, (10,))):
+    """Stopped in smooth parts of the search and among kinks, where an iteration gathers many gradients."""
+    gathered = np.diff(table(folder / "lbfgs" / "history.csv")["adjoint_sweeps"])  # by iterations 1, 2, …
+    kink = int(np.argmax(gathered > 10)) + 1
+    assert gathered[kink - 1] > 10 and gathered[:15].max() < 3, gathered
+    for method, most, steps in (("lbfgs", 80, (3, 15, kink)), ("newton-cg", 40, (2, 12)), ("projected-gradient", 30, (10,))):
         whole, choice = folder / method, {"optimizer__method": f'"{method}"'}
         complete(whole, **choice, optimizer__max_iterations=str(most))
         assert method != "lbfgs" or results(whole) == lbfgs
@@ -94,7 +97,6 @@ def methods(folder: Path, lbfgs: list[str]) -> None:
             said = complete(out, "--resume", **choice, optimizer__max_iterations=str(most))
             assert f"resumed after iteration {step}" in said, said
             assert results(out) == results(whole), f"{method} after {step} iterations"
-        assert "stationary at a kink" in said or method != "lbfgs"
         print(f"{method}: the same to the last bit when resumed after {', '.join(map(str, steps))} iterations")
 
 

@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_DISC, SIGNORINI, SOURCE, signorini, table  # noqa: E402
+from harness import HALF_DISC, SIGNORINI, SOURCE, captured, signorini, table  # noqa: E402
 
 import numpy as np  # noqa: E402
 
@@ -24,7 +24,7 @@ SCHEMES = (("contact-implicit", "consistent"), ("contact-stabilized", "consisten
 def study(scene: Path, out: Path | None, *options: object, ranks: int = 1, status: int = 0) -> subprocess.CompletedProcess:
     command = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
     command += [str(SIGNORINI), "study", str(scene), *(["--out", str(out)] if out else []), *map(str, options)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300)  # where none takes minutes
+    done = captured(command, timeout=300)  # where none takes minutes
     assert done.returncode == status, done.stdout + done.stderr
     return done
 
@@ -242,8 +242,8 @@ def memory(folder: Path) -> None:
     """More steps than any machine has memory for the states of, in one sentence and before it is asked for."""
     of_study = ("--sizes", "0.5", "--steps", "7.5e-11")
     for verb, options in (("optimize", ()), ("check", ()), ("study", of_study)):
-        done = subprocess.run([str(SIGNORINI), verb, str(HALF_DISC), "--out", str(folder / "many"), "--set", "time.step=7.5e-11", *options],
-                              capture_output=True, text=True, timeout=300)  # fmt: skip
+        done = captured([str(SIGNORINI), verb, str(HALF_DISC), "--out", str(folder / "many"), "--set", "time.step=7.5e-11", *options],
+                        timeout=300)  # fmt: skip
         lines = done.stderr.splitlines()
         assert done.returncode == 2 and len(lines) == 1 and "time.step: found 7.5e-11 s" in lines[0] and "GB" in lines[0], done.stderr
 

@@ -8,14 +8,13 @@ whose true error is five times that. Controls are functions of the mesh's own sp
 the control as given.
 """
 
-import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import SIGNORINI, SOURCE, table, toml  # noqa: E402
+from harness import SIGNORINI, SOURCE, captured, table, toml  # noqa: E402
 
 LEAST, LARGEST, SHARE = 0.5, 2, 0.9
 CERTAIN = 5  # times the reference's uncertainty
@@ -67,7 +66,7 @@ def study(case: Case, out: Path, sizes: tuple, steps: tuple, schemes: tuple, deg
             command += [option, ",".join(map(str, values))]
     for key, value in case.overrides.items():
         command += ["--set", f"{key}={toml(value)}"]
-    done = subprocess.run(command, capture_output=True, text=True)
+    done = captured(command)
     if done.returncode:
         raise SystemExit(f"{command} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
     return table(out / "study.csv")

@@ -21,8 +21,10 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+sys.path.append(str(Path(__file__).parents[2]))
 from case import GEO, SCENE, SPACE_GEO, TO_SPACE, Case, Expected, cube2, square2, square4, write
 from cases import all_cases
+import resident
 
 WRONG_INPUT = 2
 TIME_LIMIT = 120  # s; a case takes a fraction of a second unless the program hangs
@@ -125,24 +127,25 @@ def run(case: Case, program: str, folder: Path) -> Outcome:
     fill(folder, case)
     held = content(folder)
     command = command_of(case, program)
-    process = subprocess.Popen(
-        command,
-        cwd=folder,
-        env=environment(case),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        restore_signals=case.largest_file is None,
-        preexec_fn=full_disk(case.largest_file) if case.largest_file else None,
-    )
-    status: int | None
+    status: int | None = None
+    stdout = stderr = b""
     try:
-        stdout, stderr = process.communicate(timeout=TIME_LIMIT)
-        status = process.returncode
+        if case.ranks == 1 and case.largest_file is None:
+            done = resident.run(command, cwd=folder, env=environment(case), timeout=TIME_LIMIT)
+        else:
+            done = subprocess.run(
+                command,
+                cwd=folder,
+                env=environment(case),
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                restore_signals=case.largest_file is None,
+                preexec_fn=full_disk(case.largest_file) if case.largest_file else None,
+                timeout=TIME_LIMIT,
+            )
+        status, stdout, stderr = done.returncode, done.stdout, done.stderr
     except subprocess.TimeoutExpired:
-        process.kill()
-        stdout, stderr = process.communicate()
-        status = None
+        pass
     return Outcome(command, status, stdout.decode(errors="replace"), stderr.decode(errors="replace"),
                    differences(held, content(folder)))
 
