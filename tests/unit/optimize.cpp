@@ -509,8 +509,10 @@ TEST_CASE("units of powers of two change no digit of a search", "[optimize]") {
       require_same(method, Wells(), Point{{0.1, -0.01, 0.5}}, options, c, k, 0);
       require_same(method, Fragile(), Fragile().start, options, c, k, 0);
       require_same(method, Kinked(), Point{{2, -1, 1}}, options, c, k, 0);
+      optimize::Options among_kinks = options; // where an iteration gathers many gradients
+      among_kinks.max_iterations = 25;
       for (const double bound : {0.35, 1e300})
-        require_same(method, Pieces(2, bound), Point{std::vector<double>(10, 0.3)}, options, c, k, 0);
+        require_same(method, Pieces(2, bound), Point{std::vector<double>(10, 0.3)}, among_kinks, c, k, 0);
     }
 }
 
@@ -660,7 +662,7 @@ TEST_CASE("where many pieces meet the search ends with a certificate", "[optimiz
   int held = 0;
   for (Method method : {Method::lbfgs, Method::newton_cg})
     for (const bool bounded : {false, true})
-      for (unsigned seed = 1; seed <= 6; ++seed) {
+      for (unsigned seed = 1; seed <= 3; ++seed) {
         INFO("method " << static_cast<int>(method) << ", seed " << seed << (bounded ? ", bounds" : ""));
         Pieces problem(seed, bounded ? 0.35 : 1e300);
         Record record;
@@ -672,7 +674,7 @@ TEST_CASE("where many pieces meet the search ends with a certificate", "[optimiz
             problem.current.x, [&](double x) { return x == problem.lower || x == problem.upper; });
         held += at_bounds > 0;
       }
-  CHECK(held >= 6); // of 12
+  CHECK(held >= 3); // of 6
 }
 
 TEST_CASE("where more pieces meet than a model keeps, what is certified is the minimum", "[optimize]") {
