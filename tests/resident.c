@@ -1,11 +1,13 @@
-/* Preloaded into a program, keeps it from going on to main: it waits there, loaded, and every request that comes by its socket
-   becomes a copy of it that does go on. Of a short run nearly all the time goes into loading two hundred libraries.
+/* Preloaded into a program, keeps it from going on to main: it waits there, loaded, and every request that
+   comes by its socket becomes a copy of it that does go on. Of a short run nearly all the time goes into
+   loading two hundred libraries.
 
    SIGNORINI_RESIDENT  number of an inherited SOCK_SEQPACKET socket
 
-   A request is one message: int32 argc, int32 count of the environment's entries, then the folder to run in, the arguments and
-   the environment, each ended by a zero byte; with it come the descriptors of stdin, stdout and stderr. The answers are two
-   int32: the process, and when it has ended its status as waitpid() gives it. */
+   A request is one message: int32 argc, int32 count of the environment's entries, then the folder to run in,
+   the arguments and the environment, each ended by a zero byte; with it come the descriptors of stdin, stdout
+   and stderr. The answers are two int32: the process, and when it has ended its status as waitpid() gives it.
+ */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stdint.h>
@@ -29,12 +31,14 @@ static ssize_t receive(int socket, int fds[descriptors]) {
     struct cmsghdr aligned;
   } control;
   struct iovec data = {request, sizeof request - 1};
-  struct msghdr message = {.msg_iov = &data, .msg_iovlen = 1, .msg_control = control.bytes, .msg_controllen = sizeof control};
+  struct msghdr message = {
+      .msg_iov = &data, .msg_iovlen = 1, .msg_control = control.bytes, .msg_controllen = sizeof control};
   const ssize_t size = recvmsg(socket, &message, MSG_CMSG_CLOEXEC);
   if (size <= 0)
     return 0;
   const struct cmsghdr* header = CMSG_FIRSTHDR(&message);
-  if (!header || header->cmsg_len != CMSG_LEN(sizeof(int) * descriptors) || message.msg_flags & (MSG_TRUNC | MSG_CTRUNC))
+  if (!header || header->cmsg_len != CMSG_LEN(sizeof(int) * descriptors) ||
+      message.msg_flags & (MSG_TRUNC | MSG_CTRUNC))
     _exit(failed);
   memcpy(fds, CMSG_DATA(header), sizeof(int) * descriptors);
   return size;
@@ -86,7 +90,8 @@ static int serve(int argc, char** argv, char** environment) {
 typedef int Start(Main*, int, char**, Main*, void (*)(void), void (*)(void), void*);
 
 /* What the C library runs in place of main. */
-int __libc_start_main(Main* main, int argc, char** argv, Main* init, void (*fini)(void), void (*loader)(void), void* stack) {
+int __libc_start_main(Main* main, int argc, char** argv, Main* init, void (*fini)(void), void (*loader)(void),
+                      void* stack) {
   Start* start = (Start*)dlsym(RTLD_NEXT, "__libc_start_main");
   program = main;
   return start(getenv("SIGNORINI_RESIDENT") ? serve : main, argc, argv, init, fini, loader, stack);

@@ -9,14 +9,16 @@ using petsc::check, petsc::dot;
 Duals::Duals(const forward::Stepper& stepper) : stepper_(stepper), work_(stepper.space().vector()) {
   for (petsc::Vector* x : {&p, &p_later, &velocity, &velocity_later})
     *x = stepper.space().vector();
+  if (stepper.predictor())
+    predictor_ = stepper.predictor()->workspace();
 }
 
 void Duals::move(Vec p_k, const contact::ContactSets* later) {
-  const double tau = stepper_.scheme().tau;
+  const double tau = stepper_.grid().tau;
   Vec jump = nullptr;
   if (const forward::Predictor* predictor = stepper_.predictor(); predictor && later) {
     check(VecWAXPY(work_, -2 / tau, velocity, p));
-    jump = predictor->linearised_jump(later->predictor, work_);
+    jump = predictor->linearised_jump(later->predictor, work_, *predictor_);
   }
   std::swap(velocity, velocity_later);
   check(VecAXPBYPCZ(velocity, tau, -1, 0, p, velocity_later));

@@ -21,6 +21,7 @@ public:
 private:
   const forward::Stepper& stepper_;
   petsc::Vector work_;
+  std::optional<forward::Predictor::Workspace> predictor_;
 };
 
 /// The bubble part b_k of the enriched body's adjoint states. The run's duals leave there, between steps k

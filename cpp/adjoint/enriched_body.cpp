@@ -1,11 +1,13 @@
 #include "adjoint/enriched_body.h"
+#include "contact/lcp/primal_dual.h"
+#include "contact/normal_operator.h"
 #include <algorithm>
 #include <map>
 
 namespace signorini::adjoint {
 using petsc::check;
 
-EnrichedBody::EnrichedBody(const fem::Space& linear, const contact::Constraints* constraints,
+EnrichedBody::EnrichedBody(const fem::Space& linear, const contact::ContactPairs* pairs,
                            const scene::Scene& scene)
     : linear_(linear), space_(linear.mesh(), 2),
       operators_(fem::assemble_operators(space_, scene.materials, true)), clamped_(space_, scene.clamps),
@@ -20,10 +22,10 @@ EnrichedBody::EnrichedBody(const fem::Space& linear, const contact::Constraints*
   };
   set(scene.initial.displacement, "initial.displacement", initial_error_.y);
   set(scene.initial.velocity, "initial.velocity", initial_error_.v);
-  if (!constraints)
+  if (!pairs)
     return;
-  constraints_.emplace(space_, clamped_, scene.contacts);
-  match(*constraints);
+  pairs_.emplace(space_, clamped_, scene.contacts);
+  match(*pairs);
   zero_.assign(ends_.size(), 0.0);
 }
 
@@ -40,31 +42,31 @@ void EnrichedBody::find_vertices() {
   }
 }
 
-void EnrichedBody::match(const contact::Constraints& constraints) {
+void EnrichedBody::match(const contact::ContactPairs& pairs) {
   const int dim = space_.dim();
   std::map<std::pair<PetscInt, int>, int> candidate; // by node and obstacle
-  for (int i = 0; i < constraints.count(); ++i)
-    candidate[{constraints.first_dofs()[i] / dim, constraints.obstacles()[i]}] = i;
+  for (int i = 0; i < pairs.count(); ++i)
+    candidate[{pairs.first_dofs()[i] / dim, pairs.obstacles()[i]}] = i;
   constexpr int elsewhere = -2; // on another rank; less than −1 for MPI_MAX
-  ends_.assign(static_cast<std::size_t>(constraints_->count()), {elsewhere, elsewhere});
+  ends_.assign(static_cast<std::size_t>(pairs_->count()), {elsewhere, elsewhere});
   const Mat embed = petsc::component(embed_);
   PetscInt begin = 0, end = 0;
   check(MatGetOwnershipRange(embed, &begin, &end));
   for (std::size_t j = 0; j < ends_.size(); ++j) {
-    const PetscInt node = constraints_->first_dofs()[j] / dim;
+    const PetscInt node = pairs_->first_dofs()[j] / dim;
     if (node < begin || node >= end)
       continue;
     PetscInt count = 0;
     const PetscInt* nodes = nullptr;
     check(MatGetRow(embed, node, &count, &nodes, nullptr));
     const auto at = [&](PetscInt n) {
-      const auto found = candidate.find({n, constraints_->obstacles()[j]});
+      const auto found = candidate.find({n, pairs_->obstacles()[j]});
       return found == candidate.end() ? -1 : found->second;
     };
     ends_[j] = {at(nodes[0]), at(nodes[count - 1])};
     check(MatRestoreRow(embed, node, &count, &nodes, nullptr));
   }
-  MPI_Allreduce(MPI_IN_PLACE, ends_.data(), 2 * constraints_->count(), MPI_INT, MPI_MAX, space_.comm());
+  MPI_Allreduce(MPI_IN_PLACE, ends_.data(), 2 * pairs_->count(), MPI_INT, MPI_MAX, space_.comm());
 }
 
 void EnrichedBody::embed(Vec y, Vec out) const { check(MatMult(embed_, y, out)); }
@@ -86,15 +88,15 @@ void EnrichedBody::keep_bubbles(const contact::ActiveSet& active, Vec x) const {
         values[static_cast<std::size_t>(node * dim + c)] = 0;
   }
   clamped_.clear(x);
-  if (!constraints_ || active.empty())
+  if (!pairs_ || active.empty())
     return;
   contact::ActiveSet between;
   const auto closed = [&](int i) { return std::ranges::binary_search(active, i); };
   for (std::size_t j = 0; j < ends_.size(); ++j)
     if (closed(ends_[j][0]) && closed(ends_[j][1]))
       between.push_back(static_cast<int>(j));
-  constraints_->drop_dependent(between);
-  constraints_->set_normal(between, zero_, x);
+  contact::drop_dependent(*pairs_, between);
+  contact::NormalOperator(*pairs_).set_normal(between, zero_, x);
 }
 
 } // namespace signorini::adjoint

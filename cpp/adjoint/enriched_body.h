@@ -1,5 +1,5 @@
 #pragma once
-#include "contact/constraints.h"
+#include "contact/pairs.h"
 #include "fem/degree_raising.h"
 #include <optional>
 
@@ -9,9 +9,9 @@ namespace signorini::adjoint {
 /// 1 and bubbles: functions that vanish at the vertices, one for each edge and component.
 class EnrichedBody {
 public:
-  /// `linear` is the run's space and `constraints` its contact, null without. Collective. The references must
+  /// `linear` is the run's space and `pairs` its contact, null without. Collective. The references must
   /// outlive this object. Throws UserError.
-  EnrichedBody(const fem::Space& linear, const contact::Constraints* constraints, const scene::Scene& scene);
+  EnrichedBody(const fem::Space& linear, const contact::ContactPairs* pairs, const scene::Scene& scene);
   EnrichedBody(const EnrichedBody&) = delete;
   EnrichedBody& operator=(const EnrichedBody&) = delete;
 
@@ -38,7 +38,7 @@ public:
 
 private:
   void find_vertices();
-  void match(const contact::Constraints& constraints);
+  void match(const contact::ContactPairs& pairs);
 
   const fem::Space& linear_;
   fem::Space space_;
@@ -46,7 +46,7 @@ private:
   fem::DirichletDofs clamped_;
   petsc::Matrix embed_;
   std::vector<int> vertices_; ///< owned nodes, local numbers
-  std::optional<contact::Constraints> constraints_;
+  std::optional<contact::ContactPairs> pairs_;
   std::vector<std::array<int, 2>>
       ends_; ///< for each candidate here the run's candidates at the ends of its edge, or −1
   std::vector<double> zero_;

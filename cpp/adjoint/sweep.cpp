@@ -10,8 +10,9 @@ namespace {
 long& sweeps = count("adjoint sweeps");
 }
 
-void sweep(const forward::Stepper& stepper, const std::vector<contact::ContactSets>& contact,
-           const forward::DualAtStep& derivative, const std::function<void(int k, Vec p)>& visit) {
+void sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work,
+           const std::vector<contact::ContactSets>& contact, const forward::DualAtStep& derivative,
+           const std::function<void(int k, Vec p)>& visit) {
   ++sweeps;
   petsc::Vector p = stepper.space().vector(), p_next = stepper.space().vector(), q = stepper.space().vector();
   forward::Extrapolation extrapolation(stepper);
@@ -20,7 +21,8 @@ void sweep(const forward::Stepper& stepper, const std::vector<contact::ContactSe
     try {
       extrapolation.guess(p);
       const auto i = static_cast<std::size_t>(k);
-      stepper.adjoint_step(contact[i], k < steps ? &contact[i + 1] : nullptr, derivative.at(k), p_next, q, p);
+      stepper.adjoint_step(
+          {k, contact[i], k < steps ? &contact[i + 1] : nullptr, derivative.at(k), p_next, q, p}, work);
       extrapolation.remember(p);
     } catch (const SolverFailure& failure) {
       throw SolverFailure(fmt::format("adjoint step {}: {}", k, failure.what()));

@@ -9,7 +9,8 @@ namespace signorini::adjoint {
 /// adjoint step on its whole active set A_k, given by `contact` (0…N). `derivative` is ∂J/∂y_k;
 /// `visit(k, p_k)` receives the adjoint states, each valid during the call. Collective. Throws SolverFailure
 /// naming the step.
-void sweep(const forward::Stepper& stepper, const std::vector<contact::ContactSets>& contact,
-           const forward::DualAtStep& derivative, const std::function<void(int k, Vec p)>& visit);
+void sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work,
+           const std::vector<contact::ContactSets>& contact, const forward::DualAtStep& derivative,
+           const std::function<void(int k, Vec p)>& visit);
 
 } // namespace signorini::adjoint

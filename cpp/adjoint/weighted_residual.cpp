@@ -76,7 +76,7 @@ private:
 class TimePart {
 public:
   TimePart(const forward::Stepper& stepper, const Window& motion, int steps, const forward::ForceAtStep& load)
-      : stepper_(stepper), motion_(motion), steps_(steps), load_(load), tau_(stepper.scheme().tau),
+      : stepper_(stepper), motion_(motion), steps_(steps), load_(load), tau_(stepper.grid().tau),
         rate_(stepper.space().vector()), later_(stepper.space().vector()), force_(stepper.space().vector()),
         force_later_(stepper.space().vector()), moves_(stepper.space().vector()),
         product_(stepper.space().vector()) {}
@@ -148,8 +148,8 @@ class SpacePart {
 public:
   SpacePart(const forward::Stepper& stepper, const EnrichedBody& body, const Window& motion,
             const Weighted& run)
-      : body_(body), contact_(run.motion.contact()), scheme_(stepper.scheme()), steps_(run.motion.steps()),
-        duals_(stepper), bubbles_(body, *run.enriched_derivative, scheme_),
+      : body_(body), contact_(run.motion.contact()), scheme_(stepper.grid().scheme(1)),
+        steps_(run.motion.steps()), duals_(stepper), bubbles_(body, *run.enriched_derivative, scheme_),
         residual_(body, motion, *run.enriched_load, scheme_.tau), later_(body.space().vector()),
         dual_(body.space().vector()), product_(body.space().vector()), coarse_(stepper.space().vector()) {}
 
@@ -219,7 +219,8 @@ ErrorParts weighted_residual(const forward::Stepper& stepper, const EnrichedBody
   std::optional<SpacePart> space;
   if (enriched)
     space.emplace(stepper, *enriched, motion, run);
-  sweep(stepper, run.motion.contact(), run.derivative, [&](int k, Vec p) {
+  forward::Stepper::Workspace work = stepper.workspace();
+  sweep(stepper, work, run.motion.contact(), run.derivative, [&](int k, Vec p) {
     motion.move(k);
     time.take(k, p);
     if (space)

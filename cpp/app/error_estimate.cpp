@@ -11,11 +11,11 @@ class EnrichedLoads {
 public:
   EnrichedLoads(const adjoint::EnrichedBody& body, const Problem& problem,
                 const control::ControlSpace& controls)
-      : body_(body), coarse_(controls), controls_(body.space(), body.operators(), problem.stepper.scheme(),
+      : body_(body), coarse_(controls), controls_(body.space(), body.operators(), problem.stepper.grid(),
                                                   problem.steps(), *problem.scene.control),
         coarse_field_(controls.field()), field_(controls_.field()), values_(controls_.size()) {
     if (problem.scene.load)
-      load_.emplace(body.space(), *problem.scene.load, problem.stepper.scheme());
+      load_.emplace(body.space(), *problem.scene.load, problem.stepper.grid());
   }
 
   /// The forces of the loads and of a control; valid as long as `force` lives.
@@ -86,7 +86,7 @@ public:
     if (!desired_)
       return;
     if (k > 0 && desired_->depends_on_time())
-      body_.interpolation_error(*desired_, problem_.stepper.scheme().time(k), off_);
+      body_.interpolation_error(*desired_, problem_.stepper.grid().time(k), off_);
     parts.desired += weight / 2 * change(off_, -1);
   }
 
@@ -140,7 +140,7 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
   std::optional<EnrichedLoads> loads;
   std::optional<EnrichedObjective> objective;
   if (problem.space.degree() == 1) {
-    body.emplace(problem.space, stepper.constraints(), problem.scene);
+    body.emplace(problem.space, stepper.pairs(), problem.scene);
     loads.emplace(*body, problem, control_problem.controls);
     objective.emplace(*body, problem, control_problem.objective);
   }

@@ -70,8 +70,8 @@ std::map<std::string, Cost> costs(const Problem& problem) {
     costs["viscosity"] = {"B", petsc::bytes(*body.B), "nothing: it is in D and R"};
   if (stepper.motion())
     costs["moving clamp"] = {"D before the clamps", stepper.motion()->bytes(), "a product"};
-  if (const contact::Constraints* constraints = stepper.constraints()) {
-    costs["contact"] = {fmt::format("of the {} candidates", constraints->count()),
+  if (const contact::ContactPairs* pairs = stepper.pairs()) {
+    costs["contact"] = {fmt::format("of the {} candidates", pairs->count()),
                         stepper.solver().memory().condensation,
                         "in flight a look at the gaps; in contact an inequality"};
     if (stepper.predictor())
@@ -79,7 +79,7 @@ std::map<std::string, Cost> costs(const Problem& problem) {
                                      "in contact an inequality with M"};
     else if (stepper.scheme_bytes() > 0)
       costs["massless contact"] = {"M with mass moved", stepper.scheme_bytes(), "nothing: it is in D and R"};
-    if (constraints->moving())
+    if (pairs->moving())
       costs["moving obstacle"].step = "the gaps anew";
   }
   if (problem.scene_load) {
@@ -93,8 +93,7 @@ std::map<std::string, Cost> costs(const Problem& problem) {
   }
   if (!scene.objective)
     return costs;
-  const control::ControlSpace controls(problem.space, body, stepper.scheme(), problem.steps(),
-                                       *scene.control);
+  const control::ControlSpace controls(problem.space, body, stepper.grid(), problem.steps(), *scene.control);
   const bool own = controls.matrix_bytes() > 0;
   costs["control"] = {own ? "its L2" : "W",
                       (own ? controls.matrix_bytes() : petsc::bytes(*body.W)) + 5 * controls.control_bytes(),
@@ -124,6 +123,7 @@ StepTimes time_steps(const Problem& problem, int steps) {
   };
   StepTimes times;
   const GivenControl given(problem);
+  forward::Stepper::Workspace work = problem.stepper.workspace();
   const petsc::Vector p_next = problem.space.vector(), q = problem.space.vector(), p = problem.space.vector();
   auto start = Clock::now();
   forward::integrate(problem.stepper, problem.initial, given.load(), steps, [&](const forward::Frame& frame) {
@@ -137,7 +137,7 @@ StepTimes time_steps(const Problem& problem, int steps) {
       petsc::check(VecCopy(frame.y1, p_next));
       start = Clock::now();
       for (int k = 0; k < steps; ++k)
-        problem.stepper.adjoint_step(frame.contact, &frame.contact, {}, p_next, q, p);
+        problem.stepper.adjoint_step({k + 1, frame.contact, &frame.contact, {}, p_next, q, p}, work);
       times.adjoint = seconds_since(start) / steps;
     }
     start = Clock::now();
@@ -162,7 +162,7 @@ std::string estimate(const Problem& problem, int timed_steps) {
   if (problem.scene.objective)
     text += fmt::format("; with the adjoint sweep, as in each iteration of optimize: {:.2g} s",
                         sweep + times.adjoint * problem.steps());
-  if (problem.stepper.constraints() && !times.contact_steps)
+  if (problem.stepper.pairs() && !times.contact_steps)
     text += "\n(no contact yet in these; steps in contact take longer)";
   return text;
 }
@@ -175,8 +175,8 @@ void print_info(const Problem& problem, int timed_steps, const Console& console)
   console.line(
       fmt::format("{}: unknowns: {} ({} free), cells: {}, candidates: {}, steps: {} of {} s\nsolver: {}",
                   problem.scene.name, problem.space.dofs(), problem.free_dofs(), problem.mesh.cells(),
-                  stepper.constraints() ? stepper.constraints()->count() : 0, problem.steps(),
-                  problem.scene.time.step, stepper.solver().choice()));
+                  stepper.pairs() ? stepper.pairs()->count() : 0, problem.steps(), problem.scene.time.step,
+                  stepper.solver().choice()));
   console.line(fmt::format(
       "always: M {}, A {}, R {}, {} {}; a step: one solve with D, products with R and M\n",
       megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)), megabytes(petsc::bytes(stepper.R())),

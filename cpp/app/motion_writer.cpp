@@ -19,9 +19,9 @@ MotionWriter::MotionWriter(const Problem& problem, const io::OutputFolder& folde
     steps_.emplace(folder, "steps.csv");
     steps_->append(io::steps_header(dim, objective != nullptr));
   }
-  if (output.table("contact") && problem.stepper.constraints()) {
+  if (output.table("contact") && problem.stepper.pairs()) {
     contact_.emplace(folder, "contact.csv");
-    contact_->append(io::contact_header(*problem.stepper.constraints()));
+    contact_->append(io::contact_header(*problem.stepper.pairs()));
   }
   const std::size_t fields = output.field("displacement") + output.field("velocity");
   const auto times = static_cast<std::size_t>((problem.steps() - 1) / output.every + 2);
@@ -38,7 +38,7 @@ void MotionWriter::operator()(const forward::Frame& frame) {
     if (problem_.scene.run.invariants == "stop")
       if (const auto violation = invariants_->violation(problem_.scene.run.tolerance))
         throw SolverFailure(fmt::format("step {} (t = {:.6g} s): {}", frame.k,
-                                        problem_.stepper.scheme().time(frame.k), *violation));
+                                        problem_.stepper.grid().time(frame.k), *violation));
   }
   plausibility_.observe(frame, balance_ ? &balance : nullptr);
   if (steps_) {
@@ -46,7 +46,7 @@ void MotionWriter::operator()(const forward::Frame& frame) {
     if (objective_)
       tracking_error = objective_->distance(frame.k, frame.y1);
     text_.clear();
-    io::add_steps_row(text_, frame.k, problem_.stepper.scheme().time(frame.k), problem_.space.dim(), balance,
+    io::add_steps_row(text_, frame.k, problem_.stepper.grid().time(frame.k), problem_.space.dim(), balance,
                       *invariants_, frame.contact, tracking_error);
     steps_->append(text_);
   }
@@ -55,16 +55,16 @@ void MotionWriter::operator()(const forward::Frame& frame) {
 }
 
 void MotionWriter::store(const forward::Frame& frame) {
-  const forward::Scheme& scheme = problem_.stepper.scheme();
+  const forward::TimeGrid& grid = problem_.stepper.grid();
   if (contact_) {
     text_.clear();
-    io::add_contact_rows(text_, frame.k, scheme, *problem_.stepper.constraints(), frame.contact);
+    io::add_contact_rows(text_, frame.k, grid, *problem_.stepper.pairs(), frame.contact);
     contact_->append(text_);
   }
   if (state_ && problem_.scene.output.field("displacement"))
-    state_->write("displacement", frame.y1, scheme.time(frame.k));
+    state_->write("displacement", frame.y1, grid.time(frame.k));
   if (state_ && problem_.scene.output.field("velocity"))
-    state_->write("velocity", frame.v1, scheme.time(frame.k));
+    state_->write("velocity", frame.v1, grid.time(frame.k));
 }
 
 void MotionWriter::finish() {

@@ -23,8 +23,7 @@ void write_motion(const Problem& problem, const control::ReducedProblem& reduced
 }
 
 /// control.xdmf and adjoint.xdmf.
-void write_control(const io::OutputFolder& folder, const Problem& problem,
-                   const control::ReducedProblem& reduced) {
+void write_control(const io::OutputFolder& folder, const Problem& problem, control::ReducedProblem& reduced) {
   const auto timer = problem.timers.time("output");
   const scene::Output& output = problem.scene.output;
   std::vector<int> steps;
@@ -36,7 +35,7 @@ void write_control(const io::OutputFolder& folder, const Problem& problem,
     if (!output.field(name))
       return;
     io::FieldFile file(problem.space, folder, name + ".xdmf", steps.size(), values);
-    at([&](int k, Vec x) { file.write(name, x, problem.stepper.scheme().time(k)); });
+    at([&](int k, Vec x) { file.write(name, x, problem.stepper.grid().time(k)); });
     file.close();
   };
   write("control", reduced.controls().cellwise() ? cellwise : nodal, [&](auto&& store) {
@@ -112,8 +111,8 @@ std::vector<io::WeakContact> weak_contact(control::ReducedProblem& reduced,
   for (const auto& [where, times] : closed)
     if (times < seen) {
       const auto& [k, i] = where;
-      const double* x = &reduced.stepper().constraints()->points()[3 * static_cast<std::size_t>(i)];
-      weak.push_back({k, reduced.stepper().scheme().time(k), i, {x, x + reduced.stepper().space().dim()}});
+      const double* x = &reduced.stepper().pairs()->points()[3 * static_cast<std::size_t>(i)];
+      weak.push_back({k, reduced.stepper().grid().time(k), i, {x, x + reduced.stepper().space().dim()}});
     }
   return weak;
 }

@@ -78,7 +78,7 @@ public:
   Kept(const Problem& problem, const Evaluate& evaluate)
       : all_(petsc::zero_series(problem.initial.y, static_cast<std::size_t>(problem.steps()) + 1)) {
     for (int k = 0; k <= problem.steps(); ++k)
-      evaluate(problem.stepper.scheme().time(k), all_[static_cast<std::size_t>(k)]);
+      evaluate(problem.stepper.grid().time(k), all_[static_cast<std::size_t>(k)]);
   }
   [[nodiscard]] Vec y(int k) const override { return all_[static_cast<std::size_t>(k)]; }
 
@@ -94,7 +94,7 @@ public:
   [[nodiscard]] Vec y(int k) const override {
     if (std::exchange(last_, k) != k) {
       const auto timer = problem_.timers.time("desired state");
-      evaluate_(problem_.stepper.scheme().time(k), y_);
+      evaluate_(problem_.stepper.grid().time(k), y_);
     }
     return y_;
   }
@@ -133,7 +133,7 @@ Displacements desired_states(const Problem& problem, const control::ControlSpace
   if (const auto* run = std::get_if<scene::DesiredRun>(&problem.scene.objective->desired)) {
     const auto stored = std::make_shared<io::StoredField>(problem.space, run->folder / "state.h5",
                                                           "displacement", "objective.desired.run",
-                                                          problem.stepper.scheme().time(problem.steps()));
+                                                          problem.stepper.grid().time(problem.steps()));
     return given(problem, [stored](double t, Vec y) { stored->at(t, y); }, storage.in_memory());
   }
   const auto& desired = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
@@ -191,7 +191,7 @@ Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs n
   if (stop_requested(comm))
     throw Interrupted();
   if (s.load)
-    scene_load.emplace(space, *s.load, stepper.scheme());
+    scene_load.emplace(space, *s.load, stepper.grid());
 }
 
 long Problem::free_dofs() const {
@@ -204,7 +204,7 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
   if (!has_given_control(problem.scene))
     return;
   const scene::Control& control = *problem.scene.control;
-  controls_.emplace(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(), control);
+  controls_.emplace(problem.space, problem.operators, problem.stepper.grid(), problem.steps(), control);
   require_memory(problem, *controls_, false);
   control_ = first_guess(*controls_, control);
   controls_->project(*control_);
@@ -214,14 +214,14 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
 forward::ForceAtStep GivenControl::load() const { return problem_.load(force_ ? &*force_ : nullptr); }
 
 ControlProblem::ControlProblem(const Problem& problem, const Console& console)
-    : controls(problem.space, problem.operators, problem.stepper.scheme(), problem.steps(),
+    : controls(problem.space, problem.operators, problem.stepper.grid(), problem.steps(),
                *problem.scene.control),
       reference(reference_control(problem, controls)),
       storage(problem.stepper, problem.scene.trajectory, problem.steps(), share(problem.scene),
               problem.timers),
       desired_storage(problem.stepper, problem.scene.trajectory, problem.steps(), share(problem.scene),
                       problem.timers),
-      objective(controls, problem.operators, problem.stepper.scheme(),
+      objective(controls, problem.operators, problem.stepper.grid(),
                 desired_states(problem, controls, reference, desired_storage, console),
                 *problem.scene.objective),
       reduced(problem.stepper, controls, objective, problem.initial, problem.scene_loads(), storage,

@@ -97,13 +97,11 @@ ConjugateGradients::ConjugateGradients(Mat matrix) {
   constexpr double tolerance = 1e-12; // the gradient of J is accurate to about this
   constexpr PetscInt most = 2000;
   check(KSPSetTolerances(ksp_, tolerance, 0, PETSC_CURRENT, most));
-  check(KSPSetConvergenceTest(ksp_, converged, this, nullptr));
   check(KSPSetOptionsPrefix(ksp_, prefix));
   PC shell = nullptr;
   check(KSPGetPC(ksp_, &shell));
   check(PCSetType(shell, PCSHELL));
   check(PCSetOptionsPrefix(shell, "step_projected_")); // -step_pc_… is the preconditioner inside
-  check(PCShellSetContext(shell, this));
   check(PCShellSetApply(shell, precondition));
   check(KSPSetFromOptions(ksp_));
   check(KSPGetTolerances(ksp_, &tolerance_, nullptr, nullptr, nullptr));
@@ -130,16 +128,17 @@ PetscErrorCode ConjugateGradients::precondition(PC shell, Vec x, Vec y) {
   PetscFunctionBeginUser;
   void* context = nullptr;
   PetscCall(PCShellGetContext(shell, &context));
-  const auto& self = *static_cast<const ConjugateGradients*>(context);
-  if (!self.now_.project) {
+  const Solve& now = *static_cast<const Solve*>(context);
+  const ConjugateGradients& self = now.solver;
+  if (!now.project) {
     PetscCall(PCApply(self.preconditioner_, x, y));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   try {
     PetscCall(VecCopy(x, self.projected_));
-    (*self.now_.project)(self.projected_);
+    (*now.project)(self.projected_);
     PetscCall(PCApply(self.preconditioner_, self.projected_, y));
-    (*self.now_.project)(y);
+    (*now.project)(y);
   } catch (...) { // no exception may propagate through PETSc's C code
     PetscFunctionReturn(PETSC_ERR_LIB);
   }
@@ -149,15 +148,14 @@ PetscErrorCode ConjugateGradients::precondition(PC shell, Vec x, Vec y) {
 PetscErrorCode ConjugateGradients::converged(KSP ksp, PetscInt iteration, PetscReal residual,
                                              KSPConvergedReason* reason, void* context) {
   PetscFunctionBeginUser;
-  const auto& self = *static_cast<const ConjugateGradients*>(context);
-  Solve& now = self.now_;
+  Solve& now = *static_cast<Solve*>(context);
   *reason = KSP_CONVERGED_ITERATING;
   if (iteration == 0) // for a zero guess the residual measures the solution
     now.scale = std::max(now.scale, residual);
   const auto due = std::ranges::count_if(judged_at, [&](double at) { return residual <= at * now.scale; });
   if (!std::isfinite(residual)) {
     *reason = KSP_DIVERGED_NANORINF;
-  } else if (residual <= self.tolerance_ * now.scale) {
+  } else if (residual <= now.solver.tolerance_ * now.scale) {
     *reason = KSP_CONVERGED_RTOL;
   } else if (now.judge && due > now.asked) {
     now.asked = due;
@@ -174,16 +172,23 @@ PetscErrorCode ConjugateGradients::converged(KSP ksp, PetscInt iteration, PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void ConjugateGradients::solve(Vec b, Vec x) const { run(b, x, {}); }
-
-bool ConjugateGradients::solve(Vec b, Vec x, const Projector& project, const Judge& judge) const {
-  run(b, x, {.project = &project, .judge = judge ? &judge : nullptr});
-  return !now_.stopped;
+void ConjugateGradients::solve(Vec b, Vec x) const {
+  Solve solve{.solver = *this};
+  run(b, x, solve);
 }
 
-void ConjugateGradients::run(Vec b, Vec x, Solve solve) const {
-  now_ = solve;
-  now_.scale = std::sqrt(std::abs(petsc::dot(b, x))); // energy norm of the guess: x·b ≈ x·Dx
+bool ConjugateGradients::solve(Vec b, Vec x, const Projector& project, const Judge& judge) const {
+  Solve solve{.solver = *this, .project = &project, .judge = judge ? &judge : nullptr};
+  run(b, x, solve);
+  return !solve.stopped;
+}
+
+void ConjugateGradients::run(Vec b, Vec x, Solve& solve) const {
+  PC shell = nullptr;
+  check(KSPGetPC(ksp_, &shell));
+  check(PCShellSetContext(shell, &solve));
+  check(KSPSetConvergenceTest(ksp_, converged, &solve, nullptr));
+  solve.scale = std::sqrt(std::abs(petsc::dot(b, x))); // energy norm of the guess: x·b ≈ x·Dx
   check(KSPSolve(ksp_, b, x));
   count_solve();
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
@@ -197,7 +202,7 @@ void ConjugateGradients::run(Vec b, Vec x, Solve solve) const {
   throw SolverFailure(
       fmt::format("the solve with the step operator D by {} failed: {}, residual {:.3e} of {:.3e} after {} "
                   "iterations",
-                  name_, KSPConvergedReasons[reason], residual, now_.scale, static_cast<int>(iterations)));
+                  name_, KSPConvergedReasons[reason], residual, solve.scale, static_cast<int>(iterations)));
 }
 
 double ConjugateGradients::bytes() const {

@@ -79,8 +79,9 @@ public:
   [[nodiscard]] double bytes() const override;
 
 private:
-  /// State of the current solve.
+  /// State of one solve.
   struct Solve {
+    const ConjugateGradients& solver;
     const Projector* project = nullptr;
     const Judge* judge = nullptr;
     std::ptrdiff_t asked = 0; ///< residuals of judged_at passed at the last call of the judge
@@ -91,14 +92,13 @@ private:
   static PetscErrorCode precondition(PC shell, Vec x, Vec y);
   static PetscErrorCode converged(KSP ksp, PetscInt iteration, PetscReal residual, KSPConvergedReason* reason,
                                   void* context);
-  void run(Vec b, Vec x, Solve solve) const;
+  void run(Vec b, Vec x, Solve& solve) const;
 
   petsc::LinearSolver ksp_;
   petsc::Preconditioner preconditioner_;
   petsc::Vector projected_;
   double tolerance_ = 0;
   std::string name_;
-  mutable Solve now_;
 };
 
 } // namespace signorini

@@ -54,7 +54,9 @@ struct SparseCholesky::Cholmod {
   cholmod_common common{};
   cholmod_sparse* matrix = nullptr;
   cholmod_factor* factor = nullptr;
-  cholmod_dense *b = nullptr, *z = nullptr, *x = nullptr, *work_y = nullptr, *work_e = nullptr;
+  cholmod_dense *work_y = nullptr, *work_e = nullptr;
+  std::vector<double> z, x; ///< scratch of solves (n)
+  std::vector<double> b;    ///< likewise, where the factor is simplicial, else empty
   std::vector<double> supernodal_work;
 
   Cholmod() {
@@ -64,7 +66,7 @@ struct SparseCholesky::Cholmod {
     common.quick_return_if_not_posdef = 1;
   }
   ~Cholmod() {
-    for (cholmod_dense** dense : {&b, &z, &x, &work_y, &work_e})
+    for (cholmod_dense** dense : {&work_y, &work_e})
       cholmod_free_dense(dense, &common);
     cholmod_free_factor(&factor, &common);
     cholmod_free_sparse(&matrix, &common);
@@ -96,15 +98,30 @@ struct SparseCholesky::Cholmod {
     return A;
   }
 
-  void triangular_solve(int system, cholmod_dense* rhs, cholmod_dense** solution) {
+  /// Where a right-hand side of triangular_solve() with the given solution is to be put.
+  std::span<double> right_hand_side(std::span<double> solution) {
+    return factor->is_super ? solution : std::span<double>(b);
+  }
+
+  void triangular_solve(int system, std::span<double> solution) {
     if (factor->is_super) {
-      const std::span values(static_cast<double*>((*solution)->x), factor->n);
-      std::copy_n(static_cast<const double*>(rhs->x), factor->n, values.begin());
-      (system == CHOLMOD_L ? supernodal_forward : supernodal_backward)(*factor, values, supernodal_work);
+      (system == CHOLMOD_L ? supernodal_forward : supernodal_backward)(*factor, solution, supernodal_work);
       return;
     }
-    cholmod_solve2(system, factor, rhs, nullptr, solution, nullptr, &work_y, &work_e, &common);
+    cholmod_dense from = dense(b), to = dense(solution), *to_there = &to;
+    cholmod_solve2(system, factor, &from, nullptr, &to_there, nullptr, &work_y, &work_e, &common);
     require("a solve");
+  }
+
+private:
+  static cholmod_dense dense(std::span<double> x) {
+    cholmod_dense dense{};
+    dense.nrow = dense.nzmax = dense.d = x.size();
+    dense.ncol = 1;
+    dense.x = x.data();
+    dense.xtype = CHOLMOD_REAL;
+    dense.dtype = CHOLMOD_DOUBLE;
+    return dense;
   }
 };
 
@@ -211,10 +228,9 @@ void SparseCholesky::factorise() {
   c_->require("the factorisation");
   cholmod_free_sparse(&c_->matrix, &c_->common);
   const std::size_t n = c_->factor->n;
-  for (cholmod_dense** dense : {&c_->b, &c_->z, &c_->x}) {
-    *dense = cholmod_allocate_dense(n, 1, n, CHOLMOD_REAL, &c_->common);
-    c_->require("the storage");
-  }
+  c_->z.resize(n);
+  c_->x.resize(n);
+  c_->b.resize(c_->factor->is_super ? 0 : n);
   c_->supernodal_work.resize(c_->factor->is_super ? c_->factor->maxesize : 0);
 }
 
@@ -248,35 +264,39 @@ std::vector<double> SparseCholesky::corner_factor() const {
   return block;
 }
 
-std::span<const double> SparseCholesky::forward(Vec b) const {
+std::size_t SparseCholesky::size() const { return c_->factor->n; }
+
+void SparseCholesky::forward(Vec b, std::span<double> z) const {
   const auto* permutation = static_cast<const int*>(c_->factor->Perm);
-  const std::size_t n = c_->factor->n;
   {
     const petsc::ReadArray values(b);
-    auto* ordered = static_cast<double*>(c_->b->x);
-    for (std::size_t i = 0; i < n; ++i)
+    const std::span<double> ordered = c_->right_hand_side(z);
+    for (std::size_t i = 0; i < ordered.size(); ++i)
       ordered[i] = values[static_cast<std::size_t>(permutation[i])];
   }
-  c_->triangular_solve(CHOLMOD_L, c_->b, &c_->z);
-  return {static_cast<const double*>(c_->z->x) + (n - static_cast<std::size_t>(corner_size_)),
-          static_cast<std::size_t>(corner_size_)};
+  c_->triangular_solve(CHOLMOD_L, z);
 }
 
-void SparseCholesky::backward(std::span<const double> corner, Vec x) const {
+void SparseCholesky::backward(std::span<const double> z, std::span<const double> corner, Vec x) const {
   const auto* permutation = static_cast<const int*>(c_->factor->Perm);
-  const std::size_t n = c_->factor->n;
-  if (double* kept = static_cast<double*>(c_->z->x) + (n - corner.size()); kept != corner.data())
-    std::ranges::copy(corner, kept);
-  c_->triangular_solve(CHOLMOD_Lt, c_->z, &c_->x);
+  const std::span<double> right = c_->right_hand_side(c_->x);
+  std::ranges::copy(z.first(z.size() - corner.size()), right.begin());
+  std::ranges::copy(corner, right.end() - static_cast<std::ptrdiff_t>(corner.size()));
+  c_->triangular_solve(CHOLMOD_Lt, c_->x);
   count_solve();
   const petsc::WriteArray values(x);
-  const auto* ordered = static_cast<const double*>(c_->x->x);
-  for (std::size_t i = 0; i < n; ++i)
-    values[static_cast<std::size_t>(permutation[i])] = ordered[i];
+  for (std::size_t i = 0; i < c_->x.size(); ++i)
+    values[static_cast<std::size_t>(permutation[i])] = c_->x[i];
 }
 
-void SparseCholesky::solve(Vec b, Vec x) const { backward(forward(b), x); }
+void SparseCholesky::solve(Vec b, Vec x) const {
+  forward(b, c_->z);
+  backward(c_->z, {}, x);
+}
 
-double SparseCholesky::bytes() const { return static_cast<double>(c_->common.memory_inuse); }
+double SparseCholesky::bytes() const {
+  return static_cast<double>(c_->common.memory_inuse +
+                             (c_->b.size() + c_->z.size() + c_->x.size()) * sizeof(double));
+}
 
 } // namespace signorini

@@ -37,10 +37,12 @@ public:
   /// Last diagonal block of L (c × c, column by column, lower triangle), after factorise().
   [[nodiscard]] std::vector<double> corner_factor() const;
 
-  /// Forward solve z = L⁻¹ P b; returns the corner of z (c), valid until the next forward solve.
-  std::span<const double> forward(Vec b) const;
-  /// Backward solve x = Pᵀ L⁻ᵀ z with `corner` (c) in place of the corner of z.
-  void backward(std::span<const double> corner, Vec x) const;
+  /// Unknowns n.
+  [[nodiscard]] std::size_t size() const;
+  /// Forward solve z = L⁻¹ P b (n), whose last corner_size() entries are the corner's.
+  void forward(Vec b, std::span<double> z) const;
+  /// Backward solve x = Pᵀ L⁻ᵀ z for a z (n) whose last entries are replaced by `corner` (c).
+  void backward(std::span<const double> z, std::span<const double> corner, Vec x) const;
 
 private:
   struct Cholmod; ///< CHOLMOD's objects

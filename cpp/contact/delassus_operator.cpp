@@ -2,51 +2,51 @@
 #include "base/collective.h"
 #include "base/dense.h"
 #include "base/error.h"
+#include "contact/lcp/primal_dual.h"
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
 
 namespace signorini::contact {
 
-DelassusOperator::DelassusOperator(const Constraints& constraints, const Elimination& elimination)
-    : constraints_(constraints), elimination_(elimination), S_(elimination.condensed()),
-      zero_(static_cast<std::size_t>(constraints.count()), 0.0) {
-  const std::size_t m = zero_.size();
-  work_.factorised.reserve(m);
-  work_.independent.reserve(m);
-  work_.factor.reserve(m * m);
-  work_.b.reserve(m);
-  work_.normal.resize(m);
-  work_.mu.resize(m);
+DelassusOperator::DelassusOperator(const ContactPairs& pairs, std::unique_ptr<const Elimination> elimination)
+    : pairs_(pairs), N_(pairs), elimination_(std::move(elimination)), S_(elimination_->condensed()),
+      zero_(static_cast<std::size_t>(pairs.count()), 0.0) {}
+
+Workspace DelassusOperator::workspace() const {
+  Workspace work(pairs_.count());
+  work.prediction = elimination_->prediction();
+  work.factor.reserve(S_.size());
+  return work;
 }
 
-void DelassusOperator::solve_active(const ActiveSet& set, std::span<double> b) const {
+void DelassusOperator::solve_active(const ActiveSet& set, std::span<double> b, Workspace& work) const {
   if (set.empty())
     return;
   // LAPACK's last digits may differ between the ranks' processors: rank 0's result is used on all of them.
-  on_root<SolverFailure>(constraints_.comm(), [&] { solve_here(set, b); });
-  MPI_Bcast(b.data(), static_cast<int>(b.size()), MPI_DOUBLE, 0, constraints_.comm());
+  on_root<SolverFailure>(pairs_.comm(), [&] { solve_here(set, b, work); });
+  MPI_Bcast(b.data(), static_cast<int>(b.size()), MPI_DOUBLE, 0, pairs_.comm());
 }
 
-void DelassusOperator::solve_here(const ActiveSet& set, std::span<double> b) const {
+void DelassusOperator::solve_here(const ActiveSet& set, std::span<double> b, Workspace& work) const {
   const std::size_t m = zero_.size();
-  if (set != work_.factorised) {
-    work_.factorised.clear();
-    work_.factor.resize(set.size() * set.size());
+  if (set != work.factorised) {
+    work.factorised.clear();
+    work.factor.resize(set.size() * set.size());
     for (std::size_t i = 0; i < set.size(); ++i)
       for (std::size_t j = 0; j < set.size(); ++j)
-        work_.factor[i * set.size() + j] =
+        work.factor[i * set.size() + j] =
             S_[static_cast<std::size_t>(set[i]) * m + static_cast<std::size_t>(set[j])];
-    if (const int pivot = factorise_dense(work_.factor, set.size()); pivot != 0)
+    if (const int pivot = factorise_dense(work.factor, set.size()); pivot != 0)
       throw SolverFailure(fmt::format("the condensed matrix of {} active candidates is singular (pivot {})",
                                       set.size(), pivot));
-    work_.factorised = set;
+    work.factorised = set;
   }
-  solve_factorised(work_.factor, set.size(), b.first(set.size()));
+  solve_factorised(work.factor, set.size(), b.first(set.size()));
 }
 
 std::vector<double> DelassusOperator::inverse() const {
-  const auto m = static_cast<std::size_t>(constraints_.count());
+  const auto m = static_cast<std::size_t>(pairs_.count());
   std::vector<double> K = S_;
   int pivot = factorise_dense(K, m);
   if (pivot == 0)
@@ -58,67 +58,68 @@ std::vector<double> DelassusOperator::inverse() const {
 }
 
 void DelassusOperator::finish(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
-                              std::span<double> normal, Vec y) const {
+                              std::span<double> normal, Vec y, Workspace& work) const {
   // Iterative refinement. Where rigid motions dominate S (a stiff body without a clamp), it is
   // ill-conditioned and one pass leaves gaps on the set; each pass gains as many digits as the factor of S_AA
   // is accurate to. For a well-conditioned S one pass suffices.
   constexpr int most = 4;
   for (int pass = 0;; ++pass) {
-    elimination_.finish(lambda, y);
-    constraints_.normal_components(y, normal);
+    elimination_->finish(work.prediction, lambda, y);
+    N_.normal_components(y, normal);
     double size = 0, defect = 0;
     for (std::size_t i = 0; i < normal.size(); ++i)
       size = std::max({size, std::abs(normal[i]), std::abs(psi[i])});
-    work_.b.clear();
+    work.b.clear();
     for (int i : set) {
-      work_.b.push_back(normal[static_cast<std::size_t>(i)] - psi[static_cast<std::size_t>(i)]);
-      defect = std::max(defect, std::abs(work_.b.back()));
+      work.b.push_back(normal[static_cast<std::size_t>(i)] - psi[static_cast<std::size_t>(i)]);
+      defect = std::max(defect, std::abs(work.b.back()));
     }
     if (defect <= 10 * std::numeric_limits<double>::epsilon() * size || pass + 1 == most)
       return;
-    solve_active(set, work_.b);
+    solve_active(set, work.b, work);
     for (std::size_t i = 0; i < set.size(); ++i)
-      lambda[static_cast<std::size_t>(set[i])] += work_.b[i];
+      lambda[static_cast<std::size_t>(set[i])] += work.b[i];
   }
 }
 
-void DelassusOperator::predict_gap(Vec r, std::span<const double> psi, std::span<double> gap) const {
-  elimination_.predict(r, gap);
+void DelassusOperator::predict_gap(Vec r, std::span<const double> psi, std::span<double> gap,
+                                   Prediction& prediction) const {
+  elimination_->predict(r, prediction, gap);
   for (std::size_t i = 0; i < gap.size(); ++i)
     gap[i] = psi[i] - gap[i];
 }
 
 void DelassusOperator::finish_closed(const ActiveSet& set, std::span<const double> psi,
-                                     std::span<double> lambda, std::span<double> gap, Vec y) const {
-  finish(set, psi, lambda, gap, y);
+                                     std::span<double> lambda, std::span<double> gap, Vec y,
+                                     Workspace& work) const {
+  finish(set, psi, lambda, gap, y, work);
   for (std::size_t i = 0; i < gap.size(); ++i)
     gap[i] = psi[i] - gap[i];
 }
 
-void DelassusOperator::solve_sliding(Vec r, const ActiveSet& active, Vec p) const {
-  elimination_.predict(r, work_.normal);
+void DelassusOperator::solve_sliding(Vec r, const ActiveSet& active, Vec p, Workspace& work) const {
+  elimination_->predict(r, work.prediction, work.normal);
   if (active.empty()) {
-    elimination_.finish(zero_, p);
+    elimination_->finish(work.prediction, zero_, p);
     return;
   }
-  if (constraints_.dependent()) {
-    work_.independent = active;
-    constraints_.drop_dependent(work_.independent);
+  if (pairs_.dependent()) {
+    work.independent = active;
+    drop_dependent(pairs_, work.independent);
   }
-  const ActiveSet& set = constraints_.dependent() ? work_.independent : active;
-  work_.b.clear();
+  const ActiveSet& set = pairs_.dependent() ? work.independent : active;
+  work.b.clear();
   for (int i : set)
-    work_.b.push_back(work_.normal[static_cast<std::size_t>(i)]);
-  solve_active(set, work_.b);
-  std::ranges::fill(work_.mu, 0);
+    work.b.push_back(work.normal[static_cast<std::size_t>(i)]);
+  solve_active(set, work.b, work);
+  std::ranges::fill(work.mu, 0);
   for (std::size_t i = 0; i < set.size(); ++i)
-    work_.mu[static_cast<std::size_t>(set[i])] = work_.b[i];
-  finish(set, zero_, work_.mu, work_.normal, p);
+    work.mu[static_cast<std::size_t>(set[i])] = work.b[i];
+  finish(set, zero_, work.mu, work.normal, p, work);
 }
 
 double DelassusOperator::bytes() const {
-  return elimination_.bytes() + ranks(constraints_.comm()) * sizeof(double) *
-                                    static_cast<double>(S_.size() + work_.factor.capacity());
+  return elimination_->bytes() + ranks(pairs_.comm()) * 2 * sizeof(double) * static_cast<double>(S_.size());
 }
 
 } // namespace signorini::contact

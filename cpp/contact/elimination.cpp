@@ -19,49 +19,59 @@ void triangular(const std::vector<double>& L, const char* transposed, std::span<
 
 } // namespace
 
-TrailingBlockElimination::TrailingBlockElimination(const Constraints& constraints, const SparseCholesky& D)
-    : constraints_(constraints), D_(D), L_(D.corner_factor()), z_(static_cast<std::size_t>(D.corner_size())),
-      corner_(z_.size()) {}
+TrailingBlockElimination::TrailingBlockElimination(const ContactPairs& pairs, const SparseCholesky& D)
+    : pairs_(pairs), D_(D), L_(D.corner_factor()) {}
 
-void TrailingBlockElimination::predict(Vec r, std::span<double> normal) const {
-  std::ranges::copy(D_.forward(r), z_.begin());
-  corner_ = z_;
-  triangular(L_, "T", corner_);
-  const auto dim = static_cast<std::size_t>(constraints_.dim());
+Prediction TrailingBlockElimination::prediction() const {
+  Prediction made;
+  made.z.resize(D_.size());
+  made.corner.resize(static_cast<std::size_t>(D_.corner_size()));
+  return made;
+}
+
+void TrailingBlockElimination::predict(Vec r, Prediction& prediction, std::span<double> normal) const {
+  std::vector<double>&z = prediction.z, &corner = prediction.corner;
+  D_.forward(r, z);
+  std::copy(z.end() - static_cast<std::ptrdiff_t>(corner.size()), z.end(), corner.begin());
+  triangular(L_, "T", corner);
+  const auto dim = static_cast<std::size_t>(pairs_.dim());
   for (std::size_t i = 0; i < normal.size(); ++i) {
-    const auto node = static_cast<std::size_t>(constraints_.nodes()[i]);
+    const auto node = static_cast<std::size_t>(pairs_.node_numbers()[i]);
     normal[i] = 0;
     for (std::size_t c = 0; c < dim; ++c)
-      normal[i] += constraints_.normals()[i * dim + c] * corner_[node * dim + c];
+      normal[i] += pairs_.normals()[i * dim + c] * corner[node * dim + c];
   }
 }
 
-void TrailingBlockElimination::finish(std::span<const double> lambda, Vec y) const {
+void TrailingBlockElimination::finish(Prediction& prediction, std::span<const double> lambda, Vec y) const {
+  const std::vector<double>& z = prediction.z;
   if (std::ranges::all_of(lambda, [](double force) { return force == 0; })) {
-    D_.backward(z_, y);
+    D_.backward(z, {}, y);
     return;
   }
-  const auto dim = static_cast<std::size_t>(constraints_.dim());
-  std::ranges::fill(corner_, 0);
+  std::vector<double>& corner = prediction.corner;
+  const auto dim = static_cast<std::size_t>(pairs_.dim());
+  std::ranges::fill(corner, 0);
   for (std::size_t i = 0; i < lambda.size(); ++i) {
-    const auto node = static_cast<std::size_t>(constraints_.nodes()[i]);
+    const auto node = static_cast<std::size_t>(pairs_.node_numbers()[i]);
     for (std::size_t c = 0; c < dim; ++c)
-      corner_[node * dim + c] += constraints_.directions()[i * dim + c] * lambda[i];
+      corner[node * dim + c] += pairs_.directions()[i * dim + c] * lambda[i];
   }
-  triangular(L_, "N", corner_);
-  for (std::size_t i = 0; i < corner_.size(); ++i)
-    corner_[i] = z_[i] - corner_[i];
-  D_.backward(corner_, y);
+  triangular(L_, "N", corner);
+  const std::size_t before = z.size() - corner.size();
+  for (std::size_t i = 0; i < corner.size(); ++i)
+    corner[i] = z[before + i] - corner[i];
+  D_.backward(z, corner, y);
 }
 
 std::vector<double> TrailingBlockElimination::condensed() const {
-  const auto m = static_cast<std::size_t>(constraints_.count()),
-             dim = static_cast<std::size_t>(constraints_.dim()), c = z_.size();
+  const auto m = static_cast<std::size_t>(pairs_.count()), dim = static_cast<std::size_t>(pairs_.dim()),
+             c = static_cast<std::size_t>(D_.corner_size());
   std::vector<double> X(c * m, 0.0), S(m * m, 0.0); // X = L⁻¹N
   for (std::size_t i = 0; i < m; ++i)
     for (std::size_t k = 0; k < dim; ++k)
-      X[i * c + static_cast<std::size_t>(constraints_.nodes()[i]) * dim + k] =
-          constraints_.directions()[i * dim + k];
+      X[i * c + static_cast<std::size_t>(pairs_.node_numbers()[i]) * dim + k] =
+          pairs_.directions()[i * dim + k];
   const auto rows = static_cast<PetscBLASInt>(c), columns = static_cast<PetscBLASInt>(m);
   const double one = 1, zero = 0;
   BLAStrsm_("L", "L", "N", "N", &rows, &columns, &one, L_.data(), &rows, X.data(), &rows);
@@ -74,60 +84,69 @@ std::vector<double> TrailingBlockElimination::condensed() const {
 
 double TrailingBlockElimination::bytes() const { return sizeof(double) * static_cast<double>(L_.size()); }
 
-StoredColumnsElimination::StoredColumnsElimination(const Constraints& constraints, const LinearSolver& D,
+StoredColumnsElimination::StoredColumnsElimination(const ContactPairs& pairs, const LinearSolver& D,
                                                    Vec layout, double memory)
-    : constraints_(constraints), D_(D), r_(petsc::zero_like(layout)), y_(petsc::zero_like(layout)),
-      work_(petsc::zero_like(layout)) {
-  const auto m = static_cast<std::size_t>(constraints.count());
+    : pairs_(pairs), N_(pairs), D_(D), layout_(petsc::zero_like(layout)) {
+  const auto m = static_cast<std::size_t>(pairs.count());
   PetscInt n = 0;
   check(VecGetSize(layout, &n));
   const bool keep = sizeof(double) * static_cast<double>(m) * static_cast<double>(n) <= memory;
   S_.resize(m * m);
+  const petsc::Vector r = petsc::zero_like(layout), y = petsc::zero_like(layout);
   std::vector<double> unit(m, 0.0);
   for (std::size_t j = 0; j < m; ++j) {
     if (stop_requested(petsc::comm(layout)))
       throw Interrupted();
-    check(VecZeroEntries(r_));
+    check(VecZeroEntries(r));
     unit[j] = 1;
-    constraints.add_normal(1, unit, r_);
+    N_.add(1, unit, r);
     unit[j] = 0;
-    D.solve(r_, y_);
-    constraints.normal_components(y_, std::span(&S_[j * m], m));
+    D.solve(r, y);
+    N_.normal_components(y, std::span(&S_[j * m], m));
     if (keep)
-      columns_.push_back(petsc::copy(y_));
+      columns_.push_back(petsc::copy(y));
   }
   for (std::size_t i = 0; i < m; ++i) // rounding of the solves is the only asymmetry
     for (std::size_t j = 0; j < i; ++j)
       S_[i * m + j] = S_[j * m + i] = (S_[i * m + j] + S_[j * m + i]) / 2;
-  weights_.reserve(m);
-  used_.reserve(m);
 }
 
-void StoredColumnsElimination::predict(Vec r, std::span<double> normal) const {
-  check(VecCopy(r, r_));
-  D_.solve(r, y_);
-  constraints_.normal_components(y_, normal);
+Prediction StoredColumnsElimination::prediction() const {
+  Prediction made;
+  for (petsc::Vector* x : {&made.r, &made.y, &made.forces})
+    *x = petsc::zero_like(layout_);
+  made.weights.reserve(static_cast<std::size_t>(pairs_.count()));
+  made.columns.reserve(static_cast<std::size_t>(pairs_.count()));
+  return made;
 }
 
-void StoredColumnsElimination::finish(std::span<const double> lambda, Vec y) const {
-  weights_.clear();
-  used_.clear();
+void StoredColumnsElimination::predict(Vec r, Prediction& prediction, std::span<double> normal) const {
+  check(VecCopy(r, prediction.r));
+  D_.solve(r, prediction.y);
+  N_.normal_components(prediction.y, normal);
+}
+
+void StoredColumnsElimination::finish(Prediction& prediction, std::span<const double> lambda, Vec y) const {
+  std::vector<double>& weights = prediction.weights;
+  std::vector<Vec>& columns = prediction.columns;
+  weights.clear();
+  columns.clear();
   for (std::size_t i = 0; i < lambda.size(); ++i)
     if (lambda[i] != 0) {
-      weights_.push_back(-lambda[i]);
+      weights.push_back(-lambda[i]);
       if (!columns_.empty())
-        used_.push_back(columns_[i]);
+        columns.push_back(columns_[i]);
     }
-  check(VecCopy(y_, y));
-  if (weights_.empty())
+  check(VecCopy(prediction.y, y));
+  if (weights.empty())
     return;
   if (!columns_.empty()) {
-    check(VecMAXPY(y, static_cast<PetscInt>(used_.size()), weights_.data(), used_.data()));
+    check(VecMAXPY(y, static_cast<PetscInt>(columns.size()), weights.data(), columns.data()));
     return;
   }
-  check(VecCopy(r_, work_));
-  constraints_.add_normal(-1, lambda, work_);
-  D_.solve(work_, y);
+  check(VecCopy(prediction.r, prediction.forces));
+  N_.add(-1, lambda, prediction.forces);
+  D_.solve(prediction.forces, y);
 }
 
 double StoredColumnsElimination::bytes() const {

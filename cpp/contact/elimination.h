@@ -1,6 +1,7 @@
 #pragma once
 #include "base/sparse_cholesky.h"
-#include "contact/constraints.h"
+#include "contact/normal_operator.h"
+#include "contact/workspace.h"
 
 namespace signorini::contact {
 
@@ -11,12 +12,15 @@ class Elimination {
 public:
   virtual ~Elimination() = default;
 
-  /// First half for the right-hand side r: `normal` (m) becomes ν_i·D⁻¹r. Collective.
-  virtual void predict(Vec r, std::span<double> normal) const = 0;
+  /// Storage for predict(). Collective.
+  [[nodiscard]] virtual Prediction prediction() const = 0;
 
-  /// Second half, for the r of the last predict(): y = D⁻¹ (r − Nλ); may be repeated with other λ (m).
+  /// First half for the right-hand side r: `normal` (m) becomes ν_i·D⁻¹r. Collective.
+  virtual void predict(Vec r, Prediction& prediction, std::span<double> normal) const = 0;
+
+  /// Second half: y = D⁻¹ (r − Nλ); may be repeated with other λ (m). Of `prediction` only scratch changes.
   /// Collective.
-  virtual void finish(std::span<const double> lambda, Vec y) const = 0;
+  virtual void finish(Prediction& prediction, std::span<const double> lambda, Vec y) const = 0;
 
   /// S = Nᵀ D⁻¹ N (m × m), the same on every rank. Collective.
   [[nodiscard]] virtual std::vector<double> condensed() const = 0;
@@ -31,18 +35,18 @@ class TrailingBlockElimination final : public Elimination {
 public:
   /// The corner of `D` must be the candidates' nodes, each once, in their order. The arguments must outlive
   /// this object.
-  TrailingBlockElimination(const Constraints& constraints, const SparseCholesky& D);
+  TrailingBlockElimination(const ContactPairs& pairs, const SparseCholesky& D);
 
-  void predict(Vec r, std::span<double> normal) const override;
-  void finish(std::span<const double> lambda, Vec y) const override;
+  [[nodiscard]] Prediction prediction() const override;
+  void predict(Vec r, Prediction& prediction, std::span<double> normal) const override;
+  void finish(Prediction& prediction, std::span<const double> lambda, Vec y) const override;
   [[nodiscard]] std::vector<double> condensed() const override;
   [[nodiscard]] double bytes() const override;
 
 private:
-  const Constraints& constraints_;
+  const ContactPairs& pairs_;
   const SparseCholesky& D_;
-  std::vector<double> L_;                  ///< corner of the factor (c × c)
-  mutable std::vector<double> z_, corner_; ///< corner after the last forward half; scratch (c)
+  std::vector<double> L_; ///< corner of the factor (c × c)
 };
 
 /// Works with any solver of D. The columns of D⁻¹N are stored if they fit into `memory` (bytes, on all
@@ -51,22 +55,21 @@ class StoredColumnsElimination final : public Elimination {
 public:
   /// Makes one solve per candidate; `layout` is a vector of V. Collective. The references must outlive this
   /// object. Throws Interrupted, SolverFailure.
-  StoredColumnsElimination(const Constraints& constraints, const LinearSolver& D, Vec layout, double memory);
+  StoredColumnsElimination(const ContactPairs& pairs, const LinearSolver& D, Vec layout, double memory);
 
-  void predict(Vec r, std::span<double> normal) const override;
-  void finish(std::span<const double> lambda, Vec y) const override;
+  [[nodiscard]] Prediction prediction() const override;
+  void predict(Vec r, Prediction& prediction, std::span<double> normal) const override;
+  void finish(Prediction& prediction, std::span<const double> lambda, Vec y) const override;
   [[nodiscard]] std::vector<double> condensed() const override { return S_; }
   [[nodiscard]] double bytes() const override;
 
 private:
-  const Constraints& constraints_;
+  const ContactPairs& pairs_;
+  const NormalOperator N_;
   const LinearSolver& D_;
   std::vector<double> S_;
+  petsc::Vector layout_;
   petsc::Series columns_; ///< D⁻¹N; empty where they do not fit
-  petsc::Vector r_, y_;   ///< of the last prediction
-  petsc::Vector work_;
-  mutable std::vector<double> weights_;
-  mutable std::vector<Vec> used_;
 };
 
 } // namespace signorini::contact

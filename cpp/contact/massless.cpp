@@ -81,14 +81,14 @@ std::vector<double> extrapolation(const Point& x, const std::vector<Point>& arou
   return w;
 }
 
-std::vector<Surroundings> surroundings(const Constraints& constraints, const std::vector<int>& candidates,
+std::vector<Surroundings> surroundings(const ContactPairs& pairs, const std::vector<int>& candidates,
                                        Mat rows) {
   // PETSc requires as many index sets on every rank, so all nodes of a rank share one; the rings of each node
   // are then found in the submatrix of that set.
-  const int dim = constraints.dim();
+  const int dim = pairs.dim();
   std::vector<PetscInt> first;
   for (int i : candidates)
-    first.push_back(constraints.first_dofs()[i]);
+    first.push_back(pairs.first_dofs()[i]);
   IS all = nullptr;
   check(ISCreateGeneral(PETSC_COMM_SELF, static_cast<PetscInt>(first.size()), first.data(), PETSC_COPY_VALUES,
                         &all));
@@ -106,7 +106,7 @@ std::vector<Surroundings> surroundings(const Constraints& constraints, const std
   for (int i : candidates) {
     found.push_back({i, {}});
     std::set<PetscInt> reached{
-        static_cast<PetscInt>(std::lower_bound(dofs, dofs + size, constraints.first_dofs()[i]) - dofs)};
+        static_cast<PetscInt>(std::lower_bound(dofs, dofs + size, pairs.first_dofs()[i]) - dofs)};
     for (std::vector<PetscInt>& ring : found.back().nodes) {
       std::set<PetscInt> next = reached;
       for (PetscInt row : reached)
@@ -159,8 +159,8 @@ std::map<PetscInt, Point> places(const fem::Space& space, const std::vector<Surr
 
 } // namespace
 
-petsc::Matrix massless(const fem::Space& space, const Constraints& constraints,
-                       const std::vector<bool>& massless, Mat M) {
+petsc::Matrix massless(const fem::Space& space, const ContactPairs& pairs, const std::vector<bool>& massless,
+                       Mat M) {
   const int dim = space.dim();
   petsc::Matrix rows;
   check(MatConvert(M, MATAIJ, MAT_INITIAL_MATRIX, rows.put()));
@@ -170,11 +170,11 @@ petsc::Matrix massless(const fem::Space& space, const Constraints& constraints,
   // The directions of each node's constraints whose obstacles have massless contact.
   std::map<PetscInt, NodeBasis> bases;
   std::vector<int> owned;
-  for (int i = 0; i < constraints.count(); ++i)
-    if (massless[static_cast<std::size_t>(constraints.obstacles()[i])]) {
-      const PetscInt first = constraints.first_dofs()[i];
+  for (int i = 0; i < pairs.count(); ++i)
+    if (massless[static_cast<std::size_t>(pairs.obstacles()[i])]) {
+      const PetscInt first = pairs.first_dofs()[i];
       const auto [basis, added] = bases.try_emplace(first / dim, dim);
-      basis->second.add(&constraints.directions()[static_cast<std::size_t>(i * dim)]);
+      basis->second.add(&pairs.directions()[static_cast<std::size_t>(i * dim)]);
       if (added && first >= begin && first < end)
         owned.push_back(i);
     }
@@ -195,11 +195,11 @@ petsc::Matrix massless(const fem::Space& space, const Constraints& constraints,
     if (!bases.contains(node))
       insert(node, node, identity);
 
-  const std::vector<Surroundings> all = surroundings(constraints, owned, rows);
+  const std::vector<Surroundings> all = surroundings(pairs, owned, rows);
   const std::map<PetscInt, Point> place = places(space, all);
   together(space.comm(), [&] {
     for (const Surroundings& here : all) {
-      const PetscInt node = constraints.first_dofs()[here.candidate] / dim;
+      const PetscInt node = pairs.first_dofs()[here.candidate] / dim;
       std::vector<PetscInt> neighbours;
       std::vector<double> weights;
       for (const Demand& demand : demands)
@@ -218,7 +218,7 @@ petsc::Matrix massless(const fem::Space& space, const Constraints& constraints,
         throw UserError(fmt::format(
             "contact.mass: found \"massless\" where the node at {} has only contact nodes around it, "
             "allowed are meshes with others near",
-            point_text(&constraints.points()[3 * static_cast<std::size_t>(here.candidate)])));
+            point_text(&pairs.points()[3 * static_cast<std::size_t>(here.candidate)])));
       std::array<double, 9> onto{}; // projector onto the constrained directions
       const NodeBasis& basis = bases.at(node);
       for (int c = 0; c < dim; ++c) {

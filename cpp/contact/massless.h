@@ -1,5 +1,5 @@
 #pragma once
-#include "contact/constraints.h"
+#include "contact/pairs.h"
 
 namespace signorini::contact {
 
@@ -11,7 +11,7 @@ namespace signorini::contact {
 /// whether its candidates lose their mass. Stored in blocks (BAIJ), with the pattern of M and entries between
 /// the nodes extrapolated from. Collective. Throws UserError if all nodes near a candidate are such contact
 /// nodes too.
-petsc::Matrix massless(const fem::Space& space, const Constraints& constraints,
-                       const std::vector<bool>& massless, Mat M);
+petsc::Matrix massless(const fem::Space& space, const ContactPairs& pairs, const std::vector<bool>& massless,
+                       Mat M);
 
 } // namespace signorini::contact

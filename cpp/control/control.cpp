@@ -59,9 +59,9 @@ petsc::Vector lump(Mat W) {
 
 } // namespace
 
-ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::Scheme scheme,
+ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::TimeGrid grid,
                            int steps, const scene::Control& scene)
-    : space_(space), scheme_(scheme), steps_(steps), scale_(scene.scale),
+    : space_(space), grid_(grid), steps_(steps), scale_(scene.scale),
       constant_in_time_(scene.constant_in_time), cellwise_(scene.space == "P0"), whole_(!scene.on),
       components_(ascending(fem::component_numbers(scene.components, space.dim()))),
       lower_(per_component(scene.lower, space.dim(), components_)),
@@ -172,8 +172,8 @@ Control ControlSpace::interpolate(const scene::Components& components, const std
     if (k > 1 && !field.depends_on_time())
       std::ranges::copy(u.at(1), u.at(k).begin());
     else
-      fem::interpolate(space_.comm(), field, constant_in_time_ ? 0 : scheme_.load_time(k), points_,
-                       components_, u.at(k));
+      fem::interpolate(space_.comm(), field, constant_in_time_ ? 0 : grid_.load_time(k), points_, components_,
+                       u.at(k));
   return u;
 }
 
@@ -304,8 +304,8 @@ void ControlSpace::add_force(std::span<const double> u, forward::NodalForce sum)
 }
 
 void ControlSpace::add_riesz(int k, Vec p, Control& g) const {
-  const double weight = scheme_.impulse() / duration() * scale_; // divided by that of product()
-  if (cellwise_) {                                               // the mean of p over each cell
+  const double weight = grid_.scheme(k).impulse() / duration() * scale_; // divided by that of product()
+  if (cellwise_) {                                                       // the mean of p over each cell
     check(MatMultTranspose(own_, p, work_));
     check(VecPointwiseDivide(work_, work_, volumes_));
     axpy(weight, petsc::ReadArray(work_), g.at(k));

@@ -60,7 +60,7 @@ private:
 class ControlSpace {
 public:
   /// The references must outlive this object. Throws UserError.
-  ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::Scheme scheme, int steps,
+  ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::TimeGrid grid, int steps,
                const scene::Control& scene);
 
   [[nodiscard]] Control zero() const;
@@ -127,7 +127,7 @@ public:
 private:
   [[nodiscard]] int count() const { return constant_in_time_ ? 1 : steps_; }
   /// τ, or T for a control that is constant in time.
-  [[nodiscard]] double duration() const { return scheme_.tau * steps_ / count(); }
+  [[nodiscard]] double duration() const { return grid_.tau * steps_ / count(); }
   /// field += a · values.
   void add(double a, std::span<const double> values, Vec field) const;
   /// out_k = mass matrix · u_k, the matrix of product().
@@ -150,7 +150,7 @@ private:
   void keep_places(Vec weights, const std::vector<double>& points);
 
   const fem::Space& space_;
-  forward::Scheme scheme_;
+  forward::TimeGrid grid_;
   int steps_;
   double scale_;
   bool constant_in_time_, cellwise_, whole_;

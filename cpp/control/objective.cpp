@@ -10,9 +10,9 @@ namespace {
 long& objectives = count("objectives");
 }
 
-Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, forward::Scheme scheme,
+Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, forward::TimeGrid grid,
                      std::unique_ptr<const forward::Displacements> desired, const scene::Objective& scene)
-    : scheme_(scheme), steps_(controls.steps()), desired_(std::move(desired)), tracking_(scene.tracking),
+    : grid_(grid), steps_(controls.steps()), desired_(std::move(desired)), tracking_(scene.tracking),
       alpha_(scene.alpha), gamma_(scene.gamma), controls_(controls),
       own_(scene.on ? fem::assemble_L2(controls.space(), *scene.on, "objective.on") : petsc::Matrix()),
       observed_(own_ ? Mat(own_) : Mat(*operators.W)), error_(controls.space().vector()),
@@ -21,7 +21,7 @@ Objective::Objective(const ControlSpace& controls, const fem::Operators& operato
 }
 
 double Objective::tracking_weight(int k) const {
-  return tracking_ * (k == 0 || k == steps_ ? scheme_.tau / 2 : scheme_.tau);
+  return tracking_ * ((k > 0 ? grid_.length(k) : 0) + (k < steps_ ? grid_.length(k + 1) : 0)) / 2;
 }
 
 double Objective::terminal_weight(int k) const { return k == steps_ ? 2 * gamma_ : 0; }
@@ -67,11 +67,11 @@ double Objective::quadrature_error(const std::vector<double>& squared_distances,
   };
   double error = 0;
   if (tracking_ > 0)
-    error -= tracking_ * scheme_.tau / 12 *
+    error -= tracking_ * grid_.tau / 12 *
              change([&](int k) { return squared_distances[static_cast<std::size_t>(k)] / 2; }, 0, steps_,
                     {-1.5, 2, -0.5});
   if (alpha_ > 0 && u.count() == steps_)
-    error += alpha_ * scheme_.tau / 24 *
+    error += alpha_ * grid_.tau / 24 *
              change([&](int k) { return controls_.product_at(k, u, u) / 2; }, 1, steps_, {-2, 3, -1});
   return error;
 }

@@ -19,7 +19,7 @@ struct Value {
 class Objective {
 public:
   /// `desired` is y_d,0…y_d,N, read in any order. The references must outlive this object. Throws UserError.
-  Objective(const ControlSpace& controls, const fem::Operators& operators, forward::Scheme scheme,
+  Objective(const ControlSpace& controls, const fem::Operators& operators, forward::TimeGrid grid,
             std::unique_ptr<const forward::Displacements> desired, const scene::Objective& scene);
 
   /// Stores ‖y_k − y_d,k‖² as entry k of `squared_distances` (N + 1); an entry without weight stays zero.
@@ -61,7 +61,7 @@ private:
   /// sum += weight(k) W (y − less); a null `less` is zero.
   void add_weighted(int k, Vec y, Vec less, forward::StateDual sum) const;
 
-  forward::Scheme scheme_;
+  forward::TimeGrid grid_;
   int steps_;
   std::unique_ptr<const forward::Displacements> desired_;
   double tracking_, alpha_, gamma_;

@@ -28,7 +28,7 @@ ReducedProblem::ReducedProblem(const forward::Stepper& stepper, const ControlSpa
                                const forward::Load* load, const forward::StateStoreFactory& storage,
                                Timers& timers)
     : stepper_(stepper), controls_(controls), objective_(objective), initial_(initial), load_(load),
-      storage_(storage), timers_(timers), current_(point()), trial_(point()) {
+      storage_(storage), timers_(timers), work_(stepper.workspace()), current_(point()), trial_(point()) {
   ++problems;
 }
 
@@ -57,7 +57,7 @@ Control ReducedProblem::riesz(const std::vector<contact::ContactSets>& contact,
   const auto timer = timers_.time("adjoint");
   Control g = u;
   g.scale(scale);
-  adjoint::sweep(stepper_, contact, dual, [&](int k, Vec p) { controls_.add_riesz(k, p, g); });
+  adjoint::sweep(stepper_, work_, contact, dual, [&](int k, Vec p) { controls_.add_riesz(k, p, g); });
   ++sweeps_.adjoint;
   return g;
 }
@@ -73,9 +73,9 @@ Control ReducedProblem::l2_gradient(const Point& at) {
 
 Control ReducedProblem::l2_gradient() { return l2_gradient(*current_); }
 
-void ReducedProblem::adjoint_states(const std::function<void(int k, Vec p)>& visit) const {
+void ReducedProblem::adjoint_states(const std::function<void(int k, Vec p)>& visit) {
   const Derivative derivative(objective_, current_->trajectory);
-  adjoint::sweep(stepper_, current_->trajectory.contact(), {stepper_.space(), derivative}, visit);
+  adjoint::sweep(stepper_, work_, current_->trajectory.contact(), {stepper_.space(), derivative}, visit);
 }
 
 Control ReducedProblem::gradient() {
@@ -95,8 +95,8 @@ void ReducedProblem::integrate_linearised(
   const std::vector<contact::ContactSets>& contact = current_->trajectory.contact();
   integrate_linearised(
       d,
-      [&](int k, Vec y0, Vec v0, forward::NodalForce load, Vec y1, Vec v1) {
-        stepper_.linearised_step(y0, v0, load, contact[static_cast<std::size_t>(k)], y1, v1);
+      [&](const forward::LinearisedStep& step) {
+        stepper_.linearised_step(step, contact[static_cast<std::size_t>(step.k)], work_);
       },
       use);
 }
@@ -107,7 +107,7 @@ void ReducedProblem::integrate_linearised(
   const ControlForce force(controls_, d);
   const forward::ForceAtStep forces(stepper_.space(), force);
   forward::TimeIntegrator integrator(stepper_, rest, rest, [&](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
-    step(k, y0, v0, forces.at(k), y1, v1);
+    step({k, {y0, v0}, forces.at(k), {y1, v1}});
   });
   use(integrator);
 }
@@ -149,10 +149,10 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
     slope.by_motion += petsc::dot(dual, y);
     slope.size += one * other;
   };
-  const Step step = [&](int k, Vec y0, Vec v0, forward::NodalForce load, Vec y1, Vec v1) {
-    stepper_.one_sided_step(y0, v0, load, slope.contact[static_cast<std::size_t>(k)], y1, v1);
+  const Step make = [&](const forward::LinearisedStep& step) {
+    stepper_.one_sided_step(step, slope.contact[static_cast<std::size_t>(step.k)], work_);
   };
-  integrate_linearised(d, step, [&](forward::TimeIntegrator& integrator) {
+  integrate_linearised(d, make, [&](forward::TimeIntegrator& integrator) {
     make_linearised_steps(integrator, [&](const forward::State& state) {
       if (state.k == 0)
         return;

@@ -81,7 +81,7 @@ public:
   /// ‖y_k − y_d,k‖² of the current control (N + 1), as Objective::observe().
   [[nodiscard]] const std::vector<double>& squared_distances() const { return current_->squared_distances; }
   /// Shows p_N … p_1 of the current control, each valid during the call, by one more adjoint sweep.
-  void adjoint_states(const std::function<void(int k, Vec p)>& visit) const;
+  void adjoint_states(const std::function<void(int k, Vec p)>& visit);
   [[nodiscard]] Sweeps sweeps() const { return sweeps_; }
   /// Sets the counters, when a search is resumed.
   void count_from(Sweeps sweeps) { sweeps_ = sweeps; }
@@ -108,7 +108,7 @@ private:
   [[nodiscard]] forward::ForceAtStep load(const Point& at) const {
     return {stepper_.space(), {load_, &at.force}};
   }
-  using Step = std::function<void(int k, Vec y0, Vec v0, forward::NodalForce load, Vec y1, Vec v1)>;
+  using Step = std::function<void(const forward::LinearisedStep& step)>;
   /// Calls `use` with an integrator of S'(u) d that makes these steps or, without them, those linearised on
   /// the current contact.
   void integrate_linearised(const Control& d, const Step& step,
@@ -131,6 +131,7 @@ private:
   const forward::Load* load_; ///< null without one
   const forward::StateStoreFactory& storage_;
   Timers& timers_;
+  forward::Stepper::Workspace work_;       ///< of linearised and adjoint steps
   std::unique_ptr<Point> current_, trial_; ///< never moved: forces refer to their controls
   Sweeps sweeps_;
 };

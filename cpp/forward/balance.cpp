@@ -25,10 +25,11 @@ double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[
 
 /// −(2/τ²) Σ λ_i ν_i, the contact forces on the body (N), including components that clamps hold; these act on
 /// the clamps alone.
-void contact_forces(const Stepper& stepper, const contact::ContactState& contact, Vec force) {
+void contact_forces(const Stepper& stepper, int k, const contact::ContactState& contact, Vec force) {
   check(VecZeroEntries(force));
-  if (stepper.constraints())
-    stepper.constraints()->add_whole(-1 / stepper.scheme().impulse(), contact.lambda, force);
+  if (stepper.pairs())
+    contact::NormalOperator(*stepper.pairs())
+        .add_whole(-1 / stepper.grid().scheme(k).impulse(), contact.lambda, force);
 }
 
 } // namespace
@@ -41,7 +42,7 @@ Balance::Balance(const Stepper& stepper) : stepper_(stepper) {
 
 StepBalance Balance::operator()(const Frame& frame) {
   const fem::Operators& body = stepper_.operators();
-  const double tau = stepper_.scheme().tau;
+  const double tau = stepper_.grid().length(frame.k);
   StepBalance now;
   std::swap(Ay0_, Ay1_), std::swap(Mv0_, Mv1_);
   check(MatMult(body.A, frame.y1, Ay1_));
@@ -53,7 +54,7 @@ StepBalance Balance::operator()(const Frame& frame) {
     return now;
   check(VecWAXPY(w_, -1, frame.y0, frame.y1)); // w holds y_k − y_{k−1} until it is divided by τ
   assemble(frame.load, body, load_);
-  contact_forces(stepper_, frame.contact, force_);
+  contact_forces(stepper_, frame.k, frame.contact, force_);
   now.external_work = dot(load_, w_);
   now.contact_work = dot(force_, w_);
   check(VecScale(w_, 1 / tau));

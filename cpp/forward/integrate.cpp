@@ -1,6 +1,7 @@
 #include "forward/integrate.h"
 #include "base/error.h"
 #include "base/signals.h"
+#include "contact/placement.h"
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
@@ -38,9 +39,12 @@ Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
   // Clamps' velocity after one step: the scale of the error of differences even if they start at rest.
   PetscReal later = 0;
   if (stepper.motion()) {
-    check(VecCopy(stepper.motion()->position(0), y_held));
-    check(VecCopy(stepper.motion()->velocity(0), v_held));
-    check(VecNorm(stepper.motion()->velocity(1), NORM_INFINITY, &later));
+    PrescribedMotion::At at = stepper.motion()->storage();
+    stepper.motion()->evaluate(0, at);
+    check(VecCopy(at.position, y_held));
+    check(VecCopy(at.velocity, v_held));
+    stepper.motion()->evaluate(1, at);
+    check(VecNorm(at.velocity, NORM_INFINITY, &later));
   }
   // The clamps' velocity is taken by differences and agrees with the scene's only up to their error, which is
   // `differences` for motions that the steps hardly resolve, of a radian a step. The scene's is right.
@@ -59,8 +63,8 @@ Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
       given(scene.velocity, "initial.velocity", v_held, stepper.motion() ? differences : rounding, later, v);
   if (stepper.motion())
     stepper.motion()->copy(written, v);
-  if (stepper.constraints())
-    stepper.constraints()->place_outside(y);
+  if (stepper.pairs())
+    contact::place_outside(*stepper.pairs(), y);
 }
 
 int integrate_with(const Stepper& stepper, TimeIntegrator& integrator, int steps, Stops stops,
@@ -68,8 +72,8 @@ int integrate_with(const Stepper& stepper, TimeIntegrator& integrator, int steps
                    const StepObserver& watch) {
   const auto stopped = [&] { return stops == Stops::obeyed && stop_requested(stepper.space().comm()); };
   integrator.restart();
-  if (const contact::Constraints* constraints = stepper.constraints()) // no step has computed forces yet
-    constraints->gap(constraints->psi(), integrator.state().y, contact(0).gap);
+  if (const contact::ContactPairs* pairs = stepper.pairs()) // no step has computed forces yet
+    contact::NormalOperator(*pairs).gap(pairs->psi(), integrator.state().y, contact(0).gap);
   bool last = stopped();
   watch({0, nullptr, nullptr, {}, integrator.state().y, integrator.state().v, contact(0), last});
   int k = 0;
@@ -85,12 +89,13 @@ int integrate_with(const Stepper& stepper, TimeIntegrator& integrator, int steps
 int integrate(const Stepper& stepper, const Initial& initial, const ForceAtStep& load, int steps,
               const StepObserver& watch, Stops stops) {
   NodalForce acting;
+  Stepper::Workspace work = stepper.workspace();
   std::array<contact::ContactState, 2> two{contact::ContactState(candidates(stepper)),
                                            contact::ContactState(candidates(stepper))};
   const auto contact = [&](int k) -> contact::ContactState& { return two[static_cast<std::size_t>(k % 2)]; };
   TimeIntegrator integrator(stepper, initial.y, initial.v, [&](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
     acting = load.at(k);
-    stepper.step(k, y0, v0, acting, contact(k - 1), contact(k), y1, v1);
+    stepper.step({k, {y0, v0}, acting, contact(k - 1)}, {{y1, v1}, contact(k)}, work);
   });
   return integrate_with(
       stepper, integrator, steps, stops, contact, acting, watch ? watch : [](const Frame&) {});

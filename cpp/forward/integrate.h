@@ -44,8 +44,6 @@ int integrate_with(const Stepper& stepper, TimeIntegrator& integrator, int steps
                    const StepObserver& watch);
 
 /// The number of candidates of a run, 0 without contact.
-inline int candidates(const Stepper& stepper) {
-  return stepper.constraints() ? stepper.constraints()->count() : 0;
-}
+inline int candidates(const Stepper& stepper) { return stepper.pairs() ? stepper.pairs()->count() : 0; }
 
 } // namespace signorini::forward

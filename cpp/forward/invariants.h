@@ -23,7 +23,7 @@ public:
 
   /// Energy law and momentum law; with contact also penetration, adhesion and complementarity.
   [[nodiscard]] std::span<const Defect> defects() const {
-    return {defects_.data(), stepper_.constraints() ? defects_.size() : 2};
+    return {defects_.data(), stepper_.pairs() ? defects_.size() : 2};
   }
 
   /// Describes the worst of the last frame's defects if it is above `tolerance`.

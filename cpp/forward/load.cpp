@@ -48,8 +48,8 @@ void assemble(Functional functional, const fem::Operators& operators, Vec out) {
     check(VecAXPY(out, 1, functional.vector));
 }
 
-SceneLoad::SceneLoad(const fem::Space& space, const scene::Load& scene, Scheme scheme)
-    : space_(space), scheme_(scheme) {
+SceneLoad::SceneLoad(const fem::Space& space, const scene::Load& scene, TimeGrid grid)
+    : space_(space), grid_(grid) {
   if (scene.body) {
     body_.emplace(Term{scene::Field(*scene.body, "load.body", true), space.vector(), {}, {}});
     evaluate(*body_, 1);
@@ -66,7 +66,7 @@ SceneLoad::SceneLoad(const fem::Space& space, const scene::Load& scene, Scheme s
 
 void SceneLoad::evaluate(const Term& term, int k) const {
   ++evaluations;
-  space_.interpolate(term.field, scheme_.load_time(k), term.nodal);
+  space_.interpolate(term.field, grid_.load_time(k), term.nodal);
   if (term.surface)
     check(MatMult(term.surface, term.nodal, term.force));
 }

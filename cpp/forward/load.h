@@ -69,7 +69,7 @@ public:
 class SceneLoad final : public Load {
 public:
   /// Collective. The references must outlive this object. Throws UserError.
-  SceneLoad(const fem::Space& space, const scene::Load& scene, Scheme scheme);
+  SceneLoad(const fem::Space& space, const scene::Load& scene, TimeGrid grid);
 
   [[nodiscard]] bool has_density() const override { return body_.has_value(); }
   [[nodiscard]] bool has_vector() const override { return !tractions_.empty(); }
@@ -94,7 +94,7 @@ private:
   void add_term(const Term& term, int k, Vec out) const;
 
   const fem::Space& space_;
-  Scheme scheme_;
+  TimeGrid grid_;
   std::optional<Term> body_;
   std::vector<Term> tractions_;
 };

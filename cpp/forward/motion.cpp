@@ -36,9 +36,8 @@ bool PrescribedMotion::in(const std::vector<scene::Clamp>& clamps) {
 }
 
 PrescribedMotion::PrescribedMotion(const fem::Space& space, const std::vector<scene::Clamp>& clamps, Mat D,
-                                   Scheme scheme)
-    : space_(space), scheme_(scheme), position_(space.vector()), velocity_(space.vector()),
-      force_(space.vector()), driving_(space.vector()) {
+                                   TimeGrid grid)
+    : space_(space), grid_(grid) {
   for (std::size_t i = 0; i < clamps.size(); ++i)
     if (moves(clamps[i])) {
       const std::string key = scene::clamp_key(clamps, i);
@@ -58,13 +57,24 @@ void PrescribedMotion::for_each_dof(Visit&& visit) const {
         visit(static_cast<std::size_t>(node * space_.dim() + c));
 }
 
-void PrescribedMotion::go_to(int k) const {
-  if (now_ == k || (at_rest_ && now_ >= 0))
+PrescribedMotion::At PrescribedMotion::storage() const {
+  At at;
+  for (petsc::Vector* x : {&at.position, &at.velocity, &at.force, &at.driving})
+    *x = space_.vector();
+  return at;
+}
+
+void PrescribedMotion::evaluate(int k, At& at) const {
+  if (at.k == k || (at_rest_ && at.k >= 0)) {
+    at.k = k;
     return;
+  }
   static const Slope slope;
-  const double t = scheme_.time(k), reach = k == 0 ? scheme_.tau : -scheme_.tau; // keeps times within the run
-  const petsc::WriteArray g(position_), v(velocity_);
-  now_ = -1;
+  const double t = grid_.time(k),
+               reach = k == 0 ? grid_.length(1) : -grid_.length(k); // keeps times within the run
+  const petsc::WriteArray g(at.position), v(at.velocity);
+  at.k = -1;
+  at.forced = at.forced && at_rest_;
   together(space_.comm(), [&] {
     std::array<double, 3> here{}, there{}, rate{};
     for (const Clamp& clamp : clamps_)
@@ -85,28 +95,17 @@ void PrescribedMotion::go_to(int k) const {
         }
       }
   });
-  now_ = k;
+  at.k = k;
 }
 
-Vec PrescribedMotion::position(int k) const {
-  go_to(k);
-  return position_;
-}
-
-Vec PrescribedMotion::velocity(int k) const {
-  go_to(k);
-  return velocity_;
-}
-
-Vec PrescribedMotion::driving(int k, Vec y, Vec v) const {
-  go_to(k);
-  check(VecCopy(v, driving_));
-  const petsc::ReadArray from(y), to(position_), before(v), after(velocity_);
-  const petsc::WriteArray values(driving_);
+Vec PrescribedMotion::driving(At& at, Vec y, Vec v) const {
+  check(VecCopy(v, at.driving));
+  const petsc::ReadArray from(y), to(at.position), before(v), after(at.velocity);
+  const petsc::WriteArray values(at.driving);
   for_each_dof([&](std::size_t dof) {
-    values[dof] = (before[dof] - after[dof]) / 2 + (to[dof] - from[dof]) / scheme_.tau;
+    values[dof] = (before[dof] - after[dof]) / 2 + (to[dof] - from[dof]) / grid_.length(at.k);
   });
-  return driving_;
+  return at.driving;
 }
 
 void PrescribedMotion::copy(Vec from, Vec to) const {
@@ -115,15 +114,14 @@ void PrescribedMotion::copy(Vec from, Vec to) const {
   for_each_dof([&](std::size_t dof) { target[dof] = source[dof]; });
 }
 
-void PrescribedMotion::apply(int k, const fem::DirichletDofs& clamped, double diagonal, Vec r) const {
-  if (!at_rest_ || !forced_) {
-    go_to(k);
-    check(MatMult(D_, position_, force_));
-    forced_ = true;
+void PrescribedMotion::apply(At& at, const fem::DirichletDofs& clamped, double diagonal, Vec r) const {
+  if (!at.forced) {
+    check(MatMult(D_, at.position, at.force));
+    at.forced = true;
   }
-  check(VecAXPY(r, -1, force_));
+  check(VecAXPY(r, -1, at.force));
   clamped.clear(r);
-  const petsc::ReadArray position(position_);
+  const petsc::ReadArray position(at.position);
   const petsc::WriteArray values(r);
   for_each_dof([&](std::size_t dof) { values[dof] = diagonal * position[dof]; });
 }

@@ -12,7 +12,7 @@ namespace signorini::forward {
 class PrescribedMotion {
 public:
   /// `D` is the step operator before its clamped dofs are decoupled. Collective. Throws UserError.
-  PrescribedMotion(const fem::Space& space, const std::vector<scene::Clamp>& clamps, Mat D, Scheme scheme);
+  PrescribedMotion(const fem::Space& space, const std::vector<scene::Clamp>& clamps, Mat D, TimeGrid grid);
 
   /// Whether any of the clamps moves.
   [[nodiscard]] static bool in(const std::vector<scene::Clamp>& clamps);
@@ -20,18 +20,23 @@ public:
   /// Memory of the D that it keeps, bytes. Collective.
   [[nodiscard]] double bytes() const { return petsc::bytes(D_); }
 
-  /// γ(t_k) and γ′(t_k) on the moving dofs, zero elsewhere; valid until the next call of any member.
-  /// Collective. Throws UserError where they are not finite.
-  [[nodiscard]] Vec position(int k) const;
-  [[nodiscard]] Vec velocity(int k) const;
+  /// γ(t_k) and γ′(t_k) on the moving dofs, zero elsewhere, and scratch.
+  struct At {
+    int k = -1;          ///< −1: not evaluated
+    bool forced = false; ///< whether `force` has been evaluated
+    petsc::Vector position, velocity, force, driving;
+  };
+  [[nodiscard]] At storage() const;
+  /// Evaluates them at t_k. Collective. Throws UserError where they are not finite.
+  void evaluate(int k, At& at) const;
 
-  /// Puts the motion of step k into the right-hand side `r` of the system with decoupled D: adds the force −D
+  /// Puts the motion of a step into the right-hand side `r` of the system with decoupled D: adds the force −D
   /// γ on the free dofs, and sets the `clamped` ones to D's entry `diagonal` there times γ. Collective.
-  void apply(int k, const fem::DirichletDofs& clamped, double diagonal, Vec r) const;
+  void apply(At& at, const fem::DirichletDofs& clamped, double diagonal, Vec r) const;
 
-  /// `v` with its moving dofs changed such that, for the state `y`, `v` before step k, the mass transfers the
-  /// clamps' acceleration (v_k − v_{k−1})/τ to the free dofs. Valid until the next call. Collective.
-  [[nodiscard]] Vec driving(int k, Vec y, Vec v) const;
+  /// `v` with its moving dofs changed such that, for the state `y`, `v` before the step, the mass transfers
+  /// the clamps' acceleration (v_k − v_{k−1})/τ to the free dofs; in at.driving. Collective.
+  [[nodiscard]] Vec driving(At& at, Vec y, Vec v) const;
 
   /// Copies the entries of the moving dofs.
   void copy(Vec from, Vec to) const;
@@ -44,17 +49,12 @@ private:
   /// Calls visit(dof) for all moving dofs.
   template <class Visit>
   void for_each_dof(Visit&& visit) const;
-  /// Evaluates γ and γ′ at t_k.
-  void go_to(int k) const;
 
   const fem::Space& space_;
-  Scheme scheme_;
+  TimeGrid grid_;
   std::vector<Clamp> clamps_;
   bool at_rest_; ///< γ does not depend on time
   petsc::Matrix D_;
-  petsc::Vector position_, velocity_, force_, driving_;
-  mutable int now_ = -1;        ///< the step of position_ and velocity_
-  mutable bool forced_ = false; ///< whether force_ has been evaluated
 };
 
 } // namespace signorini::forward

@@ -35,7 +35,10 @@ Row largest(MPI_Comm comm, const Row& mine) {
 
 Plausibility::Plausibility(const Stepper& stepper, const scene::Scene& scene, int steps)
     : stepper_(stepper), scene_(scene), stride_(std::max(1, (steps + looks - 1) / looks)),
-      strained_(stepper.space().vector()), gaps_(static_cast<std::size_t>(candidates(stepper))) {}
+      strained_(stepper.space().vector()), gaps_(static_cast<std::size_t>(candidates(stepper))) {
+  if (stepper.pairs())
+    psi_ = stepper.pairs()->gaps();
+}
 
 void Plausibility::observe(const Frame& frame, const StepBalance* balance) {
   if (balance && balance->elastic_energy > energy_) {
@@ -48,7 +51,7 @@ void Plausibility::observe(const Frame& frame, const StepBalance* balance) {
 }
 
 void Plausibility::look(Vec y, int k) {
-  const double t = stepper_.scheme().time(k);
+  const double t = stepper_.grid().time(k);
   const fem::Deformation now = fem::deformation(stepper_.space(), y);
   const auto take = [t](Worst& worst, double value, const std::array<double, 3>& at) {
     if (value > worst.value)
@@ -57,27 +60,27 @@ void Plausibility::look(Vec y, int k) {
   take(strain_, now.strain.value, now.strain.at);
   take(rotation_, now.rotation.value, now.rotation.at);
   take(inverted_, static_cast<double>(now.inverted), {});
-  if (stepper_.constraints())
+  if (stepper_.pairs())
     look_at_contact(y, k);
 }
 
 void Plausibility::look_at_contact(Vec y, int k) {
-  const contact::Constraints& constraints = *stepper_.constraints();
-  const double t = stepper_.scheme().time(k);
-  constraints.gap(constraints.psi(t), y, gaps_);
-  const auto dim = static_cast<std::size_t>(constraints.dim());
+  const contact::ContactPairs& pairs = *stepper_.pairs();
+  const double t = stepper_.grid().time(k);
+  contact::NormalOperator(pairs).gap(pairs.psi(t, *psi_), y, gaps_);
+  const auto dim = static_cast<std::size_t>(pairs.dim());
   Row slip{}, gap{};
   {
     const petsc::ReadArray values(y);
     const std::span<const double> all = values;
-    for (int i = 0; i < constraints.count(); ++i) {
-      const double* moved = constraints.displacement(i, all);
-      const contact::Obstacle& obstacle = constraints.obstacle(i);
+    for (int i = 0; i < pairs.count(); ++i) {
+      const double* moved = pairs.displacement(i, all);
+      const contact::Obstacle& obstacle = pairs.obstacle(i);
       if (!moved || !obstacle.curved())
         continue;
       const auto candidate = static_cast<std::size_t>(i);
-      const double* x = &constraints.points()[3 * candidate];
-      const double* nu = &constraints.normals()[dim * candidate];
+      const double* x = &pairs.points()[3 * candidate];
+      const double* nu = &pairs.normals()[dim * candidate];
       std::array<double, 3> place{x[0], x[1], x[2]};
       double square = 0, normal = 0;
       for (std::size_t c = 0; c < dim; ++c) {
@@ -92,12 +95,12 @@ void Plausibility::look_at_contact(Vec y, int k) {
         distance = gaps_[candidate] - std::sqrt(square);
       }
       // Where neither distance shows contact, their difference has no effect.
-      if (std::min(gaps_[candidate], distance) > constraints.gap_tolerance())
+      if (std::min(gaps_[candidate], distance) > pairs.gap_tolerance())
         continue;
       const double along = std::sqrt(std::max(0.0, square - normal * normal)) / obstacle.radius(),
                    error = std::abs(distance - gaps_[candidate]);
       slip = std::max(slip, Row{along, along * obstacle.radius(), x[0], x[1], x[2]});
-      if (error > constraints.gap_tolerance())
+      if (error > pairs.gap_tolerance())
         gap = std::max(gap, Row{error / std::sqrt(square), error, x[0], x[1], x[2]});
     }
   }
@@ -137,8 +140,7 @@ void Plausibility::add_of_mesh(std::vector<Warning>& warnings) const {
     add("contact inside the body", fem::inner_facets(space.mesh(), group, key + ".on"),
         "inside the body, where no obstacle can touch it");
     add("contact on a clamp",
-        fem::facets_among(space, group, key + ".on",
-                          stepper_.constraints()->clamped_dofs(static_cast<int>(i))),
+        fem::facets_among(space, group, key + ".on", stepper_.pairs()->clamped_dofs(static_cast<int>(i))),
         "held by clamps: they touch nothing, wherever the obstacle is");
   }
 }

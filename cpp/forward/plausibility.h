@@ -52,7 +52,8 @@ private:
   double energy_ = 0;
   int strained_at_ = -1;
   Worst strain_, rotation_, inverted_, slip_, gap_;
-  std::vector<double> gaps_;
+  std::vector<double> gaps_; ///< (m)
+  std::optional<contact::ContactPairs::Gaps> psi_;
 };
 
 } // namespace signorini::forward

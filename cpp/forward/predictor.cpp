@@ -1,4 +1,5 @@
 #include "forward/predictor.h"
+#include "contact/normal_operator.h"
 #include <algorithm>
 
 namespace signorini::forward {
@@ -14,35 +15,39 @@ petsc::Matrix decoupled(petsc::Matrix M, const fem::DirichletDofs& clamped) {
 } // namespace
 
 Predictor::Predictor(petsc::Matrix blocks, Mat M, const fem::DirichletDofs& clamped,
-                     const contact::Constraints& constraints, const scene::Solver& scene, bool sliding)
-    : M_(M), clamped_(clamped), constraints_(constraints),
-      solver_(decoupled(std::move(blocks), clamped), &constraints, scene, sliding),
-      zero_(petsc::vector_of(M)), r_(petsc::zero_like(zero_)), jump_(petsc::zero_like(zero_)),
-      before_(constraints.count()), contact_(constraints.count()),
-      gap_(static_cast<std::size_t>(constraints.count())) {}
+                     const contact::ContactPairs& pairs, const scene::Solver& scene, bool sliding)
+    : M_(M), clamped_(clamped), pairs_(pairs),
+      solver_(decoupled(std::move(blocks), clamped), &pairs, scene, sliding), zero_(petsc::vector_of(M)) {}
 
-Vec Predictor::jump(std::span<const double> psi, Vec x, const contact::ActiveSet& previous,
-                    contact::ActiveSet& set) const {
-  set.clear();
-  constraints_.gap(psi, x, gap_);
-  if (std::ranges::all_of(gap_, [&](double g) { return g >= -constraints_.gap_tolerance(); }))
-    return nullptr;
-  check(VecZeroEntries(jump_));
-  before_.active = previous; // not the set of the last call: a recomputed step must give the same bits
-  solver_.vi()->solve(zero_, gap_, before_, contact_, jump_);
-  set = contact_.active;
-  return jump_;
+Predictor::Workspace Predictor::workspace() const {
+  return {.r = petsc::zero_like(zero_),
+          .jump = petsc::zero_like(zero_),
+          .gap = std::vector<double>(static_cast<std::size_t>(pairs_.count())),
+          .contact = contact::ContactState(pairs_.count()),
+          .solver = solver_.contact()->workspace()};
 }
 
-Vec Predictor::linearised_jump(const contact::ActiveSet& set, Vec x) const {
+Vec Predictor::jump(std::span<const double> psi, Vec x, const contact::ActiveSet& previous,
+                    contact::ActiveSet& set, Workspace& work) const {
+  set.clear();
+  contact::NormalOperator(pairs_).gap(psi, x, work.gap);
+  if (std::ranges::all_of(work.gap, [&](double g) { return g >= -pairs_.gap_tolerance(); }))
+    return nullptr;
+  check(VecZeroEntries(work.jump));
+  solver_.contact()->solve(zero_, work.gap, previous, work.contact, work.jump, work.solver);
+  set = work.contact.active;
+  return work.jump;
+}
+
+Vec Predictor::linearised_jump(const contact::ActiveSet& set, Vec x, Workspace& work) const {
   if (set.empty())
     return nullptr;
-  check(MatMult(M_, x, r_));
-  clamped_.clear(r_);
-  check(VecCopy(x, jump_));
-  solver_.sliding()->solve_sliding(r_, set, jump_);
-  check(VecAXPY(jump_, -1, x));
-  return jump_;
+  check(MatMult(M_, x, work.r));
+  clamped_.clear(work.r);
+  check(VecCopy(x, work.jump));
+  solver_.contact()->solve_sliding(work.r, set, work.jump, work.solver);
+  check(VecAXPY(work.jump, -1, x));
+  return work.jump;
 }
 
 double Predictor::bytes() const {

@@ -1,4 +1,5 @@
 #pragma once
+#include "contact/contact_state.h"
 #include "fem/operators.h"
 #include "forward/step_solver.h"
 
@@ -12,17 +13,27 @@ public:
   /// Factorises M, which is also given in `blocks` (BAIJ). `sliding`: linearised or transposed steps are
   /// wanted. Collective. The references must outlive this object. Throws SolverFailure.
   Predictor(petsc::Matrix blocks, Mat M, const fem::DirichletDofs& clamped,
-            const contact::Constraints& constraints, const scene::Solver& scene, bool sliding);
+            const contact::ContactPairs& pairs, const scene::Solver& scene, bool sliding);
+
+  /// Storage of jumps.
+  struct Workspace {
+    petsc::Vector r, jump;
+    std::vector<double> gap;       ///< (m)
+    contact::ContactState contact; ///< of the projection
+    contact::Workspace solver;
+  };
+  /// Collective.
+  [[nodiscard]] Workspace workspace() const;
 
   /// The jump z − x of the predictor x for the gaps ψ of the undeformed body (m, in metres), null if it is
-  /// zero; `set` becomes Z, the candidates that z touches, and `previous` is the Z of the step before, from
-  /// which the search starts. Valid until the next call. Collective. Throws SolverFailure.
+  /// zero, in `work`; `set` becomes Z, the candidates that z touches, and `previous` is the Z of the step
+  /// before, from which the search starts. Collective. Throws SolverFailure.
   [[nodiscard]] Vec jump(std::span<const double> psi, Vec x, const contact::ActiveSet& previous,
-                         contact::ActiveSet& set) const;
+                         contact::ActiveSet& set, Workspace& work) const;
 
-  /// Πx − x with Π the projection linearised on the set Z, null where Z is empty. Π is self-adjoint in the
-  /// product of M. Valid until the next call. Collective.
-  [[nodiscard]] Vec linearised_jump(const contact::ActiveSet& set, Vec x) const;
+  /// Πx − x with Π the projection linearised on the set Z, null where Z is empty, in `work`. Π is
+  /// self-adjoint in the product of M. Collective.
+  [[nodiscard]] Vec linearised_jump(const contact::ActiveSet& set, Vec x, Workspace& work) const;
 
   /// Memory on all ranks, bytes. Collective.
   [[nodiscard]] double bytes() const;
@@ -30,11 +41,9 @@ public:
 private:
   Mat M_;
   const fem::DirichletDofs& clamped_;
-  const contact::Constraints& constraints_;
+  const contact::ContactPairs& pairs_;
   StepSolver solver_;
-  petsc::Vector zero_, r_, jump_;
-  mutable contact::ContactState before_, contact_;
-  mutable std::vector<double> gap_;
+  petsc::Vector zero_;
 };
 
 } // namespace signorini::forward

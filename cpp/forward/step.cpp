@@ -15,23 +15,20 @@ long &steps = count("steps"), &linearised_steps = count("linearised steps"),
 
 Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene,
                  Needs needs)
-    : space_(space), operators_(operators), scheme_{scene.time.step}, clamped_(space, scene.clamps),
-      r_(space.vector()), work_(space.vector()) {
+    : space_(space), operators_(operators), grid_{scene.time.step}, clamped_(space, scene.clamps) {
   if (!scene.contacts.empty())
-    constraints_.emplace(space, clamped_, scene.contacts);
-  petsc::Matrix D = fem::assemble_step_operator(space, scene.materials, scheme_.tau);
+    pairs_.emplace(space, clamped_, scene.contacts);
+  petsc::Matrix D = fem::assemble_step_operator(space, scene.materials, grid_.tau);
   if (std::ranges::any_of(scene.contacts, &scene::Contact::massless))
     move_mass(scene, D);
-  if (constraints_ && scene.time.stabilized()) {
-    predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_, *constraints_,
+  if (pairs_ && scene.time.stabilized())
+    predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_, *pairs_,
                        scene.solver, needs.sliding);
-    moved_ = space.vector();
-  }
-  R_ = fem::shifted(operators.A, D, 2 * scheme_.stiffness());
+  R_ = fem::shifted(operators.A, D, 2 * Scheme{grid_.tau}.stiffness());
   if (PrescribedMotion::in(scene.clamps))
-    motion_.emplace(space, scene.clamps, D, scheme_);
+    motion_.emplace(space, scene.clamps, D, grid_);
   clamped_diagonal_ = clamped_.decouple(D);
-  solver_.emplace(std::move(D), constraints(), scene.solver, needs.sliding);
+  solver_.emplace(std::move(D), pairs(), scene.solver, needs.sliding);
 }
 
 void Stepper::move_mass(const scene::Scene& scene, Mat D) {
@@ -39,7 +36,7 @@ void Stepper::move_mass(const scene::Scene& scene, Mat D) {
   for (const scene::Contact& contact : scene.contacts)
     massless.push_back(contact.massless);
   const petsc::Matrix M = fem::assemble_mass(space_, scene.materials);
-  const petsc::Matrix moved = contact::massless(space_, *constraints_, massless, M);
+  const petsc::Matrix moved = contact::massless(space_, *pairs_, massless, M);
   check(MatAXPY(D, -1, M, SUBSET_NONZERO_PATTERN));
   check(MatAXPY(D, 1, moved, DIFFERENT_NONZERO_PATTERN));
   massless_ = fem::symmetric_half(moved);
@@ -49,97 +46,126 @@ double Stepper::scheme_bytes() const {
   return (massless_ ? petsc::bytes(*massless_) : 0) + (predictor_ ? predictor_->bytes() : 0);
 }
 
-void Stepper::right_hand_side(Vec x, double a, Vec z, double b, Functional source) const {
+Stepper::Workspace Stepper::workspace() const {
+  Workspace work{.r = space_.vector(), .work = space_.vector()};
+  if (pairs_) {
+    work.gaps = pairs_->gaps();
+    work.contact = solver_->contact()->workspace();
+  }
+  if (predictor_) {
+    work.moved = space_.vector();
+    work.predictor = predictor_->workspace();
+  }
+  if (motion_)
+    work.motion = motion_->storage();
+  return work;
+}
+
+void Stepper::right_hand_side(Vec x, double a, Vec z, double b, Functional source, Workspace& work) const {
   const std::optional<double> rho = massless_ ? std::nullopt : operators_.uniform_density;
   if (!source.density) {
-    check(VecAXPBY(work_, a, 0, z));
-    check(MatMult(M(), work_, r_));
+    check(VecAXPBY(work.work, a, 0, z));
+    check(MatMult(M(), work.work, work.r));
   } else if (rho) { // M = ρ W: one product for both terms
-    check(VecAXPBYPCZ(work_, a, b / *rho, 0, z, source.density));
-    check(MatMult(M(), work_, r_));
+    check(VecAXPBYPCZ(work.work, a, b / *rho, 0, z, source.density));
+    check(MatMult(M(), work.work, work.r));
   } else {
-    check(MatMult(M(), z, r_));
-    check(MatMult(*operators_.W, source.density, work_));
-    check(VecAXPBY(r_, b, a, work_));
+    check(MatMult(M(), z, work.r));
+    check(MatMult(*operators_.W, source.density, work.work));
+    check(VecAXPBY(work.r, b, a, work.work));
   }
-  check(MatMultAdd(R_, x, r_, r_));
+  check(MatMultAdd(R_, x, work.r, work.r));
   if (source.vector)
-    check(VecAXPY(r_, b, source.vector));
-  clamped_.clear(r_);
+    check(VecAXPY(work.r, b, source.vector));
+  clamped_.clear(work.r);
 }
 
-Vec Stepper::with_jump(Vec x, double c, Vec jump) const {
+namespace {
+
+/// x + c j in `work`, or x itself without a jump j.
+Vec with_jump(Vec x, double c, Vec jump, Vec work) {
   if (!jump)
     return x;
-  check(VecWAXPY(moved_, c, jump, x));
-  return moved_;
+  check(VecWAXPY(work, c, jump, x));
+  return work;
 }
 
-Vec Stepper::predicted(Vec y, Vec v) const {
-  check(VecWAXPY(work_, scheme_.tau, v, y));
-  return work_;
+/// The predictor y + τ v in `work`.
+Vec predicted(const Scheme& scheme, Motion from, Vec work) {
+  check(VecWAXPY(work, scheme.tau, from.v, from.y));
+  return work;
 }
 
-void Stepper::velocity(Vec y0, Vec v0, Vec jump, Vec y1, Vec v1) const {
-  const double rate = scheme_.rate();
+/// v ← rate() (y_k − y_{k−1} − j) − v_{k−1}.
+void set_velocity(const Scheme& scheme, Motion from, Vec jump, Motion to) {
+  const double rate = scheme.rate();
   {
-    const petsc::ReadArray from(y0), to(y1), before(v0);
-    const petsc::WriteArray after(v1);
-    for (std::size_t i = 0; i < after.size(); ++i) // in one pass; subtracts before scaling
-      after[i] = rate * (to[i] - from[i]) - before[i];
+    const petsc::ReadArray before(from.y), after(to.y), velocity(from.v);
+    const petsc::WriteArray v(to.v);
+    for (std::size_t i = 0; i < v.size(); ++i) // in one pass; subtracts before scaling
+      v[i] = rate * (after[i] - before[i]) - velocity[i];
   }
   if (jump)
-    check(VecAXPY(v1, -rate, jump));
+    check(VecAXPY(to.v, -rate, jump));
 }
 
-void Stepper::step(int k, Vec y0, Vec v0, NodalForce load, const contact::ContactSets& previous,
-                   contact::ContactState& contact, Vec y1, Vec v1) const {
+} // namespace
+
+void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) const {
+  const Scheme scheme = grid_.scheme(in.k);
   const std::span<const double> psi =
-      constraints_ ? constraints_->psi(scheme_.time(k)) : std::span<const double>();
-  const Vec jump =
-      predictor_ ? predictor_->jump(psi, predicted(y0, v0), previous.predictor, contact.predictor) : nullptr;
-  const Vec momentum = with_jump(v0, 1 / scheme_.tau, jump);
-  right_hand_side(y0, scheme_.momentum(), motion_ ? motion_->driving(k, y0, momentum) : momentum,
-                  scheme_.impulse(), load);
+      pairs_ ? pairs_->psi(grid_.time(in.k), *work.gaps) : std::span<const double>();
+  const Vec jump = predictor_
+                       ? predictor_->jump(psi, predicted(scheme, in.from, work.work), in.previous.predictor,
+                                          out.contact.predictor, *work.predictor)
+                       : nullptr;
+  Vec momentum = with_jump(in.from.v, scheme.jump_rate(), jump, work.moved);
+  if (motion_) {
+    motion_->evaluate(in.k, *work.motion);
+    momentum = motion_->driving(*work.motion, in.from.y, momentum);
+  }
+  right_hand_side(in.from.y, scheme.momentum(), momentum, scheme.impulse(), in.load, work);
   if (motion_)
-    motion_->apply(k, clamped_, clamped_diagonal_, r_);
-  if (const contact::ViSolver* vi = solver_->vi())
-    vi->solve(r_, psi, previous, contact, y1);
+    motion_->apply(*work.motion, clamped_, clamped_diagonal_, work.r);
+  if (const contact::ContactStepSolver* solver = solver_->contact())
+    solver->solve(work.r, psi, in.previous.active, out.contact, out.to.y, *work.contact);
   else
-    solver_->linear().solve(r_, y1);
-  velocity(y0, v0, jump, y1, v1);
+    solver_->linear().solve(work.r, out.to.y);
+  set_velocity(scheme, in.from, jump, out.to);
   if (motion_)
-    motion_->copy(motion_->velocity(k), v1);
+    motion_->copy(work.motion->velocity, out.to.v);
   PetscReal size = 0;
-  check(VecNorm(v1, NORM_2, &size));
+  check(VecNorm(out.to.v, NORM_2, &size));
   if (!std::isfinite(size))
     throw SolverFailure("the solution is not finite");
   ++steps;
 }
 
-void Stepper::solve_sliding(const contact::ActiveSet& active, Vec p) const {
-  if (const contact::ActiveSetKkt* sliding = solver_->sliding())
-    sliding->solve_sliding(r_, active, p);
+void Stepper::solve_sliding(const contact::ActiveSet& active, Vec p, Workspace& work) const {
+  if (const contact::ContactStepSolver* solver = solver_->contact())
+    solver->solve_sliding(work.r, active, p, *work.contact);
   else
-    solver_->linear().solve(r_, p);
+    solver_->linear().solve(work.r, p);
 }
 
-void Stepper::solve_one_sided(contact::ContactSets& contact, Vec p) const {
-  const auto m = static_cast<std::size_t>(constraints_->count());
+void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactSets& contact, Vec p,
+                              Workspace& work) const {
+  const contact::NormalOperator N(*pairs_);
+  const auto m = static_cast<std::size_t>(pairs_->count());
   std::vector<double> force(m), motion(m);
   contact::ActiveSet& closed = contact.active;
   const petsc::Vector residual = petsc::zero_like(p);
   // After so many changes of the set one candidate changes at a time, which does not cycle for long.
   const int several = 2 * static_cast<int>(contact.weak.size()) + 10;
   for (int change = 0; change < 20 * several; ++change) {
-    solve_sliding(closed, p);
+    solve_sliding(closed, p, work);
     check(MatMult(R_, p, residual)); // D p = R p + 2 stiffness() A p
-    check(MatMult(operators_.A, p, work_));
-    check(VecAXPBYPCZ(residual, 1, -2 * scheme_.stiffness(), -1, r_, work_));
-    constraints_->normal_components(residual, force);
-    constraints_->normal_components(p, motion);
+    check(MatMult(operators_.A, p, work.work));
+    check(VecAXPBYPCZ(residual, 1, -2 * scheme.stiffness(), -1, work.r, work.work));
+    N.normal_components(residual, force);
+    N.normal_components(p, motion);
     PetscReal largest_force = 0, largest_motion = 0;
-    check(VecNorm(r_, NORM_INFINITY, &largest_force));
+    check(VecNorm(work.r, NORM_INFINITY, &largest_force));
     check(VecNorm(p, NORM_INFINITY, &largest_motion));
     constexpr double rounding = 1e-10;
     contact::ActiveSet next;
@@ -161,46 +187,55 @@ void Stepper::solve_one_sided(contact::ContactSets& contact, Vec p) const {
   throw SolverFailure("the weak contact of a linearised step did not settle");
 }
 
-Vec Stepper::linearised_right_hand_side(Vec y0, Vec v0, NodalForce load,
-                                        const contact::ContactSets& contact) const {
-  const Vec jump = predictor_ ? predictor_->linearised_jump(contact.predictor, predicted(y0, v0)) : nullptr;
-  right_hand_side(y0, scheme_.momentum(), with_jump(v0, 1 / scheme_.tau, jump), scheme_.impulse(), load);
+Vec Stepper::linearised_right_hand_side(const LinearisedStep& step, const contact::ContactSets& contact,
+                                        Workspace& work) const {
+  const Scheme scheme = grid_.scheme(step.k);
+  const Vec jump = predictor_
+                       ? predictor_->linearised_jump(contact.predictor,
+                                                     predicted(scheme, step.from, work.work), *work.predictor)
+                       : nullptr;
+  right_hand_side(step.from.y, scheme.momentum(),
+                  with_jump(step.from.v, scheme.jump_rate(), jump, work.moved), scheme.impulse(), step.load,
+                  work);
   return jump;
 }
 
-void Stepper::linearised_step(Vec y0, Vec v0, NodalForce load, const contact::ContactSets& contact, Vec y1,
-                              Vec v1) const {
-  const Vec jump = linearised_right_hand_side(y0, v0, load, contact);
-  solve_sliding(contact.active, y1);
-  velocity(y0, v0, jump, y1, v1);
+void Stepper::linearised_step(const LinearisedStep& step, const contact::ContactSets& contact,
+                              Workspace& work) const {
+  const Vec jump = linearised_right_hand_side(step, contact, work);
+  solve_sliding(contact.active, step.to.y, work);
+  set_velocity(grid_.scheme(step.k), step.from, jump, step.to);
   ++linearised_steps;
 }
 
-void Stepper::one_sided_step(Vec y0, Vec v0, NodalForce load, contact::ContactSets& contact, Vec y1,
-                             Vec v1) const {
-  const Vec jump = linearised_right_hand_side(y0, v0, load, contact);
+void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactSets& contact,
+                             Workspace& work) const {
+  const Vec jump = linearised_right_hand_side(step, contact, work);
   if (!contact.weak.empty())
-    solve_one_sided(contact, y1);
+    solve_one_sided(grid_.scheme(step.k), contact, step.to.y, work);
   else
-    solve_sliding(contact.active, y1);
-  velocity(y0, v0, jump, y1, v1);
+    solve_sliding(contact.active, step.to.y, work);
+  set_velocity(grid_.scheme(step.k), step.from, jump, step.to);
   ++linearised_steps;
 }
 
-void Stepper::adjoint_step(const contact::ContactSets& contact, const contact::ContactSets* next,
-                           StateDual derivative, Vec p_next, Vec q, Vec p) const {
-  const Vec jump = predictor_ && next ? predictor_->linearised_jump(next->predictor, q) : nullptr;
-  right_hand_side(p_next, -scheme_.momentum(), with_jump(q, 1.5, jump), 1, derivative);
-  solve_sliding(contact.active, p);
-  const double rate = scheme_.rate();
+void Stepper::adjoint_step(const AdjointStep& step, Workspace& work) const {
+  const Scheme scheme = grid_.scheme(step.k);
+  const Vec jump = predictor_ && step.next
+                       ? predictor_->linearised_jump(step.next->predictor, step.q, *work.predictor)
+                       : nullptr;
+  right_hand_side(step.p_next, -scheme.momentum(), with_jump(step.q, Scheme::dual_jump(), jump, work.moved),
+                  1, step.derivative, work);
+  solve_sliding(step.contact.active, step.p, work);
+  const double rate = scheme.rate();
   {
-    const petsc::ReadArray later(p_next), now(p);
-    const petsc::WriteArray velocity(q);
-    for (std::size_t i = 0; i < velocity.size(); ++i)
-      velocity[i] = rate * (later[i] - now[i]) - velocity[i];
+    const petsc::ReadArray later(step.p_next), now(step.p);
+    const petsc::WriteArray q(step.q);
+    for (std::size_t i = 0; i < q.size(); ++i)
+      q[i] = rate * (later[i] - now[i]) - q[i];
   }
   if (jump)
-    check(VecAXPY(q, -2, jump));
+    check(VecAXPY(step.q, Scheme::dual_velocity_jump(), jump));
   ++adjoint_steps;
 }
 

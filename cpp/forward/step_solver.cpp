@@ -1,5 +1,8 @@
 #include "forward/step_solver.h"
 #include "base/collective.h"
+#include "contact/solver/condensed.h"
+#include "contact/solver/full.h"
+#include "contact/solver/projected.h"
 #include <algorithm>
 #include <fmt/format.h>
 
@@ -9,45 +12,48 @@ using petsc::check;
 namespace {
 
 /// Local nodes of the candidates of a run on one rank, each once.
-std::vector<int> candidate_nodes(const contact::Constraints* constraints) {
+std::vector<int> candidate_nodes(const contact::ContactPairs* pairs) {
   std::vector<int> nodes;
-  if (constraints)
-    for (PetscInt dof : constraints->first_dofs())
-      nodes.push_back(static_cast<int>(dof / constraints->dim()));
+  if (pairs)
+    for (PetscInt dof : pairs->first_dofs())
+      nodes.push_back(static_cast<int>(dof / pairs->dim()));
   nodes.erase(std::ranges::unique(nodes).begin(),
               nodes.end()); // several candidates of a node follow each other
   return nodes;
 }
 
 /// Memory of S and the factor of its active block, bytes.
-double dense_bytes(const contact::Constraints* constraints) {
-  const double m = constraints ? constraints->count() : 0;
+double dense_bytes(const contact::ContactPairs* pairs) {
+  const double m = pairs ? pairs->count() : 0;
   return 2 * m * m * sizeof(double);
 }
 
 } // namespace
 
-StepSolver::StepSolver(petsc::Matrix D, const contact::Constraints* constraints, const scene::Solver& scene,
+StepSolver::StepSolver(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene,
                        bool sliding)
-    : D_(std::move(D)) {
-  if (constraints)
-    complementarity_.emplace(*constraints, D_);
-  if (constraints && scene.vi == "full")
-    full_vi_.emplace(*constraints, D_, *complementarity_);
+    : D_(std::move(D)), full_(pairs && scene.vi == "full") {
+  std::unique_ptr<contact::FullSolver> full;
+  if (full_)
+    full = std::make_unique<contact::FullSolver>(*pairs, D_);
   if (scene.linear == "iterative")
     iterate();
   else
-    factorise(constraints, scene);
-  if (constraints)
-    add_contact(*constraints, scene, sliding);
+    factorise(pairs, scene);
+  if (pairs && (!full_ || sliding))
+    contact_ = by_linear(*pairs, scene);
+  if (full_) {
+    full->slide_by(std::move(contact_));
+    contact_ = std::move(full);
+  }
   if (!iterative_)
     D_ = {};
 }
 
-void StepSolver::factorise(const contact::Constraints* constraints, const scene::Solver& scene) {
+void StepSolver::factorise(const contact::ContactPairs* pairs, const scene::Solver& scene) {
   constexpr double gigabyte = 1e9;
   const auto settle = [&](auto solver) {
-    const double needed = solver->estimate() + dense_bytes(constraints);
+    const double needed = solver->estimate() + dense_bytes(pairs);
     const bool possible = solver->possible();
     const std::string compared =
         possible
@@ -64,7 +70,7 @@ void StepSolver::factorise(const contact::Constraints* constraints, const scene:
     linear_ = std::move(solver);
   };
   if (ranks(petsc::comm(D_)) == 1) {
-    auto cholesky = std::make_unique<SparseCholesky>(D_, candidate_nodes(constraints));
+    auto cholesky = std::make_unique<SparseCholesky>(D_, candidate_nodes(pairs));
     const SparseCholesky* kept = cholesky.get();
     settle(std::move(cholesky));
     cholesky_ = iterative_ ? nullptr : kept;
@@ -80,34 +86,22 @@ void StepSolver::iterate() {
   linear_ = std::move(solver);
 }
 
-void StepSolver::add_contact(const contact::Constraints& constraints, const scene::Solver& scene,
-                             bool sliding) {
-  if (full_vi_)
-    vi_ = &*full_vi_;
-  if (full_vi_ && !sliding)
-    return;
-  if (iterative_) {
-    projected_.emplace(constraints, *iterative_, D_, *complementarity_);
-    sliding_ = &*projected_;
-    if (!vi_)
-      vi_ = &*projected_;
-    return;
-  }
+std::unique_ptr<contact::ContactStepSolver> StepSolver::by_linear(const contact::ContactPairs& pairs,
+                                                                  const scene::Solver& scene) const {
+  if (iterative_)
+    return std::make_unique<contact::ProjectedSolver>(pairs, *iterative_, D_);
+  std::unique_ptr<contact::Elimination> elimination;
   if (cholesky_)
-    elimination_ = std::make_unique<contact::TrailingBlockElimination>(constraints, *cholesky_);
+    elimination = std::make_unique<contact::TrailingBlockElimination>(pairs, *cholesky_);
   else
-    elimination_ = std::make_unique<contact::StoredColumnsElimination>(
-        constraints, *linear_, petsc::vector_of(D_),
-        scene.memory - linear_->bytes() - dense_bytes(&constraints));
-  condensation_.emplace(constraints, *elimination_);
-  sliding_ = &*condensation_;
-  if (!vi_)
-    vi_ = &condensed_vi_.emplace(constraints, *condensation_, *complementarity_);
+    elimination = std::make_unique<contact::StoredColumnsElimination>(
+        pairs, *linear_, petsc::vector_of(D_), scene.memory - linear_->bytes() - dense_bytes(&pairs));
+  return std::make_unique<contact::CondensedSolver>(pairs, D_, std::move(elimination));
 }
 
 StepSolver::Memory StepSolver::memory() const {
   return {.factor = linear_->bytes() + (D_ ? petsc::bytes(D_) : 0),
-          .condensation = condensation_ ? condensation_->bytes() : 0};
+          .condensation = contact_ ? contact_->bytes() : 0};
 }
 
 } // namespace signorini::forward

@@ -1,9 +1,8 @@
 #pragma once
-#include "contact/condensed_vi.h"
-#include "contact/full_vi.h"
-#include "contact/projected_cg.h"
+#include "base/sparse_cholesky.h"
+#include "contact/pairs.h"
+#include "contact/solver/contact_step_solver.h"
 #include <memory>
-#include <optional>
 #include <string>
 
 namespace signorini::forward {
@@ -13,22 +12,17 @@ namespace signorini::forward {
 /// the memory allowed.
 class StepSolver {
 public:
-  /// Estimates the factor's memory, chooses a solver and factorises. `constraints` is null without contact;
+  /// Estimates the factor's memory, chooses a solver and factorises. `pairs` is null without contact;
   /// `sliding`: linearised or transposed steps are wanted. Collective. The references must outlive this
   /// object. Throws SolverFailure.
-  StepSolver(petsc::Matrix D, const contact::Constraints* constraints, const scene::Solver& scene,
-             bool sliding);
-  StepSolver(const StepSolver&) = delete; // its parts refer to each other
-  StepSolver& operator=(const StepSolver&) = delete;
+  StepSolver(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene, bool sliding);
 
   /// Solves with D, for steps without contact.
   [[nodiscard]] const LinearSolver& linear() const { return *linear_; }
   /// Null without contact.
-  [[nodiscard]] const contact::ViSolver* vi() const { return vi_; }
-  /// Null without contact, or if `sliding` was not wanted and contact is solved by the full VI.
-  [[nodiscard]] const contact::ActiveSetKkt* sliding() const { return sliding_; }
+  [[nodiscard]] const contact::ContactStepSolver* contact() const { return contact_.get(); }
   /// Whether solves start from a guess.
-  [[nodiscard]] bool takes_guess() const { return iterative_ || full_vi_; }
+  [[nodiscard]] bool takes_guess() const { return iterative_ || full_; }
 
   /// Relative error that a solve may leave; 0 for rounding alone.
   [[nodiscard]] double tolerance() const { return iterative_ ? iterative_->tolerance() : 0; }
@@ -45,22 +39,18 @@ public:
   [[nodiscard]] Memory memory() const;
 
 private:
-  void factorise(const contact::Constraints* constraints, const scene::Solver& scene);
+  void factorise(const contact::ContactPairs* pairs, const scene::Solver& scene);
   void iterate();
-  void add_contact(const contact::Constraints& constraints, const scene::Solver& scene, bool sliding);
+  /// The solver that has D condensed or projected, as the linear solver allows.
+  [[nodiscard]] std::unique_ptr<contact::ContactStepSolver> by_linear(const contact::ContactPairs& pairs,
+                                                                      const scene::Solver& scene) const;
 
   petsc::Matrix D_; ///< null once it is factorised
   std::unique_ptr<LinearSolver> linear_;
   const SparseCholesky* cholesky_ = nullptr; ///< linear_, if it is one of these
   const ConjugateGradients* iterative_ = nullptr;
-  std::unique_ptr<contact::Elimination> elimination_;
-  std::optional<contact::Complementarity> complementarity_;
-  std::optional<contact::DelassusOperator> condensation_;
-  std::optional<contact::CondensedVi> condensed_vi_;
-  std::optional<contact::FullVi> full_vi_;
-  std::optional<contact::ProjectedCg> projected_;
-  const contact::ViSolver* vi_ = nullptr;
-  const contact::ActiveSetKkt* sliding_ = nullptr;
+  bool full_ = false; ///< whether contact is solved by the VI in all unknowns
+  std::unique_ptr<contact::ContactStepSolver> contact_;
   std::string choice_;
 };
 

@@ -54,7 +54,7 @@ void TimeIntegrator::advance() {
     step_(k, y0_, v0_, state_.y, state_.v);
   } catch (const SolverFailure& failure) {
     throw SolverFailure(
-        fmt::format("step {} (t = {:.6g} s): {}", k, stepper_.scheme().time(k), failure.what()));
+        fmt::format("step {} (t = {:.6g} s): {}", k, stepper_.grid().time(k), failure.what()));
   }
   state_.guesses.remember(state_.y);
   state_.k = k;

@@ -6,12 +6,12 @@ namespace signorini::forward {
 Trajectory::Trajectory(const Stepper& stepper, const Initial& initial, int steps,
                        const StateStoreFactory& storage, bool velocities)
     : stepper_(stepper), capacity_(steps), contact_(static_cast<std::size_t>(steps) + 1),
-      now_(candidates(stepper)),
+      now_(candidates(stepper)), work_(stepper.workspace()),
       integrator_(stepper, initial.y, initial.v,
                   [this](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
                     const auto i = static_cast<std::size_t>(k);
                     acting_ = load_->at(k);
-                    stepper_.step(k, y0, v0, acting_, contact_[i - 1], now_, y1, v1);
+                    stepper_.step({k, {y0, v0}, acting_, contact_[i - 1]}, {{y1, v1}, now_}, work_);
                   }),
       states_(storage.place(integrator_, velocities)) {}
 

@@ -47,6 +47,7 @@ private:
   int capacity_, steps_ = 0;
   std::vector<contact::ContactSets> contact_;
   contact::ContactState now_; ///< contact of the last step made
+  Stepper::Workspace work_;
   Margins margins_;
   std::optional<ForceAtStep> load_; ///< of the last run
   NodalForce acting_;

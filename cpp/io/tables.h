@@ -1,6 +1,6 @@
 #pragma once
-#include "contact/constraints.h"
 #include "contact/contact_state.h"
+#include "contact/pairs.h"
 #include "forward/invariants.h"
 #include <limits>
 #include <optional>
@@ -21,11 +21,11 @@ void add_steps_row(std::string& text, int k, double time, int dim, const forward
 
 /// Header of contact.csv: one row per stored step and candidate, with its point in the undeformed body; where
 /// a scene has several obstacles a last column gives the number of the candidate's.
-std::string contact_header(const contact::Constraints& constraints);
+std::string contact_header(const contact::ContactPairs& pairs);
 
 /// Appends the rows of step k.
-void add_contact_rows(std::string& text, int k, const forward::Scheme& scheme,
-                      const contact::Constraints& constraints, const contact::ContactState& contact);
+void add_contact_rows(std::string& text, int k, const forward::TimeGrid& grid,
+                      const contact::ContactPairs& pairs, const contact::ContactState& contact);
 
 /// One row of history.csv.
 struct HistoryRow {

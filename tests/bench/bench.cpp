@@ -49,7 +49,7 @@ public:
   std::pair<double, double> operator()(const test::Recorded& motion, int k) {
     const auto i = static_cast<std::size_t>(k);
     const forward::Stepper& stepper = problem_.stepper;
-    const forward::Scheme& scheme = stepper.scheme();
+    const forward::Scheme scheme = stepper.grid().scheme(1);
     const forward::NodalForce load = load_.at(k);
     Watch watch;
     check(VecAXPBYPCZ(f_, scheme.momentum(), scheme.impulse() / *problem_.operators.uniform_density, 0,
@@ -60,8 +60,8 @@ public:
     check(MatMultAdd(stepper.R(), motion.y[i - 1], r_, r_));
     products += watch.lap();
     stepper.clamped().clear(r_);
-    if (stepper.constraints())
-      stepper.constraints()->add_normal(-1, motion.contact[i].lambda, r_);
+    if (stepper.pairs())
+      contact::NormalOperator(*stepper.pairs()).add(-1, motion.contact[i].lambda, r_);
     guess_.guess(y_);
     watch.lap();
     stepper.solver().linear().solve(r_, y_);
@@ -113,10 +113,11 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   control::Control gradient = control_problem.controls.zero();
   const test::Displacements states(motion.y);
   const control::Derivative derivative(control_problem.objective, states);
+  forward::Stepper::Workspace work = problem.stepper.workspace();
   for (int repeat = 0; repeat < repeats; ++repeat) {
     Floor floor(problem, floor_load);
     watch.lap();
-    adjoint::sweep(problem.stepper, motion.sets(), {problem.space, derivative}, [&](int k, Vec p) {
+    adjoint::sweep(problem.stepper, work, motion.sets(), {problem.space, derivative}, [&](int k, Vec p) {
       axpy(1, petsc::ReadArray(p), gradient.at(k));
       adjoint.take(k, watch.lap());
       const auto [s, w] = floor(motion, k);
@@ -163,7 +164,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   out["ranks"] = ranks(MPI_COMM_WORLD);
   out["dimension"] = problem.space.dim();
   out["free_unknowns"] = problem.free_dofs();
-  out["candidates"] = problem.stepper.constraints() ? problem.stepper.constraints()->count() : 0;
+  out["candidates"] = problem.stepper.pairs() ? problem.stepper.pairs()->count() : 0;
   out["steps"] = steps;
   out["contact_steps"] = contact_steps;
   out["steps_with_set_changes"] = vi_steps;

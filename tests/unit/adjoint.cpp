@@ -49,20 +49,21 @@ TEST_CASE("the sweep is the transpose of the linearised steps", "[adjoint]") {
     REQUIRE(run.contact_steps.size() > 1);
     petsc::Vector y0 = space.vector(), v0 = space.vector(), y1 = space.vector(), v1 = space.vector(),
                   product = space.vector();
+    forward::Stepper::Workspace work = stepper.workspace();
     double forward = 0, backward = 0;
     for (int k = 1; k <= run.trajectory.steps; ++k) {
       const petsc::Vector density = test::smooth(space, k);
-      stepper.linearised_step(y0, v0, {{.density = density}},
-                              run.trajectory.contact[static_cast<std::size_t>(k)], y1, v1);
+      stepper.linearised_step({k, {y0, v0}, {{.density = density}}, {y1, v1}},
+                              run.trajectory.contact[static_cast<std::size_t>(k)], work);
       check(MatMult(*run.ready.problem.operators.W, test::smooth(space, -k), product));
       forward += dot(y1, product);
       std::swap(y0, y1);
       std::swap(v0, v1);
     }
     const test::Dual smooth([&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(space, -k))); });
-    adjoint::sweep(stepper, run.trajectory.sets(), {space, smooth}, [&](int k, Vec p) {
+    adjoint::sweep(stepper, work, run.trajectory.sets(), {space, smooth}, [&](int k, Vec p) {
       check(MatMult(*run.ready.problem.operators.W, test::smooth(space, k), product));
-      backward += stepper.scheme().impulse() * dot(p, product);
+      backward += stepper.grid().scheme(1).impulse() * dot(p, product);
     });
     CHECK(std::abs(forward) > 0);
     CHECK(std::abs(forward - backward) < (iterative ? 1e-9 : 1e-12) * std::abs(forward));
@@ -84,7 +85,8 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
     petsc::Vector load = space.vector(), y = space.vector(), v = space.vector(), ly = space.vector(),
                   lv = space.vector();
     check(VecCopy(run.ready.problem.load().at(k).density, load));
-    contact::ContactState moved(stepper.constraints()->count());
+    contact::ContactState moved(stepper.pairs()->count());
+    forward::Stepper::Workspace work = stepper.workspace();
     // A step is piecewise affine: no truncation, only rounding, so that the largest ε that keeps the sets is
     // the best.
     double epsilon = 1;
@@ -96,11 +98,11 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
       check(VecAXPY(y0, epsilon, dy));
       check(VecAXPY(v0, epsilon, dv));
       check(VecAXPY(f, epsilon, dload));
-      stepper.step(k, y0, v0, {{.density = f}}, run.trajectory.contact[i - 1], moved, y, v);
+      stepper.step({k, {y0, v0}, {{.density = f}}, run.trajectory.contact[i - 1]}, {{y, v}, moved}, work);
     } while (moved.active != run.trajectory.contact[i].active ||
              moved.predictor != run.trajectory.contact[i].predictor);
     REQUIRE(!moved.active.empty());
-    stepper.linearised_step(dy, dv, {{.density = dload}}, moved, ly, lv);
+    stepper.linearised_step({k, {dy, dv}, {{.density = dload}}, {ly, lv}}, moved, work);
     check(VecAXPY(y, -1, run.trajectory.y[i]));
     check(VecScale(y, 1 / epsilon));
     check(VecAXPY(v, -1, run.trajectory.v[i]));
@@ -111,7 +113,7 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
                        test::largest(run.trajectory.y[i]) / epsilon;
     CHECK(off < 1e-4 * test::largest(ly)); // else it says nothing
     CHECK(test::difference(y, ly) < off);
-    CHECK(test::difference(v, lv) < stepper.scheme().rate() * off);
+    CHECK(test::difference(v, lv) < stepper.grid().scheme(1).rate() * off);
   }
 }
 
@@ -119,7 +121,7 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
   const InContact run({"mesh.degree=2"});
   const Problem& problem = run.ready.problem;
   const forward::Stepper& stepper = problem.stepper;
-  const double tau = stepper.scheme().tau;
+  const double tau = stepper.grid().tau;
   const std::size_t N = static_cast<std::size_t>(run.trajectory.steps);
   std::vector<petsc::Vector> p(N + 2);
   const auto dual = [&](int k) {
@@ -128,7 +130,8 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
     return product;
   };
   const test::Dual smooth([&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(problem.space, k))); });
-  adjoint::sweep(stepper, run.trajectory.sets(), {problem.space, smooth},
+  forward::Stepper::Workspace work = stepper.workspace();
+  adjoint::sweep(stepper, work, run.trajectory.sets(), {problem.space, smooth},
                  [&](int k, Vec pk) { p[static_cast<std::size_t>(k)] = petsc::copy(pk); });
 
   // The paper's recursion, written out with matrices: D = M + τ/2 B + τ²/4 A, R = M + τ/2 B − τ²/4 A.
@@ -142,7 +145,7 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
     check(VecAXPY(out, a * tau * tau / 4, product));
   };
   petsc::Vector q = problem.space.vector(), defect = problem.space.vector(), part = problem.space.vector();
-  std::vector<double> normal(static_cast<std::size_t>(stepper.constraints()->count()));
+  std::vector<double> normal(static_cast<std::size_t>(stepper.pairs()->count()));
   int sliding = 0;
   for (std::size_t k = N; k >= 1; --k) {
     apply(1, p[k], defect);
@@ -156,13 +159,13 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
     }
     // What is left is μ_k: normal forces on A_k.
     const contact::ActiveSet active = run.trajectory.contact[k].active;
-    stepper.constraints()->normal_components(defect, normal);
+    contact::NormalOperator(*stepper.pairs()).normal_components(defect, normal);
     for (std::size_t i = 0; i < normal.size(); ++i)
       if (std::ranges::find(active, static_cast<int>(i)) == active.end())
         normal[i] = 0;
-    stepper.constraints()->add_normal(-1, normal, defect);
+    contact::NormalOperator(*stepper.pairs()).add(-1, normal, defect);
     CHECK(test::largest(defect) < 1e-11 * size);
-    stepper.constraints()->normal_components(p[k], normal);
+    contact::NormalOperator(*stepper.pairs()).normal_components(p[k], normal);
     for (int i : active)
       CHECK(std::abs(normal[static_cast<std::size_t>(i)]) < 1e-12 * test::largest(p[k]));
     sliding += !active.empty();
@@ -183,16 +186,18 @@ TEST_CASE("adjoint states vanish on the clamp", "[adjoint]") {
   int steps = 0;
   const test::Dual smooth(
       [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(ready.problem.space, k))); });
-  adjoint::sweep(ready.problem.stepper, trajectory.sets(), {ready.problem.space, smooth}, [&](int, Vec p) {
-    petsc::Vector rest = petsc::copy(p);
-    ready.problem.stepper.clamped().clear(rest);
-    CHECK(test::difference(rest, p) == 0);
-    steps += test::largest(p) > 0;
-    petsc::Vector seed = test::smooth(ready.problem.space, 1),
-                  free = petsc::copy(seed); // which is not zero there
-    ready.problem.stepper.clamped().clear(free);
-    CHECK(test::difference(free, seed) > 0.1);
-  });
+  forward::Stepper::Workspace work = ready.problem.stepper.workspace();
+  adjoint::sweep(ready.problem.stepper, work, trajectory.sets(), {ready.problem.space, smooth},
+                 [&](int, Vec p) {
+                   petsc::Vector rest = petsc::copy(p);
+                   ready.problem.stepper.clamped().clear(rest);
+                   CHECK(test::difference(rest, p) == 0);
+                   steps += test::largest(p) > 0;
+                   petsc::Vector seed = test::smooth(ready.problem.space, 1),
+                                 free = petsc::copy(seed); // which is not zero there
+                   ready.problem.stepper.clamped().clear(free);
+                   CHECK(test::difference(free, seed) > 0.1);
+                 });
   CHECK(steps == trajectory.steps);
 }
 
@@ -203,7 +208,7 @@ TEST_CASE("bubbles slide in the middle of edges in contact, and nowhere else", "
       "tests/data/block.toml",
       {"contact=[{on=\"left\", obstacle={shape=\"half-space\", point=[-0.1, 0], normal=[1, 0.2]}}, "
        "{on=\"bottom\", obstacle={shape=\"half-space\", point=[0, -0.1], normal=[0.3, 1]}}]"});
-  const adjoint::EnrichedBody body(ready.problem.space, ready.problem.stepper.constraints(), ready.scene);
+  const adjoint::EnrichedBody body(ready.problem.space, ready.problem.stepper.pairs(), ready.scene);
   const petsc::Vector x = test::smooth(body.space(), 1);
   petsc::Vector free = petsc::copy(x), held = body.space().vector();
   body.keep_bubbles({}, free);
@@ -246,16 +251,16 @@ TEST_CASE("bubbles of the adjoint states take up what the run's duals leave", "[
   // As viscous as stiff within a step, so that each term of the residual matters.
   const test::Ready ready("tests/data/block.toml", {"material.viscosity={bulk=0.5, shear=0.5}"});
   const forward::Stepper& stepper = ready.problem.stepper;
-  const adjoint::EnrichedBody body(ready.problem.space, stepper.constraints(), ready.scene);
+  const adjoint::EnrichedBody body(ready.problem.space, stepper.pairs(), ready.scene);
   const fem::Operators& operators = body.operators();
-  const double tau = stepper.scheme().tau;
+  const double tau = stepper.grid().tau;
   const petsc::Vector pushed = test::smooth(body.space(), 3);
   const test::Dual at_step_4({}, [&](int k, Vec out) {
     if (k == 4)
       check(VecAXPY(out, 1, pushed));
   });
   const forward::DualAtStep derivative(body.space(), at_step_4);
-  adjoint::DualBubbles bubbles(body, derivative, stepper.scheme());
+  adjoint::DualBubbles bubbles(body, derivative, stepper.grid().scheme(1));
   adjoint::Duals duals(stepper);
   const contact::ActiveSet active{1, 2};
   petsc::Vector before = body.space().vector(), residual = body.space().vector(),

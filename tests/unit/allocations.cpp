@@ -78,7 +78,7 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
                               "time.scheme=contact-stabilized"}) {
     const test::Ready ready("scenes/half-disc.toml", {"mesh.size=1", setting});
     const Problem& problem = ready.problem;
-    const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.scheme(),
+    const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.grid(),
                                          problem.steps(), *ready.scene.control);
     const control::Control u = controls.interpolate({"0", "-1"}, "u");
     const control::ControlForce force(controls, u);
@@ -114,12 +114,14 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
     CHECK(streaming == 0);
     petsc::Vector dual = test::smooth(problem.space, 1);
     long back = 0;
+    forward::Stepper::Workspace work = problem.stepper.workspace();
     (void)allocations([&] {
       const test::Dual derivative([&](int, Vec density) { petsc::check(VecAXPY(density, 1, dual)); });
-      adjoint::sweep(problem.stepper, trajectory.contact(), {problem.space, derivative}, [&](int k, Vec) {
-        back += k < problem.steps() ? calls - before : 0;
-        before = calls;
-      });
+      adjoint::sweep(problem.stepper, work, trajectory.contact(), {problem.space, derivative},
+                     [&](int k, Vec) {
+                       back += k < problem.steps() ? calls - before : 0;
+                       before = calls;
+                     });
     });
     CHECK(back == 0);
   }
@@ -137,7 +139,7 @@ TEST_CASE("steps between several obstacles, one of which moves, allocate nothing
        "{on=\"boundary\", obstacle={shape=\"half-space\", point=[-0.1, 0], normal=[1, 0]}}, "
        "{on=\"boundary\", obstacle={shape=\"half-space\", point=[0, 1.5], normal=[0, -1]}}]"});
   const Problem& problem = ready.problem;
-  REQUIRE(problem.stepper.constraints()->dependent());
+  REQUIRE(problem.stepper.pairs()->dependent());
   const auto run = [&](const forward::StepObserver& watch) {
     forward::integrate(problem.stepper, problem.initial, problem.load(), problem.steps(), watch);
   };
@@ -148,8 +150,8 @@ TEST_CASE("steps between several obstacles, one of which moves, allocate nothing
     run([&](const forward::Frame& frame) {
       stepping += frame.k > 1 ? calls - before : 0;
       for (int i : frame.contact.active)
-        touched[static_cast<std::size_t>(
-            problem.stepper.constraints()->obstacles()[static_cast<std::size_t>(i)])] = true;
+        touched[static_cast<std::size_t>(problem.stepper.pairs()->obstacles()[static_cast<std::size_t>(i)])] =
+            true;
       before = calls;
     });
   });

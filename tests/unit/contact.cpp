@@ -1,5 +1,8 @@
 #include "base/collective.h"
 #include "base/error.h"
+#include "contact/elimination.h"
+#include "contact/lcp/complementarity.h"
+#include "contact/placement.h"
 #include "fixtures.h"
 #include "forward/step_solver.h"
 #include <catch2/catch_test_macros.hpp>
@@ -21,14 +24,15 @@ struct Parts {
   fem::Space space;
   fem::DirichletDofs clamped;
   petsc::Matrix D;
-  contact::Constraints constraints;
+  contact::ContactPairs pairs;
+  contact::NormalOperator N{pairs};
   forward::StepSolver solver;
 
   explicit Parts(const std::vector<std::string>& overrides = {})
       : scene(test::parse(test::source("tests/data/block.toml"), overrides)),
         mesh(MPI_COMM_WORLD, scene.mesh), space(mesh, scene.mesh.degree), clamped(space, scene.clamps),
         D(fem::assemble_step_operator(space, scene.materials, scene.time.step)),
-        constraints(space, clamped, scene.contacts), solver(copy(D), &constraints, scene.solver, true) {}
+        pairs(space, clamped, scene.contacts), solver(copy(D), &pairs, scene.solver, true) {}
 
   static petsc::Matrix copy(Mat matrix) {
     petsc::Matrix same;
@@ -38,11 +42,12 @@ struct Parts {
 
   /// The contact step for r from a previous state (default: all open), y from zero.
   contact::ContactState solve(Vec r, Vec y) const {
-    return solve(r, contact::ContactState(constraints.count()), y);
+    return solve(r, contact::ContactState(pairs.count()), y);
   }
   contact::ContactState solve(Vec r, const contact::ContactState& previous, Vec y) const {
-    contact::ContactState state(constraints.count());
-    solver.vi()->solve(r, constraints.psi(), previous, state, y);
+    contact::ContactState state(pairs.count());
+    contact::Workspace work = solver.contact()->workspace();
+    solver.contact()->solve(r, pairs.psi(), previous.active, state, y, work);
     return state;
   }
 
@@ -61,45 +66,45 @@ struct Parts {
 TEST_CASE("candidates know their gap to a tilted plane", "[contact]") {
   const Parts parts;
   const double n = std::hypot(0.3, 1.0);
-  REQUIRE(parts.constraints.count() == 5);
-  for (int i = 0; i < parts.constraints.count(); ++i) {
-    const double* x = &parts.constraints.points()[static_cast<std::size_t>(3 * i)];
+  REQUIRE(parts.pairs.count() == 5);
+  for (int i = 0; i < parts.pairs.count(); ++i) {
+    const double* x = &parts.pairs.points()[static_cast<std::size_t>(3 * i)];
     CHECK(std::abs(x[0] - 0.25 * i) < 1e-10); // ordered by coordinates on any number of ranks
-    CHECK(std::abs(parts.constraints.psi()[static_cast<std::size_t>(i)] - (0.3 * x[0] + x[1] + 0.1) / n) <
-          1e-14);
+    CHECK(std::abs(parts.pairs.psi()[static_cast<std::size_t>(i)] - (0.3 * x[0] + x[1] + 0.1) / n) < 1e-14);
   }
   petsc::Vector y = parts.space.vector();
   check(VecSet(y, -0.05));
   std::vector<double> gap(5);
-  parts.constraints.gap(parts.constraints.psi(), y, gap);
+  parts.N.gap(parts.pairs.psi(), y, gap);
   for (int i = 0; i < 5; ++i)
     CHECK(std::abs(gap[static_cast<std::size_t>(i)] -
-                   (parts.constraints.psi()[static_cast<std::size_t>(i)] - 0.05 * 1.3 / n)) < 1e-14);
+                   (parts.pairs.psi()[static_cast<std::size_t>(i)] - 0.05 * 1.3 / n)) < 1e-14);
   check(VecSet(y, -1));
-  CHECK_THROWS_AS(parts.constraints.place_outside(y), UserError);
+  CHECK_THROWS_AS(contact::place_outside(parts.pairs, y), UserError);
 }
 
 TEST_CASE("the condensed matrix is what D says", "[contact]") {
   const Parts parts;
   MumpsSolver D(parts.D);
   D.factorise();
-  const contact::StoredColumnsElimination columns(parts.constraints, D, parts.space.vector(), 1e9),
-      solves(parts.constraints, D, parts.space.vector(), 0);
+  const contact::StoredColumnsElimination columns(parts.pairs, D, parts.space.vector(), 1e9),
+      solves(parts.pairs, D, parts.space.vector(), 0);
   CHECK(columns.bytes() > 0);
   CHECK(solves.bytes() == 0);
-  const std::size_t m = static_cast<std::size_t>(parts.constraints.count());
+  const std::size_t m = static_cast<std::size_t>(parts.pairs.count());
   std::vector<double> lambda{1, -2, 0.5, 3, 0.1}, minus(m), slip(m);
   std::ranges::transform(lambda, minus.begin(), std::negate{});
   petsc::Vector y = parts.space.vector(), zero = parts.space.vector(), direct = parts.space.vector(),
                 force = parts.space.vector();
-  parts.constraints.add_normal(1, lambda, force);
+  parts.N.add(1, lambda, force);
   D.solve(force, direct);
   for (const contact::StoredColumnsElimination* elimination : {&columns, &solves}) {
-    elimination->predict(zero, slip);
+    contact::Prediction prediction = elimination->prediction();
+    elimination->predict(zero, prediction, slip);
     CHECK(std::ranges::all_of(slip, [](double s) { return s == 0; }));
-    elimination->finish(minus, y);
+    elimination->finish(prediction, minus, y);
     CHECK(test::difference(y, direct) < 1e-13 * test::largest(direct));
-    parts.constraints.normal_components(y, slip);
+    parts.N.normal_components(y, slip);
     const std::vector<double> S = elimination->condensed();
     for (std::size_t i = 0; i < m; ++i) {
       double product = 0;
@@ -116,9 +121,9 @@ TEST_CASE("contact in the corner of the factor is contact everywhere", "[contact
   // On both sides of the size from which CHOLMOD works on supernodes.
   for (const char* size : {"mesh.size=0.2", "mesh.size=0.01"}) {
     const Parts parts({size, "contact.on=boundary", "contact.obstacle.point=[0, -9]"});
-    const int m = parts.constraints.count();
+    const int m = parts.pairs.count();
     std::vector<int> corner;
-    for (PetscInt dof : parts.constraints.first_dofs())
+    for (PetscInt dof : parts.pairs.first_dofs())
       corner.push_back(static_cast<int>(dof / 2));
     SparseCholesky cholesky(parts.D, corner);
     const double estimate = cholesky.estimate();
@@ -127,8 +132,8 @@ TEST_CASE("contact in the corner of the factor is contact everywhere", "[contact
     CHECK(cholesky.bytes() > 0.5 * estimate);
     MumpsSolver mumps(parts.D);
     mumps.factorise();
-    const contact::TrailingBlockElimination fast(parts.constraints, cholesky);
-    const contact::StoredColumnsElimination slow(parts.constraints, mumps, parts.space.vector(), 0);
+    const contact::TrailingBlockElimination fast(parts.pairs, cholesky);
+    const contact::StoredColumnsElimination slow(parts.pairs, mumps, parts.space.vector(), 0);
     const std::vector<double> S = fast.condensed(), T = slow.condensed();
     double worst = 0;
     for (std::size_t i = 0; i < S.size(); ++i)
@@ -138,8 +143,9 @@ TEST_CASE("contact in the corner of the factor is contact everywhere", "[contact
     petsc::Vector y = parts.space.vector(), z = parts.space.vector(), target = parts.space.vector();
     mumps.solve(r, target);
     std::vector<double> a(static_cast<std::size_t>(m)), b(a.size()), lambda(a.size());
-    fast.predict(r, a);
-    slow.predict(r, b);
+    contact::Prediction of_fast = fast.prediction(), of_slow = slow.prediction();
+    fast.predict(r, of_fast, a);
+    slow.predict(r, of_slow, b);
     for (std::size_t i = 0; i < a.size(); ++i) {
       CHECK(std::abs(a[i] - b[i]) < 1e-12 * test::largest(target));
       lambda[i] = i % 3 == 0 ? 0.1 * std::cos(static_cast<double>(i)) * test::largest(r) : 0;
@@ -147,8 +153,8 @@ TEST_CASE("contact in the corner of the factor is contact everywhere", "[contact
     for (const double scale : {1.0, 0.0, -2.0}) { // repeatable
       for (double& force : lambda)
         force *= scale;
-      fast.finish(lambda, y);
-      slow.finish(lambda, z);
+      fast.finish(of_fast, lambda, y);
+      slow.finish(of_slow, lambda, z);
       CHECK(test::difference(y, z) < 1e-12 * test::largest(z));
     }
   }
@@ -238,7 +244,7 @@ TEST_CASE("all solvers of the contact step find its solution, which is complemen
       // D y = r − Nλ with 0 ≤ λ ⟂ g ≥ 0.
       check(MatMult(parts.D, y, defect));
       check(VecAXPY(defect, -1, r));
-      parts.constraints.add_normal(1, a.lambda, defect);
+      parts.N.add(1, a.lambda, defect);
       CHECK(test::largest(defect) < 1e-13 * test::largest(r));
       for (std::size_t i = 0; i < a.lambda.size(); ++i) {
         CHECK(a.lambda[i] >= 0);
@@ -269,8 +275,8 @@ TEST_CASE("touching without a force is weak contact", "[contact]") {
   parts.space.interpolate(scene::Field({"0", "-0.1 - 0.3*x - y"}, "test", false), 0, y);
   check(MatMult(parts.D, y, r));
   const contact::ContactState state = parts.solve(r, solution);
-  CHECK(state.count(contact::Status::weak) == parts.constraints.count());
-  CHECK(static_cast<int>(state.active.size()) == parts.constraints.count());
+  CHECK(state.count(contact::Status::weak) == parts.pairs.count());
+  CHECK(static_cast<int>(state.active.size()) == parts.pairs.count());
 }
 
 TEST_CASE("what is negligible in contact knows no units and no time step", "[contact]") {
@@ -284,7 +290,7 @@ TEST_CASE("what is negligible in contact knows no units and no time step", "[con
       overrides.insert(overrides.end(),
                        {solver, fmt::format("time.step={}", tau), fmt::format("time.end={}", 3 * tau)});
       const Parts parts(overrides);
-      const int m = parts.constraints.count();
+      const int m = parts.pairs.count();
       const fem::Operators body = fem::assemble_operators(parts.space, parts.scene.materials, true);
       petsc::Vector pull = parts.space.vector(), r = parts.space.vector(), y = parts.space.vector();
       for (const double g : {-10.0, 10.0}) {
@@ -328,14 +334,14 @@ TEST_CASE("weak contact is told from rounding in a body that has moved", "[conta
         check(VecScale(pull, tau * tau / 2));
         check(MatMultAdd(body.M, pull, r, r));
         check(VecCopy(away, y));
-        CHECK(parts.solve(r, y).count(contact::Status::strong) == parts.constraints.count());
+        CHECK(parts.solve(r, y).count(contact::Status::strong) == parts.pairs.count());
       }
 }
 
 TEST_CASE("a gap that is not closed is no contact", "[contact]") {
   const Parts parts({"contact.obstacle.point=[0, -1e-11]", "contact.obstacle.normal=[0, 1]"});
   petsc::Vector y = parts.space.vector(), r = parts.space.vector();
-  CHECK(parts.solve(r, y).count(contact::Status::open) == parts.constraints.count());
+  CHECK(parts.solve(r, y).count(contact::Status::open) == parts.pairs.count());
 }
 
 TEST_CASE("units of mass and time leave contact as it is", "[contact]") {
@@ -343,13 +349,13 @@ TEST_CASE("units of mass and time leave contact as it is", "[contact]") {
   for (const double unit : {1e-9, 1e9}) {
     petsc::Matrix D = Parts::copy(parts.D);
     check(MatScale(D, unit));
-    const forward::StepSolver solver(std::move(D), &parts.constraints, parts.scene.solver, true);
+    const forward::StepSolver solver(std::move(D), &parts.pairs, parts.scene.solver, true);
     const auto solve = [&](const contact::ContactState& expected, Vec r) {
       petsc::Vector scaled = petsc::copy(r), y = parts.space.vector();
       check(VecScale(scaled, unit));
-      contact::ContactState state(parts.constraints.count());
-      solver.vi()->solve(scaled, parts.constraints.psi(), contact::ContactState(parts.constraints.count()),
-                         state, y);
+      contact::ContactState state(parts.pairs.count());
+      contact::Workspace work = solver.contact()->workspace();
+      solver.contact()->solve(scaled, parts.pairs.psi(), {}, state, y, work);
       CHECK(state.status == expected.status);
     };
     petsc::Vector y = parts.space.vector(), r = parts.space.vector();
@@ -367,20 +373,21 @@ TEST_CASE("sliding solves move along the obstacle with normal forces alone", "[c
     const contact::ActiveSet set{1, 2, 5};
     const petsc::Vector r = parts.pressing(3);
     petsc::Vector p = parts.space.vector(), defect = parts.space.vector();
-    parts.solver.sliding()->solve_sliding(r, set, p);
-    std::vector<double> normal(static_cast<std::size_t>(parts.constraints.count()));
-    parts.constraints.normal_components(p, normal);
+    contact::Workspace work = parts.solver.contact()->workspace();
+    parts.solver.contact()->solve_sliding(r, set, p, work);
+    std::vector<double> normal(static_cast<std::size_t>(parts.pairs.count()));
+    parts.N.normal_components(p, normal);
     for (int i : set)
       CHECK(std::abs(normal[static_cast<std::size_t>(i)]) < 1e-13 * test::largest(p));
     // What is left of r − D p must be normal forces on the set.
     check(MatMult(parts.D, p, defect));
     check(VecAYPX(defect, -1, r));
-    parts.constraints.normal_components(defect, normal);
+    parts.N.normal_components(defect, normal);
     for (std::size_t i = 0; i < normal.size(); ++i)
       if (std::ranges::find(set, static_cast<int>(i)) == set.end())
         normal[i] = 0;
     CHECK(test::largest(defect) > 1e-3 * test::largest(r));
-    parts.constraints.add_normal(-1, normal, defect);
+    parts.N.add(-1, normal, defect);
     CHECK(test::largest(defect) < tolerance * test::largest(r));
   }
 }
@@ -431,9 +438,10 @@ TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[
   petsc::Vector y = parts.space.vector(), z = parts.space.vector();
   const contact::ContactState usual = parts.solve(r, y);
   const Option option("-condensed_vi_snes_max_it", "0");
-  const forward::StepSolver solver(Parts::copy(parts.D), &parts.constraints, parts.scene.solver, true);
-  contact::ContactState other(parts.constraints.count());
-  solver.vi()->solve(r, parts.constraints.psi(), contact::ContactState(parts.constraints.count()), other, z);
+  const forward::StepSolver solver(Parts::copy(parts.D), &parts.pairs, parts.scene.solver, true);
+  contact::ContactState other(parts.pairs.count());
+  contact::Workspace work = solver.contact()->workspace();
+  solver.contact()->solve(r, parts.pairs.psi(), {}, other, z, work);
   CHECK(usual.count(contact::Status::strong) > 1);
   CHECK(usual.vi_iterations > 5);
   CHECK(other.vi_iterations != usual.vi_iterations);
@@ -444,24 +452,24 @@ TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[
 TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces by the motion they make",
           "[contact]") {
   const Parts parts;
-  const contact::Complementarity complementarity(parts.constraints, parts.D);
-  const auto m = static_cast<std::size_t>(parts.constraints.count());
+  const contact::Complementarity complementarity(parts.pairs, parts.D);
+  const auto m = static_cast<std::size_t>(parts.pairs.count());
   const petsc::Vector diagonal = fem::diagonal(parts.D), still = parts.space.vector();
   std::vector<double> stiffness(m); // against moving a node alone
   for (std::size_t i = 0; i < m; ++i) {
     std::vector<double> one(m);
     one[i] = 1;
     petsc::Vector normal = parts.space.vector(), product = parts.space.vector();
-    parts.constraints.add_normal(1, one, normal);
+    parts.N.add(1, one, normal);
     check(VecPointwiseMult(product, diagonal, normal));
     stiffness[i] = petsc::dot(product, normal);
     REQUIRE(stiffness[i] > 0);
   }
-  const double allowed = parts.constraints.gap_tolerance(), deep = 0.01;
+  const double allowed = parts.pairs.gap_tolerance(), deep = 0.01;
   // A force (by the motion that it makes) and a gap at one candidate, where the others are clearly open or
   // pressed.
   const auto state = [&](std::size_t i, double motion, double gap) {
-    contact::ContactState s(parts.constraints.count());
+    contact::ContactState s(parts.pairs.count());
     for (std::size_t j = 0; j < m; ++j)
       (j % 2 ? s.lambda[j] : s.gap[j]) = deep * (j % 2 ? stiffness[j] : 1);
     s.lambda[i] = motion * stiffness[i];
@@ -471,7 +479,7 @@ TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces 
   // 1e-10 of the largest force is nothing, gaps are known to rounding beside the body. An odd candidate's
   // neighbours are the pressed ones.
   const double motion = 1e-10 * deep,
-               closed = 1e3 * std::numeric_limits<double>::epsilon() * parts.constraints.diameter();
+               closed = 1e3 * std::numeric_limits<double>::epsilon() * parts.pairs.diameter();
   for (std::size_t i = 0; i < m; ++i) {
     for (const auto& [forces, gap, status] : {std::tuple{0.5, 0.5 * closed, contact::Status::weak},
                                               {-0.5, -0.5 * allowed, contact::Status::weak},
@@ -521,9 +529,9 @@ TEST_CASE("a direct solver is chosen by the memory of its factor and of two dens
     return Parts(settings);
   };
   const Parts parts(many);
-  const double m = parts.constraints.count(), dense = 2 * m * m * sizeof(double);
+  const double m = parts.pairs.count(), dense = 2 * m * m * sizeof(double);
   std::vector<int> corner;
-  for (PetscInt dof : parts.constraints.first_dofs())
+  for (PetscInt dof : parts.pairs.first_dofs())
     corner.push_back(static_cast<int>(dof / 2));
   if (ranks(MPI_COMM_WORLD) > 1) { // MUMPS says whole megabytes, and of another partition of the mesh others
     const double factor = MumpsSolver(parts.D).estimate();

@@ -129,7 +129,7 @@ TEST_CASE("a control holds values where it acts and nowhere else", "[control]") 
   const auto values = [](const std::vector<std::string>& overrides) {
     const test::Ready ready("tests/data/block.toml", overrides);
     const Problem& problem = ready.problem;
-    const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.scheme(),
+    const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.grid(),
                                          problem.steps(), *ready.scene.control);
     const control::Control u = controls.interpolate({"1 + x", "2 + y*y"}, "test");
     petsc::Vector field = controls.field(), rest = controls.field();
@@ -174,7 +174,7 @@ TEST_CASE("a control pushes with its resultant where it acts", "[control]") {
         overrides.push_back(fmt::format("control.on={}", on));
       const test::Ready ready("tests/data/block.toml", overrides);
       const Problem& problem = ready.problem;
-      const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.scheme(),
+      const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.grid(),
                                            problem.steps(), *ready.scene.control);
       const control::Control u = controls.interpolate({"0", "3"}, "test");
       const double size = *on ? 3 : 1; // three sides, or the square

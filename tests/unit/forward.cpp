@@ -24,7 +24,7 @@ TEST_CASE("a free body falls as Newton says", "[forward]") {
   petsc::Vector exact = ready.problem.space.vector();
   for (int k = 0; k <= trajectory.steps; ++k) {
     REQUIRE(trajectory.contact[static_cast<std::size_t>(k)].active.empty());
-    const double t = ready.problem.stepper.scheme().time(k);
+    const double t = ready.problem.stepper.grid().time(k);
     ready.problem.space.interpolate(
         scene::Field({"0", fmt::format("{:.17g}", -t - t * t / 2)}, "test", false), 0, exact);
     CHECK(test::difference(trajectory.y[static_cast<std::size_t>(k)], exact) < 1e-14);
@@ -130,7 +130,7 @@ TEST_CASE("a body moves with its clamps", "[forward]") {
     for (int k = 0; k <= trajectory.steps; ++k) {
       REQUIRE(trajectory.contact[static_cast<std::size_t>(k)].active.empty());
       ready.problem.space.interpolate(scene::Field({"t^2/2", "0.1*t"}, "test", true),
-                                      ready.problem.stepper.scheme().time(k), exact);
+                                      ready.problem.stepper.grid().time(k), exact);
       CHECK(test::difference(trajectory.y[static_cast<std::size_t>(k)], exact) < tolerance);
     }
   }
@@ -256,7 +256,7 @@ TEST_CASE("the force of a frictionless plane is normal to it, also where clamps 
     CHECK(std::abs(force[0] - 0.3 * force[1]) <= 1e-12 * force[1]);
     double sum = 0;
     for (double lambda : motion.contact[k].lambda)
-      sum += lambda / ready.problem.stepper.scheme().impulse();
+      sum += lambda / ready.problem.stepper.grid().scheme(1).impulse();
     CHECK(std::abs(std::hypot(force[0], force[1]) - sum) <= 1e-12 * sum);
     energy = std::max(energy, step.kinetic_energy + step.elastic_energy);
     CHECK(step.contact_work <= 1e-12 * energy); // the plane rests
@@ -315,15 +315,17 @@ TEST_CASE("the velocity of clamps is known at any step, whatever was asked befor
                            "initial.velocity=[\"0\", \"0.2*x\"]", "load.body=[\"0\", \"0\"]"});
   const forward::Stepper& stepper = ready.problem.stepper;
   REQUIRE(stepper.motion());
+  forward::PrescribedMotion::At at = stepper.motion()->storage();
   petsc::Vector exact = ready.problem.space.vector(), moving = ready.problem.space.vector();
   for (const int k : {4, 1, 0, 3}) {
-    (void)stepper.motion()->position(2);
-    const double t = stepper.scheme().time(k);
+    stepper.motion()->evaluate(2, at);
+    stepper.motion()->evaluate(k, at);
+    const double t = stepper.grid().time(k);
     ready.problem.space.interpolate(scene::Field({fmt::format("{:.17g}", 0.6 * t), "0.2*x"}, "test", false),
                                     0, moving);
     check(VecZeroEntries(exact));
     stepper.motion()->copy(moving, exact);
-    CHECK(test::difference(stepper.motion()->velocity(k), exact) < 1e-9);
+    CHECK(test::difference(at.velocity, exact) < 1e-9);
   }
 }
 
@@ -358,7 +360,7 @@ TEST_CASE("a plane that meets a body is a body that meets the plane", "[forward]
     int touched = 0;
     double force = 0, defect = 0;
     for (std::size_t k = 0; k < a.contact.size(); ++k) {
-      const double t = rest.problem.stepper.scheme().time(static_cast<int>(k));
+      const double t = rest.problem.stepper.grid().time(static_cast<int>(k));
       rest.problem.space.interpolate(
           scene::Field({fmt::format("{:.17g}", 0.3 * t), fmt::format("{:.17g}", 0.7 * t)}, "test", false), 0,
           shift);
@@ -396,8 +398,8 @@ TEST_CASE("contact where a clamp holds one component, at rest or moving", "[forw
     const test::Ready condensed("tests/data/block.toml", with("solver.vi=condensed")),
         full("tests/data/block.toml", with("solver.vi=full")),
         iterative("tests/data/block.toml", with("solver.linear=iterative"));
-    const contact::Constraints& constraints = *condensed.problem.stepper.constraints();
-    REQUIRE(constraints.held());
+    const contact::ContactPairs& pairs = *condensed.problem.stepper.pairs();
+    REQUIRE(pairs.held());
     const test::Recorded a = run(condensed), b = run(full), c = run(iterative);
     bool touched = false; // by a node that the clamp holds in part
     for (std::size_t k = 0; k < a.y.size(); ++k) {
@@ -406,8 +408,8 @@ TEST_CASE("contact where a clamp holds one component, at rest or moving", "[forw
       CHECK(std::ranges::min(a.contact[k].gap) > -1e-14);
       for (int i : a.contact[k].active) {
         const auto j = static_cast<std::size_t>(i);
-        const bool in_part = constraints.directions()[2 * j] == 0;
-        CHECK(in_part == (std::abs(constraints.points()[3 * j]) < 1e-12));
+        const bool in_part = pairs.directions()[2 * j] == 0;
+        CHECK(in_part == (std::abs(pairs.points()[3 * j]) < 1e-12));
         touched |= in_part && a.contact[k].lambda[j] > 0;
         CHECK(std::abs(a.contact[k].gap[j]) < 1e-12);
       }
@@ -463,8 +465,7 @@ TEST_CASE("a body that is pressed onto the plane in equilibrium stays there", "[
     CHECK(size > 0.03);
     for (std::size_t k = 1; k < trajectory.y.size(); ++k) {
       CHECK(test::difference(trajectory.y[k], trajectory.y.front()) < off * size);
-      CHECK(trajectory.contact[k].count(contact::Status::strong) ==
-            ready.problem.stepper.constraints()->count());
+      CHECK(trajectory.contact[k].count(contact::Status::strong) == ready.problem.stepper.pairs()->count());
       CHECK(std::abs(trajectory.balance[k].contact_force[1] / p - 1) < off);
     }
   }
@@ -520,7 +521,7 @@ TEST_CASE("defects of a motion are weighed by what the run has seen", "[forward]
   const forward::Stepper& stepper = ready.problem.stepper;
   const petsc::Vector zero = ready.problem.space.vector();
   const double length = ready.problem.space.mesh().diameter();
-  const auto m = static_cast<std::size_t>(stepper.constraints()->count());
+  const auto m = static_cast<std::size_t>(stepper.pairs()->count());
   forward::Invariants invariants(stepper);
   int k = 0;
   const auto observe = [&](const forward::StepBalance& balance, const contact::ContactState& contact) {
@@ -600,7 +601,7 @@ TEST_CASE("clamps that move strain a body as they say, from node to node", "[for
   petsc::Vector exact = ready.problem.space.vector();
   for (int k = 0; k <= trajectory.steps; ++k) {
     ready.problem.space.interpolate(scene::Field({"(0.3*x - 0.1*y)*t", "0.2*x*t"}, "test", true),
-                                    ready.problem.stepper.scheme().time(k), exact);
+                                    ready.problem.stepper.grid().time(k), exact);
     CHECK(test::difference(trajectory.y[static_cast<std::size_t>(k)], exact) < 1e-13);
   }
   CHECK(test::largest(exact) > 0.05);
@@ -620,10 +621,10 @@ TEST_CASE("the scale of the momentum balance adds the moduli of its terms", "[fo
   const test::Ready ready("tests/data/block.toml");
   const forward::Stepper& stepper = ready.problem.stepper;
   const fem::Space& space = ready.problem.space;
-  const double tau = stepper.scheme().tau;
+  const double tau = stepper.grid().tau;
   const petsc::Vector y0 = test::smooth(space, 1), y1 = test::smooth(space, 2), v0 = test::smooth(space, 3),
                       v1 = test::smooth(space, 4), density = test::smooth(space, 5);
-  contact::ContactState contact(stepper.constraints()->count());
+  contact::ContactState contact(stepper.pairs()->count());
   for (std::size_t i = 0; i < contact.lambda.size(); ++i)
     contact.lambda[i] = 1e-4 * (1 + static_cast<double>(i));
   const auto product = [&](Mat matrix, Vec x) {
@@ -647,7 +648,8 @@ TEST_CASE("the scale of the momentum balance adds the moduli of its terms", "[fo
   };
   petsc::Vector change = product(stepper.M(), v1), pushes = space.vector();
   check(VecAXPY(change, -1, product(stepper.M(), v0)));
-  stepper.constraints()->add_normal(-1 / stepper.scheme().impulse(), contact.lambda, pushes);
+  contact::NormalOperator(*stepper.pairs())
+      .add(-1 / stepper.grid().scheme(1).impulse(), contact.lambda, pushes);
   const double exact = length_of_sum(change) / tau +
                        length_of_sum(product(*ready.problem.operators.W, density)) + length_of_sum(pushes) +
                        all(product(ready.problem.operators.A, y1)) + all(product(stepper.M(), v1)) / tau;

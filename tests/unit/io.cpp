@@ -153,9 +153,9 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
   for (const auto& [scene, dim] : {std::pair{"tests/data/block.toml", 2}, {"tests/data/cube.toml", 3}}) {
     const test::Ready ready(scene, {"time.step=0.05"});
     const Problem& problem = ready.problem;
-    const contact::Constraints& constraints = *problem.stepper.constraints();
+    const contact::ContactPairs& pairs = *problem.stepper.pairs();
     for (const bool tracking : {false, true}) {
-      std::string steps = io::steps_header(dim, tracking), contact = io::contact_header(constraints);
+      std::string steps = io::steps_header(dim, tracking), contact = io::contact_header(pairs);
       forward::Invariants invariants(problem.stepper);
       forward::Balance weigh(problem.stepper);
       std::vector<forward::StepBalance> balance;
@@ -165,14 +165,14 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
                            balance.push_back(weigh(frame));
                            states.push_back(frame.contact);
                            invariants.observe(frame, balance.back());
-                           io::add_steps_row(steps, frame.k, problem.stepper.scheme().time(frame.k), dim,
+                           io::add_steps_row(steps, frame.k, problem.stepper.grid().time(frame.k), dim,
                                              balance.back(), invariants, frame.contact,
                                              tracking ? std::optional(1.0 / (frame.k + 3)) : std::nullopt);
-                           io::add_contact_rows(contact, frame.k, problem.stepper.scheme(), constraints,
+                           io::add_contact_rows(contact, frame.k, problem.stepper.grid(), pairs,
                                                 frame.contact);
                          });
       const auto rows = cells(steps), candidates = cells(contact);
-      const auto m = static_cast<std::size_t>(constraints.count());
+      const auto m = static_cast<std::size_t>(pairs.count());
       REQUIRE(rows.size() == balance.size() + 1);
       REQUIRE(candidates.size() == m * balance.size() + 1);
       for (const auto* table : {&rows, &candidates})
@@ -192,8 +192,8 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
         for (std::size_t i = 0; i < m; ++i) {
           CHECK(number(candidates, k * m + i, "gap") == states[k].gap[i]);
           CHECK(number(candidates, k * m + i, "force") ==
-                states[k].lambda[i] / problem.stepper.scheme().impulse());
-          CHECK(number(candidates, k * m + i, "x") == constraints.points()[3 * i]);
+                states[k].lambda[i] / problem.stepper.grid().scheme(1).impulse());
+          CHECK(number(candidates, k * m + i, "x") == pairs.points()[3 * i]);
           pushed += states[k].lambda[i] > 0;
         }
       }
@@ -307,7 +307,7 @@ TEST_CASE("a checkpoint is read as it was written, and where it is damaged not a
          "objective.desired={displacement=[\"0\", \"0\"]}"}}) {
     const test::Ready ready("tests/data/block.toml", overrides);
     const control::ControlSpace controls(ready.problem.space, ready.problem.operators,
-                                         ready.problem.stepper.scheme(), ready.problem.steps(),
+                                         ready.problem.stepper.grid(), ready.problem.steps(),
                                          *ready.scene.control);
     Pieces pieces;
     pieces.u = std::make_shared<const control::Control>(some(controls));
@@ -342,7 +342,7 @@ TEST_CASE("a checkpoint is read as it was written, and where it is damaged not a
     finer.push_back("mesh.size=0.2");
     const test::Ready other("tests/data/block.toml", finer);
     const control::ControlSpace elsewhere(other.problem.space, other.problem.operators,
-                                          other.problem.stepper.scheme(), other.problem.steps(),
+                                          other.problem.stepper.grid(), other.problem.steps(),
                                           *other.scene.control);
     CHECK_THROWS_WITH(read(elsewhere, file),
                       ContainsSubstring("allowed is the mesh of the run that wrote it"));

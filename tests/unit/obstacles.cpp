@@ -1,7 +1,9 @@
 #include "base/collective.h"
 #include "base/error.h"
-#include "contact/dual_active_set.h"
+#include "contact/lcp/primal_dual.h"
 #include "contact/node_basis.h"
+#include "contact/normal_operator.h"
+#include "contact/placement.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
@@ -52,14 +54,15 @@ struct Walls {
   fem::Space space;
   fem::DirichletDofs clamped;
   petsc::Matrix D;
-  contact::Constraints constraints;
+  contact::ContactPairs pairs;
+  contact::NormalOperator N{pairs};
 
   explicit Walls(const std::string& contacts, const std::string& file = "block.toml",
                  std::vector<std::string> overrides = {})
       : scene(test::parse(test::source("tests/data/" + file), with(std::move(overrides), contacts))),
         mesh(MPI_COMM_WORLD, scene.mesh), space(mesh, scene.mesh.degree), clamped(space, scene.clamps),
         D(fem::assemble_step_operator(space, scene.materials, scene.time.step)),
-        constraints(space, clamped, scene.contacts) {}
+        pairs(space, clamped, scene.contacts) {}
 
   static std::vector<std::string> with(std::vector<std::string> overrides, const std::string& contacts) {
     overrides.push_back("contact=[" + contacts + "]");
@@ -73,13 +76,14 @@ struct Walls {
     scene::Solver settings = scene.solver;
     settings.linear = linear;
     settings.vi = vi;
-    return {std::move(same), &constraints, settings, true};
+    return {std::move(same), &pairs, settings, true};
   }
 
   /// y of the contact step for r, from no contact; `state` becomes its contact.
   petsc::Vector solve(const forward::StepSolver& solver, Vec r, contact::ContactState& state) const {
     petsc::Vector y = space.vector();
-    solver.vi()->solve(r, constraints.psi(), contact::ContactState(constraints.count()), state, y);
+    contact::Workspace work = solver.contact()->workspace();
+    solver.contact()->solve(r, pairs.psi(), {}, state, y, work);
     return y;
   }
 
@@ -96,7 +100,7 @@ struct Walls {
     petsc::Vector defect = space.vector();
     check(MatMult(D, y, defect));
     check(VecAXPY(defect, -1, r));
-    constraints.add_normal(1, state.lambda, defect);
+    contact::NormalOperator(pairs).add(1, state.lambda, defect);
     return test::largest(defect) / test::largest(r);
   }
 };
@@ -241,7 +245,7 @@ TEST_CASE("the dual active-set method solves singular problems or tells that the
       basis.add(&N[static_cast<std::size_t>(2 * j)]);
     return !basis.add(&N[static_cast<std::size_t>(2 * i)]);
   };
-  const contact::DualActiveSet solver(m);
+  contact::GoldfarbIdnaniWork work(m);
   contact::ActiveSet set;
   int pairs = 0;
   for (int which = 0; which < 50; ++which) {
@@ -251,7 +255,7 @@ TEST_CASE("the dual active-set method solves singular problems or tells that the
     for (int i = 0; i < m; ++i)
       gap[static_cast<std::size_t>(i)] = 1 - r * (N[2 * i] * std::cos(a) + N[2 * i + 1] * std::sin(a));
     int steps = 0;
-    REQUIRE(solver.solve(S, gap, 1e-14, depends, set, lambda, steps));
+    REQUIRE(contact::goldfarb_idnani(S, gap, 1e-14, depends, set, lambda, steps, work));
     CHECK(set.size() <= 2);
     pairs += set.size() == 2;
     for (std::size_t i = 0; i < m; ++i) {
@@ -267,26 +271,26 @@ TEST_CASE("the dual active-set method solves singular problems or tells that the
   CHECK(pairs > 5);
   std::vector<double> empty(m, -0.1); // n·x ≤ −0.1 all round
   int steps = 0;
-  CHECK_FALSE(solver.solve(S, empty, 1e-14, depends, set, lambda, steps));
+  CHECK_FALSE(contact::goldfarb_idnani(S, empty, 1e-14, depends, set, lambda, steps, work));
 }
 
 TEST_CASE("candidates are numbered by place, then by obstacle", "[contact]") {
   const Walls walls(half_space("left", "[-0.1, 0]", "[1, 0]") + half_space("bottom", "[0, -0.2]", "[0, 1]"));
-  const contact::Constraints& constraints = walls.constraints;
-  REQUIRE(constraints.count() == 10);
-  CHECK_FALSE(constraints.dependent());
+  const contact::ContactPairs& pairs = walls.pairs;
+  REQUIRE(pairs.count() == 10);
+  CHECK_FALSE(pairs.dependent());
   // The left side from below, the corner twice, then along the bottom.
   const std::vector<int> obstacles{0, 1, 0, 0, 0, 0, 1, 1, 1, 1}, nodes{0, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-  CHECK(constraints.obstacles() == obstacles);
-  CHECK(constraints.nodes() == nodes);
+  CHECK(pairs.obstacles() == obstacles);
+  CHECK(pairs.node_numbers() == nodes);
   for (std::size_t i = 0; i < 10; ++i) {
     const bool left = obstacles[i] == 0;
-    CHECK(constraints.normals()[2 * i] == (left ? -1 : 0));
-    CHECK(constraints.normals()[2 * i + 1] == (left ? 0 : -1));
-    CHECK(std::abs(constraints.psi()[i] - (left ? 0.1 : 0.2)) < 1e-12);
+    CHECK(pairs.normals()[2 * i] == (left ? -1 : 0));
+    CHECK(pairs.normals()[2 * i + 1] == (left ? 0 : -1));
+    CHECK(std::abs(pairs.psi()[i] - (left ? 0.1 : 0.2)) < 1e-12);
   }
-  CHECK(constraints.directions() == constraints.normals());
-  CHECK(constraints.first_dofs()[0] == constraints.first_dofs()[1]);
+  CHECK(pairs.directions() == pairs.normals());
+  CHECK(pairs.first_dofs()[0] == pairs.first_dofs()[1]);
 }
 
 TEST_CASE("several obstacles at a node: all solvers find the solution, which is complementary", "[contact]") {
@@ -310,9 +314,9 @@ TEST_CASE("several obstacles at a node: all solvers find the solution, which is 
              {"0", "-0.4*x"},
              true}}) {
     const Walls walls(contacts, "block.toml", {"mesh.size=0.1"});
-    REQUIRE(walls.constraints.dependent() == dependent);
+    REQUIRE(walls.pairs.dependent() == dependent);
     const petsc::Vector r = walls.pushing(motion);
-    contact::ContactState a(walls.constraints.count()), b(walls.constraints.count());
+    contact::ContactState a(walls.pairs.count()), b(walls.pairs.count());
     const forward::StepSolver direct = walls.solver("direct"), iterative = walls.solver("iterative");
     const petsc::Vector y = walls.solve(direct, r, a), z = walls.solve(iterative, r, b);
     CHECK(a.count(contact::Status::strong) > 1);
@@ -328,18 +332,19 @@ TEST_CASE("several obstacles at a node: all solvers find the solution, which is 
     for (const forward::StepSolver* solver : {&direct, &iterative}) {
       const petsc::Vector q = walls.pushing({"x - y", "1 + x*y"});
       petsc::Vector p = walls.space.vector();
-      solver->sliding()->solve_sliding(q, a.active, p);
+      contact::Workspace work = solver->contact()->workspace();
+      solver->contact()->solve_sliding(q, a.active, p, work);
       std::vector<double> normal(a.lambda.size());
-      walls.constraints.normal_components(p, normal);
+      walls.N.normal_components(p, normal);
       for (int i : a.active)
         CHECK(std::abs(normal[static_cast<std::size_t>(i)]) < 1e-12 * test::largest(p));
       petsc::Vector left = walls.space.vector();
       check(MatMult(walls.D, p, left));
       check(VecAYPX(left, -1, q));
       contact::ActiveSet set = a.active;
-      walls.constraints.drop_dependent(set);
-      walls.constraints.forces(set, left, normal);
-      walls.constraints.add_normal(-1, normal, left);
+      contact::drop_dependent(walls.pairs, set);
+      walls.N.forces(set, left, normal);
+      walls.N.add(-1, normal, left);
       CHECK(test::largest(left) < 1e-9 * test::largest(q));
     }
   }
@@ -358,20 +363,23 @@ TEST_CASE("obstacles that leave no room are refused, at the start and on the way
       ContainsSubstring("no room") && ContainsSubstring("t = 0 s"));
   const Walls walls(half_space("left", "[-0.1, 0]", "[1, 0]") +
                     half_space("left", "[\"0.1 - t\", 0]", "[-1, 0]"));
-  CHECK_NOTHROW(walls.constraints.psi(0.19));
-  CHECK_THROWS_WITH(walls.constraints.psi(0.21),
+  contact::ContactPairs::Gaps gaps = walls.pairs.gaps();
+  CHECK_NOTHROW(walls.pairs.psi(0.19, gaps));
+  CHECK_THROWS_WITH(walls.pairs.psi(0.21, gaps),
                     ContainsSubstring("no room") && ContainsSubstring("t = 0.21 s"));
 }
 
 TEST_CASE("gaps follow obstacles that move, and others stay", "[contact]") {
   const Walls walls(half_space("left", "[-0.1, 0]", "[1, 0]") +
                     half_space("bottom", "[0, \"-0.2 + 0.5*t\"]", "[0, 1]"));
-  const std::vector<double> start(walls.constraints.psi().begin(), walls.constraints.psi().end());
-  const std::span<const double> later = walls.constraints.psi(0.1);
+  const std::vector<double> start(walls.pairs.psi().begin(), walls.pairs.psi().end());
+  contact::ContactPairs::Gaps gaps = walls.pairs.gaps();
+  const std::span<const double> later = walls.pairs.psi(0.1, gaps);
   for (std::size_t i = 0; i < later.size(); ++i)
-    CHECK(std::abs(later[i] - start[i] + (walls.constraints.obstacles()[i] == 1 ? 0.05 : 0)) < 1e-15);
+    CHECK(std::abs(later[i] - start[i] + (walls.pairs.obstacles()[i] == 1 ? 0.05 : 0)) < 1e-15);
   const Walls still(half_space("left", "[-0.1, 0]", "[1, 0]"));
-  CHECK(still.constraints.psi(7).data() == still.constraints.psi().data());
+  gaps = still.pairs.gaps();
+  CHECK(still.pairs.psi(7, gaps).data() == still.pairs.psi().data());
 }
 
 TEST_CASE("nodes that start inside are moved out the shortest way if asked", "[contact]") {
@@ -382,7 +390,7 @@ TEST_CASE("nodes that start inside are moved out the shortest way if asked", "[c
     // A plane over the bottom: its nodes go up along the normal, all others stay.
     const Walls walls(project("boundary", "[0, 0.1]", "[0.75, 1]"));
     petsc::Vector y = walls.space.vector(), exact = walls.space.vector();
-    walls.constraints.place_outside(y);
+    contact::place_outside(walls.pairs, y);
     walls.space.interpolate(
         scene::Field({"0.6*max(0, 0.08 - 0.6*x - 0.8*y)", "0.8*max(0, 0.08 - 0.6*x - 0.8*y)"}, "test", false),
         0, exact);
@@ -395,14 +403,14 @@ TEST_CASE("nodes that start inside are moved out the shortest way if asked", "[c
     const Walls walls(project("left", "[0.1, 0]", "[1, 0]") + project("bottom", "[0, 0.2]", "[-1, 1]") +
                       project("left", "[0.05, 0]", "[1, 0]"));
     petsc::Vector y = walls.space.vector();
-    walls.constraints.place_outside(y);
-    std::vector<double> gap(static_cast<std::size_t>(walls.constraints.count()));
-    walls.constraints.gap(walls.constraints.psi(), y, gap);
+    contact::place_outside(walls.pairs, y);
+    std::vector<double> gap(static_cast<std::size_t>(walls.pairs.count()));
+    walls.N.gap(walls.pairs.psi(), y, gap);
     CHECK(std::ranges::min(gap) > -1e-15);
     // The corner node goes to (0.1, 0.3), not to (0.1, 0.2) as one after the other would.
     std::vector<double> normal(gap.size());
-    walls.constraints.normal_components(y, normal);
-    CHECK(walls.constraints.obstacles()[0] == 0);
+    walls.N.normal_components(y, normal);
+    CHECK(walls.pairs.obstacles()[0] == 0);
     CHECK(std::abs(normal[0] + 0.1) < 1e-15);
     CHECK(std::abs(normal[1] + (0.3 - 0.1) / std::numbers::sqrt2) < 1e-15);
   }
@@ -410,7 +418,7 @@ TEST_CASE("nodes that start inside are moved out the shortest way if asked", "[c
     // Only the contact that asks for it.
     const Walls walls(project("left", "[0.1, 0]", "[1, 0]") + half_space("bottom", "[0, 0.2]", "[0, 1]"));
     petsc::Vector y = walls.space.vector();
-    CHECK_THROWS_WITH(walls.constraints.place_outside(y),
+    CHECK_THROWS_WITH(contact::place_outside(walls.pairs, y),
                       ContainsSubstring("contact[1]: ") && ContainsSubstring("0.2 m inside"));
   }
   {
@@ -419,7 +427,7 @@ TEST_CASE("nodes that start inside are moved out the shortest way if asked", "[c
         "-0.3], radius = 0.5 } }",
         "cube.toml");
     petsc::Vector y = walls.space.vector(), exact = walls.space.vector();
-    walls.constraints.place_outside(y);
+    contact::place_outside(walls.pairs, y);
     const std::string out = "max(0, 0.5/sqrt((x + 0.2)^2 + (y + 0.1)^2 + (z + 0.3)^2) - 1)";
     walls.space.interpolate(
         scene::Field({"(x + 0.2)*" + out, "(y + 0.1)*" + out, "(z + 0.3)*" + out}, "test", false), 0, exact);
@@ -433,25 +441,25 @@ TEST_CASE("a candidate whose twin carries the force is not weak", "[contact]") {
   for (const char* linear : {"direct", "iterative"}) {
     const Walls walls(floor + floor, "block.toml", {"time.step=1e-4"});
     const forward::StepSolver solver = walls.solver(linear);
-    REQUIRE(walls.constraints.dependent());
-    contact::ContactState state(walls.constraints.count());
+    REQUIRE(walls.pairs.dependent());
+    contact::ContactState state(walls.pairs.count());
     // Pressed down, all are held, each with a share that is any; without weight each could be lifted.
     const petsc::Vector down = walls.pushing({"0", "-1"});
     (void)walls.solve(solver, down, state);
-    CHECK(state.count(contact::Status::strong) == walls.constraints.count());
+    CHECK(state.count(contact::Status::strong) == walls.pairs.count());
     check(VecZeroEntries(down));
     (void)walls.solve(solver, down, state);
-    CHECK(state.count(contact::Status::weak) == walls.constraints.count());
+    CHECK(state.count(contact::Status::weak) == walls.pairs.count());
     // One end is pressed down, the other touches.
     const petsc::Vector tilted = walls.pushing({"0", "max(0.5 - x, 0)*(0 - 1)"});
     (void)walls.solve(solver, tilted, state);
-    const std::vector<double>& x = walls.constraints.points();
+    const std::vector<double>& x = walls.pairs.points();
     for (std::size_t i = 0; i < state.status.size(); i += 2) {
       INFO(linear << ", at " << x[3 * i]);
       CHECK(state.status[i] == state.status[i + 1]);
     }
     CHECK(state.count(contact::Status::strong) > 0);
-    CHECK(state.count(contact::Status::strong) < walls.constraints.count());
+    CHECK(state.count(contact::Status::strong) < walls.pairs.count());
   }
 }
 
@@ -460,13 +468,13 @@ TEST_CASE("the obstacles of a node follow each other in their order, at many nod
                         half_space("bottom", "[0, -0.2]", "[0.1, 1]") +
                         half_space("bottom", "[0, -0.3]", "[0.2, 1]"),
                     "block.toml", {"mesh.size=0.02"});
-  const contact::Constraints& constraints = walls.constraints;
-  REQUIRE(constraints.count() == 3 * 51);
-  for (int i = 0; i < constraints.count(); ++i) {
+  const contact::ContactPairs& pairs = walls.pairs;
+  REQUIRE(pairs.count() == 3 * 51);
+  for (int i = 0; i < pairs.count(); ++i) {
     const auto j = static_cast<std::size_t>(i);
-    CHECK(constraints.obstacles()[j] == i % 3);
-    CHECK(constraints.nodes()[j] == i / 3);
-    CHECK(std::abs(constraints.points()[3 * j] - 0.02 * (i / 3)) < 1e-10);
+    CHECK(pairs.obstacles()[j] == i % 3);
+    CHECK(pairs.node_numbers()[j] == i / 3);
+    CHECK(std::abs(pairs.points()[3 * j] - 0.02 * (i / 3)) < 1e-10);
   }
 }
 
@@ -477,9 +485,9 @@ TEST_CASE("a node that clamps hold wholly is no candidate and needs no plane", "
       "0.01\" } },";
   CHECK_THROWS_WITH(Walls(nowhere), ContainsSubstring("no slope") && ContainsSubstring("(0, 0, 0)"));
   const Walls walls(nowhere, "block.toml", {"clamp=[{on=\"bottom\"}]"});
-  CHECK(walls.constraints.count() == 16 - 5);
-  for (int i = 0; i < walls.constraints.count(); ++i)
-    CHECK(walls.constraints.points()[3 * static_cast<std::size_t>(i) + 1] > 0.2);
+  CHECK(walls.pairs.count() == 16 - 5);
+  for (int i = 0; i < walls.pairs.count(); ++i)
+    CHECK(walls.pairs.points()[3 * static_cast<std::size_t>(i) + 1] > 0.2);
 }
 
 TEST_CASE("directions may follow each other without a gap", "[contact]") {
@@ -507,7 +515,7 @@ TEST_CASE("the dual active-set method solves regular problems with many constrai
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
   const auto depends = [](const contact::ActiveSet&, int) { return false; };
-  const contact::DualActiveSet solver(m);
+  contact::GoldfarbIdnaniWork work(m);
   std::size_t most = 0;
   int left = 0; // constraints that were in the set on the way, but not at the end
   for (int which = 0; which < 100; ++which) {
@@ -521,7 +529,7 @@ TEST_CASE("the dual active-set method solves regular problems with many constrai
       g = normal(random) - 0.5;
     contact::ActiveSet set;
     int steps = 0;
-    REQUIRE(solver.solve(S, gap0, 1e-13, depends, set, lambda, steps));
+    REQUIRE(contact::goldfarb_idnani(S, gap0, 1e-13, depends, set, lambda, steps, work));
     most = std::max(most, set.size());
     left += steps - static_cast<int>(set.size());
     for (std::size_t i = 0; i < m; ++i) {

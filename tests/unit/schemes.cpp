@@ -19,15 +19,15 @@ struct Moved {
   mesh::Mesh mesh;
   fem::Space space;
   fem::DirichletDofs clamped;
-  contact::Constraints constraints;
+  contact::ContactPairs pairs;
+  contact::NormalOperator N{pairs};
   petsc::Matrix before, after;
 
   Moved(const std::string& file, const std::vector<std::string>& overrides)
       : scene(test::parse(test::source(file), overrides)), mesh(MPI_COMM_WORLD, scene.mesh),
-        space(mesh, scene.mesh.degree), clamped(space, scene.clamps),
-        constraints(space, clamped, scene.contacts), before(fem::assemble_mass(space, scene.materials)),
-        after(contact::massless(space, constraints, std::vector<bool>(scene.contacts.size(), true), before)) {
-  }
+        space(mesh, scene.mesh.degree), clamped(space, scene.clamps), pairs(space, clamped, scene.contacts),
+        before(fem::assemble_mass(space, scene.materials)),
+        after(contact::massless(space, pairs, std::vector<bool>(scene.contacts.size(), true), before)) {}
 };
 
 double product(Mat matrix, Vec x, Vec y) {
@@ -56,7 +56,7 @@ TEST_CASE("massless contact keeps the mass, its moments and the moments of inert
            {"tests/data/block.toml", {"mesh.size=0.1", in_a_corner}},
            {"tests/data/cube.toml", {}}}) {
     const Moved body(file, overrides);
-    REQUIRE(body.constraints.count() > 0);
+    REQUIRE(body.pairs.count() > 0);
     // All linear velocity fields, of which rigid motions are some.
     std::vector<scene::Components> fields;
     for (int c = 0; c < body.space.dim(); ++c)
@@ -75,12 +75,12 @@ TEST_CASE("massless contact keeps the mass, its moments and the moments of inert
         CHECK(std::abs(product(body.after, x, y) - product(body.before, x, y)) < 1e-12);
       }
     // None is left where contact acts, none of it is negative, and the rest of the body keeps its own.
-    const auto m = static_cast<std::size_t>(body.constraints.count());
+    const auto m = static_cast<std::size_t>(body.pairs.count());
     for (std::size_t i = 0; i < m; ++i) {
       std::vector<double> one(m, 0.0);
       one[i] = 1;
       check(VecZeroEntries(x));
-      body.constraints.add_normal(1, one, x);
+      body.N.add(1, one, x);
       check(MatMult(body.after, x, y));
       CHECK(test::largest(y) < 1e-14 * product(body.before, x, x));
     }
@@ -100,51 +100,52 @@ TEST_CASE("the predictor goes to the nearest place in the norm of the mass", "[f
     settings.emplace_back("time.scheme=\"contact-stabilized\"");
     const test::Ready ready(file, settings);
     const forward::Stepper& stepper = ready.problem.stepper;
-    const contact::Constraints& constraints = *stepper.constraints();
-    const auto m = static_cast<std::size_t>(constraints.count());
+    const contact::ContactPairs& pairs = *stepper.pairs();
+    const auto m = static_cast<std::size_t>(pairs.count());
     contact::ActiveSet touched;
+    forward::Predictor::Workspace storage = stepper.predictor()->workspace();
     petsc::Vector x = ready.problem.space.vector(), work = petsc::zero_like(x);
-    CHECK_FALSE(stepper.predictor()->jump(constraints.psi(), x, {}, touched));
+    CHECK_FALSE(stepper.predictor()->jump(pairs.psi(), x, {}, touched, storage));
     CHECK(touched.empty());
     // Half of the candidates are pushed in by as much as they are away, all of them unevenly.
     std::vector<double> push(m), gap(m), normal(m);
     for (std::size_t i = 0; i < m; ++i)
-      push[i] = constraints.psi()[i] + (i % 2 ? 0.05 : -0.05);
-    constraints.add_normal(1, push, x);
+      push[i] = pairs.psi()[i] + (i % 2 ? 0.05 : -0.05);
+    contact::NormalOperator(pairs).add(1, push, x);
     stepper.clamped().clear(x);
-    const Vec jump = stepper.predictor()->jump(constraints.psi(), x, {}, touched);
+    const Vec jump = stepper.predictor()->jump(pairs.psi(), x, {}, touched, storage);
     REQUIRE(jump);
     REQUIRE(!touched.empty());
     petsc::Vector z = petsc::copy(x);
     check(VecAXPY(z, 1, jump));
-    constraints.gap(constraints.psi(), z, gap);
+    contact::NormalOperator(pairs).gap(pairs.psi(), z, gap);
     for (std::size_t i = 0; i < m; ++i) {
-      CHECK(gap[i] > -constraints.gap_tolerance());
+      CHECK(gap[i] > -pairs.gap_tolerance());
       if (std::ranges::find(touched, static_cast<int>(i)) != touched.end())
-        CHECK(gap[i] < constraints.gap_tolerance());
+        CHECK(gap[i] < pairs.gap_tolerance());
     }
     // M (z − x) is made of pushes off the obstacle, at touched candidates alone.
     check(MatMult(stepper.M(), jump, work));
     stepper.clamped().clear(work);
     const double size = test::largest(work);
-    constraints.normal_components(work, normal);
+    contact::NormalOperator(pairs).normal_components(work, normal);
     for (std::size_t i = 0; i < m; ++i)
       if (std::ranges::find(touched, static_cast<int>(i)) == touched.end())
         normal[i] = 0;
       else
         CHECK(normal[i] < 1e-8 * size);
-    constraints.add_normal(-1, normal, work);
+    contact::NormalOperator(pairs).add(-1, normal, work);
     CHECK(test::largest(work) < 1e-8 * size);
     // The linearised projection: its own transpose with M, and nothing is left of a projected vector.
     const petsc::Vector a = test::smooth(ready.problem.space, 1), b = test::smooth(ready.problem.space, 2);
     stepper.clamped().clear(a);
     stepper.clamped().clear(b);
-    petsc::Vector ja = petsc::copy(stepper.predictor()->linearised_jump(touched, a)),
-                  jb = petsc::copy(stepper.predictor()->linearised_jump(touched, b));
+    petsc::Vector ja = petsc::copy(stepper.predictor()->linearised_jump(touched, a, storage)),
+                  jb = petsc::copy(stepper.predictor()->linearised_jump(touched, b, storage));
     const double scale = std::abs(product(stepper.M(), a, b));
     CHECK(std::abs(product(stepper.M(), ja, b) - product(stepper.M(), a, jb)) < 1e-9 * scale);
     check(VecAXPY(ja, 1, a));
-    const Vec again = stepper.predictor()->linearised_jump(touched, ja);
+    const Vec again = stepper.predictor()->linearised_jump(touched, ja, storage);
     CHECK(test::largest(again) < 1e-9 * test::largest(a));
   }
 }

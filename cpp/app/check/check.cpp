@@ -14,8 +14,8 @@ namespace {
 class ContactWatch {
 public:
   explicit ContactWatch(const forward::Stepper& stepper)
-      : constraints_(*stepper.constraints()), scheme_(stepper.scheme()),
-        before_(constraints_.psi().begin(), constraints_.psi().end()) {}
+      : pairs_(*stepper.pairs()), grid_(stepper.grid()), gaps_(pairs_.gaps()),
+        before_(pairs_.psi().begin(), pairs_.psi().end()) {}
 
   void observe(const forward::Frame& frame, double contact_work) {
     if (frame.k == 0)
@@ -26,10 +26,10 @@ public:
     weak += state.count(contact::Status::weak);
     most = std::max(most, strong);
     projected += !state.predictor.empty();
-    if (constraints_.moving()) {
-      const std::span<const double> psi = constraints_.psi(scheme_.time(frame.k));
+    if (pairs_.moving()) {
+      const std::span<const double> psi = pairs_.psi(grid_.time(frame.k), gaps_);
       for (std::size_t i = 0; i < psi.size(); ++i)
-        contact_work += state.lambda[i] / scheme_.impulse() * (psi[i] - before_[i]);
+        contact_work += state.lambda[i] / grid_.scheme(frame.k).impulse() * (psi[i] - before_[i]);
       before_.assign(psi.begin(), psi.end());
     }
     work = std::max(work, contact_work);
@@ -41,16 +41,17 @@ public:
   double work = 0;
 
 private:
-  const contact::Constraints& constraints_;
-  forward::Scheme scheme_;
+  const contact::ContactPairs& pairs_;
+  forward::TimeGrid grid_;
+  contact::ContactPairs::Gaps gaps_;
   std::vector<double> before_;
 };
 
 /// Adds the rows of a whole motion: energy law, momentum, complementarity, contact. Throws Interrupted.
 void invariants(const Problem& problem, const forward::ForceAtStep& load, std::vector<CheckRow>& rows) {
-  const contact::Constraints* constraints = problem.stepper.constraints();
+  const contact::ContactPairs* pairs = problem.stepper.pairs();
   std::optional<ContactWatch> contact;
-  if (constraints)
+  if (pairs)
     contact.emplace(problem.stepper);
   forward::Balance weigh(problem.stepper);
   forward::Invariants watch(problem.stepper);
@@ -81,8 +82,8 @@ void invariants(const Problem& problem, const forward::ForceAtStep& load, std::v
                     "in one step at least", contact->projected > 0});
   if (contact->steps == 0)
     return;
-  rows.push_back(below(constraints->moving() ? "contact adds no work to the obstacles', work / largest energy"
-                                             : "contact never does work, work / largest energy",
+  rows.push_back(below(pairs->moving() ? "contact adds no work to the obstacles', work / largest energy"
+                                       : "contact never does work, work / largest energy",
                        contact->work / energy, tolerance));
 }
 

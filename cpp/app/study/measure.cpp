@@ -70,7 +70,7 @@ public:
 
   void operator()(const forward::Frame& frame) {
     const forward::StepBalance balance = weigh_(frame);
-    const double tau = problem_.stepper.scheme().tau, t = problem_.stepper.scheme().time(frame.k);
+    const double tau = problem_.stepper.grid().tau, t = problem_.stepper.grid().time(frame.k);
     energy_ = std::max(energy_, balance.kinetic_energy + balance.elastic_energy);
     lost_ -= balance.contact_work;
     const std::array<double, 3>& force = balance.contact_force;
@@ -101,7 +101,7 @@ public:
   }
 
   void report(Measured& measured) {
-    const double tau = problem_.stepper.scheme().tau;
+    const double tau = problem_.stepper.grid().tau;
     if (displacement_)
       measured.fields["displacement"] = displacement_->take();
     const auto give = [&](const char* name, double value) {
@@ -122,12 +122,13 @@ private:
   /// forces of single ones alternate.
   [[nodiscard]] double pressure_error() const {
     const scene::Field exact({*problem_.scene.exact->pressure}, "exact.pressure", false);
-    const std::vector<double>& points = problem_.stepper.constraints()->points();
+    const std::vector<double>& points = problem_.stepper.pairs()->points();
     std::vector<double> mean(points.size() / 3, 0.0);
     for (const std::vector<double>& force : last_forces_)
       for (std::size_t i = 0; i < mean.size(); ++i)
         mean[i] += force[i] / static_cast<double>(last_forces_.size());
-    const std::vector<double> found = (*pressure_)(std::move(mean), problem_.stepper.scheme().impulse());
+    const std::vector<double> found =
+        (*pressure_)(std::move(mean), problem_.stepper.grid().scheme(1).impulse());
     double error = 0, size = 0;
     for (std::size_t i = 0; i < found.size(); ++i) {
       const double area = pressure_->area()[i];

@@ -14,7 +14,7 @@ namespace {
 
 /// ∫ φ over an obstacle's group for the node of each of its candidates that this rank owns; 0 for the others.
 std::vector<double> shares(const Problem& problem, std::size_t obstacle) {
-  const contact::Constraints& constraints = *problem.stepper.constraints();
+  const contact::ContactPairs& pairs = *problem.stepper.pairs();
   const petsc::Matrix mass = fem::assemble_L2(problem.space, problem.scene.contacts[obstacle].on,
                                               scene::contact_key(problem.scene.contacts, obstacle) + ".on");
   const petsc::Vector one = problem.space.vector(), sum = problem.space.vector();
@@ -23,10 +23,10 @@ std::vector<double> shares(const Problem& problem, std::size_t obstacle) {
   PetscInt begin = 0, end = 0;
   check(VecGetOwnershipRange(sum, &begin, &end));
   const petsc::ReadArray values(sum);
-  std::vector<double> found(static_cast<std::size_t>(constraints.count()), 0.0);
+  std::vector<double> found(static_cast<std::size_t>(pairs.count()), 0.0);
   for (std::size_t j = 0; j < found.size(); ++j)
-    if (const PetscInt dof = constraints.first_dofs()[j];
-        constraints.obstacles()[j] == static_cast<int>(obstacle) && dof >= begin && dof < end)
+    if (const PetscInt dof = pairs.first_dofs()[j];
+        pairs.obstacles()[j] == static_cast<int>(obstacle) && dof >= begin && dof < end)
       found[j] = values[static_cast<std::size_t>(dof - begin)];
   return found;
 }
@@ -78,7 +78,7 @@ std::vector<EdgeNodes> edges_on(const fem::Space& space, const std::string& grou
 } // namespace
 
 Pressure::Pressure(const Problem& problem)
-    : area_(static_cast<std::size_t>(problem.stepper.constraints()->count()), 0.0) {
+    : area_(static_cast<std::size_t>(problem.stepper.pairs()->count()), 0.0) {
   for (std::size_t i = 0; i < problem.scene.contacts.size(); ++i) {
     const std::vector<double> own = shares(problem, i);
     std::ranges::transform(area_, own, area_.begin(), std::plus<>());
@@ -99,11 +99,11 @@ Pressure::Pressure(const Problem& problem)
 }
 
 void Pressure::add_edges(const Problem& problem, int obstacle) {
-  const contact::Constraints& constraints = *problem.stepper.constraints();
+  const contact::ContactPairs& pairs = *problem.stepper.pairs();
   std::map<std::int64_t, int> candidate; // of each node
-  for (int j = 0; j < constraints.count(); ++j)
-    if (constraints.obstacles()[static_cast<std::size_t>(j)] == obstacle)
-      candidate[constraints.first_dofs()[static_cast<std::size_t>(j)] / problem.space.dim()] = j;
+  for (int j = 0; j < pairs.count(); ++j)
+    if (pairs.obstacles()[static_cast<std::size_t>(j)] == obstacle)
+      candidate[pairs.first_dofs()[static_cast<std::size_t>(j)] / problem.space.dim()] = j;
   const auto candidate_at = [&](std::int64_t node) {
     const auto found = candidate.find(node);
     return found == candidate.end() ? -1 : found->second;

@@ -1,26 +1,8 @@
 #pragma once
-#include "contact/constraints.h"
 #include "contact/contact_state.h"
+#include "contact/pairs.h"
 
 namespace signorini::contact {
-
-/// Solver of one contact step: minimise ½ y·Dy − r·y over g(y) ≥ 0 (4.22), docs/method.md section 2.
-class ViSolver {
-public:
-  ViSolver();
-  virtual ~ViSolver() = default;
-
-  /// Solves for `y`, which holds a guess on entry, and for `state`, constructed for the m candidates; `psi`
-  /// (m) are the gaps of the undeformed body at the end of the step, in metres, `previous` is the previous
-  /// step's contact, from which the search starts. Collective. Throws SolverFailure with reason and residual.
-  virtual void solve(Vec r, std::span<const double> psi, const ContactSets& previous, ContactState& state,
-                     Vec y) const = 0;
-
-protected:
-  /// Counts a step whose inequality had to be solved. Solvers that test the motion without contact first do
-  /// not count steps in which it does not penetrate.
-  static void count_solved();
-};
 
 /// Classifies candidates as open, weakly or strongly active (4.36), and throws SolverFailure unless the state
 /// is complementary. What counts as zero is relative to the quantities of the step itself, by rounding or an
@@ -29,7 +11,7 @@ protected:
 class Complementarity {
 public:
   /// Collective.
-  Complementarity(const Constraints& constraints, Mat D);
+  Complementarity(const ContactPairs& pairs, Mat D);
 
   /// Sets status and active sets of `state` from its λ and gaps and the step's solution y, whose relative
   /// error from the solver is `tolerance`, 0 for rounding alone. Collective. Throws SolverFailure if they are
@@ -59,7 +41,7 @@ private:
   [[nodiscard]] bool holds_to(double negligible, double motion, std::span<const double> lambda,
                               std::span<const double> gap) const;
 
-  const Constraints& constraints_;
+  const ContactPairs& pairs_;
   double gap_tolerance_;
   std::vector<double> stiffness_; ///< of D against moving a candidate's node alone along its direction (m)
 };

@@ -8,11 +8,11 @@ namespace signorini::contact {
 /// (Benson, Munson 2006): find lower ≤ x ≤ upper with K x + c zero between the bounds, ≥ 0 at the lower and ≤
 /// 0 at the upper one. The problem must be given in units in which a distance to a bound and a residual of
 /// one are negligible: those below a thousandth count as zero.
-class LinearVi {
+class SnesVi {
 public:
   /// Takes ownership of the bounds; `K` must outlive this object unchanged. PETSc options with the prefix
   /// `-<name>_` are honoured; `package` is the default one for factorising submatrices of K. Collective.
-  LinearVi(const std::string& name, Mat K, petsc::Vector lower, petsc::Vector upper, const char* package);
+  SnesVi(const std::string& name, Mat K, petsc::Vector lower, petsc::Vector upper, const char* package);
 
   /// Solves for `x`, starting from what it holds. Returns the number of Newton steps. Collective. Throws
   /// SolverFailure with reason and residual.

@@ -1,6 +1,6 @@
-#include "contact/vi_solver.h"
-#include "base/counters.h"
+#include "contact/lcp/complementarity.h"
 #include "base/error.h"
+#include "contact/lcp/primal_dual.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -19,30 +19,24 @@ double accuracy(double tolerance) {
   return rounding + share * tolerance;
 }
 
-long &solvers = count("VI solvers"), &solved = count("VIs solved");
-
 } // namespace
 
-ViSolver::ViSolver() { ++solvers; }
-
-void ViSolver::count_solved() { ++solved; }
-
-Complementarity::Complementarity(const Constraints& constraints, Mat D)
-    : constraints_(constraints), gap_tolerance_(constraints.gap_tolerance()) {
+Complementarity::Complementarity(const ContactPairs& pairs, Mat D)
+    : pairs_(pairs), gap_tolerance_(pairs.gap_tolerance()) {
   const petsc::Vector diagonal = fem::diagonal(D);
   // Σ_c n_c² D_cc is the stiffness against moving the node alone along n, the direction of its force, if D's
   // entries that couple the node's components are neglected.
-  const std::size_t m = static_cast<std::size_t>(constraints.count());
+  const std::size_t m = static_cast<std::size_t>(pairs.count());
   stiffness_.assign(m, 0.0);
   PetscInt begin = 0, end = 0;
   check(VecGetOwnershipRange(diagonal, &begin, &end));
   {
     const petsc::ReadArray d(diagonal);
-    const auto dim = static_cast<std::size_t>(constraints.dim());
+    const auto dim = static_cast<std::size_t>(pairs.dim());
     for (std::size_t i = 0; i < m; ++i)
-      if (const PetscInt first = constraints.first_dofs()[i]; first >= begin && first < end)
+      if (const PetscInt first = pairs.first_dofs()[i]; first >= begin && first < end)
         for (std::size_t c = 0; c < dim; ++c) {
-          const double n = constraints.directions()[i * dim + c];
+          const double n = pairs.directions()[i * dim + c];
           stiffness_[i] += n * n * d[static_cast<std::size_t>(first - begin) + c];
         }
   }
@@ -79,7 +73,7 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
   check(VecNorm(y, NORM_INFINITY, &size));
   const double motion = negligible_motion(state.lambda, size, tolerance);
   // Gaps are differences of positions, known to the rounding of coordinates.
-  const double closed = std::min(gap_tolerance_, accuracy(tolerance) * (constraints_.diameter() + size));
+  const double closed = std::min(gap_tolerance_, accuracy(tolerance) * (pairs_.diameter() + size));
   double penetration = 0, adhesion = 0, distance = 0;
   for (std::size_t i = 0; i < state.lambda.size(); ++i) {
     penetration = std::max(penetration, -state.gap[i]);
@@ -101,8 +95,7 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
     if (state.status[i] == Status::open && state.gap[i] <= closed)
       // It cannot open while the candidates with forces on which it depends are closed, and part of their
       // force may be assigned to it.
-      state.status[i] =
-          constraints_.depends(state.active, static_cast<int>(i)) ? Status::strong : Status::weak;
+      state.status[i] = depends(pairs_, state.active, static_cast<int>(i)) ? Status::strong : Status::weak;
   state.active.clear();
   for (std::size_t i = 0; i < state.status.size(); ++i) {
     if (state.status[i] != Status::open)

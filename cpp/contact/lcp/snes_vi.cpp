@@ -1,4 +1,4 @@
-#include "contact/linear_vi.h"
+#include "contact/lcp/snes_vi.h"
 #include "base/error.h"
 #include <fmt/format.h>
 
@@ -19,8 +19,7 @@ PetscErrorCode constant_jacobian(SNES, Vec, Mat, Mat, void*) { return PETSC_SUCC
 
 } // namespace
 
-LinearVi::LinearVi(const std::string& name, Mat K, petsc::Vector lower, petsc::Vector upper,
-                   const char* package)
+SnesVi::SnesVi(const std::string& name, Mat K, petsc::Vector lower, petsc::Vector upper, const char* package)
     : name_(name), lower_(std::move(lower)), upper_(std::move(upper)), residual_(petsc::zero_like(lower_)),
       constant_(petsc::zero_like(lower_)) {
   for (const auto& [key, value] :
@@ -48,7 +47,7 @@ LinearVi::LinearVi(const std::string& name, Mat K, petsc::Vector lower, petsc::V
   check(SNESSetFromOptions(snes_));
 }
 
-int LinearVi::solve(Vec c, Vec x) const {
+int SnesVi::solve(Vec c, Vec x) const {
   check(VecCopy(c, constant_));
   check(SNESSolve(snes_, nullptr, x));
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;

@@ -1,4 +1,4 @@
-#include "contact/full_vi.h"
+#include "contact/solver/full.h"
 #include "base/error.h"
 #include "base/text.h"
 #include <algorithm>
@@ -28,27 +28,27 @@ std::array<double, 9> frame(const double* n, double length, int dim, int axis) {
 }
 
 /// Index of the largest component of each candidate's direction.
-std::vector<int> largest_components(const Constraints& constraints) {
+std::vector<int> largest_components(const ContactPairs& pairs) {
   std::vector<int> axes;
-  for (int i = 0; i < constraints.count(); ++i) {
-    const double* n = &constraints.directions()[i * constraints.dim()];
+  for (int i = 0; i < pairs.count(); ++i) {
+    const double* n = &pairs.directions()[i * pairs.dim()];
     const auto smaller = [](double a, double b) { return std::abs(a) < std::abs(b); };
-    axes.push_back(static_cast<int>(std::max_element(n, n + constraints.dim(), smaller) - n));
+    axes.push_back(static_cast<int>(std::max_element(n, n + pairs.dim(), smaller) - n));
   }
   return axes;
 }
 
-std::vector<double> lengths(const Constraints& constraints) {
+std::vector<double> lengths(const ContactPairs& pairs) {
   std::vector<double> lengths;
-  for (int i = 0; i < constraints.count(); ++i) {
-    const double* n = &constraints.directions()[i * constraints.dim()];
-    lengths.push_back(std::sqrt(std::inner_product(n, n + constraints.dim(), n, 0.0)));
+  for (int i = 0; i < pairs.count(); ++i) {
+    const double* n = &pairs.directions()[i * pairs.dim()];
+    lengths.push_back(std::sqrt(std::inner_product(n, n + pairs.dim(), n, 0.0)));
   }
   return lengths;
 }
 
-void require_one_per_node(const Constraints& constraints) {
-  const std::vector<int>& nodes = constraints.nodes();
+void require_one_per_node(const ContactPairs& pairs) {
+  const std::vector<int>& nodes = pairs.node_numbers();
   const auto twin = std::ranges::adjacent_find(nodes);
   if (twin == nodes.end())
     return;
@@ -56,13 +56,13 @@ void require_one_per_node(const Constraints& constraints) {
       fmt::format("solver.vi: found \"full\" with {} obstacles for the node at {}, "
                   "allowed is \"condensed\": the full VI takes one obstacle per node",
                   std::ranges::count(nodes, *twin),
-                  point_text(&constraints.points()[3 * static_cast<std::size_t>(twin - nodes.begin())])));
+                  point_text(&pairs.points()[3 * static_cast<std::size_t>(twin - nodes.begin())])));
 }
 
-petsc::Matrix frames(const Constraints& constraints, Mat D, const std::vector<int>& axes,
+petsc::Matrix frames(const ContactPairs& pairs, Mat D, const std::vector<int>& axes,
                      const std::vector<double>& lengths) {
-  require_one_per_node(constraints);
-  const int dim = constraints.dim();
+  require_one_per_node(pairs);
+  const int dim = pairs.dim();
   petsc::Matrix Q;
   PetscInt rows = 0, begin = 0, end = 0;
   check(MatGetLocalSize(D, &rows, nullptr));
@@ -71,12 +71,12 @@ petsc::Matrix frames(const Constraints& constraints, Mat D, const std::vector<in
                      Q.put()));
   for (PetscInt i = begin; i < end; ++i)
     check(MatSetValue(Q, i, i, 1, INSERT_VALUES));
-  for (int i = 0; i < constraints.count(); ++i) {
-    const PetscInt first = constraints.first_dofs()[i];
+  for (int i = 0; i < pairs.count(); ++i) {
+    const PetscInt first = pairs.first_dofs()[i];
     if (first < begin || first >= end)
       continue;
     std::array<PetscInt, 3> dofs{first, first + 1, first + 2};
-    const std::array<double, 9> F = frame(&constraints.directions()[i * dim], lengths[i], dim, axes[i]);
+    const std::array<double, 9> F = frame(&pairs.directions()[i * dim], lengths[i], dim, axes[i]);
     check(MatSetValues(Q, dim, dofs.data(), dim, dofs.data(), F.data(), INSERT_VALUES));
   }
   check(MatAssemblyBegin(Q, MAT_FINAL_ASSEMBLY));
@@ -86,11 +86,10 @@ petsc::Matrix frames(const Constraints& constraints, Mat D, const std::vector<in
 
 } // namespace
 
-FullVi::FullVi(const Constraints& constraints, Mat D, const Complementarity& complementarity)
-    : constraints_(constraints), complementarity_(complementarity), length_unit_(constraints.gap_tolerance()),
-      axis_(largest_components(constraints)), length_(lengths(constraints)),
-      Q_(frames(constraints, D, axis_, length_)) {
-  if (constraints.held())
+FullSolver::FullSolver(const ContactPairs& pairs, Mat D)
+    : pairs_(pairs), N_(pairs), complementarity_(pairs, D), length_unit_(pairs.gap_tolerance()),
+      axis_(largest_components(pairs)), length_(lengths(pairs)), Q_(frames(pairs, D, axis_, length_)) {
+  if (pairs.held())
     diagonal_ = fem::diagonal(D);
   petsc::Matrix rows; // PETSc multiplies and extracts submatrices by rows, not by blocks
   check(MatConvert(D, MATAIJ, MAT_INITIAL_MATRIX, rows.put()));
@@ -107,18 +106,23 @@ FullVi::FullVi(const Constraints& constraints, Mat D, const Complementarity& com
   vi_.emplace("full_vi", D_, std::move(lower), std::move(upper), MATSOLVERMUMPS);
 }
 
-PetscInt FullVi::coordinate(std::size_t i) const {
+PetscInt FullSolver::coordinate(std::size_t i) const {
   PetscInt begin = 0, end = 0;
   check(VecGetOwnershipRange(z_, &begin, &end));
-  const PetscInt dof = constraints_.first_dofs()[i];
+  const PetscInt dof = pairs_.first_dofs()[i];
   return dof >= begin && dof < end ? dof - begin + axis_[i] : -1;
 }
 
-void FullVi::solve(Vec r, std::span<const double> psi, const ContactSets&, ContactState& state, Vec y) const {
+Workspace FullSolver::workspace() const {
+  return sliding_ ? sliding_->workspace() : Workspace(pairs_.count());
+}
+
+void FullSolver::solve(Vec r, std::span<const double> psi, const ActiveSet&, ContactState& state, Vec y,
+                       Workspace&) const {
   const std::size_t m = psi.size();
   check(MatMultTranspose(Q_, r, r_));
   check(VecScale(r_, -1 / force_unit_));
-  constraints_.hold(diagonal_, r, y);
+  N_.hold(diagonal_, r, y);
   check(MatMultTranspose(Q_, y, z_));
   check(VecScale(z_, 1 / length_unit_));
   {
@@ -126,8 +130,7 @@ void FullVi::solve(Vec r, std::span<const double> psi, const ContactSets&, Conta
     const petsc::WriteArray upper(vi_->upper()), z(z_);
     for (std::size_t i = 0; i < m; ++i)
       if (const PetscInt at = coordinate(i); at >= 0) {
-        upper[at] =
-            (psi[i] - constraints_.held_normal(static_cast<int>(i), known)) / length_[i] / length_unit_;
+        upper[at] = (psi[i] - N_.held_normal(static_cast<int>(i), known)) / length_[i] / length_unit_;
         // Rounding may put a guess on the bound slightly below it, where the solver would leave it: within
         // one unit, the gap tolerance, it counts as on the bound.
         if (z[at] >= upper[at] - 1)
@@ -147,7 +150,7 @@ void FullVi::solve(Vec r, std::span<const double> psi, const ContactSets&, Conta
   MPI_Allreduce(MPI_IN_PLACE, state.lambda.data(), static_cast<int>(m), MPI_DOUBLE, MPI_SUM, petsc::comm(r_));
   check(VecScale(z_, length_unit_));
   check(MatMult(Q_, z_, y));
-  constraints_.gap(psi, y, state.gap);
+  N_.gap(psi, y, state.gap);
   complementarity_.classify(state, y);
 }
 

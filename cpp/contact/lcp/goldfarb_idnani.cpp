@@ -1,4 +1,4 @@
-#include "contact/dual_active_set.h"
+#include "contact/lcp/goldfarb_idnani.h"
 #include "base/dense.h"
 #include "base/error.h"
 #include <cmath>
@@ -7,26 +7,27 @@
 
 namespace signorini::contact {
 
-DualActiveSet::DualActiveSet(std::size_t m) {
-  factor_.reserve(m * m);
-  r_.reserve(m);
-}
+namespace {
 
-void DualActiveSet::solve_on_set(std::span<const double> S, std::size_t m, const ActiveSet& set,
-                                 std::span<double> b) const {
-  factor_.clear();
+/// b ← S_AA⁻¹ b.
+void solve_on_set(std::span<const double> S, std::size_t m, const ActiveSet& set, std::vector<double>& factor,
+                  std::span<double> b) {
+  factor.clear();
   for (int i : set)
     for (int j : set)
-      factor_.push_back(S[static_cast<std::size_t>(i) * m + static_cast<std::size_t>(j)]);
-  if (const int pivot = factorise_dense(factor_, set.size()); pivot != 0)
+      factor.push_back(S[static_cast<std::size_t>(i) * m + static_cast<std::size_t>(j)]);
+  if (const int pivot = factorise_dense(factor, set.size()); pivot != 0)
     throw SolverFailure(fmt::format(
         "the condensed matrix of {} independent constraints is singular (pivot {})", set.size(), pivot));
-  solve_factorised(factor_, set.size(), b.first(set.size()));
+  solve_factorised(factor, set.size(), b.first(set.size()));
 }
 
-bool DualActiveSet::solve(std::span<const double> S, std::span<const double> gap0, double tolerance,
-                          const Depends& depends, ActiveSet& set, std::span<double> lambda,
-                          int& steps) const {
+} // namespace
+
+bool goldfarb_idnani(std::span<const double> S, std::span<const double> gap0, double tolerance,
+                     const Depends& depends, ActiveSet& set, std::span<double> lambda, int& steps,
+                     GoldfarbIdnaniWork& work) {
+  auto& [factor, r] = work;
   const std::size_t m = gap0.size();
   const auto gap = [&](std::size_t j) {
     double g = gap0[j];
@@ -51,28 +52,28 @@ bool DualActiveSet::solve(std::span<const double> S, std::span<const double> gap
       if (++steps > most)
         throw SolverFailure(fmt::format(
             "the active set did not settle in {} steps: {} of {} candidates closed", most, set.size(), m));
-      r_.clear();
+      r.clear();
       for (int i : set)
-        r_.push_back(S[static_cast<std::size_t>(i) * m + j]);
-      solve_on_set(S, m, set, r_);
+        r.push_back(S[static_cast<std::size_t>(i) * m + j]);
+      solve_on_set(S, m, set, factor, r);
       double slope = S[j * m + j], largest = 0;
       for (std::size_t i = 0; i < set.size(); ++i) {
-        slope -= r_[i] * S[static_cast<std::size_t>(set[i]) * m + j];
-        largest = std::max(largest, std::abs(r_[i]));
+        slope -= r[i] * S[static_cast<std::size_t>(set[i]) * m + j];
+        largest = std::max(largest, std::abs(r[i]));
       }
       const bool dependent = depends(set, static_cast<int>(j));
       const double g = gap(j) + S[j * m + j] * lambda[j];
       double step = dependent ? std::numeric_limits<double>::infinity() : std::max(0.0, -g / slope);
       std::size_t leaves = set.size();
       for (std::size_t i = 0; i < set.size(); ++i)
-        if (r_[i] > 1e-10 * largest) // the others are rounding
-          if (const double limit = lambda[static_cast<std::size_t>(set[i])] / r_[i]; limit < step)
+        if (r[i] > 1e-10 * largest) // the others are rounding
+          if (const double limit = lambda[static_cast<std::size_t>(set[i])] / r[i]; limit < step)
             step = limit, leaves = i;
       if (std::isinf(step))
         return false;
       for (std::size_t i = 0; i < set.size(); ++i) {
         double& force = lambda[static_cast<std::size_t>(set[i])];
-        force = std::max(0.0, force - step * r_[i]);
+        force = std::max(0.0, force - step * r[i]);
       }
       lambda[j] += step;
       closed = leaves == set.size();
@@ -83,12 +84,12 @@ bool DualActiveSet::solve(std::span<const double> S, std::span<const double> gap
     }
     set.insert(std::ranges::lower_bound(set, static_cast<int>(j)), static_cast<int>(j));
     // Recompute λ, so that rounding does not accumulate.
-    r_.clear();
+    r.clear();
     for (int i : set)
-      r_.push_back(-gap0[static_cast<std::size_t>(i)]);
-    solve_on_set(S, m, set, r_);
+      r.push_back(-gap0[static_cast<std::size_t>(i)]);
+    solve_on_set(S, m, set, factor, r);
     for (std::size_t i = 0; i < set.size(); ++i)
-      lambda[static_cast<std::size_t>(set[i])] = std::max(0.0, r_[i]);
+      lambda[static_cast<std::size_t>(set[i])] = std::max(0.0, r[i]);
   }
   return true;
 }

@@ -1,0 +1,152 @@
+#include "contact/pairs.h"
+#include "base/collective.h"
+#include "base/counters.h"
+#include "base/text.h"
+#include "contact/node_basis.h"
+#include "contact/placement.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <numeric>
+
+namespace signorini::contact {
+namespace {
+
+long& made = count("constraints");
+
+/// The components of a node that no clamp holds, one bit each.
+int free_components(const fem::DirichletDofs& clamped, int node, int dim) {
+  int free = 0;
+  for (int c = 0; c < dim; ++c)
+    free |= clamped.contains(node, c) ? 0 : 1 << c;
+  return free;
+}
+
+} // namespace
+
+ContactPairs::ContactPairs(const fem::Space& space, const fem::DirichletDofs& clamped,
+                           const std::vector<scene::Contact>& contacts)
+    : dim_(space.dim()), diameter_(space.mesh().diameter()), gap_tolerance_(1e-10 * diameter_),
+      comm_(space.comm()) {
+  ++made;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    keys_.push_back(scene::contact_key(contacts, i));
+    project_.push_back(contacts[i].project);
+    shapes_.emplace_back(contacts[i].obstacle, keys_.back() + ".obstacle", dim_, diameter_);
+    if (shapes_.back().moves())
+      moving_.push_back(i);
+  }
+  add_pairs(contacts, space, clamped);
+  group_by_node();
+  NodeWork work = node_work();
+  require_room(*this, psi_, 0, work);
+}
+
+ContactPairs::NodeWork ContactPairs::node_work() const {
+  std::size_t most = 0;
+  for (const Node& node : per_node_)
+    most = std::max(most, static_cast<std::size_t>(node.last - node.first));
+  return NodeWork(most);
+}
+
+ContactPairs::Gaps ContactPairs::gaps() const {
+  return {.psi = std::vector<double>(moving() ? psi_.size() : 0),
+          .advance = std::vector<double>(shapes_.size()),
+          .node = node_work()};
+}
+
+void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const fem::Space& space,
+                             const fem::DirichletDofs& clamped) {
+  std::vector<double> x;
+  std::vector<std::int64_t> first;
+  std::vector<int> kind; // for each: obstacle, free components
+  for (std::size_t obstacle = 0; obstacle < contacts.size(); ++obstacle)
+    for (int node : space.nodes_on(contacts[obstacle].on, keys_[obstacle] + ".on")) {
+      x.insert(x.end(), &space.points()[3 * node], &space.points()[3 * node] + 3);
+      first.push_back(space.first_dof() + node * dim_);
+      kind.push_back(static_cast<int>(obstacle));
+      kind.push_back(free_components(clamped, node, dim_));
+    }
+  x = gather(comm_, x);
+  first = gather(comm_, first);
+  kind = gather(comm_, kind);
+  std::vector<std::size_t> order(first.size());
+  std::iota(order.begin(), order.end(), 0);
+  // Coordinates of a node may differ in the last digits from one partition of the mesh to another.
+  const auto place = [&](double coordinate) { return std::llround(coordinate / gap_tolerance_); };
+  std::ranges::sort(order, {}, [&](std::size_t i) {
+    return std::array<std::int64_t, 5>{place(x[3 * i]), place(x[3 * i + 1]), place(x[3 * i + 2]), first[i],
+                                       kind[2 * i]};
+  });
+
+  std::vector<int> candidates(contacts.size());
+  clamped_dofs_.resize(contacts.size());
+  for (std::size_t i : order) {
+    const auto obstacle = static_cast<std::size_t>(kind[2 * i]);
+    if (kind[2 * i + 1] == 0) {
+      clamped_dofs_[obstacle].push_back(static_cast<PetscInt>(first[i]));
+      continue;
+    }
+    const Obstacle::Plane plane = shapes_[obstacle].at(&x[3 * i]);
+    std::array<double, 3> force{};
+    double free = 0;
+    for (int c = 0; c < dim_; ++c)
+      if (kind[2 * i + 1] & (1 << c)) {
+        force[c] = -plane.normal[c]; // ν points into the obstacle, the obstacle's normal out of it
+        free = std::hypot(free, force[c]);
+      }
+    if (free <= NodeBasis::parallel) { // the node cannot move towards the obstacle
+      clamped_dofs_[obstacle].push_back(static_cast<PetscInt>(first[i]));
+      continue;
+    }
+    held_ |= kind[2 * i + 1] != (1 << dim_) - 1;
+    for (int c = 0; c < dim_; ++c) {
+      normals_.push_back(-plane.normal[c]);
+      directions_.push_back(force[c]);
+    }
+    points_.insert(points_.end(), &x[3 * i], &x[3 * i] + 3);
+    psi_.push_back(plane.height);
+    first_dofs_.push_back(static_cast<PetscInt>(first[i]));
+    obstacles_.push_back(kind[2 * i]);
+    ++candidates[obstacle];
+  }
+  for (std::vector<PetscInt>& dofs : clamped_dofs_)
+    std::ranges::sort(dofs);
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    if (candidates[i] == 0)
+      throw UserError(fmt::format(
+          "{}.on: every node of the group \"{}\" is clamped against the obstacle, allowed is a group "
+          "with nodes that can move towards it",
+          keys_[i], contacts[i].on));
+  const PetscInt end = space.first_dof() + space.owned_nodes() * dim_;
+  for (PetscInt dof : first_dofs_)
+    local_.push_back(dof >= space.first_dof() && dof < end ? static_cast<int>(dof - space.first_dof()) : -1);
+}
+
+void ContactPairs::group_by_node() {
+  for (int i = 0; i < count();) {
+    Node node{i, i, false};
+    NodeBasis basis(dim_);
+    for (; node.last < count() && first_dofs_[node.last] == first_dofs_[i]; ++node.last) {
+      nodes_.push_back(static_cast<int>(per_node_.size()));
+      node.crowded |= !basis.add(direction(node.last));
+    }
+    dependent_ |= node.crowded;
+    per_node_.push_back(node);
+    i = node.last;
+  }
+}
+
+std::span<const double> ContactPairs::psi(double t, Gaps& gaps) const {
+  if (!moving())
+    return psi_;
+  for (std::size_t obstacle : moving_)
+    gaps.advance[obstacle] = shapes_[obstacle].advance(t);
+  for (std::size_t i = 0; i < psi_.size(); ++i)
+    gaps.psi[i] = psi_[i] - gaps.advance[static_cast<std::size_t>(obstacles_[i])];
+  require_room(*this, gaps.psi, t, gaps.node);
+  return gaps.psi;
+}
+
+} // namespace signorini::contact

@@ -1,0 +1,137 @@
+#pragma once
+#include "contact/contact_state.h"
+#include "contact/lcp/goldfarb_idnani.h"
+#include "contact/obstacle.h"
+#include "fem/operators.h"
+#include <span>
+
+namespace signorini::contact {
+
+/// The m contact pairs of a node and an obstacle with their linearised nonpenetration constraints g_i(y) =
+/// ψ_i − ν_i·y_i ≥ 0 (docs/method.md section 2): one for each obstacle and each node of its contact boundary
+/// that can move towards it. A node may be in several; then its pairs are candidates of their own. Numbered
+/// by their nodes' coordinates, then by obstacle, so that the numbering does not depend on the number of
+/// ranks; all arrays over pairs are the same on every rank.
+class ContactPairs {
+public:
+  /// Collective. Throws UserError if a group is missing or holds only clamped nodes, if an obstacle has no
+  /// normal at a node, or if no position of a node satisfies the constraints of all its obstacles.
+  ContactPairs(const fem::Space& space, const fem::DirichletDofs& clamped,
+               const std::vector<scene::Contact>& contacts);
+
+  /// m, on all ranks.
+  [[nodiscard]] int count() const { return static_cast<int>(psi_.size()); }
+  /// Coordinates of the nodes (m × 3), in metres.
+  [[nodiscard]] const std::vector<double>& points() const { return points_; }
+  /// ν_i (m × dim), unit vectors from the body to the obstacle.
+  [[nodiscard]] const std::vector<double>& normals() const { return normals_; }
+  /// Columns of N (m × dim), the directions of the contact forces: ν_i, but zero in components that a clamp
+  /// holds.
+  [[nodiscard]] const std::vector<double>& directions() const { return directions_; }
+  [[nodiscard]] const double* direction(int i) const {
+    return &directions_[static_cast<std::size_t>(i * dim_)];
+  }
+  /// ψ_i at t = 0 (m), the gaps of the undeformed body, in metres.
+  [[nodiscard]] std::span<const double> psi() const { return psi_; }
+
+  /// Scratch for the at most `size` pairs of one node.
+  struct NodeWork {
+    explicit NodeWork(std::size_t size) : solver(size) {
+      gram.reserve(size * size);
+      lambda.reserve(size);
+      set.reserve(size);
+    }
+    GoldfarbIdnaniWork solver;
+    std::vector<double> gram, lambda;
+    ActiveSet set;
+  };
+  [[nodiscard]] NodeWork node_work() const;
+
+  /// Storage of ψ at one time.
+  struct Gaps {
+    std::vector<double> psi, advance; ///< (m), empty where no obstacle moves; of each obstacle, m
+    NodeWork node;
+  };
+  [[nodiscard]] Gaps gaps() const;
+  /// ψ_i at time t (m), in metres; evaluated, in `gaps`, only where obstacles move. Throws UserError if no
+  /// position of a node satisfies the constraints of all its obstacles. Collective.
+  [[nodiscard]] std::span<const double> psi(double t, Gaps& gaps) const;
+  /// Whether any obstacle moves.
+  [[nodiscard]] bool moving() const { return !moving_.empty(); }
+
+  /// The obstacle of pair i.
+  [[nodiscard]] const Obstacle& obstacle(int i) const {
+    return shapes_[static_cast<std::size_t>(obstacles_[static_cast<std::size_t>(i)])];
+  }
+  /// Obstacles of the scene.
+  [[nodiscard]] int obstacle_count() const { return static_cast<int>(keys_.size()); }
+  /// Number of each pair's obstacle in the scene (m).
+  [[nodiscard]] const std::vector<int>& obstacles() const { return obstacles_; }
+  /// Whether nodes that start inside an obstacle are to be moved out of it (contact.initial).
+  [[nodiscard]] bool projects(int obstacle) const { return project_[static_cast<std::size_t>(obstacle)]; }
+  /// Name of an obstacle's table in the scene.
+  [[nodiscard]] const std::string& key(int obstacle) const {
+    return keys_[static_cast<std::size_t>(obstacle)];
+  }
+  /// First global dofs, ascending, of the nodes on the contact boundary of an obstacle (number in the scene)
+  /// that clamps keep from moving towards it, and which are therefore in no pair.
+  [[nodiscard]] const std::vector<PetscInt>& clamped_dofs(int obstacle) const {
+    return clamped_dofs_[static_cast<std::size_t>(obstacle)];
+  }
+
+  /// First global dof of each pair's node (m).
+  [[nodiscard]] const std::vector<PetscInt>& first_dofs() const { return first_dofs_; }
+  /// First local dof of each pair's node, −1 on ranks that do not own it (m).
+  [[nodiscard]] const std::vector<int>& local_dofs() const { return local_; }
+  /// Number of each pair's node among the nodes that are in pairs, ascending (m).
+  [[nodiscard]] const std::vector<int>& node_numbers() const { return nodes_; }
+  /// The displacement (dim) of pair i's node among the entries of y that this rank owns; null if another rank
+  /// owns the node.
+  [[nodiscard]] const double* displacement(int i, std::span<const double> y) const {
+    const int first = local_[static_cast<std::size_t>(i)];
+    return first < 0 ? nullptr : &y[static_cast<std::size_t>(first)];
+  }
+
+  /// Pairs of one node: [first, last).
+  struct Node {
+    int first, last;
+    bool crowded; ///< their directions are linearly dependent
+  };
+  [[nodiscard]] const std::vector<Node>& nodes() const { return per_node_; }
+  [[nodiscard]] const Node& node(int i) const {
+    return per_node_[static_cast<std::size_t>(nodes_[static_cast<std::size_t>(i)])];
+  }
+  /// Whether the directions of some node's pairs are linearly dependent: more obstacles than dimensions, or
+  /// opposite walls. Contact forces are then not unique, and S is singular.
+  [[nodiscard]] bool dependent() const { return dependent_; }
+  /// Whether clamps hold components of some pair's node.
+  [[nodiscard]] bool held() const { return held_; }
+
+  /// Diameter of the body, in metres.
+  [[nodiscard]] double diameter() const { return diameter_; }
+  /// Largest penetration allowed, in metres: 1e-10 of the diameter.
+  [[nodiscard]] double gap_tolerance() const { return gap_tolerance_; }
+  [[nodiscard]] int dim() const { return dim_; }
+  [[nodiscard]] MPI_Comm comm() const { return comm_; }
+
+private:
+  void add_pairs(const std::vector<scene::Contact>& contacts, const fem::Space& space,
+                 const fem::DirichletDofs& clamped);
+  void group_by_node();
+
+  int dim_;
+  double diameter_, gap_tolerance_;
+  MPI_Comm comm_;
+  std::vector<std::string> keys_;
+  std::vector<bool> project_; ///< of each key, like the next
+  std::vector<Obstacle> shapes_;
+  std::vector<std::size_t> moving_; ///< numbers of the obstacles that move
+  std::vector<std::vector<PetscInt>> clamped_dofs_;
+  std::vector<double> points_, normals_, directions_, psi_;
+  std::vector<PetscInt> first_dofs_;
+  std::vector<int> nodes_, obstacles_, local_;
+  std::vector<Node> per_node_;
+  bool dependent_ = false, held_ = false;
+};
+
+} // namespace signorini::contact

@@ -1,0 +1,187 @@
+#include "contact/solver/condensed.h"
+#include "base/collective.h"
+#include "base/error.h"
+#include "contact/lcp/primal_dual.h"
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace signorini::contact {
+using petsc::check;
+
+namespace {
+
+/// The deepest predicted penetration, m.
+double deepest(std::span<const double> gap0) { return std::max(0.0, -std::ranges::min(gap0)); }
+
+} // namespace
+
+CondensedSolver::CondensedSolver(const ContactPairs& pairs, Mat D,
+                                 std::unique_ptr<const Elimination> elimination)
+    : pairs_(pairs), delassus_(pairs, std::move(elimination)), complementarity_(pairs, D),
+      length_unit_(pairs.gap_tolerance()) {}
+
+Workspace CondensedSolver::workspace() const {
+  Workspace work = delassus_.workspace();
+  if (pairs_.dependent())
+    work.dual = GoldfarbIdnaniWork(work.gap0.size());
+  return work;
+}
+
+std::unique_ptr<CondensedVi> CondensedSolver::make_vi() const {
+  auto made = std::make_unique<CondensedVi>();
+  const PetscInt m = pairs_.count();
+  const std::vector<double> inverse = delassus_.inverse();
+  double mean = 0;
+  for (PetscInt i = 0; i < m; ++i)
+    mean += inverse[static_cast<std::size_t>(i) * (static_cast<std::size_t>(m) + 1)] / m;
+  check(MatCreateSeqDense(PETSC_COMM_SELF, m, m, nullptr, made->K.put()));
+  {
+    PetscScalar* entries = nullptr;
+    check(MatDenseGetArrayWrite(made->K, &entries));
+    std::ranges::transform(inverse, entries, [&](double k) { return k / mean; });
+    check(MatDenseRestoreArrayWrite(made->K, &entries));
+  }
+  check(MatCreateVecs(made->K, made->x.put(), made->gap0.put()));
+  made->constant = petsc::zero_like(made->x);
+  petsc::Vector lower = petsc::zero_like(made->x), upper = petsc::zero_like(made->x);
+  check(VecSet(upper, PETSC_INFINITY));
+  made->vi.emplace("condensed_vi", made->K, std::move(lower), std::move(upper), MATSOLVERPETSC);
+  return made;
+}
+
+void CondensedSolver::solve_on_set(ContactState& state, Workspace& work) const {
+  const std::size_t m = work.gap0.size();
+  work.b.clear();
+  for (int i : work.set)
+    work.b.push_back(-work.gap0[static_cast<std::size_t>(i)]);
+  delassus_.solve_active(work.set, work.b, work);
+  std::ranges::fill(state.lambda, 0);
+  std::ranges::copy(work.gap0, state.gap.begin());
+  for (std::size_t j = 0; j < work.set.size(); ++j) {
+    state.lambda[static_cast<std::size_t>(work.set[j])] = work.b[j];
+    const double* column = &delassus_.S()[static_cast<std::size_t>(work.set[j]) * m];
+    for (std::size_t i = 0; i < m; ++i)
+      state.gap[i] += column[i] * work.b[j];
+  }
+}
+
+bool CondensedSolver::holds(const ContactState& state, std::span<const double> psi,
+                            std::span<const double> gap0) const {
+  double size = 0;
+  for (std::size_t i = 0; i < psi.size(); ++i)
+    size = std::max({size, std::abs(psi[i] - gap0[i]), std::abs(psi[i] - state.gap[i])});
+  return complementarity_.holds(state.lambda, state.gap, complementarity_.negligible_gap(deepest(gap0), size),
+                                size);
+}
+
+void CondensedSolver::settle(ContactState& state, std::span<const double> psi, double negligible, int most,
+                             Workspace& work) const {
+  const auto settled = [&] {
+    return complementarity_.holds_within(negligible, state.lambda, state.gap) && holds(state, psi, work.gap0);
+  };
+  for (int i = 0; i < most && !settled(); ++i, ++state.vi_iterations) {
+    next_set(pairs_, work.set, state.lambda, state.gap, work.next);
+    std::swap(work.set, work.next);
+    solve_on_set(state, work);
+  }
+}
+
+void CondensedSolver::find_set(ContactState& state, Workspace& work) const {
+  if (!work.condensed)
+    work.condensed = make_vi();
+  CondensedVi& solver = *work.condensed;
+  {
+    const petsc::WriteArray g(solver.gap0), x(solver.x);
+    for (std::size_t i = 0; i < work.gap0.size(); ++i) {
+      g[i] = -work.gap0[i] / length_unit_;
+      x[i] = std::max(state.gap[i], 0.0) / length_unit_;
+    }
+  }
+  check(MatMult(solver.K, solver.gap0, solver.constant));
+  work.set.clear();
+  try {
+    state.vi_iterations += solver.vi->solve(solver.constant, solver.x);
+  } catch (const SolverFailure&) { // solve() goes on from this set by primal-dual steps
+    for (std::size_t i = 0; i < work.gap0.size(); ++i)
+      if (work.gap0[i] < 0)
+        work.set.push_back(static_cast<int>(i));
+    return;
+  }
+  const petsc::ReadArray x(solver.x), force(solver.vi->residual());
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (force[i] > x[i]) // one of them is zero to the solver's tolerance
+      work.set.push_back(static_cast<int>(i));
+}
+
+void CondensedSolver::find_independent_set(ContactState& state, Workspace& work) const {
+  const auto depending = [this](const ActiveSet& set, int i) { return depends(pairs_, set, i); };
+  // 1e-8 is two digits above the rounding of S (Complementarity::negligible_gap()); if gaps of its size
+  // counted as penetration, the search could cycle.
+  const double tolerance = std::min(length_unit_, 1e-8 * deepest(work.gap0));
+  if (!goldfarb_idnani(delassus_.S(), work.gap0, tolerance, std::cref(depending), work.set, state.lambda,
+                       state.vi_iterations, work.dual))
+    throw SolverFailure("the obstacles leave no room for the body");
+}
+
+void CondensedSolver::search(ContactState& state, Workspace& work) const {
+  // PETSc counts the entries of a dense matrix in PetscInt.
+  const bool fits =
+      work.gap0.size() * work.gap0.size() < static_cast<std::size_t>(std::numeric_limits<PetscInt>::max());
+  if (pairs_.dependent() || !fits)
+    find_independent_set(state, work);
+  else
+    find_set(state, work);
+}
+
+void CondensedSolver::decided(ContactState& state, Workspace& work) const {
+  const MPI_Comm comm = pairs_.comm();
+  if (ranks(comm) == 1)
+    return;
+  work.set = broadcast(comm, work.set);
+  MPI_Bcast(state.lambda.data(), static_cast<int>(state.lambda.size()), MPI_DOUBLE, 0, comm);
+  MPI_Bcast(&state.vi_iterations, 1, MPI_INT, 0, comm);
+}
+
+void CondensedSolver::solve(Vec r, std::span<const double> psi, const ActiveSet& previous,
+                            ContactState& state, Vec y, Workspace& work) const {
+  state.vi_iterations = 0;
+  delassus_.predict_gap(r, psi, work.gap0, work.prediction);
+  work.set.clear();
+  if (std::ranges::any_of(work.gap0, [](double g) { return g < 0; })) {
+    count_solved();
+    work.set = previous;
+    drop_dependent(pairs_, work.set);
+    solve_on_set(state, work);
+    // Closing a residual penetration does spurious work, which is large relative to the motion in a short
+    // step even where the penetration is negligible relative to the body; so solve to rounding.
+    double size = 0;
+    for (std::size_t i = 0; i < work.gap0.size(); ++i)
+      size = std::max({size, std::abs(psi[i]), std::abs(work.gap0[i])});
+    const double rounding = 10 * std::numeric_limits<double>::epsilon() * size;
+    constexpr int soon = 5; // enough for a change of one or two candidates
+    settle(state, psi, std::min(rounding, length_unit_), soon, work);
+    if (!holds(state, psi, work.gap0)) {
+      on_root<SolverFailure>(pairs_.comm(), [&] { search(state, work); });
+      decided(state, work);
+      solve_on_set(state, work);
+      // The VI solver may misplace candidates whose gap and force are both zero within its tolerance.
+      constexpr int most = 50;
+      settle(state, psi, length_unit_, most, work);
+      // Both methods can cycle for a body that is nearly rigid within a step; the dual active-set method
+      // cannot.
+      if (!holds(state, psi, work.gap0)) {
+        on_root<SolverFailure>(pairs_.comm(), [&] { find_independent_set(state, work); });
+        decided(state, work);
+        solve_on_set(state, work);
+      }
+    }
+  } else {
+    std::ranges::fill(state.lambda, 0);
+  }
+  delassus_.finish_closed(work.set, psi, state.lambda, state.gap, y, work);
+  complementarity_.classify(state, y);
+}
+
+} // namespace signorini::contact

@@ -1,0 +1,62 @@
+#pragma once
+#include "contact/delassus_operator.h"
+#include "contact/lcp/complementarity.h"
+#include "contact/solver/contact_step_solver.h"
+
+namespace signorini::contact {
+
+/// Solves the step's VI condensed to the m candidates (docs/method.md section 5): with the predicted gaps g⁰
+/// = g(D⁻¹r), 0 ≤ λ ⟂ g = g⁰ + Sλ ≥ 0 and y = D⁻¹(r − Nλ). No VI is solved if no predicted gap is negative.
+/// Otherwise the active set is sought by primal-dual steps from that of the previous step, from which it
+/// mostly differs in few candidates. Where these do not settle soon, PETSc's VI solver finds the set from the
+/// VI in the gaps, 0 ≤ g ⟂ S⁻¹(g − g⁰) ≥ 0: S⁻¹, unlike S, is close to an M-matrix, for which reduced-space
+/// Newton does not cycle. A dual active-set method replaces PETSc's solver where candidates are linearly
+/// dependent, so that S is singular, and is the last resort where both others fail. Active sets that depend
+/// on LAPACK's rounding are determined on rank 0.
+class CondensedSolver final : public ContactStepSolver {
+public:
+  /// Takes the elimination of the step operator `D`. Collective. `pairs` and what the elimination refers to
+  /// must outlive this object. PETSc options with the prefix `-condensed_vi_` are honoured.
+  CondensedSolver(const ContactPairs& pairs, Mat D, std::unique_ptr<const Elimination> elimination);
+
+  [[nodiscard]] Workspace workspace() const override;
+  void solve(Vec r, std::span<const double> psi, const ActiveSet& previous, ContactState& state, Vec y,
+             Workspace& work) const override;
+  void solve_sliding(Vec r, const ActiveSet& set, Vec p, Workspace& work) const override {
+    delassus_.solve_sliding(r, set, p, work);
+  }
+  [[nodiscard]] double bytes() const override { return delassus_.bytes(); }
+
+  [[nodiscard]] const DelassusOperator& delassus() const { return delassus_; }
+
+private:
+  /// Computes λ, with zero gaps on work.set and zero forces elsewhere, and the gaps g⁰ + Sλ of all
+  /// candidates.
+  void solve_on_set(ContactState& state, Workspace& work) const;
+  /// At most `most` primal-dual steps, until the state is complementary to rounding and within the gap
+  /// `negligible` (m).
+  void settle(ContactState& state, std::span<const double> psi, double negligible, int most,
+              Workspace& work) const;
+  /// Whether the state is complementary to rounding of the step's own motion.
+  [[nodiscard]] bool holds(const ContactState& state, std::span<const double> psi,
+                           std::span<const double> gap0) const;
+  /// Finds work.set by PETSc's VI solver, starting from the gaps of `state`; if it fails, the set becomes the
+  /// candidates with negative predicted gaps.
+  void find_set(ContactState& state, Workspace& work) const;
+  /// Finds work.set by the dual active-set method, from no contact, which terminates for every S. Throws
+  /// SolverFailure if the gaps cannot all be made nonnegative.
+  void find_independent_set(ContactState& state, Workspace& work) const;
+  /// Finds work.set by find_set() where S is regular and of a size that PETSc can handle, else by
+  /// find_independent_set().
+  void search(ContactState& state, Workspace& work) const;
+  /// Broadcasts the set, λ and number of steps that rank 0 found. Collective.
+  void decided(ContactState& state, Workspace& work) const;
+  [[nodiscard]] std::unique_ptr<CondensedVi> make_vi() const;
+
+  const ContactPairs& pairs_;
+  DelassusOperator delassus_;
+  Complementarity complementarity_;
+  double length_unit_; ///< of gaps in PETSc's VI: a negligible gap, m
+};
+
+} // namespace signorini::contact

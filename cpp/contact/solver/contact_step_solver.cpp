@@ -1,0 +1,14 @@
+#include "contact/solver/contact_step_solver.h"
+#include "base/counters.h"
+
+namespace signorini::contact {
+
+namespace {
+long &solvers = count("VI solvers"), &solved = count("VIs solved");
+}
+
+ContactStepSolver::ContactStepSolver() { ++solvers; }
+
+void ContactStepSolver::count_solved() { ++solved; }
+
+} // namespace signorini::contact

@@ -1,0 +1,50 @@
+#pragma once
+#include "contact/lcp/complementarity.h"
+#include "contact/lcp/snes_vi.h"
+#include "contact/normal_operator.h"
+#include "contact/solver/contact_step_solver.h"
+
+namespace signorini::contact {
+
+/// Solves the step's VI in all unknowns by PETSc's VI solver, in nodal frames in which ν is a coordinate
+/// direction, so that the constraint is a simple bound (docs/method.md section 5). The reference for
+/// CondensedSolver. Allows one candidate per node.
+class FullSolver final : public ContactStepSolver {
+public:
+  /// Sets up the VI of D, which may be changed afterwards. Collective. `pairs` must outlive this object.
+  /// PETSc options with the prefix `-full_vi_` are honoured. Throws UserError if a node has several
+  /// candidates.
+  FullSolver(const ContactPairs& pairs, Mat D);
+
+  /// Lets `solver` solve linearised and transposed steps.
+  void slide_by(std::unique_ptr<const ContactStepSolver> solver) { sliding_ = std::move(solver); }
+
+  [[nodiscard]] Workspace workspace() const override;
+  void solve(Vec r, std::span<const double> psi, const ActiveSet& previous, ContactState& state, Vec y,
+             Workspace& work) const override;
+  /// To be called only after slide_by().
+  void solve_sliding(Vec r, const ActiveSet& set, Vec p, Workspace& work) const override {
+    sliding_->solve_sliding(r, set, p, work);
+  }
+  /// Of the solver of linearised steps; that of PETSc's solver is not known.
+  [[nodiscard]] double bytes() const override { return sliding_ ? sliding_->bytes() : 0; }
+
+private:
+  /// Local number in z_ of a candidate's bounded coordinate if this rank owns it, else −1.
+  [[nodiscard]] PetscInt coordinate(std::size_t i) const;
+
+  const ContactPairs& pairs_;
+  const NormalOperator N_;
+  Complementarity complementarity_;
+  double length_unit_, force_unit_; ///< of the VI: a negligible gap (m); that times D's largest diagonal
+  std::vector<int> axis_;           ///< component that each candidate's force direction replaces (m)
+  std::vector<double> length_;      ///< of these directions; 1 unless clamps hold components (m)
+  petsc::Matrix Q_;        ///< nodal frames: column axis_ of a candidate's block is its force direction
+  petsc::Matrix D_;        ///< QᵀDQ in these units
+  petsc::Vector diagonal_; ///< of D where clamps hold components of candidates' nodes, else null
+  petsc::Vector z_, r_;
+  std::optional<SnesVi> vi_;
+  std::unique_ptr<const ContactStepSolver> sliding_;
+};
+
+} // namespace signorini::contact

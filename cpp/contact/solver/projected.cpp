@@ -1,0 +1,82 @@
+#include "contact/solver/projected.h"
+#include "base/error.h"
+#include "contact/lcp/primal_dual.h"
+#include <algorithm>
+#include <fmt/format.h>
+#include <functional>
+#include <iterator>
+
+namespace signorini::contact {
+using petsc::check;
+
+ProjectedSolver::ProjectedSolver(const ContactPairs& pairs, const ConjugateGradients& D, Mat matrix)
+    : pairs_(pairs), N_(pairs), D_(D), matrix_(matrix), complementarity_(pairs, matrix),
+      zero_(static_cast<std::size_t>(pairs.count()), 0.0), residual_(petsc::vector_of(matrix)) {
+  if (pairs.held())
+    diagonal_ = fem::diagonal(matrix);
+}
+
+void ProjectedSolver::evaluate(Vec r, std::span<const double> psi, Vec y, ContactState& state,
+                               Workspace& work) const {
+  N_.gap(psi, y, state.gap);
+  if (work.set.empty()) {
+    std::ranges::fill(state.lambda, 0);
+  } else {
+    check(MatMult(matrix_, y, residual_));
+    check(VecAYPX(residual_, -1, r));
+    N_.forces(work.set, residual_, state.lambda); // Nλ = r − D y
+  }
+  next_set(pairs_, work.set, state.lambda, state.gap, work.next);
+}
+
+void ProjectedSolver::solve(Vec r, std::span<const double> psi, const ActiveSet& previous,
+                            ContactState& state, Vec y, Workspace& work) const {
+  constexpr int most = 1000, patience = 10;
+  const ConjugateGradients::Projector project = [&](Vec x) { N_.set_normal(work.set, zero_, x); };
+  const auto look = [&](Vec x) {
+    evaluate(r, psi, x, state, work);
+    return work.next == work.set;
+  };
+  const ConjugateGradients::Judge judge = std::cref(look); // a reference: std::function does not allocate
+  work.set = previous;
+  drop_dependent(pairs_, work.set);
+  N_.hold(diagonal_, r, y); // gaps depend on held components too
+  // Block principal pivoting (Júdice and Pires): primal-dual steps as long as the number of candidates on the
+  // wrong side reaches a new minimum within `patience` steps, else one node at a time, that of the last
+  // candidate on the wrong side, which ends after finitely many steps (Murty).
+  std::size_t fewest = zero_.size() + 1;
+  int left = patience;
+  for (state.vi_iterations = 0;; ++state.vi_iterations) {
+    if (state.vi_iterations > most)
+      throw SolverFailure(fmt::format("the active set did not settle in {} steps: {} of {} candidates closed",
+                                      most, work.set.size(), zero_.size()));
+    N_.set_normal(work.set, psi, y);
+    if (D_.solve(r, y, project, left > 0 ? judge : nullptr)) {
+      evaluate(r, psi, y, state, work);
+      PetscReal size = 0;
+      check(VecNorm(y, NORM_INFINITY, &size));
+      if (work.next == work.set ||
+          complementarity_.holds(state.lambda, state.gap, pairs_.gap_tolerance(), size, D_.tolerance()))
+        break;
+    }
+    work.wrong.clear();
+    std::ranges::set_symmetric_difference(work.set, work.next, std::back_inserter(work.wrong));
+    left = work.wrong.size() < fewest ? patience : std::max(left - 1, 0);
+    fewest = std::min(fewest, work.wrong.size());
+    if (left > 0)
+      std::swap(work.set, work.next);
+    else
+      take_node(pairs_, work.next, work.wrong.back(), work.set);
+  }
+  if (!previous.empty() || state.vi_iterations > 0)
+    count_solved();
+  complementarity_.classify(state, y, D_.tolerance());
+}
+
+void ProjectedSolver::solve_sliding(Vec r, const ActiveSet& set, Vec p, Workspace&) const {
+  const ConjugateGradients::Projector project = [&](Vec x) { N_.set_normal(set, zero_, x); };
+  N_.set_normal(set, zero_, p);
+  D_.solve(r, p, project, {});
+}
+
+} // namespace signorini::contact

@@ -1,0 +1,38 @@
+#pragma once
+#include "base/linear_solver.h"
+#include "contact/lcp/complementarity.h"
+#include "contact/normal_operator.h"
+#include "contact/solver/contact_step_solver.h"
+
+namespace signorini::contact {
+
+/// Contact without a factor of D and without S (docs/method.md section 5): conjugate gradients on the motions
+/// that keep the gaps of a set closed, the set updated by primal-dual steps. The set is checked before a
+/// solve has converged, to end it early where the set will change.
+class ProjectedSolver final : public ContactStepSolver {
+public:
+  /// `matrix` is D. Collective. The arguments must outlive this object.
+  ProjectedSolver(const ContactPairs& pairs, const ConjugateGradients& D, Mat matrix);
+
+  [[nodiscard]] Workspace workspace() const override { return Workspace(pairs_.count()); }
+  void solve(Vec r, std::span<const double> psi, const ActiveSet& previous, ContactState& state, Vec y,
+             Workspace& work) const override;
+  void solve_sliding(Vec r, const ActiveSet& set, Vec p, Workspace& work) const override;
+  [[nodiscard]] double bytes() const override { return 0; }
+
+private:
+  /// Computes λ and g of a motion y that keeps the gaps of work.set closed, and the next set, work.next.
+  /// Collective.
+  void evaluate(Vec r, std::span<const double> psi, Vec y, ContactState& state, Workspace& work) const;
+
+  const ContactPairs& pairs_;
+  const NormalOperator N_;
+  const ConjugateGradients& D_;
+  Mat matrix_;
+  Complementarity complementarity_;
+  const std::vector<double> zero_; ///< (m)
+  petsc::Vector residual_;
+  petsc::Vector diagonal_; ///< of D where clamps hold components of candidates' nodes, else null
+};
+
+} // namespace signorini::contact

@@ -1,0 +1,51 @@
+#pragma once
+#include "contact/lcp/goldfarb_idnani.h"
+#include "contact/lcp/snes_vi.h"
+#include <memory>
+#include <optional>
+
+namespace signorini::contact {
+
+/// The first half of a solve with D for a right-hand side r (Elimination::predict()), from which the second
+/// half goes on, any number of times. Which vectors are there depends on the elimination.
+struct Prediction {
+  std::vector<double> z; ///< L⁻¹Pr, by trailing block (n)
+  petsc::Vector r, y;    ///< r and D⁻¹r, by stored columns
+  // Scratch of either half.
+  std::vector<double> corner; ///< by trailing block (c)
+  std::vector<double> weights;
+  std::vector<Vec> columns;
+  petsc::Vector forces;
+};
+
+/// PETSc's VI solver of a condensed step: 0 ≤ g ⟂ K (g − g⁰) ≥ 0 with K = S⁻¹, scaled to a mean diagonal of
+/// one.
+struct CondensedVi {
+  petsc::Matrix K;
+  petsc::Vector x, gap0, constant;
+  std::optional<SnesVi> vi;
+};
+
+/// Scratch of the solvers of contact steps, made by ContactStepSolver::workspace(); each uses some of it. No
+/// call depends on what an earlier one left, except that the factor of S_AA is used again for the same set.
+/// One at a time may work with it.
+struct Workspace {
+  /// For m candidates.
+  explicit Workspace(int m) : gap0(static_cast<std::size_t>(m)), normal(gap0.size()), mu(gap0.size()) {
+    for (ActiveSet* one : {&set, &next, &wrong, &factorised, &independent})
+      one->reserve(gap0.size());
+    b.reserve(gap0.size());
+  }
+
+  Prediction prediction;
+  std::vector<double> gap0;          ///< predicted gaps, m
+  ActiveSet set, next, wrong;        ///< that of an iterate, the one after it, where they differ
+  ActiveSet factorised, independent; ///< the set of `factor`; the independent part of a set
+  std::vector<double> factor;        ///< Cholesky factor of S_AA
+  std::vector<double> normal, mu;    ///< ν·y; forces of a sliding solve (m)
+  std::vector<double> b;             ///< right-hand side on a set
+  GoldfarbIdnaniWork dual;
+  std::unique_ptr<CondensedVi> condensed; ///< made when it is first needed
+};
+
+} // namespace signorini::contact
