@@ -22,6 +22,9 @@ typedef int Main(int, char**, char**);
 enum { most_bytes = 1 << 17, most_words = 4096, descriptors = 3, failed = 125 };
 
 static Main* program;
+
+/* Of another preloaded library, if there is one: reads the environment anew. */
+extern void signorini_preloaded(void) __attribute__((weak));
 static char request[most_bytes];
 
 /* Receives a request; its number of bytes, 0 when there will be no more. */
@@ -64,6 +67,8 @@ static int go_on(ssize_t size, const int fds[descriptors]) {
   for (int i = 0; i < descriptors; ++i)
     if (dup2(fds[i], i) < 0)
       _exit(failed);
+  if (signorini_preloaded)
+    signorini_preloaded();
   return program(argc, words, environ);
 }
 

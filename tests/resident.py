@@ -15,12 +15,12 @@ LIBRARY = os.environ.get("SIGNORINI_RESIDENT_LIBRARY")  # of the build; without 
 class Resident:
     """A program that waits, loaded. One run at a time."""
 
-    def __init__(self, program: str):
+    def __init__(self, program: str, preload: str):
         self.ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with theirs, tempfile.TemporaryDirectory() as folder:
             link = Path(folder) / "resident.so"  # names in LD_PRELOAD end at a space or a colon
             link.symlink_to(LIBRARY)
-            env = os.environ | {"LD_PRELOAD": str(link), "SIGNORINI_RESIDENT": str(theirs.fileno())}
+            env = os.environ | {"LD_PRELOAD": f"{link} {preload}", "SIGNORINI_RESIDENT": str(theirs.fileno())}
             self.process = subprocess.Popen([program], env=env, pass_fds=[theirs.fileno()])
             self.run([program, "--help"], Path(folder), dict(os.environ), 120)  # an answer: the link is needed no more
 
@@ -48,7 +48,7 @@ class Resident:
         return struct.unpack("=i", message)[0]
 
 
-RESIDENTS = threading.local()  # a program each: one of them runs one thing at a time
+RESIDENTS = threading.local()  # by program and preloaded library; of each thread, for one of them runs one thing at a time
 
 
 def run(
@@ -57,7 +57,9 @@ def run(
     """subprocess.run of a program of ours on one rank, without input, its output captured as bytes."""
     if LIBRARY is None:
         return subprocess.run(command, cwd=cwd, env=env, timeout=timeout, stdin=subprocess.DEVNULL, capture_output=True)
-    known = RESIDENTS.__dict__
-    if command[0] not in known:
-        known[command[0]] = Resident(command[0])
-    return known[command[0]].run(command, cwd or Path.cwd(), dict(os.environ) if env is None else env, timeout)
+    env = dict(os.environ) if env is None else env
+    kind = command[0], env.get("LD_PRELOAD", "")
+    residents = RESIDENTS.__dict__.setdefault("made", {})
+    if kind not in residents:
+        residents[kind] = Resident(*kind)
+    return residents[kind].run(command, cwd or Path.cwd(), env, timeout)

@@ -33,7 +33,8 @@ static char under[PATH_MAX];
 static long at, count;
 static int from, error, signal_sent, log_file = -1;
 
-__attribute__((constructor)) static void start(void) {
+/* Reads the environment: when it is loaded, and once more in a copy of a waiting program (resident.c). */
+__attribute__((constructor)) void signorini_preloaded(void) {
   const char *folder = getenv("SIGNORINI_FAIL_UNDER"), *rank = getenv("OMPI_COMM_WORLD_RANK");
   if (!folder || (rank && atoi(rank) != 0) || !realpath(folder, under))
     return;

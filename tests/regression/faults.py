@@ -10,7 +10,6 @@ import json
 import os
 import random
 import shutil
-import subprocess
 import sys
 import tempfile
 from collections import Counter
@@ -19,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_DISC, SIGNORINI, preloadable  # noqa: E402
+from harness import HALF_DISC, SIGNORINI, captured, preloadable  # noqa: E402
 
 import h5py  # noqa: E402
 
@@ -105,7 +104,7 @@ class Run:
         if self.ranks > 1:  # mpirun itself is left in peace
             command = ["mpirun", "--oversubscribe", "-n", str(self.ranks), "env", *(f"{k}={v}" for k, v in env.items()), *command]
             env = {}
-        done = subprocess.run(command, capture_output=True, text=True, timeout=120, env=os.environ | env)
+        done = captured(command, timeout=120, env=os.environ | env)
         calls = [line.split(" ", 1)[1] for line in log.read_text().splitlines()] if log.exists() else []
         return Outcome(done.returncode, done.stderr, calls)
 
