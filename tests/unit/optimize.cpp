@@ -898,6 +898,77 @@ TEST_CASE("known curvature is that of the Hessian, and the least known elsewhere
   CHECK(distance(apply(two.matrix(n).value(), rest), optimize::scaled(rest, 3)) < 1e-14);
 }
 
+TEST_CASE("a bundle model of pieces of one curvature is exact, wherever its point is", "[optimize]") {
+  using optimize::Coordinates;
+  // J = max over i of ½ x·Hx + a_i·x + c_i, H = diag(2, 5). The first two meet in x_1 = 0, where J is least
+  // in (0, −1/5); the third lies 3 below the first in the origin.
+  const std::vector<Coordinates> a{{1, 1}, {-1, 1}, {0, -2}};
+  const double c[] = {0, 0, -3};
+  const auto H = [](const Coordinates& x) { return Coordinates{2 * x[0], 5 * x[1]}; };
+  const auto gradient = [&](std::size_t i, const Coordinates& x) {
+    Coordinates g = H(x);
+    optimize::add(g, 1, a[i]);
+    return g;
+  };
+  const auto piece = [&](std::size_t i, const Coordinates& x) {
+    return optimize::dot(x, H(x)) / 2 + optimize::dot(a[i], x) + c[i];
+  };
+  const auto near = [](double x, double y) { return std::abs(x - y) < 1e-14; };
+  const auto cut = [&](std::size_t i, const Coordinates& x) {
+    const Coordinates g = gradient(i, x);
+    return optimize::Cut{g, g, {}, 0};
+  };
+  Coordinates x{0.75, 0.5};
+  optimize::BundleModel model({}, {cut(0, x)});
+  const auto meet = [&](std::size_t i, const Coordinates& s) {
+    Coordinates there = x;
+    optimize::add(there, 1, s);
+    const double J = piece(0, x), above = model.null_step(gradient(i, there), s, H(s), J - piece(i, there));
+    CHECK(near(above, piece(i, x) - J));
+  };
+  meet(1, {-1.5, 0.25});
+  meet(2, {0.125, 4});
+  const Coordinates step{-0.5, -1};
+  const double before = piece(0, x);
+  optimize::add(x, 1, step);
+  model.serious_step(gradient(0, x), step, H(step), before - piece(0, x));
+  const std::size_t pieces[] = {0, 0, 1, 2}; // the point's own one is the first
+  REQUIRE(model.cuts().size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const optimize::Cut& found = model.cuts()[i];
+    CHECK(near(found.linearisation_error, piece(0, x) - piece(pieces[i], x)));
+    for (std::size_t k = 0; k < 2; ++k)
+      CHECK(near(found.here[k], gradient(pieces[i], x)[k]));
+  }
+  const auto direction = optimize::model_minimiser(model.cuts(), {2, 0, 0, 5}, 2).value();
+  CHECK(near(x[0] + direction.d[0], 0));
+  CHECK(near(x[1] + direction.d[1], -0.2));
+  CHECK(near(direction.predicted, piece(0, x) - piece(0, {0, -0.2})));
+  CHECK(near(direction.subgradient.weights[2], 0.5));
+  CHECK(near(direction.subgradient.weights[3], 0));
+  CHECK(near(direction.subgradient.length, optimize::norm(H(direction.d))));
+  CHECK_FALSE(optimize::model_minimiser(model.cuts(), {2, 3, 3, 4}, 2));
+  // Between the gradients at the point, (1.5, −1.5), and at the offset (−1, 1.25) to the second piece,
+  // (−2.5, 4.75), the shortest is perpendicular to their difference. The third is 5 away.
+  const auto shortest = [&](double radius) {
+    return optimize::minimum_norm_subgradient(model.cuts(), radius);
+  };
+  CHECK(near(shortest(0.1).length, optimize::norm(gradient(0, x))));
+  const Coordinates here = gradient(0, x), there = gradient(1, {-0.75, 0.75});
+  Coordinates edge = there;
+  optimize::add(edge, -1, here);
+  const double cross = here[0] * there[1] - here[1] * there[0];
+  CHECK(near(shortest(2).length, std::abs(cross) / optimize::norm(edge)));
+  CHECK(near(shortest(2).weights[3], 0));
+  CHECK_THROWS_AS((void)optimize::minimum_norm_subgradient({}, 1), SolverFailure);
+  // The second piece rises above the first along −x_1. Where it is gathered anew its distant cut is dropped.
+  const auto offsets = model.drop_distant({0.5, 0, 0.5, 0}, 0.125);
+  REQUIRE(offsets.size() == 1);
+  CHECK(near(offsets[0][0], -0.125));
+  CHECK(near(offsets[0][1], 0));
+  CHECK(model.cuts().size() == 3);
+}
+
 TEST_CASE("a subspace that grows holds what it was given, in orthonormal coordinates", "[optimize]") {
   const Coupled problem;
   optimize::Span<Coupled> span(optimize::BundleOptions().dependent);
