@@ -4,7 +4,7 @@
 #include "forward/binomial_checkpointing.h"
 #include "forward/state_store.h"
 #include "io/manifest.h"
-#include "optimize/lbfgs.h"
+#include "optimize/options.h"
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
@@ -104,7 +104,8 @@ std::map<std::string, Cost> costs(const Problem& problem) {
             ? 0
             : controls.control_bytes() / (scene.control->constant_in_time ? 1 : problem.steps());
   if (scene.optimizer.method == "lbfgs")
-    costs["control"].bytes += 2 * optimize::lbfgs_pairs * controls.control_bytes();
+    costs["control"].bytes +=
+        2 * static_cast<double>(optimize::Options().lbfgs.pairs) * controls.control_bytes();
   costs["objective"] = {scene.objective->on ? "L2 of what is observed" : "W", motions_bytes(problem),
                         "a gradient: an adjoint step, with one solve" + again(problem)};
   return costs;

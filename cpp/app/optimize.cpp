@@ -72,6 +72,8 @@ std::string storage_line(const Problem& problem, const ControlProblem& control_p
   return fmt::format("states in memory, {} a motion", room);
 }
 
+static_assert(optimize::Unknowns<control::ControlSpace>);
+static_assert(optimize::TwiceDifferentiable<control::ReducedProblem>);
 using Result = optimize::Result<control::Control>;
 
 Result minimise(ControlProblem& problem, const scene::Scene& scene, OptimizerLog& record) {
@@ -79,11 +81,12 @@ Result minimise(ControlProblem& problem, const scene::Scene& scene, OptimizerLog
                                   .tolerance = scene.optimizer.tolerance};
   control::Control guess = problem.first_guess(scene);
   const std::string& method = scene.optimizer.method;
+  using namespace optimize;
   if (method == "lbfgs")
-    return optimize::lbfgs(problem.reduced, std::move(guess), options, record, record);
+    return minimize<Lbfgs>(problem.reduced, std::move(guess), options, record, record);
   if (method == "newton-cg")
-    return optimize::newton_cg(problem.reduced, std::move(guess), options, record, record);
-  return optimize::projected_gradient(problem.reduced, std::move(guess), options, record, record);
+    return minimize<NewtonCg>(problem.reduced, std::move(guess), options, record, record);
+  return minimize<ProjectedGradient>(problem.reduced, std::move(guess), options, record, record);
 }
 
 /// Weak contact at a kink: the candidates, by step, that are active at some points of a certificate and open
@@ -95,7 +98,7 @@ std::vector<io::WeakContact> weak_contact(control::ReducedProblem& reduced,
   std::size_t seen = 0;
   for (const control::Control& point : points) {
     try {
-      (void)reduced.value(point);
+      reduced.simulate(point);
     } catch (const Interrupted&) { // the search has ended; its result is still written
       interrupted = true;
       break;

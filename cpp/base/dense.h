@@ -15,7 +15,7 @@ void solve_factorised(std::span<const double> factor, std::size_t n, std::span<d
 int invert_factorised(std::span<double> factor, std::size_t n);
 
 /// Solves K x = b in place for a symmetric positive definite K (n × n), for each column of b (n × columns,
-/// column by column). Throws SolverFailure if K is not positive definite.
-void solve_dense(std::vector<double> K, std::span<double> b);
+/// column by column). Returns false, with b as it was, if K is not positive definite.
+[[nodiscard]] bool solve_dense(std::vector<double> K, std::span<double> b);
 
 } // namespace signorini

@@ -1,5 +1,4 @@
 #include "base/simplex_qp.h"
-#include "base/error.h"
 #include "base/petsc.h"
 #include <algorithm>
 #include <cmath>
@@ -144,13 +143,12 @@ std::vector<double> polished(std::span<const double> products, std::span<const d
 
 } // namespace
 
-std::vector<double> simplex_qp(std::span<const double> products, std::span<const double> prices) {
+std::optional<std::vector<double>> simplex_qp(std::span<const double> products,
+                                              std::span<const double> prices) {
   const std::size_t n = prices.size();
-  if (n == 0)
-    throw SolverFailure("there are no gradients to combine");
   const auto finite = [](double x) { return std::isfinite(x); };
-  if (!std::ranges::all_of(products, finite) || !std::ranges::all_of(prices, finite))
-    throw SolverFailure("the products of gradients are not finite");
+  if (n == 0 || !std::ranges::all_of(products, finite) || !std::ranges::all_of(prices, finite))
+    return std::nullopt;
   std::vector<double> weights(n, 1 / static_cast<double>(n));
   double largest = 0;
   for (std::size_t i = 0; i < n; ++i)
@@ -192,7 +190,7 @@ std::vector<double> simplex_qp(std::span<const double> products, std::span<const
     multiplier += 1 - sum;
   }
   if (!(sum > 0))
-    throw SolverFailure("no convex combination of gradients was found");
+    return std::nullopt;
   for (double& w : weights)
     w /= sum;
   return polished(products, prices, weights);

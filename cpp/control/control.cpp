@@ -215,7 +215,7 @@ double ControlSpace::product_at(int k, const Control& u, const Control& w) const
 
 double ControlSpace::norm(const Control& u) const { return std::sqrt(product(u, u)); }
 
-double ControlSpace::metric(const Control& u, const Control& w) const {
+double ControlSpace::inner(const Control& u, const Control& w) const {
   if (!lumped_)
     return product(u, w);
   const petsc::ReadArray weight(lumped_);
@@ -252,7 +252,7 @@ std::vector<double> ControlSpace::pairings(const Control& dual,
   return sums;
 }
 
-void ControlSpace::to_metric(Control& gradient) const {
+void ControlSpace::to_inner(Control& gradient) const {
   if (!lumped_)
     return;
   std::vector<double> image(size_);

@@ -53,12 +53,14 @@ private:
 /// u_k stores values only at the places (nodes or cells) and in the components where the control acts,
 /// (places × components), place by place; extend() gives the field. A control on a surface is thus small.
 ///
-/// product() is that of L2(0,T; L2), τ Σ (u_k, w_k), over the set on which the control acts. metric() is the
+/// product() is that of L2(0,T; L2), τ Σ (u_k, w_k), over the set on which the control acts. inner() is the
 /// product of the optimizer: the same where the mass matrix is diagonal or there are no bounds; else with the
 /// lumped mass matrix (HRZ), because clipping the values to the bounds is the projection onto the bounds
 /// exactly where the mass matrix is diagonal (docs/method.md section 6).
 class ControlSpace {
 public:
+  using Vector = Control;
+
   /// The references must outlive this object. Throws UserError.
   ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::TimeGrid grid, int steps,
                const scene::Control& scene);
@@ -83,17 +85,17 @@ public:
   /// (u_k, w_k)
   [[nodiscard]] double product_at(int k, const Control& u, const Control& w) const;
   [[nodiscard]] double norm(const Control& u) const;
-  [[nodiscard]] double metric(const Control& u, const Control& w) const;
-  /// The functional metric(u, ·), as the values that pairings() multiplies with those of w.
+  [[nodiscard]] double inner(const Control& u, const Control& w) const;
+  /// The functional inner(u, ·), as the values that pairings() multiplies with those of w.
   [[nodiscard]] Control dual(const Control& u) const;
-  /// metric(u, w_i) for each w_i from the dual of u, in one pass over it.
+  /// inner(u, w_i) for each w_i from the dual of u, in one pass over it.
   [[nodiscard]] std::vector<double> pairings(const Control& dual,
                                              std::span<const std::shared_ptr<const Control>> w) const;
-  /// Converts the Riesz representative of a functional in product() to that in metric(), in place.
-  void to_metric(Control& gradient) const;
+  /// Converts the Riesz representative of a functional in product() to that in inner(), in place.
+  void to_inner(Control& gradient) const;
 
   [[nodiscard]] bool bounded() const { return lower_ || upper_; }
-  /// Clips to the bounds: the projection in metric().
+  /// Clips to the bounds: the projection in inner().
   void project(Control& u) const;
   /// Sets w to zero where u is at a bound and d points out of it.
   void zero_blocked(Control& w, const Control& u, const Control& d) const;
@@ -164,7 +166,7 @@ private:
   std::optional<std::vector<double>> lower_, upper_; ///< one entry per component of components_
   std::size_t size_ = 0;
   petsc::Vector work_, in_, out_, field_; ///< of values; in_, out_ on arrays of controls; a field
-  petsc::Vector lumped_; ///< diagonal of the lumped mass matrix; null where metric() is product()
+  petsc::Vector lumped_; ///< diagonal of the lumped mass matrix; null where inner() is product()
 };
 
 /// The force s u_k of a control on the body, as a load.

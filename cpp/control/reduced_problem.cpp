@@ -36,7 +36,7 @@ std::unique_ptr<ReducedProblem::Point> ReducedProblem::point() const {
   return std::make_unique<Point>(controls_, stepper_, initial_, storage_);
 }
 
-double ReducedProblem::value(const Control& u) {
+void ReducedProblem::simulate(const Control& u) {
   trial_->u = u;
   const auto timer = timers_.time("forward");
   trial_->trajectory.run(load(*trial_), [&](const forward::Frame& frame) {
@@ -47,6 +47,10 @@ double ReducedProblem::value(const Control& u) {
     throw Interrupted();
   ++sweeps_.forward;
   trial_->value = objective_.value(trial_->squared_distances, trial_->u);
+}
+
+double ReducedProblem::value(const Control& u) {
+  simulate(u);
   return trial_->value.total();
 }
 
@@ -80,13 +84,13 @@ void ReducedProblem::adjoint_states(const std::function<void(int k, Vec p)>& vis
 
 Control ReducedProblem::gradient() {
   Control g = l2_gradient(*current_);
-  controls_.to_metric(g);
+  controls_.to_inner(g);
   return g;
 }
 
 Control ReducedProblem::trial_gradient() {
   Control g = l2_gradient(*trial_);
-  controls_.to_metric(g);
+  controls_.to_inner(g);
   return g;
 }
 
@@ -183,7 +187,7 @@ Control ReducedProblem::l2_hessian_product(const Control& d) {
 
 Control ReducedProblem::hessian_product(const Control& d) {
   Control h = l2_hessian_product(d);
-  controls_.to_metric(h);
+  controls_.to_inner(h);
   return h;
 }
 

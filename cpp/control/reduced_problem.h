@@ -26,8 +26,10 @@ public:
                  const forward::Initial& initial, const forward::Load* load,
                  const forward::StateStoreFactory& storage, Timers& timers);
 
-  /// J(u) by a forward sweep; u becomes the trial. Throws Interrupted, SolverFailure.
-  double value(const Control& u);
+  /// Makes u the trial, by a forward sweep. Throws Interrupted, SolverFailure.
+  void simulate(const Control& u);
+  /// The same; J(u).
+  [[nodiscard]] double value(const Control& u);
 
   /// The trial becomes the current control.
   void accept();
@@ -65,7 +67,7 @@ public:
   /// S'(u)* w for duals w_1…w_N of the states, as Riesz representative in L2(0,T; L2).
   Control adjoint(const forward::DualAtStep& dual);
 
-  [[nodiscard]] double inner(const Control& u, const Control& w) const { return controls_.metric(u, w); }
+  [[nodiscard]] double inner(const Control& u, const Control& w) const { return controls_.inner(u, w); }
   [[nodiscard]] Control dual(const Control& u) const { return controls_.dual(u); }
   [[nodiscard]] std::vector<double> pairings(const Control& dual,
                                              std::span<const std::shared_ptr<const Control>> w) const {

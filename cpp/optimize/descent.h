@@ -1,10 +1,12 @@
 #pragma once
-#include "optimize/bundle_model.h"
+#include "optimize/bundle_method.h"
+#include "optimize/minimize.h"
+#include "optimize/wolfe_search.h"
 
 namespace signorini::optimize {
 
 /// Line search along the descent directions of `Method`. Where it fails, the method restarts with steepest
-/// descent. Where that fails too, or steps have become short, as they do among kinks, a bundle model takes
+/// descent. Where that fails too, or steps have become short, as they do among kinks, a bundle method takes
 /// over; it ends the search with a certificate (docs/method.md section 6).
 ///
 /// `Method` provides direction(problem, at), tangential and as long as the first trial step; learn(problem,
@@ -15,12 +17,12 @@ class Descent {
 public:
   using Vector = typename P::Vector;
 
-  explicit Descent(Method method) : method_(std::move(method)) {}
+  explicit Descent(const Options& options) : options_(options), method_(options) {}
 
   /// One iteration, as minimize() defines it.
-  std::optional<Result<Vector>> advance(P& problem, State<P, Descent>& state, const Options& options) {
+  std::optional<Result<Vector>> advance(P& problem, State<P, Descent>& state) {
     Iterate<P>& current = state.current;
-    const double tolerance = options.tolerance * state.first_norm;
+    const double tolerance = options_.tolerance * state.first_norm;
     std::optional<Iterate<P>> next;
     double t = 1;
     while (!next) {
@@ -41,7 +43,7 @@ public:
       }
       Search<P> search;
       do
-        search = weak_wolfe_search(problem, current, method_.direction(problem, current));
+        search = weak_wolfe_search(problem, current, method_.direction(problem, current), options_);
       while (!search.found && method_.restart());
       if (search.found)
         method_.learn(problem, current, *search.found, search.length);
@@ -53,17 +55,13 @@ public:
       next = std::move(search.found);
     }
     problem.accept();
-    Vector moved = next->u;
-    moved.add(-1, current.u);
-    const double length = norm(problem, moved);
+    const double length = norm(problem, difference(next->u, current.u));
     longest_ = std::max(longest_, length);
-    constexpr double short_step = 1e-3; // relative to the longest
-    constexpr int enough_short_steps = 3;
-    short_steps_ = length < short_step * longest_ ? short_steps_ + 1 : 0;
+    short_steps_ = length < options_.bundle.short_step * longest_ ? short_steps_ + 1 : 0;
     current = std::move(*next);
     state.iteration = {state.iteration.number + 1, current.objective,
                        stationarity(problem, current.u, current.g), t};
-    if (bundle_ ? bundle_->full() : short_steps_ >= enough_short_steps)
+    if (bundle_ ? bundle_->full() : short_steps_ >= options_.bundle.short_steps)
       take_over(problem, current);
     return std::nullopt;
   }
@@ -77,24 +75,25 @@ public:
     bool takes_over = bundle_.has_value();
     archive("bundle/takes_over", takes_over);
     if (takes_over && !bundle_)
-      bundle_.emplace(longest_);
+      bundle_.emplace(options_);
     if (bundle_)
       bundle_->serialize(archive);
   }
 
 private:
-  using Step = typename BundleModel<P>::Step;
+  using Step = typename BundleMethod<P>::Step;
 
   void take_over(const P& problem, const Iterate<P>& at) {
-    bundle_.emplace(problem, at, longest_);
+    bundle_.emplace(options_, problem, at, longest_);
     fresh_ = true;
   }
 
+  Options options_;
   Method method_;
-  double longest_ = 1;                   ///< step so far, at first Cauchy's, the unit of length
-  int short_steps_ = 0;                  ///< consecutive ones up to now
-  std::optional<BundleModel<P>> bundle_; ///< steps instead of the method
-  bool fresh_ = false;                   ///< the model has not led to a step yet
+  double longest_ = 1;                    ///< step so far, at first Cauchy's, the unit of length
+  int short_steps_ = 0;                   ///< consecutive ones up to now
+  std::optional<BundleMethod<P>> bundle_; ///< steps instead of the method
+  bool fresh_ = false;                    ///< the bundle has not led to a step yet
 };
 
 } // namespace signorini::optimize

@@ -1,21 +1,15 @@
 #pragma once
+#include "optimize/options.h"
+#include "optimize/report.h"
 #include "optimize/units.h"
 
 namespace signorini::optimize {
 
-/// An iterate with J and its gradient there.
-template <BoundedProblem P>
-struct Iterate {
-  typename P::Vector u;
-  double objective;
-  typename P::Vector g;
-};
-
 /// The state of a search between two iterations, on which all further ones depend. Dimensionless except for
 /// u.
-template <BoundedProblem P, class Memory>
+template <Unknowns U, class Memory>
 struct State {
-  Iterate<P> current;
+  Iterate<U> current;
   Units units; ///< of the problem at the first guess
   Iteration iteration;
   double first_norm; ///< ‖u − P(u − g)‖ at the first guess
@@ -24,7 +18,7 @@ struct State {
   /// Omits J and its gradient at u, which are evaluated anew.
   template <class Archive>
   void serialize(Archive& archive) {
-    Shared<typename P::Vector> u = share(current.u);
+    Shared<typename U::Vector> u = share(current.u);
     archive("u", u);
     current.u = *u;
     units.serialize(archive);
@@ -34,31 +28,63 @@ struct State {
   }
 };
 
-/// Writes no checkpoints.
-struct NoCheckpointer {
-  static bool restore(auto&) { return false; }
-  static bool due(const Iteration&) { return false; }
-  static void store(auto&) {}
-  static void restored(double, double) {}
-};
+/// Throws SolverFailure if J or its gradient is not finite.
+inline void require_finite(const Iteration& iteration) {
+  if (!std::isfinite(iteration.objective) || !std::isfinite(iteration.gradient_norm))
+    throw SolverFailure("the objective or its gradient is not finite at iteration " +
+                        std::to_string(iteration.number));
+}
+
+/// The stopping reason at this iterate, if there is one.
+inline std::optional<Stop> ended(const Iteration& iteration, double first_norm, const Options& options) {
+  if (!(iteration.gradient_norm > options.tolerance * first_norm))
+    return Stop::gradient_tolerance;
+  if (iteration.number >= options.max_iterations)
+    return Stop::iteration_limit;
+  return std::nullopt;
+}
+
+/// Evaluates J at the state's point, where the search starts or, with `restored`, goes on. Returns J in the
+/// units given. Throws SolverFailure, Interrupted.
+template <TwiceDifferentiable P, class Memory>
+double start(P& given, Dimensionless<P>& problem, State<Dimensionless<P>, Memory>& state, bool restored) {
+  auto& current = state.current;
+  const double value = given.value(current.u);
+  typename P::Vector g = given.trial_gradient();
+  given.accept();
+  if (!restored) {
+    require_finite({0, value, norm(given, g), 0});
+    state.units = measured(given, current.u, value, g);
+  }
+  problem.measure_in(state.units);
+  current.objective = value / state.units.objective();
+  current.g = problem.stepped(std::move(g));
+  if (!restored) {
+    state.first_norm = stationarity(problem, current.u, current.g);
+    state.iteration = {0, current.objective, state.first_norm, 0};
+  }
+  return value;
+}
 
 /// Runs the iterations of a method from the first guess, or from the checkpoint that `keeper` restores, to a
 /// stopping reason. The method works on the dimensionless problem and thus does not depend on the units of u
 /// and J; `report`, keeper.restored() and the result are in the units given.
 ///
-/// `memory.advance(problem, state, options)` makes one iteration: it moves state.current, state.iteration and
+/// Method(options).advance(problem, state) makes one iteration: it moves state.current, state.iteration and
 /// the problem's current point, or returns how the search ends. `report(iteration)` is called for the first
 /// guess and for each iterate that this call accepts. keeper.restore(state) reads a state and returns whether
 /// there was one; keeper.restored(stored, found) receives J there, as stored and as evaluated;
 /// keeper.store(state) is called where keeper.due(iteration) asks for it and when the search ends.
 /// Interrupted from the problem ends the search with the last accepted iterate. Throws SolverFailure if the
 /// objective or its gradient is not finite. Collective if the problem is.
-template <TwiceDifferentiable P, class Memory, class Report, class Checkpointer>
+template <template <TwiceDifferentiable> class Method, TwiceDifferentiable P, class Report,
+          class Checkpointer>
 [[nodiscard]] Result<typename P::Vector> minimize(P& given, typename P::Vector guess, const Options& options,
-                                                  Memory memory, Report&& report, Checkpointer&& keeper) {
+                                                  Report&& report, Checkpointer&& keeper) {
+  using Memory = Method<Dimensionless<P>>;
   given.project(guess);
   Dimensionless<P> problem(given);
-  State<Dimensionless<P>, Memory> state{{guess, 0, std::move(guess)}, {}, {}, 0, std::move(memory)};
+  State<Dimensionless<P>, Memory> state{{guess, 0, std::move(guess)}, {}, {}, 0, Memory(options)};
   const auto tell = [&] {
     Iteration told = state.iteration;
     told.objective *= state.units.objective();
@@ -67,29 +93,16 @@ template <TwiceDifferentiable P, class Memory, class Report, class Checkpointer>
   };
   try {
     const bool restored = keeper.restore(state);
-    auto& current = state.current;
-    const double value = given.value(current.u);
-    typename P::Vector g = given.trial_gradient();
-    given.accept();
-    if (!restored) {
-      require_finite({0, value, norm(given, g), 0});
-      state.units = measured(given, current.u, value, g);
-    }
-    problem.measure_in(state.units);
-    current.objective = value / state.units.objective();
-    current.g = problem.stepped(std::move(g));
-    if (!restored) {
-      state.first_norm = stationarity(problem, current.u, current.g);
-      state.iteration = {0, current.objective, state.first_norm, 0};
-      tell();
-    } else {
+    const double value = start(given, problem, state, restored);
+    if (restored)
       keeper.restored(state.iteration.objective * state.units.objective(), value);
-    }
+    else
+      tell();
   } catch (const Interrupted&) {
     return {Stop::interrupted};
   }
   for (;;) {
-    if (const auto end = ended(state.iteration, options.tolerance * state.first_norm, options)) {
+    if (const auto end = ended(state.iteration, state.first_norm, options)) {
       keeper.store(state);
       return {*end};
     }
@@ -98,7 +111,7 @@ template <TwiceDifferentiable P, class Memory, class Report, class Checkpointer>
     Memory before = state.memory;
     std::optional<Result<typename P::Vector>> end;
     try {
-      end = state.memory.advance(problem, state, options);
+      end = state.memory.advance(problem, state);
     } catch (const Interrupted&) {
       end.emplace(Stop::interrupted);
     }

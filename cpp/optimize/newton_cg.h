@@ -15,10 +15,10 @@ class TruncatedNewton {
 public:
   using Vector = typename P::Vector;
 
+  explicit TruncatedNewton(const Options& options) : options_(options.newton) {}
+
   Vector direction(P& problem, const Iterate<P>& at) {
-    constexpr int most_products = 200;
-    Vector down = at.g;
-    down.scale(-1);
+    const Vector down = negative(at.g);
     Vector r = tangential(problem, at.u, down);
     double rr = problem.inner(r, r);
     const double first = std::sqrt(rr);
@@ -27,13 +27,13 @@ public:
       r.scale(radius_ / first);
       return r;
     }
-    const double enough = std::min(0.2, std::pow(first / first_, 0.25)) * first;
+    const double enough = std::min(options_.residual, std::pow(first / first_, options_.order)) * first;
     Vector d = r, p = r;
     d.scale(0);
     double dd = 0, dp = 0, pp = rr;
     predicted_ = 0;
     on_boundary_ = false;
-    for (int products = 0; products < most_products && std::sqrt(rr) > enough; ++products) {
+    for (int products = 0; products < options_.products && std::sqrt(rr) > enough; ++products) {
       Vector Hp = problem.hessian_product(p);
       problem.zero_blocked(Hp, at.u, down);
       const double curvature = problem.inner(p, Hp), step = rr / curvature;
@@ -60,16 +60,14 @@ public:
   }
 
   void learn(const P& problem, const Iterate<P>& from, const Iterate<P>& to, double t) {
-    constexpr double poor = 0.25, good = 0.75;
-    Vector step = to.u;
-    step.add(-1, from.u);
-    const double length = norm(problem, step), ratio = (from.objective - to.objective) / predicted_;
+    const double length = norm(problem, difference(to.u, from.u)),
+                 ratio = (from.objective - to.objective) / predicted_;
     if (std::exchange(steepest_, false) || t < 1)
       radius_ = length;
-    else if (ratio < poor)
-      radius_ = length / 2;
-    else if (t > 1 || (on_boundary_ && ratio > good))
-      radius_ = std::max(radius_, 2 * length);
+    else if (ratio < options_.poor)
+      radius_ = length / options_.change;
+    else if (t > 1 || (on_boundary_ && ratio > options_.good))
+      radius_ = std::max(radius_, options_.change * length);
   }
 
   bool restart() { return !std::exchange(steepest_, true); }
@@ -82,20 +80,14 @@ public:
   }
 
 private:
-  /// Radius of the trust region. The first conjugate gradient step of a search is Cauchy's, of length 1 in
-  /// these units: with a radius of 1 rounding would decide whether it lies within.
-  double radius_ = 2;
-  double first_ = 0;     ///< largest gradient norm on free values so far
-  double predicted_ = 0; ///< decrease of the quadratic model by the last direction
+  NewtonOptions options_;
+  double radius_ = options_.radius; ///< of the trust region
+  double first_ = 0;                ///< largest gradient norm on free values so far
+  double predicted_ = 0;            ///< decrease of the quadratic model by the last direction
   bool on_boundary_ = false, steepest_ = false;
 };
 
-/// Newton's method with bounds, by Hessian products.
-template <TwiceDifferentiable P, class Report, class Checkpointer = NoCheckpointer>
-[[nodiscard]] Result<typename P::Vector> newton_cg(P& problem, typename P::Vector u, const Options& options,
-                                                   Report&& report, Checkpointer&& keeper = {}) {
-  return minimize(problem, std::move(u), options,
-                  Descent<Dimensionless<P>, TruncatedNewton<Dimensionless<P>>>({}), report, keeper);
-}
+template <TwiceDifferentiable P>
+using NewtonCg = Descent<P, TruncatedNewton<P>>;
 
 } // namespace signorini::optimize

@@ -1,54 +1,31 @@
 #pragma once
-#include "optimize/problem.h"
-#include <algorithm>
-#include <numeric>
+#include "optimize/archive.h"
+#include "optimize/coordinates.h"
+#include "optimize/unknowns.h"
 #include <span>
-#include <utility>
-#include <vector>
 
 namespace signorini::optimize {
 
-/// Coordinates in an orthonormal basis; those beyond the last are zero.
-using Coordinates = std::vector<double>;
-
-inline double dot(const Coordinates& a, const Coordinates& b) {
-  const auto both = static_cast<std::ptrdiff_t>(std::min(a.size(), b.size()));
-  return std::inner_product(a.begin(), a.begin() + both, b.begin(), 0.0);
-}
-
-inline double norm(const Coordinates& a) { return std::sqrt(dot(a, a)); }
-
-/// a += factor b.
-inline void add(Coordinates& a, double factor, const Coordinates& b) {
-  a.resize(std::max(a.size(), b.size()));
-  for (std::size_t i = 0; i < b.size(); ++i)
-    a[i] += factor * b[i];
-}
-
-inline Coordinates scaled(Coordinates a, double factor) {
-  for (double& x : a)
-    x *= factor;
-  return a;
-}
-
 /// A growing subspace with an orthonormal basis, so that frequent operations work on coordinates.
-template <BoundedProblem P>
+template <Unknowns U>
 class Span {
 public:
-  using Vector = typename P::Vector;
+  using Vector = typename U::Vector;
+
+  /// A vector belongs to the subspace if what is out of it is at most `dependent` times as long.
+  explicit Span(double dependent) : dependent_(dependent) {}
 
   /// Coordinates of v, which the subspace contains from now on.
-  Coordinates coordinates(const P& problem, Vector v) {
-    const double length = norm(problem, v);
+  Coordinates coordinates(const U& unknowns, Vector v) {
+    const double length = norm(unknowns, v);
     Coordinates x(basis_.size());
     for (int pass = 0; pass < 2; ++pass) { // Gram-Schmidt, twice for rounding
-      const Coordinates part = problem.pairings(problem.dual(v), basis_);
+      const Coordinates part = unknowns.pairings(unknowns.dual(v), basis_);
       v.add(scaled(part, -1), basis_);
       add(x, 1, part);
     }
-    const double rest = norm(problem, v);
-    constexpr double rounding = 1e-12;
-    if (rest > rounding * length) {
+    const double rest = norm(unknowns, v);
+    if (rest > dependent_ * length) {
       v.scale(1 / rest);
       basis_.push_back(share(std::move(v)));
       x.push_back(rest);
@@ -74,6 +51,7 @@ public:
 
 private:
   std::vector<Shared<Vector>> basis_;
+  double dependent_;
 };
 
 } // namespace signorini::optimize

@@ -32,18 +32,14 @@ struct Units {
 template <TwiceDifferentiable P>
 [[nodiscard]] Units measured(P& problem, const typename P::Vector& u, double objective,
                              const typename P::Vector& g) {
-  typename P::Vector down = g;
-  down.scale(-1);
-  const typename P::Vector d = tangential(problem, u, down);
+  const typename P::Vector d = tangential(problem, u, negative(g));
   const double squared = problem.inner(d, d);
   if (squared == 0)
     return {}; // stationary: units do not matter
   const double curvature = problem.inner(d, problem.hessian_product(d));
   typename P::Vector step = u;
   step.add(curvature > 0 ? squared / curvature : 2 * std::abs(objective) / squared, d);
-  problem.project(step);
-  step.add(-1, u);
-  const double length = norm(problem, step);
+  const double length = norm(problem, difference(projected(problem, std::move(step)), u));
   // Otherwise J is linear and zero, and defines no units.
   return std::isfinite(length) && length > 0 ? Units{length, length / std::sqrt(squared)} : Units();
 }

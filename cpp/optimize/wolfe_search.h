@@ -1,10 +1,10 @@
 #pragma once
-#include "optimize/minimize.h"
-#include <optional>
+#include "optimize/options.h"
+#include "optimize/problem.h"
 
 namespace signorini::optimize {
 
-template <BoundedProblem P>
+template <Differentiable P>
 struct Search {
   std::optional<Iterate<P>> found; ///< the accepted trial, also the problem's
   double length = 0;               ///< t
@@ -12,13 +12,14 @@ struct Search {
 };
 
 /// Weak-Wolfe search by bisection and doubling (Lewis, Overton 2013), here along the arc t ↦ P(u + t d) and
-/// from t = 1. It asks for sufficient decrease and for a slope above 0.9 of the first, negative one, never
+/// from t = 1. It asks for sufficient decrease and for a slope above a part of the first, negative one, never
 /// for a small one, so that it ends beyond a kink where there is no small slope. `d` must be tangential. A
 /// trial at which a solver fails counts as too long.
-template <BoundedProblem P>
-[[nodiscard]] Search<P> weak_wolfe_search(P& problem, const Iterate<P>& from, const typename P::Vector& d) {
-  constexpr double sufficient = 1e-4, flatter = 0.9;
-  const double slope = problem.inner(from.g, d), least = rounding(from.objective);
+template <Differentiable P>
+[[nodiscard]] Search<P> weak_wolfe_search(P& problem, const Iterate<P>& from, const typename P::Vector& d,
+                                          const Options& options) {
+  const auto& [sufficient, flatter] = options.wolfe;
+  const double slope = problem.inner(from.g, d), least = options.negligible(from.objective);
   Search<P> search;
   double low = 0, high = std::numeric_limits<double>::infinity();
   bool collapsed = false;
@@ -26,21 +27,14 @@ template <BoundedProblem P>
     typename P::Vector trial = from.u;
     trial.add(t, d);
     problem.project(trial);
-    typename P::Vector step = trial;
-    step.add(-1, from.u);
-    double value = std::numeric_limits<double>::quiet_NaN();
-    search.solver_failed = false;
-    try {
-      value = problem.value(trial);
-    } catch (const SolverFailure&) {
-      search.solver_failed = true;
-    }
-    const double decrease = from.objective - value;
-    if (decrease > 0 && decrease >= -sufficient * problem.inner(from.g, step)) {
+    const std::optional<double> value = attempt(problem, trial);
+    search.solver_failed = !value;
+    const double decrease = from.objective - value.value_or(nan);
+    if (decrease > 0 && decrease >= -sufficient * problem.inner(from.g, difference(trial, from.u))) {
       typename P::Vector g = problem.trial_gradient();
       const bool steep = problem.inner(g, tangential(problem, trial, d)) < flatter * slope; // false for NaN
       if (!steep || collapsed) {
-        search.found.emplace(std::move(trial), value, std::move(g));
+        search.found.emplace(std::move(trial), *value, std::move(g));
         search.length = t;
         return search;
       }

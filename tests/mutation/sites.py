@@ -12,8 +12,8 @@ argument    two neighbouring arguments of a call exchanged
 
 Left alone is what has no effect on results, or is a choice where another would be as right: comments, texts,
 preprocessor lines, template arguments and what they must fulfil, messages of errors, counters, timers and reserve(), calls
-that give back what a library lent, first values of variables that PETSc writes, numbers with an exponent and constexpr
-values (tolerances, limits), -1 where it says "none", and the arguments of functions that are symmetric in them. The sources are taken to be formatted as .clang-format says: an operator of two operands has
+that give back what a library lent, first values of variables that PETSc writes, numbers with an exponent, constexpr
+values and those of structs of options (tolerances, limits), -1 where it says "none", and the arguments of functions that are symmetric in them. The sources are taken to be formatted as .clang-format says: an operator of two operands has
 spaces around it, brackets of a template have none.
 """
 
@@ -37,7 +37,7 @@ EXCHANGED = {"+": ("sign", "-"), "-": ("sign", "+"), "+=": ("sign", "-="), "-=":
 EXCHANGED_WORDS = {"true": ("comparison", "false"), "false": ("comparison", "true"), "min": ("comparison", "max"),
                    "max": ("comparison", "min"), "front": ("index", "back"), "back": ("index", "front")}
 MOVED_BY_ONE = {"<": "<=", "<=": "<", ">": ">=", ">=": ">"}
-SYMMETRIC = {"dot", "hypot", "max", "min", "swap", "product", "metric", "product_at"}
+SYMMETRIC = {"dot", "hypot", "max", "min", "swap", "product", "inner", "product_at"}
 KEYWORDS = set("""alignas alignof asm auto case catch class const constexpr consteval constinit decltype default delete do else enum
     explicit extern for friend goto if inline mutable namespace new noexcept operator private protected public return sizeof static
     static_assert struct switch template throw try typedef typename union using virtual volatile while concept requires""".split())
@@ -129,6 +129,8 @@ class Source:
                 continue
             elif token.text in ("throw", "constexpr", "static_assert", "virtual", "enum", "using", "friend"):
                 self.skip(i, self.end_of_statement(i))
+            elif token.text == "struct" and self.at(i + 1).endswith("Options") and self.at(i + 2) == "{":
+                self.skip(i, self.closing[i + 2])
             elif token.text == "requires":
                 self.skip(i, self.end_of_requirement(i))
             elif token.text.startswith("Petsc") and not self.at(i - 1) == "const":  # a value that PETSc writes over

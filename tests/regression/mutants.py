@@ -12,6 +12,7 @@ LINES = {
     '#define LESS(a, b) ((a) < (b)) // 1 + 1': [],
     'long& made = count("made + 2");': [],
     'constexpr double rounding = 0.5, limit = 4;': [],
+    'struct StepOptions { double rounding = 0.5; int limit = 4; };': [],
     'template <class T, int n = 2>': [],
     'double f(const std::array<double, 3>& x, Vec y, int k) {': [],
     '  // y = x - 1;': [],

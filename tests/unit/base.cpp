@@ -31,7 +31,7 @@ std::vector<double> combined(const std::vector<std::vector<double>>& g, const st
 }
 
 std::vector<double> shortest(const std::vector<std::vector<double>>& g) {
-  return simplex_qp(products(g), std::vector<double>(g.size()));
+  return simplex_qp(products(g), std::vector<double>(g.size())).value();
 }
 
 /// How far weights are from the conditions of the best (Karush, Kuhn, Tucker), of the largest term: g_i·x +
@@ -83,9 +83,9 @@ std::vector<std::vector<double>> awkward(std::mt19937& random, std::size_t n, st
 } // namespace
 
 TEST_CASE("There is no best combination of no vectors, and none of what is not finite", "[base]") {
-  CHECK_THROWS_AS((void)simplex_qp({}, {}), SolverFailure);
+  CHECK_FALSE(simplex_qp({}, {}));
   const std::vector<double> none{0, 0};
-  CHECK_THROWS_AS((void)simplex_qp(std::vector<double>{1, 0, 0, std::nan("")}, none), SolverFailure);
+  CHECK_FALSE(simplex_qp(std::vector<double>{1, 0, 0, std::nan("")}, none));
 }
 
 TEST_CASE("Awkward vectors have a best combination too", "[base]") {
@@ -103,7 +103,7 @@ TEST_CASE("Awkward vectors have a best combination too", "[base]") {
           if (priced)
             for (double& e : prices)
               e = 0.1 * uniform(random);
-          const double off = unmet(g, prices, simplex_qp(products(g), prices));
+          const double off = unmet(g, prices, simplex_qp(products(g), prices).value());
           CHECK(off < 1e-4);
           ++all;
           to_rounding += off < 1e-10;
@@ -120,7 +120,7 @@ TEST_CASE("The best combination does not depend on units", "[base]") {
     std::vector<double> prices, G = products(g);
     for (std::size_t i = 0; i < g.size(); ++i)
       prices.push_back(run % 2 ? uniform(random) : 0);
-    const auto weights = simplex_qp(G, prices);
+    const auto weights = simplex_qp(G, prices).value();
     for (const int exponent : {-60, 60}) {
       std::vector<double> other_G = G, other_prices = prices;
       for (double& x : other_G)
@@ -187,7 +187,7 @@ TEST_CASE("The best combination of vectors with prices satisfies its conditions"
         gi.push_back(normal(random));
       prices.push_back(std::abs(normal(random)));
     }
-    const auto weights = simplex_qp(products(g), prices);
+    const auto weights = simplex_qp(products(g), prices).value();
     cheaper += weights != shortest(g);
     const auto x = combined(g, weights);
     // g_i·x + e_i is the same wherever w_i > 0, and no less elsewhere.

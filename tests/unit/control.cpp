@@ -40,21 +40,21 @@ TEST_CASE("clipping is the projection in the metric of a bounded control", "[con
     problem.controls.project(clipped);
     control::Control residual = u;
     residual.add(-1, clipped);
-    REQUIRE(problem.controls.metric(residual, residual) > 0);
+    REQUIRE(problem.controls.inner(residual, residual) > 0);
     // ⟨u − Pu, w − Pu⟩ ≤ 0 for every admissible w characterises the projection.
     for (int which = 1; which < 6; ++which) {
       control::Control w = some(problem.controls, 3 * which);
       problem.controls.project(w);
       w.add(-1, clipped);
-      CHECK(problem.controls.metric(residual, w) <= 1e-14);
+      CHECK(problem.controls.inner(residual, w) <= 1e-14);
     }
     // Both metrics weigh constants alike, and represent the same functional.
     const control::Control one = problem.controls.interpolate({"1", "0"}, "test");
-    CHECK(std::abs(problem.controls.metric(one, one) / problem.controls.product(one, one) - 1) < 1e-12);
+    CHECK(std::abs(problem.controls.inner(one, one) / problem.controls.product(one, one) - 1) < 1e-12);
     control::Control g = some(problem.controls, 7);
     const double functional = problem.controls.product(g, u);
-    problem.controls.to_metric(g);
-    CHECK(std::abs(problem.controls.metric(g, u) - functional) < 1e-12 * std::abs(functional));
+    problem.controls.to_inner(g);
+    CHECK(std::abs(problem.controls.inner(g, u) - functional) < 1e-12 * std::abs(functional));
   }
 }
 
@@ -75,7 +75,7 @@ TEST_CASE("J is the trapezoidal rule of its integrals", "[control]") {
                           {"objective.desired={displacement=[\"t\", \"0\"]}", "load.body=[\"0\", \"0\"]",
                            "initial.velocity=[\"0\", \"0\"]"});
   ControlProblem problem(ready.problem, test::silent());
-  problem.reduced.value(problem.controls.zero());
+  problem.reduced.simulate(problem.controls.zero());
   problem.reduced.accept();
   const double T = ready.scene.time.end, tau = ready.scene.time.step;
   const control::Value& value = problem.reduced.value();
@@ -87,7 +87,7 @@ TEST_CASE("J is the trapezoidal rule of its integrals", "[control]") {
 TEST_CASE("at the reference control only the cost of the control is left", "[control]") {
   const test::Ready ready("tests/data/block.toml");
   ControlProblem problem(ready.problem, test::silent());
-  problem.reduced.value(*problem.reference);
+  problem.reduced.simulate(*problem.reference);
   problem.reduced.accept();
   const control::Value& value = problem.reduced.value();
   // Not exactly: on several ranks MUMPS sums in no fixed order, so that two runs differ by rounding.
@@ -193,7 +193,7 @@ TEST_CASE("the gradient by a control constant in time is the mean of that by ste
     const test::Ready ready("tests/data/block.toml",
                             {"control.constant_in_time=" + std::string(constant ? "true" : "false")});
     ControlProblem problem(ready.problem, test::silent());
-    problem.reduced.value(problem.controls.constant(-0.5));
+    problem.reduced.simulate(problem.controls.constant(-0.5));
     problem.reduced.accept();
     use(problem.reduced.gradient());
   };
@@ -217,7 +217,7 @@ TEST_CASE("a rejected trial changes nothing", "[control]") {
   const double value = problem.reduced.value(u);
   problem.reduced.accept();
   const control::Control before = problem.reduced.gradient();
-  problem.reduced.value(other);
+  problem.reduced.simulate(other);
   control::Control after = problem.reduced.gradient();
   after.add(-1, before);
   CHECK(problem.controls.norm(before) > 0);

@@ -17,7 +17,7 @@ struct Estimated {
 Estimated estimated(const std::string& file, const std::vector<std::string>& overrides, bool contact) {
   const test::Ready ready(file, overrides);
   ControlProblem control_problem(ready.problem, test::silent());
-  control_problem.reduced.value(control_problem.first_guess(ready.scene));
+  control_problem.reduced.simulate(control_problem.first_guess(ready.scene));
   control_problem.reduced.accept();
   bool touched = false;
   for (const contact::ContactSets& state : control_problem.reduced.trajectory().contact())

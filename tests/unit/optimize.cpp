@@ -350,6 +350,14 @@ struct InOtherUnits {
   [[nodiscard]] Bounded bounds() const { return {{}, c * given.lower, c * given.upper, {}, {}}; }
 };
 
+/// Writes no checkpoints.
+struct NoCheckpointer {
+  static bool restore(auto&) { return false; }
+  static bool due(const optimize::Iteration&) { return false; }
+  static void store(auto&) {}
+  static void restored(double, double) {}
+};
+
 struct Record {
   std::vector<optimize::Iteration> rows;
   void operator()(const optimize::Iteration& row) { rows.push_back(row); }
@@ -360,16 +368,16 @@ const Point start{{0, 0, 0, 5}};
 enum class Method { projected_gradient, lbfgs, newton_cg };
 constexpr Method methods[] = {Method::projected_gradient, Method::lbfgs, Method::newton_cg};
 
-template <class P, class Checkpointer = optimize::NoCheckpointer>
+template <class P, class Checkpointer = NoCheckpointer>
 optimize::Result<Point> search(Method method, P& problem, const Point& from, const optimize::Options& options,
                                Record& record, const Checkpointer& keeper = {}) {
   switch (method) {
   case Method::lbfgs:
-    return optimize::lbfgs(problem, from, options, record, keeper);
+    return optimize::minimize<optimize::Lbfgs>(problem, from, options, record, keeper);
   case Method::newton_cg:
-    return optimize::newton_cg(problem, from, options, record, keeper);
+    return optimize::minimize<optimize::NewtonCg>(problem, from, options, record, keeper);
   default:
-    return optimize::projected_gradient(problem, from, options, record, keeper);
+    return optimize::minimize<optimize::ProjectedGradient>(problem, from, options, record, keeper);
   }
 }
 
@@ -406,8 +414,7 @@ void require_certified(Pieces& problem, const optimize::Result<Point>& ending, c
     CHECK(std::sqrt(problem.inner(offset, offset)) <= certificate.radius * (1 + 1e-9));
     CHECK(certificate.weights[i] > 0);
     whole += certificate.weights[i];
-    (void)problem.value(certificate.points[i]);
-    sum.add(certificate.weights[i], problem.trial_gradient());
+    sum.add(certificate.weights[i], optimize::evaluated(problem, certificate.points[i])->g);
   }
   CHECK(std::abs(whole - 1) < 1e-12);
   if (problem.lower < -1e299)
@@ -848,17 +855,17 @@ TEST_CASE("known curvature is that of the Hessian, and the least known elsewhere
   optimize::Curvature axes;
   CHECK(axes.empty());
   CHECK(axes.largest() == 1);
-  const Coordinates x{0.3, -0.2, 0.5, 0.7, -1}, at_first = apply(axes.matrix(n), x);
+  const Coordinates x{0.3, -0.2, 0.5, 0.7, -1}, at_first = apply(axes.matrix(n).value(), x);
   CHECK(distance(at_first, x) == 0);
   axes.learn({0, 2}, {0, 6});
-  CHECK(distance(apply(axes.matrix(n), x), {0.9, -0.6, 1.5, 2.1, -3}) < 1e-14);
+  CHECK(distance(apply(axes.matrix(n).value(), x), {0.9, -0.6, 1.5, 2.1, -3}) < 1e-14);
   axes.learn({0, 0, 0, 0.5}, {0, 0, 0, 0.25});
   axes.learn({4}, {32});
   CHECK_FALSE(axes.empty());
   CHECK(axes.largest() == 8);
-  CHECK(distance(apply(axes.matrix(n), x), {2.4, -0.6, 0.25, 0.35, -0.5}) < 1e-14);
+  CHECK(distance(apply(axes.matrix(n).value(), x), {2.4, -0.6, 0.25, 0.35, -0.5}) < 1e-14);
   axes.forget_oldest(); // of curvature 3
-  CHECK(distance(apply(axes.matrix(n), x), {2.4, -0.1, 0.25, 0.35, -0.5}) < 1e-14);
+  CHECK(distance(apply(axes.matrix(n).value(), x), {2.4, -0.1, 0.25, 0.35, -0.5}) < 1e-14);
   // A full one, H = 2 I + G Gᵀ, by directions that are not orthogonal: B d = H d, B is symmetric and at least
   // as large as the least of what is known.
   const std::vector<Coordinates> G{{1, 2, 0, -1, 0.5}, {0, 1, -1, 3, 2}, {0.5, 0, 1, 1, -2}};
@@ -878,7 +885,7 @@ TEST_CASE("known curvature is that of the Hessian, and the least known elsewhere
     largest = std::max(largest, optimize::norm(y) / optimize::norm(d));
   }
   CHECK(std::abs(full.largest() / largest - 1) < 1e-15);
-  const std::vector<double> B = full.matrix(n);
+  const std::vector<double> B = full.matrix(n).value();
   for (const Coordinates& d : directions)
     CHECK(distance(apply(B, d), H(d)) < 1e-13 * optimize::norm(H(d)));
   for (std::size_t i = 0; i < n; ++i)
@@ -890,12 +897,83 @@ TEST_CASE("known curvature is that of the Hessian, and the least known elsewhere
   two.learn({1}, {3, 1});
   two.learn({0, 1}, {1, 5, 2});
   const Coordinates rest{0, 0, 0, 0.6, -0.8};
-  CHECK(distance(apply(two.matrix(n), rest), optimize::scaled(rest, 3)) < 1e-14);
+  CHECK(distance(apply(two.matrix(n).value(), rest), optimize::scaled(rest, 3)) < 1e-14);
+}
+
+TEST_CASE("a bundle model of pieces of one curvature is exact, wherever its point is", "[optimize]") {
+  using optimize::Coordinates;
+  // J = max over i of ½ x·Hx + a_i·x + c_i, H = diag(2, 5). The first two meet in x_1 = 0, where J is least
+  // in (0, −1/5); the third lies 3 below the first in the origin.
+  const std::vector<Coordinates> a{{1, 1}, {-1, 1}, {0, -2}};
+  const double c[] = {0, 0, -3};
+  const auto H = [](const Coordinates& x) { return Coordinates{2 * x[0], 5 * x[1]}; };
+  const auto gradient = [&](std::size_t i, const Coordinates& x) {
+    Coordinates g = H(x);
+    optimize::add(g, 1, a[i]);
+    return g;
+  };
+  const auto piece = [&](std::size_t i, const Coordinates& x) {
+    return optimize::dot(x, H(x)) / 2 + optimize::dot(a[i], x) + c[i];
+  };
+  const auto near = [](double x, double y) { return std::abs(x - y) < 1e-14; };
+  const auto cut = [&](std::size_t i, const Coordinates& x) {
+    const Coordinates g = gradient(i, x);
+    return optimize::Cut{g, g, {}, 0};
+  };
+  Coordinates x{0.75, 0.5};
+  optimize::BundleModel model({}, {cut(0, x)});
+  const auto meet = [&](std::size_t i, const Coordinates& s) {
+    Coordinates there = x;
+    optimize::add(there, 1, s);
+    const double J = piece(0, x), above = model.null_step(gradient(i, there), s, H(s), J - piece(i, there));
+    CHECK(near(above, piece(i, x) - J));
+  };
+  meet(1, {-1.5, 0.25});
+  meet(2, {0.125, 4});
+  const Coordinates step{-0.5, -1};
+  const double before = piece(0, x);
+  optimize::add(x, 1, step);
+  model.serious_step(gradient(0, x), step, H(step), before - piece(0, x));
+  const std::size_t pieces[] = {0, 0, 1, 2}; // the point's own one is the first
+  REQUIRE(model.cuts().size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const optimize::Cut& found = model.cuts()[i];
+    CHECK(near(found.linearisation_error, piece(0, x) - piece(pieces[i], x)));
+    for (std::size_t k = 0; k < 2; ++k)
+      CHECK(near(found.here[k], gradient(pieces[i], x)[k]));
+  }
+  const auto direction = optimize::model_minimiser(model.cuts(), {2, 0, 0, 5}, 2).value();
+  CHECK(near(x[0] + direction.d[0], 0));
+  CHECK(near(x[1] + direction.d[1], -0.2));
+  CHECK(near(direction.predicted, piece(0, x) - piece(0, {0, -0.2})));
+  CHECK(near(direction.subgradient.weights[2], 0.5));
+  CHECK(near(direction.subgradient.weights[3], 0));
+  CHECK(near(direction.subgradient.length, optimize::norm(H(direction.d))));
+  CHECK_FALSE(optimize::model_minimiser(model.cuts(), {2, 3, 3, 4}, 2));
+  // Between the gradients at the point, (1.5, −1.5), and at the offset (−1, 1.25) to the second piece,
+  // (−2.5, 4.75), the shortest is perpendicular to their difference. The third is 5 away.
+  const auto shortest = [&](double radius) {
+    return optimize::minimum_norm_subgradient(model.cuts(), radius);
+  };
+  CHECK(near(shortest(0.1).length, optimize::norm(gradient(0, x))));
+  const Coordinates here = gradient(0, x), there = gradient(1, {-0.75, 0.75});
+  Coordinates edge = there;
+  optimize::add(edge, -1, here);
+  const double cross = here[0] * there[1] - here[1] * there[0];
+  CHECK(near(shortest(2).length, std::abs(cross) / optimize::norm(edge)));
+  CHECK(near(shortest(2).weights[3], 0));
+  CHECK_THROWS_AS((void)optimize::minimum_norm_subgradient({}, 1), SolverFailure);
+  // The second piece rises above the first along −x_1. Where it is gathered anew its distant cut is dropped.
+  const auto offsets = model.drop_distant({0.5, 0, 0.5, 0}, 0.125);
+  REQUIRE(offsets.size() == 1);
+  CHECK(near(offsets[0][0], -0.125));
+  CHECK(near(offsets[0][1], 0));
+  CHECK(model.cuts().size() == 3);
 }
 
 TEST_CASE("a subspace that grows holds what it was given, in orthonormal coordinates", "[optimize]") {
   const Coupled problem;
-  optimize::Span<Coupled> span;
+  optimize::Span<Coupled> span(optimize::BundleOptions().dependent);
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   std::vector<Point> given;
@@ -963,7 +1041,7 @@ TEST_CASE("a line search ends where J is lower and its slope flatter, or beyond 
     const double J = problem.value(from);
     const optimize::Iterate<Line> at{from, J, problem.trial_gradient()};
     problem.evaluations = 0;
-    const auto search = optimize::weak_wolfe_search(problem, at, Point{{c.length}});
+    const auto search = optimize::weak_wolfe_search(problem, at, Point{{c.length}}, {});
     REQUIRE(search.found);
     const double x = search.found->u.x[0];
     CHECK((x >= c.least && x <= c.most));
@@ -977,12 +1055,12 @@ TEST_CASE("a line search ends where J is lower and its slope flatter, or beyond 
   // Uphill from the start on: no way down, and no end of trials.
   Line up;
   up.J = [](double x) { return std::pair{1 + std::abs(x), x > 0 ? 1.0 : -1.0}; };
-  CHECK_FALSE(optimize::weak_wolfe_search(up, {Point{{0}}, 1.0, Point{{-1}}}, Point{{1}}).found);
+  CHECK_FALSE(optimize::weak_wolfe_search(up, {Point{{0}}, 1.0, Point{{-1}}}, Point{{1}}, {}).found);
   CHECK(up.evaluations < 60); // 2⁻⁵⁰ is rounding
   // Steep up to a jump to NaN at 1: what is left of the step is rounding, and its lower end is taken.
   Line cliff;
   cliff.J = [](double x) { return std::pair{x < 1 ? 2 - x : NAN, -1.0}; };
-  const auto edge = optimize::weak_wolfe_search(cliff, {Point{{0}}, 2.0, Point{{-1}}}, Point{{0.3}});
+  const auto edge = optimize::weak_wolfe_search(cliff, {Point{{0}}, 2.0, Point{{-1}}}, Point{{0.3}}, {});
   REQUIRE(edge.found);
   CHECK((edge.found->u.x[0] > 1 - 1e-14 && edge.found->u.x[0] < 1));
 }
@@ -999,7 +1077,7 @@ TEST_CASE("a trust region follows what its model was worth", "[optimize]") {
     }
   };
   Flat problem;
-  optimize::TruncatedNewton<Flat> newton;
+  optimize::TruncatedNewton<Flat> newton{optimize::Options()};
   const optimize::Iterate<Flat> from{Point{{7, -3}}, 1.0, Point{{2, 1}}};
   const auto length = [&] { return optimize::norm(problem, newton.direction(problem, from)); };
   // A step of t times the last direction, with so much of the decrease that the model foretold for all of it.
@@ -1046,7 +1124,7 @@ TEST_CASE("conjugate gradients need a product for each curvature, and solve Newt
     }
   };
   Quadric problem;
-  optimize::TruncatedNewton<Quadric> newton;
+  optimize::TruncatedNewton<Quadric> newton{optimize::Options()};
   Point u{std::vector<double>(8, 0.5)}, g{{1, -2, 3, 1, 2, -1, 0.5, 1}};
   u.x[0] = u.x[4] = -1;                         // g > 0 there
   g.scale(1e-3);                                // so that the trust region does not matter
@@ -1066,7 +1144,7 @@ TEST_CASE("what is held takes no part in the memory of L-BFGS", "[optimize]") {
   Quadratic whole;
   Quadratic part;
   part.w.resize(2);
-  optimize::LimitedMemory<Quadratic> with, without;
+  optimize::LimitedMemory<Quadratic> with{optimize::Options()}, without{optimize::Options()};
   const auto iterate = [](const Quadratic& problem, double x, double y, double z, double gx, double gy) {
     optimize::Iterate<Quadratic> at{Point{{x, y, z, 0}}, 0.0, Point{{gx, gy, 5 - z, 0}}};
     at.u.x.resize(problem.w.size());

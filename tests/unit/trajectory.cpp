@@ -159,13 +159,13 @@ TEST_CASE("gradients and Hessian products are the same to the last bit from ever
         return u;
       };
       const long before = recomputed;
-      reduced.value(control(1));
+      reduced.simulate(control(1));
       reduced.accept();
       REQUIRE(std::ranges::any_of(reduced.trajectory().contact(),
                                   [](const contact::ContactSets& c) { return !c.active.empty(); }));
       const control::Control gradient = reduced.gradient();
       const control::Control product = reduced.l2_hessian_product(control(0.5));
-      reduced.value(control(0.7)); // a trial that is rejected
+      reduced.simulate(control(0.7)); // a trial that is rejected
       const control::Control once_more = reduced.gradient();
       CHECK((recomputed > before) == (std::string(kind) == "checkpoints"));
       REQUIRE(controls.norm(gradient) > 0);
@@ -190,7 +190,7 @@ TEST_CASE("errors are estimated alike from every storage", "[adjoint]") {
       ready.scene.trajectory = checkpoints(ready.problem.stepper, 6);
       ready.scene.trajectory.storage = kind;
       ControlProblem problem(ready.problem, test::silent());
-      problem.reduced.value(some(problem.controls, 1));
+      problem.reduced.simulate(some(problem.controls, 1));
       problem.reduced.accept();
       REQUIRE(std::ranges::any_of(problem.reduced.trajectory().contact(),
                                   [](const contact::ContactSets& c) { return !c.active.empty(); }));

@@ -257,7 +257,7 @@ private:
   }
 
   bool same_sets_at(double epsilon, const Contact& contact) {
-    problem_.value(moved(epsilon));
+    problem_.simulate(moved(epsilon));
     return switches(contact, problem_.trial_trajectory().contact()).steps == 0;
   }
 

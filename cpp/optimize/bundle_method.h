@@ -1,0 +1,209 @@
+#pragma once
+#include "optimize/bundle_model.h"
+#include "optimize/certificate.h"
+#include "optimize/span.h"
+
+namespace signorini::optimize {
+
+/// Descent among kinks by a bundle method (Lemaréchal 1978): where J at the minimiser of its model is too
+/// high, the gradient there becomes another cut (null step), until the model leads down (serious step);
+/// finally the steps are Newton's along the edge of the pieces of J, and a certificate ends them.
+template <TwiceDifferentiable P>
+class BundleMethod {
+public:
+  using Vector = typename P::Vector;
+
+  /// Starts from the cut of `at` alone. `length` is that of a long step, of which the ball is a part.
+  BundleMethod(const Options& options, const P& problem, const Iterate<P>& at, double length)
+      : options_(options), ball_(options.bundle.ball * length), bounds_at_(share(at.u)),
+        held_{share(negative(at.g))}, span_(options.bundle.dependent),
+        model_(options.bundle, {cut(problem, at.g)}) {}
+
+  /// For serialize() from an archive.
+  explicit BundleMethod(const Options& options)
+      : options_(options), span_(options.bundle.dependent), model_(options.bundle, {}) {}
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive("bundle/ball", ball_);
+    archive("bundle/bounds_at", bounds_at_);
+    serialize_list(archive, "bundle/active_bounds", held_,
+                   [&](Shared<Vector>& d, const std::string& name) { archive(name, d); });
+    span_.serialize(archive, "bundle/span");
+    model_.serialize(archive);
+  }
+
+  /// Result of a step: a new iterate, a certificate of stationarity, or neither.
+  struct Step {
+    std::optional<Iterate<P>> found{}; ///< the new iterate, the problem's trial
+    bool at_other_bounds = false;      ///< the new iterate is at further bounds than the blocked ones
+    std::optional<Certificate<Vector>> certificate{};
+  };
+
+  /// One serious step from `at`, where the method started or the last step ended. A certificate is at most as
+  /// long as `tolerance`.
+  Step step(P& problem, const Iterate<P>& at, double tolerance) {
+    const BundleOptions& options = options_.bundle;
+    int unconfirmed = 0;
+    double distance = 0;
+    std::optional<Certificate<Vector>> smooth; // valid, but J may still descend on one smooth piece
+    for (int round = 0; round < options.rounds && !full(); ++round) {
+      if (!smooth)
+        if (const Combination shortest = minimum_norm_subgradient(model_.cuts(), ball_);
+            shortest.length <= tolerance) {
+          auto certificate = confirmed(problem, at, shortest.weights, tolerance);
+          if (!certificate) {
+            if (++unconfirmed == options.unconfirmed)
+              break;
+            continue;
+          }
+          if (!stationary_between(problem, *certificate, tolerance))
+            return {.certificate = std::move(certificate)};
+          smooth = std::move(certificate);
+        }
+      const Direction direction = downhill(problem, at);
+      if (direction.subgradient.length > options.model_part * tolerance &&
+          direction.predicted > options_.negligible(at.objective)) {
+        Step step = follow(problem, at, direction);
+        if (step.found)
+          return step;
+      } else {
+        const double first = options.gathered_part * tolerance / model_.curvature().largest();
+        distance =
+            distance > 0 ? options.farther * distance : std::clamp(first, options.nearest * ball_, ball_);
+        if (distance > ball_)
+          break;
+        gather_around(problem, at, direction.subgradient.weights, distance);
+      }
+    }
+    return {.certificate = std::move(smooth)};
+  }
+
+  /// Whether the subspace is so large that the method should start anew.
+  [[nodiscard]] bool full() const { return span_.dimension() > options_.bundle.dimension; }
+
+private:
+  /// Coordinates of the values of a gradient that are not blocked.
+  Coordinates coordinates(const P& problem, Vector g) {
+    for (const Shared<Vector>& d : held_)
+      problem.zero_blocked(g, *bounds_at_, *d);
+    return span_.coordinates(problem, std::move(g));
+  }
+
+  /// The cut of a gradient, as of the current point.
+  Cut cut(const P& problem, const Vector& g) {
+    const Coordinates here = coordinates(problem, g);
+    return {here, here, {}, 0};
+  }
+
+  struct Point {
+    Vector u, outside; ///< within the bounds, and what was beyond
+  };
+
+  /// The point at this offset.
+  Point point(const P& problem, const Iterate<P>& at, const Coordinates& offset) const {
+    Vector u = at.u;
+    u.add(1, span_.vector(offset, at.u));
+    Vector within = projected(problem, u);
+    u.add(-1, within);
+    return {std::move(within), std::move(u)};
+  }
+
+  /// The certificate of these weights of the cuts, if gradients evaluated anew confirm it. If they do not,
+  /// they become the cuts of a new model, with only those values blocked that they push out of the bounds.
+  std::optional<Certificate<Vector>> confirmed(P& problem, const Iterate<P>& at,
+                                               const std::vector<double>& weights, double tolerance) {
+    GatheredGradients<P> gathered = gather(problem, at, weights, [&](std::size_t i) {
+      return point(problem, at, model_.cuts()[i].offset).u; // projected for rounding
+    });
+    if (gathered.complete && gathered.certificate.length <= tolerance &&
+        gathered.certificate.radius <= (1 + options_.bundle.rounding) * ball_)
+      return std::move(gathered.certificate);
+    held_ = {share(negative(std::move(gathered.sum)))};
+    span_ = Span<P>(options_.bundle.dependent);
+    std::vector<Cut> cuts{cut(problem, at.g)};
+    for (const auto& [offset, g] : gathered.others) {
+      cuts.push_back(cut(problem, g));
+      cuts.back().offset = span_.coordinates(problem, offset);
+    }
+    model_ = BundleModel(options_.bundle, std::move(cuts));
+    return std::nullopt;
+  }
+
+  /// Blocks in addition the values that d pushes out of the bounds.
+  void block(const P& problem, const Vector& d) {
+    held_.push_back(share(d));
+    const Span<P> before = std::exchange(span_, Span<P>(options_.bundle.dependent));
+    std::vector<Cut> cuts = model_.cuts();
+    for (Cut& cut : cuts) {
+      cut.gathered = coordinates(problem, before.vector(cut.gathered, d));
+      cut.here = coordinates(problem, before.vector(cut.here, d));
+      cut.offset = span_.coordinates(problem, before.vector(cut.offset, d));
+    }
+    model_ = BundleModel(options_.bundle, std::move(cuts));
+  }
+
+  /// The minimiser of the model; adds Hessian products until its curvature along the direction is accurate.
+  Direction downhill(P& problem, const Iterate<P>& at) {
+    for (int products = 1;; ++products) {
+      Direction direction = model_.minimise(span_.dimension());
+      if (direction.subgradient.length == 0)
+        return direction;
+      const Vector d = span_.vector(direction.d, at.u);
+      if (norm(problem, difference(tangential(problem, at.u, d), d)) >
+          options_.bundle.rounding * norm(direction.d)) {
+        block(problem, d);
+        continue;
+      }
+      Coordinates product = coordinates(problem, problem.hessian_product(d));
+      if (model_.learn(direction, std::move(product)) || products >= options_.bundle.products)
+        return direction;
+    }
+  }
+
+  /// Tries the direction at decreasing lengths: the first that leads down makes a serious step, others make
+  /// null steps.
+  Step follow(P& problem, const Iterate<P>& at, const Direction& direction) {
+    const BundleOptions& options = options_.bundle;
+    int null_steps = 0;
+    for (double t = 1; t * direction.predicted > options_.negligible(at.objective); t *= options.shorter) {
+      const Coordinates s = scaled(direction.d, t), Hs = scaled(direction.Hd, t);
+      auto [u, outside] = point(problem, at, s);
+      const bool at_other_bounds = norm(problem, outside) > 0;
+      const double J = attempt(problem, u).value_or(nan), decrease = at.objective - J;
+      if (decrease >= options.sufficient * t * direction.predicted) { // false for NaN
+        Vector g = problem.trial_gradient();
+        model_.serious_step(coordinates(problem, g), s, Hs, decrease);
+        return {Iterate<P>{std::move(u), J, std::move(g)}, at_other_bounds};
+      }
+      if (at_other_bounds || !std::isfinite(J))
+        continue;
+      const Coordinates g = coordinates(problem, problem.trial_gradient());
+      // A cut above J at the current point is invalid there: a shorter step meets the piece in between.
+      if (model_.null_step(g, s, Hs, decrease) <= 0 || ++null_steps == options.null_steps)
+        break;
+    }
+    return {};
+  }
+
+  /// Replaces the cuts that carry the model's minimum with these weights and were gathered farther than
+  /// `distance` from the current point by cuts of gradients at that distance, where each is the highest.
+  void gather_around(P& problem, const Iterate<P>& at, const std::vector<double>& weights, double distance) {
+    for (Coordinates& offset : model_.drop_distant(weights, distance)) {
+      auto [u, outside] = point(problem, at, offset);
+      if (norm(problem, outside) > 0)
+        add(offset, -1, span_.coordinates(problem, std::move(outside)));
+      if (const auto there = evaluated(problem, std::move(u)))
+        model_.null_step(coordinates(problem, there->g), offset, {}, at.objective - there->objective);
+    }
+  }
+
+  Options options_;
+  double ball_ = 0;
+  Shared<Vector> bounds_at_;
+  std::vector<Shared<Vector>> held_; ///< directions that push the blocked values out of the bounds there
+  Span<P> span_;
+  BundleModel model_;
+};
+
+} // namespace signorini::optimize

@@ -1,0 +1,81 @@
+#pragma once
+#include <cmath>
+#include <concepts>
+#include <memory>
+#include <utility>
+#include <vector>
+
+/// Optimisation algorithms for concepts, independent of PETSc and dolfinx. PETSc's TAO is not used: it
+/// measures with the Euclidean product of the coefficients, whose iterations grow in number as the mesh is
+/// refined; the remedy, a change of variables by the root of the mass matrix, exists for diagonal ones only.
+namespace signorini::optimize {
+
+/// An immutable vector with several owners, so that the state of a search is cheap to copy.
+template <class Vector>
+using Shared = std::shared_ptr<const Vector>;
+
+template <class Vector>
+Shared<Vector> share(Vector v) {
+  return std::make_shared<const Vector>(std::move(v));
+}
+
+/// What is unknown: vectors of a Hilbert space with simple bounds. A control is one case (ControlSpace).
+template <class U>
+concept Unknowns =
+    std::copyable<typename U::Vector> &&
+    requires(const U& unknowns, const typename U::Vector& u, typename U::Vector& w,
+             const std::vector<Shared<typename U::Vector>>& list, const std::vector<double>& factors) {
+      { w.add(1.0, u) };        // w += 1.0 u
+      { w.add(factors, list) }; // w += Σ factors_i list_i
+      { w.scale(1.0) };
+      // By this product gradients are Riesz representatives and lengths are measured.
+      { unknowns.inner(u, u) } -> std::convertible_to<double>;
+      // The functional inner(u, ·), in a form of pairings()' choice: the inverse of the Riesz map.
+      { unknowns.dual(u) } -> std::same_as<typename U::Vector>;
+      // (dual(v), w): inner(v, w_i) for all w_i in one pass, since bases are long.
+      { unknowns.pairings(u, list) } -> std::same_as<std::vector<double>>;
+      // Onto the bounds, the nearest point by inner().
+      { unknowns.project(w) };
+      // (w, u, d): w = 0 where u is at a bound and d points out of it; an orthogonal projection by inner().
+      { unknowns.zero_blocked(w, u, u) };
+    };
+
+/// a − b.
+template <class Vector>
+Vector difference(Vector a, const Vector& b) {
+  a.add(-1, b);
+  return a;
+}
+
+template <class Vector>
+Vector negative(Vector a) {
+  a.scale(-1);
+  return a;
+}
+
+template <Unknowns U>
+double norm(const U& unknowns, const typename U::Vector& u) {
+  return std::sqrt(unknowns.inner(u, u));
+}
+
+template <Unknowns U>
+typename U::Vector projected(const U& unknowns, typename U::Vector u) {
+  unknowns.project(u);
+  return u;
+}
+
+/// Norm of u − P(u − g), which is zero exactly at stationary points.
+template <Unknowns U>
+double stationarity(const U& unknowns, const typename U::Vector& u, const typename U::Vector& g) {
+  return norm(unknowns, difference(projected(unknowns, difference(u, g)), u));
+}
+
+/// The projection of d onto the tangent cone of the bounds at u.
+template <Unknowns U>
+typename U::Vector tangential(const U& unknowns, const typename U::Vector& u, const typename U::Vector& d) {
+  typename U::Vector along = d;
+  unknowns.zero_blocked(along, u, d);
+  return along;
+}
+
+} // namespace signorini::optimize
