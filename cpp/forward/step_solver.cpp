@@ -32,9 +32,9 @@ StepSolver::StepSolver(petsc::Matrix D, const contact::Constraints* constraints,
     : D_(std::move(D)) {
   if (constraints)
     complementarity_.emplace(*constraints, D_);
-  if (constraints && scene.vi == "full")
+  if (constraints && scene.vi == scene::ViMethod::full)
     full_vi_.emplace(*constraints, D_, *complementarity_);
-  if (scene.linear == "iterative")
+  if (scene.linear == scene::LinearMethod::iterative)
     iterate();
   else
     factorise(constraints, scene);
@@ -54,7 +54,7 @@ void StepSolver::factorise(const contact::Constraints* constraints, const scene:
             ? fmt::format("a factor needs {:.2g} GB, {:.2g} GB are allowed", needed / gigabyte,
                           scene.memory / gigabyte)
             : fmt::format("a factor of {:.2g} GB has more entries than can be numbered", needed / gigabyte);
-    if (scene.linear == "auto" && (needed > scene.memory || !possible)) {
+    if (scene.linear == scene::LinearMethod::automatic && (needed > scene.memory || !possible)) {
       iterate();
       choice_ = fmt::format("{} ({} by {})", linear_->name(), compared, solver->name());
       return;
