@@ -27,28 +27,30 @@ std::string megabytes(double bytes) { return fmt::format("{:.3g} MB", bytes / 1e
 double motions_bytes(const Problem& problem) {
   const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
   const scene::Trajectory& kept = problem.scene.trajectory;
-  const int controlled = problem.scene.optimizer.method == "newton-cg" ? 3 : 2; // iterate, trial, linearised
-  const double sets = problem.stepper.predictor() ? 2 : 1,                      // kept on every rank
+  const int controlled = problem.scene.optimizer.method == scene::OptimizerMethod::newton_cg
+                             ? 3
+                             : 2;                          // iterate, trial, linearised
+  const double sets = problem.stepper.predictor() ? 2 : 1, // kept on every rank
       step = sizeof(contact::ContactSets) + sets * sizeof(int) * forward::candidates(problem.stepper),
                contact = step * (problem.steps() + 1) * ranks(problem.space.comm());
   const double states =
       forward::StateStoreFactory(problem.stepper, kept, problem.steps(), computed ? 0.5 : 1, problem.timers)
           .bytes();
-  const double in_memory = kept.storage == "memory"        ? (controlled + 1) * states
-                           : kept.storage == "checkpoints" ? (computed ? 2 : 1) * states
-                                                           : 0;
+  const double in_memory = kept.storage == scene::Storage::memory        ? (controlled + 1) * states
+                           : kept.storage == scene::Storage::checkpoints ? (computed ? 2 : 1) * states
+                                                                         : 0;
   return in_memory + (computed ? 3 : 2) * contact;
 }
 
 /// The steps or disk space that the storage of states adds to a gradient, in words.
 std::string again(const Problem& problem) {
   const scene::Trajectory& kept = problem.scene.trajectory;
-  if (kept.storage == "memory")
+  if (kept.storage == scene::Storage::memory)
     return "";
   const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
   const forward::StateStoreFactory storage(problem.stepper, kept, problem.steps(), computed ? 0.5 : 1,
                                            problem.timers);
-  if (kept.storage == "disk")
+  if (kept.storage == scene::Storage::disk)
     return fmt::format(" (states on disk: {} a motion)", megabytes(storage.bytes()));
   const int slots = static_cast<int>(std::lround(storage.bytes() / forward::State::bytes(problem.stepper)));
   const double made = static_cast<double>(forward::steps_made(problem.steps(), slots));
@@ -103,7 +105,7 @@ std::map<std::string, Cost> costs(const Problem& problem) {
         controls.cellwise()
             ? 0
             : controls.control_bytes() / (scene.control->constant_in_time ? 1 : problem.steps());
-  if (scene.optimizer.method == "lbfgs")
+  if (scene.optimizer.method == scene::OptimizerMethod::lbfgs)
     costs["control"].bytes +=
         2 * static_cast<double>(optimize::Options().lbfgs.pairs) * controls.control_bytes();
   costs["objective"] = {scene.objective->on ? "L2 of what is observed" : "W", motions_bytes(problem),

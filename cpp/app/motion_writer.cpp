@@ -11,19 +11,20 @@ MotionWriter::MotionWriter(const Problem& problem, const io::OutputFolder& folde
   const auto timer = problem.timers.time("output");
   const scene::Output& output = problem.scene.output;
   const int dim = problem.space.dim();
-  if (output.table("steps") || problem.scene.run.watched())
+  if (output.table(scene::StoredTable::steps) || problem.scene.run.watched())
     balance_.emplace(problem.stepper);
   if (balance_)
     invariants_.emplace(problem.stepper);
-  if (output.table("steps")) {
+  if (output.table(scene::StoredTable::steps)) {
     steps_.emplace(folder, "steps.csv");
     steps_->append(io::steps_header(dim, objective != nullptr));
   }
-  if (output.table("contact") && problem.stepper.pairs()) {
+  if (output.table(scene::StoredTable::contact) && problem.stepper.pairs()) {
     contact_.emplace(folder, "contact.csv");
     contact_->append(io::contact_header(*problem.stepper.pairs()));
   }
-  const std::size_t fields = output.field("displacement") + output.field("velocity");
+  const std::size_t fields =
+      output.field(scene::StoredField::displacement) + output.field(scene::StoredField::velocity);
   const auto times = static_cast<std::size_t>((problem.steps() - 1) / output.every + 2);
   if (fields > 0)
     state_.emplace(problem.space, folder, "state.xdmf", fields * times);
@@ -35,7 +36,7 @@ void MotionWriter::operator()(const forward::Frame& frame) {
   if (balance_) {
     balance = (*balance_)(frame);
     invariants_->observe(frame, balance);
-    if (problem_.scene.run.invariants == "stop")
+    if (problem_.scene.run.invariants == scene::OnViolation::stop)
       if (const auto violation = invariants_->violation(problem_.scene.run.tolerance))
         throw SolverFailure(fmt::format("step {} (t = {:.6g} s): {}", frame.k,
                                         problem_.stepper.grid().time(frame.k), *violation));
@@ -61,9 +62,9 @@ void MotionWriter::store(const forward::Frame& frame) {
     io::add_contact_rows(text_, frame.k, grid, *problem_.stepper.pairs(), frame.contact);
     contact_->append(text_);
   }
-  if (state_ && problem_.scene.output.field("displacement"))
+  if (state_ && problem_.scene.output.field(scene::StoredField::displacement))
     state_->write("displacement", frame.y1, grid.time(frame.k));
-  if (state_ && problem_.scene.output.field("velocity"))
+  if (state_ && problem_.scene.output.field(scene::StoredField::velocity))
     state_->write("velocity", frame.v1, grid.time(frame.k));
 }
 

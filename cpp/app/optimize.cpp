@@ -31,21 +31,22 @@ void write_control(const io::OutputFolder& folder, const Problem& problem, contr
     if (stored(k, output.every, k == problem.steps()))
       steps.push_back(k);
   using enum io::FieldFile::Values;
-  const auto write = [&](const std::string& name, io::FieldFile::Values values, auto&& at) {
-    if (!output.field(name))
+  const auto write = [&](scene::StoredField field, io::FieldFile::Values values, auto&& at) {
+    if (!output.field(field))
       return;
+    const std::string name = scene::name(field);
     io::FieldFile file(problem.space, folder, name + ".xdmf", steps.size(), values);
     at([&](int k, Vec x) { file.write(name, x, problem.stepper.grid().time(k)); });
     file.close();
   };
-  write("control", reduced.controls().cellwise() ? cellwise : nodal, [&](auto&& store) {
+  write(scene::StoredField::control, reduced.controls().cellwise() ? cellwise : nodal, [&](auto&& store) {
     const petsc::Vector field = reduced.controls().field();
     for (int k : steps) {
       reduced.controls().extend(reduced.control().at(k), field);
       store(k, field);
     }
   });
-  write("adjoint", nodal, [&](auto&& store) {
+  write(scene::StoredField::adjoint, nodal, [&](auto&& store) {
     reduced.adjoint_states([&](int k, Vec p) {
       if (std::ranges::binary_search(steps, k))
         store(k, p);
@@ -59,13 +60,13 @@ std::string storage_line(const Problem& problem, const ControlProblem& control_p
     const auto found = problem.timers.entries().find(phase);
     return found == problem.timers.entries().end() ? 0.0 : found->second.seconds;
   };
-  const std::string& kept = problem.scene.trajectory.storage;
+  const scene::Storage kept = problem.scene.trajectory.storage;
   const double bytes = control_problem.storage.bytes();
   const std::string room = fmt::format("{:.3g} MB", bytes * 1e-6);
-  if (kept == "disk")
+  if (kept == scene::Storage::disk)
     return fmt::format("states on disk, {} a motion: written in {:.1f} s, read in {:.1f} s", room,
                        seconds("states written"), seconds("states read"));
-  if (kept == "checkpoints")
+  if (kept == scene::Storage::checkpoints)
     return fmt::format("states in checkpoints of {:.3g} MB: {} steps made again in {:.1f} s",
                        bytes * 1e-6 * (control_problem.reference ? 2 : 1), count("recomputed steps"),
                        seconds("states recomputed"));
@@ -80,11 +81,11 @@ Result minimise(ControlProblem& problem, const scene::Scene& scene, OptimizerLog
   const optimize::Options options{.max_iterations = scene.optimizer.max_iterations,
                                   .tolerance = scene.optimizer.tolerance};
   control::Control guess = problem.first_guess(scene);
-  const std::string& method = scene.optimizer.method;
+  const scene::OptimizerMethod method = scene.optimizer.method;
   using namespace optimize;
-  if (method == "lbfgs")
+  if (method == scene::OptimizerMethod::lbfgs)
     return minimize<Lbfgs>(problem.reduced, std::move(guess), options, record, record);
-  if (method == "newton-cg")
+  if (method == scene::OptimizerMethod::newton_cg)
     return minimize<NewtonCg>(problem.reduced, std::move(guess), options, record, record);
   return minimize<ProjectedGradient>(problem.reduced, std::move(guess), options, record, record);
 }
@@ -174,7 +175,7 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   if (!record.evaluated()) // rows of a checkpoint alone are no result
     throw Interrupted();
   const std::vector<io::HistoryRow>& rows = record.rows();
-  if (scene.output.table("history"))
+  if (scene.output.table(scene::StoredTable::history))
     folder.write("history.csv", io::history_table(rows));
   folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
   MotionWriter recorder(problem, folder, &reduced.objective());

@@ -72,7 +72,7 @@ void OptimizerLog::operator()(const optimize::Iteration& iteration) {
 }
 
 void OptimizerLog::show_row() {
-  if (rank(folder_.comm()) != 0 || !problem_.scene.output.table("history"))
+  if (rank(folder_.comm()) != 0 || !problem_.scene.output.table(scene::StoredTable::history))
     return;
   if (history_.is_open()) {
     history_ << io::history_rows({rows_.back()}) << std::flush;
@@ -115,7 +115,7 @@ void OptimizerLog::read(io::CheckpointReader& in) {
   std::string scene;
   in("scene", scene);
   const scene::Difference difference =
-      scene::difference(scene, scene::echo(problem_.scene, problem_.space.dim()), {"optimizer.method"});
+      scene::difference(scene, scene::echo(problem_.scene, problem_.space.dim()), scene::Part::search);
   if (!difference.first.empty())
     in.fail(fmt::format("found a run with {}, this scene has {}; allowed is the scene that was interrupted",
                         difference.first, difference.second));

@@ -35,7 +35,7 @@ bool has_given_control(const scene::Scene& scene) { return scene.control && !sce
 bool has_densities(const scene::Scene& scene, bool optimal_control) {
   const bool controlled = optimal_control ? scene.control.has_value() : has_given_control(scene);
   return (scene.load && scene.load->body) ||
-         (controlled && !scene.control->on && scene.control->space == "P1") ||
+         (controlled && !scene.control->on && scene.control->space == scene::ControlValues::nodal) ||
          (optimal_control && scene.objective && !scene.objective->on);
 }
 
@@ -155,7 +155,7 @@ double share(const scene::Scene& scene) {
 /// machine's memory, one machine for each rank: the number of steps is then unintended, and Linux would grant
 /// the memory until it kills the program.
 void require_memory(const Problem& problem, const control::ControlSpace& controls, bool motion) {
-  const bool kept = motion && problem.scene.trajectory.storage == "memory";
+  const bool kept = motion && problem.scene.trajectory.storage == scene::Storage::memory;
   const double state = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
   const double needed = controls.control_bytes() + (kept ? state * problem.steps() : 0),
                room = machine_memory() * ranks(problem.space.comm());

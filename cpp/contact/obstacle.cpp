@@ -72,7 +72,7 @@ Obstacle::Plane Obstacle::plane(const scene::HalfSpace&, const double* x) const 
 }
 
 Obstacle::Plane Obstacle::plane(const scene::Ball& ball, const double* x) const {
-  return round(from(padded(ball.center), x), ball.radius, ball.inside, x);
+  return round(from(padded(ball.center), x), ball.radius, ball.side, x);
 }
 
 Obstacle::Plane Obstacle::plane(const scene::Cylinder& cylinder, const double* x) const {
@@ -83,17 +83,17 @@ Obstacle::Plane Obstacle::plane(const scene::Cylinder& cylinder, const double* x
     for (std::size_t c = 0; c < 3; ++c)
       r[c] -= along * axis[c];
   }
-  return round(r, cylinder.radius, cylinder.inside, x);
+  return round(r, cylinder.radius, cylinder.side, x);
 }
 
-Obstacle::Plane Obstacle::round(const Point& r, double radius, bool inside, const double* x) const {
+Obstacle::Plane Obstacle::round(const Point& r, double radius, scene::Side side, const double* x) const {
   const double distance = length(r);
   if (!(distance > 1e-10 * radius)) // nearer to the middle the direction is rounding
     throw UserError(
         fmt::format("{}: the node at {} is at the middle, from where no one direction leads out of "
                     "the obstacle, allowed are nodes off the centre or axis",
                     key_, point_text(x)));
-  const double sign = inside ? -1 : 1;
+  const double sign = side == scene::Side::inside ? -1 : 1;
   return {scaled(sign / distance, r), sign * (distance - radius)};
 }
 

@@ -45,7 +45,7 @@ private:
   [[nodiscard]] Plane plane(const scene::SignedDistance& obstacle, const double* x) const;
   /// The half-space of a sphere or cylinder with the body outside (or inside); `r` from the centre or axis to
   /// the point.
-  [[nodiscard]] Plane round(const std::array<double, 3>& r, double radius, bool inside,
+  [[nodiscard]] Plane round(const std::array<double, 3>& r, double radius, scene::Side side,
                             const double* x) const;
 
   scene::Obstacle shape_;

@@ -32,7 +32,7 @@ ContactPairs::ContactPairs(const fem::Space& space, const fem::DirichletDofs& cl
   ++made;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     keys_.push_back(scene::contact_key(contacts, i));
-    project_.push_back(contacts[i].project);
+    project_.push_back(contacts[i].initial == scene::ContactStart::project);
     shapes_.emplace_back(contacts[i].obstacle, keys_.back() + ".obstacle", dim_, diameter_);
     if (shapes_.back().moves())
       moving_.push_back(i);

@@ -10,10 +10,10 @@
 namespace signorini::fem {
 using petsc::check;
 
-std::vector<int> component_numbers(const std::optional<std::vector<std::string>>& names, int dim) {
+std::vector<int> component_numbers(const std::optional<std::vector<scene::Component>>& given, int dim) {
   std::vector<int> numbers;
-  for (const std::string& name : names.value_or(scene::component_names(dim)))
-    numbers.push_back(name.front() - 'x');
+  for (scene::Component component : given.value_or(scene::components(dim)))
+    numbers.push_back(static_cast<int>(component));
   return numbers;
 }
 

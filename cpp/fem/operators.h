@@ -29,8 +29,8 @@ private:
   PetscInt first_dof_;
 };
 
-/// Numbers (0, 1, 2) of the components `names`, in their order; those of all `dim` components if absent.
-std::vector<int> component_numbers(const std::optional<std::vector<std::string>>& names, int dim);
+/// Numbers (0, 1, 2) of the components `given`, in their order; those of all `dim` components if absent.
+std::vector<int> component_numbers(const std::optional<std::vector<scene::Component>>& given, int dim);
 
 /// The matrices of the body without boundary conditions; docs/method.md section 1. They are stored as upper
 /// halves in blocks of the space dimension (SBAIJ), whose products are twice as fast as with AIJ; where a

@@ -178,7 +178,7 @@ private:
 StateStoreFactory::StateStoreFactory(const Stepper& stepper, const scene::Trajectory& scene, int steps,
                                      double share, Timers& timers)
     : stepper_(stepper), scene_(scene), steps_(steps), timers_(timers) {
-  if (scene.storage != "checkpoints")
+  if (scene.storage != scene::Storage::checkpoints)
     return;
   const double one = State::bytes(stepper), room = share * scene.budget / one;
   if (room < 1)

@@ -37,7 +37,7 @@ public:
   /// WriteFailure.
   [[nodiscard]] std::unique_ptr<StateStore> place(TimeIntegrator& integrator, bool velocities = false) const;
 
-  [[nodiscard]] bool in_memory() const { return scene_.storage == "memory"; }
+  [[nodiscard]] bool in_memory() const { return scene_.storage == scene::Storage::memory; }
   /// Memory or disk space on all ranks, bytes: of one motion's displacements, or of all checkpoints.
   /// Collective.
   [[nodiscard]] double bytes() const;

@@ -32,11 +32,11 @@ double dense_bytes(const contact::ContactPairs* pairs) {
 
 StepSolver::StepSolver(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene,
                        bool sliding)
-    : D_(std::move(D)), full_(pairs && scene.vi == "full") {
+    : D_(std::move(D)), full_(pairs && scene.vi == scene::ViMethod::full) {
   std::unique_ptr<contact::FullSolver> full;
   if (full_)
     full = std::make_unique<contact::FullSolver>(*pairs, D_);
-  if (scene.linear == "iterative")
+  if (scene.linear == scene::LinearMethod::iterative)
     iterate();
   else
     factorise(pairs, scene);
@@ -60,7 +60,7 @@ void StepSolver::factorise(const contact::ContactPairs* pairs, const scene::Solv
             ? fmt::format("a factor needs {:.2g} GB, {:.2g} GB are allowed", needed / gigabyte,
                           scene.memory / gigabyte)
             : fmt::format("a factor of {:.2g} GB has more entries than can be numbered", needed / gigabyte);
-    if (scene.linear == "auto" && (needed > scene.memory || !possible)) {
+    if (scene.linear == scene::LinearMethod::automatic && (needed > scene.memory || !possible)) {
       iterate();
       choice_ = fmt::format("{} ({} by {})", linear_->name(), compared, solver->name());
       return;

@@ -3,23 +3,23 @@
 #include <fmt/format.h>
 #include <map>
 #include <sstream>
-#include <string_view>
 #include <toml++/toml.hpp>
 
 namespace signorini::scene {
 
 namespace {
 
-/// Keys that do not define the problem. Paths are among them: they tell where a mesh or a motion is stored,
-/// not what it contains.
-constexpr Keys not_of_the_problem{"mesh.file",   "objective.desired.run",
-                                  "optimizer.",  "solver.memory",
-                                  "trajectory.", "output.",
-                                  "run.",        "check.",
-                                  "exact."};
-
-bool among(Keys keys, std::string_view key) {
-  return std::ranges::any_of(keys, [&](std::string_view prefix) { return key.starts_with(prefix); });
+/// Whether the key `name`, with the numbers of tables, matters to the problem or to `besides`.
+bool matters(const std::string& name, Part besides) {
+  std::string plain;
+  bool number = false;
+  for (char c : name) {
+    number = c == '[' || (number && c != ']');
+    if (!number && c != ']')
+      plain += c;
+  }
+  const auto key = std::ranges::find(keys(), plain, &KeyLine::name);
+  return key == keys().end() || key->part == Part::problem || key->part == besides;
 }
 
 void flatten(const toml::node& node, const std::string& key, std::map<std::string, std::string>& values) {
@@ -43,25 +43,16 @@ void flatten(const toml::node& node, const std::string& key, std::map<std::strin
   values[key] = text.str();
 }
 
-std::map<std::string, std::string> posed(const std::string& scene, Keys besides) {
+std::map<std::string, std::string> posed(const std::string& scene, Part besides) {
   std::map<std::string, std::string> values;
   flatten(toml::parse(scene), "", values);
-  std::erase_if(values, [&](const auto& entry) {
-    return among(not_of_the_problem, entry.first) && !among(besides, entry.first);
-  });
+  std::erase_if(values, [&](const auto& entry) { return !matters(entry.first, besides); });
   return values;
 }
 
 } // namespace
 
-std::string problem(const std::string& scene, Keys besides) {
-  std::string text;
-  for (const auto& [key, value] : posed(scene, besides))
-    text += key + " = " + value + '\n';
-  return text;
-}
-
-Difference difference(const std::string& first, const std::string& second, Keys besides) {
+Difference difference(const std::string& first, const std::string& second, Part besides) {
   const auto a = posed(first, besides), b = posed(second, besides);
   const auto shown = [](const auto& values, const std::string& key) {
     const auto found = values.find(key);

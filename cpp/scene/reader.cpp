@@ -81,13 +81,13 @@ bool Limits::contain(double value) const {
          (open ? value > least && value < greatest : value >= least && value <= greatest);
 }
 
-std::string Limits::text() const {
+std::string Limits::range() const {
   std::string range;
   if (std::isfinite(least))
     range += fmt::format(" {} {}", open ? "greater than" : "of at least", least);
   if (std::isfinite(greatest))
     range += fmt::format("{} {} {}", range.empty() ? "" : " and", open ? "less than" : "at most", greatest);
-  return fmt::format("a number{} ({})", range, unit);
+  return range;
 }
 
 std::string Reader::full(const std::string& key) const {
@@ -123,11 +123,11 @@ const toml::node& Reader::node(const std::string& key) {
 
 double Reader::to_number(const toml::node& node, const std::string& key, const Limits& limits) const {
   const auto value = node.value<double>();
-  if (!value || !node.is_number())
-    fail(key, fmt::format("found {}, allowed is {}", shown(node), limits.text()));
-  if (!limits.contain(*value))
-    fail(key, fmt::format("found {}, allowed is {}{}", shown(node), limits.text(),
-                          std::isfinite(*value) ? "" : " that is finite"));
+  const bool number = value && node.is_number();
+  if (!number || !limits.contain(*value))
+    fail(key, fmt::format("found {}, allowed is a number{} ({}){}", shown(node), limits.range(),
+                          limits.unit.empty() ? "no unit" : limits.unit,
+                          !number || std::isfinite(*value) ? "" : " that is finite"));
   return *value;
 }
 
@@ -135,13 +135,7 @@ double Reader::number(const std::string& key, const Limits& limits) {
   return to_number(node(key), key, limits);
 }
 
-double Reader::number(const std::string& key, const Limits& limits, double fallback) {
-  return has(key) ? number(key, limits) : fallback;
-}
-
-int Reader::integer(const std::string& key, int least, int greatest, int fallback) {
-  if (!has(key))
-    return fallback;
+int Reader::integer(const std::string& key, int least, int greatest) {
   const auto value = node(key).as_integer();
   if (!value || value->get() < least || value->get() > greatest)
     fail(key,
@@ -156,35 +150,34 @@ std::string Reader::text(const std::string& key) {
   return value->get();
 }
 
-std::string Reader::choice(const std::string& key, const std::vector<std::string>& allowed,
-                           const std::string& fallback) {
-  if (!has(key))
-    return fallback;
+std::size_t Reader::choice(const std::string& key, const std::vector<std::string>& allowed) {
   const std::string value = text(key);
-  if (std::ranges::find(allowed, value) == allowed.end()) {
+  const auto found = std::ranges::find(allowed, value);
+  if (found == allowed.end()) {
     const std::string near = nearest(value, allowed);
     fail(key, fmt::format("found \"{}\"{}, allowed: {}", value,
                           near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), list(allowed)));
   }
-  return value;
+  return static_cast<std::size_t>(found - allowed.begin());
 }
 
-std::vector<std::string> Reader::names(const std::string& key, const std::vector<std::string>& allowed) {
+std::vector<std::size_t> Reader::choices(const std::string& key, const std::vector<std::string>& allowed) {
   const toml::array* array = node(key).as_array();
   if (!array)
     fail(key, fmt::format("found {}, allowed is a list out of {}, or [] for none", shown(node(key)),
                           list(allowed)));
-  std::vector<std::string> found;
+  std::vector<std::size_t> found;
   for (const toml::node& entry : *array) {
     const auto name = entry.value<std::string>();
-    if (name && std::ranges::find(allowed, *name) != allowed.end()) {
-      if (std::ranges::find(found, *name) == found.end())
-        found.push_back(*name);
-      continue;
+    const auto place = std::ranges::find(allowed, name.value_or(""));
+    if (place == allowed.end()) {
+      const std::string near = name ? nearest(*name, allowed) : "";
+      fail(key, fmt::format("found {}{}, allowed: {}", shown(entry),
+                            near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), list(allowed)));
     }
-    const std::string near = name ? nearest(*name, allowed) : "";
-    fail(key, fmt::format("found {}{}, allowed: {}", shown(entry),
-                          near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), list(allowed)));
+    const auto number = static_cast<std::size_t>(place - allowed.begin());
+    if (std::ranges::find(found, number) == found.end())
+      found.push_back(number);
   }
   return found;
 }
@@ -193,7 +186,7 @@ std::vector<double> Reader::numbers(const std::string& key, const Limits& limits
   const toml::array* array = node(key).as_array();
   if (!array || array->size() < 2 || array->size() > 3)
     fail(key, fmt::format("found {}, allowed is an array of one number per space dimension ({})",
-                          shown(node(key)), limits.unit));
+                          shown(node(key)), limits.unit.empty() ? "no unit" : limits.unit));
   std::vector<double> values;
   for (const toml::node& entry : *array)
     values.push_back(to_number(entry, key, limits));
@@ -206,9 +199,7 @@ std::vector<double> Reader::number_or_numbers(const std::string& key, const Limi
   return {number(key, limits)};
 }
 
-bool Reader::flag(const std::string& key, bool fallback) {
-  if (!has(key))
-    return fallback;
+bool Reader::flag(const std::string& key) {
   const auto* value = node(key).as_boolean();
   if (!value)
     fail(key, fmt::format("found {}, allowed are true and false", shown(node(key))));

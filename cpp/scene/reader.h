@@ -1,4 +1,5 @@
 #pragma once
+#include "scene/choices.h"
 #include "scene/names.h"
 #include "scene/scene.h"
 #include <limits>
@@ -15,10 +16,11 @@ struct Limits {
   double least = -std::numeric_limits<double>::infinity();
   double greatest = std::numeric_limits<double>::infinity();
   bool open = false; ///< whether the limits themselves are excluded
-  std::string unit = "no unit";
+  std::string unit{};
 
   [[nodiscard]] bool contain(double value) const;
-  [[nodiscard]] std::string text() const;
+  /// Such as " greater than 0 and at most 1"; empty without limits.
+  [[nodiscard]] std::string range() const;
 };
 
 /// Validating access to one table of the scene file: every access throws UserError for a wrong value or a
@@ -31,16 +33,22 @@ public:
 
   /// Whether the table has the key; counts as an access.
   [[nodiscard]] bool has(const std::string& key);
+  /// Throws UserError for a missing key.
+  void require(const std::string& key) { (void)node(key); }
+  /// Whether the key's value is an array.
+  [[nodiscard]] bool is_array(const std::string& key) const {
+    return table_.contains(key) && table_.get(key)->is_array();
+  }
+  /// Whether the table is one of an array.
+  [[nodiscard]] bool one_of_several() const { return path_.ends_with(']'); }
   double number(const std::string& key, const Limits& limits);
-  double number(const std::string& key, const Limits& limits, double fallback);
-  int integer(const std::string& key, int least, int greatest, int fallback);
+  int integer(const std::string& key, int least, int greatest);
   /// A text on one line, not empty.
   std::string text(const std::string& key);
-  /// One of the texts allowed.
-  std::string choice(const std::string& key, const std::vector<std::string>& allowed,
-                     const std::string& fallback);
-  /// A list of allowed names, without repetitions, in the order given; it may be empty.
-  std::vector<std::string> names(const std::string& key, const std::vector<std::string>& allowed);
+  /// The number of one of the names allowed.
+  std::size_t choice(const std::string& key, const std::vector<std::string>& allowed);
+  /// The numbers of a list of allowed names, without repetitions, in the order given; it may be empty.
+  std::vector<std::size_t> choices(const std::string& key, const std::vector<std::string>& allowed);
   /// One number per space dimension, 2 or 3.
   std::vector<double> numbers(const std::string& key, const Limits& limits);
   /// One number, or one per space dimension.
@@ -49,7 +57,7 @@ public:
   Components expressions(const std::string& key, bool time, std::size_t count = 0);
   /// One expression.
   std::string expression(const std::string& key, bool time);
-  bool flag(const std::string& key, bool fallback);
+  bool flag(const std::string& key);
   /// Reader of a subtable.
   Reader table(const std::string& key);
   /// Readers of an array of tables; none if the key is absent.

@@ -1,4 +1,5 @@
 #pragma once
+#include "scene/choices.h"
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -24,14 +25,14 @@ struct Mesh {
 
 /// Table [time]: N steps of length τ; docs/method.md section 2.
 struct Time {
-  double end = 0;                          ///< s
-  double step = 0;                         ///< s
-  int steps = 0;                           ///< end / step
-  std::string scheme = "contact-implicit"; ///< or "contact-stabilized"
+  double end = 0;  ///< s
+  double step = 0; ///< s
+  int steps = 0;   ///< end / step
+  TimeScheme scheme = TimeScheme::contact_implicit;
 
   static constexpr int most_steps = 100'000'000; ///< beyond any run, and within 32-bit integers
 
-  [[nodiscard]] bool stabilized() const { return scheme == "contact-stabilized"; }
+  [[nodiscard]] bool stabilized() const { return scheme == TimeScheme::contact_stabilized; }
 };
 
 /// Viscosity of a material; docs/method.md section 1.
@@ -51,8 +52,8 @@ struct Material {
 
 /// One table [[clamp]].
 struct Clamp {
-  std::string on;                                     ///< physical group
-  std::optional<std::vector<std::string>> components; ///< those held, of "x", "y", "z"; absent: all
+  std::string on;                                   ///< physical group
+  std::optional<std::vector<Component>> components; ///< those held; absent: all
   std::optional<Components> value; ///< motion of each component held, m, of x, y, z, t; absent: at rest
 };
 
@@ -66,7 +67,7 @@ struct HalfSpace {
 struct Ball {
   std::vector<double> center; ///< m
   double radius = 0;          ///< m
-  bool inside = false;        ///< the body is inside of the ball and the obstacle outside
+  Side side = Side::outside;  ///< where the body is
 };
 
 /// Obstacle inside of an infinite cylinder, or outside.
@@ -74,7 +75,7 @@ struct Cylinder {
   std::vector<double> point; ///< a point of the axis, m
   std::vector<double> axis;  ///< any length but zero; empty in the plane, where the cylinder is a disc
   double radius = 0;         ///< m
-  bool inside = false;       ///< as for a ball
+  Side side = Side::outside; ///< as for a ball
 };
 
 /// Obstacle given by a level set.
@@ -88,8 +89,10 @@ using Obstacle = std::variant<HalfSpace, Ball, Cylinder, SignedDistance>;
 struct Contact {
   std::string on; ///< physical group of the contact candidates
   Obstacle obstacle;
-  bool massless = false; ///< contact nodes have no mass along ν; docs/method.md section 2
-  bool project = false;  ///< move nodes that start inside the obstacle out of it; else they are an error
+  ContactMass mass = ContactMass::consistent;
+  ContactStart initial = ContactStart::outside;
+
+  [[nodiscard]] bool massless() const { return mass == ContactMass::massless; }
 };
 
 /// One table [[load.traction]].
@@ -114,9 +117,9 @@ struct Initial {
 struct Control {
   double scale = 1;              ///< factor s, N/m³ per unit of control; N/m² where it acts on a surface
   std::optional<std::string> on; ///< physical group of a part of the body or of a surface; absent: the body
-  std::optional<std::vector<std::string>> components; ///< those that act, of "x", "y", "z"; absent: all
+  std::optional<std::vector<Component>> components; ///< those that act; absent: all
   bool constant_in_time = false;
-  std::string space = "P1";                 ///< nodal ("P1") or cellwise constant ("P0")
+  ControlValues space = ControlValues::nodal;
   std::optional<Components> initial;        ///< first guess, of x, y, z, t; absent: zero
   std::optional<std::vector<double>> lower; ///< lower bound, one or one per component; absent: none
   std::optional<std::vector<double>> upper; ///< likewise
@@ -147,7 +150,7 @@ struct Objective {
 
 /// Table [optimizer]; docs/method.md section 6.
 struct Optimizer {
-  std::string method = "lbfgs"; ///< or "newton-cg", "projected-gradient"
+  OptimizerMethod method = OptimizerMethod::lbfgs;
   int max_iterations = 1000;
   double tolerance = 1e-6; ///< of the norm of the gradient, relative to that at the first guess
   int checkpoint = 10;     ///< iterations between checkpoints; 0: none
@@ -155,15 +158,15 @@ struct Optimizer {
 
 /// Table [solver]; docs/method.md section 5.
 struct Solver {
-  std::string vi = "condensed"; ///< or "full"
-  std::string linear = "auto";  ///< "direct", "iterative" or, "auto", whichever fits the memory
-  double memory = 0;            ///< limit for the factor of D and the dense matrices of contact in all, bytes
+  ViMethod vi = ViMethod::condensed;
+  LinearMethod linear = LinearMethod::automatic;
+  double memory = 0; ///< limit for the factor of D and the dense matrices of contact in all, bytes
 };
 
 /// Table [trajectory]: how the states of a motion are stored for the adjoint sweep.
 struct Trajectory {
-  std::string storage = "memory"; ///< or "disk", "checkpoints"
-  double budget = 1e9;            ///< memory of all checkpoints, bytes
+  Storage storage = Storage::memory;
+  double budget = 1e9; ///< memory of all checkpoints, bytes
 };
 
 /// Table [check].
@@ -173,10 +176,10 @@ struct Check {
 
 /// Table [run]: the identities watched in every run; docs/method.md section 2.
 struct Run {
-  std::string invariants = "warn"; ///< on a violation "warn" at the end or "stop" there; "off": not watched
-  double tolerance = 1e-10;        ///< relative, beyond which an identity is violated
+  OnViolation invariants = OnViolation::warn;
+  double tolerance = 1e-10; ///< relative, beyond which an identity is violated
 
-  [[nodiscard]] bool watched() const { return invariants != "off"; }
+  [[nodiscard]] bool watched() const { return invariants != OnViolation::off; }
 };
 
 /// Table [exact]: known figures of the solution, for errors.
@@ -192,16 +195,13 @@ struct Exact {
 /// Table [output].
 struct Output {
   int every = 1; ///< steps between stored fields
-  std::vector<std::string> fields{"displacement", "velocity", "control",
-                                  "adjoint"};                     ///< stored where a run has them
-  std::vector<std::string> tables{"steps", "contact", "history"}; ///< likewise
+  std::vector<StoredField> fields{StoredField::displacement, StoredField::velocity, StoredField::control,
+                                  StoredField::adjoint}; ///< stored where a run has them
+  std::vector<StoredTable> tables{StoredTable::steps, StoredTable::contact,
+                                  StoredTable::history}; ///< likewise
 
-  [[nodiscard]] bool field(const std::string& name) const {
-    return std::ranges::find(fields, name) != fields.end();
-  }
-  [[nodiscard]] bool table(const std::string& name) const {
-    return std::ranges::find(tables, name) != tables.end();
-  }
+  [[nodiscard]] bool field(StoredField one) const { return std::ranges::find(fields, one) != fields.end(); }
+  [[nodiscard]] bool table(StoredTable one) const { return std::ranges::find(tables, one) != tables.end(); }
 };
 
 /// All tables of a scene file.
@@ -239,8 +239,8 @@ std::string contact_key(const std::vector<Contact>& contacts, std::size_t i);
 /// Likewise for clamps.
 std::string clamp_key(const std::vector<Clamp>& clamps, std::size_t i);
 
-/// Names of the components of a vector: "x", "y" and in 3D "z".
-std::vector<std::string> component_names(int dim);
+/// The components of a vector.
+std::vector<Component> components(int dim);
 
 /// Whether every component is written as 0 or 0.0, which has no effect.
 bool vanishes(const Components& components);

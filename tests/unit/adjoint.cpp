@@ -42,7 +42,7 @@ TEST_CASE("the sweep is the transpose of the linearised steps", "[adjoint]") {
   for (const std::vector<std::string>& scheme : schemes) {
     const InContact run(scheme);
     const bool stabilized = run.ready.scene.time.stabilized(),
-               iterative = run.ready.scene.solver.linear == "iterative";
+               iterative = run.ready.scene.solver.linear == scene::LinearMethod::iterative;
     CHECK((projected(run.trajectory) > 1) == stabilized);
     const forward::Stepper& stepper = run.ready.problem.stepper;
     const fem::Space& space = run.ready.problem.space;
@@ -74,7 +74,7 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
   for (const std::vector<std::string>& scheme : schemes) {
     const InContact run(scheme);
     const bool stabilized = run.ready.scene.time.stabilized(),
-               iterative = run.ready.scene.solver.linear == "iterative";
+               iterative = run.ready.scene.solver.linear == scene::LinearMethod::iterative;
     CHECK((projected(run.trajectory) > 1) == stabilized);
     const forward::Stepper& stepper = run.ready.problem.stepper;
     const fem::Space& space = run.ready.problem.space;

@@ -69,8 +69,8 @@ struct Walls {
     return overrides;
   }
 
-  [[nodiscard]] forward::StepSolver solver(const std::string& linear,
-                                           const std::string& vi = "condensed") const {
+  [[nodiscard]] forward::StepSolver solver(scene::LinearMethod linear,
+                                           scene::ViMethod vi = scene::ViMethod::condensed) const {
     petsc::Matrix same;
     check(MatDuplicate(D, MAT_COPY_VALUES, same.put()));
     scene::Solver settings = scene.solver;
@@ -147,9 +147,9 @@ TEST_CASE("a half-space that moves", "[contact]") {
 
 TEST_CASE("balls and cylinders from outside and inside", "[contact]") {
   const Point c{0.2, -0.1, 0.15};
-  for (const bool inside : {false, true}) {
-    const double sign = inside ? -1 : 1;
-    require_planes(made(scene::Ball{{c[0], c[1], c[2]}, 0.4, inside}), 3, 1e-15, [&](const Point& x) {
+  for (const scene::Side side : {scene::Side::outside, scene::Side::inside}) {
+    const double sign = side == scene::Side::inside ? -1 : 1;
+    require_planes(made(scene::Ball{{c[0], c[1], c[2]}, 0.4, side}), 3, 1e-15, [&](const Point& x) {
       const double r = distance(x, c);
       return contact::Obstacle::Plane{
           {sign * (x[0] - c[0]) / r, sign * (x[1] - c[1]) / r, sign * (x[2] - c[2]) / r}, sign * (r - 0.4)};
@@ -159,20 +159,20 @@ TEST_CASE("balls and cylinders from outside and inside", "[contact]") {
       return contact::Obstacle::Plane{{sign * (x[0] - c[0]) / r, sign * (x[1] - c[1]) / r, 0},
                                       sign * (r - 0.4)};
     };
-    require_planes(made(scene::Ball{{c[0], c[1]}, 0.4, inside}, 2), 2, 1e-15, disc);
-    require_planes(made(scene::Cylinder{{c[0], c[1]}, {}, 0.4, inside}, 2), 2, 1e-15, disc);
-    require_planes(made(scene::Cylinder{{c[0], c[1], 7}, {0, 0, -3}, 0.4, inside}), 3, 1e-15, disc);
+    require_planes(made(scene::Ball{{c[0], c[1]}, 0.4, side}, 2), 2, 1e-15, disc);
+    require_planes(made(scene::Cylinder{{c[0], c[1]}, {}, 0.4, side}, 2), 2, 1e-15, disc);
+    require_planes(made(scene::Cylinder{{c[0], c[1], 7}, {0, 0, -3}, 0.4, side}), 3, 1e-15, disc);
     // An axis along (1, 1, 0): distances from it by the cross product.
-    require_planes(made(scene::Cylinder{{0, 0, 0}, {2, 2, 0}, 0.4, inside}), 3, 1e-15, [&](const Point& x) {
+    require_planes(made(scene::Cylinder{{0, 0, 0}, {2, 2, 0}, 0.4, side}), 3, 1e-15, [&](const Point& x) {
       const double across = (x[0] - x[1]) / 2, r = std::hypot(std::numbers::sqrt2 * across, x[2]);
       return contact::Obstacle::Plane{{sign * across / r, -sign * across / r, sign * x[2] / r},
                                       sign * (r - 0.4)};
     });
   }
   const Point centre{1, 2, 0}, beside{1, 2, 0.5};
-  CHECK_THROWS_WITH(made(scene::Ball{{1, 2, 0}, 0.5, true}).at(centre.data()),
+  CHECK_THROWS_WITH(made(scene::Ball{{1, 2, 0}, 0.5, scene::Side::inside}).at(centre.data()),
                     ContainsSubstring("(1, 2, 0)"));
-  CHECK_THROWS_WITH(made(scene::Cylinder{{1, 2, 0}, {0, 0, 1}, 0.5, false}).at(beside.data()),
+  CHECK_THROWS_WITH(made(scene::Cylinder{{1, 2, 0}, {0, 0, 1}, 0.5, scene::Side::outside}).at(beside.data()),
                     ContainsSubstring("(1, 2, 0.5)"));
 }
 
@@ -317,7 +317,8 @@ TEST_CASE("several obstacles at a node: all solvers find the solution, which is 
     REQUIRE(walls.pairs.dependent() == dependent);
     const petsc::Vector r = walls.pushing(motion);
     contact::ContactState a(walls.pairs.count()), b(walls.pairs.count());
-    const forward::StepSolver direct = walls.solver("direct"), iterative = walls.solver("iterative");
+    const forward::StepSolver direct = walls.solver(scene::LinearMethod::direct),
+                              iterative = walls.solver(scene::LinearMethod::iterative);
     const petsc::Vector y = walls.solve(direct, r, a), z = walls.solve(iterative, r, b);
     CHECK(a.count(contact::Status::strong) > 1);
     CHECK(test::difference(y, z) < 1e-10 * test::largest(y));
@@ -352,9 +353,9 @@ TEST_CASE("several obstacles at a node: all solvers find the solution, which is 
 
 TEST_CASE("the full VI takes one obstacle per node", "[contact]") {
   const Walls walls(half_space("left", "[-0.1, 0]", "[1, 0]") + half_space("bottom", "[0, -0.2]", "[0, 1]"));
-  CHECK_THROWS_WITH(walls.solver("direct", "full"), ContainsSubstring("2 obstacles") &&
-                                                        ContainsSubstring("(0, 0, 0)") &&
-                                                        ContainsSubstring("condensed"));
+  CHECK_THROWS_WITH(walls.solver(scene::LinearMethod::direct, scene::ViMethod::full),
+                    ContainsSubstring("2 obstacles") && ContainsSubstring("(0, 0, 0)") &&
+                        ContainsSubstring("condensed"));
 }
 
 TEST_CASE("obstacles that leave no room are refused, at the start and on the way", "[contact]") {
@@ -438,7 +439,7 @@ TEST_CASE("nodes that start inside are moved out the shortest way if asked", "[c
 
 TEST_CASE("a candidate whose twin carries the force is not weak", "[contact]") {
   const std::string floor = half_space("bottom", "[0, 0]", "[0, 1]");
-  for (const char* linear : {"direct", "iterative"}) {
+  for (scene::LinearMethod linear : {scene::LinearMethod::direct, scene::LinearMethod::iterative}) {
     const Walls walls(floor + floor, "block.toml", {"time.step=1e-4"});
     const forward::StepSolver solver = walls.solver(linear);
     REQUIRE(walls.pairs.dependent());
@@ -455,7 +456,7 @@ TEST_CASE("a candidate whose twin carries the force is not weak", "[contact]") {
     (void)walls.solve(solver, tilted, state);
     const std::vector<double>& x = walls.pairs.points();
     for (std::size_t i = 0; i < state.status.size(); i += 2) {
-      INFO(linear << ", at " << x[3 * i]);
+      INFO(scene::name(linear) << ", at " << x[3 * i]);
       CHECK(state.status[i] == state.status[i + 1]);
     }
     CHECK(state.count(contact::Status::strong) > 0);

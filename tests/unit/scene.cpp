@@ -1,5 +1,6 @@
 #include "base/error.h"
 #include "fixtures.h"
+#include "io/manifest.h"
 #include "scene/compatibility.h"
 #include "scene/expression.h"
 #include "scene/names.h"
@@ -7,6 +8,7 @@
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <fmt/format.h>
 #include <fstream>
+#include <set>
 #include <unistd.h>
 
 using namespace signorini;
@@ -32,7 +34,7 @@ TEST_CASE("the echoed scene reads back to itself", "[scene]") {
                                   {"tests/data/manufactured-space.toml", 3},
                                   {"tests/data/two-materials.toml", 2}}) {
     const scene::Scene scene = test::parse(test::source(name), {"solver.vi=full"});
-    CHECK(scene.solver.vi == "full");
+    CHECK(scene.solver.vi == scene::ViMethod::full);
     CHECK_NOTHROW(scene::require_dimension(scene, dim));
     CHECK_THROWS_AS(scene::require_dimension(scene, 5 - dim), UserError);
     const std::string text = scene::echo(scene, dim);
@@ -57,7 +59,7 @@ TEST_CASE("the echo leaves the start to clamps that move", "[scene]") {
   }
 }
 
-TEST_CASE("one list says what poses the problem", "[scene]") {
+TEST_CASE("the table of keys says what poses the problem", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
   const auto echo = [&](const std::vector<std::string>& overrides) {
     return scene::echo(test::parse(file, overrides), 2);
@@ -67,18 +69,29 @@ TEST_CASE("one list says what poses the problem", "[scene]") {
                             "run.invariants=off", "trajectory.storage=disk", "solver.memory=1e9",
                             "exact.impulse=1.0", "check.control=[\"0\", \"1\"]"}) {
     INFO(other);
-    CHECK(scene::problem(echo({other})) == scene::problem(first));
     CHECK(scene::difference(first, echo({other})).first.empty());
   }
   for (const char* other :
        {"objective.alpha=0.5", "mesh.size=2", "time.step=2.5e-5", "control.upper=1.0", "solver.vi=full"}) {
     INFO(other);
-    CHECK(scene::problem(echo({other})) != scene::problem(first));
     CHECK_FALSE(scene::difference(first, echo({other})).second.empty());
   }
   const std::string method = echo({"optimizer.method=newton-cg"});
-  CHECK(scene::difference(first, method, {"optimizer.method"}).second == "optimizer.method = \"newton-cg\"");
-  CHECK(scene::problem(first, {"optimizer.method"}) != scene::problem(method, {"optimizer.method"}));
+  CHECK(scene::difference(first, method, scene::Part::search).second == "optimizer.method = \"newton-cg\"");
+  for (const char* other : {"trajectory.storage=disk", "solver.memory=1e9", "check.control=[\"0\", \"1\"]"}) {
+    INFO(other);
+    CHECK(scene::difference(first, echo({other}), scene::Part::search).first.empty());
+    CHECK_FALSE(scene::difference(first, echo({other}), scene::Part::measurement).second.empty());
+  }
+}
+
+TEST_CASE("every effect is that of a key", "[scene]") {
+  std::set<std::string> said{""}, known{""};
+  for (const scene::KeyLine& key : scene::keys())
+    said.insert(key.effect);
+  for (const auto& [name, on] : io::effects(test::parse(test::source("scenes/half-disc.toml"))))
+    known.insert(name);
+  CHECK(said == known);
 }
 
 TEST_CASE("a list of names is a set, and may be empty", "[scene]") {
@@ -88,12 +101,14 @@ TEST_CASE("a list of names is a set, and may be empty", "[scene]") {
   const scene::Output some =
       test::parse(file, {"output.fields=[\"adjoint\", \"velocity\", \"adjoint\"]", "output.tables=[]"})
           .output;
-  CHECK(some.fields == std::vector<std::string>{"adjoint", "velocity"});
+  CHECK(some.fields == std::vector{scene::StoredField::adjoint, scene::StoredField::velocity});
   CHECK(some.tables.empty());
-  CHECK((some.field("adjoint") && !some.field("control") && !some.table("steps")));
+  CHECK((some.field(scene::StoredField::adjoint) && !some.field(scene::StoredField::control) &&
+         !some.table(scene::StoredTable::steps)));
   const scene::Scene scene = test::parse(file, {"output.fields=[]", "output.tables=[\"contact\"]"});
   const auto echo = temporary(scene::echo(scene, 2));
-  CHECK((test::parse(echo).output.fields.empty() && test::parse(echo).output.table("contact")));
+  const scene::Output echoed = test::parse(echo).output;
+  CHECK((echoed.fields.empty() && echoed.tables == std::vector{scene::StoredTable::contact}));
   std::filesystem::remove(echo);
 }
 

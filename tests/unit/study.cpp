@@ -26,7 +26,7 @@ Result run(double size, int steps, double seconds, double value) {
   measured.seconds = seconds;
   measured.numbers["Q"] = value;
   measured.fields["F"] = {value, -value};
-  return {{size, steps, 1, "contact-implicit"}, measured};
+  return {{size, steps, 1, Scheme::contact_implicit}, measured};
 }
 
 /// Runs of four sizes h and numbers N of steps with the number Q = 1 + a h^p + b N^-q.
@@ -190,7 +190,7 @@ TEST_CASE("what has no size gives no relative error, and what is no number no er
   Measured none;
   none.numbers["J"] = 0;
   none.estimate = {1e-3, 1e-3, 0, 0};
-  const std::vector<Result> alone{{{1, 10, 1, "contact-implicit"}, none}};
+  const std::vector<Result> alone{{{1, 10, 1, Scheme::contact_implicit}, none}};
   CHECK_FALSE(errors({"J", "J", ""}, alone, {}).estimate[0]);
 }
 
@@ -216,14 +216,13 @@ TEST_CASE("a ladder that has run in part says no more than it knows", "[study]")
 TEST_CASE("a scheme that is named holds for every contact, and without one each stays as it is", "[study]") {
   scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
   scene.contacts.push_back(scene.contacts.front());
-  scene.contacts[0].massless = true;
+  scene.contacts[0].mass = scene::ContactMass::massless;
   const auto masses = [&](const Choice& choice) {
     std::vector<std::pair<bool, bool>> found;
     for (const Rung& rung : ladder(scene, choice)) {
       const scene::Scene changed = on_rung(scene, rung);
-      CHECK(changed.time.scheme ==
-            (rung.scheme == "contact-stabilized" ? "contact-stabilized" : "contact-implicit"));
-      found.emplace_back(changed.contacts[0].massless, changed.contacts[1].massless);
+      CHECK(changed.time.stabilized() == (rung.scheme == Scheme::contact_stabilized));
+      found.emplace_back(changed.contacts[0].massless(), changed.contacts[1].massless());
     }
     return found;
   };
@@ -233,7 +232,7 @@ TEST_CASE("a scheme that is named holds for every contact, and without one each 
   CHECK(scheme_and_mass(ladder(scene, {size, step, {}, {}}).front().scheme).mass == "mixed");
   CHECK(masses({size, step, {}, {"contact-implicit", "contact-stabilized", "massless"}}) ==
         Masses{{false, false}, {false, false}, {true, true}});
-  scene.contacts[1].massless = true;
+  scene.contacts[1].mass = scene::ContactMass::massless;
   CHECK(masses({size, step, {}, {}}) == Masses{{true, true}});
   CHECK(scheme_and_mass(ladder(scene, {size, step, {}, {}}).front().scheme).mass == "massless");
 }

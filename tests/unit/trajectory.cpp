@@ -21,7 +21,7 @@ namespace {
 long& recomputed = count("recomputed steps");
 
 scene::Trajectory checkpoints(const forward::Stepper& stepper, int slots) {
-  return {.storage = "checkpoints", .budget = slots * forward::State::bytes(stepper)};
+  return {.storage = scene::Storage::checkpoints, .budget = slots * forward::State::bytes(stepper)};
 }
 
 /// ‖a − b‖∞ over all steps.
@@ -70,12 +70,12 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
   REQUIRE(
       std::ranges::any_of(expected.contact, [](const contact::ContactSets& c) { return !c.active.empty(); }));
   Timers timers;
-  std::vector<std::pair<scene::Trajectory, long>> storages{{{}, 0}, {{.storage = "disk"}, 0}};
+  std::vector<std::pair<scene::Trajectory, long>> storages{{{}, 0}, {{.storage = scene::Storage::disk}, 0}};
   for (int slots : {1, 2, 3, 7, N - 1, 5 * N})
     storages.emplace_back(checkpoints(problem.stepper, slots),
                           forward::steps_made(N, std::min(slots, N - 1)) - N);
   for (const auto& [scene, again] : storages) {
-    INFO(scene.storage << " " << scene.budget);
+    INFO(scene::name(scene.storage) << " " << scene.budget);
     const forward::StateStoreFactory storage(problem.stepper, scene, N, 1, timers);
     forward::Trajectory trajectory(problem.stepper, problem.initial, N, storage, true);
     int shown = 0;
@@ -100,7 +100,7 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
     before = recomputed;
     for (int k = N; k >= 1; --k) // once more, by a sweep more
       is_right(k);
-    CHECK(recomputed - before == (scene.storage == "checkpoints" ? again + N - 1 : 0));
+    CHECK(recomputed - before == (scene.storage == scene::Storage::checkpoints ? again + N - 1 : 0));
     for (int k : {0, 1, 1, 2, 3, N, N - 1, 5, 17, 4, N, 0}) // and in no order at all
       is_right(k);
     for (const contact::ContactSets& sets : trajectory.contact()) // free flight takes no room
@@ -144,7 +144,7 @@ TEST_CASE("gradients and Hessian products are the same to the last bit from ever
     const bool fixed = ranks(MPI_COMM_WORLD) == 1 || problem.stepper.solver().tolerance() > 0;
     const bool in_space = problem.space.dim() == 3;
     std::optional<control::Control> g, h;
-    for (const char* kind : {"memory", "disk", "checkpoints"}) {
+    for (scene::Storage kind : {scene::Storage::memory, scene::Storage::disk, scene::Storage::checkpoints}) {
       ready.scene.trajectory = checkpoints(problem.stepper, 8); // 4 of the motion, 4 of the desired one
       ready.scene.trajectory.storage = kind;
       ControlProblem control_problem(problem, test::silent());
@@ -167,7 +167,7 @@ TEST_CASE("gradients and Hessian products are the same to the last bit from ever
       const control::Control product = reduced.l2_hessian_product(control(0.5));
       reduced.simulate(control(0.7)); // a trial that is rejected
       const control::Control once_more = reduced.gradient();
-      CHECK((recomputed > before) == (std::string(kind) == "checkpoints"));
+      CHECK((recomputed > before) == (kind == scene::Storage::checkpoints));
       REQUIRE(controls.norm(gradient) > 0);
       REQUIRE(controls.norm(product) > 0);
       if (!g) {
@@ -186,7 +186,7 @@ TEST_CASE("errors are estimated alike from every storage", "[adjoint]") {
   for (const char* scheme : {"time.scheme=contact-implicit", "time.scheme=contact-stabilized"}) {
     test::Ready ready("tests/data/block.toml", {"solver.linear=iterative", scheme});
     std::optional<adjoint::ErrorParts> expected;
-    for (const char* kind : {"memory", "disk", "checkpoints"}) {
+    for (scene::Storage kind : {scene::Storage::memory, scene::Storage::disk, scene::Storage::checkpoints}) {
       ready.scene.trajectory = checkpoints(ready.problem.stepper, 6);
       ready.scene.trajectory.storage = kind;
       ControlProblem problem(ready.problem, test::silent());
@@ -196,7 +196,7 @@ TEST_CASE("errors are estimated alike from every storage", "[adjoint]") {
                                   [](const contact::ContactSets& c) { return !c.active.empty(); }));
       const long before = recomputed;
       const adjoint::ErrorParts error = estimate_error(ready.problem, problem);
-      CHECK((recomputed > before) == (std::string(kind) == "checkpoints"));
+      CHECK((recomputed > before) == (kind == scene::Storage::checkpoints));
       if (!expected)
         expected = error;
       CHECK(std::abs(error.time) > 0);
@@ -264,8 +264,9 @@ TEST_CASE("a trajectory that runs again shows the last run's states, from every 
   REQUIRE(test::difference(loaded.y.back(), falling.y.back()) > 0);
   Timers timers;
   for (const scene::Trajectory& scene :
-       {scene::Trajectory{}, scene::Trajectory{.storage = "disk"}, checkpoints(problem.stepper, 3)}) {
-    INFO(scene.storage);
+       {scene::Trajectory{}, scene::Trajectory{.storage = scene::Storage::disk},
+        checkpoints(problem.stepper, 3)}) {
+    INFO(scene::name(scene.storage));
     const forward::StateStoreFactory storage(problem.stepper, scene, N, 1, timers);
     forward::Trajectory trajectory(problem.stepper, problem.initial, N, storage, true);
     for (const test::Recorded* expected : {&loaded, &falling, &loaded}) {

@@ -55,7 +55,7 @@ struct Errors {
 struct Orders {
   std::string quantity;
   int degree = 1;
-  std::string scheme;
+  Scheme scheme;
   /// Log-log slope of the differences, and the smallest and largest of neighbouring pairs.
   struct Order {
     double slope = 0, least = 0, largest = 0;

@@ -82,10 +82,6 @@ std::string petsc_options() {
   return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-/// Keys that are no part of the problem, but on which the point of evaluation, the measurements, seconds or
-/// memory depend.
-constexpr scene::Keys measured{"check.", "exact.pressure", "trajectory.", "solver.memory"};
-
 } // namespace
 
 Origin::Origin(const scene::Scene& scene, const Samples& samples, int ranks)
@@ -118,7 +114,7 @@ std::string difference(const Fingerprint& kept, const Fingerprint& now) {
       if (before == after)
         continue;
       if (name == scene_part) {
-        if (const auto [had, has] = scene::difference(before, after, measured); had != has)
+        if (const auto [had, has] = scene::difference(before, after, scene::Part::measurement); had != has)
           return fmt::format("the scene had {} and has {}", had, has);
         continue;
       }

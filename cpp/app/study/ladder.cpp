@@ -7,27 +7,34 @@
 
 namespace signorini::study {
 namespace {
-constexpr const char *massless = "massless", *mixed = "mixed";
+
+scene::TimeScheme time_scheme(Scheme scheme) {
+  return scheme == Scheme::contact_stabilized ? scene::TimeScheme::contact_stabilized
+                                              : scene::TimeScheme::contact_implicit;
 }
 
-const std::vector<std::string>& scheme_names() {
-  static const std::vector<std::string> names{"contact-implicit", "contact-stabilized", massless};
-  return names;
-}
-
-SchemeAndMass scheme_and_mass(const std::string& scheme) {
-  if (scheme == massless || scheme == mixed)
-    return {scheme_names().front(), scheme};
-  return {scheme, "consistent"};
-}
-
-namespace {
-
-std::string own_scheme(const scene::Scene& scene) {
+Scheme own_scheme(const scene::Scene& scene) {
   const auto without = std::ranges::count_if(scene.contacts, &scene::Contact::massless);
   if (without == 0)
-    return scene.time.scheme;
-  return without == std::ssize(scene.contacts) ? massless : mixed;
+    return scene.time.stabilized() ? Scheme::contact_stabilized : Scheme::contact_implicit;
+  return without == std::ssize(scene.contacts) ? Scheme::massless : Scheme::mixed;
+}
+
+std::vector<Scheme> schemes(const scene::Scene& scene, const std::vector<std::string>& given) {
+  std::vector<std::string> allowed = scene::all_names<Scheme>();
+  allowed.pop_back(); // mixed is what a scene may have, and nothing to ask for
+  std::vector<Scheme> schemes;
+  for (const std::string& name : given) {
+    const auto found = std::ranges::find(allowed, name);
+    if (found == allowed.end())
+      throw UserError(fmt::format("--schemes: found \"{}\", allowed: {}", name, scene::list(allowed)));
+    if (found != allowed.begin() && scene.contacts.empty())
+      throw UserError(fmt::format(
+          "--schemes: found \"{}\" in a scene without contact, where it makes no difference, allowed is {}",
+          name, allowed.front()));
+    schemes.push_back(static_cast<Scheme>(found - allowed.begin()));
+  }
+  return schemes;
 }
 
 template <class T>
@@ -53,21 +60,19 @@ void require_positive(const std::vector<double>& values, const char* option, con
 
 } // namespace
 
+SchemeAndMass scheme_and_mass(Scheme scheme) {
+  const bool own = scheme == Scheme::massless || scheme == Scheme::mixed;
+  return {scene::name(time_scheme(scheme)),
+          own ? scene::name(scheme) : scene::name(scene::ContactMass::consistent)};
+}
+
 std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
   require_positive(choice.sizes, "--sizes", "m");
   require_positive(choice.steps, "--steps", "s");
   for (int degree : choice.degrees)
     if (degree != 1 && degree != 2)
       throw UserError(fmt::format("--degrees: found {}, allowed are 1 and 2", degree));
-  for (const std::string& scheme : choice.schemes) {
-    if (std::ranges::find(scheme_names(), scheme) == scheme_names().end())
-      throw UserError(
-          fmt::format("--schemes: found \"{}\", allowed: {}", scheme, scene::list(scheme_names())));
-    if (scheme != scheme_names().front() && scene.contacts.empty())
-      throw UserError(fmt::format(
-          "--schemes: found \"{}\" in a scene without contact, where it makes no difference, allowed is {}",
-          scheme, scheme_names().front()));
-  }
+  const std::vector<Scheme> given = schemes(scene, choice.schemes);
   const bool meshed = scene.mesh.file.extension() == ".msh";
   if (!choice.sizes.empty() && meshed)
     throw UserError("--sizes: have no effect on a .msh, which is meshed already; allowed with a .geo");
@@ -78,7 +83,7 @@ std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
   for (double width : sizes)
     for (double tau : or_default(choice.steps, {4 * step, 2 * step, step}))
       for (int degree : or_default(choice.degrees, {scene.mesh.degree}))
-        for (const std::string& scheme : or_default(choice.schemes, {own_scheme(scene)}))
+        for (Scheme scheme : or_default(given, {own_scheme(scene)}))
           rungs.push_back({width, steps_of(tau, scene.time.end), degree, scheme});
   std::ranges::sort(rungs);
   const auto twice = std::ranges::unique(rungs);
@@ -92,10 +97,11 @@ scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
   changed.mesh.degree = rung.degree;
   changed.time.steps = rung.steps;
   changed.time.step = scene.time.end / rung.steps;
-  changed.time.scheme = scheme_and_mass(rung.scheme).scheme;
-  if (rung.scheme != mixed)
+  changed.time.scheme = time_scheme(rung.scheme);
+  if (rung.scheme != Scheme::mixed)
     for (scene::Contact& contact : changed.contacts)
-      contact.massless = rung.scheme == massless;
+      contact.mass =
+          rung.scheme == Scheme::massless ? scene::ContactMass::massless : scene::ContactMass::consistent;
   return changed;
 }
 
@@ -110,7 +116,7 @@ std::string words(const Rung& rung, const scene::Scene& scene) {
   if (scene.mesh.file.extension() != ".msh")
     text = fmt::format("{} {:.4g}, ", scene.mesh.size ? "size" : "scale", rung.size);
   text += fmt::format("step {:.3g}, degree {}", scene.time.end / rung.steps, rung.degree);
-  return rung.scheme == scheme_names().front() ? text : text + ", " + rung.scheme;
+  return rung.scheme == Scheme::contact_implicit ? text : text + ", " + scene::name(rung.scheme);
 }
 
 } // namespace signorini::study

@@ -7,14 +7,19 @@
 /// Accuracy against cost: a ladder of runs of one scene, their errors and observed orders.
 namespace signorini::study {
 
+/// Time scheme and mass of contact; massless: contact-implicit with massless contact; mixed: contact-implicit
+/// where some tables of contact are massless and others not, as the scene has it.
+enum class Scheme { contact_implicit, contact_stabilized, massless, mixed };
+constexpr scene::Names<4> names(Scheme) {
+  return {"contact-implicit", "contact-stabilized", "massless", "mixed"};
+}
+
 /// One run of a ladder.
 struct Rung {
   double size = 1; ///< element size, m; in a scene without mesh.size the scale of the .geo's own
   int steps = 0;
   int degree = 1;
-  /// Or "contact-stabilized", or "massless": contact-implicit with massless contact; or "mixed":
-  /// contact-implicit where some tables of contact are massless and others not, as the scene has it.
-  std::string scheme = "contact-implicit";
+  Scheme scheme = Scheme::contact_implicit;
 
   friend auto operator<=>(const Rung&, const Rung&) = default;
 };
@@ -23,17 +28,14 @@ struct Rung {
 struct Choice {
   std::vector<double> sizes, steps; ///< m, s
   std::vector<int> degrees;
-  std::vector<std::string> schemes;
+  std::vector<std::string> schemes; ///< names of all but mixed
 };
 
-/// Names that --schemes takes.
-const std::vector<std::string>& scheme_names();
-
-/// A rung's time.scheme and contact.mass, which is "mixed" where it differs between contacts.
+/// Names of a rung's time.scheme and contact.mass, which is "mixed" where it differs between contacts.
 struct SchemeAndMass {
   std::string scheme, mass;
 };
-SchemeAndMass scheme_and_mass(const std::string& scheme);
+SchemeAndMass scheme_and_mass(Scheme scheme);
 
 /// Every size with every step, degree and scheme; the default is the scene's own with twice and four times
 /// its size and step. Where the .geo sets its own sizes they are scales of these; a .msh has one. Steps are

@@ -227,7 +227,7 @@ std::vector<Quantity> quantities(const scene::Scene& scene) {
   std::vector<Quantity> all{{"displacement", "displacement", "m", true}};
   if (scene.objective) {
     all.insert(all.begin(), {"J", "J", ""});
-    if (scene.control->space == "P1")
+    if (scene.control->space == scene::ControlValues::nodal)
       all.push_back({"gradient", "gradient", "", true});
   }
   if (scene.contacts.empty())

@@ -117,7 +117,7 @@ Store::~Store() {
 std::filesystem::path Store::file(const Rung& rung) const {
   return folder_ / rungs /
          fmt::format("size-{:.10g}-steps-{}-degree-{}-{}.cbor", rung.size, rung.steps, rung.degree,
-                     rung.scheme);
+                     scene::name(rung.scheme));
 }
 
 Kept Store::load(const Rung& rung, const Fingerprint& fingerprint,

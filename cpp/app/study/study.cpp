@@ -142,8 +142,8 @@ public:
       console.line(fmt::format("\n{:<14} {:<8} {:<20} {:<24} {:<24} {}", "order of", "degree", "scheme",
                                "in space", "in time", "in both"));
     for (const Orders& one : orders_)
-      console.line(fmt::format("{:<14} {:<8} {:<20} {:<24} {:<24} {}", one.quantity, one.degree, one.scheme,
-                               shown(one.space), shown(one.time), shown(one.both)));
+      console.line(fmt::format("{:<14} {:<8} {:<20} {:<24} {:<24} {}", one.quantity, one.degree,
+                               scene::name(one.scheme), shown(one.space), shown(one.time), shown(one.both)));
     console.line("");
     for (const std::string& sentence : sentences_)
       console.line(sentence);

@@ -1,0 +1,79 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Choices of a scene, each with its names in scene files, in the order of the enumerators.
+namespace signorini::scene {
+
+template <std::size_t n>
+using Names = std::array<std::string_view, n>;
+
+enum class TimeScheme { contact_implicit, contact_stabilized };
+constexpr Names<2> names(TimeScheme) { return {"contact-implicit", "contact-stabilized"}; }
+
+enum class Component { x, y, z };
+constexpr Names<3> names(Component) { return {"x", "y", "z"}; }
+
+/// Whether contact nodes have mass along ν; docs/method.md section 2.
+enum class ContactMass { consistent, massless };
+constexpr Names<2> names(ContactMass) { return {"consistent", "massless"}; }
+
+/// What becomes of nodes that start inside the obstacle: an error, or they are moved out of it.
+enum class ContactStart { outside, project };
+constexpr Names<2> names(ContactStart) { return {"outside", "project"}; }
+
+/// Shapes of obstacles, in the order of scene::Obstacle.
+enum class Shape { half_space, ball, cylinder, signed_distance };
+constexpr Names<4> names(Shape) { return {"half-space", "ball", "cylinder", "signed-distance"}; }
+
+/// Where the body is, of a round obstacle's surface.
+enum class Side { outside, inside };
+constexpr Names<2> names(Side) { return {"outside", "inside"}; }
+
+/// Where a control has values: at the nodes, or one in each cell.
+enum class ControlValues { nodal, cellwise };
+constexpr Names<2> names(ControlValues) { return {"P1", "P0"}; }
+
+/// docs/method.md section 6.
+enum class OptimizerMethod { lbfgs, newton_cg, projected_gradient };
+constexpr Names<3> names(OptimizerMethod) { return {"lbfgs", "newton-cg", "projected-gradient"}; }
+
+/// Solver of the variational inequalities: in the candidates alone, or PETSc's on all unknowns.
+enum class ViMethod { condensed, full };
+constexpr Names<2> names(ViMethod) { return {"condensed", "full"}; }
+
+/// Solver of systems with D; automatic: whichever fits the memory.
+enum class LinearMethod { automatic, direct, iterative };
+constexpr Names<3> names(LinearMethod) { return {"auto", "direct", "iterative"}; }
+
+/// Where the states of a motion wait for the adjoint sweep.
+enum class Storage { memory, disk, checkpoints };
+constexpr Names<3> names(Storage) { return {"memory", "disk", "checkpoints"}; }
+
+/// On a violation of an invariant: say so at the end, stop there, or do not look.
+enum class OnViolation { warn, stop, off };
+constexpr Names<3> names(OnViolation) { return {"warn", "stop", "off"}; }
+
+enum class StoredField { displacement, velocity, control, adjoint };
+constexpr Names<4> names(StoredField) { return {"displacement", "velocity", "control", "adjoint"}; }
+
+enum class StoredTable { steps, contact, history };
+constexpr Names<3> names(StoredTable) { return {"steps", "contact", "history"}; }
+
+/// The name of a choice.
+template <class E>
+std::string name(E value) {
+  return std::string(names(value)[static_cast<std::size_t>(value)]);
+}
+
+/// All names of a kind of choice.
+template <class E>
+std::vector<std::string> all_names() {
+  const auto all = names(E{});
+  return {all.begin(), all.end()};
+}
+
+} // namespace signorini::scene

@@ -1,0 +1,88 @@
+#include "scene/keys.h"
+#include "scene/schema.h"
+
+namespace signorini::scene {
+namespace {
+
+using schema::Entry;
+using schema::Json;
+using schema::Said;
+
+/// Adds the values of a table; of one that occurs twice, for two kinds of obstacle, only the first.
+void add(const std::vector<Entry>& entries, const std::string& path, const Said& table,
+         std::vector<KeyLine>& lines) {
+  for (const Entry& entry : entries) {
+    const std::string name = path + entry.name;
+    Said said = entry.said;
+    if (!*said.effect)
+      said.effect = table.effect;
+    if (said.part == Part::problem)
+      said.part = table.part;
+    if (!entry.children.empty())
+      add(entry.children, name + ".", said, lines);
+    else if (std::ranges::find(lines, name, &KeyLine::name) == lines.end())
+      lines.push_back({name, entry.words, said.unit,
+                       said.required && entry.fallback.empty() ? "required" : entry.fallback, said.meaning,
+                       said.effect, said.part});
+  }
+}
+
+std::string joined(const std::string& first, const char* between, const std::string& second) {
+  return first + (first.empty() || second.empty() ? "" : between) + second;
+}
+
+} // namespace
+
+Json schema::object(const std::vector<Entry>& keys) {
+  Json json{{"type", "object"},
+            {"properties", Json::object()},
+            {"required", Json::array()},
+            {"additionalProperties", false}};
+  for (const auto& [name, said, words, fallback, own, children] : keys) {
+    Json& property = json["properties"][name] = own;
+    if (const std::string about = joined(said.unit, ": ", said.meaning); !about.empty())
+      property["description"] = about;
+    if (said.required)
+      json["required"].push_back(name);
+  }
+  return json;
+}
+
+const std::vector<KeyLine>& keys() {
+  static const std::vector<KeyLine> lines = [] {
+    std::vector<KeyLine> all;
+    add(schema::all(), "", {}, all);
+    return all;
+  }();
+  return lines;
+}
+
+std::string reference() {
+  std::string text;
+  for (const KeyLine& key : keys()) {
+    text += fmt::format("{}\n    {}", key.name, joined(key.value, "; ", key.unit));
+    if (!key.fallback.empty())
+      text += (key.fallback == "required" ? "; " : "; default: ") + key.fallback;
+    if (!key.effect.empty())
+      text += "; effect: " + key.effect;
+    text += key.meaning.empty() ? "\n" : "\n    " + key.meaning + "\n";
+  }
+  std::erase(text, '`');
+  return text;
+}
+
+std::string markdown() {
+  std::string text = "| key | value | default | meaning |\n|---|---|---|---|\n";
+  for (const KeyLine& key : keys())
+    text += fmt::format("| `{}` | {} | {} | {} |\n", key.name, joined(key.value, "; ", key.unit),
+                        key.fallback, key.meaning);
+  return text;
+}
+
+std::string json_schema() {
+  Json json{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "Scene of signorini"}};
+  json.update(schema::object(schema::all()));
+  return json.dump(2) + "\n";
+}
+
+} // namespace signorini::scene

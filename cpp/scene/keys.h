@@ -1,0 +1,32 @@
+#pragma once
+#include <string>
+#include <vector>
+
+namespace signorini::scene {
+
+/// What a key matters to: the problem that a scene poses; the search for its solution, which goes on from a
+/// checkpoint; what a study measures, be it seconds or memory; or none of these. Paths are of the last: they
+/// tell where a mesh or a motion is stored, not what it contains.
+enum class Part { problem, search, measurement, none };
+
+/// A key of the scene, as the reference tells of it; texts are Markdown.
+struct KeyLine {
+  std::string name;  ///< such as material.viscosity.bulk, without the numbers of tables
+  std::string value; ///< what it takes, with its limits
+  std::string unit;
+  std::string fallback;        ///< what holds without it, or "required"; empty: without it there is no effect
+  std::string meaning, effect; ///< the effect that it is part of, a name of io::effects(); may be empty
+  Part part = Part::problem;
+};
+
+/// All keys, in the order of scene.toml.
+const std::vector<KeyLine>& keys();
+
+/// The keys for reading, a paragraph each.
+std::string reference();
+/// The keys as the table of the README.
+std::string markdown();
+/// JSON Schema (draft 2020-12) of a scene.
+std::string json_schema();
+
+} // namespace signorini::scene

@@ -1,0 +1,164 @@
+#pragma once
+#include "scene/reader.h"
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+/// Kinds of values. Each reads one, given the scene as far as it is read; writes one as TOML; and says what
+/// it takes, in words and as a JSON schema.
+namespace signorini::scene::kind {
+
+using Json = nlohmann::ordered_json;
+using Name = const std::string&;
+
+std::string written(double value);
+std::string written(const std::string& text);
+template <class T>
+std::string written(const std::vector<T>& values) {
+  std::vector<std::string> texts;
+  for (const T& value : values)
+    texts.push_back(written(value));
+  return fmt::format("[{}]", fmt::join(texts, ", "));
+}
+/// Names in quotes, as `"a"`, `"b"` for Markdown.
+std::string quoted(const std::vector<std::string>& names);
+
+struct Number {
+  Limits limits{};
+  double read(Reader& in, Name key, const Scene&) const { return in.number(key, limits); }
+  static std::string write(double value) { return written(value); }
+  [[nodiscard]] std::string words() const { return "number" + limits.range(); }
+  [[nodiscard]] Json schema() const;
+};
+
+struct Whole {
+  int least, greatest;
+  int read(Reader& in, Name key, const Scene&) const { return in.integer(key, least, greatest); }
+  static std::string write(int value) { return std::to_string(value); }
+  [[nodiscard]] std::string words() const {
+    return fmt::format("whole number from {} to {}", least, greatest);
+  }
+  [[nodiscard]] Json schema() const {
+    return {{"type", "integer"}, {"minimum", least}, {"maximum", greatest}};
+  }
+};
+
+struct Flag {
+  static bool read(Reader& in, Name key, const Scene&) { return in.flag(key); }
+  static std::string write(bool value) { return value ? "true" : "false"; }
+  static std::string words() { return "`true` or `false`"; }
+  static Json schema() { return {{"type", "boolean"}}; }
+};
+
+/// A text on one line, such as a group of the mesh.
+struct Text {
+  const char* what = "group";
+  static std::string read(Reader& in, Name key, const Scene&) { return in.text(key); }
+  static std::string write(const std::string& text) { return written(text); }
+  [[nodiscard]] std::string words() const { return what; }
+  static Json schema() { return {{"type", "string"}, {"minLength", 1}}; }
+};
+
+/// A path, of which a relative one is relative to the scene file; kept and written as an absolute one.
+struct Path : Text {
+  static std::filesystem::path read(Reader& in, Name key, const Scene& scene);
+  static std::string write(const std::filesystem::path& path) { return written(path.string()); }
+  static std::string words() { return "path"; }
+};
+
+template <class E>
+struct Choice {
+  static E read(Reader& in, Name key, const Scene&) { return static_cast<E>(in.choice(key, all_names<E>())); }
+  static std::string write(E value) { return written(name(value)); }
+  static std::string words() { return quoted(all_names<E>()); }
+  static Json schema() { return {{"enum", all_names<E>()}}; }
+};
+
+/// A list of choices.
+template <class E>
+struct Set {
+  static std::vector<E> read(Reader& in, Name key, const Scene&) {
+    std::vector<E> values;
+    for (std::size_t i : in.choices(key, all_names<E>()))
+      values.push_back(static_cast<E>(i));
+    return values;
+  }
+  static std::string write(const std::vector<E>& values) {
+    std::vector<std::string> texts;
+    for (E value : values)
+      texts.push_back(name(value));
+    return written(texts);
+  }
+  static std::string words() { return "list of " + quoted(all_names<E>()); }
+  static Json schema() { return {{"type", "array"}, {"items", Choice<E>::schema()}}; }
+};
+
+/// The components that are held or act.
+struct Acting : Set<Component> {
+  static std::vector<Component> read(Reader& in, Name key, const Scene& scene);
+};
+
+/// One expression of place, at `time` of t too.
+struct Formula : Text {
+  bool time = false;
+  std::string read(Reader& in, Name key, const Scene&) const { return in.expression(key, time); }
+  [[nodiscard]] std::string words() const { return "expression in x, y, z"; }
+};
+
+/// One expression for each component.
+struct Expressions {
+  bool time = true;
+  Components read(Reader& in, Name key, const Scene&) const { return in.expressions(key, time); }
+  static std::string write(const Components& components) { return written(components); }
+  [[nodiscard]] std::string words() const {
+    return time ? "expressions in x, y, z, t" : "expressions in x, y, z";
+  }
+  static Json schema();
+};
+
+/// Of the components that the clamp which is being read holds.
+struct ClampMotion : Expressions {
+  static Components read(Reader& in, Name key, const Scene& scene);
+  static Json schema();
+};
+
+/// An admissible control: without t if controls are constant in time, and zero in the components that
+/// control.components leaves out.
+struct ControlField : Expressions {
+  static Components read(Reader& in, Name key, const Scene& scene);
+};
+
+/// A point that may move; its constant components are written as numbers.
+struct Point : Expressions {
+  static std::string write(const Components& components);
+  static std::string words() { return "numbers or expressions in t"; }
+};
+
+/// One number for each component.
+struct Numbers {
+  Limits limits{};
+  std::vector<double> read(Reader& in, Name key, const Scene&) const { return in.numbers(key, limits); }
+  static std::string write(const std::vector<double>& values) { return written(values); }
+  static std::string words() { return "numbers"; }
+  static Json schema();
+};
+
+/// A vector of any length but zero.
+struct Direction : Numbers {
+  const char* what;
+  std::vector<double> read(Reader& in, Name key, const Scene& scene) const;
+};
+
+/// One number, or one for each component.
+struct Bound {
+  static std::vector<double> read(Reader& in, Name key, const Scene&) {
+    return in.number_or_numbers(key, {});
+  }
+  static std::string write(const std::vector<double>& values) {
+    return values.size() == 1 ? written(values.front()) : written(values);
+  }
+  static std::string words() { return "number, or one for each component"; }
+  static Json schema();
+};
+
+} // namespace signorini::scene::kind

@@ -1,0 +1,208 @@
+#include "scene/rules.h"
+#include "base/error.h"
+#include "scene/expression.h"
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace signorini::scene {
+
+void require_rules(Reader& in, const Mesh& mesh, const Scene&) {
+  const std::string extension = mesh.file.extension().string();
+  const bool meshed = extension == ".msh";
+  if (extension != ".geo" && !meshed)
+    in.fail("file", fmt::format("found \"{}\", allowed are files that end in .geo or .msh", in.text("file")));
+  if (mesh.size && meshed)
+    in.fail("size", "has no effect on a .msh, which is meshed already; allowed with a .geo");
+  if (in.has("scale") && (meshed || mesh.size))
+    in.fail("scale", fmt::format("has no effect {}; allowed with a .geo that sets its own sizes",
+                                 mesh.size ? "beside mesh.size" : "on a .msh, which is meshed already"));
+}
+
+void require_rules(Reader& in, Time& time, const Scene&) {
+  const double steps = std::round(time.end / time.step);
+  if (!(steps >= 1 && steps <= Time::most_steps))
+    in.fail(
+        "step",
+        fmt::format("found {:.10g} s, which makes {:.10g} steps to time.end = {:.10g} s, allowed are 1 to {}",
+                    time.step, time.end / time.step, time.end, Time::most_steps));
+  // Decimal fractions such as 7.5e-3 / 5e-5 divide to within a few units in the last place.
+  if (std::abs(steps * time.step - time.end) > 1e-9 * time.end)
+    in.fail("end", fmt::format("found {:.10g} s, which is {:.10g} steps of {:.10g} s, allowed are whole "
+                               "multiples of time.step, such as {:.10g} s",
+                               time.end, time.end / time.step, time.step, steps * time.step));
+  time.steps = static_cast<int>(steps);
+}
+
+void require_rules(Reader& in, const Material& material, const Scene& scene) {
+  if (in.one_of_several())
+    in.require("on");
+  else if (material.on)
+    in.fail("on", "has no effect on [material], which is the whole body's; allowed in tables [[material]]");
+  for (std::size_t i = 0; i + 1 < scene.materials.size(); ++i)
+    if (scene.materials[i].on == material.on)
+      in.fail("on", fmt::format("found \"{}\", which material[{}] is on, allowed is another group",
+                                *material.on, i));
+}
+
+void require_rules(Reader& in, const HalfSpace& obstacle, const Scene&) {
+  if (Field(obstacle.point, "point", true).depends_on_place())
+    in.fail(
+        "point",
+        fmt::format("found [{}], allowed are expressions of t alone: the point is one for the whole plane",
+                    fmt::join(obstacle.point, ", ")));
+  if (obstacle.normal.size() != obstacle.point.size())
+    in.fail("normal", fmt::format("found {} components where point has {}, allowed are as many",
+                                  obstacle.normal.size(), obstacle.point.size()));
+}
+
+void require_rules(Reader& in, const Cylinder& obstacle, const Scene&) {
+  if (obstacle.point.size() == 3) {
+    in.require("axis");
+    if (obstacle.axis.size() != 3)
+      in.fail("axis", fmt::format("found {} components where point has 3, allowed are as many",
+                                  obstacle.axis.size()));
+  } else if (in.has("axis")) {
+    in.fail("axis",
+            "has no effect in the plane, where a cylinder is a disc; allowed with a point of 3 components");
+  }
+}
+
+void require_rules(Reader& in, const Contact& contact, const Scene& scene) {
+  if (contact.massless() && scene.time.stabilized())
+    in.fail("mass",
+            "found \"massless\" with time.scheme \"contact-stabilized\", which projects in the norm of the "
+            "mass; allowed is \"consistent\"");
+}
+
+void require_rules(Reader& in, const Control& control, const Scene&) {
+  if (!control.lower || !control.upper)
+    return;
+  const std::vector<double>&lower = *control.lower, &upper = *control.upper;
+  if (lower.size() > 1 && upper.size() > 1 && lower.size() != upper.size())
+    in.fail("upper", fmt::format("found {} components where lower has {}, allowed are as many, or one number",
+                                 upper.size(), lower.size()));
+  for (std::size_t i = 0; i < std::max(lower.size(), upper.size()); ++i) {
+    const double least = lower.size() == 1 ? lower.front() : lower[i];
+    const double most = upper.size() == 1 ? upper.front() : upper[i];
+    if (!(least <= most))
+      in.fail("lower",
+              fmt::format("found {} above control.upper = {}, allowed is at most that", least, most));
+  }
+}
+
+void require_rules(Reader& in, const Objective& objective, const Scene&) {
+  if (objective.tracking == 0 && objective.gamma == 0)
+    in.fail("tracking",
+            "found 0 where gamma is 0 too, allowed is one of them above: nothing would be desired");
+}
+
+void require_rules(Reader& in, const Trajectory& trajectory, const Scene&) {
+  if (in.has("budget") && trajectory.storage != Storage::checkpoints)
+    in.fail("budget",
+            fmt::format("has no effect with storage = \"{}\", which keeps every state; allowed with "
+                        "\"checkpoints\"",
+                        name(trajectory.storage)));
+}
+
+void require_rules(Reader& in, const Exact& exact, const Scene& scene) {
+  for (const char* key : {"pressure", "impulse", "peak_force", "contact_start", "contact_time"})
+    if (in.has(key) && scene.contacts.empty())
+      in.fail(key, "has no meaning without contact; allowed with a table [contact]");
+  if (exact.pressure && Field({*exact.pressure}, "exact.pressure", true).depends_on_time())
+    in.fail("pressure",
+            fmt::format("found \"{}\", allowed is an expression of x, y and z: it is that at time.end",
+                        *exact.pressure));
+}
+
+void require_rules(Reader& in, const Scene& scene, const Scene&) {
+  if (in.has("objective") && !scene.control)
+    in.fail("objective", "needs a control to act on; add a table [control] or leave the objective out");
+  if (scene.objective)
+    return;
+  if (in.has("optimizer"))
+    in.fail("optimizer", "has no effect without an objective; add [control] and [objective] or leave it out");
+  if (in.has("trajectory"))
+    in.fail("trajectory",
+            "has no effect without an objective, since nothing is looked at again; add [control] and "
+            "[objective] or leave it out");
+  if (in.has("check"))
+    in.fail("check",
+            "takes derivatives of an objective by a control; add [control] and [objective] or leave it out");
+}
+
+namespace {
+
+/// Compares the vectors of a scene with the mesh.
+class Dimension {
+public:
+  Dimension(const Scene& scene, int dim) : scene_(scene), dim_(dim) {}
+
+  void vector(std::size_t size, const std::string& key, bool one_allowed = false) const {
+    if (size != static_cast<std::size_t>(dim_) && !(one_allowed && size == 1))
+      throw UserError(fmt::format("{}: {}: found {} components, allowed are {}: the mesh is {}-dimensional",
+                                  scene_.file.string(), key, size, dim_, dim_));
+  }
+  template <class V>
+  void vector(const std::optional<V>& given, const std::string& key, bool one_allowed = false) const {
+    if (given)
+      vector(given->size(), key, one_allowed);
+  }
+  void acting(const std::optional<std::vector<Component>>& given, const std::string& key) const {
+    std::vector<std::string> allowed = all_names<Component>();
+    allowed.resize(static_cast<std::size_t>(dim_));
+    for (Component component : given.value_or(components(dim_)))
+      if (static_cast<int>(component) >= dim_)
+        throw UserError(fmt::format("{}: {}: found \"{}\", allowed: {}: the mesh is {}-dimensional",
+                                    scene_.file.string(), key, name(component), list(allowed), dim_));
+  }
+  void obstacle(const Obstacle& shape, const std::string& key) const {
+    if (const auto* half_space = std::get_if<HalfSpace>(&shape))
+      vector(half_space->point.size(), key + "point");
+    else if (const auto* ball = std::get_if<Ball>(&shape))
+      vector(ball->center.size(), key + "center");
+    else if (const auto* cylinder = std::get_if<Cylinder>(&shape))
+      vector(cylinder->point.size(), key + "point");
+  }
+
+private:
+  const Scene& scene_;
+  int dim_;
+};
+
+} // namespace
+
+void require_dimension(const Scene& scene, int dim) {
+  const Dimension require(scene, dim);
+  for (std::size_t i = 0; i < scene.contacts.size(); ++i)
+    require.obstacle(scene.contacts[i].obstacle, contact_key(scene.contacts, i) + ".obstacle.");
+  for (std::size_t i = 0; i < scene.clamps.size(); ++i) {
+    const Clamp& clamp = scene.clamps[i];
+    require.acting(clamp.components, clamp_key(scene.clamps, i) + ".components");
+    if (!clamp.components)
+      require.vector(clamp.value, clamp_key(scene.clamps, i) + ".value");
+  }
+  if (scene.load)
+    require.vector(scene.load->body, "load.body");
+  for (std::size_t i = 0; scene.load && i < scene.load->tractions.size(); ++i)
+    require.vector(scene.load->tractions[i].value.size(), fmt::format("load.traction[{}].value", i));
+  require.vector(scene.initial.displacement, "initial.displacement");
+  require.vector(scene.initial.velocity, "initial.velocity");
+  if (const auto& control = scene.control) {
+    require.acting(control->components, "control.components");
+    require.vector(control->initial, "control.initial");
+    require.vector(control->lower, "control.lower", true);
+    require.vector(control->upper, "control.upper", true);
+  }
+  if (scene.objective) {
+    if (const auto* desired = std::get_if<DesiredControl>(&scene.objective->desired))
+      require.vector(desired->control.size(), "objective.desired.control");
+    if (const auto* desired = std::get_if<DesiredDisplacement>(&scene.objective->desired))
+      require.vector(desired->displacement.size(), "objective.desired.displacement");
+  }
+  require.vector(scene.check.control, "check.control");
+  if (scene.exact)
+    require.vector(scene.exact->displacement, "exact.displacement");
+}
+
+} // namespace signorini::scene

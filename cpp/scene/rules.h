@@ -1,0 +1,24 @@
+#pragma once
+#include "scene/reader.h"
+
+/// What a table must hold that no key of it says alone. Each throws UserError; `scene` is what has been read
+/// so far.
+namespace signorini::scene {
+
+void require_rules(Reader& in, const Mesh& mesh, const Scene& scene);
+/// Sets the number of steps.
+void require_rules(Reader& in, Time& time, const Scene& scene);
+void require_rules(Reader& in, const Material& material, const Scene& scene);
+void require_rules(Reader& in, const HalfSpace& obstacle, const Scene& scene);
+void require_rules(Reader& in, const Cylinder& obstacle, const Scene& scene);
+void require_rules(Reader& in, const Contact& contact, const Scene& scene);
+void require_rules(Reader& in, const Control& control, const Scene& scene);
+void require_rules(Reader& in, const Objective& objective, const Scene& scene);
+void require_rules(Reader& in, const Trajectory& trajectory, const Scene& scene);
+void require_rules(Reader& in, const Exact& exact, const Scene& scene);
+void require_rules(Reader& in, const Scene& read, const Scene& scene);
+/// Other tables.
+template <class T>
+void require_rules(Reader&, const T&, const Scene&) {}
+
+} // namespace signorini::scene

@@ -1,0 +1,356 @@
+#include "scene/schema.h"
+
+namespace signorini::scene::schema {
+using namespace kind;
+namespace {
+
+const Limits above_zero{.least = 0, .open = true}, not_negative{.least = 0};
+const Limits weight{.least = 0, .unit = "weight"};
+
+// Keys that several tables have.
+
+template <class T>
+Key<T> acting(const char* meaning) {
+  return value("components", &T::components, Acting{}, "", meaning, {.otherwise = "`[\"x\", \"y\"]`"});
+}
+
+template <class T>
+Key<T> radius() {
+  return required("radius", &T::radius, Number{above_zero}, "m", "of a ball or a cylinder");
+}
+
+template <class T>
+Key<T> side() {
+  return value("side", &T::side, Choice<Side>{}, "", "where the body is, of a ball or a cylinder");
+}
+
+} // namespace
+
+Keys<Mesh> keys_of(Of<Mesh>) {
+  return {
+      required(
+          "file", &Mesh::file, Path{}, "",
+          "a .geo, which is meshed, or a .msh, relative to the scene file; physical groups are used by name",
+          {.part = Part::none}),
+      value("size", &Mesh::size, Number{above_zero}, "m", "element size for a .geo",
+            {.otherwise = "those that the .geo itself sets"}),
+      value("scale", &Mesh::scale, Number{above_zero}, "",
+            "in place of `mesh.size`, of the sizes that the .geo itself sets", {.otherwise = "1.0"},
+            [](const Mesh& mesh) { return !mesh.size && mesh.file.extension() == ".geo"; }),
+      value("degree", &Mesh::degree, Whole{1, 2}, "", "Lagrange degree of the displacement")};
+}
+
+Keys<Time> keys_of(Of<Time>) {
+  return {
+      required("end", &Time::end, Number{above_zero}, "s", "of the motion, which starts at 0"),
+      required("step", &Time::step, Number{above_zero}, "s", "`time.end` is a whole multiple of it"),
+      value("scheme", &Time::scheme, Choice<TimeScheme>{}, "",
+            "`\"contact-stabilized\"`: the motion without forces is first moved out of the obstacle, which "
+            "smooths the contact forces",
+            {.effect = "contact-stabilized"})};
+}
+
+Keys<Viscosity> keys_of(Of<Viscosity>) {
+  return {required("bulk", &Viscosity::bulk, Number{not_negative}, "Pa s",
+                   "without `viscosity` the body is elastic"),
+          required("shear", &Viscosity::shear, Number{not_negative}, "Pa s")};
+}
+
+Keys<Material> keys_of(Of<Material>) {
+  return {value("on", &Material::on, Text{}, "",
+                "for a body of several materials, each in a table `[[material]]` in place of `[material]`: a "
+                "group of surfaces (in space, volumes). Every cell must be in the group of one; `--set "
+                "material.0.young=…` names the first",
+                {.effect = "several materials"}),
+          required("density", &Material::density, Number{above_zero}, "kg/m³"),
+          required("young", &Material::young, Number{above_zero}, "Pa", "Young's modulus"),
+          required("poisson", &Material::poisson, Number{{.least = -1, .greatest = 0.5, .open = true}}),
+          inline_table("viscosity", &Material::viscosity, {.effect = "viscosity"})};
+}
+
+Keys<Clamp> keys_of(Of<Clamp>) {
+  return {
+      required("on", &Clamp::on, Text{}, "", "of the boundary that is held, in a table `[[clamp]]`"),
+      acting<Clamp>("those held"),
+      value("value", &Clamp::value, ClampMotion{}, "m",
+            "the motion of each component held; its velocity at all times is their derivative. An "
+            "`initial.velocity` that is written down is kept there, and must agree with it but for 1e-5 of "
+            "its size",
+            {.otherwise = "`[\"0\", \"0\"]`", .effect = "moving clamp"})};
+}
+
+Keys<HalfSpace> keys_of(Of<HalfSpace>) {
+  return {required("point", &HalfSpace::point, Point{}, "m",
+                   "on the plane or the cylinder's axis (numbers); with an expression of t the plane moves",
+                   {.effect = "moving obstacle"}),
+          required("normal", &HalfSpace::normal, Direction{{}, "it points out of the obstacle"}, "",
+                   "of a half-space, out of the obstacle, of any length")};
+}
+
+Keys<Ball> keys_of(Of<Ball>) {
+  return {required("center", &Ball::center, Numbers{}, "m", "of a ball"), radius<Ball>(), side<Ball>()};
+}
+
+Keys<Cylinder> keys_of(Of<Cylinder>) {
+  return {required("point", &Cylinder::point, Numbers{}, "m"),
+          value("axis", &Cylinder::axis, Direction{{}, "it points along the cylinder"}, "",
+                "of a cylinder in space; in the plane it is a disc and has none",
+                {.otherwise = "required in space"},
+                [](const Cylinder& cylinder) { return !cylinder.axis.empty(); }),
+          radius<Cylinder>(), side<Cylinder>()};
+}
+
+Keys<SignedDistance> keys_of(Of<SignedDistance>) {
+  return {required(
+      "distance", &SignedDistance::distance, Formula{{}, false}, "",
+      "of a signed distance: positive outside of the obstacle, such as `\"y + 1 - 0.1*x^2\"`, in any unit")};
+}
+
+namespace {
+
+/// The table of one shape of obstacle.
+Key<Contact> obstacle() {
+  const std::vector<std::string> shapes = all_names<Shape>();
+  const Said said{
+      .required = true,
+      .meaning = "in turn with `point` and `normal`; with `center`, `radius`, `side`; with `point`, `axis`, "
+                 "`radius`, `side`; with `distance`"};
+  Key<Contact> key{{"obstacle", {.required = true, .effect = "contact"}, {}, {}, {}, {}}};
+  for (const auto& keys :
+       {entries<HalfSpace>(), entries<Ball>(), entries<Cylinder>(), entries<SignedDistance>()}) {
+    const std::string& name = shapes[key.json["oneOf"].size()];
+    std::vector<Entry> all{{"shape", said, quoted(shapes), {}, {{"const", name}}, {}}};
+    all.insert(all.end(), keys.begin(), keys.end());
+    key.json["oneOf"].push_back(object(all));
+    key.children.insert(key.children.end(), all.begin(), all.end());
+  }
+  key.read = [](Reader& in, Contact& to, const Scene& scene) {
+    Reader table = in.table("obstacle");
+    to.obstacle = alternative(table.choice("shape", all_names<Shape>()), to.obstacle);
+    std::visit([&](auto& one) { read_keys(table, one, scene); }, to.obstacle);
+  };
+  key.line = [](const Contact& from) -> Written {
+    const auto shape = static_cast<Shape>(from.obstacle.index());
+    const auto on_line = [&](const auto& one) { return on_one_line(one, "shape = " + written(name(shape))); };
+    return {std::visit(on_line, from.obstacle).text, "m"};
+  };
+  return key;
+}
+
+} // namespace
+
+Keys<Contact> keys_of(Of<Contact>) {
+  return {required("on", &Contact::on, Text{}, "", "of the boundary whose nodes are the contact candidates",
+                   {.effect = "contact"}),
+          obstacle(),
+          value("mass", &Contact::mass, Choice<ContactMass>{}, "",
+                "`\"massless\"`: candidates have no mass towards the obstacle, their neighbours have it; not "
+                "with `\"contact-stabilized\"`",
+                {.effect = "massless contact"}),
+          value("initial", &Contact::initial, Choice<ContactStart>{}, "",
+                "`\"project\"`: nodes that start inside the obstacle are moved the shortest way out")};
+}
+
+Keys<Traction> keys_of(Of<Traction>) {
+  return {required("on", &Traction::on, Text{}, "",
+                   "of the boundary that is pushed, in a table `[[load.traction]]`"),
+          required("value", &Traction::value, Expressions{}, "N/m²")};
+}
+
+Keys<Load> keys_of(Of<Load>) {
+  return {value("body", &Load::body, Expressions{}, "N/m³", "", {.otherwise = "none", .effect = "body load"}),
+          sections("traction", &Load::tractions, {.effect = "traction"})};
+}
+
+Keys<Initial> keys_of(Of<Initial>) {
+  return {value("displacement", &Initial::displacement, Expressions{.time = false}, "m", "",
+                {.otherwise = "`[\"0\", \"0\"]`", .effect = "initial displacement"}),
+          value("velocity", &Initial::velocity, Expressions{.time = false}, "m/s", "",
+                {.otherwise = "`[\"0\", \"0\"]`", .effect = "initial velocity"})};
+}
+
+Keys<Control> keys_of(Of<Control>) {
+  return {required("scale", &Control::scale,
+                   Number{{.least = 0, .open = true, .unit = "N/m² (of the body, N/m³)"}},
+                   "N/m³ per unit of control, N/m² on a surface"),
+          value("on", &Control::on, Text{}, "",
+                "of the body, or of the boundary, where the control is a traction",
+                {.otherwise = "the body"}),
+          acting<Control>("those that act"),
+          value("constant_in_time", &Control::constant_in_time, Flag{}, "", "the same at all times"),
+          value("space", &Control::space, Choice<ControlValues>{}, "",
+                "values at the nodes, or (`\"P0\"`) in the cells"),
+          value("initial", &Control::initial, ControlField{}, "",
+                "the first guess, and what `simulate` applies, moved into the bounds; without t if constant "
+                "in time",
+                {.otherwise = "`[\"0\", \"0\"]`"}),
+          value("lower", &Control::lower, Bound{}, "", "bound",
+                {.otherwise = "none", .effect = "control bounds"}),
+          value("upper", &Control::upper, Bound{}, "", "bound",
+                {.otherwise = "none", .effect = "control bounds"})};
+}
+
+Keys<DesiredControl> keys_of(Of<DesiredControl>) {
+  return {required("control", &DesiredControl::control, ControlField{}, "",
+                   "the desired motion is that under this control")};
+}
+
+Keys<DesiredDisplacement> keys_of(Of<DesiredDisplacement>) {
+  return {required("displacement", &DesiredDisplacement::displacement, Expressions{}, "m",
+                   "in place of `control`: the desired motion")};
+}
+
+Keys<DesiredRun> keys_of(Of<DesiredRun>) {
+  return {required(
+      "run", &DesiredRun::folder, Path{}, "",
+      "in place of `control`: the folder of an earlier run, relative to the scene file, that stored its "
+      "displacement (degree 1, the same mesh, any number of ranks); linear between its stored times",
+      {.part = Part::none})};
+}
+
+namespace {
+
+/// The table of the desired motion, whose only key tells what kind it is of.
+Key<Objective> desired() {
+  Key<Objective> key{{"desired",
+                      {.required = true},
+                      {},
+                      {},
+                      {},
+                      entries<DesiredControl, DesiredDisplacement, DesiredRun>()}};
+  for (const Entry& one : key.children)
+    key.json["oneOf"].push_back(object({one}));
+  key.read = [names = key.children](Reader& in, Objective& to, const Scene& scene) {
+    Reader table = in.table("desired");
+    std::vector<std::string> found;
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (table.has(names[i].name)) {
+        found.push_back(names[i].name);
+        to.desired = alternative(i, to.desired);
+      }
+    if (found.empty())
+      table.finish(); // reports a misspelt key, the likeliest reason
+    if (found.size() != 1)
+      in.fail("desired", fmt::format("found {}, allowed is one of control, displacement, run",
+                                     found.empty() ? "none" : list(found)));
+    std::visit([&](auto& one) { read_keys(table, one, scene); }, to.desired);
+  };
+  key.line = [](const Objective& from) {
+    return std::visit([](const auto& one) { return on_one_line(one); }, from.desired);
+  };
+  return key;
+}
+
+} // namespace
+
+Keys<Objective> keys_of(Of<Objective>) {
+  return {desired(),
+          value("on", &Objective::on, Text{}, "", "of the body or the boundary where the motion counts",
+                {.otherwise = "the body"}),
+          value("tracking", &Objective::tracking, Number{weight}, "", "weight of the motion",
+                {.effect = "tracking term"}),
+          value("alpha", &Objective::alpha, Number{weight}, "", "weight of the control's cost",
+                {.effect = "control cost"}),
+          value("gamma", &Objective::gamma, Number{{.least = 0, .unit = "weight, s"}}, "s",
+                "weight of the end state", {.effect = "terminal term"})};
+}
+
+Keys<Optimizer> keys_of(Of<Optimizer>) {
+  return {value("method", &Optimizer::method, Choice<OptimizerMethod>{}, "", "see The optimizers",
+                {.part = Part::search}),
+          value("max_iterations", &Optimizer::max_iterations, Whole{0, 1'000'000}, "",
+                "0: the first guess alone"),
+          value("tolerance", &Optimizer::tolerance, Number{{.least = 0, .greatest = 1, .unit = "no unit"}},
+                "of the gradient norm, relative to the first guess's"),
+          value("checkpoint", &Optimizer::checkpoint, Whole{0, 1'000'000},
+                "iterations from one to the next; 0: none", "see Long runs")};
+}
+
+Keys<Trajectory> keys_of(Of<Trajectory>) {
+  return {value("storage", &Trajectory::storage, Choice<Storage>{}, "",
+                "where the states of a motion wait for the adjoint sweep: `\"disk\"`: in a file without a "
+                "name in `$TMPDIR`, else `/var/tmp`; `\"checkpoints\"`: a few in memory, from which the "
+                "others are made again. The gradients are the same (see Long runs)"),
+          value("budget", &Trajectory::budget, Number{above_zero}, "bytes",
+                "of all checkpoints, on all ranks; a computed desired motion (`objective.desired.control`) "
+                "has half of them",
+                {.otherwise = "`1e9` with checkpoints"},
+                [](const Trajectory& trajectory) { return trajectory.storage == Storage::checkpoints; })};
+}
+
+Keys<Check> keys_of(Of<Check>) {
+  return {required("control", &Check::control, ControlField{}, "",
+                   "where `check` takes derivatives: as `control.initial`",
+                   {.otherwise = "near the reference control; without one, the first guess"})};
+}
+
+Keys<Exact> keys_of(Of<Exact>) {
+  const char* about = "what is known of the solution, for `study`";
+  return {value("displacement", &Exact::displacement, Expressions{}, "m", about),
+          value("pressure", &Exact::pressure, Formula{{}, true}, "N/m²",
+                "on the contact surface at `time.end`", {.part = Part::measurement}),
+          value("impulse", &Exact::impulse, Number{above_zero}, "N s",
+                "of the contact forces in all (in the plane N s/m), modulus"),
+          value("peak_force", &Exact::peak_force, Number{above_zero}, "N",
+                "largest modulus of their resultant (in the plane N/m)"),
+          value("contact_start", &Exact::contact_start, Number{above_zero}, "s", "of the first contact"),
+          value("contact_time", &Exact::contact_time, Number{above_zero}, "s", "in all")};
+}
+
+Keys<Solver> keys_of(Of<Solver>) {
+  return {
+      value("vi", &Solver::vi, Choice<ViMethod>{}, "",
+            "inequalities in the m candidates; or `\"full\"`: by PETSc's VI solver on all unknowns, the "
+            "reference"),
+      value("linear", &Solver::linear, Choice<LinearMethod>{}, "",
+            "conjugate gradients are `\"iterative\"`; `\"auto\"`: direct if the factor of D fits `memory`"),
+      value("memory", &Solver::memory, Number{not_negative}, "bytes",
+            "for the factor of D and the matrices of contact",
+            {.otherwise = "half of the machine's", .part = Part::measurement})};
+}
+
+Keys<Run> keys_of(Of<Run>) {
+  return {value("invariants", &Run::invariants, Choice<OnViolation>{}, "",
+                "where the energy or momentum law or the contact condition is off: say so at the end, or "
+                "stop there, or do not look"),
+          value("tolerance", &Run::tolerance, Number{{.least = 0, .greatest = 1, .open = true}}, "",
+                "of these and of those that `check` looks at, relative")};
+}
+
+Keys<Output> keys_of(Of<Output>) {
+  return {value("every", &Output::every, Whole{1, Time::most_steps}, "steps",
+                "between stored fields and contact; the last step is stored too"),
+          value("fields", &Output::fields, Set<StoredField>{}, "",
+                "those stored, where the verb has them; `[]` for none, which then cost nothing",
+                {.effect = "stored fields"}),
+          value("tables", &Output::tables, Set<StoredTable>{}, "", "likewise", {.effect = "tables"})};
+}
+
+Keys<Scene> keys_of(Of<Scene>) {
+  const auto has_objective = [](const Scene& scene) { return scene.objective.has_value(); };
+  return {section("mesh", &Scene::mesh, {.required = true}),
+          section("time", &Scene::time, {.required = true}),
+          sections("material", &Scene::materials, {.required = true},
+                   [](const std::vector<Material>& materials) { return !materials.front().on; }),
+          sections("clamp", &Scene::clamps, {.effect = "clamp"}),
+          sections("contact", &Scene::contacts, {.effect = "contact"},
+                   [](const std::vector<Contact>& contacts) { return contacts.size() == 1; }),
+          section("load", &Scene::load, {}),
+          section("initial", &Scene::initial, {}),
+          section("control", &Scene::control, {.effect = "control"}),
+          section("objective", &Scene::objective, {.effect = "objective"}),
+          section("optimizer", &Scene::optimizer, {.part = Part::none}, has_objective),
+          section("trajectory", &Scene::trajectory, {.part = Part::measurement}, has_objective),
+          section("check", &Scene::check, {.part = Part::measurement},
+                  [](const Scene& scene) { return scene.check.control.has_value(); }),
+          section("exact", &Scene::exact, {.part = Part::none}),
+          section("solver", &Scene::solver, {}),
+          section("run", &Scene::run, {.part = Part::none}),
+          section("output", &Scene::output, {.part = Part::none})};
+}
+
+void read(Reader& in, Scene& scene) { read_keys(in, scene, scene); }
+std::string write(const Scene& scene) { return lines("", scene).substr(1); }
+std::vector<Entry> all() { return entries<Scene>(); }
+
+} // namespace signorini::scene::schema

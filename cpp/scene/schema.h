@@ -1,0 +1,218 @@
+#pragma once
+#include "scene/keys.h"
+#include "scene/kinds.h"
+#include "scene/rules.h"
+#include <functional>
+#include <type_traits>
+
+/// How the table of all keys, schema.cpp, is made into what reads, writes and explains a scene.
+namespace signorini::scene::schema {
+
+using kind::Json;
+
+/// What is said of a key besides its place and the kind of its value.
+struct Said {
+  bool required = false;
+  std::string unit{};        ///< stands behind the value in scene.toml
+  std::string meaning{};     ///< in Markdown
+  std::string otherwise{};   ///< what holds without it, where that is no value
+  const char* effect = "";   ///< that it is part of; keys of a table without one have the table's
+  Part part = Part::problem; ///< likewise
+};
+
+/// A key, whatever table it is in.
+struct Entry {
+  std::string name;
+  Said said;
+  std::string words, fallback; ///< what its value may be, what it is by default
+  Json json;
+  std::vector<Entry> children; ///< the keys of a table
+};
+
+/// A value in TOML with its unit; an empty text: it is not written.
+struct Written {
+  std::string text{}, unit{};
+};
+
+/// A key of the table T: how it is read, and written on a line or under a heading, given text and path.
+template <class T>
+struct Key : Entry {
+  std::function<void(Reader&, T&, const Scene&)> read{};
+  std::function<Written(const T&)> line{};
+  std::function<void(std::string&, const std::string&, const T&)> section{};
+};
+template <class T>
+using Keys = std::vector<Key<T>>;
+template <class T>
+using Predicate = std::type_identity_t<bool (*)(const T&)>;
+
+/// The keys of a table, by an overload of keys_of() for each.
+template <class T>
+struct Of {};
+template <class T>
+const Keys<T>& table() {
+  static const Keys<T> keys = keys_of(Of<T>{});
+  return keys;
+}
+
+/// The keys of any of the tables.
+template <class... T>
+std::vector<Entry> entries() {
+  std::vector<Entry> all;
+  (all.insert(all.end(), table<T>().begin(), table<T>().end()), ...);
+  return all;
+}
+
+/// JSON schema of a table.
+Json object(const std::vector<Entry>& keys);
+
+template <class T>
+void read_keys(Reader& in, T& to, const Scene& scene) {
+  for (const Key<T>& key : table<T>())
+    (void)in.has(key.name); // none of them is a misspelling of another
+  for (const Key<T>& key : table<T>())
+    key.read(in, to, scene);
+  require_rules(in, to, scene);
+  in.finish();
+}
+
+/// The lines of a table, and the tables in it.
+template <class T>
+std::string lines(const std::string& path, const T& from) {
+  std::string text;
+  for (const Key<T>& key : table<T>())
+    if (key.section)
+      key.section(text, path.empty() ? key.name : path + "." + key.name, from);
+    else if (const auto [value, unit] = key.line(from); !value.empty())
+      text += fmt::format("{} = {}{}\n", key.name, value, unit.empty() ? "" : "  # " + unit);
+  return text;
+}
+
+/// A table on one line, with the unit of its first key.
+template <class T>
+Written on_one_line(const T& from, std::string text = {}) {
+  for (const Key<T>& key : table<T>())
+    if (const Written value = key.line(from); !value.text.empty())
+      text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key.name, value.text);
+  return {"{ " + text + " }", table<T>().front().said.unit};
+}
+
+template <class M>
+struct Content {
+  using Type = M;
+  static M& make(M& member) { return member; }
+  static const M* in(const M& member) { return &member; }
+};
+template <class U>
+struct Content<std::optional<U>> {
+  using Type = U;
+  static U& make(std::optional<U>& member) { return member.emplace(); }
+  static const U* in(const std::optional<U>& member) { return member ? &*member : nullptr; }
+};
+
+/// A key with a value. `written`: whether it is, for reasons of its own.
+template <class T, class M, class K>
+Key<T> value(const char* name, M T::* member, K kind, const char* unit = "", const char* meaning = "",
+             Said said = {}, Predicate<T> written = nullptr) {
+  said.unit = unit;
+  said.meaning = meaning;
+  if constexpr (requires { kind.limits; })
+    if (kind.limits.unit.empty())
+      kind.limits.unit = said.unit;
+  Key<T> key{{name, said, kind.words(), said.otherwise, kind.schema(), {}}};
+  if constexpr (std::is_same_v<M, typename Content<M>::Type>)
+    if (!said.required && said.otherwise.empty()) {
+      const std::string text = kind.write(T{}.*member);
+      key.fallback = "`" + text + "`";
+      key.json["default"] = Json::parse(text); // as TOML has it
+    }
+  key.read = [=, needed = said.required](Reader& in, T& to, const Scene& scene) {
+    if (needed || in.has(name))
+      to.*member = kind.read(in, name, scene);
+  };
+  key.line = [=](const T& from) {
+    const auto* content = Content<M>::in(from.*member);
+    return content && (!written || written(from)) ? Written{kind.write(*content), unit} : Written{};
+  };
+  return key;
+}
+
+/// Likewise, one that must be there.
+template <class T, class M, class K>
+Key<T> required(const char* name, M T::* member, K kind, const char* unit = "", const char* meaning = "",
+                Said said = {}) {
+  said.required = true;
+  return value(name, member, kind, unit, meaning, std::move(said));
+}
+
+/// A table, without how it is written.
+template <class T, class M>
+Key<T> table_in(const char* name, M T::* member, const Said& said) {
+  using U = typename Content<M>::Type;
+  Key<T> key{{name, said, {}, {}, object(entries<U>()), entries<U>()}};
+  key.read = [=, needed = said.required](Reader& in, T& to, const Scene& scene) {
+    if (!needed && !in.has(name))
+      return;
+    Reader table = in.table(name);
+    read_keys(table, Content<M>::make(to.*member), scene);
+  };
+  return key;
+}
+
+/// A table on one line.
+template <class T, class M>
+Key<T> inline_table(const char* name, M T::* member, const Said& said) {
+  Key<T> key = table_in(name, member, said);
+  key.line = [=](const T& from) {
+    const auto* content = Content<M>::in(from.*member);
+    return content ? on_one_line(*content) : Written{};
+  };
+  return key;
+}
+
+/// A table under a heading.
+template <class T, class M>
+Key<T> section(const char* name, M T::* member, const Said& said, Predicate<T> written = nullptr) {
+  Key<T> key = table_in(name, member, said);
+  key.section = [=](std::string& out, const std::string& path, const T& from) {
+    const auto* content = Content<M>::in(from.*member);
+    if (content && (!written || written(from)))
+      out += fmt::format("\n[{}]\n{}", path, lines(path, *content));
+  };
+  return key;
+}
+
+/// Tables under headings `[[name]]`, or one under `[name]` if that may be and `alone` says so.
+template <class T, class U>
+Key<T> sections(const char* name, std::vector<U> T::* member, const Said& said,
+                Predicate<std::vector<U>> alone = nullptr) {
+  const Json one = object(entries<U>()), several{{"type", "array"}, {"items", one}};
+  Key<T> key{{name, said, {}, {}, alone ? Json{{"anyOf", {one, several}}} : several, entries<U>()}};
+  key.read = [=, needed = said.required](Reader& in, T& to, const Scene& scene) {
+    const auto read = [&](Reader table) { read_keys(table, (to.*member).emplace_back(), scene); };
+    if (!alone || in.is_array(name))
+      std::ranges::for_each(in.tables(name), read);
+    else if (needed || in.has(name))
+      read(in.table(name));
+  };
+  key.section = [=](std::string& out, const std::string& path, const T& from) {
+    const bool single = alone && alone(from.*member);
+    for (const U& table : from.*member)
+      out += fmt::format("\n{}{}{}\n{}", single ? "[" : "[[", path, single ? "]" : "]]", lines(path, table));
+  };
+  return key;
+}
+
+/// The default of one kind of variant.
+template <class... A>
+std::variant<A...> alternative(std::size_t i, const std::variant<A...>&) {
+  return std::array<std::variant<A...>, sizeof...(A)>{A{}...}[i];
+}
+
+/// Reads the keys of all tables of a scene, whose file is set.
+void read(Reader& in, Scene& scene);
+std::string write(const Scene& scene);
+/// The tables of a scene.
+std::vector<Entry> all();
+
+} // namespace signorini::scene::schema
