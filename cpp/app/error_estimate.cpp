@@ -179,8 +179,7 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
   adjoint::ErrorParts parts = weigh(motion, reduced.control());
   if (control_problem.reference) {
     const control::ControlForce u(control_problem.controls, *control_problem.reference);
-    const forward::StateStoreFactory storage(stepper, problem.scene.trajectory, problem.steps(), 0.5,
-                                             problem.timers);
+    const forward::StateStoreFactory storage = state_stores(problem);
     forward::Trajectory desired(stepper, problem.initial, problem.steps(), storage, true);
     run(desired, u, {});
     const adjoint::ErrorParts other = weigh(desired, *control_problem.reference);

@@ -33,9 +33,7 @@ double motions_bytes(const Problem& problem) {
   const double sets = problem.stepper.predictor() ? 2 : 1, // kept on every rank
       step = sizeof(contact::ContactSets) + sets * sizeof(int) * forward::candidates(problem.stepper),
                contact = step * (problem.steps() + 1) * ranks(problem.space.comm());
-  const double states =
-      forward::StateStoreFactory(problem.stepper, kept, problem.steps(), computed ? 0.5 : 1, problem.timers)
-          .bytes();
+  const double states = state_stores(problem).bytes();
   const double in_memory = kept.storage == scene::Storage::memory        ? (controlled + 1) * states
                            : kept.storage == scene::Storage::checkpoints ? (computed ? 2 : 1) * states
                                                                          : 0;
@@ -48,8 +46,7 @@ std::string again(const Problem& problem) {
   if (kept.storage == scene::Storage::memory)
     return "";
   const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
-  const forward::StateStoreFactory storage(problem.stepper, kept, problem.steps(), computed ? 0.5 : 1,
-                                           problem.timers);
+  const forward::StateStoreFactory storage = state_stores(problem);
   if (kept.storage == scene::Storage::disk)
     return fmt::format(" (states on disk: {} a motion)", megabytes(storage.bytes()));
   const int slots = static_cast<int>(std::lround(storage.bytes() / forward::State::bytes(problem.stepper)));

@@ -146,11 +146,6 @@ Displacements desired_states(const Problem& problem, const control::ControlSpace
   return std::make_unique<Constant>(problem, *field);
 }
 
-/// The share of the storage budget for the motions of controls.
-double share(const scene::Scene& scene) {
-  return std::holds_alternative<scene::DesiredControl>(scene.objective->desired) ? 0.5 : 1;
-}
-
 /// Throws UserError if a control and, with `motion`, a motion with all its states in memory exceed the
 /// machine's memory, one machine for each rank: the number of steps is then unintended, and Linux would grant
 /// the memory until it kills the program.
@@ -211,16 +206,18 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
   force_.emplace(*controls_, *control_);
 }
 
+forward::StateStoreFactory state_stores(const Problem& problem) {
+  const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
+  return {problem.stepper, problem.scene.trajectory, problem.steps(), computed ? 0.5 : 1, problem.timers};
+}
+
 forward::ForceAtStep GivenControl::load() const { return problem_.load(force_ ? &*force_ : nullptr); }
 
 ControlProblem::ControlProblem(const Problem& problem, const Console& console)
     : controls(problem.space, problem.operators, problem.stepper.grid(), problem.steps(),
                *problem.scene.control),
       reference(reference_control(problem, controls)),
-      storage(problem.stepper, problem.scene.trajectory, problem.steps(), share(problem.scene),
-              problem.timers),
-      desired_storage(problem.stepper, problem.scene.trajectory, problem.steps(), share(problem.scene),
-                      problem.timers),
+      storage(state_stores(problem)), desired_storage(state_stores(problem)),
       objective(controls, problem.operators, problem.stepper.grid(),
                 desired_states(problem, controls, reference, desired_storage, console),
                 *problem.scene.objective),

@@ -33,6 +33,10 @@ struct Problem {
   [[nodiscard]] long free_dofs() const;
 };
 
+/// Stores of the states of motions, those of controls or of the desired one: where the latter is computed, each
+/// kind may use half of the scene's budget.
+[[nodiscard]] forward::StateStoreFactory state_stores(const Problem& problem);
+
 /// The control that a scene gives (control.initial, within its bounds), for runs that do not optimise.
 class GivenControl {
 public:
@@ -61,8 +65,7 @@ struct ControlProblem {
 
   control::ControlSpace controls;
   std::optional<control::Control> reference; ///< the control whose state is desired, if the scene names one
-  /// For the motions of controls, of which one is read at a time, and for the desired motion. Where the
-  /// latter is computed, each has half of the scene's budget.
+  /// For the motions of controls, of which one is read at a time, and for the desired motion.
   forward::StateStoreFactory storage, desired_storage;
   control::Objective objective;
   control::ReducedProblem reduced;
