@@ -156,7 +156,7 @@ private:
         continue;
       }
       Coordinates product = coordinates(problem, problem.hessian_product(d));
-      if (model_.learn(direction, std::move(product)) || products >= options_.bundle.products)
+      if (model_.learn(direction, std::move(product)) || products == options_.bundle.products)
         return direction;
     }
   }

@@ -49,7 +49,8 @@ struct NewtonOptions {
 /// The bundle method at kinks (bundle_method.h) and when it takes over (descent.h).
 struct BundleOptions {
   /// Steps in a row that are short, relative to the longest, before the method takes over: one may be due to
-  /// a single kink that the line search passes.
+  /// a single kink that the line search passes. Short is ten balls (below): the method starts before steps
+  /// are lost within one.
   int short_steps = 3;
   double short_step = 1e-3;
   /// Radius of the ball in which a certificate gathers gradients, relative to the longest step: pieces of J
