@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/petsc.h"
 #include "base/signals.h"
+#include "scene/keys.h"
 #include "scene/names.h"
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -32,7 +33,8 @@ constexpr Verb verbs[] = {
     {"optimize", "forward, adjoint, update, until the stopping criterion"},
     {"check", "derivatives and discrete invariants of this scene"},
     {"study", "what accuracy costs in time: a ladder of sizes, steps, degrees and schemes"},
-    {"info", "effects and what each adds, unknowns, memory; --time N: the time, from N steps"}};
+    {"info", "effects and what each adds, unknowns, memory; --time N: the time, from N steps"},
+    {"keys", "all keys of a scene: what each takes, its unit, limits, default and meaning"}};
 
 std::string did_you_mean(const std::string& found, const std::vector<std::string>& valid) {
   const std::string near = signorini::scene::nearest(found, valid);
@@ -96,6 +98,13 @@ void add_study_options(CLI::App& app, Request& request) {
       ->check(CLI::Range(1e-12, 1.0));
 }
 
+/// Adds the options of keys, which has no scene; each sets the `writer` that prints them.
+void add_keys_options(CLI::App& app, std::string (*&writer)()) {
+  app.add_flag_callback(
+      "--json", [&] { writer = signorini::scene::json_schema; }, "as a JSON schema of a scene");
+  app.add_flag_callback("--markdown", [&] { writer = signorini::scene::markdown; }, "as the README's table");
+}
+
 /// Parses the command line; returns an exit status if there is nothing to run. Throws UserError.
 std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, bool& quiet) {
   require_verb(argc, argv);
@@ -104,8 +113,15 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
   app.footer("Options after -- go to PETSc. Exit status: 0 done; 1 a check failed; 2 the scene, the mesh or "
              "an option is\n"
              "wrong; 3 a solver failed; 130 interrupted.");
+  std::string (*keys)() = signorini::scene::reference;
   for (const Verb& verb : verbs) {
-    CLI::App* sub = app.add_subcommand(verb.name, verb.text)->allow_extras();
+    CLI::App* sub = app.add_subcommand(verb.name, verb.text);
+    sub->callback([&request, &verb] { request.verb = verb.name; });
+    if (std::string_view(verb.name) == "keys") {
+      add_keys_options(*sub, keys);
+      continue;
+    }
+    sub->allow_extras();
     sub->add_option("scene", request.scene, "scene file (TOML)")->required();
     sub->add_option("--out", request.out, "folder for the results (default results/<scene name>)");
     sub->add_option("--set", request.overrides, "key.path=value, overrides the scene; may be repeated")
@@ -119,7 +135,6 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
           ->check(CLI::Range(1, std::numeric_limits<int>::max()));
     if (std::string_view(verb.name) == "study")
       add_study_options(*sub, request);
-    sub->callback([&request, &verb] { request.verb = verb.name; });
   }
   try {
     app.parse(argc, argv);
@@ -135,6 +150,11 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
         fmt::format("command line: \"{}\" is not expected{}, allowed are one scene and the options --out, "
                     "--set, --quiet; see signorini --help",
                     extra.front(), did_you_mean(extra.front(), {"--out", "--set", "--quiet", "--resume"})));
+  if (request.verb == "keys") {
+    if (speaks)
+      fmt::print("{}", keys());
+    return 0;
+  }
   if (request.resume && request.verb != "optimize")
     throw UserError(
         fmt::format("--resume: found with {}, allowed is optimize, which writes checkpoints{}", request.verb,

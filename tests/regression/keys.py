@@ -17,7 +17,7 @@ from pathlib import Path
 TESTS = Path(__file__).parents[1]
 sys.path += [str(TESTS), str(TESTS / "regression" / "bad_input")]
 from cases import all_cases  # noqa: E402
-from harness import SOURCE, attempt, signorini, table  # noqa: E402
+from harness import SIGNORINI, SOURCE, attempt, captured, signorini, table  # noqa: E402
 
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
@@ -771,25 +771,25 @@ def choices(run: Run) -> Iterator[tuple[str, list[str]]]:
 
 
 def keys_of_the_readme() -> set[str]:
-    """Those of the introductory scene, and of the table of all others with what can be chosen and the defaults that
-    scene.toml confirms."""
-    readme = (SOURCE / "README.md").read_text()
-    scene = "".join(block for block in re.findall(r"(?s)```toml\n(.*?)```", readme))
-    found = {plain(path) for path in leaves(tomllib.loads(scene))}
-    rows = re.findall(r"(?m)^\| `([a-z_]+\.[a-z_.]+)` \| ?(.*?) \| (.*) \|$", readme)
-    assert sum(value != "" for _, value, _ in rows) > 20, "the README has no table of keys with defaults"
+    """Those of its table, which is the program's, with what can be chosen and the defaults that scene.toml confirms."""
+    table = captured([str(SIGNORINI), "keys", "--markdown"]).stdout
+    found = re.search(r"(?s)<!-- keys.*?-->\n(.*?)<!-- end of keys -->", (SOURCE / "README.md").read_text())
+    assert found and found[1] == table, "the README's table of keys is not the program's; CONTRIBUTING.md says how to make it"
+    rows = re.findall(r"(?m)^\| `([a-z_]+\.[a-z_.]+)` \| (.*?) \| (.*?) \| .* \|$", table)
     assert len({name for name, _, _ in rows}) == len(rows), "the table has a key twice"
-    default = simulate(edited("default.toml", ("max_iterations.*", "")), clamp=[{"on": "left"}], initial__velocity=["0", "0"],
+    default = simulate(edited("default.toml", ("(max_iterations|alpha|gamma).*", "")), clamp=[{"on": "left"}], initial__velocity=["0", "0"],
                        contact__obstacle={"shape": "ball", "center": [0, -2], "radius": 1})  # fmt: skip
     for name, names in choices(default):
-        row = next((" ".join(row) for row in rows if row[0] == name), "")
-        assert all(f'"{choice}"' in row for choice in names), f"the README's {name} is not all of {names}"
-    for name, value, _ in rows:
-        found.add(name)
+        value = next((value for key, value, _ in rows if key == name), "")
+        assert all(f'"{choice}"' in value for choice in names), f"the table's {name} is not all of {names}"
+    confirmed = 0
+    for name, _, value in rows:
         if re.fullmatch("`[^`]*`", value):
             echoed = get(default.echo, name.replace("clamp", "clamp.0").split("."))
-            assert echoed == tomllib.loads(f"value = {value[1:-1]}")["value"], f"the README's default of {name} is {value}, not {echoed}"
-    return found
+            assert echoed == tomllib.loads(f"value = {value[1:-1]}")["value"], f"the table's default of {name} is {value}, not {echoed}"
+            confirmed += 1
+    assert confirmed > 20
+    return {name for name, _, _ in rows}
 
 
 def fails(show: Callable[[], None]) -> bool:

@@ -1,0 +1,95 @@
+"""`signorini keys --json` is a JSON schema that takes all scenes here and none with a wrong type, a key too many or too few."""
+
+import copy
+import json
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from harness import SIGNORINI, SOURCE, captured  # noqa: E402
+
+TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float)}
+SAYS_NOTHING = {"$schema", "title", "description", "default"}
+
+
+def is_a(value: object, kind: str) -> bool:
+    return isinstance(value, TYPES[kind]) and (kind == "boolean" or not isinstance(value, bool))
+
+
+def holds(value: object, schema: dict) -> bool:
+    """Whether a value is what a schema asks for; for the words that the program's has."""
+    listed = schema.get("properties", {})
+    tests = {
+        "type": lambda given: any(is_a(value, kind) for kind in ([given] if isinstance(given, str) else given)),
+        "enum": lambda given: value in given,
+        "const": lambda given: value == given,
+        "anyOf": lambda given: any(holds(value, one) for one in given),
+        "oneOf": lambda given: sum(holds(value, one) for one in given) == 1,
+        "properties": lambda given: all(holds(value[key], one) for key, one in given.items() if key in value),
+        "required": lambda given: all(key in value for key in given),
+        "additionalProperties": lambda given: given or all(key in listed for key in value),
+        "items": lambda given: all(holds(one, given) for one in value),
+        "minItems": lambda given: len(value) >= given,
+        "maxItems": lambda given: len(value) <= given,
+        "minLength": lambda given: len(value) >= given,
+        "minimum": lambda given: value >= given,
+        "maximum": lambda given: value <= given,
+        "exclusiveMinimum": lambda given: value > given,
+        "exclusiveMaximum": lambda given: value < given,
+    }
+    words = sorted(schema.keys() - SAYS_NOTHING, key=list(tests).index)  # the type first: the others take it for granted
+    return all(tests[word](schema[word]) for word in words)
+
+
+def places(node: object, path: tuple = ()) -> Iterator[tuple]:
+    """The paths of all tables and values, the scene's own apart."""
+    for key, value in node.items() if isinstance(node, dict) else enumerate(node):
+        yield (*path, key)
+        if isinstance(value, dict) or (isinstance(value, list) and isinstance(value[0], dict)):
+            yield from places(value, (*path, key))
+
+
+def changed(scene: dict, path: tuple, value: object) -> dict:
+    scene = copy.deepcopy(scene)
+    node = scene
+    for key in path[:-1]:
+        node = node[key]
+    node[path[-1]] = value
+    return scene
+
+
+def defaults(schema: object) -> Iterator[dict]:
+    for value in schema.values() if isinstance(schema, dict) else schema if isinstance(schema, list) else ():
+        yield from defaults(value)
+    if isinstance(schema, dict) and "default" in schema:
+        yield schema
+
+
+def main() -> int:
+    schema = json.loads(captured([str(SIGNORINI), "keys", "--json"]).stdout)
+    assert schema["$schema"] == "https://json-schema.org/draft/2020-12/schema"
+    files = [*(SOURCE / "scenes").glob("*.toml"), *(SOURCE / "tests" / "data").glob("*.toml")]
+    failed, refused = [], 0
+    for file in files:
+        scene = tomllib.loads(file.read_text())
+        wrong = [("a key too many", scene | {"gravity": 9.81}), ("no time", {k: v for k, v in scene.items() if k != "time"})]
+        for path in places(scene):
+            value = {"nonsense": 1} if not isinstance(path[-1], int) else "nonsense"
+            wrong.append((f"{path} of a wrong type", changed(scene, path, value)))
+        wrong += [("a text for a number", changed(scene, ("time", "end"), "1")), ("a step of zero", changed(scene, ("time", "step"), 0)),
+                  ("an unknown scheme", changed(scene, ("time", "scheme"), "explicit"))]  # fmt: skip
+        if not holds(scene, schema):
+            failed.append(f"{file.name} is refused")
+        failed += [f"{file.name} with {what} is taken" for what, other in wrong if holds(other, schema)]
+        refused += len(wrong)
+    own = list(defaults(schema))
+    failed += [f"the default {one['default']} is refused by its own key" for one in own if not holds(one["default"], one)]
+    assert len(files) > 12 and len(own) > 15
+    print("\n".join(failed) or f"{len(files)} scenes are taken, {refused} with something wrong refused, {len(own)} defaults hold")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
