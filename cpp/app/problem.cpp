@@ -216,8 +216,8 @@ forward::ForceAtStep GivenControl::load() const { return problem_.load(force_ ? 
 ControlProblem::ControlProblem(const Problem& problem, const Console& console)
     : controls(problem.space, problem.operators, problem.stepper.grid(), problem.steps(),
                *problem.scene.control),
-      reference(reference_control(problem, controls)),
-      storage(state_stores(problem)), desired_storage(state_stores(problem)),
+      reference(reference_control(problem, controls)), storage(state_stores(problem)),
+      desired_storage(state_stores(problem)),
       objective(controls, problem.operators, problem.stepper.grid(),
                 desired_states(problem, controls, reference, desired_storage, console),
                 *problem.scene.objective),

@@ -33,8 +33,8 @@ struct Problem {
   [[nodiscard]] long free_dofs() const;
 };
 
-/// Stores of the states of motions, those of controls or of the desired one: where the latter is computed, each
-/// kind may use half of the scene's budget.
+/// Stores of the states of motions, those of controls or of the desired one: where the latter is computed,
+/// each kind may use half of the scene's budget.
 [[nodiscard]] forward::StateStoreFactory state_stores(const Problem& problem);
 
 /// The control that a scene gives (control.initial, within its bounds), for runs that do not optimise.
