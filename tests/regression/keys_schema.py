@@ -1,7 +1,9 @@
-"""`signorini keys --json` is a JSON schema that takes all scenes here and none with a wrong type, a key too many or too few."""
+"""`signorini keys` names every key, and with --json is a JSON schema that takes all scenes here and none with a wrong type, a
+key too many or too few."""
 
 import copy
 import json
+import re
 import sys
 import tomllib
 from collections.abc import Iterator
@@ -67,8 +69,17 @@ def defaults(schema: object) -> Iterator[dict]:
         yield schema
 
 
+def printed(*words: str) -> str:
+    done = captured([str(SIGNORINI), *words])
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    return done.stdout
+
+
 def main() -> int:
-    schema = json.loads(captured([str(SIGNORINI), "keys", "--json"]).stdout)
+    assert re.search(r"(?m)^  keys ", printed("--help"))
+    named = re.findall(r"(?m)^\| `([a-z_.]+)` ", printed("keys", "--markdown"))
+    assert len(named) > 60 and re.findall(r"(?m)^[a-z_.]+$", printed("keys")) == named
+    schema = json.loads(printed("keys", "--json"))
     assert schema["$schema"] == "https://json-schema.org/draft/2020-12/schema"
     files = [*(SOURCE / "scenes").glob("*.toml"), *(SOURCE / "tests" / "data").glob("*.toml")]
     failed, refused = [], 0

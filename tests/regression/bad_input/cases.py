@@ -455,7 +455,7 @@ def material_cases() -> list[Case]:
 
 def option_cases() -> list[Case]:
     """Command lines that are wrong, and overrides that do not fit the scene."""
-    verbs = ("simulate", "optimize", "check", "info")
+    verbs = ("simulate", "optimize", "check", "info", "keys")
     objective = '[objective]\ndesired = { control = ["0", "-1"] }\nalpha = 1e-2\ngamma = 7.5e-4\n\n'
     optimizer = "[optimizer]\nmax_iterations = 1\ntolerance = 1e-6\n\n"
     return [
@@ -486,6 +486,7 @@ def option_cases() -> list[Case]:
         typed("no verb", "", *verbs),
         typed("no verb but a scene", "scene.toml", "scene.toml", *verbs),
         typed("no scene", "simulate", "scene", "required"),
+        typed("keys of a scene", "keys scene.toml", "scene.toml", "not expected"),
         typed("two scenes", "simulate scene.toml scene.toml", "scene.toml", "not expected"),
         Case("option in no encoding", ("--set contact.on: ", "UTF-8"), options=("--set", "contact.on=\udcff")),
         Case("unknown option", ("--color", "not expected"), options=("--color",), earlier=True),
