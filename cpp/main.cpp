@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/petsc.h"
 #include "base/signals.h"
-#include "scene/keys.h"
+#include "scene/key_reference.h"
 #include "scene/names.h"
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -131,6 +131,14 @@ private:
   petsc::Vector coarse_, distance_, sum_, product_, off_;
 };
 
+/// parts −= other.
+void subtract(const adjoint::ErrorParts& other, adjoint::ErrorParts& parts) {
+  parts.time -= other.time;
+  parts.initial -= other.initial;
+  if (parts.space)
+    *parts.space -= *other.space;
+}
+
 } // namespace
 
 adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem& control_problem) {
@@ -182,11 +190,7 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
     const forward::StateStoreFactory storage = state_stores(problem);
     forward::Trajectory desired(stepper, problem.initial, problem.steps(), storage, true);
     run(desired, u, {});
-    const adjoint::ErrorParts other = weigh(desired, *control_problem.reference);
-    parts.time -= other.time;
-    parts.initial -= other.initial;
-    if (parts.space)
-      *parts.space -= *other.space;
+    subtract(weigh(desired, *control_problem.reference), parts);
   }
   if (objective) {
     parts.initial += objective->parts.initial;

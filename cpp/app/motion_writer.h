@@ -2,8 +2,8 @@
 #include "app/problem.h"
 #include "forward/invariants.h"
 #include "forward/plausibility.h"
+#include "io/csv_tables.h"
 #include "io/fields.h"
-#include "io/tables.h"
 #include <optional>
 
 namespace signorini {

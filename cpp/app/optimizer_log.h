@@ -1,8 +1,8 @@
 #pragma once
 #include "app/problem.h"
 #include "io/checkpoint.h"
+#include "io/csv_tables.h"
 #include "io/output_folder.h"
-#include "io/tables.h"
 #include "optimize/minimize.h"
 #include <fstream>
 

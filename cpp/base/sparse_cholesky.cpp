@@ -125,13 +125,33 @@ private:
   }
 };
 
-SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner, double most)
-    : c_(std::make_unique<Cholmod>()) {
-  const Blocks D(matrix);
-  corner_size_ = static_cast<int>(corner.size()) * D.size;
-  cholmod_common& common = c_->common;
+namespace {
 
-  // The graph of the nodes outside the corner is ordered for a sparse L; the corner follows.
+/// The elimination order of the nodes outside the corner, and the entries of their factor, block by block.
+struct Order {
+  std::vector<int> nodes;
+  double entries = 0;
+};
+
+/// The lower triangle of D, column by column, from its blocks.
+void fill_lower(const Blocks& D, int* p, int* i, double* x) {
+  int entries = 0;
+  for (int node = 0; node < D.count; ++node)
+    for (int cj = 0; cj < D.size; ++cj) {
+      p[node * D.size + cj] = entries;
+      for (PetscInt e = D.row[node]; e < D.row[node + 1]; ++e)
+        for (int ci = 0; ci < D.size; ++ci)
+          if (D.column[e] * D.size + ci >= node * D.size + cj) {
+            i[entries] = D.column[e] * D.size + ci;
+            x[entries++] = D.value(e, cj, ci); // by symmetry
+          }
+    }
+  p[D.count * D.size] = entries;
+}
+
+/// Orders the graph of the nodes outside the corner for a sparse L.
+template <class Cholmod>
+Order order_for_sparsity(Cholmod& c, const Blocks& D, std::span<const int> corner) {
   std::vector<int> number(static_cast<std::size_t>(D.count), 0), node;
   for (int i : corner)
     number[static_cast<std::size_t>(i)] = -1;
@@ -141,7 +161,7 @@ SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner, double m
       node.push_back(i);
     }
   cholmod_sparse* graph =
-      c_->lower(node.size(), static_cast<std::size_t>(D.row[D.count]), true, [&](int* p, int* i, double*) {
+      c.lower(node.size(), static_cast<std::size_t>(D.row[D.count]), true, [&](int* p, int* i, double*) {
         int entries = 0;
         for (std::size_t j = 0; j < node.size(); ++j) {
           p[j] = entries;
@@ -151,55 +171,46 @@ SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner, double m
         }
         p[node.size()] = entries;
       });
-  common.nmethods = 2; // CHOLMOD keeps the better of the two
-  common.method[0].ordering = CHOLMOD_METIS;
-  common.method[1].ordering = CHOLMOD_AMD;
-  common.supernodal = CHOLMOD_SIMPLICIAL;
-  cholmod_factor* order = cholmod_analyze(graph, &common);
-  cholmod_free_sparse(&graph, &common);
-  c_->require("the ordering");
-  const double block_entries = common.lnz * D.size * D.size;
+  c.common.nmethods = 2; // CHOLMOD keeps the better of the two
+  c.common.method[0].ordering = CHOLMOD_METIS;
+  c.common.method[1].ordering = CHOLMOD_AMD;
+  c.common.supernodal = CHOLMOD_SIMPLICIAL;
+  cholmod_factor* factor = cholmod_analyze(graph, &c.common);
+  cholmod_free_sparse(&graph, &c.common);
+  c.require("the ordering");
+  Order order{{}, c.common.lnz * D.size * D.size};
+  for (std::size_t j = 0; j < node.size(); ++j)
+    order.nodes.push_back(node[static_cast<std::size_t>(static_cast<int*>(factor->Perm)[j])]);
+  cholmod_free_factor(&factor, &c.common);
+  return order;
+}
+
+} // namespace
+
+SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner, double most)
+    : c_(std::make_unique<Cholmod>()) {
+  const Blocks D(matrix);
+  corner_size_ = static_cast<int>(corner.size()) * D.size;
+  Order order = order_for_sparsity(*c_, D, corner);
   const double matrix_entries = static_cast<double>(D.row[D.count]) * D.size * D.size;
-  entries_ = block_entries + static_cast<double>(corner_size_) * corner_size_ / 2;
-  if (std::max(entries_, matrix_entries) > most) {
-    possible_ = false;
-    cholmod_free_factor(&order, &common);
+  entries_ = order.entries + static_cast<double>(corner_size_) * corner_size_ / 2;
+  possible_ = std::max(entries_, matrix_entries) <= most;
+  if (!possible_)
     return;
-  }
+  order.nodes.insert(order.nodes.end(), corner.begin(), corner.end());
   std::vector<int> permutation;
-  permutation.reserve(static_cast<std::size_t>(D.count) * D.size);
-  const auto append = [&](int i) {
+  for (int i : order.nodes)
     for (int c = 0; c < D.size; ++c)
       permutation.push_back(i * D.size + c);
-  };
-  for (std::size_t j = 0; j < node.size(); ++j)
-    append(node[static_cast<std::size_t>(static_cast<int*>(order->Perm)[j])]);
-  for (int i : corner)
-    append(i);
-  cholmod_free_factor(&order, &common);
-
-  const std::size_t n = permutation.size();
-  c_->matrix = c_->lower(n, static_cast<std::size_t>(D.row[D.count]) * D.size * D.size, false,
-                         [&](int* p, int* i, double* x) {
-                           int entries = 0;
-                           for (int node_j = 0; node_j < D.count; ++node_j)
-                             for (int cj = 0; cj < D.size; ++cj) {
-                               p[node_j * D.size + cj] = entries;
-                               for (PetscInt e = D.row[node_j]; e < D.row[node_j + 1]; ++e)
-                                 for (int ci = 0; ci < D.size; ++ci)
-                                   if (D.column[e] * D.size + ci >= node_j * D.size + cj) {
-                                     i[entries] = D.column[e] * D.size + ci;
-                                     x[entries++] = D.value(e, cj, ci); // by symmetry
-                                   }
-                             }
-                           p[n] = entries;
-                         });
+  c_->matrix = c_->lower(permutation.size(), static_cast<std::size_t>(D.row[D.count]) * D.size * D.size,
+                         false, [&](int* p, int* i, double* x) { fill_lower(D, p, i, x); });
+  cholmod_common& common = c_->common;
   common.nmethods = 1;
   common.method[0].ordering = CHOLMOD_GIVEN;
   common.postorder = 0; // the analysis above has postordered
   // Solves are bound by memory bandwidth: keep narrow supernodes rather than merge them and pad with zeros.
   std::ranges::copy(std::array{2, 4, 8}, common.nrelax);
-  common.supernodal = block_entries < small_factor ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
+  common.supernodal = order.entries < small_factor ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
   c_->factor = cholmod_analyze_p(c_->matrix, permutation.data(), nullptr, 0, &common);
   possible_ = common.status != CHOLMOD_TOO_LARGE; // counts the zeros that pad supernodes
   if (possible_)

@@ -157,6 +157,71 @@ std::map<PetscInt, Point> places(const fem::Space& space, const std::vector<Surr
   return places;
 }
 
+using Block = std::array<double, 9>; // dim × dim, row by row
+
+/// The nodes with constraints against massless obstacles, with the directions of these.
+using Bases = std::map<PetscInt, NodeBasis>;
+
+/// `massless`: of the scene's obstacles.
+Bases massless_directions(const ContactPairs& pairs, const std::vector<bool>& massless) {
+  Bases bases;
+  for (int i = 0; i < pairs.count(); ++i)
+    if (massless[static_cast<std::size_t>(pairs.obstacles()[i])]) {
+      const auto [basis, added] = bases.try_emplace(pairs.first_dofs()[i] / pairs.dim(), pairs.dim());
+      basis->second.add(pairs.direction(i));
+    }
+  return bases;
+}
+
+/// The projector onto the directions of a basis.
+Block projector(const NodeBasis& basis, int dim) {
+  Block onto{};
+  for (int c = 0; c < dim; ++c) {
+    Point unit{}, part{}, column{};
+    unit[c] = 1;
+    for (std::size_t k = 0; k < basis.size(); ++k)
+      part[k] = basis.along(k, unit.data());
+    basis.add_to(column.data(), part);
+    for (int row = 0; row < dim; ++row)
+      onto[row * dim + c] = column[row];
+  }
+  return onto;
+}
+
+/// A square matrix of `size` rows on this rank. Collective.
+petsc::Matrix empty_square(MPI_Comm comm, PetscInt size, int block_size) {
+  petsc::Matrix E;
+  check(MatCreate(comm, E.put()));
+  check(MatSetSizes(E, size, size, PETSC_DETERMINE, PETSC_DETERMINE));
+  check(MatSetBlockSize(E, block_size));
+  check(MatSetType(E, MATAIJ));
+  check(MatSetUp(E));
+  return E;
+}
+
+/// Nodes with mass and their weights in a contact node's velocity; none if no nodes determine it.
+struct Combination {
+  std::vector<PetscInt> nodes;
+  std::vector<double> weights;
+};
+Combination combination(PetscInt node, const Surroundings& here, const Bases& bases,
+                        const std::map<PetscInt, Point>& place, int dim) {
+  Combination found;
+  for (const Demand& demand : demands)
+    for (int ring = 0; ring < Surroundings::rings && found.weights.empty(); ++ring) {
+      found.nodes.clear();
+      std::vector<Point> around;
+      for (PetscInt other : here.nodes[ring])
+        if (!bases.contains(other)) {
+          found.nodes.push_back(other);
+          around.push_back(place.at(other));
+        }
+      if (!around.empty())
+        found.weights = extrapolation(place.at(node), around, dim, demand);
+    }
+  return found;
+}
+
 } // namespace
 
 petsc::Matrix massless(const fem::Space& space, const ContactPairs& pairs, const std::vector<bool>& massless,
@@ -167,28 +232,18 @@ petsc::Matrix massless(const fem::Space& space, const ContactPairs& pairs, const
   PetscInt begin = 0, end = 0;
   check(MatGetOwnershipRange(rows, &begin, &end));
 
-  // The directions of each node's constraints whose obstacles have massless contact.
-  std::map<PetscInt, NodeBasis> bases;
-  std::vector<int> owned;
-  for (int i = 0; i < pairs.count(); ++i)
-    if (massless[static_cast<std::size_t>(pairs.obstacles()[i])]) {
-      const PetscInt first = pairs.first_dofs()[i];
-      const auto [basis, added] = bases.try_emplace(first / dim, dim);
-      basis->second.add(&pairs.directions()[static_cast<std::size_t>(i * dim)]);
-      if (added && first >= begin && first < end)
-        owned.push_back(i);
-    }
+  const Bases bases = massless_directions(pairs, massless);
+  std::vector<int> owned; // the first pair of each of these nodes
+  for (const ContactPairs::Node& here : pairs.nodes())
+    if (const PetscInt first = pairs.first_dofs()[here.first];
+        first >= begin && first < end && bases.contains(first / dim))
+      owned.push_back(here.first);
 
-  petsc::Matrix E;
-  check(MatCreate(petsc::comm(rows), E.put()));
-  check(MatSetSizes(E, end - begin, end - begin, PETSC_DETERMINE, PETSC_DETERMINE));
-  check(MatSetBlockSize(E, dim));
-  check(MatSetType(E, MATAIJ));
-  check(MatSetUp(E));
-  const auto insert = [&](PetscInt row, PetscInt column, const std::array<double, 9>& block) {
+  const petsc::Matrix E = empty_square(petsc::comm(rows), end - begin, dim);
+  const auto insert = [&](PetscInt row, PetscInt column, const Block& block) {
     check(MatSetValuesBlocked(E, 1, &row, 1, &column, block.data(), INSERT_VALUES)); // whole blocks, for BAIJ
   };
-  std::array<double, 9> identity{};
+  Block identity{};
   for (int c = 0; c < dim; ++c)
     identity[c * dim + c] = 1;
   for (PetscInt node = begin / dim; node < end / dim; ++node)
@@ -200,37 +255,14 @@ petsc::Matrix massless(const fem::Space& space, const ContactPairs& pairs, const
   together(space.comm(), [&] {
     for (const Surroundings& here : all) {
       const PetscInt node = pairs.first_dofs()[here.candidate] / dim;
-      std::vector<PetscInt> neighbours;
-      std::vector<double> weights;
-      for (const Demand& demand : demands)
-        for (int ring = 0; ring < Surroundings::rings && weights.empty(); ++ring) {
-          neighbours.clear();
-          std::vector<Point> around;
-          for (PetscInt other : here.nodes[ring])
-            if (!bases.contains(other)) {
-              neighbours.push_back(other);
-              around.push_back(place.at(other));
-            }
-          if (!around.empty())
-            weights = extrapolation(place.at(node), around, dim, demand);
-        }
+      const auto [neighbours, weights] = combination(node, here, bases, place, dim);
       if (weights.empty())
         throw UserError(fmt::format(
             "contact.mass: found \"massless\" where the node at {} has only contact nodes around it, "
             "allowed are meshes with others near",
             point_text(&pairs.points()[3 * static_cast<std::size_t>(here.candidate)])));
-      std::array<double, 9> onto{}; // projector onto the constrained directions
-      const NodeBasis& basis = bases.at(node);
-      for (int c = 0; c < dim; ++c) {
-        Point unit{}, part{}, column{};
-        unit[c] = 1;
-        for (std::size_t k = 0; k < basis.size(); ++k)
-          part[k] = basis.along(k, unit.data());
-        basis.add_to(column.data(), part);
-        for (int row = 0; row < dim; ++row)
-          onto[row * dim + c] = column[row];
-      }
-      std::array<double, 9> block{};
+      const Block onto = projector(bases.at(node), dim);
+      Block block{};
       for (int i = 0; i < dim * dim; ++i)
         block[i] = identity[i] - onto[i];
       insert(node, node, block);

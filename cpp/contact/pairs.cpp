@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
-#include <numeric>
 
 namespace signorini::contact {
 namespace {
@@ -56,8 +55,9 @@ ContactPairs::Gaps ContactPairs::gaps() const {
           .node = node_work()};
 }
 
-void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const fem::Space& space,
-                             const fem::DirichletDofs& clamped) {
+std::vector<ContactPairs::BoundaryNode>
+ContactPairs::boundary_nodes(const std::vector<scene::Contact>& contacts, const fem::Space& space,
+                             const fem::DirichletDofs& clamped) const {
   std::vector<double> x;
   std::vector<std::int64_t> first;
   std::vector<int> kind; // for each: obstacle, free components
@@ -71,44 +71,49 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
   x = gather(comm_, x);
   first = gather(comm_, first);
   kind = gather(comm_, kind);
-  std::vector<std::size_t> order(first.size());
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<BoundaryNode> nodes;
+  for (std::size_t i = 0; i < first.size(); ++i)
+    nodes.push_back({{x[3 * i], x[3 * i + 1], x[3 * i + 2]}, first[i], kind[2 * i], kind[2 * i + 1]});
   // Coordinates of a node may differ in the last digits from one partition of the mesh to another.
   const auto place = [&](double coordinate) { return std::llround(coordinate / gap_tolerance_); };
-  std::ranges::sort(order, {}, [&](std::size_t i) {
-    return std::array<std::int64_t, 5>{place(x[3 * i]), place(x[3 * i + 1]), place(x[3 * i + 2]), first[i],
-                                       kind[2 * i]};
+  std::ranges::sort(nodes, {}, [&](const BoundaryNode& node) {
+    return std::array<std::int64_t, 5>{place(node.x[0]), place(node.x[1]), place(node.x[2]), node.first_dof,
+                                       node.obstacle};
   });
+  return nodes;
+}
 
+void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const fem::Space& space,
+                             const fem::DirichletDofs& clamped) {
   std::vector<int> candidates(contacts.size());
   clamped_dofs_.resize(contacts.size());
-  for (std::size_t i : order) {
-    const auto obstacle = static_cast<std::size_t>(kind[2 * i]);
-    if (kind[2 * i + 1] == 0) {
-      clamped_dofs_[obstacle].push_back(static_cast<PetscInt>(first[i]));
+  for (const BoundaryNode& node : boundary_nodes(contacts, space, clamped)) {
+    const auto obstacle = static_cast<std::size_t>(node.obstacle);
+    if (node.free_components == 0) {
+      clamped_dofs_[obstacle].push_back(static_cast<PetscInt>(node.first_dof));
       continue;
     }
-    const Obstacle::Plane plane = shapes_[obstacle].at(&x[3 * i]);
+    const Obstacle::Plane plane = shapes_[obstacle].at(node.x.data());
     std::array<double, 3> force{};
     double free = 0;
     for (int c = 0; c < dim_; ++c)
-      if (kind[2 * i + 1] & (1 << c)) {
+      if (node.free_components & (1 << c)) {
         force[c] = -plane.normal[c]; // ν points into the obstacle, the obstacle's normal out of it
         free = std::hypot(free, force[c]);
       }
     if (free <= NodeBasis::parallel) { // the node cannot move towards the obstacle
-      clamped_dofs_[obstacle].push_back(static_cast<PetscInt>(first[i]));
+      clamped_dofs_[obstacle].push_back(static_cast<PetscInt>(node.first_dof));
       continue;
     }
-    held_ |= kind[2 * i + 1] != (1 << dim_) - 1;
+    held_ |= node.free_components != (1 << dim_) - 1;
     for (int c = 0; c < dim_; ++c) {
       normals_.push_back(-plane.normal[c]);
       directions_.push_back(force[c]);
     }
-    points_.insert(points_.end(), &x[3 * i], &x[3 * i] + 3);
+    points_.insert(points_.end(), node.x.begin(), node.x.end());
     psi_.push_back(plane.height);
-    first_dofs_.push_back(static_cast<PetscInt>(first[i]));
-    obstacles_.push_back(kind[2 * i]);
+    first_dofs_.push_back(static_cast<PetscInt>(node.first_dof));
+    obstacles_.push_back(node.obstacle);
     ++candidates[obstacle];
   }
   for (std::vector<PetscInt>& dofs : clamped_dofs_)

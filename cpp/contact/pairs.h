@@ -115,6 +115,16 @@ public:
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
 
 private:
+  /// A node of the contact boundary of an obstacle, with a bit for each component that no clamp holds.
+  struct BoundaryNode {
+    std::array<double, 3> x;
+    std::int64_t first_dof;
+    int obstacle, free_components;
+  };
+  /// Those of all ranks, in the order of the pairs. Collective.
+  [[nodiscard]] std::vector<BoundaryNode> boundary_nodes(const std::vector<scene::Contact>& contacts,
+                                                         const fem::Space& space,
+                                                         const fem::DirichletDofs& clamped) const;
   void add_pairs(const std::vector<scene::Contact>& contacts, const fem::Space& space,
                  const fem::DirichletDofs& clamped);
   void group_by_node();

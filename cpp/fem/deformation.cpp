@@ -60,6 +60,27 @@ void reduce(MPI_Comm comm, Largest& largest) {
   largest = {-first[0], {first[1], first[2], first[3]}};
 }
 
+/// ∇y at vertex v of a cell: for degree 2 the basis is λ_i (2λ_i − 1) and 4 λ_a λ_b; `slope` are the
+/// gradients of the barycentric coordinates λ.
+Gradient gradient(const Space& space, std::span<const std::int32_t> dofs, std::span<const double> at_dofs,
+                  const std::array<Simplex::Point, 4>& slope, const std::vector<std::vector<int>>& edges,
+                  std::size_t v) {
+  const auto n = static_cast<std::size_t>(space.dim()), vertices = n + 1;
+  Gradient G{};
+  const auto add = [&](std::size_t dof, double factor, const Simplex::Point& direction) {
+    for (std::size_t r = 0; r < n; ++r)
+      for (std::size_t c = 0; c < n; ++c)
+        G[r][c] += factor * direction[c] * at_dofs[static_cast<std::size_t>(dofs[dof]) * n + r];
+  };
+  for (std::size_t i = 0; i < vertices; ++i)
+    add(i, space.degree() == 1 ? 1 : i == v ? 3 : -1, slope[i]);
+  for (std::size_t e = 0; space.degree() == 2 && e < edges.size(); ++e)
+    for (int end : {0, 1})
+      if (static_cast<std::size_t>(edges[e][static_cast<std::size_t>(end)]) == v)
+        add(vertices + e, 4, slope[static_cast<std::size_t>(edges[e][static_cast<std::size_t>(1 - end)])]);
+  return G;
+}
+
 } // namespace
 
 Deformation deformation(const Space& space, Vec y) {
@@ -93,21 +114,8 @@ Deformation deformation(const Space& space, Vec y) {
       slope[i] = simplex.gradient(i);
     const auto dofs = dofmap->cell_dofs(cell);
     bool inverted = false;
-    // Constant for degree 1. For degree 2 the basis is λ_i (2λ_i − 1) and 4 λ_a λ_b.
-    for (std::size_t v = 0; v < (space.degree() == 1 ? 1 : vertices); ++v) {
-      Gradient G{};
-      const auto add = [&](std::size_t dof, double factor, const Simplex::Point& direction) {
-        for (std::size_t r = 0; r < n; ++r)
-          for (std::size_t c = 0; c < n; ++c)
-            G[r][c] += factor * direction[c] * at_dofs[static_cast<std::size_t>(dofs[dof]) * n + r];
-      };
-      for (std::size_t i = 0; i < vertices; ++i)
-        add(i, space.degree() == 1 ? 1 : i == v ? 3 : -1, slope[i]);
-      for (std::size_t e = 0; space.degree() == 2 && e < edges.size(); ++e)
-        for (int end : {0, 1})
-          if (static_cast<std::size_t>(edges[e][static_cast<std::size_t>(end)]) == v)
-            add(vertices + e, 4,
-                slope[static_cast<std::size_t>(edges[e][static_cast<std::size_t>(1 - end)])]);
+    for (std::size_t v = 0; v < (space.degree() == 1 ? 1 : vertices); ++v) { // constant for degree 1
+      const Gradient G = gradient(space, dofs, at_dofs, slope, edges, v);
       const auto note = [&](Largest& largest, double value) {
         if (value > largest.value)
           largest = {value,

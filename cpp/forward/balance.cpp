@@ -72,20 +72,7 @@ StepBalance Balance::operator()(const Frame& frame) {
   check(VecAXPBYPCZ(defect_, 0.5, 0.5, 1, Ay0_, Ay1_));
   check(VecAXPY(defect_, -1, load_));
   check(VecAXPY(defect_, -1, force_));
-  // Where j = y_k − y_{k−1} − τ (v_{k−1} + v_k)/2 is not zero, the kinetic energy changes by −j·M (v_k −
-  // v_{k−1})/τ in addition to the work on y_k − y_{k−1}. On free dofs this is work of contact, since the
-  // predictor's jump moves the body without work; on clamped dofs it is work of the clamps' motion.
-  if (stepper_.predictor() || stepper_.motion()) {
-    check(VecWAXPY(jump_, 1, frame.v0, frame.v1));
-    check(VecAXPBY(jump_, tau, -tau / 2, w_));
-    const double all = dot(jump_, inertia_);
-    stepper_.clamped().clear(jump_);
-    const double free = dot(jump_, inertia_);
-    if (stepper_.predictor())
-      now.contact_work -= free;
-    if (stepper_.motion())
-      now.external_work -= all - free;
-  }
+  add_work_of_jumps(frame, tau, now);
   const std::array<double, 3> whole = resultant(stepper_, defect_);
   const double all_work = stepper_.motion() ? tau * dot(defect_, w_) : 0;
   stepper_.clamped().clear(defect_);
@@ -102,6 +89,20 @@ StepBalance Balance::operator()(const Frame& frame) {
   check(VecNorm(Mv1_, NORM_1, &momentum)); // the rate is a difference of these
   now.momentum_scale = length(rate) + length(applied) + length(now.contact_force) + internal + momentum / tau;
   return now;
+}
+
+void Balance::add_work_of_jumps(const Frame& frame, double tau, StepBalance& now) {
+  if (!stepper_.predictor() && !stepper_.motion())
+    return;
+  check(VecWAXPY(jump_, 1, frame.v0, frame.v1));
+  check(VecAXPBY(jump_, tau, -tau / 2, w_));
+  const double all = dot(jump_, inertia_);
+  stepper_.clamped().clear(jump_);
+  const double free = dot(jump_, inertia_);
+  if (stepper_.predictor())
+    now.contact_work -= free;
+  if (stepper_.motion())
+    now.external_work -= all - free;
 }
 
 } // namespace signorini::forward

@@ -31,6 +31,11 @@ public:
   StepBalance operator()(const Frame& frame);
 
 private:
+  /// Where j = y_k − y_{k−1} − τ (v_{k−1} + v_k)/2 is not zero, the kinetic energy changes by −j·M (v_k −
+  /// v_{k−1})/τ in addition to the work on y_k − y_{k−1}. On free dofs this is work of contact, since the
+  /// predictor's jump moves the body without work; on clamped dofs it is work of the clamps' motion.
+  void add_work_of_jumps(const Frame& frame, double tau, StepBalance& now);
+
   const Stepper& stepper_;
   petsc::Vector Ay0_, Ay1_, Mv0_, Mv1_, Bw_, w_, jump_, load_, force_, inertia_, defect_;
   double energy_ = 0; ///< of the last frame

@@ -51,7 +51,7 @@ Vec Predictor::linearised_jump(const contact::ActiveSet& set, Vec x, Workspace& 
 }
 
 double Predictor::bytes() const {
-  const StepSolver::Memory memory = solver_.memory();
+  const SolverChoice::Memory memory = solver_.memory();
   return memory.factor + memory.condensation;
 }
 

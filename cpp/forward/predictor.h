@@ -1,7 +1,7 @@
 #pragma once
 #include "contact/contact_state.h"
 #include "fem/operators.h"
-#include "forward/step_solver.h"
+#include "forward/solver_choice.h"
 
 namespace signorini::forward {
 
@@ -42,7 +42,7 @@ private:
   Mat M_;
   const fem::DirichletDofs& clamped_;
   const contact::ContactPairs& pairs_;
-  StepSolver solver_;
+  SolverChoice solver_;
   petsc::Vector zero_;
 };
 

@@ -4,7 +4,7 @@
 #include "forward/load.h"
 #include "forward/motion.h"
 #include "forward/predictor.h"
-#include "forward/step_solver.h"
+#include "forward/solver_choice.h"
 #include <optional>
 
 namespace signorini::forward {
@@ -69,7 +69,7 @@ public:
   [[nodiscard]] const fem::Space& space() const { return space_; }
   [[nodiscard]] const fem::Operators& operators() const { return operators_; }
   [[nodiscard]] const fem::DirichletDofs& clamped() const { return clamped_; }
-  [[nodiscard]] const StepSolver& solver() const { return *solver_; }
+  [[nodiscard]] const SolverChoice& solver() const { return *solver_; }
   /// Whether contact nodes carry no mass.
   [[nodiscard]] bool massless() const { return massless_.has_value(); }
   /// The mass matrix M of this run: the body's, or with massless contact EᵀME (docs/method.md section 2).
@@ -140,7 +140,7 @@ private:
   std::optional<contact::ContactPairs> pairs_;
   std::optional<petsc::Matrix> massless_;
   std::optional<Predictor> predictor_;
-  std::optional<StepSolver> solver_;
+  std::optional<SolverChoice> solver_;
 };
 
 } // namespace signorini::forward

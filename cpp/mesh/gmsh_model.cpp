@@ -3,6 +3,7 @@
 #include "base/subprocess.h"
 #include "base/text.h"
 #include "mesh/msh_file.h"
+#include "mesh/words.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -56,33 +57,6 @@ std::string group_name(int dim, int tag) {
   gmsh::model::getPhysicalName(dim, tag, name);
   return name.empty() ? std::to_string(tag) : name;
 }
-
-/// Words of messages for the parts of a mesh of a dimension.
-struct Words {
-  const char *cell, *cells, *facet, *facets;
-  const char* extent;                           ///< "area" or "volume", which a degenerate cell lacks
-  const char* body_kind;                        ///< of a Physical group in a .geo
-  const char *straight_cells, *straight_facets; ///< with gmsh's names
-};
-
-constexpr Words plane_words{.cell = "triangle",
-                            .cells = "triangles",
-                            .facet = "edge",
-                            .facets = "edges",
-                            .extent = "area",
-                            .body_kind = "Surface",
-                            .straight_cells = "straight triangles (Triangle 3)",
-                            .straight_facets = "straight edges (Line 2)"};
-constexpr Words space_words{.cell = "tetrahedron",
-                            .cells = "tetrahedra",
-                            .facet = "face",
-                            .facets = "faces",
-                            .extent = "volume",
-                            .body_kind = "Volume",
-                            .straight_cells = "straight tetrahedra (Tetrahedron 4)",
-                            .straight_facets = "straight triangles (Triangle 3)"};
-
-const Words& words(int dim) { return dim == 2 ? plane_words : space_words; }
 
 /// Node numbers of a cell or facet in ascending order, so that equal ones compare equal; unused entries hold
 /// the largest integer.

@@ -1,5 +1,5 @@
 #pragma once
-#include "scene/keys.h"
+#include "scene/key_reference.h"
 
 namespace signorini::scene {
 

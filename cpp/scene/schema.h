@@ -1,5 +1,5 @@
 #pragma once
-#include "scene/keys.h"
+#include "scene/key_reference.h"
 #include "scene/kinds.h"
 #include "scene/rules.h"
 #include <functional>

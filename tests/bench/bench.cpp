@@ -155,7 +155,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   };
 
   nlohmann::ordered_json out;
-  const forward::StepSolver::Memory memory = problem.stepper.solver().memory();
+  const forward::SolverChoice::Memory memory = problem.stepper.solver().memory();
   const double vectors = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
   const double operators = operator_bytes(problem), trajectory_bytes = (steps + 1) * vectors,
                peak = total(peak_memory());

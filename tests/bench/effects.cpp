@@ -126,7 +126,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     return seconds < never ? nlohmann::json(seconds / problem.steps()) : nlohmann::json();
   };
   nlohmann::ordered_json out;
-  const forward::StepSolver::Memory memory = problem.stepper.solver().memory();
+  const forward::SolverChoice::Memory memory = problem.stepper.solver().memory();
   out["free_unknowns"] = problem.free_dofs();
   out["steps"] = problem.steps();
   out["contact_steps"] = contact_steps;

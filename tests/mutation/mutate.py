@@ -184,7 +184,7 @@ def place(original: Path, copy: Path) -> None:
 
 def drawn(cpp: Path, seed: int):
     """Mutants without end of the draw: each token's at most once, all tokens alike."""
-    files = [file for part in sorted(BESIDE) for file in sorted((cpp / part).iterdir()) if file.suffix in (".h", ".cpp")]
+    files = [file for part in sorted(BESIDE) for file in sorted((cpp / part).rglob("*")) if file.suffix in (".h", ".cpp")]
     sites = [site for file in files for site in Source(file).mutants()]
     print(f"{len(sites)} tokens of {len(files)} files may change", flush=True)
     generator = random.Random(seed)
@@ -234,7 +234,7 @@ class Trial:
 
     @property
     def part(self) -> str:
-        return self.file.parent.name
+        return next(folder.name for folder in self.file.parents if folder.parent.name == "cpp")
 
 
 def try_all(copy: Copy, mutants, count: int, diffs) -> tuple[list[Trial], int]:

@@ -184,7 +184,7 @@ def refuses_or_is_whole(folder: Path, out: Path, good: bytes) -> None:
 
 def main() -> int:
     parser = argparse.ArgumentParser()
-    parser.add_argument("--kills", type=int, default=12)
+    parser.add_argument("--kills", type=int, default=8)
     options = parser.parse_args(sys.argv[3:])
     random.seed(1)
     with tempfile.TemporaryDirectory() as name:

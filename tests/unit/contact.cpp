@@ -4,7 +4,7 @@
 #include "contact/lcp/complementarity.h"
 #include "contact/placement.h"
 #include "fixtures.h"
-#include "forward/step_solver.h"
+#include "forward/solver_choice.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
@@ -26,7 +26,7 @@ struct Parts {
   petsc::Matrix D;
   contact::ContactPairs pairs;
   contact::NormalOperator N{pairs};
-  forward::StepSolver solver;
+  forward::SolverChoice solver;
 
   explicit Parts(const std::vector<std::string>& overrides = {})
       : scene(test::parse(test::source("tests/data/block.toml"), overrides)),
@@ -349,7 +349,7 @@ TEST_CASE("units of mass and time leave contact as it is", "[contact]") {
   for (const double unit : {1e-9, 1e9}) {
     petsc::Matrix D = Parts::copy(parts.D);
     check(MatScale(D, unit));
-    const forward::StepSolver solver(std::move(D), &parts.pairs, parts.scene.solver, true);
+    const forward::SolverChoice solver(std::move(D), &parts.pairs, parts.scene.solver, true);
     const auto solve = [&](const contact::ContactState& expected, Vec r) {
       petsc::Vector scaled = petsc::copy(r), y = parts.space.vector();
       check(VecScale(scaled, unit));
@@ -438,7 +438,7 @@ TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[
   petsc::Vector y = parts.space.vector(), z = parts.space.vector();
   const contact::ContactState usual = parts.solve(r, y);
   const Option option("-condensed_vi_snes_max_it", "0");
-  const forward::StepSolver solver(Parts::copy(parts.D), &parts.pairs, parts.scene.solver, true);
+  const forward::SolverChoice solver(Parts::copy(parts.D), &parts.pairs, parts.scene.solver, true);
   contact::ContactState other(parts.pairs.count());
   contact::Workspace work = solver.contact()->workspace();
   solver.contact()->solve(r, parts.pairs.psi(), {}, other, z, work);

@@ -1,11 +1,11 @@
 #include "base/collective.h"
 #include "fixtures.h"
 #include "io/checkpoint.h"
+#include "io/csv_tables.h"
 #include "io/fields.h"
 #include "io/manifest.h"
 #include "io/point_match.h"
 #include "io/stored_field.h"
-#include "io/tables.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <fmt/format.h>

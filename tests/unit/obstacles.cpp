@@ -69,8 +69,8 @@ struct Walls {
     return overrides;
   }
 
-  [[nodiscard]] forward::StepSolver solver(scene::LinearMethod linear,
-                                           scene::ViMethod vi = scene::ViMethod::condensed) const {
+  [[nodiscard]] forward::SolverChoice solver(scene::LinearMethod linear,
+                                             scene::ViMethod vi = scene::ViMethod::condensed) const {
     petsc::Matrix same;
     check(MatDuplicate(D, MAT_COPY_VALUES, same.put()));
     scene::Solver settings = scene.solver;
@@ -80,7 +80,7 @@ struct Walls {
   }
 
   /// y of the contact step for r, from no contact; `state` becomes its contact.
-  petsc::Vector solve(const forward::StepSolver& solver, Vec r, contact::ContactState& state) const {
+  petsc::Vector solve(const forward::SolverChoice& solver, Vec r, contact::ContactState& state) const {
     petsc::Vector y = space.vector();
     contact::Workspace work = solver.contact()->workspace();
     solver.contact()->solve(r, pairs.psi(), {}, state, y, work);
@@ -317,8 +317,8 @@ TEST_CASE("several obstacles at a node: all solvers find the solution, which is 
     REQUIRE(walls.pairs.dependent() == dependent);
     const petsc::Vector r = walls.pushing(motion);
     contact::ContactState a(walls.pairs.count()), b(walls.pairs.count());
-    const forward::StepSolver direct = walls.solver(scene::LinearMethod::direct),
-                              iterative = walls.solver(scene::LinearMethod::iterative);
+    const forward::SolverChoice direct = walls.solver(scene::LinearMethod::direct),
+                                iterative = walls.solver(scene::LinearMethod::iterative);
     const petsc::Vector y = walls.solve(direct, r, a), z = walls.solve(iterative, r, b);
     CHECK(a.count(contact::Status::strong) > 1);
     CHECK(test::difference(y, z) < 1e-10 * test::largest(y));
@@ -330,7 +330,7 @@ TEST_CASE("several obstacles at a node: all solvers find the solution, which is 
       CHECK(std::abs(a.lambda[i] * a.gap[i]) < 1e-13);
     }
     // Sliding keeps all of the active set closed, with normal forces alone, dependent or not.
-    for (const forward::StepSolver* solver : {&direct, &iterative}) {
+    for (const forward::SolverChoice* solver : {&direct, &iterative}) {
       const petsc::Vector q = walls.pushing({"x - y", "1 + x*y"});
       petsc::Vector p = walls.space.vector();
       contact::Workspace work = solver->contact()->workspace();
@@ -441,7 +441,7 @@ TEST_CASE("a candidate whose twin carries the force is not weak", "[contact]") {
   const std::string floor = half_space("bottom", "[0, 0]", "[0, 1]");
   for (scene::LinearMethod linear : {scene::LinearMethod::direct, scene::LinearMethod::iterative}) {
     const Walls walls(floor + floor, "block.toml", {"time.step=1e-4"});
-    const forward::StepSolver solver = walls.solver(linear);
+    const forward::SolverChoice solver = walls.solver(linear);
     REQUIRE(walls.pairs.dependent());
     contact::ContactState state(walls.pairs.count());
     // Pressed down, all are held, each with a share that is any; without weight each could be lifted.

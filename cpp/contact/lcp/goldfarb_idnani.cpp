@@ -4,92 +4,123 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <optional>
 
 namespace signorini::contact {
 
 namespace {
 
-/// b ← S_AA⁻¹ b.
-void solve_on_set(std::span<const double> S, std::size_t m, const ActiveSet& set, std::vector<double>& factor,
-                  std::span<double> b) {
-  factor.clear();
-  for (int i : set)
-    for (int j : set)
-      factor.push_back(S[static_cast<std::size_t>(i) * m + static_cast<std::size_t>(j)]);
-  if (const int pivot = factorise_dense(factor, set.size()); pivot != 0)
-    throw SolverFailure(fmt::format(
-        "the condensed matrix of {} independent constraints is singular (pivot {})", set.size(), pivot));
-  solve_factorised(factor, set.size(), b.first(set.size()));
-}
+/// One run of the method: the problem and the iterate.
+class Search {
+public:
+  Search(std::span<const double> S, std::span<const double> gap0, ActiveSet& set, std::span<double> lambda,
+         GoldfarbIdnaniWork& work)
+      : S_(S), gap0_(gap0), set_(set), lambda_(lambda), factor_(work.factor), r_(work.r) {
+    set_.clear();
+    std::ranges::fill(lambda_, 0);
+  }
+
+  /// The open candidate with the least gap below −tolerance; m if there is none.
+  [[nodiscard]] std::size_t deepest(double tolerance) const {
+    std::size_t j = gap0_.size();
+    double least = -tolerance;
+    for (std::size_t i = 0; i < gap0_.size(); ++i)
+      if (const double g = gap(i); g < least && !std::ranges::binary_search(set_, static_cast<int>(i)))
+        least = g, j = i;
+    return j;
+  }
+
+  /// Raises λ_j until gap j is closed or the force of a candidate of the set falls to zero, which then leaves
+  /// it. Returns whether gap j is closed, nothing if no force closes it.
+  std::optional<bool> raise(std::size_t j, bool dependent) {
+    r_.clear();
+    for (int i : set_)
+      r_.push_back(entry(i, j));
+    solve_on_set();
+    double slope = entry(j, j), largest = 0;
+    for (std::size_t i = 0; i < set_.size(); ++i) {
+      slope -= r_[i] * entry(set_[i], j);
+      largest = std::max(largest, std::abs(r_[i]));
+    }
+    const double g = gap(j) + entry(j, j) * lambda_[j];
+    double step = dependent ? std::numeric_limits<double>::infinity() : std::max(0.0, -g / slope);
+    std::size_t leaves = set_.size();
+    for (std::size_t i = 0; i < set_.size(); ++i)
+      if (r_[i] > 1e-10 * largest) // the others are rounding
+        if (const double limit = force(i) / r_[i]; limit < step)
+          step = limit, leaves = i;
+    if (std::isinf(step))
+      return std::nullopt;
+    for (std::size_t i = 0; i < set_.size(); ++i)
+      force(i) = std::max(0.0, force(i) - step * r_[i]);
+    lambda_[j] += step;
+    if (leaves == set_.size())
+      return true;
+    force(leaves) = 0;
+    set_.erase(set_.begin() + static_cast<std::ptrdiff_t>(leaves));
+    return false;
+  }
+
+  /// Adds j to the set, and computes λ anew, so that rounding does not accumulate.
+  void add(std::size_t j) {
+    set_.insert(std::ranges::lower_bound(set_, static_cast<int>(j)), static_cast<int>(j));
+    r_.clear();
+    for (int i : set_)
+      r_.push_back(-gap0_[static_cast<std::size_t>(i)]);
+    solve_on_set();
+    for (std::size_t i = 0; i < set_.size(); ++i)
+      force(i) = std::max(0.0, r_[i]);
+  }
+
+private:
+  [[nodiscard]] double entry(auto row, auto column) const {
+    return S_[static_cast<std::size_t>(row) * gap0_.size() + static_cast<std::size_t>(column)];
+  }
+  double& force(std::size_t i) { return lambda_[static_cast<std::size_t>(set_[i])]; }
+  [[nodiscard]] double gap(std::size_t j) const {
+    double g = gap0_[j];
+    for (int i : set_)
+      g += entry(j, i) * lambda_[static_cast<std::size_t>(i)];
+    return g;
+  }
+  /// r ← S_AA⁻¹ r.
+  void solve_on_set() {
+    factor_.clear();
+    for (int i : set_)
+      for (int j : set_)
+        factor_.push_back(entry(i, j));
+    if (const int pivot = factorise_dense(factor_, set_.size()); pivot != 0)
+      throw SolverFailure(fmt::format(
+          "the condensed matrix of {} independent constraints is singular (pivot {})", set_.size(), pivot));
+    solve_factorised(factor_, set_.size(), r_);
+  }
+
+  std::span<const double> S_, gap0_;
+  ActiveSet& set_;
+  std::span<double> lambda_;
+  std::vector<double>&factor_, &r_;
+};
 
 } // namespace
 
 bool goldfarb_idnani(std::span<const double> S, std::span<const double> gap0, double tolerance,
                      const Depends& depends, ActiveSet& set, std::span<double> lambda, int& steps,
                      GoldfarbIdnaniWork& work) {
-  auto& [factor, r] = work;
-  const std::size_t m = gap0.size();
-  const auto gap = [&](std::size_t j) {
-    double g = gap0[j];
-    for (int i : set)
-      g += S[j * m + static_cast<std::size_t>(i)] * lambda[static_cast<std::size_t>(i)];
-    return g;
-  };
   // Each full step raises the dual objective, so that a few times m steps suffice.
-  const int most = 100 * static_cast<int>(m) + 100;
-  set.clear();
-  std::ranges::fill(lambda, 0);
-  for (;;) {
-    std::size_t j = m;
-    double deepest = -tolerance;
-    for (std::size_t i = 0; i < m; ++i)
-      if (const double g = gap(i); g < deepest && !std::ranges::binary_search(set, static_cast<int>(i)))
-        deepest = g, j = i;
-    if (j == m)
-      break;
-    // Raise λ_j until gap j is closed; on the way, candidates whose force falls to zero leave the set.
+  const int most = 100 * static_cast<int>(gap0.size()) + 100;
+  Search search(S, gap0, set, lambda, work);
+  for (std::size_t j = 0; (j = search.deepest(tolerance)) < gap0.size();) {
     for (bool closed = false; !closed;) {
       if (++steps > most)
-        throw SolverFailure(fmt::format(
-            "the active set did not settle in {} steps: {} of {} candidates closed", most, set.size(), m));
-      r.clear();
-      for (int i : set)
-        r.push_back(S[static_cast<std::size_t>(i) * m + j]);
-      solve_on_set(S, m, set, factor, r);
-      double slope = S[j * m + j], largest = 0;
-      for (std::size_t i = 0; i < set.size(); ++i) {
-        slope -= r[i] * S[static_cast<std::size_t>(set[i]) * m + j];
-        largest = std::max(largest, std::abs(r[i]));
-      }
-      const bool dependent = depends(set, static_cast<int>(j));
-      const double g = gap(j) + S[j * m + j] * lambda[j];
-      double step = dependent ? std::numeric_limits<double>::infinity() : std::max(0.0, -g / slope);
-      std::size_t leaves = set.size();
-      for (std::size_t i = 0; i < set.size(); ++i)
-        if (r[i] > 1e-10 * largest) // the others are rounding
-          if (const double limit = lambda[static_cast<std::size_t>(set[i])] / r[i]; limit < step)
-            step = limit, leaves = i;
-      if (std::isinf(step))
+        throw SolverFailure(
+            fmt::format("the active set did not settle in {} steps: {} of {} candidates closed", most,
+                        set.size(), gap0.size()));
+      const std::optional<bool> raised = search.raise(j, depends(set, static_cast<int>(j)));
+      if (!raised)
         return false;
-      for (std::size_t i = 0; i < set.size(); ++i) {
-        double& force = lambda[static_cast<std::size_t>(set[i])];
-        force = std::max(0.0, force - step * r[i]);
-      }
-      lambda[j] += step;
-      closed = leaves == set.size();
-      if (!closed) {
-        lambda[static_cast<std::size_t>(set[leaves])] = 0;
-        set.erase(set.begin() + static_cast<std::ptrdiff_t>(leaves));
-      }
+      closed = *raised;
     }
-    set.insert(std::ranges::lower_bound(set, static_cast<int>(j)), static_cast<int>(j));
-    // Recompute λ, so that rounding does not accumulate.
-    r.clear();
-    for (int i : set)
-      r.push_back(-gap0[static_cast<std::size_t>(i)]);
-    solve_on_set(S, m, set, factor, r);
-    for (std::size_t i = 0; i < set.size(); ++i)
-      lambda[static_cast<std::size_t>(set[i])] = std::max(0.0, r[i]);
+    search.add(j);
   }
   return true;
 }

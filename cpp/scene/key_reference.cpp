@@ -1,4 +1,4 @@
-#include "scene/keys.h"
+#include "scene/key_reference.h"
 #include "scene/schema.h"
 
 namespace signorini::scene {

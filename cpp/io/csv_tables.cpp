@@ -1,4 +1,4 @@
-#include "io/tables.h"
+#include "io/csv_tables.h"
 #include <algorithm>
 #include <fmt/format.h>
 #include <iterator>

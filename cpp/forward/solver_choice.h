@@ -10,12 +10,12 @@ namespace signorini::forward {
 /// The solvers of a run's steps, as the scene's [solver] asks: a factorisation (CHOLMOD on one rank, MUMPS on
 /// several) with contact condensed to the candidates, or conjugate gradients where the factor would not fit
 /// the memory allowed.
-class StepSolver {
+class SolverChoice {
 public:
   /// Estimates the factor's memory, chooses a solver and factorises. `pairs` is null without contact;
   /// `sliding`: linearised or transposed steps are wanted. Collective. The references must outlive this
   /// object. Throws SolverFailure.
-  StepSolver(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene, bool sliding);
+  SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene, bool sliding);
 
   /// Solves with D, for steps without contact.
   [[nodiscard]] const LinearSolver& linear() const { return *linear_; }

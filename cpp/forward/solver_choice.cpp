@@ -1,4 +1,4 @@
-#include "forward/step_solver.h"
+#include "forward/solver_choice.h"
 #include "base/collective.h"
 #include "contact/solver/condensed.h"
 #include "contact/solver/full.h"
@@ -30,8 +30,8 @@ double dense_bytes(const contact::ContactPairs* pairs) {
 
 } // namespace
 
-StepSolver::StepSolver(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene,
-                       bool sliding)
+SolverChoice::SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene,
+                           bool sliding)
     : D_(std::move(D)), full_(pairs && scene.vi == scene::ViMethod::full) {
   std::unique_ptr<contact::FullSolver> full;
   if (full_)
@@ -50,7 +50,7 @@ StepSolver::StepSolver(petsc::Matrix D, const contact::ContactPairs* pairs, cons
     D_ = {};
 }
 
-void StepSolver::factorise(const contact::ContactPairs* pairs, const scene::Solver& scene) {
+void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::Solver& scene) {
   constexpr double gigabyte = 1e9;
   const auto settle = [&](auto solver) {
     const double needed = solver->estimate() + dense_bytes(pairs);
@@ -79,15 +79,15 @@ void StepSolver::factorise(const contact::ContactPairs* pairs, const scene::Solv
   }
 }
 
-void StepSolver::iterate() {
+void SolverChoice::iterate() {
   auto solver = std::make_unique<ConjugateGradients>(D_);
   iterative_ = solver.get();
   choice_ = solver->name();
   linear_ = std::move(solver);
 }
 
-std::unique_ptr<contact::ContactStepSolver> StepSolver::by_linear(const contact::ContactPairs& pairs,
-                                                                  const scene::Solver& scene) const {
+std::unique_ptr<contact::ContactStepSolver> SolverChoice::by_linear(const contact::ContactPairs& pairs,
+                                                                    const scene::Solver& scene) const {
   if (iterative_)
     return std::make_unique<contact::ProjectedSolver>(pairs, *iterative_, D_);
   std::unique_ptr<contact::Elimination> elimination;
@@ -99,7 +99,7 @@ std::unique_ptr<contact::ContactStepSolver> StepSolver::by_linear(const contact:
   return std::make_unique<contact::CondensedSolver>(pairs, D_, std::move(elimination));
 }
 
-StepSolver::Memory StepSolver::memory() const {
+SolverChoice::Memory SolverChoice::memory() const {
   return {.factor = linear_->bytes() + (D_ ? petsc::bytes(D_) : 0),
           .condensation = contact_ ? contact_->bytes() : 0};
 }
