@@ -122,6 +122,8 @@ TEST_CASE("gradients and Hessian products are the same to the last bit from ever
     for (const char* linear : {"solver.linear=direct", "solver.linear=iterative"})
       for (const auto& [file, size] :
            {std::pair{"scenes/half-disc.toml", disc}, {"scenes/half-ball.toml", ball}}) {
+        if (ranks(MPI_COMM_WORLD) > 2 && (size == ball || !scheme.empty()))
+          continue; // thousands of small solves, of which three ranks learn nothing that two do not
         Settings settings = size;
         settings.insert(settings.end(), scheme.begin(), scheme.end());
         settings.emplace_back(linear);
