@@ -172,11 +172,10 @@ std::string estimate(const Problem& problem, int timed_steps) {
 void print_info(const Problem& problem, int timed_steps, const Console& console) {
   const fem::Operators& body = problem.operators;
   const forward::Stepper& stepper = problem.stepper;
-  console.line(
-      fmt::format("{}: unknowns: {} ({} free), cells: {}, candidates: {}, steps: {} of {} s\nsolver: {}",
-                  problem.scene.name, problem.space.dofs(), problem.free_dofs(), problem.mesh.cells(),
-                  stepper.pairs() ? stepper.pairs()->count() : 0, problem.steps(), problem.scene.time.step,
-                  stepper.solver().choice()));
+  console.line(fmt::format(
+      "{}: unknowns: {} ({} free), cells: {}, candidates: {}, steps: {} of {} s\nsolver: {}",
+      problem.scene.name, problem.space.dofs(), problem.free_dofs(), problem.mesh.cells(),
+      forward::candidates(stepper), problem.steps(), problem.scene.time.step, stepper.solver().choice()));
   console.line(fmt::format(
       "always: M {}, A {}, R {}, {} {}; a step: one solve with D, products with R and M\n",
       megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)), megabytes(petsc::bytes(stepper.R())),

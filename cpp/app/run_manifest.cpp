@@ -13,8 +13,8 @@ std::string headline(const Problem& problem) {
       on += (on.empty() ? "" : ", ") + name;
   return fmt::format(
       "{}: {} free unknowns, {} contact candidates, {} steps of {} s, {} rank{}\neffects: {}\nsolver: {}",
-      problem.scene.name, problem.free_dofs(), problem.stepper.pairs() ? problem.stepper.pairs()->count() : 0,
-      problem.steps(), problem.scene.time.step, size, size == 1 ? "" : "s", on.empty() ? "none" : on,
+      problem.scene.name, problem.free_dofs(), forward::candidates(problem.stepper), problem.steps(),
+      problem.scene.time.step, size, size == 1 ? "" : "s", on.empty() ? "none" : on,
       problem.stepper.solver().choice());
 }
 
@@ -27,7 +27,7 @@ io::Manifest manifest(const Problem& problem, const std::string& verb, const std
   m.unknowns = static_cast<long>(problem.space.dofs());
   m.free_unknowns = problem.free_dofs();
   m.cells = static_cast<long>(problem.mesh.cells());
-  m.candidates = problem.stepper.pairs() ? problem.stepper.pairs()->count() : 0;
+  m.candidates = forward::candidates(problem.stepper);
   m.steps_done = steps_done;
   if (const auto& control = problem.scene.control)
     m.control_unit =

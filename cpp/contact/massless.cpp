@@ -166,10 +166,9 @@ using Bases = std::map<PetscInt, NodeBasis>;
 Bases massless_directions(const ContactPairs& pairs, const std::vector<bool>& massless) {
   Bases bases;
   for (int i = 0; i < pairs.count(); ++i)
-    if (massless[static_cast<std::size_t>(pairs.obstacles()[i])]) {
-      const auto [basis, added] = bases.try_emplace(pairs.first_dofs()[i] / pairs.dim(), pairs.dim());
-      basis->second.add(pairs.direction(i));
-    }
+    if (massless[static_cast<std::size_t>(pairs.obstacles()[i])])
+      bases.try_emplace(pairs.first_dofs()[i] / pairs.dim(), pairs.dim())
+          .first->second.add(pairs.direction(i));
   return bases;
 }
 
