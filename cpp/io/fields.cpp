@@ -138,8 +138,9 @@ void FieldFile::sort_times() const {
   const std::string file = folder_.staged(name_);
   constexpr unsigned everything = pugi::parse_default | pugi::parse_doctype | pugi::parse_declaration;
   pugi::xml_document document;
-  if (!document.load_file(file.c_str(), everything))
-    return; // close() reports the incomplete file
+  if (const pugi::xml_parse_result read = document.load_file(file.c_str(), everything); !read)
+    throw UserError(fmt::format("{}: cannot be written (its times cannot be put in order: {})",
+                                (folder_.path() / name_).string(), read.description()));
   for (pugi::xml_node series : document.child("Xdmf").child("Domain").children("Grid")) {
     if (series.attribute("GridType").value() != std::string("Collection"))
       continue;

@@ -139,7 +139,7 @@ def chosen(calls: list[str], most: int, start: int = 1) -> list[int]:
     groups: dict[str, list[int]] = {}
     for n, call in list(enumerate(calls, 1))[start - 1 :]:
         kind, path = call.split(" ", 1)
-        groups.setdefault(str(n) if kind == "rename" else kind + Path(path).name if kind in ("write", "create") else kind, []).append(n)
+        groups.setdefault(str(n) if kind == "rename" else kind + Path(path).name if kind in ("open", "write", "create") else kind, []).append(n)
     if EVERY:
         return list(range(start, len(calls) + 1))
     first = [random.choice(numbers) for numbers in groups.values()]
