@@ -1,8 +1,8 @@
 #include "contact/delassus_operator.h"
 #include "base/collective.h"
-#include "base/dense.h"
 #include "base/error.h"
 #include "contact/lcp/primal_dual.h"
+#include "linalg/dense.h"
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>

@@ -1,7 +1,7 @@
 #pragma once
-#include "base/sparse_cholesky.h"
 #include "contact/normal_operator.h"
 #include "contact/workspace.h"
+#include "linalg/sparse_cholesky.h"
 
 namespace signorini::contact {
 

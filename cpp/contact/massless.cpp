@@ -1,9 +1,9 @@
 #include "contact/massless.h"
 #include "base/collective.h"
-#include "base/dense.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "contact/node_basis.h"
+#include "linalg/dense.h"
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
-#include "base/blas.h"
 #include "fem/operators.h"
 #include "forward/load.h"
+#include "linalg/blas.h"
 #include "scene/expression.h"
 #include <memory>
 #include <optional>

@@ -1,7 +1,7 @@
 #pragma once
-#include "base/sparse_cholesky.h"
 #include "contact/pairs.h"
 #include "contact/solver/contact_step_solver.h"
+#include "linalg/sparse_cholesky.h"
 #include <memory>
 #include <string>
 

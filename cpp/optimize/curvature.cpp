@@ -1,5 +1,5 @@
 #include "optimize/curvature.h"
-#include "base/dense.h"
+#include "linalg/dense.h"
 
 namespace signorini::optimize {
 

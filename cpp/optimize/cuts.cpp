@@ -1,7 +1,7 @@
 #include "optimize/cuts.h"
-#include "base/dense.h"
 #include "base/error.h"
-#include "base/simplex_qp.h"
+#include "linalg/dense.h"
+#include "linalg/simplex_qp.h"
 #include <limits>
 
 namespace signorini::optimize {

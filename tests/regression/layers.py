@@ -7,16 +7,17 @@ from pathlib import Path
 # Each layer sees itself and the layers named; main.cpp sees all.
 SEES = {
     "base": [],
+    "linalg": ["base"],
     "scene": ["base"],
     "mesh": ["base", "scene"],
-    "fem": ["base", "scene", "mesh"],
-    "contact": ["base", "scene", "mesh", "fem"],
-    "forward": ["base", "scene", "mesh", "fem", "contact"],
-    "adjoint": ["base", "scene", "mesh", "fem", "contact", "forward"],
-    "control": ["base", "scene", "mesh", "fem", "contact", "forward", "adjoint"],
-    "optimize": ["base"],
+    "fem": ["base", "linalg", "scene", "mesh"],
+    "contact": ["base", "linalg", "scene", "mesh", "fem"],
+    "forward": ["base", "linalg", "scene", "mesh", "fem", "contact"],
+    "adjoint": ["base", "linalg", "scene", "mesh", "fem", "contact", "forward"],
+    "control": ["base", "linalg", "scene", "mesh", "fem", "contact", "forward", "adjoint"],
+    "optimize": ["base", "linalg"],
     "io": ["base", "scene", "mesh", "fem", "contact", "forward", "control"],
-    "app": ["base", "scene", "mesh", "fem", "contact", "forward", "adjoint", "control", "optimize", "io"],
+    "app": ["base", "linalg", "scene", "mesh", "fem", "contact", "forward", "adjoint", "control", "optimize", "io"],
 }
 LIBRARIES_OUT_OF = {"optimize": re.compile(r"<(petsc|dolfinx)"), "scene": re.compile(r"<(petsc|dolfinx)")}
 GENERATED_ONLY_IN = ("fem/forms.cpp", re.compile(r'"viscoelasticity_'))

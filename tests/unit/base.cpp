@@ -1,5 +1,5 @@
 #include "base/error.h"
-#include "base/simplex_qp.h"
+#include "linalg/simplex_qp.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "contact/lcp/goldfarb_idnani.h"
-#include "base/dense.h"
 #include "base/error.h"
+#include "linalg/dense.h"
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>

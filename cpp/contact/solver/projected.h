@@ -1,8 +1,8 @@
 #pragma once
-#include "base/linear_solver.h"
 #include "contact/lcp/complementarity.h"
 #include "contact/normal_operator.h"
 #include "contact/solver/contact_step_solver.h"
+#include "linalg/linear_solver.h"
 
 namespace signorini::contact {
 

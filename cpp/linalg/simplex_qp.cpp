@@ -1,4 +1,4 @@
-#include "base/simplex_qp.h"
+#include "linalg/simplex_qp.h"
 #include "base/petsc.h"
 #include <algorithm>
 #include <cmath>

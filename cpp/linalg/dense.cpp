@@ -1,4 +1,4 @@
-#include "base/dense.h"
+#include "linalg/dense.h"
 #include <cmath>
 #include <petscblaslapack.h>
 

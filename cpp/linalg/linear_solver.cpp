@@ -1,4 +1,4 @@
-#include "base/linear_solver.h"
+#include "linalg/linear_solver.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include <algorithm>

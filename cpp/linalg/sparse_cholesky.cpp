@@ -1,6 +1,6 @@
-#include "base/sparse_cholesky.h"
+#include "linalg/sparse_cholesky.h"
 #include "base/error.h"
-#include "base/supernodal.h"
+#include "linalg/supernodal.h"
 #include <algorithm>
 #include <array>
 #include <cholmod.h>

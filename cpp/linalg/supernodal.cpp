@@ -1,4 +1,4 @@
-#include "base/supernodal.h"
+#include "linalg/supernodal.h"
 #include <algorithm>
 #include <cstddef>
 

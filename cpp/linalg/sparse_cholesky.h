@@ -1,5 +1,5 @@
 #pragma once
-#include "base/linear_solver.h"
+#include "linalg/linear_solver.h"
 #include <limits>
 #include <memory>
 #include <span>

@@ -1,4 +1,4 @@
-#include "base/blas.h"
+#include "linalg/blas.h"
 #include <algorithm>
 #include <petscblaslapack.h>
 
