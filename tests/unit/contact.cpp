@@ -431,6 +431,8 @@ TEST_CASE("an iterative solve that does not converge ends with reason and residu
 }
 
 TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[contact]") {
+  if (ranks(MPI_COMM_WORLD) > 2)
+    return; // one rank asks PETSc's solver and tells the others, two as three
   // Stiff, and far from the previous set: a few primal-dual steps are not enough, so PETSc's solver is asked.
   const Parts parts(
       {"mesh.size=0.01", "material.young=1e6", "contact.on=boundary", "contact.obstacle.point=[0, -0.3]"});
