@@ -1,3 +1,4 @@
+#include "base/collective.h"
 #include "base/error.h"
 #include "contact/placement.h"
 #include "contact_parts.h"
