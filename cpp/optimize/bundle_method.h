@@ -109,11 +109,6 @@ private:
     return {std::move(within), std::move(u)};
   }
 
-  /// Length of the part of d that pushes values out of the bounds at u.
-  static double outward(const P& problem, const Vector& u, const Vector& d) {
-    return norm(problem, difference(tangential(problem, u, d), d));
-  }
-
   /// The certificate of these weights of the cuts, if gradients evaluated anew confirm it. If they do not,
   /// they become the cuts of a new model, with only those values blocked that they push out of the bounds.
   std::optional<Certificate<Vector>> confirmed(P& problem, const Iterate<P>& at,
@@ -155,7 +150,8 @@ private:
       if (direction.subgradient.length == 0)
         return direction;
       const Vector d = span_.vector(direction.d, at.u);
-      if (outward(problem, at.u, d) > options_.bundle.rounding * norm(direction.d)) {
+      if (norm(problem, difference(tangential(problem, at.u, d), d)) >
+          options_.bundle.rounding * norm(direction.d)) {
         block(problem, d); // without a product, so that none is counted
         continue;
       }
@@ -173,9 +169,8 @@ private:
     int null_steps = 0;
     for (double t = 1; t * direction.predicted > options_.negligible(at.objective); t *= options.shorter) {
       const Coordinates s = scaled(direction.d, t), Hs = scaled(direction.Hd, t);
-      Vector u = point(problem, at, s).u;
-      // Also at bounds that it meets exactly, where block() could not hold what is free at bounds_at_.
-      const bool at_other_bounds = outward(problem, u, span_.vector(s, at.u)) > 0;
+      auto [u, outside] = point(problem, at, s);
+      const bool at_other_bounds = norm(problem, outside) > 0;
       const double J = attempt(problem, u).value_or(nan), decrease = at.objective - J;
       if (decrease >= options.sufficient * t * direction.predicted) { // false for NaN
         Vector g = problem.trial_gradient();
