@@ -62,7 +62,7 @@ struct Order {
 };
 
 /// The name of a dataset by its number in the order of time.
-std::string numbered(std::size_t number) { return fmt::format("{:06}", number); }
+std::string numbered(std::size_t number) { return fmt::format("{:08}", number); }
 
 /// Sorts the grids of a field by their times, which are in the order of the grids, and lets them refer to the
 /// datasets by numbers. Returns the datasets' names so far; fewer if the file lacks some.
