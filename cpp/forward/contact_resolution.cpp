@@ -4,7 +4,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <numbers>
 #include <numeric>
 
 namespace signorini::forward {
@@ -99,9 +98,9 @@ Spacing spacing_for(const contact::ContactPairs& pairs, int candidate, int most,
   spacing.enough = finer;
   if (bend && *bend > 0) {
     const double radius = std::cbrt(3 * force / (4 * modulus * *bend)); // Hertz
-    // Nodes h apart, six around each, have the area (√3/2) h² each.
-    spacing.enough =
-        std::min(finer, radius * std::sqrt(std::numbers::pi / (wanted * std::numbers::sqrt3 / 2)));
+    // So that the ring around a node in the middle is within the zone; forces on coarse meshes are too large.
+    constexpr double part = 0.7;
+    spacing.enough = std::min(finer, part * radius);
   }
   return spacing;
 }
@@ -150,7 +149,8 @@ Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
       zone.most == 1 ? "es" : "", scene_.contacts[static_cast<std::size_t>(obstacle)].name, spacing.found);
   if (spacing.enough > 0) {
     const double ratio = spacing.enough / spacing.found;
-    message += fmt::format(", and five would touch if they were about {:.2g} m apart", spacing.enough);
+    message +=
+        fmt::format(", and five or more would touch if they were about {:.2g} m apart", spacing.enough);
     if (scene_.mesh.size)
       message += fmt::format(" (mesh.size = {:.2g})", *scene_.mesh.size * ratio);
     else if (scene_.mesh.file.extension() == ".geo")

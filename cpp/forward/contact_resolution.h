@@ -33,7 +33,7 @@ private:
   std::vector<Zone> zones_; ///< of each obstacle; empty in the plane
 };
 
-/// The spacing of candidates at one of them, and what would put `wanted` of them into the contact zone.
+/// The spacing of candidates at one of them, and what would put five or more of them into the contact zone.
 struct Spacing {
   double found = 0, ///< mean distance of the nearest candidates of the same obstacle, m
       enough = 0;   ///< m; 0 at an edge or a corner of the body, where there is none
