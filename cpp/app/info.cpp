@@ -81,6 +81,8 @@ std::map<std::string, Cost> costs(const Problem& problem) {
     if (pairs->moving())
       costs["moving obstacle"].step = "the gaps anew";
   }
+  if (problem.probes)
+    costs["probes"].step = fmt::format("{} values", problem.probes->columns().size());
   if (problem.scene_load) {
     const std::string evaluated =
         problem.scene_load->depends_on_time() ? ", evaluated anew" : ", evaluated once";

@@ -186,6 +186,8 @@ Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs n
     throw Interrupted();
   if (s.load)
     scene_load.emplace(space, *s.load, stepper.grid());
+  if (!s.output.probes.empty())
+    probes.emplace(stepper, s);
 }
 
 long Problem::free_dofs() const {

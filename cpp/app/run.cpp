@@ -4,6 +4,7 @@
 #include "app/motion_writer.h"
 #include "app/optimize.h"
 #include "app/run_manifest.h"
+#include "app/summary_lines.h"
 #include "base/collective.h"
 #include "base/error.h"
 #include "io/manifest.h"
@@ -23,7 +24,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
 
   const GivenControl given(problem);
   const forward::ForceAtStep load = given.load();
-  MotionWriter recorder(problem, folder, nullptr);
+  MotionWriter recorder(problem, folder, nullptr, given.acts());
   int steps = 0;
   {
     const auto timer = timers.time("forward");
@@ -43,8 +44,10 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   add_watched(m, recorder, scene.run, console);
   m.files = folder.files();
   folder.write("run.json", io::to_json(m, scene, timers));
-  console.line(fmt::format("{}{} steps in {:.2g} s", complete ? "" : "interrupted after ", steps,
-                           timers.entries().at("forward").seconds));
+  for (const std::string& line : summary_lines(m))
+    console.line(line);
+  console.line(
+      fmt::format("{}{}", complete ? "" : "interrupted after ", cost_line(m, scene, timers, folder.bytes())));
   finish(folder, console);
   return complete ? exit_status::done : exit_status::interrupted;
 }

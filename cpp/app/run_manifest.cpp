@@ -29,6 +29,7 @@ io::Manifest manifest(const Problem& problem, const std::string& verb, const std
   m.cells = static_cast<long>(problem.mesh.cells());
   m.candidates = forward::candidates(problem.stepper);
   m.steps_done = steps_done;
+  m.dim = problem.space.dim();
   if (const auto& control = problem.scene.control)
     m.control_unit =
         control->on && problem.mesh.group_dimension(*control->on, "control.on") < problem.mesh.dim() ? "N/m²"
@@ -46,6 +47,10 @@ void finish(io::OutputFolder& folder, const Console& console) {
 
 void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Run& run,
                  const Console& console) {
+  if (const forward::MotionSummary* summary = recorder.summary()) {
+    manifest.energy = summary->energy();
+    manifest.impact = summary->impact();
+  }
   if (recorder.invariants())
     manifest.invariants.assign(recorder.invariants()->defects().begin(),
                                recorder.invariants()->defects().end());

@@ -18,7 +18,8 @@ std::string headline(const Problem& problem);
 io::Manifest manifest(const Problem& problem, const std::string& verb, const std::string& stop_reason,
                       int steps_done);
 
-/// Adds the recorder's invariants and warnings to run.json and prints those beyond their limits. Collective.
+/// Adds the recorder's sums, invariants and warnings to run.json and prints the latter two where they are
+/// beyond their limits. Collective.
 void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Run& run,
                  const Console& console);
 

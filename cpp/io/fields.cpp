@@ -1,5 +1,6 @@
 #include "io/fields.h"
 #include "base/collective.h"
+#include "base/hdf5.h"
 #include <H5Epublic.h>
 #include <algorithm>
 #include <cerrno>
@@ -10,7 +11,9 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <numeric>
 #include <pugixml.hpp>
+#include <stdexcept>
 #include <system_error>
 
 namespace signorini::io {
@@ -50,6 +53,62 @@ bool whole(const std::filesystem::path& file, std::size_t times) {
   for (std::size_t at = text.find("<Time "); at != std::string::npos; at = text.find("<Time ", at + 1))
     ++found;
   return found == times && text.ends_with("</Xdmf>\n");
+}
+
+/// The datasets of a field in ascending order of time, as the writer calls them.
+struct Order {
+  std::string field;
+  std::vector<std::string> names;
+};
+
+/// The name of a dataset by its number in the order of time.
+std::string numbered(std::size_t number) { return fmt::format("{:08}", number); }
+
+/// Sorts the grids of a field by their times, which are in the order of the grids, and lets them refer to the
+/// datasets by numbers. Returns the datasets' names so far; fewer if the file lacks some.
+std::vector<std::string> number_grids(pugi::xml_node series, const std::vector<double>& times) {
+  std::vector<std::pair<double, pugi::xml_node>> grids;
+  for (pugi::xml_node grid : series.children("Grid"))
+    grids.emplace_back(grids.size() < times.size() ? times[grids.size()] : 0, grid);
+  std::ranges::stable_sort(grids, {}, &std::pair<double, pugi::xml_node>::first);
+  std::vector<std::string> names;
+  for (const auto& [time, grid] : grids) {
+    series.append_move(grid);
+    pugi::xml_text place = grid.child("Attribute").child("DataItem").text(); // state.h5:/Function/y/0_25
+    const std::string path = place.get();
+    const std::size_t name = path.rfind('/') + 1;
+    place.set((path.substr(0, name) + numbered(names.size())).c_str());
+    names.push_back(path.substr(name));
+  }
+  return names;
+}
+
+/// Gives the datasets of all fields their numbers as names, and adds the times. Returns false if that fails.
+bool rename_datasets(const std::filesystem::path& file, const std::vector<Order>& orders,
+                     const std::vector<double>& times) {
+  Opened data(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+  bool good = static_cast<bool>(data);
+  const auto move = [&](const std::string& from, const std::string& to) {
+    good = good && H5Lmove(data, from.c_str(), data, to.c_str(), H5P_DEFAULT, H5P_DEFAULT) >= 0;
+  };
+  const std::string before = "/unordered"; // no dataset has the name that another one is to have
+  for (const Order& order : orders) {
+    const std::string group = "/Function/" + order.field;
+    move(group, before);
+    good = good && Opened(H5Gcreate(data, group.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+    for (std::size_t i = 0; i < order.names.size(); ++i)
+      move(before + "/" + order.names[i], group + "/" + numbered(i));
+    good = good && H5Ldelete(data, before.c_str(), H5P_DEFAULT) >= 0;
+  }
+  const hsize_t count = times.size();
+  const Opened space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  Opened array(good ? H5Dcreate(data, "/times", H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)
+                    : H5I_INVALID_HID,
+               H5Dclose);
+  good = array && H5Dwrite(array, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times.data()) >= 0;
+  good = array.finish() && good;
+  good = good && H5Fflush(data, H5F_SCOPE_GLOBAL) >= 0;
+  return data.finish() && good;
 }
 
 } // namespace
@@ -113,12 +172,9 @@ void FieldFile::write(const std::string& field, Vec values, double time) {
       written.interpolate(open_->own);
       written.x()->scatter_fwd();
     }
-    const auto [last, first] = last_.try_emplace(field, time);
-    sorted_ = sorted_ && (first || last->second < time);
-    last->second = time;
     written.name = field;
     open_->xdmf.write_function(written, time);
-    ++times_;
+    times_[field].push_back(time);
   });
 }
 
@@ -126,35 +182,46 @@ void FieldFile::close() {
   guarded([&] { open_->xdmf.close(); });
   open_.reset();
   on_root(space_.comm(), [&] {
-    if (!sorted_)
-      sort_times();
-    if (!whole(folder_.staged(name_), times_))
+    put_in_order();
+    std::size_t all = 0;
+    for (const auto& [field, times] : times_)
+      all += times.size();
+    if (!whole(folder_.staged(name_), all))
       throw UserError(
           fmt::format("{}: cannot be written (a part of it is missing)", (folder_.path() / name_).string()));
   });
 }
 
-void FieldFile::sort_times() const {
-  const std::string file = folder_.staged(name_);
+void FieldFile::put_in_order() const {
+  const std::filesystem::path file = folder_.staged(name_);
+  const auto fail = [&](const std::string& name, const std::string& why) {
+    throw UserError(fmt::format("{}: cannot be written ({})", (folder_.path() / name).string(), why));
+  };
   constexpr unsigned everything = pugi::parse_default | pugi::parse_doctype | pugi::parse_declaration;
   pugi::xml_document document;
   if (const pugi::xml_parse_result read = document.load_file(file.c_str(), everything); !read)
-    throw UserError(fmt::format("{}: cannot be written (its times cannot be put in order: {})",
-                                (folder_.path() / name_).string(), read.description()));
+    fail(name_, fmt::format("its times cannot be put in order: {}", read.description()));
+  std::vector<double> ascending;
+  std::vector<Order> orders;
   for (pugi::xml_node series : document.child("Xdmf").child("Domain").children("Grid")) {
     if (series.attribute("GridType").value() != std::string("Collection"))
       continue;
-    std::vector<std::pair<double, pugi::xml_node>> grids;
-    for (pugi::xml_node grid : series.children("Grid"))
-      grids.emplace_back(grid.child("Time").attribute("Value").as_double(), grid);
-    std::ranges::stable_sort(grids, {}, &std::pair<double, pugi::xml_node>::first);
-    for (const auto& [time, grid] : grids)
-      series.append_move(grid);
+    const std::string field = series.attribute("Name").value();
+    const std::vector<double>& times = times_.at(field);
+    orders.push_back({field, number_grids(series, times)});
+    std::vector<double> sorted = times;
+    std::ranges::sort(sorted);
+    if (orders.size() > 1 && sorted != ascending)
+      throw std::logic_error("the fields of a file have different times");
+    ascending = std::move(sorted);
   }
   errno = 0;
   if (!document.save_file(file.c_str(), "  ")) // as dolfinx does
-    throw UserError(fmt::format("{}: cannot be written ({})", (folder_.path() / name_).string(),
-                                std::generic_category().message(errno)));
+    fail(name_, std::generic_category().message(errno));
+  errno = 0;
+  const std::filesystem::path data = std::filesystem::path(name_).replace_extension(".h5");
+  if (!rename_datasets(folder_.staged(data), orders, ascending))
+    fail(data, errno ? std::generic_category().message(errno) : "HDF5 cannot name its datasets");
 }
 
 } // namespace signorini::io

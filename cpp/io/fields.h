@@ -4,11 +4,14 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace signorini::io {
 
 /// Fields over time in an XDMF file and the HDF5 file beside it, at the mesh's own nodes (degree 2: their
-/// values at the vertices) or one value for each cell, written one by one during a run.
+/// values at the vertices) or one value for each cell, written one by one during a run. The HDF5 file has the
+/// times in `/times` and the fields in `/Function/<field>/<number>`, numbers in the order of time, with
+/// leading zeros so that names sort.
 class FieldFile {
 public:
   enum class Values { nodal, cellwise };
@@ -24,7 +27,8 @@ public:
   FieldFile(const FieldFile&) = delete;
   FieldFile& operator=(const FieldFile&) = delete;
 
-  /// Writes a field at `time` (s), in any order of times. Collective. Throws WriteFailure.
+  /// Writes a field at `time` (s), in any order of times, the same times for all fields. Collective. Throws
+  /// WriteFailure.
   void write(const std::string& field, Vec values, double time);
 
   /// Closes the file and checks that it is complete. Collective. Throws WriteFailure, UserError.
@@ -32,19 +36,18 @@ public:
 
 private:
   struct Open;
-  /// Sorts the fields' times in ascending order, as readers expect.
-  void sort_times() const;
+  /// Puts the fields in ascending order of times, as readers expect, under the names of the order, and adds
+  /// the times. Throws UserError. On rank 0.
+  void put_in_order() const;
   template <class Work>
   void guarded(Work&& work);
 
   const fem::Space& space_;
   const OutputFolder& folder_;
   std::string name_;
-  bool as_they_are_;      ///< vectors hold the file's values
-  std::size_t times_ = 0; ///< datasets written, of all fields
-  bool sorted_ = true;
-  std::map<std::string, double> last_; ///< time written last, by field
-  std::unique_ptr<Open> open_;         ///< null once closed
+  bool as_they_are_;                                 ///< vectors hold the file's values
+  std::map<std::string, std::vector<double>> times_; ///< of each field, in the order of writing, s
+  std::unique_ptr<Open> open_;                       ///< null once closed
 };
 
 } // namespace signorini::io

@@ -44,7 +44,8 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
           {"terminal term", objective && objective->gamma > 0},
           {"control cost", objective && objective->alpha > 0},
           {"stored fields", !scene.output.fields.empty()},
-          {"tables", !scene.output.tables.empty()}};
+          {"tables", !scene.output.tables.empty()},
+          {"probes", !scene.output.probes.empty()}};
 }
 
 nlohmann::ordered_json versions() {
@@ -55,8 +56,84 @@ nlohmann::ordered_json versions() {
       {"gmsh", GMSH_API_VERSION}};
 }
 
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json vector(const std::array<double, 3>& x, int dim) {
+  return std::vector<double>(x.begin(), x.begin() + dim);
+}
+
+/// Times and peaks are null where there was no contact.
+ordered_json touch(const forward::Touch& one, int dim) {
+  const auto if_any = [&](double value) { return one.occurred() ? ordered_json(value) : ordered_json(); };
+  ordered_json json;
+  if (!one.name.empty())
+    json["name"] = one.name;
+  json["start"] = if_any(one.start);
+  json["end"] = if_any(one.end);
+  json["duration"] = one.end - one.start;
+  json["contact_time"] = one.contact_time;
+  json["impulse"] = vector(one.impulse, dim);
+  json["normal_impulse"] = one.normal_impulse;
+  json["peak"] = one.peak;
+  json["peak_time"] = if_any(one.peak_time);
+  json["normal_peak"] = one.normal_peak;
+  json["largest_step"] = one.largest_step;
+  return json;
+}
+
+ordered_json impact_json(const forward::Impact& impact, int dim) {
+  const auto if_any = [&](const std::array<double, 3>& velocity) {
+    return impact.all.occurred() ? vector(velocity, dim) : ordered_json();
+  };
+  ordered_json json{{"mass", impact.mass}, {"obstacles", ordered_json::array()}};
+  for (const forward::Touch& one : impact.obstacles)
+    json["obstacles"].push_back(touch(one, dim));
+  json["all"] = touch(impact.all, dim);
+  json["ended"] = impact.ended;
+  json["velocity_before"] = if_any(impact.before);
+  json["velocity_after"] = if_any(impact.after);
+  json["restitution"] = impact.restitution ? ordered_json(*impact.restitution) : ordered_json();
+  return json;
+}
+
+ordered_json energy_json(const forward::EnergyAccount& energy) {
+  return {{"kinetic_at_start", energy.kinetic_at_start},
+          {"elastic_at_start", energy.elastic_at_start},
+          {"load_work", energy.load_work},
+          {"control_and_clamp_work", energy.other_work},
+          {"contact_work", energy.contact_work},
+          {"viscous_dissipation", energy.viscous_dissipation},
+          {"residual", energy.residual},
+          {"kinetic_at_end", energy.kinetic_at_end},
+          {"elastic_at_end", energy.elastic_at_end}};
+}
+
+/// What a search adds.
+void add_search(ordered_json& json, const Manifest& m, const scene::Scene& scene) {
+  if (m.iterations)
+    json["optimizer"] = {{"iterations", *m.iterations},
+                         {"forward_sweeps", m.forward_sweeps.value_or(0)},
+                         {"adjoint_sweeps", m.adjoint_sweeps.value_or(0)},
+                         {"metric", scene.control->lower || scene.control->upper ? "lumped L2" : "L2"}};
+  if (m.kink) {
+    ordered_json weak = ordered_json::array();
+    for (const WeakContact& contact : m.kink->weak)
+      weak.push_back({{"step", contact.step},
+                      {"time", contact.time},
+                      {"candidate", contact.candidate},
+                      {"node", contact.x}});
+    json["kink"] = {{"shortest_combination", m.kink->length},
+                    {"radius", m.kink->radius},
+                    {"gradients", m.kink->gradients},
+                    {"weak_contact", weak}};
+  }
+}
+
+} // namespace
+
 std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& timers) {
-  using nlohmann::ordered_json;
   char host[256] = "";
   gethostname(host, sizeof host - 1);
   ordered_json json;
@@ -82,23 +159,11 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
                          {"tracking", m.objective->tracking},
                          {"terminal", m.objective->terminal},
                          {"control_cost", m.objective->control_cost}};
-  if (m.iterations)
-    json["optimizer"] = {{"iterations", *m.iterations},
-                         {"forward_sweeps", m.forward_sweeps.value_or(0)},
-                         {"adjoint_sweeps", m.adjoint_sweeps.value_or(0)},
-                         {"metric", scene.control->lower || scene.control->upper ? "lumped L2" : "L2"}};
-  if (m.kink) {
-    ordered_json weak = ordered_json::array();
-    for (const WeakContact& contact : m.kink->weak)
-      weak.push_back({{"step", contact.step},
-                      {"time", contact.time},
-                      {"candidate", contact.candidate},
-                      {"node", contact.x}});
-    json["kink"] = {{"shortest_combination", m.kink->length},
-                    {"radius", m.kink->radius},
-                    {"gradients", m.kink->gradients},
-                    {"weak_contact", weak}};
-  }
+  add_search(json, m, scene);
+  if (m.impact)
+    json["impact"] = impact_json(*m.impact, m.dim);
+  if (m.energy)
+    json["energy"] = energy_json(*m.energy);
   for (const forward::Invariants::Defect& defect : m.invariants)
     json["invariants"][defect.name] = {{"worst", defect.worst}, {"step", defect.step}};
   json["warnings"] = ordered_json::array();

@@ -2,6 +2,7 @@
 #include "base/timers.h"
 #include "control/objective.h"
 #include "forward/invariants.h"
+#include "forward/motion_summary.h"
 #include "forward/plausibility.h"
 #include "scene/scene.h"
 #include <nlohmann/json_fwd.hpp>
@@ -37,7 +38,10 @@ struct Manifest {
   std::string control_unit; ///< of control.scale, empty without a control
   std::string solver;       ///< of the steps, and the reason of its choice
   double peak_memory = 0;   ///< bytes, summed over the ranks
+  int dim = 2;
   std::optional<control::Value> objective;
+  std::optional<forward::EnergyAccount> energy;        ///< of the motion stored; absent if not summed up
+  std::optional<forward::Impact> impact;               ///< likewise, and in a scene without contact
   std::vector<forward::Invariants::Defect> invariants; ///< of the motion stored; empty if not monitored
   std::vector<forward::Warning> warnings;              ///< of the motion stored
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;

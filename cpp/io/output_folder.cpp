@@ -11,9 +11,9 @@ namespace fs = std::filesystem;
 namespace {
 
 /// The fixed names of a run's files, data before the files that refer to them.
-constexpr std::array file_names{"state.h5",     "control.h5",   "adjoint.h5", "state.xdmf",
-                                "control.xdmf", "adjoint.xdmf", "steps.csv",  "contact.csv",
-                                "history.csv",  "scene.toml",   "run.json"};
+constexpr std::array file_names{"state.h5",     "control.h5", "adjoint.h5",  "state.xdmf",    "control.xdmf",
+                                "adjoint.xdmf", "steps.csv",  "contact.csv", "obstacles.csv", "probes.csv",
+                                "history.csv",  "scene.toml", "run.json"};
 
 constexpr const char *manifest = file_names.back(), *unfinished = ".unfinished-";
 
@@ -80,6 +80,15 @@ FolderLock::Names OutputFolder::files() const {
   if (fs::exists(folder_ / checkpoint, none))
     found.emplace_back(checkpoint);
   return found;
+}
+
+double OutputFolder::bytes() const {
+  double sum = 0;
+  std::error_code none;
+  for (const char* name : file_names)
+    if (const auto size = fs::file_size(staged(name), none); rank(comm_) == 0 && !none)
+      sum += static_cast<double>(size);
+  return sum;
 }
 
 void OutputFolder::write(const std::string& name, const std::string& text) const {

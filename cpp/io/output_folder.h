@@ -38,6 +38,9 @@ public:
   /// The files that run.json, written last, lists: those of this run, and a checkpoint that stays. On rank 0.
   [[nodiscard]] FolderLock::Names files() const;
 
+  /// Size of what has been written so far, bytes. Zero on ranks other than 0.
+  [[nodiscard]] double bytes() const;
+
   [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
 

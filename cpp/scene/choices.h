@@ -60,8 +60,8 @@ constexpr Names<3> names(OnViolation) { return {"warn", "stop", "off"}; }
 enum class StoredField { displacement, velocity, control, adjoint };
 constexpr Names<4> names(StoredField) { return {"displacement", "velocity", "control", "adjoint"}; }
 
-enum class StoredTable { steps, contact, history };
-constexpr Names<3> names(StoredTable) { return {"steps", "contact", "history"}; }
+enum class StoredTable { steps, contact, obstacles, probes, history };
+constexpr Names<5> names(StoredTable) { return {"steps", "contact", "obstacles", "probes", "history"}; }
 
 /// The name of a choice.
 template <class E>

@@ -38,6 +38,13 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   return scene;
 }
 
+int Output::automatic(int steps) {
+  int every = 1;
+  for (int digit = 0; (steps - 1) / every + 1 > most_frames; digit = (digit + 1) % 3)
+    every = digit == 1 ? every / 2 * 5 : every * 2;
+  return every;
+}
+
 std::string contact_key(const std::vector<Contact>& contacts, std::size_t i) {
   return contacts.size() == 1 ? "contact" : fmt::format("contact[{}]", i);
 }

@@ -105,6 +105,68 @@ void require_rules(Reader& in, const Trajectory& trajectory, const Scene&) {
                         name(trajectory.storage)));
 }
 
+namespace {
+
+/// The name of one of several things of a `kind`, for columns and rows of tables: `<kind> <number>` where the
+/// table gives none. `others` has the names of those before it, and their keys.
+std::string unique_name(Reader& in, const char* kind, std::size_t number,
+                        const std::vector<std::pair<std::string, std::string>>& others) {
+  const std::string name = in.has("name") ? in.text("name") : fmt::format("{} {}", kind, number);
+  if (name.find_first_of(",\"") != std::string::npos)
+    in.fail(
+        "name",
+        fmt::format("found '{}', allowed is a text without commas and quotes: it stands in tables", name));
+  for (const auto& [other, key] : others)
+    if (other == name)
+      in.fail("name", fmt::format("found \"{}\", which {} has too, allowed is another", name, key));
+  return name;
+}
+
+} // namespace
+
+std::string obstacle_name(Reader& in, const Scene& scene) {
+  std::vector<std::pair<std::string, std::string>> others;
+  for (std::size_t i = 0; i + 1 < scene.contacts.size(); ++i)
+    others.emplace_back(scene.contacts[i].name, fmt::format("contact[{}]", i));
+  return unique_name(in, "obstacle", scene.contacts.size(), others);
+}
+
+void require_rules(Reader& in, Probe& probe, const Scene& scene) {
+  std::vector<std::pair<std::string, std::string>> others;
+  for (std::size_t i = 0; i + 1 < scene.output.probes.size(); ++i)
+    others.emplace_back(scene.output.probes[i].name, fmt::format("output.probe[{}]", i));
+  probe.name = unique_name(in, "probe", scene.output.probes.size(), others);
+  std::vector<std::string> found;
+  for (const char* key : {"point", "on", "obstacle", "body"})
+    if (in.has(key))
+      found.emplace_back(key);
+  if (found.empty())
+    in.finish(); // reports a misspelt key, the likeliest reason
+  if (found.size() != 1)
+    in.fail("", fmt::format("found {}, allowed is one of point, on, obstacle, body",
+                            found.empty() ? "none of them" : list(found)));
+  if (probe.body && !*probe.body)
+    in.fail("body", "found false, allowed is true, or no table [[output.probe]]");
+  if (!probe.obstacle)
+    return;
+  if (scene.contacts.empty())
+    in.fail("obstacle", "has no meaning without contact; allowed with a table [contact]");
+  std::vector<std::string> names;
+  for (const Contact& contact : scene.contacts)
+    names.push_back(contact.name);
+  if (std::ranges::find(names, *probe.obstacle) == names.end()) {
+    const std::string near = nearest(*probe.obstacle, names);
+    in.fail("obstacle",
+            fmt::format("found \"{}\"{}, allowed: {}", *probe.obstacle,
+                        near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), list(names)));
+  }
+}
+
+void require_rules(Reader& in, Output& output, const Scene& scene) {
+  if (!in.has("every"))
+    output.every = Output::automatic(scene.time.steps);
+}
+
 void require_rules(Reader& in, const Exact& exact, const Scene& scene) {
   for (const char* key : {"pressure", "impulse", "peak_force", "contact_start", "contact_time"})
     if (in.has(key) && scene.contacts.empty())
@@ -201,6 +263,8 @@ void require_dimension(const Scene& scene, int dim) {
       require.vector(desired->displacement.size(), "objective.desired.displacement");
   }
   require.vector(scene.check.control, "check.control");
+  for (std::size_t i = 0; i < scene.output.probes.size(); ++i)
+    require.vector(scene.output.probes[i].point, fmt::format("output.probe[{}].point", i));
   if (scene.exact)
     require.vector(scene.exact->displacement, "exact.displacement");
 }

@@ -89,6 +89,7 @@ using Obstacle = std::variant<HalfSpace, Ball, Cylinder, SignedDistance>;
 struct Contact {
   std::string on; ///< physical group of the contact candidates
   Obstacle obstacle;
+  std::string name; ///< of the obstacle, in tables; no two have the same
   ContactMass mass = ContactMass::consistent;
   ContactStart initial = ContactStart::outside;
 
@@ -192,13 +193,27 @@ struct Exact {
   std::optional<double> contact_time;     ///< total duration of contact, s
 };
 
+/// One table [[output.probe]]: what is followed over time, by exactly one of the members after the name.
+struct Probe {
+  std::string name;                         ///< of its columns; no two have the same
+  std::optional<std::vector<double>> point; ///< of the undeformed body, m
+  std::optional<std::string> on;            ///< physical group of a part of the body or of a surface
+  std::optional<std::string> obstacle;      ///< name of an obstacle
+  std::optional<bool> body;                 ///< true
+};
+
 /// Table [output].
 struct Output {
   int every = 1; ///< steps between stored fields
   std::vector<StoredField> fields{StoredField::displacement, StoredField::velocity, StoredField::control,
                                   StoredField::adjoint}; ///< stored where a run has them
-  std::vector<StoredTable> tables{StoredTable::steps, StoredTable::contact,
-                                  StoredTable::history}; ///< likewise
+  std::vector<StoredTable> tables{StoredTable::steps, StoredTable::contact, StoredTable::obstacles,
+                                  StoredTable::probes, StoredTable::history}; ///< likewise
+  std::vector<Probe> probes;
+
+  static constexpr int most_frames = 300; ///< stored after the first where `every` is not given
+  /// The least of 1, 2, 5, 10, 20, … that makes of so many steps no more than most_frames.
+  [[nodiscard]] static int automatic(int steps);
 
   [[nodiscard]] bool field(StoredField one) const { return std::ranges::find(fields, one) != fields.end(); }
   [[nodiscard]] bool table(StoredTable one) const { return std::ranges::find(tables, one) != tables.end(); }

@@ -115,23 +115,31 @@ Key<Contact> obstacle() {
       .required = true,
       .meaning = "in turn with `point` and `normal`; with `center`, `radius`, `side`; with `point`, `axis`, "
                  "`radius`, `side`; with `distance`"};
+  const Entry called{"name",
+                     {.meaning = "in tables and messages", .part = Part::none},
+                     Text{"text"}.words(),
+                     "by order, `\"obstacle 1\"`, `\"obstacle 2\"` …",
+                     Text::schema(),
+                     {}};
   Key<Contact> key{{"obstacle", {.required = true, .effect = "contact"}, {}, {}, {}, {}}};
   for (const auto& keys :
        {entries<HalfSpace>(), entries<Ball>(), entries<Cylinder>(), entries<SignedDistance>()}) {
     const std::string& name = shapes[key.json["oneOf"].size()];
-    std::vector<Entry> all{{"shape", said, quoted(shapes), {}, {{"const", name}}, {}}};
+    std::vector<Entry> all{{"shape", said, quoted(shapes), {}, {{"const", name}}, {}}, called};
     all.insert(all.end(), keys.begin(), keys.end());
     key.json["oneOf"].push_back(object(all));
     key.children.insert(key.children.end(), all.begin(), all.end());
   }
   key.read = [](Reader& in, Contact& to, const Scene& scene) {
     Reader table = in.table("obstacle");
+    to.name = obstacle_name(table, scene);
     to.obstacle = alternative(table.choice("shape", all_names<Shape>()), to.obstacle);
     std::visit([&](auto& one) { read_keys(table, one, scene); }, to.obstacle);
   };
   key.line = [](const Contact& from) {
     const auto shape = static_cast<Shape>(from.obstacle.index());
-    const auto on_line = [&](const auto& one) { return on_one_line(one, "shape = " + written(name(shape))); };
+    const std::string first = fmt::format("name = {}, shape = {}", written(from.name), written(name(shape)));
+    const auto on_line = [&](const auto& one) { return on_one_line(one, first); };
     return std::visit(on_line, from.obstacle);
   };
   return key;
@@ -317,13 +325,31 @@ Keys<Run> keys_of(Of<Run>) {
                 "of these and of those that `check` looks at, relative")};
 }
 
+Keys<Probe> keys_of(Of<Probe>) {
+  return {value("name", &Probe::name, Text{"text"}, "", "of its columns in `probes.csv`",
+                {.otherwise = "by order, `\"probe 1\"`, `\"probe 2\"` …"}),
+          value("point", &Probe::point, Numbers{}, "m",
+                "of the undeformed body, in a table `[[output.probe]]`: displacement and velocity there"),
+          value("on", &Probe::on, Text{}, "",
+                "in place of `point`, of the body or of the boundary: mean displacement and velocity; where "
+                "clamps hold nodes of the boundary, their reaction"),
+          value("obstacle", &Probe::obstacle, Text{"name of an obstacle"}, "",
+                "in place of `point`: the force by which it pushes the body, and its impulse so far"),
+          value("body", &Probe::body, Flag{}, "",
+                "in place of `point`, `true`: centre of mass, momentum, mean rotation (rad) of the body")};
+}
+
 Keys<Output> keys_of(Of<Output>) {
   return {value("every", &Output::every, Whole{1, Time::most_steps}, "steps",
-                "between stored fields and contact; the last step is stored too"),
+                "between stored fields and contact; the last step is stored too. Other tables have a row for "
+                "each step",
+                {.otherwise =
+                     fmt::format("the least of 1, 2, 5, 10, … that stores {} at most", Output::most_frames)}),
           value("fields", &Output::fields, Set<StoredField>{}, "",
                 "those stored, where the verb has them; `[]` for none, which then cost nothing",
                 {.effect = "stored fields"}),
-          value("tables", &Output::tables, Set<StoredTable>{}, "", "likewise", {.effect = "tables"})};
+          value("tables", &Output::tables, Set<StoredTable>{}, "", "likewise", {.effect = "tables"}),
+          sections("probe", &Output::probes, {.effect = "probes"})};
 }
 
 Keys<Scene> keys_of(Of<Scene>) {

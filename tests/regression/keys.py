@@ -636,8 +636,38 @@ def invariants() -> None:
     assert attempt("check", BLOCK, **less_than_rounding).returncode == 1
 
 
+@key("contact.obstacle.name")
+def obstacle_name() -> None:
+    plane = {"shape": "half-space", "point": [0, -0.1], "normal": [0, 1]}
+    for names, expected in ((({}, {}), ["obstacle 1", "obstacle 2"]), (({"name": "floor"}, {}), ["floor", "obstacle 2"])):
+        done = simulate(contact=[{"on": "bottom", "obstacle": plane | names[0]}, {"on": "left", "obstacle": plane | names[1]}])
+        assert [contact["obstacle"]["name"] for contact in done.echo["contact"]] == expected
+        assert list(table(done.folder / "obstacles.csv")["obstacle"]) == 31 * expected
+        assert [one["name"] for one in done.manifest["impact"]["obstacles"]] == expected
+
+
+@key("output.probe.name", "output.probe.point", "output.probe.on", "output.probe.obstacle", "output.probe.body")
+def probes() -> None:
+    done = simulate(output__probe=[{"name": "corner", "point": [0, 1]}, {"on": "body"}, {"name": "floor", "obstacle": "obstacle 1"},
+                                   {"name": "all", "body": True}])  # fmt: skip
+    found = table(done.folder / "probes.csv")
+    assert not (plain_run().folder / "probes.csv").exists()
+    corner = np.flatnonzero(abs(done.points[:, :2] - [0, 1]).max(axis=1) < ROUNDING)
+    for field in ("displacement", "velocity"):
+        near(np.column_stack([found[f"corner.{field}_{axis}"] for axis in "xy"]), done.field(field)[:, corner[0]])
+        near(found["all.center_y"] - 0.5, found["probe 2.displacement_y"])
+    near(found["all.momentum_x"], found["probe 2.velocity_x"])
+    near(found["floor.force_y"], done.steps["contact_force_y"])
+    near(found["floor.impulse_x"][-1], 0.02 * done.steps["contact_force_x"].sum())
+    assert abs(found["all.rotation"]).max() > 0.01, "one corner comes first"
+
+
 @key("output.every")
 def output_every() -> None:
+    for step, every in ((0.02, 1), (0.002, 1), (0.00125, 2), (0.0005, 5)):  # 30, 300, 480, 1200 steps
+        done = simulate(time__step=step, output__fields=["displacement"])
+        assert done.echo["output"]["every"] == every and len(done.field("displacement")) == round(0.6 / step / every) + 1
+        assert len(done.steps["step"]) == round(0.6 / step) + 1
     for every, stored in ((1, 31), (7, 6), (30, 2), (100, 2)):  # the first and the last state always
         done = optimize(output__every=every)
         assert len(done.field("displacement")) == stored and len(done.field("control", "control")) == stored - 1
@@ -652,7 +682,7 @@ def output_files() -> None:
         done = optimize(output__fields=[field], output__tables=[])
         assert {path.name for path in done.folder.iterdir()} == always | {f"{name}.xdmf", f"{name}.h5"}
         assert abs(done.field(field, name)).max() > 0 or field == "control"
-    for name in ("steps", "contact", "history"):
+    for name in ("steps", "contact", "obstacles", "history"):
         done = optimize(output__fields=[], output__tables=[name])
         assert {path.name for path in done.folder.iterdir()} == always | {f"{name}.csv"}
 
@@ -701,6 +731,7 @@ FULL = (
             {"on": "bottom", "obstacle": {"shape": "signed-distance", "distance": "y + 1"}},
         ],
         "control__on": "body", "control__lower": -9, "control__upper": 9, "objective__on": "body", "check__control": ["0", "0"],
+        "output__probe": [{"point": [0.5, 0.5]}, {"on": "top"}, {"obstacle": "obstacle 3"}, {"body": True}],
     }),
     (DATA / "two-materials.toml", {"objective__desired": {"displacement": ["0", "0"]}, "trajectory__storage": "checkpoints"}),
     (BLOCK, {"objective__desired": {"run": "somewhere"}}),

@@ -15,6 +15,8 @@ import numpy as np  # noqa: E402
 
 STEPS = ("step,time,kinetic_energy,elastic_energy,viscous_dissipation,external_work,contact_work,energy_residual,"
          "contact_force_x,contact_force_y,active,weak,min_gap,vi_iterations,momentum_residual,complementarity")  # fmt: skip
+LAST = ",normal_force,load_work"
+LAST = ",normal_force,load_work"
 CONTACT = "step,time,x,y,gap,force"
 STEPS_IN_SPACE = STEPS.replace("contact_force_y,", "contact_force_y,contact_force_z,")
 CONTACT_IN_SPACE = "step,time,x,y,z,gap,force"
@@ -36,13 +38,17 @@ def grids(file: Path) -> dict[str, list[float]]:
             assert list(h5[path].shape) == [int(n) for n in item.get("Dimensions").split()]
     for collection in xml.parse(file).iter("Grid"):
         if collection.get("GridType") == "Collection":
-            found[collection.get("Name")] = [float(t.get("Value")) for t in collection.iter("Time")]
+            times = found[collection.get("Name")] = [float(t.get("Value")) for t in collection.iter("Time")]
+            names = [item.text.split("/")[-1] for item in collection.iter("DataItem") if "/Function/" in item.text]
+            with h5py.File(file.with_suffix(".h5")) as h5:
+                assert np.array_equal(h5["times"][:], times) and times == sorted(times)
+                assert names == list(h5["Function"][collection.get("Name")]) == sorted(names), "names in the order of time"
     return found
 
 
 def optimize_folder(out: Path) -> None:
     signorini("optimize", HALF_DISC, out, mesh__size=2, optimizer__max_iterations=4, output__every=50)
-    assert header(out / "steps.csv") == STEPS + ",tracking_error"
+    assert header(out / "steps.csv") == STEPS + ",tracking_error" + LAST
     assert header(out / "contact.csv") == CONTACT and header(out / "history.csv") == HISTORY
     stored = [0, 50 * 5e-5, 100 * 5e-5, 150 * 5e-5]
     assert {k: np.allclose(v, stored) for k, v in grids(out / "state.xdmf").items()} == {"displacement": True, "velocity": True}
@@ -78,7 +84,7 @@ def simulate_replaces_optimize(out: Path) -> None:
     signorini("simulate", HALF_DISC, out, mesh__size=2, control__initial=["0", "-1"])
     assert not (out / "history.csv").exists() and not (out / "control.h5").exists()
     assert (out / "notes.txt").read_text() == "mine", "a file that is not the program's was touched"
-    assert header(out / "steps.csv") == STEPS
+    assert header(out / "steps.csv") == STEPS + LAST
     assert "adjoint" not in json.loads((out / "run.json").read_text())["timings"]
     print("simulate: no adjoint, no history, nothing left of the earlier run")
 
@@ -108,7 +114,7 @@ def half_ball(folder: Path) -> None:
         out = folder / f"ball-{degree}-{ranks}"
         signorini("optimize", HALF_BALL, out, ranks, mesh__size=4, mesh__degree=degree, time__step=2.5e-4, output__every=10,
                   optimizer__max_iterations=0, control__initial=["0", "0", "-1"])  # fmt: skip
-        assert header(out / "steps.csv") == STEPS_IN_SPACE + ",tracking_error"
+        assert header(out / "steps.csv") == STEPS_IN_SPACE + ",tracking_error" + LAST
         assert header(out / "contact.csv") == CONTACT_IN_SPACE
         stored = [0, 2.5e-3, 5e-3, 7.5e-3]
         assert np.allclose(grids(out / "state.xdmf")["displacement"], stored)

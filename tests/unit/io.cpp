@@ -166,7 +166,7 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
                            states.push_back(frame.contact);
                            invariants.observe(frame, balance.back());
                            io::add_steps_row(steps, frame.k, problem.stepper.grid().time(frame.k), dim,
-                                             balance.back(), invariants, frame.contact,
+                                             balance.back(), invariants, frame.contact, 2.5 * frame.k,
                                              tracking ? std::optional(1.0 / (frame.k + 3)) : std::nullopt);
                            io::add_contact_rows(contact, frame.k, problem.stepper.grid(), pairs,
                                                 frame.contact);
@@ -178,7 +178,8 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
       for (const auto* table : {&rows, &candidates})
         for (const auto& row : *table)
           CHECK(row.size() == table->front().size());
-      CHECK((rows.front().back() == "tracking_error") == tracking);
+      CHECK(rows.front().back() == "load_work");
+      CHECK((rows.front()[rows.front().size() - 3] == "tracking_error") == tracking);
       int pushed = 0;
       for (std::size_t k = 0; k < balance.size(); ++k) {
         CHECK(number(rows, k, "step") == static_cast<double>(k));
@@ -187,6 +188,8 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
               balance[k].contact_force[static_cast<std::size_t>(dim) - 1]);
         CHECK(number(rows, k, "active") == static_cast<double>(states[k].active.size()));
         CHECK(number(rows, k, "min_gap") == std::ranges::min(states[k].gap));
+        CHECK(number(rows, k, "normal_force") == 2.5 * static_cast<double>(k));
+        CHECK(number(rows, k, "load_work") == balance[k].load_work);
         if (tracking)
           CHECK(number(rows, k, "tracking_error") == 1.0 / (static_cast<double>(k) + 3));
         for (std::size_t i = 0; i < m; ++i) {

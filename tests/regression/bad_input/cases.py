@@ -138,7 +138,8 @@ def range_cases() -> list[Case]:
         edited("field that is a number", "every = 1", "every = 1\nfields = [1]", "output.fields: found 1", "allowed",
                at="fields ="),
         edited("unknown table of output", "every = 1", 'every = 1\ntables = ["steps", "energies"]', "output.tables: found",
-               "energies", "steps, contact, history", at="tables ="),
+               "energies", "steps, contact, obstacles, probes, history", at="tables ="),
+        *probe_cases(),
         edited("scale of zero", "scale = 1e6", "scale = 0", "control.scale: found 0", "greater than 0"),
         edited("negative alpha", "alpha = 1e-2", "alpha = -1e-2", "objective.alpha: found -0.01", "at least 0"),
         edited("negative gamma", "gamma = 7.5e-4", "gamma = -7.5e-4", "objective.gamma: found -0.00075", "at least 0"),
@@ -716,6 +717,42 @@ def space_cases() -> list[Case]:
     ]
 
 
+def probe_cases() -> list[Case]:
+    """What is to be followed over time, and names that stand in tables."""
+
+    def probe(name: str, keys: str, *expect: Expected, at: str = "[[output.probe]]", **more: object) -> Case:
+        return edited(name, "every = 1", f"every = 1\n\n[[output.probe]]\n{keys}", *expect, at=at, **more)
+
+    twice = 'name = "a"\nbody = true\n\n[[output.probe]]\npoint = [0, 0.5]\nname = "a" # again'
+    obstacle = "obstacle = { shape"
+    return [
+        probe("probe of nothing", 'name = "a"', "output.probe[0]: found none of them", "point, on, obstacle, body"),
+        probe("probe of two things", 'on = "top"\npoint = [0, 0.5]', "output.probe[0]: found point, on", "allowed is one of"),
+        probe("misspelt key of a probe", "pont = [0, 0.5]", "output.probe[0].pont: unknown", '"point"', at="pont ="),
+        probe("probe with a comma in its name", 'name = "a, b"\nbody = true', "output.probe[0].name: found 'a, b'", "without commas",
+              at="name ="),
+        probe("probe with a name that another one has", twice, 'output.probe[1].name: found "a"', "output.probe[0] has too",
+              at='name = "a" # again'),
+        probe("probe at a point of three components", "point = [0, 0.5, 0]", "output.probe[0].point: found 3 components",
+              "allowed are 2", at=""),
+        probe("probe outside of the body", "point = [0, 3]", "output.probe[0].point: found (0, 3)", "2 m outside of the body", at="",
+              verb="simulate"),
+        probe("probe outside of the body, two ranks", "point = [0, 3]", "output.probe[0].point: found (0, 3)", at="", ranks=2),
+        probe("probe of a group that is not there", 'on = "topp"', "output.probe[0].on: ", '"topp"', "top", at=""),
+        probe("probe of an obstacle that is not there", 'obstacle = "obstacel 1"', 'output.probe[0].obstacle: found "obstacel 1"',
+              'did you mean "obstacle 1"?', "allowed: obstacle 1", at='obstacle = "'),
+        probe("probe of no body", "body = false", "output.probe[0].body: found false", "allowed is true", at="body ="),
+        probe("probe of a body that is a number", "body = 1", "output.probe[0].body: found 1", "true and false", at="body ="),
+        edited("obstacle with a quote in its name", obstacle, "obstacle = { name = 'a \"', shape", "contact.obstacle.name: found",
+               "without commas and quotes", at="obstacle ="),
+        edited("obstacle with an empty name", obstacle, 'obstacle = { name = "", shape', "contact.obstacle.name: found \"\"",
+               "not empty", at="obstacle ="),
+        Case("obstacles with the same name", ("contact[1].obstacle.name: found", "obstacle 2", "contact[0] has too"), edits=(
+            ("[contact]", '[[contact]]\non = "bottom"\nobstacle = { name = "obstacle 2", shape = "half-space", point = [0, -0.2], '
+             "normal = [0, 1] }\n[[contact]]"),)),
+    ]
+
+
 def desired_run_cases() -> list[Case]:
     """Desired states that no earlier run left as they are needed."""
     by_run = (('desired = { control = ["0", "-1"] }', 'desired = { run = "earlier" }'),)
@@ -752,6 +789,10 @@ def desired_run_cases() -> list[Case]:
         wrong("desired run with a value that is no number", *allowed, '"displacement" at 0.00015 s is damaged', value=float("nan")),
         wrong("desired run with a value that is no number, two ranks", "is damaged", value=float("inf"), ranks=2),
         wrong("desired run with a time that is none", *allowed, "damaged", names=("0_0", "later")),
+        *(wrong(f"desired run that lists its times {how}", *allowed, "damaged", names=("00000000", "00000001"), listed=listed)
+          for how, listed in (("backwards", (1.5e-4, 0.0)), ("with one missing", (0.0,)), ("as no numbers", (0.0, float("nan"))))),
+        wrong("desired run that lists its times and ends early", *allowed, "from 0 to 0.0001 s", names=("00000000", "00000001"),
+              listed=(0.0, 1e-4)),
         Case("desired run of degree 2", ("objective.desired.run: ", "mesh.degree = 2", "allowed is 1"),
              edits=(*by_run, ("[time]", "degree = 2\n\n[time]")), verb="optimize"),
         Case("desired run in the way", ("--out: ", "objective.desired.run", "allowed is another"), edits=(
