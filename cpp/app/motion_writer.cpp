@@ -1,8 +1,10 @@
 #include "app/motion_writer.h"
 #include "base/error.h"
 #include <fmt/format.h>
+#include <tuple>
 
 namespace signorini {
+using Field = scene::StoredField;
 
 MotionWriter::MotionWriter(const Problem& problem, const io::OutputFolder& folder,
                            const control::Objective* objective)
@@ -19,15 +21,30 @@ MotionWriter::MotionWriter(const Problem& problem, const io::OutputFolder& folde
     steps_.emplace(folder, "steps.csv");
     steps_->append(io::steps_header(dim, objective != nullptr));
   }
-  if (output.table(scene::StoredTable::contact) && problem.stepper.pairs()) {
+  const contact::ContactPairs* pairs = problem.stepper.pairs();
+  const bool contact = pairs && output.table(scene::StoredTable::contact);
+  if (contact || output.field(Field::pressure))
+    pressure_.emplace(problem.space, *pairs, problem.scene.contacts);
+  if (contact) {
+    contact_table_.emplace(*pairs, *pressure_);
     contact_.emplace(folder, "contact.csv");
-    contact_->append(io::contact_header(*problem.stepper.pairs()));
+    contact_->append(contact_table_->header());
   }
-  const std::size_t fields =
-      output.field(scene::StoredField::displacement) + output.field(scene::StoredField::velocity);
-  const auto times = static_cast<std::size_t>((problem.steps() - 1) / output.every + 2);
+  open_state(folder);
+}
+
+void MotionWriter::open_state(const io::OutputFolder& folder) {
+  const scene::Output& output = problem_.scene.output;
+  std::size_t fields = 0; // in vectors
+  for (const Field field : {Field::displacement, Field::velocity, Field::von_mises, Field::pressure})
+    fields += output.field(field);
+  for (const Field field : {Field::strain, Field::stress})
+    fields += 3 * static_cast<std::size_t>(output.field(field));
+  const auto times = static_cast<std::size_t>((problem_.steps() - 1) / output.every + 2);
   if (fields > 0)
-    state_.emplace(problem.space, folder, "state.xdmf", fields * times);
+    state_.emplace(problem_.space, folder, "state.xdmf", fields * times);
+  if (output.field(Field::strain) || output.field(Field::stress) || output.field(Field::von_mises))
+    cell_fields_.emplace(problem_.space, fem::parts(problem_.mesh, problem_.scene.materials));
 }
 
 void MotionWriter::operator()(const forward::Frame& frame) {
@@ -56,16 +73,38 @@ void MotionWriter::operator()(const forward::Frame& frame) {
 }
 
 void MotionWriter::store(const forward::Frame& frame) {
-  const forward::TimeGrid& grid = problem_.stepper.grid();
   if (contact_) {
     text_.clear();
-    io::add_contact_rows(text_, frame.k, grid, *problem_.stepper.pairs(), frame.contact);
+    contact_table_->add_rows(text_, frame.k, problem_.stepper.grid(), frame.contact);
     contact_->append(text_);
   }
-  if (state_ && problem_.scene.output.field(scene::StoredField::displacement))
-    state_->write("displacement", frame.y1, grid.time(frame.k));
-  if (state_ && problem_.scene.output.field(scene::StoredField::velocity))
-    state_->write("velocity", frame.v1, grid.time(frame.k));
+  if (state_)
+    store_fields(frame);
+}
+
+void MotionWriter::store_fields(const forward::Frame& frame) {
+  const scene::Output& output = problem_.scene.output;
+  const double t = problem_.stepper.grid().time(frame.k);
+  if (output.field(Field::displacement))
+    state_->write("displacement", frame.y1, t);
+  if (output.field(Field::velocity))
+    state_->write("velocity", frame.v1, t);
+  if (cell_fields_)
+    cell_fields_->set(frame.y1, frame.v1);
+  using Values = io::FieldFile::Values;
+  for (const auto& [name, field, values] :
+       {std::tuple{Field::strain, fem::CellField::strain, Values::cellwise_tensor},
+        {Field::stress, fem::CellField::stress, Values::cellwise_tensor},
+        {Field::von_mises, fem::CellField::von_mises, Values::cellwise_scalar}})
+    if (output.field(name))
+      state_->write(scene::name(name), (*cell_fields_)(field), t, values);
+  if (output.field(Field::pressure)) {
+    const double impulse = problem_.stepper.grid().scheme(frame.k).impulse();
+    state_->write("pressure",
+                  contact::at_nodes(problem_.space, *problem_.stepper.pairs(),
+                                    (*pressure_)(frame.contact.lambda, impulse)),
+                  t, Values::nodal_scalar);
+  }
 }
 
 void MotionWriter::finish() {

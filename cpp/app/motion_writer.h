@@ -2,6 +2,7 @@
 #include "app/problem.h"
 #include "forward/invariants.h"
 #include "forward/plausibility.h"
+#include "io/contact_table.h"
 #include "io/csv_tables.h"
 #include "io/fields.h"
 #include <optional>
@@ -35,7 +36,10 @@ public:
   void finish();
 
 private:
+  /// Opens state.xdmf if a field in it is asked for.
+  void open_state(const io::OutputFolder& folder);
   void store(const forward::Frame& frame);
+  void store_fields(const forward::Frame& frame);
 
   const Problem& problem_;
   const control::Objective* objective_;
@@ -43,7 +47,10 @@ private:
   std::optional<forward::Invariants> invariants_;
   forward::Plausibility plausibility_;
   std::optional<io::TextFile> steps_, contact_;
+  std::optional<contact::Pressure> pressure_;
+  std::optional<io::ContactTable> contact_table_;
   std::optional<io::FieldFile> state_;
+  std::optional<fem::CellFields> cell_fields_;
   std::string text_; ///< buffer of rows
 };
 

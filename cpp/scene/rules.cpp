@@ -115,6 +115,12 @@ void require_rules(Reader& in, const Exact& exact, const Scene& scene) {
                         *exact.pressure));
 }
 
+void require_rules(Reader& in, const Output& output, const Scene& scene) {
+  if (output.field(StoredField::pressure) && scene.contacts.empty())
+    in.fail("fields",
+            "found \"pressure\", which has no meaning without contact; allowed with a table [contact]");
+}
+
 void require_rules(Reader& in, const Scene& scene, const Scene&) {
   if (in.has("objective") && !scene.control)
     in.fail("objective", "needs a control to act on; add a table [control] or leave the objective out");

@@ -16,6 +16,7 @@ void require_rules(Reader& in, const Control& control, const Scene& scene);
 void require_rules(Reader& in, const Objective& objective, const Scene& scene);
 void require_rules(Reader& in, const Trajectory& trajectory, const Scene& scene);
 void require_rules(Reader& in, const Exact& exact, const Scene& scene);
+void require_rules(Reader& in, const Output& output, const Scene& scene);
 void require_rules(Reader& in, const Scene& read, const Scene& scene);
 /// Other tables.
 template <class T>

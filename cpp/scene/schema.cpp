@@ -321,7 +321,9 @@ Keys<Output> keys_of(Of<Output>) {
   return {value("every", &Output::every, Whole{1, Time::most_steps}, "steps",
                 "between stored fields and contact; the last step is stored too"),
           value("fields", &Output::fields, Set<StoredField>{}, "",
-                "those stored, where the verb has them; `[]` for none, which then cost nothing",
+                "those stored, where the verb has them, `\"strain\"` to `\"pressure\"` only if named (see "
+                "Stress and "
+                "pressure); `[]` for none, which then cost nothing",
                 {.effect = "stored fields"}),
           value("tables", &Output::tables, Set<StoredTable>{}, "", "likewise", {.effect = "tables"})};
 }
