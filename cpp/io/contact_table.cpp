@@ -11,10 +11,10 @@ ContactTable::ContactTable(const contact::ContactPairs& pairs, const contact::Pr
     auto point = std::back_inserter(fixed_[i].point), surface = std::back_inserter(fixed_[i].surface);
     fmt::format_to(surface, ",{}", pairs.obstacles()[i]);
     for (std::size_t c = 0; c < dim; ++c) {
-      fmt::format_to(point, ",{:.17g}", pairs.points()[3 * i + c]);
-      fmt::format_to(surface, ",{:.17g}", 0 - pairs.normals()[dim * i + c]); // 0 − 0 is no −0
+      fmt::format_to(point, ",{}", pairs.points()[3 * i + c]);
+      fmt::format_to(surface, ",{}", 0 - pairs.normals()[dim * i + c]); // 0 − 0 is no −0
     }
-    fmt::format_to(surface, ",{:.17g}", pressure.area()[i]);
+    fmt::format_to(surface, ",{}", pressure.area()[i]);
   }
 }
 
@@ -30,7 +30,7 @@ void ContactTable::add_rows(std::string& text, int k, const forward::TimeGrid& g
   const std::string when = fmt::format("{},{:.10g}", k, grid.time(k));
   auto out = std::back_inserter(text);
   for (std::size_t i = 0; i < fixed_.size(); ++i)
-    fmt::format_to(out, "{}{},{:.17g},{:.17g}{},{:.17g}\n", when, fixed_[i].point, contact.gap[i],
+    fmt::format_to(out, "{}{},{},{}{},{}\n", when, fixed_[i].point, contact.gap[i],
                    contact.lambda[i] / impulse, fixed_[i].surface, pressure[i]);
 }
 

@@ -9,7 +9,7 @@ namespace signorini::io {
 
 /// contact.csv, as text: one row per stored step and candidate, with its point in the undeformed body, the
 /// number of its obstacle in the scene, the obstacle's normal there (out of the obstacle, the direction of
-/// the force on the body), area and pressure.
+/// the force on the body), area and pressure. Numbers have as many digits as tell them from all others.
 class ContactTable {
 public:
   /// The arguments must outlive this object.
