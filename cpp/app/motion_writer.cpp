@@ -2,8 +2,10 @@
 #include "base/error.h"
 #include "io/motion_tables.h"
 #include <fmt/format.h>
+#include <tuple>
 
 namespace signorini {
+using Field = scene::StoredField;
 
 MotionWriter::MotionWriter(const Problem& problem, const io::OutputFolder& folder,
                            const control::Objective* objective, bool controlled)
@@ -12,7 +14,6 @@ MotionWriter::MotionWriter(const Problem& problem, const io::OutputFolder& folde
       resolution_(problem.stepper, problem.scene) {
   const auto timer = problem.timers.time("output");
   const scene::Output& output = problem.scene.output;
-  const int dim = problem.space.dim();
   const bool probed = problem.probes && output.table(scene::StoredTable::probes);
   const bool reactions = probed && problem.probes->need_reactions();
   if (output.table(scene::StoredTable::steps) || problem.scene.run.watched() || reactions) {
@@ -20,23 +21,45 @@ MotionWriter::MotionWriter(const Problem& problem, const io::OutputFolder& folde
     invariants_.emplace(problem.stepper);
     summary_.emplace(problem.stepper, problem.scene);
   }
+  open_tables(folder, probed);
+  open_state(folder);
+}
+
+void MotionWriter::open_tables(const io::OutputFolder& folder, bool probed) {
+  const scene::Output& output = problem_.scene.output;
+  const int dim = problem_.space.dim();
   const auto open = [&](std::optional<io::TextFile>& file, const char* name, const std::string& header) {
     file.emplace(folder, name);
     file->append(header);
   };
   if (output.table(scene::StoredTable::steps))
-    open(steps_, "steps.csv", io::steps_header(dim, objective != nullptr));
-  if (output.table(scene::StoredTable::contact) && problem.stepper.pairs())
-    open(contact_, "contact.csv", io::contact_header(*problem.stepper.pairs()));
-  if (output.table(scene::StoredTable::obstacles) && problem.stepper.pairs())
+    open(steps_, "steps.csv", io::steps_header(dim, objective_ != nullptr));
+  const contact::ContactPairs* pairs = problem_.stepper.pairs();
+  const bool contact = pairs && output.table(scene::StoredTable::contact);
+  if (contact || output.field(Field::pressure))
+    pressure_.emplace(problem_.space, *pairs, problem_.scene.contacts);
+  if (contact) {
+    contact_table_.emplace(*pairs, *pressure_, problem_.scene.contacts);
+    open(contact_, "contact.csv", contact_table_->header());
+  }
+  if (pairs && output.table(scene::StoredTable::obstacles))
     open(obstacles_, "obstacles.csv", io::obstacles_header(dim));
   if (probed)
-    open(probes_, "probes.csv", io::probes_header(problem.probes->columns()));
-  const std::size_t fields =
-      output.field(scene::StoredField::displacement) + output.field(scene::StoredField::velocity);
-  const auto times = static_cast<std::size_t>((problem.steps() - 1) / output.every + 2);
+    open(probes_, "probes.csv", io::probes_header(problem_.probes->columns()));
+}
+
+void MotionWriter::open_state(const io::OutputFolder& folder) {
+  const scene::Output& output = problem_.scene.output;
+  std::size_t fields = 0; // in vectors
+  for (const Field field : {Field::displacement, Field::velocity, Field::von_mises, Field::pressure})
+    fields += output.field(field);
+  for (const Field field : {Field::strain, Field::stress})
+    fields += 3 * static_cast<std::size_t>(output.field(field));
+  const auto times = static_cast<std::size_t>((problem_.steps() - 1) / output.every + 2);
   if (fields > 0)
-    state_.emplace(problem.space, folder, "state.xdmf", fields * times);
+    state_.emplace(problem_.space, folder, "state.xdmf", fields * times);
+  if (output.field(Field::strain) || output.field(Field::stress) || output.field(Field::von_mises))
+    cell_fields_.emplace(problem_.space, fem::parts(problem_.mesh, problem_.scene.materials));
 }
 
 void MotionWriter::operator()(const forward::Frame& frame) {
@@ -91,16 +114,38 @@ void MotionWriter::add_rows(const forward::Frame& frame, const forward::StepBala
 }
 
 void MotionWriter::store(const forward::Frame& frame) {
-  const forward::TimeGrid& grid = problem_.stepper.grid();
   if (contact_) {
     text_.clear();
-    io::add_contact_rows(text_, frame.k, grid, *problem_.stepper.pairs(), frame.contact);
+    contact_table_->add_rows(text_, frame.k, problem_.stepper.grid(), frame.contact);
     contact_->append(text_);
   }
-  if (state_ && problem_.scene.output.field(scene::StoredField::displacement))
-    state_->write("displacement", frame.y1, grid.time(frame.k));
-  if (state_ && problem_.scene.output.field(scene::StoredField::velocity))
-    state_->write("velocity", frame.v1, grid.time(frame.k));
+  if (state_)
+    store_fields(frame);
+}
+
+void MotionWriter::store_fields(const forward::Frame& frame) {
+  const scene::Output& output = problem_.scene.output;
+  const double t = problem_.stepper.grid().time(frame.k);
+  if (output.field(Field::displacement))
+    state_->write("displacement", frame.y1, t);
+  if (output.field(Field::velocity))
+    state_->write("velocity", frame.v1, t);
+  if (cell_fields_)
+    cell_fields_->set(frame.y1, frame.v1);
+  using Values = io::FieldFile::Values;
+  for (const auto& [name, field, values] :
+       {std::tuple{Field::strain, fem::CellField::strain, Values::cellwise_tensor},
+        {Field::stress, fem::CellField::stress, Values::cellwise_tensor},
+        {Field::von_mises, fem::CellField::von_mises, Values::cellwise_scalar}})
+    if (output.field(name))
+      state_->write(scene::name(name), (*cell_fields_)(field), t, values);
+  if (output.field(Field::pressure)) {
+    const double impulse = problem_.stepper.grid().scheme(frame.k).impulse();
+    state_->write("pressure",
+                  contact::at_nodes(problem_.space, *problem_.stepper.pairs(),
+                                    (*pressure_)(frame.contact.lambda, impulse)),
+                  t, Values::nodal_scalar);
+  }
 }
 
 std::vector<forward::Warning> MotionWriter::warnings() {

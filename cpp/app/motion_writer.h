@@ -4,6 +4,7 @@
 #include "forward/invariants.h"
 #include "forward/motion_summary.h"
 #include "forward/plausibility.h"
+#include "io/contact_table.h"
 #include "io/csv_tables.h"
 #include "io/fields.h"
 #include <optional>
@@ -43,7 +44,11 @@ public:
 private:
   void weigh(const forward::Frame& frame, forward::StepBalance& balance);
   void add_rows(const forward::Frame& frame, const forward::StepBalance& balance);
+  void open_tables(const io::OutputFolder& folder, bool probed);
+  /// Opens state.xdmf if a field in it is asked for.
+  void open_state(const io::OutputFolder& folder);
   void store(const forward::Frame& frame);
+  void store_fields(const forward::Frame& frame);
 
   const Problem& problem_;
   const control::Objective* objective_;
@@ -54,7 +59,10 @@ private:
   forward::ContactResolution resolution_;
   std::optional<forward::MotionSummary> summary_;
   std::optional<io::TextFile> steps_, contact_, obstacles_, probes_;
+  std::optional<contact::Pressure> pressure_;
+  std::optional<io::ContactTable> contact_table_;
   std::optional<io::FieldFile> state_;
+  std::optional<fem::CellFields> cell_fields_;
   std::string text_;           ///< buffer of rows
   std::vector<double> values_; ///< buffer of a row
 };

@@ -39,25 +39,6 @@ void add_steps_row(std::string& text, int k, double time, int dim, const forward
   fmt::format_to(out, ",{:.17g},{:.17g}\n", normal_force, balance.load_work);
 }
 
-std::string contact_header(const contact::ContactPairs& pairs) {
-  return fmt::format("step,time,x,y{},gap,force{}\n", pairs.dim() == 3 ? ",z" : "",
-                     pairs.obstacle_count() > 1 ? ",obstacle" : "");
-}
-
-void add_contact_rows(std::string& text, int k, const forward::TimeGrid& grid,
-                      const contact::ContactPairs& pairs, const contact::ContactState& contact) {
-  auto out = std::back_inserter(text);
-  for (std::size_t i = 0; i < contact.gap.size(); ++i) {
-    fmt::format_to(out, "{},{:.10g}", k, grid.time(k));
-    for (int c = 0; c < pairs.dim(); ++c)
-      fmt::format_to(out, ",{:.17g}", pairs.points()[3 * i + static_cast<std::size_t>(c)]);
-    fmt::format_to(out, ",{:.17g},{:.17g}", contact.gap[i], contact.lambda[i] / grid.scheme(k).impulse());
-    if (pairs.obstacle_count() > 1)
-      fmt::format_to(out, ",{}", pairs.obstacles()[i]);
-    text += '\n';
-  }
-}
-
 std::string history_table(const std::vector<HistoryRow>& rows) {
   return "iteration,objective,tracking,terminal,control_cost,gradient_norm,step_length,forward_sweeps,"
          "adjoint_sweeps,seconds,relative_distance_to_reference\n" +

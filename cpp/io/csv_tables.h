@@ -1,6 +1,5 @@
 #pragma once
 #include "contact/contact_state.h"
-#include "contact/pairs.h"
 #include "forward/invariants.h"
 #include <limits>
 #include <optional>
@@ -19,14 +18,6 @@ std::string steps_header(int dim, bool tracking);
 void add_steps_row(std::string& text, int k, double time, int dim, const forward::StepBalance& balance,
                    const forward::Invariants& invariants, const contact::ContactState& contact,
                    double normal_force, std::optional<double> tracking_error);
-
-/// Header of contact.csv: one row per stored step and candidate, with its point in the undeformed body; where
-/// a scene has several obstacles a last column gives the number of the candidate's.
-std::string contact_header(const contact::ContactPairs& pairs);
-
-/// Appends the rows of step k.
-void add_contact_rows(std::string& text, int k, const forward::TimeGrid& grid,
-                      const contact::ContactPairs& pairs, const contact::ContactState& contact);
 
 /// One row of history.csv.
 struct HistoryRow {

@@ -1,10 +1,10 @@
 #include "io/fields.h"
 #include "base/collective.h"
 #include "base/hdf5.h"
+#include "fem/function.h"
 #include <H5Epublic.h>
 #include <algorithm>
 #include <cerrno>
-#include <dolfinx/fem/Function.h>
 #include <dolfinx/io/XDMFFile.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <fmt/format.h>
@@ -12,6 +12,7 @@
 #include <iterator>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <pugixml.hpp>
 #include <stdexcept>
 #include <system_error>
@@ -19,10 +20,21 @@
 namespace signorini::io {
 namespace {
 
-void copy(Vec from, dolfinx::fem::Function<PetscScalar>& to) {
-  const petsc::ReadArray values(from);
-  std::ranges::copy(std::span<const double>(values), to.x()->mutable_array().begin());
-  to.x()->scatter_fwd();
+using Values = FieldFile::Values;
+
+bool cellwise(Values values) { return values != Values::nodal && values != Values::nodal_scalar; }
+
+/// The components of a value.
+fem::Shape shape(Values values, int dim) {
+  switch (values) {
+  case Values::nodal:
+  case Values::cellwise:
+    return {static_cast<std::size_t>(dim)};
+  case Values::cellwise_tensor:
+    return {3, 3};
+  default:
+    return {};
+  }
 }
 
 /// A parallel write to a full disk hangs in some MPI libraries: check the free space beforehand.
@@ -114,23 +126,38 @@ bool rename_datasets(const std::filesystem::path& file, const std::vector<Order>
 } // namespace
 
 struct FieldFile::Open {
-  using Function = dolfinx::fem::Function<PetscScalar>;
-  Function own, written; ///< in the run's space and in the file's
   dolfinx::io::XDMFFile xdmf;
+
+  /// Functions of one kind of values.
+  struct Kind {
+    fem::Function written;            ///< in the file's space
+    std::optional<fem::Function> own; ///< in the run's, where that is another
+  };
+  std::map<Values, Kind> kinds;
+
+  Kind& of(Values values, const fem::Space& space) {
+    if (const auto found = kinds.find(values); found != kinds.end())
+      return found->second;
+    const fem::Shape components = shape(values, space.dim());
+    if (cellwise(values))
+      return kinds.try_emplace(values, Kind{fem::Function(fem::cellwise(space.mesh(), components)), {}})
+          .first->second;
+    const auto V =
+        values == Values::nodal ? space.dolfinx() : fem::lagrange(space.mesh(), space.degree(), components);
+    Kind made{fem::Function(space.degree() == 1 ? V : fem::lagrange(space.mesh(), 1, components)), {}};
+    if (space.degree() > 1)
+      made.own.emplace(V);
+    return kinds.emplace(values, std::move(made)).first->second;
+  }
 };
 
 FieldFile::FieldFile(const fem::Space& space, const OutputFolder& folder, const std::string& name,
                      std::size_t fields, Values values)
-    : space_(space), folder_(folder), name_(name),
-      as_they_are_(values == Values::cellwise || space.degree() == 1) {
+    : space_(space), folder_(folder), name_(name), values_(values) {
   require_room(space, folder, name, fields);
   H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence is reported instead of HDF5's stack
   guarded([&] {
-    open_.reset(new Open{Open::Function(space.dolfinx()),
-                         Open::Function(values == Values::cellwise ? fem::cellwise(space.mesh())
-                                        : as_they_are_             ? space.dolfinx()
-                                                                   : fem::lagrange(space.mesh(), 1)),
-                         dolfinx::io::XDMFFile(space.comm(), folder.staged(name), "w")});
+    open_.reset(new Open{dolfinx::io::XDMFFile(space.comm(), folder.staged(name), "w"), {}});
     open_->xdmf.write_mesh(*space.mesh().dolfinx());
   });
 }
@@ -163,13 +190,15 @@ void FieldFile::guarded(Work&& work) {
 }
 
 void FieldFile::write(const std::string& field, Vec values, double time) {
+  write(field, petsc::ReadArray(values), time, values_);
+}
+
+void FieldFile::write(const std::string& field, std::span<const double> owned, double time, Values values) {
   guarded([&] {
-    Open::Function& written = open_->written;
-    if (as_they_are_) {
-      copy(values, written);
-    } else {
-      copy(values, open_->own);
-      written.interpolate(open_->own);
+    auto& [written, own] = open_->of(values, space_);
+    fem::set(own ? *own : written, owned);
+    if (own) {
+      written.interpolate(*own);
       written.x()->scatter_fwd();
     }
     written.name = field;

@@ -14,11 +14,14 @@ namespace signorini::io {
 /// leading zeros so that names sort.
 class FieldFile {
 public:
-  enum class Values { nodal, cellwise };
+  /// Vectors at the nodes or in the cells, and values of other shapes, which readers see as scalars and as
+  /// tensors of 3 × 3.
+  enum class Values { nodal, cellwise, nodal_scalar, cellwise_scalar, cellwise_tensor };
 
-  /// Opens the file `name` (.xdmf). `fields`: the most datasets to be written, one per field and time.
-  /// Collective. The references must outlive this object. Throws UserError if the disk has no room for them,
-  /// WriteFailure, on one rank or several, if the files cannot be written.
+  /// Opens the file `name` (.xdmf), for `values` unless a write says otherwise. `fields`: the most datasets
+  /// to be written, one per field and time; a tensor counts as three. Collective. The references must outlive
+  /// this object. Throws UserError if the disk has no room for them, WriteFailure, on one rank or several, if
+  /// the files cannot be written.
   FieldFile(const fem::Space& space, const OutputFolder& folder, const std::string& name, std::size_t fields,
             Values values = Values::nodal);
   /// Closes an open file on one rank only: on several ranks closing is collective, and the file is left as it
@@ -27,8 +30,9 @@ public:
   FieldFile(const FieldFile&) = delete;
   FieldFile& operator=(const FieldFile&) = delete;
 
-  /// Writes a field at `time` (s), in any order of times, the same times for all fields. Collective. Throws
-  /// WriteFailure.
+  /// Writes a field at `time` (s), in any order of times, the same times for all fields: its values that this
+  /// rank owns, at the nodes of V or in the cells. Collective. Throws WriteFailure.
+  void write(const std::string& field, std::span<const double> owned, double time, Values values);
   void write(const std::string& field, Vec values, double time);
 
   /// Closes the file and checks that it is complete. Collective. Throws WriteFailure, UserError.
@@ -45,7 +49,7 @@ private:
   const fem::Space& space_;
   const OutputFolder& folder_;
   std::string name_;
-  bool as_they_are_;                                 ///< vectors hold the file's values
+  Values values_;
   std::map<std::string, std::vector<double>> times_; ///< of each field, in the order of writing, s
   std::unique_ptr<Open> open_;                       ///< null once closed
 };

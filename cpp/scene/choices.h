@@ -57,8 +57,10 @@ constexpr Names<3> names(Storage) { return {"memory", "disk", "checkpoints"}; }
 enum class OnViolation { warn, stop, off };
 constexpr Names<3> names(OnViolation) { return {"warn", "stop", "off"}; }
 
-enum class StoredField { displacement, velocity, control, adjoint };
-constexpr Names<4> names(StoredField) { return {"displacement", "velocity", "control", "adjoint"}; }
+enum class StoredField { displacement, velocity, control, adjoint, strain, stress, von_mises, pressure };
+constexpr Names<8> names(StoredField) {
+  return {"displacement", "velocity", "control", "adjoint", "strain", "stress", "von_mises", "pressure"};
+}
 
 enum class StoredTable { steps, contact, obstacles, probes, history };
 constexpr Names<5> names(StoredTable) { return {"steps", "contact", "obstacles", "probes", "history"}; }

@@ -165,6 +165,9 @@ void require_rules(Reader& in, Probe& probe, const Scene& scene) {
 void require_rules(Reader& in, Output& output, const Scene& scene) {
   if (!in.has("every"))
     output.every = Output::automatic(scene.time.steps);
+  if (output.field(StoredField::pressure) && scene.contacts.empty())
+    in.fail("fields",
+            "found \"pressure\", which has no meaning without contact; allowed with a table [contact]");
 }
 
 void require_rules(Reader& in, const Exact& exact, const Scene& scene) {

@@ -346,7 +346,9 @@ Keys<Output> keys_of(Of<Output>) {
                 {.otherwise =
                      fmt::format("the least of 1, 2, 5, 10, … that stores {} at most", Output::most_frames)}),
           value("fields", &Output::fields, Set<StoredField>{}, "",
-                "those stored, where the verb has them; `[]` for none, which then cost nothing",
+                "those stored, where the verb has them, `\"strain\"` to `\"pressure\"` only if named (see "
+                "Stress and "
+                "pressure); `[]` for none, which then cost nothing",
                 {.effect = "stored fields"}),
           value("tables", &Output::tables, Set<StoredTable>{}, "", "likewise", {.effect = "tables"}),
           sections("probe", &Output::probes, {.effect = "probes"})};

@@ -677,7 +677,8 @@ def output_every() -> None:
 @key("output.fields", "output.tables")
 def output_files() -> None:
     always = {"scene.toml", "run.json", "checkpoint.h5"}
-    files = {"displacement": "state", "velocity": "state", "control": "control", "adjoint": "adjoint"}
+    files = {"displacement": "state", "velocity": "state", "control": "control", "adjoint": "adjoint", "strain": "state",
+             "stress": "state", "von_mises": "state", "pressure": "state"}  # fmt: skip
     for field, name in files.items():
         done = optimize(output__fields=[field], output__tables=[])
         assert {path.name for path in done.folder.iterdir()} == always | {f"{name}.xdmf", f"{name}.h5"}

@@ -1,11 +1,11 @@
 #include "app/study/measure.h"
 #include "app/check/evaluation_point.h"
 #include "app/error_estimate.h"
-#include "app/study/pressure.h"
 #include "base/collective.h"
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "contact/pressure.h"
 #include "forward/balance.h"
 #include <algorithm>
 #include <chrono>
@@ -65,7 +65,7 @@ public:
     if (has(wanted, "displacement"))
       displacement_.emplace(samples, problem.space);
     if (has(wanted, "pressure"))
-      pressure_.emplace(problem);
+      pressure_.emplace(problem.space, *problem.stepper.pairs(), problem.scene.contacts);
   }
 
   void operator()(const forward::Frame& frame) {
@@ -146,7 +146,7 @@ private:
   const std::vector<Quantity>& wanted_;
   forward::Balance weigh_;
   std::optional<Series> displacement_;
-  std::optional<Pressure> pressure_;
+  std::optional<contact::Pressure> pressure_;
   std::vector<std::vector<double>> last_forces_;
   double energy_ = 0, lost_ = 0, peak_ = 0, start_ = 0;
   int contact_steps_ = 0;
