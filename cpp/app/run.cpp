@@ -78,7 +78,12 @@ void require_not_the_users(const scene::Scene& scene, const std::string& text,
 int run(const Request& request, const Console& console) {
   std::string text; // read once: ranks with different scenes would deadlock
   on_root(world(), [&] { text = scene::read(request.scene); });
-  scene::Scene scene = scene::parse(broadcast(world(), text), request.scene, request.overrides);
+  const auto open = [](const std::filesystem::path& file) { // every rank asks for the same, in the same order
+    std::string content;
+    on_root(world(), [&] { content = scene::read_file(file); });
+    return broadcast(world(), content);
+  };
+  scene::Scene scene = scene::parse(broadcast(world(), text), request.scene, request.overrides, open);
   // Its default depends on the machine, and all ranks must choose the same solvers.
   MPI_Allreduce(MPI_IN_PLACE, &scene.solver.memory, 1, MPI_DOUBLE, MPI_MIN, world());
   const std::filesystem::path out =

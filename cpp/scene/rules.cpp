@@ -45,17 +45,6 @@ void require_rules(Reader& in, const Material& material, const Scene& scene) {
                                 *material.on, i));
 }
 
-void require_rules(Reader& in, const HalfSpace& obstacle, const Scene&) {
-  if (Field(obstacle.point, "point", true).depends_on_place())
-    in.fail(
-        "point",
-        fmt::format("found [{}], allowed are expressions of t alone: the point is one for the whole plane",
-                    fmt::join(obstacle.point, ", ")));
-  if (obstacle.normal.size() != obstacle.point.size())
-    in.fail("normal", fmt::format("found {} components where point has {}, allowed are as many",
-                                  obstacle.normal.size(), obstacle.point.size()));
-}
-
 void require_rules(Reader& in, const Cylinder& obstacle, const Scene&) {
   if (obstacle.point.size() == 3) {
     in.require("axis");
@@ -105,14 +94,10 @@ void require_rules(Reader& in, const Trajectory& trajectory, const Scene&) {
                         name(trajectory.storage)));
 }
 
-void require_rules(Reader& in, const Exact& exact, const Scene& scene) {
+void require_rules(Reader& in, const Exact&, const Scene& scene) {
   for (const char* key : {"pressure", "impulse", "peak_force", "contact_start", "contact_time"})
     if (in.has(key) && scene.contacts.empty())
       in.fail(key, "has no meaning without contact; allowed with a table [contact]");
-  if (exact.pressure && Field({*exact.pressure}, "exact.pressure", true).depends_on_time())
-    in.fail("pressure",
-            fmt::format("found \"{}\", allowed is an expression of x, y and z: it is that at time.end",
-                        *exact.pressure));
 }
 
 void require_rules(Reader& in, const Scene& scene, const Scene&) {
@@ -157,9 +142,10 @@ public:
                                     scene_.file.string(), key, name(component), list(allowed), dim_));
   }
   void obstacle(const Obstacle& shape, const std::string& key) const {
-    if (const auto* half_space = std::get_if<HalfSpace>(&shape))
+    if (const auto* half_space = std::get_if<HalfSpace>(&shape)) {
       vector(half_space->point.size(), key + "point");
-    else if (const auto* ball = std::get_if<Ball>(&shape))
+      vector(half_space->normal.size(), key + "normal");
+    } else if (const auto* ball = std::get_if<Ball>(&shape))
       vector(ball->center.size(), key + "center");
     else if (const auto* cylinder = std::get_if<Cylinder>(&shape))
       vector(cylinder->point.size(), key + "point");
@@ -182,8 +168,10 @@ void require_dimension(const Scene& scene, int dim) {
     if (!clamp.components)
       require.vector(clamp.value, clamp_key(scene.clamps, i) + ".value");
   }
-  if (scene.load)
+  if (scene.load) {
     require.vector(scene.load->body, "load.body");
+    require.vector(scene.load->gravity, "load.gravity");
+  }
   for (std::size_t i = 0; scene.load && i < scene.load->tractions.size(); ++i)
     require.vector(scene.load->tractions[i].value.size(), fmt::format("load.traction[{}].value", i));
   require.vector(scene.initial.displacement, "initial.displacement");

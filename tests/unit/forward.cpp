@@ -7,6 +7,7 @@
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
 
 using namespace signorini;
 using petsc::check;
@@ -28,6 +29,62 @@ TEST_CASE("a free body falls as Newton says", "[forward]") {
     ready.problem.space.interpolate(
         scene::Field({"0", fmt::format("{:.17g}", -t - t * t / 2)}, "test", false), 0, exact);
     CHECK(test::difference(trajectory.y[static_cast<std::size_t>(k)], exact) < 1e-14);
+  }
+}
+
+TEST_CASE("all of a body falls alike under gravity, whatever its density and its scheme", "[forward]") {
+  // The weight of each node is its inertia's, massless ones included: no strain, and Newmark's scheme is
+  // exact.
+  const char* away = "contact.obstacle.point=[0, -100]";
+  for (const auto& [file, overrides] :
+       {std::pair{"tests/data/two-materials.toml", std::vector<std::string>{away}},
+        {"tests/data/two-materials.toml", {away, "mesh.degree=2", "time.scheme=contact-stabilized"}},
+        {"tests/data/two-materials.toml", {away, "contact.mass=massless"}},
+        {"tests/data/two-materials.toml", {away, "contact.mass=massless", "mesh.degree=2"}},
+        {"tests/data/cube.toml", {"contact.obstacle.point=[0, 0, -100]", "contact.mass=massless"}},
+        {"tests/data/cube.toml", {"contact.obstacle.point=[0, 0, -100]", "solver.linear=iterative"}}}) {
+    const bool space = std::string(file).ends_with("cube.toml");
+    std::vector<std::string> settings = overrides;
+    settings.insert(settings.end(), {space ? "load={gravity = [0.5, 0, -2]}" : "load={gravity = [0.5, -2]}",
+                                     space ? "initial.velocity=[0, 1, 0]" : "initial.velocity=[0, 1]"});
+    INFO(file << ", " << overrides.back());
+    const test::Ready ready(file, settings);
+    const test::Recorded trajectory = run(ready);
+    const double T = ready.scene.time.end,
+                 tolerance = ready.problem.stepper.solver().tolerance() > 0 ? 1e-9 : 1e-13;
+    const std::string fallen = fmt::format("{:.17g}", -T * T), across = fmt::format("{:.17g}", T * T / 4),
+                      thrown = fmt::format("{:.17g}", T - T * T), flown = fmt::format("{:.17g}", T);
+    petsc::Vector exact = ready.problem.space.vector();
+    ready.problem.space.interpolate(
+        scene::Field(space ? scene::Components{across, flown, fallen} : scene::Components{across, thrown},
+                     "test", false),
+        0, exact);
+    CHECK(test::difference(trajectory.y.back(), exact) < tolerance);
+    CHECK(test::largest(exact) > 0.1);
+    // Its work is what the body gains, and its resultant the weight.
+    const auto& balance = trajectory.balance;
+    double work = 0;
+    for (const auto& step : balance)
+      work += step.external_work;
+    CHECK(std::abs(work - balance.back().kinetic_energy + balance.front().kinetic_energy) < 1e-9);
+  }
+}
+
+TEST_CASE("gravity is the density as a body force, and may change with time", "[forward]") {
+  for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
+    // Of uniform density: the same vector, and so the same motion and contact.
+    const test::Ready force("tests/data/block.toml", {degree, "material.density=3", "load.body=[\"t\", -3]"}),
+        gravity("tests/data/block.toml", {degree, "material.density=3", "load={gravity = [\"t/3\", -1]}"});
+    const test::Recorded a = run(force), b = run(gravity);
+    int touched = 0;
+    for (std::size_t k = 0; k < a.contact.size(); ++k) {
+      CHECK(test::difference(a.y[k], b.y[k]) < 1e-12);
+      touched += a.contact[k].count(contact::Status::strong) > 0;
+    }
+    CHECK(touched > 0);
+    CHECK_FALSE(forward::SceneLoad(gravity.problem.space, gravity.problem.operators.M, *gravity.scene.load,
+                                   gravity.problem.stepper.grid())
+                    .has_density());
   }
 }
 
@@ -329,6 +386,33 @@ TEST_CASE("the velocity of clamps is known at any step, whatever was asked befor
   }
 }
 
+TEST_CASE("clamps follow a time series with its slopes", "[forward]") {
+  // Also where two lines meet between two steps: the velocity at t is the slope before t, at 0 that behind
+  // it.
+  const test::Ready ready("tests/data/block.toml",
+                          {"clamp=[{on=\"top\", value=[{file=\"paths.csv\", column=\"bent\"}, \"0.1*t\"]}]",
+                           "initial={}", "time.step=0.04"});
+  const test::Recorded trajectory = run(ready);
+  REQUIRE(trajectory.steps == 15);
+  const auto bent = [](double t) { return t <= 0.3 ? 0.1 * t : 0.03 + 0.7 * (t - 0.3); };
+  long held = 0;
+  for (int k = 0; k <= trajectory.steps; ++k) {
+    const double t = ready.problem.stepper.grid().time(k), rate = t <= 0.3 ? 0.1 : 0.7;
+    const petsc::ReadArray y(trajectory.y[static_cast<std::size_t>(k)]),
+        v(trajectory.v[static_cast<std::size_t>(k)]);
+    for (int node = 0; node < ready.problem.space.owned_nodes(); ++node) {
+      if (!ready.problem.stepper.clamped().contains(node, 0))
+        continue;
+      const auto dof = static_cast<std::size_t>(2 * node);
+      CHECK(std::abs(y[dof] - bent(t)) < 1e-15);
+      CHECK(std::abs(v[dof] - rate) < 1e-14);
+      CHECK(std::abs(v[dof + 1] - 0.1) < 1e-12);
+      ++held;
+    }
+  }
+  CHECK(test::total(held) == 5 * 16);
+}
+
 TEST_CASE("the margins of a motion are those of the step that is nearest to other active sets", "[forward]") {
   using contact::Status;
   forward::Margins margins;
@@ -346,6 +430,72 @@ TEST_CASE("the margins of a motion are those of the step that is nearest to othe
   margins.take(state);
   CHECK(margins.force() == 2.0 / 8);
   CHECK(margins.gap == 0.1);
+}
+
+TEST_CASE("an obstacle that moves is one, however it is written", "[forward]") {
+  // A ball that rises below a block held at its top, and one that rolls along below it, each also as a
+  // cylinder, as a level set and by a time series.
+  const std::string clamp = "clamp=[{on=\"top\"}]", still = "initial={}", light = "load={}",
+                    series = "{file=\"paths.csv\", column=\"linear\"}";
+  const auto obstacle = [](const std::string& shape) { return "contact.obstacle={shape=" + shape + "}"; };
+  using Same = std::vector<std::string>;
+  for (const Same& same :
+       {Same{obstacle(R"("ball", center=[0.6, "-1.1 + t/2"], radius=1)"),
+             obstacle(R"("cylinder", point=[0.6, "-1.1 + t/2"], radius=1)"),
+             obstacle(R"("signed-distance", distance="2*sqrt((x - 0.6)^2 + (y + 1.1 - t/2)^2) - 2")")},
+        Same{obstacle(R"("ball", center=["-0.5 + 3*t", -0.97], radius=1)"),
+             obstacle(R"("signed-distance", distance="sqrt((x + 0.5 - 3*t)^2 + (y + 0.97)^2) - 1")")},
+        Same{obstacle(R"("ball", center=[0.6, "t/2"], radius="1.1 - t/2", side="inside")"),
+             obstacle(R"("ball", center=[0.6, )" + series + R"(], radius="1.1 - t/2", side="inside")")},
+        Same{obstacle(R"("half-space", point=[0, "-0.1 + t/2"], normal=[0.2, 1])"),
+             obstacle(R"("signed-distance", distance="0.2*x + y + 0.1 - t/2")")}}) {
+    std::optional<test::Recorded> first;
+    for (const std::string& shape : same) {
+      INFO(shape);
+      const test::Ready ready("tests/data/block.toml", {clamp, still, light, shape, "mesh.size=0.125"});
+      test::Recorded motion = run(ready);
+      if (!first) {
+        first.emplace(std::move(motion));
+        int touched = 0;
+        for (const auto& contact : first->contact)
+          touched += contact.count(contact::Status::strong) > 0;
+        CHECK((touched > 3 && first->contact.front().active.empty()));
+        continue;
+      }
+      for (std::size_t k = 0; k < motion.y.size(); ++k) {
+        CHECK(test::difference(first->y[k], motion.y[k]) < 1e-9); // differences of a level set
+        CHECK(first->contact[k].active == motion.contact[k].active);
+      }
+    }
+  }
+}
+
+TEST_CASE("a ball that rolls along a body presses where it is", "[forward]") {
+  const test::Ready ready("tests/data/block.toml",
+                          {"clamp=[{on=\"top\"}]", "initial={}", "load={}", "mesh.size=0.05",
+                           "time.scheme=contact-stabilized", "time.end=1", "time.step=0.01",
+                           R"(contact.obstacle={shape="ball", center=["-0.5 + 2*t", -0.99], radius=1})"});
+  const test::Recorded motion = run(ready);
+  const std::vector<double>& x = ready.problem.stepper.pairs()->points();
+  int inside = 0;
+  for (std::size_t k = 0; k < motion.contact.size(); ++k) {
+    const double middle = -0.5 + 2 * ready.problem.stepper.grid().time(static_cast<int>(k));
+    double force = 0, moment = 0;
+    for (std::size_t i = 0; i < motion.contact[k].lambda.size(); ++i) {
+      force += motion.contact[k].lambda[i];
+      moment += motion.contact[k].lambda[i] * x[3 * i];
+    }
+    if (middle < -0.2 || middle > 1.2) { // half the chord of 0.01 m is 0.14 m
+      CHECK(force == 0);
+      continue;
+    }
+    if (middle < 0.25 || middle > 0.75)
+      continue;
+    ++inside;
+    CHECK(force > 0);
+    CHECK(std::abs(moment / force - middle) < 0.15);
+  }
+  CHECK(inside > 20);
 }
 
 TEST_CASE("a plane that meets a body is a body that meets the plane", "[forward]") {

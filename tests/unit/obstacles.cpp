@@ -62,7 +62,7 @@ struct Walls {
       : scene(test::parse(test::source("tests/data/" + file), with(std::move(overrides), contacts))),
         mesh(MPI_COMM_WORLD, scene.mesh), space(mesh, scene.mesh.degree), clamped(space, scene.clamps),
         D(fem::assemble_step_operator(space, scene.materials, scene.time.step)),
-        pairs(space, clamped, scene.contacts) {}
+        pairs(space, clamped, scene.contacts, scene.time) {}
 
   static std::vector<std::string> with(std::vector<std::string> overrides, const std::string& contacts) {
     overrides.push_back("contact=[" + contacts + "]");
@@ -140,9 +140,70 @@ TEST_CASE("a half-space that moves", "[contact]") {
                           moving = made(scene::HalfSpace{{"t", "-1 + 2*t^2"}, {3, 4}}, 2);
   CHECK_FALSE(still.moves());
   REQUIRE(moving.moves());
-  CHECK(moving.advance(0) == 0);
-  CHECK(std::abs(moving.advance(0.5) - (0.6 * 0.5 + 0.8 * 0.5)) < 1e-15);
-  CHECK_THROWS_AS(made(scene::HalfSpace{{"0", "1/(t - 1)"}, {0, 1}}, 2).advance(1), UserError);
+  const Point x{0.3, -0.2, 0};
+  const auto advance = [&](double t) {
+    return moving.at(x.data()).height - moving.at(x.data(), moving.place(t)).height;
+  };
+  CHECK(advance(0) == 0);
+  CHECK(std::abs(advance(0.5) - (0.6 * 0.5 + 0.8 * 0.5)) < 1e-15);
+  CHECK_THROWS_AS(made(scene::HalfSpace{{"0", "1/(t - 1)"}, {0, 1}}, 2).place(1), UserError);
+}
+
+TEST_CASE("balls, cylinders and level sets move and grow", "[contact]") {
+  constexpr double t = 0.5;
+  const auto same = [&](const scene::Obstacle& moving, const scene::Obstacle& there, double tolerance) {
+    const contact::Obstacle a = made(moving), b = made(there);
+    CHECK(a.moves());
+    CHECK_FALSE(b.moves());
+    for (const Point& x : points(3)) {
+      const contact::Obstacle::Plane p = a.at(x.data(), a.place(t)), q = b.at(x.data()),
+                                     start = a.at(x.data());
+      CHECK(std::abs(p.height - q.height) < tolerance);
+      CHECK(distance(p.normal, q.normal) < tolerance);
+      CHECK(std::abs(p.height - start.height) > 1e-3);
+      CHECK((a.level(x.data(), a.place(t)) > 0) == (p.height > 0));
+    }
+  };
+  for (const scene::Side side : {scene::Side::outside, scene::Side::inside}) {
+    same(scene::Ball{{"t", 0.7, "0.2 - t^2"}, 0.4, side}, scene::Ball{{0.5, 0.7, -0.05}, 0.4, side}, 1e-15);
+    same(scene::Ball{{0, 0, 0.1}, "0.4 + 0.2*t", side}, scene::Ball{{0, 0, 0.1}, 0.5, side}, 1e-15);
+    same(scene::Cylinder{{"2*t", 0.03, 0}, {0, 1, 1}, "0.2 + 3*t^2", side},
+         scene::Cylinder{{1, 0.03, 0}, {0, 1, 1}, 0.95, side}, 1e-15);
+  }
+  same(scene::SignedDistance{"3*(sqrt((x - t)^2 + (y - 0.7)^2 + z^2) - 0.4 - t)"},
+       scene::Ball{{0.5, 0.7, 0}, 0.9, scene::Side::outside}, 1e-10);
+  CHECK_THROWS_WITH(made(scene::Ball{{0, 0, 0}, "1 - t", scene::Side::outside}).place(1),
+                    ContainsSubstring("radius: found 0 m at t = 1 s"));
+}
+
+TEST_CASE("a pair's direction is that of the touch of an obstacle that moves", "[contact]") {
+  const auto round = [](const std::string& center) {
+    return "{ on = \"bottom\", obstacle = { shape = \"ball\", radius = 1, center = " + center + " } },";
+  };
+  for (const int file : {0, 1}) { // the ball comes from below, or passes by
+    const Walls walls(round(file == 0 ? "[0.5, \"-1.5 + 2*t\"]" : "[\"-1 + 4*t\", -1.1]"));
+    const std::vector<double>&x = walls.pairs.points(), &nu = walls.pairs.normals();
+    contact::ContactPairs::Gaps gaps = walls.pairs.gaps();
+    REQUIRE(walls.pairs.count() == 5);
+    REQUIRE(walls.pairs.moving());
+    for (int i = 0; i < walls.pairs.count(); ++i) {
+      const auto j = static_cast<std::size_t>(i);
+      const double s = x[3 * j] - 0.5, across = file == 0 ? -s : 0;
+      // A secant between two steps, 0.04 m apart; or the nearest step, 0.08 m from the next.
+      CHECK(std::abs(nu[2 * j] - across) < (file == 0 ? 1e-4 : 0.04 / 1.1));
+      CHECK(std::abs(std::hypot(nu[2 * j], nu[2 * j + 1]) - 1) < 1e-15);
+      CHECK(nu[2 * j + 1] < 0);
+    }
+    for (const double t : {0.0, 0.25, 0.26, 0.6}) {
+      const std::span<const double> psi = walls.pairs.psi(t, gaps);
+      for (std::size_t j = 0; j < psi.size(); ++j)
+        CHECK(std::abs(psi[j] -
+                       (file == 0 ? std::hypot(x[3 * j] - 0.5, 1.5 - 2 * t)
+                                  : std::hypot(x[3 * j] + 1 - 4 * t, 1.1)) +
+                       1) < 1e-15);
+    }
+    CHECK(std::ranges::equal(walls.pairs.psi(0, gaps), walls.pairs.psi()));
+  }
 }
 
 TEST_CASE("balls and cylinders from outside and inside", "[contact]") {
@@ -504,10 +565,6 @@ TEST_CASE("directions may follow each other without a gap", "[contact]") {
       CHECK(basis.add(&packed[i * dim]));
     CHECK(basis.size() == dim);
   }
-}
-
-TEST_CASE("a signed distance is one of space alone", "[contact]") {
-  CHECK_THROWS_AS(made(scene::SignedDistance{"y + 0.1*t"}, 2), UserError);
 }
 
 TEST_CASE("the dual active-set method solves regular problems with many constraints closed", "[contact]") {

@@ -119,8 +119,8 @@ def range_cases() -> list[Case]:
              edits=(('file = "square.msh"', 'file = "square.geo"\nsize = 1\nscale = 2'),), at="scale = 2"),
         edited("exact displacement of three components", "[output]", '[exact]\ndisplacement = ["0", "0", "0"]\n[output]',
                "exact.displacement: found 3 components", "allowed are 2", at=""),
-        edited("exact pressure over time", "[output]", '[exact]\npressure = "t"\n[output]', "exact.pressure: found", "x, y and z",
-               at="pressure ="),
+        edited("exact pressure over time", "[output]", '[exact]\npressure = "t"\n[output]', "exact.pressure: ", '"t"', "variables x, y, z",
+               never=("x, y, z, t",), at="pressure ="),
         *(edited(f"exact {name} of zero", "[output]", f"[exact]\n{name} = 0\n[output]", f"exact.{name}: found 0", "greater than 0",
                  at=f"{name} =") for name in ("impulse", "peak_force", "contact_start", "contact_time")),
         edited("negative iterations", "max_iterations = 1", "max_iterations = -1", "optimizer.max_iterations: found -1",
@@ -175,8 +175,9 @@ def dimension_cases() -> list[Case]:
                "objective.desired.control", *found, at="", verb="optimize", earlier=True),
         edited("obstacle in space", obstacle, "point = [0, 0, -1], normal = [0, 0, 1]", "contact.obstacle.point",
                *found, at=""),
-        edited("point and normal of different lengths", obstacle, "point = [0, 0, -1], normal = [0, 1]",
-               "contact.obstacle.normal: found 2 components", "point has 3", "allowed are as many", at="obstacle ="),
+        edited("point in space", obstacle, "point = [0, 0, -1], normal = [0, 1]", "contact.obstacle.point: ", *found, at=""),
+        edited("normal in space", obstacle, "point = [0, -1], normal = [0, 0, 1]", "contact.obstacle.normal: ", *found, at=""),
+        edited("gravity in space", 'body = ["0", "-9.81"]', "gravity = [0, 0, -9.81]", "load.gravity: ", *found, at=""),
         edited("expressions of four components", '["0", "-9.81"]', '["0", "0", "0", "0"]', "load.body: found",
                "one expression per space dimension", at="body ="),
         edited("normal of length zero", "normal = [0, 1]", "normal = [0, 0]", "contact.obstacle.normal: found",
@@ -215,7 +216,16 @@ def obstacle_cases() -> list[Case]:
         shaped("ball without a center", '{ shape = "ball", radius = 0.5 }', "contact.obstacle.center: missing"),
         shaped("ball by a point", ball.replace("center", "point"), "contact.obstacle.center: missing"),
         shaped("ball of radius zero", ball.replace("0.5", "0"), "contact.obstacle.radius: found 0", "greater than 0", "m)"),
-        shaped("text for a radius", ball.replace("0.5", '"t"'), "contact.obstacle.radius: found", "a number"),
+        shaped("truth for a radius", ball.replace("0.5", "true"), "contact.obstacle.radius: found", "a number"),
+        shaped("radius of an expression that cannot be read", ball.replace("0.5", '"0.5 +"'), "contact.obstacle.radius: ", '"0.5 +"'),
+        shaped("radius of an expression of place", ball.replace("0.5", '"0.5 + x"'), "contact.obstacle.radius: found 0.5 + x",
+               "expressions of t alone"),
+        shaped("center of an expression of place", ball.replace("-1", '"y - 1"'), "contact.obstacle.center: found 0, y - 1",
+               "expressions of t alone"),
+        shaped("radius that vanishes", ball.replace("0.5", '"0.5 - t/2e-4"'), "contact.obstacle.radius: found 0 m at t = 0.0001 s",
+               "greater than 0", at="", ranks=2),
+        shaped("center that leaves the finite", ball.replace("-1", '"-1 - 1/(1e-4 - t)"'), "contact.obstacle.center: ",
+               "t = 0.0001", "finite", at=""),
         shaped("unknown side", ball.replace(" }", ', side = "within" }'), 'contact.obstacle.side: found "within"',
                "outside, inside"),
         shaped("ball with a normal", ball.replace(" }", ", normal = [0, 1] }"), "contact.obstacle.normal: unknown key"),
@@ -242,8 +252,8 @@ def obstacle_cases() -> list[Case]:
                "contact.obstacle.point: found 3 components", "2-dimensional", at=""),
         shaped("distance that cannot be read", '{ shape = "signed-distance", distance = "y +" }',
                "contact.obstacle.distance: ", '"y +"', "x, y, z"),
-        shaped("distance that depends on time", '{ shape = "signed-distance", distance = "y + 1 - t" }',
-               "contact.obstacle.distance: ", '"y + 1 - t"'),
+        shaped("distance that loses its slope", '{ shape = "signed-distance", distance = "t > 9e-5 ? 1 : y + 1" }',
+               "contact.obstacle.distance: ", "no slope", "t = 0.0001 s", at=""),
         shaped("list for a distance", '{ shape = "signed-distance", distance = ["y", "y"] }',
                "contact.obstacle.distance: found", "a text"),
         shaped("distance without a slope", '{ shape = "signed-distance", distance = "1" }', "contact.obstacle.distance: ",
@@ -303,12 +313,64 @@ def expression_cases() -> list[Case]:
                "is inf", re.compile(r"t = 0\.00012\d*"), at="", earlier=True, ranks=2),
         edited("infinite desired control", '["0", "-1"]', '["0", "1/(y - 0.5)"]', "objective.desired.control", "is inf",
                "y = 0.5", at="", verb="optimize", earlier=True),
+        edited("gravity of an expression of place", body, 'gravity = ["0", "-9.81*x"]', "load.gravity: found 0, -9.81*x",
+               "expressions of t alone", at="gravity ="),
+        edited("gravity as a number", body, "gravity = 9.81", "load.gravity: found 9.81", '["0", 9.81]', at="gravity ="),
+        edited("gravity that is not finite", body, 'gravity = ["0", "1/(t > 1e-4 ? 0 : 1)"]', "load.gravity: ", "is inf", at="",
+               ranks=2),
         edited("initial displacement of a clamp", start, 'displacement = ["0", "1e-3"]', "initial.displacement",
                "found a difference of 0.001", "clamp", "allowed is 0", at="", earlier=True),
         edited("initial displacement of a clamp, two ranks", start, 'displacement = ["0", "1e-3"]',
                "initial.displacement", "found a difference of 0.001", "clamp", at="", ranks=2),
         edited("initial velocity of a clamp", 'velocity = ["0", "0"]', 'velocity = ["0", "-10"]', "initial.velocity",
                "found a difference of 10", "clamp", "allowed is 0", at=""),
+    ]
+
+
+def time_series_cases() -> list[Case]:
+    """Tables that give no quantity over the time of the run."""
+    good = "time,force,late\n0,1,2\n1e-4,2,2\n2e-4,3,x\n"
+
+    def wrong(name: str, *expect: Expected, column: str = "force", text: str | bytes = good, **other: object) -> Case:
+        given = f'{{ file = "loads.csv", column = "{column}" }}'
+        return Case(name, ("load.body: ", *expect), edits=(('"-9.81"', given),), at="body =",
+                    prepare=lambda folder: write(folder / "loads.csv", text), **other)  # type: ignore[arg-type]
+
+    def at(name: str, old: str, new: str, *expect: Expected, **other: object) -> Case:
+        series = '{ file = "loads.csv", column = "force" }'
+        return Case(name, expect, edits=((old, new.replace("SERIES", series)),), prepare=lambda folder: write(
+            folder / "loads.csv", good), **other)  # type: ignore[arg-type]
+
+    return [
+        Case("series that is missing", ("load.body: ", "loads.csv: cannot be read"), edits=(
+            ('"-9.81"', '{ file = "loads.csv", column = "force" }'),), at="body ="),
+        Case("series that is missing, two ranks", ("load.body: ", "loads.csv: cannot be read"), edits=(
+            ('"-9.81"', '{ file = "loads.csv", column = "force" }'),), at="body =", ranks=2),
+        Case("series that never ends", ("load.body: ", "/dev/zero: cannot be read"), edits=(
+            ('"-9.81"', '{ file = "/dev/zero", column = "force" }'),), at="body ="),
+        wrong("misspelt column", 'no column "forces"', 'mean "force"?', "time, force, late", column="forces", earlier=True),
+        wrong("misspelt column, two ranks", 'no column "forces"', column="forces", ranks=2),
+        wrong("series with a text", "loads.csv: line 4: ", '"x" in column 3', "a number", column="late"),
+        wrong("series of one time", "1 line of numbers", text="t,force\n0,1\n"),
+        wrong("series that is empty", "loads.csv", "empty", text=""),
+        wrong("series of bytes", "loads.csv: ", text=bytes(range(256)) * 4),
+        wrong("series with times that go back", "line 4: ", "0.0001 s behind 0.0002 s", "ascend",
+              text="t,force\n0,1\n2e-4,1\n1e-4,1\n"),
+        wrong("series that ends early", "from 0 to 0.0001 s", "0 to 0.00015 s", text="t,force\n0,1\n1e-4,1\n"),
+        wrong("series that starts late", "from 1e-05 to 1 s", text="t,force\n1e-5,1\n1,1\n"),
+        wrong("series with decimal commas", '"2,5" in column 2', "decimal point", text="t;force\n0;1\n1;2,5\n"),
+        Case("series without a column", ("load.body.column: missing",), edits=(('"-9.81"', '{ file = "loads.csv" }'),),
+             at="body ="),
+        Case("series of a number", ("load.body.column: found 3", "a text"), edits=(
+            ('"-9.81"', '{ file = "loads.csv", column = 3 }'),), at="body ="),
+        Case("series with an unknown key", ("load.body.unit: unknown key", "column, file"), edits=(
+            ('"-9.81"', '{ file = "loads.csv", column = "force", unit = "N" }'),), at="body ="),
+        at("series in an initial value", 'velocity = ["0", "0"]', 'velocity = ["0", SERIES]', "initial.velocity: found",
+           "place alone", at="velocity ="),
+        at("series for a control constant in time", "scale = 1e6", "scale = 1e6\nconstant_in_time = true\ninitial = [0, SERIES]",
+           "control.initial: found", "place alone", at="initial = [0"),
+        at("series for all components", 'body = ["0", "-9.81"]', "body = SERIES", "load.body: found", "an array of one expression",
+           at="body ="),
     ]
 
 
@@ -798,6 +860,7 @@ def all_cases() -> list[Case]:
         *dimension_cases(),
         *obstacle_cases(),
         *expression_cases(),
+        *time_series_cases(),
         *effect_cases(),
         *later_cases(),
         *material_cases(),
