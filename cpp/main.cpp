@@ -128,8 +128,11 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     sub->add_flag("--quiet", quiet, "say nothing but errors");
-    sub->add_flag("--resume", request.resume,
-                  "optimize: go on from the checkpoint in the folder, where there is one");
+    if (std::string_view(verb.name) == "optimize")
+      sub->add_flag("--resume", request.resume,
+                    "go on from the checkpoint in the folder, where there is one");
+    if (std::string_view(verb.name) == "simulate")
+      sub->add_flag("--replace", request.replace, "even if the folder holds an optimum");
     if (std::string_view(verb.name) == "info")
       sub->add_option("--time", request.timed_steps, "time this many steps, for an estimate of the whole")
           ->check(CLI::Range(1, std::numeric_limits<int>::max()));
@@ -145,7 +148,12 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
   } catch (const CLI::ParseError& error) {
     throw UserError(fmt::format("command line: {}; see signorini --help", error.what()));
   }
-  if (const std::vector<std::string> extra = app.remaining(true); !extra.empty())
+  const std::vector<std::string> extra = app.remaining(true);
+  if (std::ranges::find(extra, "--resume") != extra.end())
+    throw UserError(
+        fmt::format("--resume: found with {}, allowed is optimize, which writes checkpoints{}", request.verb,
+                    request.verb == "study" ? "; a study goes on from what its folder has without it" : ""));
+  if (!extra.empty())
     throw UserError(
         fmt::format("command line: \"{}\" is not expected{}, allowed are one scene and the options --out, "
                     "--set, --quiet; see signorini --help",
@@ -155,10 +163,6 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
       fmt::print("{}", keys());
     return 0;
   }
-  if (request.resume && request.verb != "optimize")
-    throw UserError(
-        fmt::format("--resume: found with {}, allowed is optimize, which writes checkpoints{}", request.verb,
-                    request.verb == "study" ? "; a study goes on from what its folder has without it" : ""));
   return std::nullopt;
 }
 

@@ -15,8 +15,11 @@ namespace {
 
 MPI_Comm world() { return MPI_COMM_WORLD; }
 
-int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, const Console& console) {
+int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, bool replace,
+                   const Console& console) {
   io::OutputFolder folder(world(), out);
+  if (!replace)
+    folder.require_no_search(out);
   Timers timers;
   const Problem problem(world(), scene, {.sliding = false}, timers);
   console.line(headline(problem));
@@ -93,7 +96,7 @@ int run(const Request& request, const Console& console) {
   if (request.verb == "simulate" || request.verb == "optimize")
     on_root(world(), [&] { require_not_the_users(scene, text, out); });
   if (request.verb == "simulate")
-    return simulate_scene(scene, out, console);
+    return simulate_scene(scene, out, request.replace, console);
   if (request.verb == "optimize")
     return optimize_scene(world(), scene, out, request.resume, console);
   if (request.verb == "check")
