@@ -160,7 +160,7 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
                     extra.front(), did_you_mean(extra.front(), {"--out", "--set", "--quiet", "--resume"})));
   if (request.verb == "keys") {
     if (speaks)
-      fmt::print("{}", keys());
+      signorini::say(stdout, keys());
     return 0;
   }
   return std::nullopt;
@@ -169,7 +169,7 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
 /// Prints an error as one line, with control characters in names replaced.
 void complain(std::string text) {
   std::ranges::replace_if(text, [](unsigned char c) { return std::iscntrl(c); }, ' ');
-  fmt::print(stderr, "signorini: {}\n", text);
+  signorini::say(stderr, fmt::format("signorini: {}\n", text));
 }
 
 /// Prints a failure that other ranks may not have seen, once, and ends all ranks.
@@ -190,11 +190,10 @@ void report_unused(const std::vector<std::string>& given) {
     return;
   for (PetscInt i = 0; i < count; ++i)
     if (const std::string name = fmt::format("-{}", names[i]); std::ranges::find(given, name) != given.end())
-      fmt::print(
-          stderr,
-          "signorini: the PETSc option {} was not used; prefixes of its solvers: -step_, -condensed_vi_, "
-          "-full_vi_\n",
-          name);
+      signorini::say(
+          stderr, fmt::format("signorini: the PETSc option {} was not used; prefixes of its solvers: -step_, "
+                              "-condensed_vi_, -full_vi_\n",
+                              name));
   (void)PetscOptionsLeftRestore(nullptr, &count, &names, &values);
 }
 
@@ -212,7 +211,7 @@ int guarded(int argc, char** argv, int rank, int ranks) {
     return wrong_input;
   } catch (const signorini::Interrupted&) {
     if (rank == 0)
-      fmt::print(stderr, "signorini: interrupted before there was anything to write\n");
+      complain("interrupted before there was anything to write");
     return interrupted;
   } catch (const signorini::WriteFailure& error) {
     if (ranks > 1)
@@ -253,6 +252,7 @@ int main(int argc, char** argv) {
     return solver_failed;
   spdlog::set_level(spdlog::level::warn); // the libraries log warnings and errors only
   signorini::petsc::keep_error_messages();
+  signorini::ignore_broken_pipes();                          // in place of PETSc's handler, which aborts
   (void)PetscOptionsSetValue(nullptr, "-options_left", "0"); // report_unused() covers the user's own
   int rank = 0, ranks = 1;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);

@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "scene/expression.h"
+#include "scene/names.h"
 #include "scene/override.h"
 #include "scene/schema.h"
 #include <algorithm>
@@ -29,8 +30,11 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
     throw UserError(fmt::format("{}:{}: not valid TOML: {}", file.string(), error.source().begin.line,
                                 error.description()));
   }
-  for (const std::string& assignment : overrides)
+  Scene scene;
+  for (const std::string& assignment : overrides) {
     override_key(root, assignment, file);
+    scene.given.push_back(without_numbers(assignment.substr(0, assignment.find('='))));
+  }
   std::optional<Digest> series;
   const Source source{file, [&](const std::filesystem::path& path) {
                         std::string content = open(path);
@@ -38,7 +42,6 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
                         return content;
                       }};
   Reader in(root, "", source);
-  Scene scene;
   scene.file = std::filesystem::absolute(file);
   scene.name = file.stem().string();
   scene.solver.memory = machine_memory() / 2;

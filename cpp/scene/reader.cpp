@@ -75,6 +75,18 @@ std::string nearest(std::string_view found, const std::vector<std::string>& vali
   return best;
 }
 
+std::string without_numbers(std::string_view key) {
+  std::string plain;
+  for (std::size_t end = 0; end != std::string_view::npos; key.remove_prefix(std::min(end + 1, key.size()))) {
+    end = key.find('.');
+    std::string_view name = key.substr(0, end);
+    name = name.substr(0, name.find('['));
+    if (name.find_first_not_of("0123456789") != std::string_view::npos)
+      plain += (plain.empty() ? "" : ".") + std::string(name);
+  }
+  return plain;
+}
+
 std::string list(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
 
 bool Limits::contain(double value) const {
@@ -97,11 +109,13 @@ std::string Reader::full(const std::string& key) const {
 
 void Reader::fail(const std::string& key, const std::string& problem) const {
   const toml::node* found = key.empty() ? nullptr : table_.get(key);
-  // Neither the root table nor values from --set have a line.
-  const auto line = found ? found->source().begin.line : path_.empty() ? 0 : table_.source().begin.line;
+  const toml::node& place = found ? *found : table_;
+  // Neither the root table nor what comes from --set has a line.
+  const auto line = !found && path_.empty() ? 0 : place.source().begin.line;
   const std::string file = source_.file.string();
   throw UserError(line > 0 ? fmt::format("{}:{}: {}: {}", file, line, full(key), problem)
-                           : fmt::format("{}: {}: {}", file, full(key), problem));
+                           : fmt::format("{}{}: {}", found || !path_.empty() ? "--set " : file + ": ",
+                                         full(key), problem));
 }
 
 bool Reader::has(const std::string& key) {

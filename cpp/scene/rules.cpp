@@ -125,8 +125,8 @@ public:
 
   void vector(std::size_t size, const std::string& key, bool one_allowed = false) const {
     if (size != static_cast<std::size_t>(dim_) && !(one_allowed && size == 1))
-      throw UserError(fmt::format("{}: {}: found {} components, allowed are {}: the mesh is {}-dimensional",
-                                  scene_.file.string(), key, size, dim_, dim_));
+      throw UserError(fmt::format("{}: found {} components, allowed are {}: the mesh is {}-dimensional",
+                                  where(key), size, dim_, dim_));
   }
   template <class V>
   void vector(const std::optional<V>& given, const std::string& key, bool one_allowed = false) const {
@@ -138,8 +138,8 @@ public:
     allowed.resize(static_cast<std::size_t>(dim_));
     for (Component component : given.value_or(components(dim_)))
       if (static_cast<int>(component) >= dim_)
-        throw UserError(fmt::format("{}: {}: found \"{}\", allowed: {}: the mesh is {}-dimensional",
-                                    scene_.file.string(), key, name(component), list(allowed), dim_));
+        throw UserError(fmt::format("{}: found \"{}\", allowed: {}: the mesh is {}-dimensional", where(key),
+                                    name(component), list(allowed), dim_));
   }
   void obstacle(const Obstacle& shape, const std::string& key) const {
     if (const auto* half_space = std::get_if<HalfSpace>(&shape)) {
@@ -152,6 +152,13 @@ public:
   }
 
 private:
+  /// The key behind what gave it: --set, or the file.
+  [[nodiscard]] std::string where(const std::string& key) const {
+    const std::string plain = without_numbers(key);
+    const auto gave = [&](const std::string& set) { return plain == set || plain.starts_with(set + "."); };
+    return (std::ranges::any_of(scene_.given, gave) ? "--set " : scene_.file.string() + ": ") + key;
+  }
+
   const Scene& scene_;
   int dim_;
 };

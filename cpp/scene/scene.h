@@ -249,7 +249,8 @@ struct Scene {
   std::optional<Exact> exact;
   Run run;
   Output output;
-  std::string digest_of_series; ///< of the files of its time series; empty without any
+  std::string digest_of_series;   ///< of the files of its time series; empty without any
+  std::vector<std::string> given; ///< keys of --set, without the numbers of tables
 };
 
 /// Returns the text of a scene file. Throws UserError if it cannot be read.

@@ -206,6 +206,19 @@ def silence_and_plain_lines(folder: Path) -> None:
     print("piped output is plain, --quiet says nothing, info names the effects")
 
 
+def nobody_reads(folder: Path) -> None:
+    """Behind `| head` the program goes on without a word: a run writes its results."""
+    command = f"'{SIGNORINI}' %s | head -n 1; echo ${{PIPESTATUS[0]}}"
+    for words, status in ((f"info '{HALF_DISC}' --set mesh.size=3", 0), ("keys", 0), ("keys --json", 0),
+                          (f"simulate '{HALF_DISC}' --set mesh.size=3 --out '{folder}/head'", 0),
+                          (f"simulate '{HALF_DISC}' --set mesh.size=nothing 2>&1", 2)):  # fmt: skip
+        done = captured(["bash", "-c", command % words])
+        assert done.returncode == 0 and done.stderr == "" and done.stdout.splitlines()[-1] == str(status), (words, done)
+        assert len(done.stdout.splitlines()) == 2, done.stdout
+    assert json.loads((folder / "head" / "run.json").read_text())["stop_reason"] == "end of time"
+    print("a pipe that is closed ends no run and is no error")
+
+
 def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -219,6 +232,7 @@ def main() -> int:
         half_ball(folder)
         only_what_is_asked_for(folder)
         silence_and_plain_lines(folder)
+        nobody_reads(folder)
     return 0
 
 

@@ -225,6 +225,25 @@ TEST_CASE("an expression that is wrong is told what expressions are", "[scene]")
     CHECK_THROWS_WITH(scene::Field({"sine(t)"}, "load.body", true), ContainsSubstring(part));
 }
 
+TEST_CASE("what --set gave is blamed on it, and what the file gave on the file", "[scene]") {
+  for (const auto& [key, plain] : {std::pair{"material.0.young", "material.young"},
+                                   {"material[1].viscosity.bulk", "material.viscosity.bulk"},
+                                   {"mesh.size", "mesh.size"},
+                                   {"contact", "contact"}})
+    CHECK(scene::without_numbers(key) == plain);
+  const auto file = test::source("tests/data/two-materials.toml");
+  for (const auto& [setting, said] :
+       {std::pair{"material.1.young=-1", "--set material[1].young: found -1"},
+        {"contact.obstacle={shape = \"ball\", radius = 1}", "--set contact.obstacle.center: missing"},
+        {"contact.obstacle.shape=\"ball\"", "two-materials.toml:26: contact.obstacle.center: missing"},
+        {"run.tolerance=2", "--set run.tolerance: found 2"}})
+    CHECK_THROWS_WITH(test::parse(file, {setting}), ContainsSubstring(said));
+  CHECK_THROWS_WITH(scene::require_dimension(test::parse(file, {"load={body = [0, 0, 0]}"}), 2),
+                    ContainsSubstring("--set load.body: found 3"));
+  CHECK_THROWS_WITH(scene::require_dimension(test::parse(file, {"mesh.size=1"}), 3),
+                    ContainsSubstring("two-materials.toml: contact.obstacle.point: found 2"));
+}
+
 TEST_CASE("the number of steps is exact for decimal steps", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
   for (const auto& [step, steps] : {std::pair{"1e-6", 7500}, {"2.5e-5", 300}, {"7.5e-3", 1}})
