@@ -52,6 +52,14 @@ nlohmann::ordered_json versions() {
       {"gmsh", GMSH_API_VERSION}};
 }
 
+std::string version_line() {
+  std::string text;
+  const nlohmann::ordered_json all = versions();
+  for (const auto& [name, version] : all.items())
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, version.get<std::string>());
+  return text;
+}
+
 std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& timers) {
   using nlohmann::ordered_json;
   char host[256] = "";
