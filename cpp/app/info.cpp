@@ -88,6 +88,8 @@ std::map<std::string, Cost> costs(const Problem& problem) {
         problem.scene_load->depends_on_time() ? ", evaluated anew" : ", evaluated once";
     if (scene.load->body)
       costs["body load"] = {"W", petsc::bytes(*body.W) + 2 * vector, density_product + evaluated};
+    if (scene.load->gravity)
+      costs["gravity"] = {"", 2 * vector, "a vector added" + evaluated};
     if (!scene.load->tractions.empty())
       costs["traction"] = {"L2 of the surface", problem.scene_load->surface_bytes() + 3 * vector,
                            "a vector added" + evaluated};

@@ -74,6 +74,16 @@ std::string storage_line(const Problem& problem, const ControlProblem& control_p
   return fmt::format("states in memory, {} a motion", room);
 }
 
+/// How to go on with a search that stopped before its end, in words.
+std::string going_on(optimize::Stop stop, const scene::Optimizer& scene) {
+  if (scene.checkpoint == 0)
+    return "";
+  return stop == optimize::Stop::interrupted ? "; the same command with --resume goes on from here"
+         : stop == optimize::Stop::iteration_limit
+             ? "; the same command with --resume and a larger optimizer.max_iterations goes on from here"
+             : "";
+}
+
 static_assert(optimize::Unknowns<control::ControlSpace>);
 static_assert(optimize::TwiceDifferentiable<control::ReducedProblem>);
 using Result = optimize::Result<control::Control>;
@@ -200,7 +210,7 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   write_motion(problem, reduced, recorder);
   write_control(folder, problem, reduced);
   const double first_norm = rows.front().gradient_norm;
-  console.line("stopped: " + optimize::name(ending.stop));
+  console.line("stopped: " + optimize::name(ending.stop) + going_on(ending.stop, scene.optimizer));
   io::Manifest m = manifest(problem, "optimize", optimize::name(ending.stop), reduced.trajectory().steps());
   add_watched(m, recorder, scene.run, console);
   if (ending.stop == optimize::Stop::no_decrease)

@@ -185,7 +185,7 @@ Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs n
   if (stop_requested(comm))
     throw Interrupted();
   if (s.load)
-    scene_load.emplace(space, *s.load, stepper.grid());
+    scene_load.emplace(space, stepper.M(), *s.load, stepper.grid());
   if (!s.output.probes.empty())
     probes.emplace(stepper, s);
 }

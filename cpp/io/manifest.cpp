@@ -1,6 +1,5 @@
 #include "io/manifest.h"
 #include "base/counters.h"
-#include "scene/expression.h"
 #include "version.h"
 #include <algorithm>
 #include <chrono>
@@ -18,10 +17,7 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
     return field && !scene::vanishes(*field);
   };
   const auto moves = [](const scene::Clamp& clamp) { return clamp.value && !scene::vanishes(*clamp.value); };
-  const auto obstacle_moves = [](const scene::Contact& contact) {
-    const auto* half_space = std::get_if<scene::HalfSpace>(&contact.obstacle);
-    return half_space && scene::Field(half_space->point, "contact.obstacle.point", true).depends_on_time();
-  };
+  const auto obstacle_moves = [](const scene::Contact& contact) { return scene::moves(contact.obstacle); };
   const auto& objective = scene.objective;
   const bool viscous = std::ranges::any_of(
       scene.materials, [](const scene::Material& material) { return material.viscosity.has_value(); });
@@ -34,6 +30,7 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
           {"massless contact", std::ranges::any_of(scene.contacts, &scene::Contact::massless)},
           {"moving obstacle", std::ranges::any_of(scene.contacts, obstacle_moves)},
           {"body load", scene.load && given(scene.load->body)},
+          {"gravity", scene.load && given(scene.load->gravity)},
           {"traction", scene.load && !scene.load->tractions.empty()},
           {"initial displacement", given(scene.initial.displacement)},
           {"initial velocity", given(scene.initial.velocity)},
@@ -54,6 +51,14 @@ nlohmann::ordered_json versions() {
       {"dolfinx", DOLFINX_VERSION},
       {"petsc", fmt::format("{}.{}.{}", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR)},
       {"gmsh", GMSH_API_VERSION}};
+}
+
+std::string version_line() {
+  std::string text;
+  const nlohmann::ordered_json all = versions();
+  for (const auto& [name, version] : all.items())
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, version.get<std::string>());
+  return text;
 }
 
 namespace {

@@ -51,6 +51,8 @@ struct Manifest {
 
 /// Versions of this program and of its main libraries.
 nlohmann::ordered_json versions();
+/// The same on one line.
+std::string version_line();
 
 /// The text of run.json.
 std::string to_json(const Manifest& manifest, const scene::Scene& scene, const Timers& timers);

@@ -23,6 +23,31 @@ constexpr const char* checkpoint = "checkpoint.h5";
 /// Files that a search puts in place before its end.
 const FolderLock::Names early_names{"history.csv", checkpoint};
 
+/// Files that only a search leaves.
+constexpr std::array of_search{"history.csv", "control.h5", "control.xdmf", "adjoint.h5", "adjoint.xdmf"};
+
+/// Whether postprocess/ made a file: it says so near its beginning, a page in
+/// <meta name="generator" content="signorini report">, a picture in its comment.
+bool drawn(const fs::path& file) {
+  std::string start(1 << 16, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(in.gcount()));
+  return start.find("signorini report") != std::string::npos;
+}
+
+/// The page and the figures of an earlier run, by their paths within the folder.
+std::vector<std::string> drawings(const fs::path& folder) {
+  std::vector<std::string> found;
+  std::error_code none;
+  if (fs::is_regular_file(folder / "report.html", none) && drawn(folder / "report.html"))
+    found.emplace_back("report.html");
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder / "figures", none))
+    if (entry.is_regular_file(none) && drawn(entry.path()))
+      found.push_back("figures/" + entry.path().filename().string());
+  return found;
+}
+
 /// Removes the half-written files of runs that were killed.
 void clear_unfinished(const fs::path& folder) {
   std::error_code ignored; // what remains is harmless
@@ -121,9 +146,21 @@ void TextFile::close() {
   });
 }
 
+void OutputFolder::require_no_search(const fs::path& given) const {
+  on_root(comm_, [&] {
+    std::error_code none;
+    if (std::ranges::any_of(of_search, [&](const char* name) { return fs::exists(folder_ / name, none); }))
+      throw UserError(
+          fmt::format("--out: found an optimum in {0}, whose history, control and adjoint this run would "
+                      "remove, allowed are "
+                      "--replace, which removes them, and another folder, such as --out {0}-simulate",
+                      given.string()));
+  });
+}
+
 void OutputFolder::publish() {
   MPI_Barrier(comm_); // all ranks have closed their files
-  on_root(comm_, [&] { io::publish(folder_, staging_, file_names); });
+  on_root(comm_, [&] { io::publish(folder_, staging_, file_names, drawings(folder_)); });
 }
 
 } // namespace signorini::io

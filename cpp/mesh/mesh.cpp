@@ -1,6 +1,7 @@
 #include "mesh/mesh.h"
 #include "base/collective.h"
 #include "base/digest.h"
+#include "base/signals.h"
 #include "mesh/gmsh_model.h"
 #include "scene/names.h"
 #include <algorithm>
@@ -81,7 +82,14 @@ std::vector<std::int32_t> owned_of(const dolfinx::mesh::Topology& topology,
 
 Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh) : comm_(comm), file_(mesh.file.string()) {
   RawMesh raw;
-  on_root(comm, [&] { raw = read_gmsh(mesh); });
+  on_root(comm, [&] {
+    try {
+      raw = read_gmsh(mesh);
+    } catch (const Interrupted&) { // which all ranks are told of below
+    }
+  });
+  if (stop_requested(comm))
+    throw Interrupted();
   if (rank(comm) == 0)
     dim_ = raw.dim, diameter_ = bounding_diagonal(raw), digest_ = Digest().add(packed(raw)).text();
   MPI_Bcast(&dim_, 1, MPI_INT, 0, comm);

@@ -20,7 +20,8 @@ namespace signorini::mesh {
 /// (surfaces).
 class Mesh {
 public:
-  /// Reads a .geo or .msh on rank 0 and distributes it. Collective; throws UserError on every rank alike.
+  /// Reads a .geo or .msh on rank 0 and distributes it. Collective; throws UserError, or Interrupted if a
+  /// rank was asked to stop meanwhile, on every rank alike.
   Mesh(MPI_Comm comm, const scene::Mesh& mesh);
 
   /// Space dimension.

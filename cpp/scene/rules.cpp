@@ -45,17 +45,6 @@ void require_rules(Reader& in, const Material& material, const Scene& scene) {
                                 *material.on, i));
 }
 
-void require_rules(Reader& in, const HalfSpace& obstacle, const Scene&) {
-  if (Field(obstacle.point, "point", true).depends_on_place())
-    in.fail(
-        "point",
-        fmt::format("found [{}], allowed are expressions of t alone: the point is one for the whole plane",
-                    fmt::join(obstacle.point, ", ")));
-  if (obstacle.normal.size() != obstacle.point.size())
-    in.fail("normal", fmt::format("found {} components where point has {}, allowed are as many",
-                                  obstacle.normal.size(), obstacle.point.size()));
-}
-
 void require_rules(Reader& in, const Cylinder& obstacle, const Scene&) {
   if (obstacle.point.size() == 3) {
     in.require("axis");
@@ -170,14 +159,10 @@ void require_rules(Reader& in, Output& output, const Scene& scene) {
             "found \"pressure\", which has no meaning without contact; allowed with a table [contact]");
 }
 
-void require_rules(Reader& in, const Exact& exact, const Scene& scene) {
+void require_rules(Reader& in, const Exact&, const Scene& scene) {
   for (const char* key : {"pressure", "impulse", "peak_force", "contact_start", "contact_time"})
     if (in.has(key) && scene.contacts.empty())
       in.fail(key, "has no meaning without contact; allowed with a table [contact]");
-  if (exact.pressure && Field({*exact.pressure}, "exact.pressure", true).depends_on_time())
-    in.fail("pressure",
-            fmt::format("found \"{}\", allowed is an expression of x, y and z: it is that at time.end",
-                        *exact.pressure));
 }
 
 void require_rules(Reader& in, const Scene& scene, const Scene&) {
@@ -205,8 +190,8 @@ public:
 
   void vector(std::size_t size, const std::string& key, bool one_allowed = false) const {
     if (size != static_cast<std::size_t>(dim_) && !(one_allowed && size == 1))
-      throw UserError(fmt::format("{}: {}: found {} components, allowed are {}: the mesh is {}-dimensional",
-                                  scene_.file.string(), key, size, dim_, dim_));
+      throw UserError(fmt::format("{}: found {} components, allowed are {}: the mesh is {}-dimensional",
+                                  where(key), size, dim_, dim_));
   }
   template <class V>
   void vector(const std::optional<V>& given, const std::string& key, bool one_allowed = false) const {
@@ -218,19 +203,27 @@ public:
     allowed.resize(static_cast<std::size_t>(dim_));
     for (Component component : given.value_or(components(dim_)))
       if (static_cast<int>(component) >= dim_)
-        throw UserError(fmt::format("{}: {}: found \"{}\", allowed: {}: the mesh is {}-dimensional",
-                                    scene_.file.string(), key, name(component), list(allowed), dim_));
+        throw UserError(fmt::format("{}: found \"{}\", allowed: {}: the mesh is {}-dimensional", where(key),
+                                    name(component), list(allowed), dim_));
   }
   void obstacle(const Obstacle& shape, const std::string& key) const {
-    if (const auto* half_space = std::get_if<HalfSpace>(&shape))
+    if (const auto* half_space = std::get_if<HalfSpace>(&shape)) {
       vector(half_space->point.size(), key + "point");
-    else if (const auto* ball = std::get_if<Ball>(&shape))
+      vector(half_space->normal.size(), key + "normal");
+    } else if (const auto* ball = std::get_if<Ball>(&shape))
       vector(ball->center.size(), key + "center");
     else if (const auto* cylinder = std::get_if<Cylinder>(&shape))
       vector(cylinder->point.size(), key + "point");
   }
 
 private:
+  /// The key behind what gave it: --set, or the file.
+  [[nodiscard]] std::string where(const std::string& key) const {
+    const std::string plain = without_numbers(key);
+    const auto gave = [&](const std::string& set) { return plain == set || plain.starts_with(set + "."); };
+    return (std::ranges::any_of(scene_.given, gave) ? "--set " : scene_.file.string() + ": ") + key;
+  }
+
   const Scene& scene_;
   int dim_;
 };
@@ -247,8 +240,10 @@ void require_dimension(const Scene& scene, int dim) {
     if (!clamp.components)
       require.vector(clamp.value, clamp_key(scene.clamps, i) + ".value");
   }
-  if (scene.load)
+  if (scene.load) {
     require.vector(scene.load->body, "load.body");
+    require.vector(scene.load->gravity, "load.gravity");
+  }
   for (std::size_t i = 0; scene.load && i < scene.load->tractions.size(); ++i)
     require.vector(scene.load->tractions[i].value.size(), fmt::format("load.traction[{}].value", i));
   require.vector(scene.initial.displacement, "initial.displacement");

@@ -9,7 +9,6 @@ void require_rules(Reader& in, const Mesh& mesh, const Scene& scene);
 /// Sets the number of steps.
 void require_rules(Reader& in, Time& time, const Scene& scene);
 void require_rules(Reader& in, const Material& material, const Scene& scene);
-void require_rules(Reader& in, const HalfSpace& obstacle, const Scene& scene);
 void require_rules(Reader& in, const Cylinder& obstacle, const Scene& scene);
 void require_rules(Reader& in, const Contact& contact, const Scene& scene);
 void require_rules(Reader& in, const Control& control, const Scene& scene);

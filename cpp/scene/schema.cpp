@@ -16,7 +16,7 @@ Key<T> acting(const char* meaning) {
 
 template <class T>
 Key<T> radius() {
-  return required("radius", &T::radius, Number{above_zero}, "m", "of a ball or a cylinder");
+  return required("radius", &T::radius, Varying{above_zero}, "m", "of a ball or a cylinder");
 }
 
 template <class T>
@@ -80,19 +80,21 @@ Keys<Clamp> keys_of(Of<Clamp>) {
 }
 
 Keys<HalfSpace> keys_of(Of<HalfSpace>) {
-  return {required("point", &HalfSpace::point, Point{}, "m",
-                   "on the plane or the cylinder's axis (numbers); with an expression of t the plane moves",
-                   {.effect = "moving obstacle"}),
-          required("normal", &HalfSpace::normal, Direction{{}, "it points out of the obstacle"}, "",
-                   "of a half-space, out of the obstacle, of any length")};
+  return {
+      required("point", &HalfSpace::point, Point{}, "m",
+               "on the plane or the cylinder's axis; where an expression of an obstacle has t it moves (see "
+               "Candidates)",
+               {.effect = "moving obstacle"}),
+      required("normal", &HalfSpace::normal, Direction{{}, "it points out of the obstacle"}, "",
+               "of a half-space, out of the obstacle, of any length")};
 }
 
 Keys<Ball> keys_of(Of<Ball>) {
-  return {required("center", &Ball::center, Numbers{}, "m", "of a ball"), radius<Ball>(), side<Ball>()};
+  return {required("center", &Ball::center, Point{}, "m", "of a ball"), radius<Ball>(), side<Ball>()};
 }
 
 Keys<Cylinder> keys_of(Of<Cylinder>) {
-  return {required("point", &Cylinder::point, Numbers{}, "m"),
+  return {required("point", &Cylinder::point, Point{}, "m"),
           value("axis", &Cylinder::axis, Direction{{}, "it points along the cylinder"}, "",
                 "of a cylinder in space; in the plane it is a disc and has none",
                 {.otherwise = "required in space"},
@@ -102,7 +104,7 @@ Keys<Cylinder> keys_of(Of<Cylinder>) {
 
 Keys<SignedDistance> keys_of(Of<SignedDistance>) {
   return {required(
-      "distance", &SignedDistance::distance, Formula{{}, false}, "",
+      "distance", &SignedDistance::distance, Formula{{}, true}, "",
       "of a signed distance: positive outside of the obstacle, such as `\"y + 1 - 0.1*x^2\"`, in any unit")};
 }
 
@@ -167,6 +169,9 @@ Keys<Traction> keys_of(Of<Traction>) {
 
 Keys<Load> keys_of(Of<Load>) {
   return {value("body", &Load::body, Expressions{}, "N/m³", "", {.otherwise = "none", .effect = "body load"}),
+          value("gravity", &Load::gravity, Point{}, "m/s²",
+                "acts by the density of each material, such as `[0, -9.81]`",
+                {.otherwise = "none", .effect = "gravity"}),
           sections("traction", &Load::tractions, {.effect = "traction"})};
 }
 
@@ -295,7 +300,7 @@ Keys<Check> keys_of(Of<Check>) {
 Keys<Exact> keys_of(Of<Exact>) {
   const char* about = "what is known of the solution, for `study`";
   return {value("displacement", &Exact::displacement, Expressions{}, "m", about),
-          value("pressure", &Exact::pressure, Formula{{}, true}, "N/m²",
+          value("pressure", &Exact::pressure, Formula{{}, false}, "N/m²",
                 "on the contact surface at `time.end`", {.part = Part::measurement}),
           value("impulse", &Exact::impulse, Number{above_zero}, "N s",
                 "of the contact forces in all (in the plane N s/m), modulus"),

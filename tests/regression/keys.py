@@ -366,6 +366,22 @@ def ball() -> None:
                                                                        "radius": 0.9}).steps["active"].max() > 0  # fmt: skip
 
 
+@key("contact.obstacle.center", "contact.obstacle.radius", "contact.obstacle.distance", "contact.obstacle.point")
+def moving_round_obstacles() -> None:
+    """Gaps of the undeformed body, which rests far from everything until the obstacle comes."""
+    nodes, resting = np.linspace(0, 1, 5), {name: value for name, value in FREE.items() if "obstacle" not in name}
+    for shape in ({"shape": "ball", "center": ["0.5 + t", "-1.5 + t"], "radius": "0.5 + 0.2*t"},
+                  {"shape": "cylinder", "point": ["0.5 + t", "-1.5 + t"], "radius": "0.5 + 0.2*t"},
+                  {"shape": "signed-distance", "distance": "sqrt((x - 0.5 - t)^2 + (y + 1.5 - t)^2) - 0.5 - 0.2*t"}):  # fmt: skip
+        done = simulate(contact__obstacle=shape, **resting)
+        contact = table(done.folder / "contact.csv")
+        assert done.steps["active"].max() == 0 and done.manifest["effects"]["moving obstacle"]
+        t, x = np.unique(contact["time"])[:, None], nodes[None, :]
+        near(contact["gap"].reshape(31, 5), np.hypot(x - 0.5 - t, 1.5 - t) - 0.5 - 0.2 * t, 1e-9)
+    fast = simulate(contact__obstacle={"shape": "ball", "center": [0.5, "-1.2 + t"], "radius": 1}, **resting)
+    assert fast.steps["active"].max() > 0 and fast.momentum()[1] > 0.1
+
+
 @key("contact.obstacle.axis", "contact.obstacle.point", "contact.obstacle.radius", "contact.obstacle.side")
 def cylinder() -> None:
     disc = {"shape": "cylinder", "point": [0.5, -1], "radius": 0.9}
@@ -390,6 +406,15 @@ def signed_distance() -> None:
 @key("load.body")
 def body_load() -> None:
     near(simulate(**FREE | {"load__body": ["0.3", "2*t"]}).momentum(), [0.3 * T, T**2])
+
+
+@key("load.gravity")
+def gravity() -> None:
+    """By the density of each material; the weight of the whole is its momentum's rate."""
+    near(simulate(**FREE | {"load__gravity": [0.3, "2*t"], "material__density": 1.0}).momentum(), [0.3 * T, T**2])
+    heavy = simulate(**FREE | {"load__gravity": [0, -2], "material__density": 3.0})
+    near(heavy.field("velocity")[-1], np.tile([0, -2 * T], (len(heavy.points), 1)))
+    near(heavy.steps["external_work"].sum(), 3 * (2 * T) ** 2 / 2)
 
 
 @key("load.traction.on", "load.traction.value")
@@ -724,7 +749,7 @@ EXACT = {"displacement": ["0", "0"], "pressure": "1", "impulse": 1, "peak_force"
 FULL = (
     (BLOCK, {
         "clamp": [{"on": "left", "components": ["x"], "value": ["0"]}],
-        "load__traction": [{"on": "top", "value": ["0", "0"]}],
+        "load__traction": [{"on": "top", "value": ["0", "0"]}], "load__gravity": [0, 0],
         "contact": [
             {"on": "bottom", "obstacle": {"shape": "half-space", "point": [0, -1], "normal": [0, 1]}},
             {"on": "bottom", "obstacle": {"shape": "ball", "center": [0, -2], "radius": 1}},

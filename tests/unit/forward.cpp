@@ -5,6 +5,7 @@
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
 
 using namespace signorini;
 using petsc::check;
@@ -26,6 +27,62 @@ TEST_CASE("a free body falls as Newton says", "[forward]") {
     ready.problem.space.interpolate(
         scene::Field({"0", fmt::format("{:.17g}", -t - t * t / 2)}, "test", false), 0, exact);
     CHECK(test::difference(trajectory.y[static_cast<std::size_t>(k)], exact) < 1e-14);
+  }
+}
+
+TEST_CASE("all of a body falls alike under gravity, whatever its density and its scheme", "[forward]") {
+  // The weight of each node is its inertia's, massless ones included: no strain, and Newmark's scheme is
+  // exact.
+  const char* away = "contact.obstacle.point=[0, -100]";
+  for (const auto& [file, overrides] :
+       {std::pair{"tests/data/two-materials.toml", std::vector<std::string>{away}},
+        {"tests/data/two-materials.toml", {away, "mesh.degree=2", "time.scheme=contact-stabilized"}},
+        {"tests/data/two-materials.toml", {away, "contact.mass=massless"}},
+        {"tests/data/two-materials.toml", {away, "contact.mass=massless", "mesh.degree=2"}},
+        {"tests/data/cube.toml", {"contact.obstacle.point=[0, 0, -100]", "contact.mass=massless"}},
+        {"tests/data/cube.toml", {"contact.obstacle.point=[0, 0, -100]", "solver.linear=iterative"}}}) {
+    const bool space = std::string(file).ends_with("cube.toml");
+    std::vector<std::string> settings = overrides;
+    settings.insert(settings.end(), {space ? "load={gravity = [0.5, 0, -2]}" : "load={gravity = [0.5, -2]}",
+                                     space ? "initial.velocity=[0, 1, 0]" : "initial.velocity=[0, 1]"});
+    INFO(file << ", " << overrides.back());
+    const test::Ready ready(file, settings);
+    const test::Recorded trajectory = run(ready);
+    const double T = ready.scene.time.end,
+                 tolerance = ready.problem.stepper.solver().tolerance() > 0 ? 1e-9 : 1e-13;
+    const std::string fallen = fmt::format("{:.17g}", -T * T), across = fmt::format("{:.17g}", T * T / 4),
+                      thrown = fmt::format("{:.17g}", T - T * T), flown = fmt::format("{:.17g}", T);
+    petsc::Vector exact = ready.problem.space.vector();
+    ready.problem.space.interpolate(
+        scene::Field(space ? scene::Components{across, flown, fallen} : scene::Components{across, thrown},
+                     "test", false),
+        0, exact);
+    CHECK(test::difference(trajectory.y.back(), exact) < tolerance);
+    CHECK(test::largest(exact) > 0.1);
+    // Its work is what the body gains, and its resultant the weight.
+    const auto& balance = trajectory.balance;
+    double work = 0;
+    for (const auto& step : balance)
+      work += step.external_work;
+    CHECK(std::abs(work - balance.back().kinetic_energy + balance.front().kinetic_energy) < 1e-9);
+  }
+}
+
+TEST_CASE("gravity is the density as a body force, and may change with time", "[forward]") {
+  for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
+    // Of uniform density: the same vector, and so the same motion and contact.
+    const test::Ready force("tests/data/block.toml", {degree, "material.density=3", "load.body=[\"t\", -3]"}),
+        gravity("tests/data/block.toml", {degree, "material.density=3", "load={gravity = [\"t/3\", -1]}"});
+    const test::Recorded a = run(force), b = run(gravity);
+    int touched = 0;
+    for (std::size_t k = 0; k < a.contact.size(); ++k) {
+      CHECK(test::difference(a.y[k], b.y[k]) < 1e-12);
+      touched += a.contact[k].count(contact::Status::strong) > 0;
+    }
+    CHECK(touched > 0);
+    CHECK_FALSE(forward::SceneLoad(gravity.problem.space, gravity.problem.operators.M, *gravity.scene.load,
+                                   gravity.problem.stepper.grid())
+                    .has_density());
   }
 }
 

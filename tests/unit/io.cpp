@@ -156,7 +156,7 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
     const Problem& problem = ready.problem;
     const contact::ContactPairs& pairs = *problem.stepper.pairs();
     const contact::Pressure pressure(problem.space, pairs, ready.scene.contacts);
-    const io::ContactTable contact_table(pairs, pressure);
+    const io::ContactTable contact_table(pairs, pressure, ready.scene.contacts);
     for (const bool tracking : {false, true}) {
       std::string steps = io::steps_header(dim, tracking), contact = contact_table.header();
       forward::Invariants invariants(problem.stepper);

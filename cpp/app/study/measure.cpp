@@ -236,10 +236,7 @@ std::vector<Quantity> quantities(const scene::Scene& scene) {
   all.push_back({"peak_force", "peak force", "N"});
   all.push_back({"contact_start", "start of contact", "s"});
   all.push_back({"contact_time", "time in contact", "s"});
-  const auto rests = [](const scene::Contact& contact) {
-    const auto* plane = std::get_if<scene::HalfSpace>(&contact.obstacle);
-    return !plane || !scene::Field(plane->point, "point", true).depends_on_time();
-  };
+  const auto rests = [](const scene::Contact& contact) { return !scene::moves(contact.obstacle); };
   if (std::ranges::all_of(scene.contacts, rests))
     all.push_back({"energy_loss", "energy lost in contact", "", false, true});
   if (scene.exact && scene.exact->pressure)

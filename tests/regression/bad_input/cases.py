@@ -82,8 +82,14 @@ def type_cases() -> list[Case]:
                at="body ="),
         edited("truth for an expression", 'body = ["0", "-9.81"]', 'body = [true, "0"]', "load.body: found true",
                "expression"),
-        edited("one expression for a list", 'body = ["0", "-9.81"]', 'body = "-9.81"', "load.body: found", "-9.81",
+        edited("one expression for a list", 'body = ["0", "-9.81"]', 'body = "-9.81"', "load.body: found", '["0", "-9.81"] in the plane',
                "an array of one expression per space dimension"),
+        edited("one velocity for a list", 'velocity = ["0", "0"]', "velocity = -3", "initial.velocity: found -3", '["0", -3] in the plane',
+               never=("9.81",)),
+        edited("one expression for a control", "scale = 1e6", 'scale = 1e6\ninitial = "sin(t)"', "control.initial: found",
+               '["0", "0", "sin(t)"] in space', never=("9.81",), at="initial ="),
+        edited("table for a list", 'velocity = ["0", "0"]', "velocity = { x = 1 }", "initial.velocity: found", "2 in the plane and 3 in space",
+               never=("9.81",)),
         edited("text for a bound", "lower = -2.0", 'lower = "-2"', "control.lower: found", "-2", "a number"),
     ]
 
@@ -119,8 +125,8 @@ def range_cases() -> list[Case]:
              edits=(('file = "square.msh"', 'file = "square.geo"\nsize = 1\nscale = 2'),), at="scale = 2"),
         edited("exact displacement of three components", "[output]", '[exact]\ndisplacement = ["0", "0", "0"]\n[output]',
                "exact.displacement: found 3 components", "allowed are 2", at=""),
-        edited("exact pressure over time", "[output]", '[exact]\npressure = "t"\n[output]', "exact.pressure: found", "x, y and z",
-               at="pressure ="),
+        edited("exact pressure over time", "[output]", '[exact]\npressure = "t"\n[output]', "exact.pressure: ", '"t"', "variables x, y, z",
+               never=("x, y, z, t",), at="pressure ="),
         *(edited(f"exact {name} of zero", "[output]", f"[exact]\n{name} = 0\n[output]", f"exact.{name}: found 0", "greater than 0",
                  at=f"{name} =") for name in ("impulse", "peak_force", "contact_start", "contact_time")),
         edited("negative iterations", "max_iterations = 1", "max_iterations = -1", "optimizer.max_iterations: found -1",
@@ -179,8 +185,9 @@ def dimension_cases() -> list[Case]:
                "objective.desired.control", *found, at="", verb="optimize", earlier=True),
         edited("obstacle in space", obstacle, "point = [0, 0, -1], normal = [0, 0, 1]", "contact.obstacle.point",
                *found, at=""),
-        edited("point and normal of different lengths", obstacle, "point = [0, 0, -1], normal = [0, 1]",
-               "contact.obstacle.normal: found 2 components", "point has 3", "allowed are as many", at="obstacle ="),
+        edited("point in space", obstacle, "point = [0, 0, -1], normal = [0, 1]", "contact.obstacle.point: ", *found, at=""),
+        edited("normal in space", obstacle, "point = [0, -1], normal = [0, 0, 1]", "contact.obstacle.normal: ", *found, at=""),
+        edited("gravity in space", 'body = ["0", "-9.81"]', "gravity = [0, 0, -9.81]", "load.gravity: ", *found, at=""),
         edited("expressions of four components", '["0", "-9.81"]', '["0", "0", "0", "0"]', "load.body: found",
                "one expression per space dimension", at="body ="),
         edited("normal of length zero", "normal = [0, 1]", "normal = [0, 0]", "contact.obstacle.normal: found",
@@ -219,7 +226,16 @@ def obstacle_cases() -> list[Case]:
         shaped("ball without a center", '{ shape = "ball", radius = 0.5 }', "contact.obstacle.center: missing"),
         shaped("ball by a point", ball.replace("center", "point"), "contact.obstacle.center: missing"),
         shaped("ball of radius zero", ball.replace("0.5", "0"), "contact.obstacle.radius: found 0", "greater than 0", "m)"),
-        shaped("text for a radius", ball.replace("0.5", '"t"'), "contact.obstacle.radius: found", "a number"),
+        shaped("truth for a radius", ball.replace("0.5", "true"), "contact.obstacle.radius: found", "a number"),
+        shaped("radius of an expression that cannot be read", ball.replace("0.5", '"0.5 +"'), "contact.obstacle.radius: ", '"0.5 +"'),
+        shaped("radius of an expression of place", ball.replace("0.5", '"0.5 + x"'), "contact.obstacle.radius: found 0.5 + x",
+               "expressions of t alone"),
+        shaped("center of an expression of place", ball.replace("-1", '"y - 1"'), "contact.obstacle.center: found 0, y - 1",
+               "expressions of t alone"),
+        shaped("radius that vanishes", ball.replace("0.5", '"0.5 - t/2e-4"'), "contact.obstacle.radius: found 0 m at t = 0.0001 s",
+               "greater than 0", at="", ranks=2),
+        shaped("center that leaves the finite", ball.replace("-1", '"-1 - 1/(1e-4 - t)"'), "contact.obstacle.center: ",
+               "t = 0.0001", "finite", at=""),
         shaped("unknown side", ball.replace(" }", ', side = "within" }'), 'contact.obstacle.side: found "within"',
                "outside, inside"),
         shaped("ball with a normal", ball.replace(" }", ", normal = [0, 1] }"), "contact.obstacle.normal: unknown key"),
@@ -246,8 +262,8 @@ def obstacle_cases() -> list[Case]:
                "contact.obstacle.point: found 3 components", "2-dimensional", at=""),
         shaped("distance that cannot be read", '{ shape = "signed-distance", distance = "y +" }',
                "contact.obstacle.distance: ", '"y +"', "x, y, z"),
-        shaped("distance that depends on time", '{ shape = "signed-distance", distance = "y + 1 - t" }',
-               "contact.obstacle.distance: ", '"y + 1 - t"'),
+        shaped("distance that loses its slope", '{ shape = "signed-distance", distance = "t > 9e-5 ? 1 : y + 1" }',
+               "contact.obstacle.distance: ", "no slope", "t = 0.0001 s", at=""),
         shaped("list for a distance", '{ shape = "signed-distance", distance = ["y", "y"] }',
                "contact.obstacle.distance: found", "a text"),
         shaped("distance without a slope", '{ shape = "signed-distance", distance = "1" }', "contact.obstacle.distance: ",
@@ -307,12 +323,64 @@ def expression_cases() -> list[Case]:
                "is inf", re.compile(r"t = 0\.00012\d*"), at="", earlier=True, ranks=2),
         edited("infinite desired control", '["0", "-1"]', '["0", "1/(y - 0.5)"]', "objective.desired.control", "is inf",
                "y = 0.5", at="", verb="optimize", earlier=True),
+        edited("gravity of an expression of place", body, 'gravity = ["0", "-9.81*x"]', "load.gravity: found 0, -9.81*x",
+               "expressions of t alone", at="gravity ="),
+        edited("gravity as a number", body, "gravity = 9.81", "load.gravity: found 9.81", '["0", 9.81]', at="gravity ="),
+        edited("gravity that is not finite", body, 'gravity = ["0", "1/(t > 1e-4 ? 0 : 1)"]', "load.gravity: ", "is inf", at="",
+               ranks=2),
         edited("initial displacement of a clamp", start, 'displacement = ["0", "1e-3"]', "initial.displacement",
                "found a difference of 0.001", "clamp", "allowed is 0", at="", earlier=True),
         edited("initial displacement of a clamp, two ranks", start, 'displacement = ["0", "1e-3"]',
                "initial.displacement", "found a difference of 0.001", "clamp", at="", ranks=2),
         edited("initial velocity of a clamp", 'velocity = ["0", "0"]', 'velocity = ["0", "-10"]', "initial.velocity",
                "found a difference of 10", "clamp", "allowed is 0", at=""),
+    ]
+
+
+def time_series_cases() -> list[Case]:
+    """Tables that give no quantity over the time of the run."""
+    good = "time,force,late\n0,1,2\n1e-4,2,2\n2e-4,3,x\n"
+
+    def wrong(name: str, *expect: Expected, column: str = "force", text: str | bytes = good, **other: object) -> Case:
+        given = f'{{ file = "loads.csv", column = "{column}" }}'
+        return Case(name, ("load.body: ", *expect), edits=(('"-9.81"', given),), at="body =",
+                    prepare=lambda folder: write(folder / "loads.csv", text), **other)  # type: ignore[arg-type]
+
+    def at(name: str, old: str, new: str, *expect: Expected, **other: object) -> Case:
+        series = '{ file = "loads.csv", column = "force" }'
+        return Case(name, expect, edits=((old, new.replace("SERIES", series)),), prepare=lambda folder: write(
+            folder / "loads.csv", good), **other)  # type: ignore[arg-type]
+
+    return [
+        Case("series that is missing", ("load.body: ", "loads.csv: cannot be read"), edits=(
+            ('"-9.81"', '{ file = "loads.csv", column = "force" }'),), at="body ="),
+        Case("series that is missing, two ranks", ("load.body: ", "loads.csv: cannot be read"), edits=(
+            ('"-9.81"', '{ file = "loads.csv", column = "force" }'),), at="body =", ranks=2),
+        Case("series that never ends", ("load.body: ", "/dev/zero: cannot be read"), edits=(
+            ('"-9.81"', '{ file = "/dev/zero", column = "force" }'),), at="body ="),
+        wrong("misspelt column", 'no column "forces"', 'mean "force"?', "time, force, late", column="forces", earlier=True),
+        wrong("misspelt column, two ranks", 'no column "forces"', column="forces", ranks=2),
+        wrong("series with a text", "loads.csv: line 4: ", '"x" in column 3', "a number", column="late"),
+        wrong("series of one time", "1 line of numbers", text="t,force\n0,1\n"),
+        wrong("series that is empty", "loads.csv", "empty", text=""),
+        wrong("series of bytes", "loads.csv: ", text=bytes(range(256)) * 4),
+        wrong("series with times that go back", "line 4: ", "0.0001 s behind 0.0002 s", "ascend",
+              text="t,force\n0,1\n2e-4,1\n1e-4,1\n"),
+        wrong("series that ends early", "from 0 to 0.0001 s", "0 to 0.00015 s", text="t,force\n0,1\n1e-4,1\n"),
+        wrong("series that starts late", "from 1e-05 to 1 s", text="t,force\n1e-5,1\n1,1\n"),
+        wrong("series with decimal commas", '"2,5" in column 2', "decimal point", text="t;force\n0;1\n1;2,5\n"),
+        Case("series without a column", ("load.body.column: missing",), edits=(('"-9.81"', '{ file = "loads.csv" }'),),
+             at="body ="),
+        Case("series of a number", ("load.body.column: found 3", "a text"), edits=(
+            ('"-9.81"', '{ file = "loads.csv", column = 3 }'),), at="body ="),
+        Case("series with an unknown key", ("load.body.unit: unknown key", "column, file"), edits=(
+            ('"-9.81"', '{ file = "loads.csv", column = "force", unit = "N" }'),), at="body ="),
+        at("series in an initial value", 'velocity = ["0", "0"]', 'velocity = ["0", SERIES]', "initial.velocity: found",
+           "place alone", at="velocity ="),
+        at("series for a control constant in time", "scale = 1e6", "scale = 1e6\nconstant_in_time = true\ninitial = [0, SERIES]",
+           "control.initial: found", "place alone", at="initial = [0"),
+        at("series for all components", 'body = ["0", "-9.81"]', "body = SERIES", "load.body: found", "an array of one expression",
+           at="body ="),
     ]
 
 
@@ -465,8 +533,8 @@ def option_cases() -> list[Case]:
     return [
         overridden("set without =", "mesh.size", '--set: found "mesh.size"', "key.path=value"),
         overridden("set without a key", "=4", '--set: found "=4"', "key.path=value"),
-        overridden("set of an unknown key", "material.yong=1e8", "material.yong: unknown", 'did you mean "young"?'),
-        overridden("set of an unknown table", "materail.young=1e8", "materail: unknown", 'did you mean "material"?'),
+        overridden("set of an unknown key", "material.yong=1e8", "--set material.yong: unknown", 'did you mean "young"?'),
+        overridden("set of an unknown table", "materail.young=1e8", "--set materail: unknown", 'did you mean "material"?'),
         overridden("set ending in a dot", "material.=1e8", "--set material.=1e8", "ends in a dot"),
         overridden("set beginning with a dot", ".young=1e8", "--set .young=1e8", "dot"),
         overridden("set with two dots", "material..young=1e8", "--set material..young=1e8", "dot"),
@@ -477,10 +545,18 @@ def option_cases() -> list[Case]:
         overridden("set on a component", "load.body.1=0", "--set load.body.1=0", "load.body",
                    never=("tables", "body.0.on")),
         overridden("set below a value", "material.young.x=1", "--set material.young.x=1", '"young" is not a table'),
-        overridden("set of the wrong type", "material.young=soft", "material.young: found", "soft", "a number"),
+        overridden("set of the wrong type", "material.young=soft", "--set material.young: found", "soft", "a number"),
         overridden("set to nothing", "material.young=", "material.young: found", "a number"),
         overridden("set out of range", "material.poisson=0.7", "material.poisson: found 0.7", "less than 0.5"),
-        overridden("set out of range, two ranks", "material.poisson=0.7", "material.poisson: found 0.7", ranks=2),
+        overridden("set out of range, two ranks", "material.poisson=0.7", "--set material.poisson: found 0.7", ranks=2),
+        overridden("set of a key of a table of its own", "exact={impulse = 0}", "--set exact.impulse: found 0"),
+        overridden("set of a table without a required key", "check={}", "--set check.control: missing"),
+        overridden("set of too many components", 'initial.velocity=["0", "0", "0"]', "--set initial.velocity: found 3 components",
+                   "2-dimensional", never=("scene.toml",)),
+        overridden("set of too many components of a clamp", 'clamp.0.value=["0", "0", "t"]', "--set clamp.value: found 3", never=("scene.toml",)),
+        overridden("set of a component of space", 'control.components=["z"]', '--set control.components: found "z"', never=("scene.toml",)),
+        edited("too many components beside a set", 'velocity = ["0", "0"]', 'velocity = ["0", "0", "0"]', "scene.toml: initial.velocity: found 3",
+               at="", options=("--set", "initial.displacement=[0, 0]")),
         overridden("set of a table to a value", "contact=bottom", "contact: found", "bottom", "a table"),
         overridden("set of two keys, the second wrong", ("material.young=1e7", "solver.vi=ful"),
                    'solver.vi: found "ful"', 'did you mean "full"?'),
@@ -842,6 +918,7 @@ def all_cases() -> list[Case]:
         *dimension_cases(),
         *obstacle_cases(),
         *expression_cases(),
+        *time_series_cases(),
         *effect_cases(),
         *later_cases(),
         *material_cases(),
