@@ -112,8 +112,8 @@ def values(study: StudyFolder, name: str) -> Table:
              "rungs. ★: no faster rung has less")  # fmt: skip
     one = len(study.methods) == 1
     rows = [[rung.name, f"{rung['size']:g}", f"{rung['step']:g}", *([] if one else [str(rung.method)]), digits(rung[name], 6),
-             percent(rung[f"{name}_error"]), percent(rung[f"{name}_envelope"]) + (" ★" if rung[f"{name}_pareto"] == 1 else ""), percent(rung[f"{name}_estimate"]),
-             digits(rung[f"{name}_effectivity"])] for rung in study.rungs]  # fmt: skip
+             percent(rung[f"{name}_error"]), percent(rung[f"{name}_envelope"]) + (" ★" if rung[f"{name}_pareto"] == 1 else ""),
+             percent(rung[f"{name}_estimate"]), digits(rung[f"{name}_effectivity"])] for rung in study.rungs]  # fmt: skip
     head = ["Rung", "Size (m)", "Step (s)", *([] if one else ["Method"]), "Value", "Error", "At most", "Estimate", "Effectivity"]
     return Table(title, head, rows)
 

@@ -88,7 +88,8 @@ def prices(out: Path) -> None:
         rungs, priced = re.search(r"^all (\d+): about (.+)$", said, re.MULTILINE).groups()
         said = subprocess.run([*command, "--out", folder], check=True, capture_output=True, text=True).stdout
         found = re.findall(r"; (\S+ \w+) so far$", said, re.MULTILINE)[-1]
-        print(f"{name:<24}{rungs:>6}{seconds(priced):>11.3g}{seconds(found):>10.3g}{seconds(found) / seconds(priced):>14.2f}{took:>12.2g}", flush=True)
+        ratio = seconds(found) / seconds(priced)
+        print(f"{name:<24}{rungs:>6}{seconds(priced):>11.3g}{seconds(found):>10.3g}{ratio:>14.2f}{took:>12.2g}", flush=True)
 
 
 def run(verb: str, scene: str, out: Path, *settings: str, petsc: tuple[str, ...] = ()) -> dict:

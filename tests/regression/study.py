@@ -78,7 +78,8 @@ TRUTH = {"impulse": 200.0, "contact_start": 0.5, "contact_time": 2 / 3}  # of th
 
 def recommended(folder: Path, title: str) -> list[tuple[float, float, float]]:
     """Tolerance, size and step of what a study's sentences recommend for a quantity."""
-    said = [re.match(rf"for (\S+) % in {title}: size (\S+), step ([^,]+),", text) for text in json.loads((folder / "study.json").read_text())["sentences"]]
+    said = [re.match(rf"for (\S+) % in {title}: size (\S+), step ([^,]+),", text)
+            for text in json.loads((folder / "study.json").read_text())["sentences"]]  # fmt: skip
     return [(float(found[1]) / 100, float(found[2]), float(found[3])) for found in said if found]
 
 
@@ -356,7 +357,8 @@ def contact_times(folder: Path) -> None:
     whole_steps = np.abs((np.floor(0.5 / rows["step"]) + 0.5) * rows["step"] - 0.5)
     assert max(whole_steps / rows["step"]) > 0.2, "1/2 s is in the middle of all steps: the case says nothing"
     late = np.abs(rows["contact_time"] - 2 / 3) / rows["step"]
-    print(f"start of contact off by at most {max(rows['contact_start_error']):.0e} of it, time by {np.median(late):.2f} steps, at most {max(late):.2f}")
+    print(f"start of contact off by at most {max(rows['contact_start_error']):.0e} of it, time by {np.median(late):.2f} steps, "
+          f"at most {max(late):.2f}")
     assert max(rows["contact_start_error"]) < 1e-10
 
 

@@ -160,13 +160,14 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   std::optional<Prices> prices;
   Study study(comm, scene, options, wanted, samples, store, prices, console);
   std::ranges::stable_sort(rungs, {}, [&](const Rung& rung) { return work(rung, samples.dim); });
+  if (!options.dry_run)
+    study.load(rungs); // before the first solver: Origin
   if (options.dry_run || options.budget)
     prices = price(comm, scene, rungs, samples, wanted);
   if (options.dry_run) {
     show_prices(console, rungs, *prices, scene);
     return 0;
   }
-  study.load(rungs);
   const int status = study.run(start);
   study.conclude(out);
   return status;
