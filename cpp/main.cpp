@@ -97,7 +97,7 @@ void add_study_options(CLI::App& app, Request& request) {
       ->transform(CLI::Validator(to_seconds, "TIME"));
   app.add_flag("--dry-run", request.study.dry_run, "price the ladder and run nothing");
   app.add_option("--suggest", request.suggest,
-                 "instead: a size and a step for this relative error of J, such as 1e-2")
+                 "instead: a size and a step for this relative error, such as 1e-2, of --quantity, or of J")
       ->check(CLI::Range(1e-12, 1.0));
 }
 

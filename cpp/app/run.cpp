@@ -126,7 +126,7 @@ int run(const Request& request, const Console& console) {
   if (request.verb == "check")
     return check(scene, console);
   if (request.verb == "study")
-    return request.suggest ? study::suggest(world(), scene, *request.suggest, request.study.budget, console)
+    return request.suggest ? study::suggest(world(), scene, *request.suggest, request.study, console)
                            : study::run_study(world(), scene, out, request.study, console);
   Timers timers;
   const Problem problem(world(), scene, {.sliding = scene.objective.has_value()}, timers);
