@@ -1,133 +1,181 @@
-"""The body in motion as a page shows it: some of the stored times, rounded to 16 bits, of a body in space its surface."""
+"""The body in motion as a page shows it: some of the stored times, rounded to 16 bits, of a body in space its surface and
+what a cut through it shows."""
 
-from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 import style
 from animation import enlargement
+from files import NotInRun
+from mesh import Mesh
+from report_cut import Cut, cut_open
+from report_fields import Field, stored_fields
 from report_parts import packed, whole
-from run_folder import HalfSpace, Mesh, NotInRun, RunFolder, Series, nearest
+from run_folder import RunFolder, nearest
+from scenery import Scenery, drawn_obstacles, picture, scenery
 
 MOST_FRAMES = 100
 MOST_NUMBERS = 2_000_000  # in all frames, which then take about 5 MB
 MOST_NODES = 100_000
-BAND = 0.06  # thickness of what is drawn of the obstacle, as a part of the body's size
+MOST_ARROWS = 80
+ARROW = 0.15  # length of the longest, as a part of the body's size
 
 
-def motion(run: RunFolder) -> dict:
-    """What report.js draws: positions in m, fields frame by frame, both as whole numbers times a scale."""
+@dataclass(frozen=True)
+class Drawing:
+    """The nodes of a run's mesh that a page draws (their numbers there), the triangles between them and the cut."""
+
+    nodes: np.ndarray
+    mesh: Mesh
+    edges: np.ndarray
+    cut: Cut | None
+
+
+def motion(run: RunFolder, times: np.ndarray | None = None) -> dict:
+    """What report_motion.js draws: positions in m, fields frame by frame, both as whole numbers times a scale.
+
+    At the stored times nearest to those given, else at as many stored ones as a page can hold.
+    """
     series = run.field("state.xdmf", "displacement")
-    faces = series.mesh.cells if run.dim == 2 else series.mesh.surface()[0]
-    nodes, own = np.unique(faces, return_inverse=True)
-    if len(nodes) > MOST_NODES:
-        raise NotInRun(f"{whole(len(nodes))} nodes are more than a page can hold")
-    mesh = Mesh(series.mesh.points[nodes], own.reshape(-1, 3))
-    fields = list(stored_fields(run))
-    shown = frames(len(series.times), len(nodes) * (run.dim + len(fields)))
-    times = series.times[shown]
-
-    displacement = np.stack([series.at(i)[nodes] for i in shown])
+    peak = run.peak_time if run.touches else 0.0
+    drawing = drawing_of(run, series.mesh, peak)
+    mesh, nodes = drawing.mesh, drawing.nodes
+    fields = stored_fields(run)
+    if times is None:
+        times = series.times[frames(series.times, len(nodes) * (run.dim + len(fields)), peak)]
+    displacement = np.stack([series.at(nearest(series.times, time))[nodes] for time in times])
     enlarged = enlargement(np.linalg.norm(displacement, axis=2).max(), mesh.size)
     position = mesh.points + enlarged * displacement
-    obstacle = drawn_obstacle(run, mesh, position, enlarged)
-    everything = np.concatenate([position.reshape(-1, run.dim), position[0] if obstacle is None else obstacle])
+    notes = [scale_note(enlarged), count_note(len(times), len(series.times))]
+    obstacles, box = seen_obstacles(run, mesh, times, position, enlarged, notes)
     factor, unit = style.prefixed(times, "s")
     return {
         "dim": run.dim,
         "times": (times * factor).tolist(),
+        "start": nearest(times, peak),
         "unit": unit,
-        "note": note(len(shown), len(series.times), enlarged, run.dim),
+        "note": "; ".join(notes) + ("; lengths in m; drag to turn." if run.dim == 3 else "."),
         "faces": packed(mesh.cells.T, "i4"),
-        "edges": packed(mesh.outline() if run.dim == 2 else np.empty((0, 2)), "i4"),
+        "edges": packed(drawing.edges, "i4"),
         "points": packed(mesh.points.T),
         "displacement": rounded(enlarged * np.moveaxis(displacement, 2, 1), "i2"),
-        "fields": [colouring(*field, times, nodes) for field in fields],
-        "obstacle": None if obstacle is None else packed(obstacle.T),
+        "fields": [colouring(field, times, drawing, mesh.size) for field in fields],
+        "obstacles": [packed_scenery(obstacle, len(times)) for obstacle in obstacles],
         "touching": touching(run, mesh, times),
+        "cut": None if drawing.cut is None else packed_cut(drawing.cut),
+        "eye": eye(run, mesh),
         "size": mesh.size,
-        "box": [everything.min(axis=0).tolist(), everything.max(axis=0).tolist()],
+        "box": box.tolist(),
     }
 
 
-def frames(stored: int, numbers: int) -> np.ndarray:
-    """Which of the stored times are shown, the last one always; numbers in one frame."""
+def drawing_of(run: RunFolder, mesh: Mesh, peak: float) -> Drawing:
+    """Of a plane body everything, of one in space its surface and the nodes about a cut."""
+    faces = mesh.cells if run.dim == 2 else mesh.surface()[0]
+    cut = None if run.dim == 2 else cut_open(mesh, faces, cut_point(run, peak), eye(run, mesh))
+    nodes = np.unique(np.concatenate([faces.ravel()] + ([] if cut is None else [cut.pairs.ravel()])))
+    if len(nodes) > MOST_NODES:
+        raise NotInRun(f"{whole(len(nodes))} nodes are more than a page can hold")
+    own = np.zeros(len(mesh.points), int)
+    own[nodes] = np.arange(len(nodes))
+    small = Mesh(mesh.points[nodes], own[faces])
+    return Drawing(nodes, small, small.outline() if run.dim == 2 else np.empty((0, 2)), None if cut is None else cut.renumbered(own, len(nodes)))
+
+
+def cut_point(run: RunFolder, peak: float) -> np.ndarray | None:
+    """The candidate that is pushed the most at a time (s)."""
+    if not run.touches or not run.has_contact_table:
+        return None
+    contact = run.contact
+    return contact.points[np.argmax(contact.force[nearest(contact.times, peak)])]
+
+
+def eye(run: RunFolder, mesh: Mesh) -> list[float]:
+    """From where a body in space is seen: beside its longer side, a little from above, and not through a wall."""
+    if run.dim == 2:
+        return [0.0, 0.0, 1.5]
+    x, y, _ = np.ptp(mesh.points, axis=0)
+    way = np.array([0.9, -1.5, 0.55]) if x >= y else np.array([1.5, -0.9, 0.55])
+    plane = run.half_space
+    if plane is not None:
+        side = np.array([1.0, 1.0, 1.0])
+        side[:2] = np.where((plane.normal[:2] * way[:2] < 0) & (np.abs(plane.normal[:2]) > 0.5), -1, 1)
+        side[2] = -1 if plane.normal[2] < -0.5 else 1
+        way = way * side
+    return way.tolist()
+
+
+def frames(times: np.ndarray, numbers: int, peak: float) -> np.ndarray:
+    """Which of the stored times (s) are shown, always the last one and that of the peak; numbers in one frame."""
+    stored = len(times)
     most = min(MOST_FRAMES, max(2, MOST_NUMBERS // numbers))
     stride = max(1, -(-(stored - 1) // (most - 1)))
-    return np.unique(np.append(np.arange(0, stored, stride), stored - 1))
+    return np.unique(np.append(np.arange(0, stored, stride), [nearest(times, peak), stored - 1]))
 
 
-def note(shown: int, stored: int, enlarged: float, dim: int) -> str:
-    """What the picture does not tell by itself."""
-    scale = "Displacements are true to scale" if enlarged == 1 else f"Displacements are drawn {enlarged:g} times as large"
-    count = "all stored times" if shown == stored else f"{shown} of {whole(stored)} stored times"
-    return f"{scale}; {count}{'' if dim == 2 else '; lengths in m; drag to turn'}."
+def scale_note(enlarged: float) -> str:
+    return "Displacements are true to scale" if enlarged == 1 else f"Displacements are drawn {enlarged:g} times as large"
 
 
-def stored_fields(run: RunFolder) -> Iterator[tuple[str, str, Series]]:
-    """Those whose magnitude may colour the body: name, unit, values."""
-    for file, name, unit in (("state.xdmf", "displacement", "m"), ("state.xdmf", "velocity", "m/s"),
-                             ("control.xdmf", "control", ""), ("adjoint.xdmf", "adjoint", "")):  # fmt: skip
-        try:
-            yield name, unit, run.field(file, name)
-        except NotInRun:
-            continue
+def count_note(shown: int, stored: int) -> str:
+    return "all stored times" if shown == stored else f"{shown} of {whole(stored)} stored times"
 
 
-def colouring(name: str, unit: str, series: Series, times: np.ndarray, nodes: np.ndarray) -> dict:
-    """The magnitude at the stored times nearest to those given (s)."""
-    values = np.stack([np.linalg.norm(nodal(series, nearest(series.times, time)), axis=1)[nodes] for time in times])
-    factor, unit = style.prefixed(values, unit) if unit else (1.0, "× control.scale" if name == "control" else "")
-    return {"name": name, "label": f"{name} ({unit})" if unit else name} | rounded(values * factor, "u2")
+def seen_obstacles(run: RunFolder, mesh: Mesh, times: np.ndarray, position: np.ndarray, enlarged: float,
+                   notes: list[str]) -> tuple[list[Scenery], np.ndarray]:
+    """Obstacles and the box of the picture; a note where they cannot be drawn."""
+    try:
+        obstacles = drawn_obstacles(run, mesh, enlarged)
+    except NotInRun as reason:
+        notes.append(f"no obstacle is drawn: {reason}")
+        return [], picture([], times, position, mesh.size)
+    return scenery(obstacles, times, position, mesh.size)
 
 
-def nodal(series: Series, index: int) -> np.ndarray:
-    """Values at the nodes; of a field that is constant in each cell the mean over the cells there."""
-    values, mesh = series.at(index), series.mesh
-    if not series.cellwise:
-        return values
-    total, count = np.zeros((len(mesh.points), values.shape[1])), np.zeros(len(mesh.points))
-    for corner in mesh.cells.T:
-        np.add.at(total, corner, values)
-        np.add.at(count, corner, 1)
-    return total / count[:, None]
+def packed_scenery(scenery: Scenery, count: int) -> dict:
+    """An obstacle for report_motion.js: an offset for each frame where it moves, a shape for each where that changes."""
+    return {
+        "name": scenery.name,
+        "shapes": [{"points": packed(points.T), "faces": packed(faces.T, "i4")} for points, faces in scenery.shapes],
+        "shape": scenery.shape,
+        "offset": packed(scenery.offset.T) if scenery.offset.any() else None,
+    }
+
+
+def packed_cut(cut: Cut) -> dict:
+    return {"pairs": packed(cut.pairs.T, "i4"), "weight": packed(cut.weight), "faces": packed(cut.faces.T, "i4"), "name": cut.name}
+
+
+def colouring(field: Field, times: np.ndarray, drawing: Drawing, size: float) -> dict:
+    """A field at the stored times nearest to those given (s)."""
+    values = np.stack([field.at(time)[drawing.nodes] for time in times])
+    factor, unit = style.prefixed(values, field.unit) if field.prefixed else (1.0, field.unit)
+    values = values * factor
+    found = {"name": field.name, "label": f"{field.name} ({unit})" if unit else field.name}
+    found |= rounded(values, "i2" if values.min() < 0 else "u2")
+    if field.support is not None:
+        found |= boundary_field(field, times, drawing, size)
+    return found
+
+
+def boundary_field(field: Field, times: np.ndarray, drawing: Drawing, size: float) -> dict:
+    """Edges of the surface, in the plane, that carry a field of a part of the boundary, and its vectors as arrows."""
+    support = field.support[drawing.nodes]
+    edges = drawing.edges[support[drawing.edges.astype(int)].all(axis=1)] if len(drawing.edges) else drawing.edges
+    at = np.flatnonzero(support)
+    at = at[:: -(-len(at) // MOST_ARROWS)] if len(at) else at
+    vectors = np.stack([field.vectors(time)[drawing.nodes[at]] for time in times])
+    longest = np.linalg.norm(vectors, axis=2).max() or 1.0
+    arrows = rounded(np.moveaxis(vectors, 2, 1) * ARROW * size / longest, "i2")
+    return {"edges": packed(edges, "i4"), "at": packed(at, "i4"), "arrows": arrows}
 
 
 def rounded(values: np.ndarray, kind: str) -> dict:
     """Frames of values as whole numbers and what one of them stands for."""
-    scale = np.abs(values).max() / np.iinfo(kind).max or 1.0
-    return {"values": packed(np.rint(values / scale), kind), "scale": float(scale), "largest": float(values.max())}
-
-
-def drawn_obstacle(run: RunFolder, mesh: Mesh, position: np.ndarray, enlarged: float) -> np.ndarray | None:
-    """Corners of a band below the line, in space of a rectangle in the plane, m; None where there is none near the body."""
-    if not run.has_contact:
-        return None
-    try:
-        obstacle = run.obstacle
-    except NotInRun:
-        return None
-    # The gap grows with the displacements, as in the film: the node nearest to the plane meets it when it does in truth.
-    candidates = run.contact.points if run.has_contact_table else mesh.points
-    gap = obstacle.height(candidates).min()
-    drawn = HalfSpace(obstacle.point + (1 - enlarged) * gap * obstacle.normal, obstacle.normal)
-    points = position.reshape(-1, run.dim)
-    if drawn.height(points).min() > mesh.size:
-        return None
-    across = [drawn.tangent] if run.dim == 2 else plane_axes(drawn.normal)
-    reach = [(points - drawn.point) @ axis for axis in across]
-    sides = [(along.min() - 0.1 * mesh.size, along.max() + 0.1 * mesh.size) for along in reach]
-    if run.dim == 2:
-        across, sides = [*across, drawn.normal], [*sides, (-BAND * mesh.size, 0.0)]
-    (left, right), (low, high) = sides
-    return drawn.point + np.array([[left, low], [right, low], [right, high], [left, high]]) @ np.array(across)
-
-
-def plane_axes(normal: np.ndarray) -> list[np.ndarray]:
-    """Two unit vectors along a plane in space."""
-    across = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal)
-    across /= np.linalg.norm(across)
-    return [across, np.cross(normal, across)]
+    scale = np.abs(values).max(initial=0) / np.iinfo(kind).max or 1.0
+    low, high = float(values.min(initial=0)), float(values.max(initial=0))
+    return {"values": packed(np.rint(values / scale), kind), "scale": float(scale), "least": low, "largest": high}
 
 
 def touching(run: RunFolder, mesh: Mesh, times: np.ndarray) -> dict | None:

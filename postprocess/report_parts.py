@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from run_folder import NotInRun
+from files import NotInRun
 from style import prefixed
 
 GREY = "#8c8c8c"
@@ -46,29 +46,32 @@ class Section:
     charts: list[Chart] = field(default_factory=list)
     tables: list[Table] = field(default_factory=list)
     texts: list[str] = field(default_factory=list)
-    motion: dict | None = None
+    motions: list[dict] = field(default_factory=list)
+    names: list[str] = field(default_factory=list)  # of the motions, where there are several
     file: tuple[str, str] | None = None  # name and content, folded
 
 
 @dataclass(frozen=True)
 class Page:
-    """All of a page; facts are names and values; left_out names the parts without data."""
+    """All of a page; `identity` says which run or study it shows; facts are names and values; left_out names the parts without
+    data."""
 
     title: str
     kind: str
+    identity: str
     facts: list[tuple[str, str]]
     sections: list[Section]
     left_out: list[str]
 
     def shown(self) -> list[Section]:
         """The sections with anything in them."""
-        return [s for s in self.sections if s.charts or any(table.rows for table in s.tables) or s.motion or s.file]
+        return [s for s in self.sections if s.charts or any(table.rows for table in s.tables) or s.motions or s.file]
 
     def data(self) -> dict:
         """What the page's script draws."""
-        motion = next((section.motion for section in self.sections if section.motion), None)
+        motions = next((section.motions for section in self.sections if section.motions), [])
         charts = {chart.name: chart.views for section in self.sections for chart in section.charts}
-        return {"charts": charts, "motion": motion}
+        return {"charts": charts, "motions": motions}
 
 
 class Gathering:
@@ -114,6 +117,12 @@ def figure(data: list[dict], x: str, y: str, **layout: dict) -> dict:
     """Traces under the titles of their axes; axes' further properties by the names that plotly.js has for them."""
     titles = {"xaxis": x, "yaxis": y}
     return {"data": data, "layout": {axis: {"title": {"text": title}} | layout.get(axis, {}) for axis, title in titles.items()}}
+
+
+def time_axis(times: np.ndarray) -> tuple[np.ndarray, str]:
+    """Times (s) in a short unit, and the axis' title."""
+    factor, unit = prefixed(times, "s")
+    return times * factor, f"time ({unit})"
 
 
 def quantity(value: float, unit: str) -> str:

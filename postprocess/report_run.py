@@ -1,36 +1,43 @@
-"""A run's page: what was run, the body in motion, contact forces, energies, convergence and times."""
+"""A run's page: what was run, the body in motion, contact, control, energies, probes, convergence and times."""
 
 import numpy as np
 
+import report_contact
+import report_control
 import report_motion
+import report_probes
 import style
-from report_parts import GREY, Chart, Gathering, Page, Section, Table, dots, figure, line, packed, quantity, whole
-from run_folder import Contact, NotInRun, RunFolder, Table as Columns
+from files import NotInRun, Table as Columns
+from report_impact import energy_account, impact
+from report_parts import GREY, Chart, Gathering, Page, Section, Table, dots, figure, line, quantity, time_axis, whole
+from run_folder import RunFolder, potential_of_loads
 
-MOST_COLUMNS = 400  # times in a map of the contact surface
-RINGS = 40  # distances in that of a body in space
 FROM_ZERO = {"rangemode": "tozero"}
 
 
 def page(run: RunFolder) -> Page:
     """Raises NotInRun where there is no run.json, Unreadable where a file is damaged."""
     gather = Gathering(run.path)
-    return run.told(lambda: Page(str(run.manifest["scene"]), run.verb, facts(run), sections_of(run, gather), gather.left_out()))
+    return run.told(lambda: Page(str(run.manifest["scene"]), run.verb, run.identity, facts(run), sections_of(run, gather), gather.left_out()))
 
 
 def sections_of(run: RunFolder, gather: Gathering) -> list[Section]:
     """All parts below the facts."""
     motion = gather("the body in motion", report_motion.motion, run)
-    contact = [*gather("contact force", contact_force, run), *gather("candidates in contact", active_candidates, run),
-               *gather("contact along the surface", contact_surface, run)]  # fmt: skip
+    contact = [*gather("contact force", report_contact.contact_force, run),
+               *gather("candidates in contact", report_contact.active_candidates, run),
+               *gather("contact along the surface", report_contact.contact_surface, run)]  # fmt: skip
+    control = gather("resultant of the control", report_control.resultant, run) if "control" in run.scene else []
     energy = [*gather("energies", energies, run), *gather("residuals", residuals, run)]
     convergence = [*gather("objective", objective, run), *gather("gradient norm", gradient_norm, run),
                    *gather("distance to the reference control", distance, run),
                    *gather("distance to the desired state", tracking_error, run)]  # fmt: skip
     return [
-        Section("motion", "The body in motion", motion=motion[0] if motion else None),
-        Section("contact", "Contact", contact),
-        Section("energy", "Energy and what each step keeps", energy, gather("worst residuals", invariants, run)),
+        Section("motion", "The body in motion", motions=motion),
+        Section("contact", "Contact", contact, impact(run)),
+        Section("control", "Control", [*control, *report_control.boundary(run)]),
+        Section("energy", "Energy and what each step keeps", energy, [*energy_account(run), *gather("worst residuals", invariants, run)]),
+        Section("probes", "Probes", report_probes.charts(run)),
         Section("convergence", "Convergence", convergence),
         Section("time", "Where the time went", gather("times", timings, run)),
         Section("scene", "Scene", file=("scene.toml", (run.path / "scene.toml").read_text(encoding="utf-8"))),
@@ -63,7 +70,6 @@ def facts(run: RunFolder) -> list[tuple[str, str]]:
     found.append(("Ranks", whole(given["host"]["ranks"])))
     found.append(("Peak memory", quantity(given["peak_memory_bytes"], "B")))
     found.append(("Versions", ", ".join(f"{name} {version}" for name, version in given["versions"].items())))
-    found.append(("Finished", str(given["finished"]).replace("T", " ").replace("Z", " UTC")))
     return found
 
 
@@ -78,12 +84,6 @@ def objective_unit(run: RunFolder) -> str:
     return f"m{'⁴' if run.dim == 2 else '⁵'} s"
 
 
-def time_axis(times: np.ndarray) -> tuple[np.ndarray, str]:
-    """Times (s) in a short unit, and the axis' title."""
-    factor, unit = style.prefixed(times, "s")
-    return times * factor, f"time ({unit})"
-
-
 def logarithmic(*values: np.ndarray) -> dict:
     """An axis of powers of ten, or of a few numbers where the values hardly span one."""
     shown = np.concatenate([part[part > 0] for part in values])
@@ -92,123 +92,34 @@ def logarithmic(*values: np.ndarray) -> dict:
     return {"type": "log", "exponentformat": "power"} | ticks
 
 
-def contact_force(run: RunFolder) -> Chart:
-    """Of every time step, alternating as it does, and the mean that converges."""
-    run.require_contact()
-    steps = run.steps
-    try:
-        force, what = run.normal_force, "normal contact force"
-    except NotInRun:  # no one normal
-        force, what = np.linalg.norm([steps[f"contact_force_{axis}"] for axis in "xyz"[: run.dim]], axis=0), "contact force"
-    factor, unit = style.prefixed(force, style.per_depth("N", run.dim))
-    times, title = time_axis(steps["time"])
-    # Row 0 is the initial state, in which no force has acted yet.
-    force, times = force[1:] * factor, times[1:]
-    curves = [line("each step", times, force, GREY, width=1)]
-    if len(force) > 1:
-        curves.append(line("mean of two steps", (times[1:] + times[:-1]) / 2, (force[1:] + force[:-1]) / 2, style.VERMILLION))
-    view = figure(curves, title, f"{what} ({unit})", xaxis={"range": [0, times[-1]]}, yaxis=FROM_ZERO)
-    implicit = run.scene["time"]["scheme"] == "contact-implicit"
-    note = "Single forces of contact-implicit steps alternate about the true one; the mean of two converges to it." * implicit
-    return Chart.single("contact-force", "Contact force over time", view, note)
-
-
-def active_candidates(run: RunFolder) -> Chart:
-    """How many, of every time step."""
-    run.require_contact()
-    steps = run.steps
-    times, title = time_axis(steps["time"])
-    curves = [line("in contact", times, steps["active"], style.BLUE)]
-    if steps["weak"].any():
-        curves.append(line("in weak contact: no gap and no force", times, steps["weak"], style.ORANGE, "dot"))
-    for curve in curves:
-        curve["line"]["shape"] = "vh"  # row k holds for the step that ends there
-    ticks = {"dtick": 1} if steps["active"].max() < 10 else {}  # else halves come up
-    view = figure(curves, title, "candidates", yaxis=FROM_ZERO | ticks)
-    return Chart.single("active", "Candidates in contact", view)
-
-
-def contact_surface(run: RunFolder) -> Chart:
-    """Force and gap over place and time."""
-    run.require_contact()
-    contact = merged(run.contact)
-    place, rows, where = along_surface(contact.points) if run.dim == 2 else around_contact(contact)
-    unit = style.per_depth("N", run.dim)
-    views = {"force of each step": surface_map(contact.times, place, rows, contact.force, unit, "force", where)}
-    if run.scene["output"]["every"] == 1 and len(contact.times) > 2:
-        mean = (contact.force[1:] + contact.force[:-1]) / 2
-        views = {"force, mean of two steps": surface_map(contact.times[1:], place, rows, mean, unit, "force", where)} | views
-    views["gap"] = surface_map(contact.times, place, rows, contact.gap, "m", "gap", where)
-    note = ("Forces are those of single nodes." if run.dim == 2 else
-            "Of the nodes at about the same distance the largest force, or the least gap, is shown.")  # fmt: skip
-    return Chart("contact-surface", "Contact along the surface", views, note)
-
-
-def merged(contact: Contact) -> Contact:
-    """One row for each node: the sum of the forces and the least gap of a node that several obstacles may touch."""
-    points, node = np.unique(contact.points, axis=0, return_inverse=True)
-    shape = (len(contact.times), len(points))
-    gap, force = np.full(shape, np.inf), np.zeros(shape)
-    np.minimum.at(gap, (slice(None), node.ravel()), contact.gap)
-    np.add.at(force, (slice(None), node.ravel()), contact.force)
-    return Contact(contact.times, points, gap, force)
-
-
-def along_surface(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, str]:
-    """Positions along the surface (m), which of them each candidate has, and what they are."""
-    order = chain(points)
-    position = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points[order], axis=0), axis=1))])
-    return position - position[-1] / 2, np.argsort(order), "position along the surface,<br>from its middle (m)"
-
-
-def chain(points: np.ndarray) -> list[int]:
-    """Points of a curve from end to end, the one with the smaller x first: each joins the end that it is nearest to."""
-    order, left = [0], np.arange(1, len(points))
-    while left.size:
-        apart = np.linalg.norm(points[left] - points[[order[0], order[-1]]][:, None], axis=2)
-        end, which = np.unravel_index(np.argmin(apart), apart.shape)
-        order.insert(0 if end == 0 else len(order), left[which])
-        left = np.delete(left, which)
-    return order if tuple(points[order[0]]) <= tuple(points[order[-1]]) else order[::-1]
-
-
-def around_contact(contact: Contact) -> tuple[np.ndarray, np.ndarray, str]:
-    """The same for rings around the candidate that is pushed the most."""
-    apart = np.linalg.norm(contact.points - contact.points[np.argmax(contact.force.sum(axis=0))], axis=1)
-    count = min(RINGS, max(1, round(np.sqrt(len(apart)))))
-    ring = np.minimum((apart / (apart.max() or 1) * count).astype(int), count - 1)
-    used, rows = np.unique(ring, return_inverse=True)
-    return (used + 0.5) * apart.max() / count, rows, "distance from the node<br>pushed most (m)"
-
-
-def surface_map(times: np.ndarray, place: np.ndarray, rows: np.ndarray, values: np.ndarray, unit: str, what: str,
-                where: str) -> dict:
-    """Values (times × candidates) by colours over time and place: the largest force or the least gap there."""
-    every = -(-len(times) // MOST_COLUMNS)
-    extreme, start = (np.minimum, np.inf) if what == "gap" else (np.maximum, -np.inf)
-    shown = np.full((len(place), len(times[::every])), start)
-    extreme.at(shown, rows, values[::every].T)
-    factor, unit = style.prefixed(shown, unit)
-    times, title = time_axis(times[::every])
-    colours = {"colorscale": "Viridis", "reversescale": what == "gap", "zmin": min(0, shown.min() * factor),
-               "colorbar": {"title": {"text": f"{what} ({unit})", "side": "right"}, "thickness": 14, "outlinewidth": 0}}  # fmt: skip
-    hover = f"%{{x:.4g}}, %{{y:.3g}} m<br>{what} %{{z:.3g}} {unit}<extra></extra>"
-    field = {"type": "heatmap", "x": packed(times), "y": packed(place), "z": packed(shown * factor), "hovertemplate": hover}
-    return figure([field | colours], title, where)
-
-
 def energies(run: RunFolder) -> Chart:
-    """At the time steps; the dissipation only of a body that has viscosity."""
+    """At the time steps; the dissipation only of a body that has viscosity, the potential only where loads do work."""
     steps = run.steps
     kinetic, elastic, dissipated = steps["kinetic_energy"], steps["elastic_energy"], np.cumsum(steps["viscous_dissipation"])
-    factor, unit = style.prefixed(max((kinetic + elastic).max(), dissipated[-1]), style.per_depth("J", run.dim))
+    potential = potential_of_loads(steps)
+    whole_energy = kinetic + elastic + (0 if potential is None else potential)
+    factor, unit = style.prefixed(max(whole_energy.max(), dissipated[-1]), style.per_depth("J", run.dim))
     times, title = time_axis(steps["time"])
     curves = [line("kinetic", times, kinetic * factor, style.BLUE),
-              line("elastic", times, elastic * factor, style.ORANGE, "dash"),
-              line("kinetic + elastic", times, (kinetic + elastic) * factor, "black")]  # fmt: skip
+              line("elastic", times, elastic * factor, style.ORANGE, "dash")]  # fmt: skip
+    note = ""
+    if potential is not None:
+        curves.append(line("potential of the loads", times, potential * factor, style.GREEN, "dot"))
+        note = "The potential of the loads falls by the work that they do; it is 0 where it is least."
+    curves.append(line("kinetic + elastic" + " + potential" * (potential is not None), times, whole_energy * factor, "black"))
+    other = np.cumsum(steps["external_work"] - steps.get("load_work", 0.0))
+    if np.abs(other).max() > 1e-12 * whole_energy.max() and run.told(lambda: drives(run)):
+        curves.append(line("work of control and clamps so far", times, other * factor, "#CC79A7", "longdash"))
     if dissipated[-1] > 0:
         curves.append(line("dissipated so far", times, dissipated * factor, style.VERMILLION, "dashdot"))
-    return Chart.single("energies", "Energies over time", figure(curves, title, f"energy ({unit})", yaxis=FROM_ZERO))
+    view = figure(curves, title, f"energy ({unit})", yaxis=FROM_ZERO)
+    return Chart.single("energies", "Energies over time", view, note)
+
+
+def drives(run: RunFolder) -> bool:
+    """Whether what the run wrote tells the work of a control or of clamps that move from that of loads."""
+    effects = run.manifest["effects"]
+    return (effects["control"] or effects["moving clamp"]) and ("load_work" in run.steps or not (effects["body load"] or effects["traction"]))
 
 
 def residuals(run: RunFolder) -> Chart:

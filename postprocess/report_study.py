@@ -24,7 +24,7 @@ def page(study: StudyFolder) -> Page:
                     Section("orders", "Observed orders", tables=[orders(study)]),
                     Section("values", "Values and errors", tables=[values(study, name) for name in given["quantities"]]),
                     Section("rungs", "All rungs", tables=[rungs(study)])]  # fmt: skip
-        return Page(str(given["scene"]), "study", facts, sections, [])
+        return Page(str(given["scene"]), "study", f"study of {given['scene']} with {len(study.rungs)} rungs", facts, sections, [])
     except KeyError as error:
         raise Unreadable(f"{study.path / 'study.json'}: there is no entry {error.args[0]}") from None
     except (TypeError, AttributeError) as error:

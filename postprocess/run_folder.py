@@ -4,123 +4,64 @@ Which file holds what is listed in the manual under "What a run leaves in its fo
 they are first asked for, so that a folder with a part of them serves the figures that need no more.
 """
 
-import io
 import json
 import tomllib
-import warnings
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TypeVar
 
-import h5py
 import numpy as np
+
+from files import NotInRun, Table, Unreadable, read_csv, read_dataset, whole_text
+from mesh import Mesh, Series
+from obstacles import HalfSpace, Obstacle, names, read_obstacles
 
 SEED_TIME = 1.75e-3  # s, the time of the figures in Müller and Schiela (2017), in the middle of the first contact
 
 T = TypeVar("T")
 
 
-class NotInRun(Exception):
-    """The run did not write, or had no reason to write, what a figure shows."""
-
-
-class Unreadable(Exception):
-    """The folder is no run's folder, or a file in it is damaged."""
-
-
-class Table(dict[str, np.ndarray]):
-    """The columns of a .csv file by name; asking for one that is not there raises Unreadable."""
-
-    def __init__(self, file: Path, columns: Iterable[tuple[str, np.ndarray]]) -> None:
-        super().__init__(columns)
-        self.file = file
-
-    def __missing__(self, name: str) -> np.ndarray:
-        raise Unreadable(f"{self.file}: there is no column {name}")
-
-
-@dataclass(frozen=True)
-class Mesh:
-    """Nodes (n × dim, m) and cells (triangles or tetrahedra, by their node numbers) of the undeformed body."""
-
-    points: np.ndarray
-    cells: np.ndarray
-
-    @property
-    def size(self) -> float:
-        """The longest side of the box around the body, m."""
-        return float(np.ptp(self.points, axis=0).max())
-
-    def outline(self) -> np.ndarray:
-        """Edges of the boundary of triangles (edges × 2, node numbers): those of one triangle only."""
-        edges = np.sort(self.cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-        distinct, count = np.unique(edges, axis=0, return_counts=True)
-        return distinct[count == 1]
-
-    def surface(self) -> tuple[np.ndarray, np.ndarray]:
-        """Triangles of the boundary of tetrahedra (triangles × 3, node numbers), counterclockwise from outside, and the
-        cell that each belongs to."""
-        faces = self.cells[:, [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]]].reshape(-1, 3)
-        _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-        outer = first[count == 1]
-        a, b, c = np.moveaxis(self.points[faces[outer]], 1, 0)
-        inside = self.points[self.cells[outer // 4]].mean(axis=1)
-        inwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), inside - a) > 0
-        return np.where(inwards[:, None], faces[outer][:, ::-1], faces[outer]), outer // 4
-
-    def boundary_nodes(self) -> np.ndarray:
-        """Node numbers of the boundary, ascending."""
-        return np.unique(self.outline() if self.points.shape[1] == 2 else self.surface()[0])
-
-
-@dataclass(frozen=True)
-class Series:
-    """A vector field over time, of a value for each node or, `cellwise`, for each cell: the mesh, the stored times (s)
-    and where each time's values are."""
-
-    mesh: Mesh
-    times: np.ndarray
-    datasets: list[tuple[Path, str]]
-    cellwise: bool
-
-    def at(self, index: int) -> np.ndarray:
-        """Values at times[index], nodes or cells × dim."""
-        # Functions are padded with zeros to three components in the file.
-        return read_dataset(*self.datasets[index])[:, : self.mesh.points.shape[1]]
-
-
 @dataclass(frozen=True)
 class Contact:
-    """Gap (m) and normal force (N, in the plane N/m) of every candidate node (m × dim, m) at the stored times (s)."""
+    """What every candidate (m × dim, m) of an obstacle (m, numbers from 0) does at the stored times (s), times × m: gap (m),
+    normal force (N, in the plane N/m) and, where the run wrote them, pressure (N/m²) and the force's direction (m × dim)."""
 
     times: np.ndarray
     points: np.ndarray
+    obstacle: np.ndarray
     gap: np.ndarray
     force: np.ndarray
+    pressure: np.ndarray | None = None
+    normal: np.ndarray | None = None
 
     def touching(self, index: int, tolerance: float) -> np.ndarray:
         """Which candidates are in contact at times[index]: they carry a force or have no gap; tolerance in m."""
         return (self.force[index] > 0) | (self.gap[index] <= tolerance)
 
+    @property
+    def most_pushed(self) -> int:
+        """The candidate with the largest force over time, the one nearest to its obstacle where there is none."""
+        total = self.force.sum(axis=0)
+        return int(np.argmax(total) if total.any() else np.argmin(self.gap.min(axis=0)))
+
+    def of(self, obstacle: int) -> "Contact":
+        """The candidates of one obstacle alone."""
+        own = self.obstacle == obstacle
+        pressure = None if self.pressure is None else self.pressure[:, own]
+        normal = None if self.normal is None else self.normal[own]
+        return Contact(self.times, self.points[own], self.obstacle[own], self.gap[:, own], self.force[:, own], pressure, normal)
+
 
 @dataclass(frozen=True)
-class HalfSpace:
-    """The rigid half-space (x - point)·normal ≤ 0; point in m, normal of length 1 and out of the obstacle."""
+class ObstacleSteps:
+    """What an obstacle does at every time step: the moduli of its nodal forces in sum (N, in the plane N/m), candidates in contact."""
 
-    point: np.ndarray
-    normal: np.ndarray
-
-    def height(self, x: np.ndarray) -> np.ndarray:
-        """Distance of points (n × dim, m) from the plane, positive outside of the obstacle, m."""
-        return (x - self.point) @ self.normal
-
-    @property
-    def tangent(self) -> np.ndarray:
-        """Unit vector along the plane, to the right where the obstacle is a floor (two dimensions)."""
-        return np.array([self.normal[1], -self.normal[0]])
+    name: str
+    normal_force: np.ndarray
+    active: np.ndarray
 
 
 class RunFolder:
@@ -148,6 +89,12 @@ class RunFolder:
         """What was run: simulate or optimize."""
         return str(self.manifest.get("verb", "run"))
 
+    @property
+    def identity(self) -> str:
+        """Which run the folder holds."""
+        return self.told(lambda: f"{self.verb} of {self.manifest['scene']}, finished "
+                                 + str(self.manifest["finished"]).replace("T", " ").replace("Z", " UTC"))  # fmt: skip
+
     @cached_property
     def steps(self) -> Table:
         """steps.csv: energies and works (J, in the plane J/m), forces (N, N/m) of every time step after row 0."""
@@ -171,21 +118,50 @@ class RunFolder:
             gap, force = table["gap"].reshape(shape), table["force"].reshape(shape)
         except ValueError:
             raise Unreadable(f"{self.path / 'contact.csv'}: not every step has the same number of nodes") from None
-        axes = [table[axis][: gap.shape[1]] for axis in "xyz" if axis in table]
-        return Contact(table["time"][first], np.column_stack(axes), gap, force)
+        count = gap.shape[1]
+        axes = [table[axis][:count] for axis in "xyz" if axis in table]
+        obstacle = table["obstacle"][:count].astype(int) if "obstacle" in table else np.zeros(count, int)
+        pressure = table["pressure"].reshape(shape) if "pressure" in table else None
+        normals = [table[f"normal_{axis}"][:count] for axis in "xyz"[: len(axes)] if f"normal_{axis}" in table]
+        normal = np.column_stack(normals) if normals else None
+        return Contact(table["time"][first], np.column_stack(axes), obstacle - obstacle.min(), gap, force, pressure, normal)
 
     @cached_property
-    def obstacle(self) -> HalfSpace:
-        """What the body may touch, in a scene with contact."""
-        if isinstance(self.scene["contact"], list):
-            raise NotInRun("several obstacles are not drawn, only one")
-        obstacle = self.scene["contact"]["obstacle"]
-        if obstacle["shape"] != "half-space":
-            raise NotInRun(f"an obstacle of the shape \"{obstacle['shape']}\" is not drawn, only a half-space")
-        if any(isinstance(coordinate, str) for coordinate in obstacle["point"]):
-            raise NotInRun("an obstacle that moves is not drawn, only one at rest")
-        normal = np.array(obstacle["normal"], dtype=float)
-        return HalfSpace(np.array(obstacle["point"], dtype=float), normal / np.linalg.norm(normal))
+    def obstacles(self) -> list[Obstacle]:
+        """What the body may touch, in the scene's order."""
+        try:
+            size = self.field("state.xdmf", "displacement").mesh.size
+        except NotInRun:
+            size = float(np.ptp(self.contact.points, axis=0).max())
+        return self.told(lambda: read_obstacles(self.scene, size))
+
+    @property
+    def half_space(self) -> HalfSpace | None:
+        """The one obstacle of a scene, where that is a half-space."""
+        contact = self.scene.get("contact")
+        if isinstance(contact, dict) and contact["obstacle"]["shape"] == "half-space":
+            return self.told(lambda: read_obstacles(self.scene, 1.0)[0].shape)
+        return None
+
+    @cached_property
+    def obstacle_steps(self) -> list[ObstacleSteps]:
+        """obstacles.csv, in the scene's order."""
+        table = self._read("obstacles.csv", lambda file: read_csv(file, names="obstacle"))
+        numbers = np.unique(table["obstacle"])
+        rows = [table["obstacle"] == number for number in numbers]
+        if any(own.sum() != self.steps_done + 1 for own in rows) or len(rows) != len(self.obstacle_names):
+            raise Unreadable(f"{self.path / 'obstacles.csv'}: it has not one row for each step and obstacle")
+        return [ObstacleSteps(name, table["normal_force"][own], table["active"][own]) for name, own in zip(self.obstacle_names, rows)]
+
+    @cached_property
+    def probes(self) -> Table:
+        """probes.csv: what the scene follows, one row per time step."""
+        return self._table("probes.csv", lambda: self.steps_done + 1)
+
+    @property
+    def obstacle_names(self) -> list[str]:
+        """Those that the scene gives, or numbers."""
+        return names(self.scene)
 
     @property
     def has_contact(self) -> bool:
@@ -208,16 +184,45 @@ class RunFolder:
         if not self.touches:
             raise NotInRun("the body never touches the obstacle")
 
-    @property
+    @cached_property
     def dim(self) -> int:
-        """Space dimension."""
-        return len(self.scene["initial"]["displacement"])
+        """Space dimension. Raises NotInRun where nothing tells."""
+        for table, key in (("initial", "displacement"), ("initial", "velocity"), ("control", "initial")):
+            if isinstance(given := self.scene.get(table, {}).get(key), list):
+                return len(given)
+        try:
+            return 3 if "contact_force_z" in self.steps else 2
+        except NotInRun:
+            pass
+        for file in ("state", "control", "adjoint"):
+            if (self.path / f"{file}.xdmf").is_file():
+                document = self._read(f"{file}.xdmf", lambda path: ElementTree.fromstring(whole_text(path)))
+                return 2 if document.find(".//Geometry").get("GeometryType") == "XY" else 3
+        return self.contact.points.shape[1]
 
     @cached_property
     def normal_force(self) -> np.ndarray:
-        """Total contact force along the obstacle's normal at every time step, N (in the plane N/m)."""
-        force = np.column_stack([self.steps[f"contact_force_{axis}"] for axis in "xyz"[: self.dim]])
-        return force @ self.obstacle.normal
+        """The moduli of all nodal contact forces in sum at every time step, N (in the plane N/m). Raises NotInRun where the
+        run wrote the resultant of several directions only."""
+        if "normal_force" in self.steps:
+            return self.steps["normal_force"]
+        if (plane := self.half_space) is None:
+            raise NotInRun("the run wrote contact forces as a resultant only")
+        return self.resultant @ plane.normal
+
+    @property
+    def resultant(self) -> np.ndarray:
+        """Of the contact forces at every time step (steps × dim), N (in the plane N/m)."""
+        return np.column_stack([self.steps[f"contact_force_{axis}"] for axis in "xyz"[: self.dim]])
+
+    @property
+    def peak_time(self) -> float:
+        """The time in the middle of the two steps with the largest contact force in the mean, s."""
+        times, _, force = self._contact_history
+        if len(times) < 3:
+            return float(times[-1])
+        # A force is that of the step that ends at its time.
+        return float(times[1 + np.argmax(force[2:] + force[1:-1])])
 
     def field(self, file: str, name: str) -> Series:
         """The function `name` of `file` (one of the .xdmf files)."""
@@ -273,7 +278,12 @@ class RunFolder:
         Of every time step from steps.csv, or, where a run left none, of the stored ones from contact.csv.
         """
         try:
-            return self.steps["time"], self.steps["active"] > 0, self.normal_force
+            steps = self.steps
+            try:
+                force = self.normal_force
+            except NotInRun:
+                force = np.linalg.norm(self.resultant, axis=1)
+            return steps["time"], steps["active"] > 0, force
         except NotInRun:
             force = self.contact.force.sum(axis=1)
             return self.contact.times, force > 0, force
@@ -310,14 +320,6 @@ class RunFolder:
             raise Unreadable(f"{path}: cannot be read ({str(error).split(';')[0]})") from None
 
 
-def whole_text(file: Path) -> str:
-    """A text file that ends as every line of it does. Raises ValueError where it does not: then its end is missing."""
-    text = file.read_text(encoding="utf-8")
-    if not text.endswith("\n"):
-        raise ValueError("its end is missing")
-    return text
-
-
 def read_scene(file: Path) -> dict:
     """scene.toml, which would be one without its last tables too. Raises ValueError where the last key is missing."""
     scene = tomllib.loads(whole_text(file))
@@ -326,28 +328,11 @@ def read_scene(file: Path) -> dict:
     return scene
 
 
-def read_csv(file: Path) -> Table:
-    """A table below one line of column names. Raises ValueError where a row is not whole."""
-    header, _, body = whole_text(file).partition("\n")
-    names = header.split(",")
-    with warnings.catch_warnings(action="ignore"):
-        rows = np.loadtxt(io.StringIO(body), delimiter=",", ndmin=2)
-    if rows.size == 0:
-        raise ValueError("there are no rows below the column names")
-    if rows.shape[1] != len(names):
-        raise ValueError(f"{len(names)} column names above {rows.shape[1]} columns")
-    return Table(file, zip(names, rows.T))
-
-
-def read_dataset(file: Path, dataset: str) -> np.ndarray:
-    """One dataset of an HDF5 file. Raises Unreadable if the file or the dataset is missing or damaged."""
-    if not file.is_file():
-        raise Unreadable(f"{file}: there is no such file")
-    try:
-        with h5py.File(file, "r") as data:
-            return data[dataset][()]
-    except (OSError, KeyError) as error:
-        raise Unreadable(f"{file}: {dataset} cannot be read ({error})") from None
+def potential_of_loads(steps: Table) -> np.ndarray | None:
+    """The potential energy of the scene's loads at every time step, 0 at its least, J, in the plane J/m; None where they do no
+    work or the run did not write it."""
+    work = np.cumsum(steps.get("load_work", 0.0))
+    return work.max() - work if work.any() else None
 
 
 def nearest(times: np.ndarray, time: float) -> int:

@@ -1,0 +1,70 @@
+"""The mesh of a body and fields on it over time."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from files import read_dataset
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Nodes (n × dim, m) and cells (triangles or tetrahedra, by their node numbers) of the undeformed body."""
+
+    points: np.ndarray
+    cells: np.ndarray
+
+    @property
+    def size(self) -> float:
+        """The longest side of the box around the body, m."""
+        return float(np.ptp(self.points, axis=0).max())
+
+    def outline(self) -> np.ndarray:
+        """Edges of the boundary of triangles (edges × 2, node numbers): those of one triangle only."""
+        return self._edges()[0]
+
+    def surface(self) -> tuple[np.ndarray, np.ndarray]:
+        """Triangles of the boundary of tetrahedra (triangles × 3, node numbers), counterclockwise from outside, and the
+        cell that each belongs to."""
+        faces = self.cells[:, [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]]].reshape(-1, 3)
+        _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+        outer = first[count == 1]
+        a, b, c = np.moveaxis(self.points[faces[outer]], 1, 0)
+        inside = self.points[self.cells[outer // 4]].mean(axis=1)
+        inwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), inside - a) > 0
+        return np.where(inwards[:, None], faces[outer][:, ::-1], faces[outer]), outer // 4
+
+    def facets(self) -> tuple[np.ndarray, np.ndarray]:
+        """Edges of the boundary of triangles or triangles of that of tetrahedra, and the cell that each belongs to."""
+        return self._edges() if self.points.shape[1] == 2 else self.surface()
+
+    def _edges(self) -> tuple[np.ndarray, np.ndarray]:
+        edges = np.sort(self.cells[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        distinct, first, count = np.unique(edges, axis=0, return_index=True, return_counts=True)
+        return distinct[count == 1], first[count == 1] // 3
+
+    def boundary_nodes(self) -> np.ndarray:
+        """Node numbers of the boundary, ascending."""
+        return np.unique(self.facets()[0])
+
+
+@dataclass(frozen=True)
+class Series:
+    """A field over time, of a value for each node or, `cellwise`, for each cell: the mesh, the stored times (s)
+    and where each time's values are."""
+
+    mesh: Mesh
+    times: np.ndarray
+    datasets: list[tuple[Path, str]]
+    cellwise: bool
+
+    def at(self, index: int) -> np.ndarray:
+        """A vector at times[index], nodes or cells × dim."""
+        # Functions are padded with zeros to three components in the file.
+        return self.components(index)[:, : self.mesh.points.shape[1]]
+
+    def components(self, index: int) -> np.ndarray:
+        """All that the file has at times[index], nodes or cells × 1, 3 or, row by row, 9."""
+        values = read_dataset(*self.datasets[index])
+        return values.reshape(len(values), -1)

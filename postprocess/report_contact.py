@@ -1,0 +1,164 @@
+"""The part of a run's page about contact: forces over time, of each obstacle, and over the surface; the impact in figures."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+import style
+from arc import Arc, arc_of, merged
+from files import NotInRun
+from report_parts import GREY, Chart, Table, figure, line, packed, quantity, time_axis
+from run_folder import Contact, RunFolder
+
+MOST_COLUMNS = 400  # times in a map of the contact surface
+RINGS = 40  # distances in that of a body in space
+MOST_CURVES = 6
+COLOURS = [style.BLUE, style.VERMILLION, style.GREEN, style.ORANGE, "#CC79A7", "#56B4E9"]
+DASHES = ["solid", "dash", "dashdot", "dot", "longdash", "longdashdot"]
+FROM_ZERO = {"rangemode": "tozero"}
+ALTERNATE = "Single forces of contact-implicit steps alternate about the true one; the mean of two converges to it."
+WITHIN = "A force acts all through its step and is drawn in the middle of it."
+
+
+def contact_force(run: RunFolder) -> Chart:
+    """Of every time step, alternating as it does, and the mean that converges; of several obstacles each on its own too."""
+    run.require_contact()
+    unit = style.per_depth("N", run.dim)
+    try:
+        force, what = run.normal_force, "normal contact force"
+    except NotInRun:  # no one normal
+        force, what = np.linalg.norm(run.resultant, axis=1), "modulus of the resultant"
+    everything = force_over_time(run, force, what, unit)
+    views = {"all obstacles": everything}
+    if len(run.obstacle_names) > 1:
+        try:
+            own = {steps.name: steps.normal_force for steps in run.obstacle_steps}
+        except NotInRun:
+            own = {}
+        if own:
+            shown = sorted(own, key=lambda name: -own[name].max())[:MOST_CURVES]
+            views = {"each obstacle": means(run, {name: own[name] for name in own if name in shown}, unit)} | views
+            views |= {name: force_over_time(run, force, "normal contact force", unit) for name, force in own.items()}
+    note = " ".join([ALTERNATE] * (run.scene["time"]["scheme"] == "contact-implicit") + [WITHIN]
+                    + ["Forces of several obstacles are added by their moduli."] * (len(views) > 1))  # fmt: skip
+    return Chart("contact-force", "Contact force over time", views, note)
+
+
+def force_over_time(run: RunFolder, force: np.ndarray, what: str, unit: str) -> dict:
+    """Each step and the mean of two."""
+    factor, unit = style.prefixed(force, unit)
+    times, title = time_axis(run.steps["time"])
+    # Row 0 is the initial state, in which no force has acted yet.
+    force = force[1:] * factor
+    curves = [line("each step", (times[1:] + times[:-1]) / 2, force, GREY, width=1)]
+    if len(force) > 1:
+        curves.append(line("mean of two steps", times[1:-1], (force[1:] + force[:-1]) / 2, style.VERMILLION))
+    return figure(curves, title, f"{what} ({unit})", xaxis={"range": [0, times[-1]]}, yaxis=FROM_ZERO)
+
+
+def means(run: RunFolder, forces: dict[str, np.ndarray], unit: str) -> dict:
+    """The mean of two steps for each obstacle."""
+    factor, unit = style.prefixed(max(forces.values(), key=np.max), unit)
+    times, title = time_axis(run.steps["time"])
+    curves = [line(name, times[1:-1], (force[2:] + force[1:-1]) / 2 * factor, *look)
+              for (name, force), look in zip(forces.items(), zip(COLOURS, DASHES))]  # fmt: skip
+    return figure(curves, title, f"normal contact force ({unit}),<br>mean of two steps", xaxis={"range": [0, times[-1]]}, yaxis=FROM_ZERO)
+
+
+def active_candidates(run: RunFolder) -> Chart:
+    """How many, of every time step."""
+    run.require_contact()
+    steps = run.steps
+    times, title = time_axis(steps["time"])
+    curves = [line("in contact", times, steps["active"], "black" if len(run.obstacle_names) > 1 else style.BLUE)]
+    if len(run.obstacle_names) > 1:
+        try:
+            curves += [line(own.name, times, own.active, *look) for own, look in zip(run.obstacle_steps, zip(COLOURS, DASHES))]
+        except NotInRun:
+            pass
+    if steps["weak"].any():
+        curves.append(line("in weak contact: no gap and no force", times, steps["weak"], style.ORANGE, "dot"))
+    for curve in curves:
+        curve["line"]["shape"] = "vh"  # row k holds for the step that ends there
+    ticks = {"dtick": 1} if steps["active"].max() < 10 else {}  # else halves come up
+    view = figure(curves, title, "candidates", yaxis=FROM_ZERO | ticks)
+    return Chart.single("active", "Candidates in contact", view)
+
+
+def contact_surface(run: RunFolder) -> Chart:
+    """Pressure, force and gap over place and time; bands without candidates are blank."""
+    run.require_contact()
+    names = run.obstacle_names
+    if run.dim == 2:
+        contact = merged(run.contact)
+        views = surface_views(run, contact, along_surface(arc_of(contact)))
+        note = "Forces are those of single nodes. Position 0 is where the node is that is pushed the most. Double-click to see all candidates."
+    else:
+        apart = [run.contact.of(i) for i in range(len(names))]
+        views = {f"{name}: {view}" if len(names) > 1 else view: shown for name, own in zip(names, apart) if own.force.any()
+                 for view, shown in surface_views(run, own, around_contact(own)).items()}  # fmt: skip
+        note = "Of the nodes at about the same distance the largest pressure or force, or the least gap, is shown. Double-click to see all."
+    return Chart("contact-surface", "Contact along the surface", views, note)
+
+
+@dataclass(frozen=True)
+class Place:
+    """Rows of a map: their edges (m), the row of each candidate, and what the positions are."""
+
+    edges: np.ndarray
+    rows: np.ndarray
+    title: str
+
+
+def along_surface(arc: Arc) -> Place:
+    """A row for each candidate and for what is between two parts of the surface."""
+    return Place(arc.edges(), arc.rows(), "position along the surface (m)")
+
+
+def around_contact(contact: Contact) -> Place:
+    """Rings around the candidate that is pushed the most."""
+    apart = np.linalg.norm(contact.points - contact.points[contact.most_pushed], axis=1)
+    count = min(RINGS, max(1, round(np.sqrt(len(apart)))))
+    edges = np.linspace(0, apart.max() or 1, count + 1)
+    rows = np.clip(np.searchsorted(edges, apart, side="right") - 1, 0, count - 1)
+    return Place(edges, rows, "distance from the node<br>pushed most (m)")
+
+
+def surface_views(run: RunFolder, contact: Contact, place: Place) -> dict[str, dict]:
+    """The means of two steps first, which mean more than single steps do; what never touches is out of sight at first."""
+    times, views, axis = contact.times, {}, {"range": touched(contact, place)}
+    values = {"pressure": (contact.pressure, "Pa"), "force": (contact.force, style.per_depth("N", run.dim))}
+    for what, (of, unit) in values.items():
+        if of is None:
+            continue
+        if run.scene["output"]["every"] == 1 and len(times) > 2:
+            views[f"{what}, mean of two steps"] = surface_map(times[1:-1], place, (of[2:] + of[1:-1]) / 2, unit, what, axis)
+        # What acts in a step that ends at a stored time.
+        views[f"{what} of each step"] = surface_map(times[1:] - run.scene["time"]["step"] / 2, place, of[1:], unit, what, axis)
+    views["gap"] = surface_map(times, place, contact.gap, "m", "gap", axis)
+    return views
+
+
+def touched(contact: Contact, place: Place) -> list[float]:
+    """Between which positions (m) contact is, with some room."""
+    rows = place.rows[contact.force.any(axis=0)]
+    low, high = place.edges[rows.min()], place.edges[rows.max() + 1]
+    room = max((high - low) / 2, 2 * np.median(np.diff(place.edges)))
+    return [max(low - room, place.edges[0]), min(high + room, place.edges[-1])]
+
+
+def surface_map(times: np.ndarray, place: Place, values: np.ndarray, unit: str, what: str, axis: dict) -> dict:
+    """Values (times × candidates) by colours over time and place: the largest one or the least gap there."""
+    every = -(-len(times) // MOST_COLUMNS)
+    extreme, start = (np.minimum, np.inf) if what == "gap" else (np.maximum, -np.inf)
+    shown = np.full((len(place.edges) - 1, len(times[::every])), start)
+    extreme.at(shown, place.rows, values[::every].T)
+    shown[~np.isfinite(shown)] = np.nan  # no candidate
+    factor, unit = style.prefixed(np.nanmax(np.abs(shown)), unit)
+    times, title = time_axis(times[::every])
+    colours = {"colorscale": "Viridis", "reversescale": what == "gap", "zmin": min(0, float(np.nanmin(shown)) * factor),
+               "colorbar": {"title": {"text": f"{what} ({unit})", "side": "right"}, "thickness": 14, "outlinewidth": 0}}  # fmt: skip
+    hover = f"%{{x:.4g}}, %{{y:.3g}} m<br>{what} %{{z:.3g}} {unit}<extra></extra>"
+    field = {"type": "heatmap", "x": packed(times), "y": packed(place.edges), "z": packed(shown * factor), "hovertemplate": hover,
+             "hoverongaps": False}
+    return figure([field | colours], title, place.title, yaxis=axis)

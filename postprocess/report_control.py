@@ -1,0 +1,89 @@
+"""The part of a run's page about the control: what it pushes with over time, and where on the boundary."""
+
+import numpy as np
+
+import style
+from arc import arc_of
+from files import NotInRun
+from mesh import Series
+from report_contact import MOST_COLUMNS, along_surface
+from report_fields import area, nodal, support_of
+from report_parts import Chart, figure, line, packed, time_axis
+from run_folder import Contact, RunFolder
+
+LOOKS = [(style.BLUE, "solid"), (style.VERMILLION, "dash"), (style.GREEN, "dashdot")]
+
+
+def resultant(run: RunFolder) -> Chart:
+    """Components of the force that the control amounts to."""
+    control = run.field("control.xdmf", "control")
+    force = resultant_of(run, control)
+    factor, unit = style.prefixed(force, style.per_depth("N", run.dim))
+    times, title = time_axis(control.times)
+    curves = [line(axis, times, values * factor, *look) for axis, values, look in zip("xyz", force.T, LOOKS)]
+    for curve in curves:
+        curve["line"]["shape"] = "vh"  # a control holds for the step that ends there
+    return Chart.single("control-resultant", "Resultant of the control over time", figure(curves, title, f"force ({unit})"))
+
+
+def resultant_of(run: RunFolder, control: Series) -> np.ndarray:
+    """The control's integral over the body or the boundary at its times (times × dim), N, in the plane N/m."""
+    scale = run.told(lambda: float(run.scene["control"]["scale"]))
+    weight = weights(control, support_of(run, control))
+    return scale * np.stack([weight @ control.at(i) for i in range(len(control.times))])
+
+
+def weights(control: Series, support: np.ndarray | None) -> np.ndarray:
+    """What a value of 1 at each node or in each cell amounts to, m², m³: integrals of its function over the body or, with
+    the nodes of a part of the boundary given, over that."""
+    mesh, count = control.mesh, len(control.mesh.cells if control.cellwise else control.mesh.points)
+    if support is None:
+        facets, owner = mesh.cells, np.arange(len(mesh.cells))
+        size = np.abs(np.linalg.det(mesh.points[facets[:, 1:]] - mesh.points[facets[:, :1]])) / (2 if facets.shape[1] == 3 else 6)
+    else:
+        facets, owner = mesh.facets()
+        on = support[facets].all(axis=1)
+        facets, owner = facets[on], owner[on]
+        size = area(mesh, facets)
+    found = np.zeros(count)
+    if control.cellwise:
+        np.add.at(found, owner, size)
+        return found
+    for corner in facets.T:
+        np.add.at(found, corner, size / facets.shape[1])
+    return found
+
+
+def boundary(run: RunFolder) -> list[Chart]:
+    """A control of a part of a plane body's boundary, over place and time; nothing for any other."""
+    try:
+        control = run.field("control.xdmf", "control")
+    except NotInRun:
+        return []
+    support = support_of(run, control)
+    if support is None or run.dim == 3 or not support.any():
+        return []
+    scale, every = run.told(lambda: float(run.scene["control"]["scale"])), -(-len(control.times) // MOST_COLUMNS)
+    values = scale * np.stack([nodal(control, control.at(i), support)[support] for i in range(0, len(control.times), every)])
+    size = np.linalg.norm(values, axis=2)
+    nothing = np.zeros_like(size)
+    place = along_surface(arc_of(Contact(control.times, control.mesh.points[support], np.zeros(support.sum(), int), nothing, size)))
+    step = run.scene["time"]["step"]
+    parts = {"modulus": size} | {f"{axis} component": values[:, :, i] for i, axis in enumerate("xyz"[: run.dim]) if values[:, :, i].any()}
+    views = {name: over_boundary(control.times[::every] - step / 2, place, part) for name, part in parts.items()}
+    note = "Position 0 is where the control pushes the most." + " Between parts of the boundary the map is blank." * (len(place.edges) > 1 + support.sum())
+    return [Chart("control-boundary", "Control along the boundary", views, note)]
+
+
+def over_boundary(times: np.ndarray, place: object, values: np.ndarray) -> dict:
+    """Values (times × nodes, N/m²) by colours."""
+    shown = np.full((len(place.edges) - 1, len(times)), np.nan)
+    shown[place.rows] = values.T
+    factor, unit = style.prefixed(values, "N/m²")
+    far, signed = np.abs(values).max() * factor or 1.0, bool((values < 0).any())
+    times, title = time_axis(times)
+    colours = {"colorscale": "RdBu" if signed else "Viridis", "zmin": -far if signed else 0, "zmax": far, "hoverongaps": False,
+               "colorbar": {"title": {"text": f"control ({unit})", "side": "right"}, "thickness": 14, "outlinewidth": 0}}  # fmt: skip
+    hover = f"%{{x:.4g}}, %{{y:.3g}} m<br>%{{z:.3g}} {unit}<extra></extra>"
+    field = {"type": "heatmap", "x": packed(times), "y": packed(place.edges), "z": packed(shown * factor), "hovertemplate": hover}
+    return figure([field | colours], title, place.title)

@@ -1,0 +1,119 @@
+"""What may colour a body: the fields that a run stored, as a number at each node."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from files import NotInRun
+from mesh import Mesh, Series
+from run_folder import RunFolder, nearest
+
+VECTORS = {"displacement": ("state.xdmf", "m"), "velocity": ("state.xdmf", "m/s"), "control": ("control.xdmf", "× control.scale"),
+           "adjoint": ("adjoint.xdmf", "")}  # fmt: skip
+SCALARS = {"von_mises": ("von Mises stress", "Pa"), "pressure": ("contact pressure", "Pa")}
+TENSORS = {"stress": "Pa", "strain": ""}
+
+
+@dataclass(frozen=True)
+class Field:
+    """A number for each node or cell, made of a field's components by `of`; `support`: the nodes of the part of the boundary
+    that the field belongs to, where it does."""
+
+    name: str
+    unit: str
+    series: Series
+    of: Callable[[np.ndarray], np.ndarray]
+    support: np.ndarray | None = None
+
+    @property
+    def prefixed(self) -> bool:
+        """Whether the unit may get a prefix."""
+        return self.unit != "" and not self.unit.startswith("×")
+
+    def at(self, time: float) -> np.ndarray:
+        """Values at the nodes at the stored time nearest to `time` (s)."""
+        return nodal(self.series, self.of(self.series.components(nearest(self.series.times, time))), self.support)
+
+    def vectors(self, time: float) -> np.ndarray:
+        """The field itself, likewise, nodes × dim."""
+        return nodal(self.series, self.series.at(nearest(self.series.times, time)), self.support)
+
+
+def stored_fields(run: RunFolder) -> list[Field]:
+    """All that state.xdmf, control.xdmf and adjoint.xdmf hold."""
+    return [*vectors(run, "displacement", "velocity"), *scalars(run), *tensors(run), *vectors(run, "control", "adjoint")]
+
+
+def vectors(run: RunFolder, *names: str) -> Iterator[Field]:
+    """Magnitudes."""
+    for name in names:
+        file, unit = VECTORS[name]
+        if (series := held(run, file, name)) is not None:
+            support = support_of(run, series) if name == "control" else None
+            yield Field(name, unit, series, lambda values: np.linalg.norm(values, axis=1), support)
+
+
+def scalars(run: RunFolder) -> Iterator[Field]:
+    for name, (title, unit) in SCALARS.items():
+        if (series := held(run, "state.xdmf", name)) is not None:
+            yield Field(title, unit, series, lambda values: values[:, 0])
+
+
+def tensors(run: RunFolder) -> Iterator[Field]:
+    """Each component that is not zero throughout."""
+    for name, unit in TENSORS.items():
+        if (series := held(run, "state.xdmf", name)) is None:
+            continue
+        width = int(np.sqrt(series.components(0).shape[1]))
+        last = series.components(len(series.times) - 1)
+        for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)):
+            if max(i, j) < width and (run.dim == 3 or last[:, width * i + j].any()):
+                yield Field(f"{name} {'xyz'[i]}{'xyz'[j]}", unit, series, lambda values, at=width * i + j: values[:, at])
+
+
+def held(run: RunFolder, file: str, name: str) -> Series | None:
+    """A field that a file holds, where it does."""
+    try:
+        return run.field(file, name)
+    except NotInRun:
+        return None
+
+
+def nodal(series: Series, values: np.ndarray, support: np.ndarray | None = None) -> np.ndarray:
+    """Values at the nodes; of a field that is constant in each cell the mean over the cells there, of one that belongs to the
+    boundary those cells that have a value."""
+    if not series.cellwise:
+        return values
+    mesh = series.mesh
+    counted = np.ones(len(values)) if support is None else values.reshape(len(values), -1).any(axis=1).astype(float)
+    total, count = np.zeros((len(mesh.points), *values.shape[1:])), np.zeros(len(mesh.points))
+    for corner in mesh.cells.T:
+        np.add.at(total, corner, values)
+        np.add.at(count, corner, counted)
+    return total / np.maximum(count, 1).reshape(-1, *[1] * (values.ndim - 1))
+
+
+def support_of(run: RunFolder, control: Series) -> np.ndarray | None:
+    """Which nodes a control of a part of the boundary ever acts at; None for one of the body."""
+    if run.told(lambda: run.manifest["control_unit"]) != "N/m²":
+        return None
+    acts = np.any([control.at(i).any(axis=1) for i in range(len(control.times))], axis=0)
+    if not control.cellwise:
+        return acts
+    boundary = np.zeros(len(control.mesh.points), bool)
+    boundary[control.mesh.boundary_nodes()] = True
+    cells = control.mesh.cells[acts]
+    # The facet of such a cell that is of the boundary.
+    cells = cells[boundary[cells].sum(axis=1) >= run.dim]
+    found = np.zeros(len(control.mesh.points), bool)
+    found[cells[boundary[cells]]] = True
+    return found
+
+
+def area(mesh: Mesh, facets: np.ndarray) -> np.ndarray:
+    """Lengths of edges, areas of triangles."""
+    corners = mesh.points[facets]
+    if facets.shape[1] == 2:
+        return np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)
+    return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2

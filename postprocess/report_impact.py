@@ -1,0 +1,60 @@
+"""The part of a run's page that sums up what run.json tells of the impact and of the energy."""
+
+import numpy as np
+
+from report_parts import Table, quantity
+from run_folder import RunFolder
+from style import per_depth, prefixed
+
+
+def impact(run: RunFolder) -> list[Table]:
+    """Contact with each obstacle, and the body before and after; nothing where the run did not sum it up or nothing touched."""
+    given = run.manifest.get("impact")
+    if not given or not given["all"]["contact_time"]:
+        return []
+    rows = [touch(run, one["name"], one) for one in given["obstacles"]]
+    if len(rows) > 1:
+        rows.append(touch(run, "all", given["all"]))
+    title = "Forces are added by their moduli; the peak is that of the mean of two steps. The force of a step acts all through it."
+    tables = [Table(title, ["Obstacle", "Contact from", "to", "In contact for", "Impulse", "Resultant of it", "Peak force", "at"], rows)]
+    if given["velocity_before"]:
+        body = [["Mass", quantity(given["mass"] * 1000, per_depth("g", run.dim))],
+                ["Velocity of the centre of mass before", vector(given["velocity_before"], "m/s")],
+                ["and after" if given["ended"] else "and at the end, still in contact", vector(given["velocity_after"], "m/s")]]
+        if given["restitution"] is not None:
+            body.append(["Restitution", f"{given['restitution']:.4g}"])
+        tables.append(Table("The body as a whole", ["Quantity", "Value"], body))
+    return tables
+
+
+def touch(run: RunFolder, name: str, given: dict) -> list[str]:
+    """A row of what touched, of dashes where nothing did."""
+    if not given["contact_time"]:
+        return [name, "never", *["–"] * 6]
+    force, impulse = per_depth("N", run.dim), per_depth("N s", run.dim)
+    return [name, quantity(given["start"], "s"), quantity(given["end"], "s"), quantity(given["contact_time"], "s"),
+            quantity(given["normal_impulse"], impulse), vector(given["impulse"], impulse), quantity(given["normal_peak"], force),
+            quantity(given["peak_time"], "s")]  # fmt: skip
+
+
+def vector(components: list[float], unit: str) -> str:
+    """Its components with one prefix; what is rounding beside the largest is 0."""
+    parts = np.array(components)
+    parts[np.abs(parts) < 1e-9 * np.abs(parts).max(initial=0)] = 0
+    factor, unit = prefixed(parts, unit)
+    return f"({', '.join(f'{part * factor:.4g}' for part in parts)}) {unit}"
+
+
+def energy_account(run: RunFolder) -> list[Table]:
+    """Where the energy came from and went to; nothing where the run did not sum it up."""
+    given = run.manifest.get("energy")
+    if not given:
+        return []
+    unit = per_depth("J", run.dim)
+    terms = {"Kinetic and elastic at the start": given["kinetic_at_start"] + given["elastic_at_start"],
+             "Work of the loads": given["load_work"], "Work of the control and of clamps": given["control_and_clamp_work"],
+             "Work of contact": given["contact_work"], "Dissipated by viscosity": -given["viscous_dissipation"],
+             "Kinetic and elastic at the end": given["kinetic_at_end"] + given["elastic_at_end"]}  # fmt: skip
+    factor, unit = prefixed(np.array(list(terms.values())), unit)
+    rows = [[name, f"{value * factor:.4g}"] for name, value in terms.items() if value or name.startswith("Kinetic")]
+    return [Table("Where the energy came from and went to: the last line is the sum of those above", ["Energy", unit], rows)]

@@ -1,0 +1,42 @@
+"""The part of a run's page about what the scene follows over time: a chart for each probe of probes.csv."""
+
+import style
+from files import NotInRun
+from report_parts import Chart, figure, line, time_axis
+from run_folder import RunFolder
+
+UNITS = {"displacement": "m", "velocity": "m/s", "center": "m", "rotation": "rad"}
+PER_DEPTH = {"reaction": "N", "force": "N", "impulse": "N s", "momentum": "kg m/s"}  # in the plane per metre
+LOOKS = [(style.BLUE, "solid"), (style.VERMILLION, "dash"), (style.GREEN, "dashdot")]
+
+
+def charts(run: RunFolder) -> list[Chart]:
+    """One for each probe, a view for each of its quantities; none for a run without probes."""
+    try:
+        table = run.probes
+    except NotInRun:
+        return []
+    probes: dict[str, dict[str, list[str]]] = {}
+    for column in table:
+        if "." in column:
+            probe, quantity = column.rsplit(".", 1)
+            probes.setdefault(probe, {}).setdefault(stem(quantity), []).append(column)
+    return [Chart(f"probe-{i}", probe, {name: view(run, name, columns) for name, columns in quantities.items()})
+            for i, (probe, quantities) in enumerate(probes.items(), 1)]
+
+
+def stem(quantity: str) -> str:
+    """Without the axis of a component."""
+    return quantity[:-2] if quantity[-2:] in ("_x", "_y", "_z") else quantity
+
+
+def view(run: RunFolder, name: str, columns: list[str]) -> dict:
+    """The components of a quantity."""
+    unit = UNITS.get(name) or (style.per_depth(PER_DEPTH[name], run.dim) if name in PER_DEPTH else "")
+    values = [run.probes[column] for column in columns]
+    # A prefix would stand before kg.
+    factor, unit = style.prefixed(max(values, key=lambda part: abs(part).max()), unit) if unit and "kg" not in unit else (1.0, unit)
+    times, title = time_axis(run.probes["time"])
+    curves = [line(column.rsplit("_", 1)[-1] if len(columns) > 1 else name, times, part * factor, *look)
+              for column, part, look in zip(columns, values, LOOKS)]  # fmt: skip
+    return figure(curves, title, f"{name} ({unit})" if unit else name)
