@@ -6,7 +6,7 @@
 namespace signorini::contact {
 
 /// Pressures of the contact surface from the candidates' nodal forces F_i = ∫ p φ_i (docs/method.md section
-/// 8).
+/// 2).
 ///
 /// With degree 1 the pressure at vertex v is F_v / ∫ φ_v, the mean of p weighted with the hat function φ_v.
 /// With degree 2 the integrals ∫ φ_i cannot be divided by: on a triangle they vanish for vertices, whose

@@ -32,7 +32,7 @@ petsc::Matrix assemble_part(const Space& space, const std::string& group, const 
 petsc::Matrix assemble_cellwise(const Space& space, const std::optional<std::string>& group,
                                 const std::string& key);
 
-/// The fields of forms/viscoelasticity.py, by their names there; docs/method.md section 8.
+/// The fields of forms/viscoelasticity.py, by their names there; docs/method.md section 1.
 enum class CellField { strain, stress, von_mises };
 
 /// Fields of a motion that are constant on each cell: a value for each, the mean of a strain or stress over

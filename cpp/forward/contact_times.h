@@ -4,7 +4,7 @@
 
 namespace signorini::forward {
 
-/// When some candidates of a motion are in contact, to a part of a step (docs/method.md section 9).
+/// When some candidates of a motion are in contact, to a part of a step (docs/method.md section 8).
 ///
 /// Steps tell contact to half of their length. Within its first step an interval of contact begins where the
 /// gaps before it, continued linearly, vanish, and it ends where those after it do. With a and b the first
