@@ -1,6 +1,7 @@
 #pragma once
 #include "base/timers.h"
 #include "control/objective.h"
+#include "forward/body_figures.h"
 #include "forward/invariants.h"
 #include "forward/plausibility.h"
 #include "scene/scene.h"
@@ -37,6 +38,7 @@ struct Manifest {
   std::string control_unit; ///< of control.scale, empty without a control
   std::string solver;       ///< of the steps, and the reason of its choice
   double peak_memory = 0;   ///< bytes, summed over the ranks
+  forward::BodyFigures body;
   std::optional<control::Value> objective;
   std::vector<forward::Invariants::Defect> invariants; ///< of the motion stored; empty if not monitored
   std::vector<forward::Warning> warnings;              ///< of the motion stored
