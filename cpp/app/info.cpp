@@ -1,4 +1,5 @@
 #include "app/info.h"
+#include "app/run_manifest.h"
 #include "base/collective.h"
 #include "base/memory.h"
 #include "forward/binomial_checkpointing.h"
@@ -180,6 +181,7 @@ void print_info(const Problem& problem, int timed_steps, const Console& console)
       "{}: unknowns: {} ({} free), cells: {}, candidates: {}, steps: {} of {} s\nsolver: {}",
       problem.scene.name, problem.space.dofs(), problem.free_dofs(), problem.mesh.cells(),
       forward::candidates(stepper), problem.steps(), problem.scene.time.step, stepper.solver().choice()));
+  console.line(body_lines(problem));
   console.line(fmt::format(
       "always: M {}, A {}, R {}, {} {}; a step: one solve with D, products with R and M\n",
       megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)), megabytes(petsc::bytes(stepper.R())),

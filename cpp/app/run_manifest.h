@@ -11,6 +11,9 @@ namespace exit_status {
 constexpr int done = 0, check_failed = 1, wrong_input = 2, solver_failed = 3, interrupted = 130;
 }
 
+/// The body in figures, and what is implausible about it. Collective.
+std::string body_lines(const Problem& problem);
+
 /// The run about to be made, in words. Collective.
 std::string headline(const Problem& problem);
 

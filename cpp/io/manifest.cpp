@@ -152,6 +152,12 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
   json["unknowns"] = m.unknowns;
   json["free_unknowns"] = m.free_unknowns;
   json["cells"] = m.cells;
+  json["body"] = {{"extent", std::vector(m.body.extent.begin(), m.body.extent.begin() + m.body.dim)},
+                  {"mass", m.body.mass},
+                  {"pressure_waves", m.body.pressure_waves},
+                  {"shear_waves", m.body.shear_waves},
+                  {"crossing_time", m.body.crossing},
+                  {"doubts", m.body.doubts}};
   json["candidates"] = m.candidates;
   json["steps"] = {{"asked", scene.time.steps}, {"done", m.steps_done}};
   json["solver"] = m.solver;

@@ -1,6 +1,7 @@
 #pragma once
 #include "base/timers.h"
 #include "control/objective.h"
+#include "forward/body_figures.h"
 #include "forward/invariants.h"
 #include "forward/motion_summary.h"
 #include "forward/plausibility.h"
@@ -39,6 +40,7 @@ struct Manifest {
   std::string solver;       ///< of the steps, and the reason of its choice
   double peak_memory = 0;   ///< bytes, summed over the ranks
   int dim = 2;
+  forward::BodyFigures body;
   std::optional<control::Value> objective;
   std::optional<forward::EnergyAccount> energy;        ///< of the motion stored; absent if not summed up
   std::optional<forward::Impact> impact;               ///< likewise, and in a scene without contact

@@ -44,7 +44,8 @@ struct Mesh {
   std::filesystem::path file; ///< .geo or .msh, absolute
   std::optional<double> size; ///< element size for a .geo, m; absent: the sizes that the .geo itself sets
   double scale = 1;           ///< factor of these sizes
-  int degree = 1;             ///< Lagrange degree of the displacement
+  LengthUnit unit = LengthUnit::m; ///< of the file's coordinates
+  int degree = 1;                  ///< Lagrange degree of the displacement
 };
 
 /// Table [time]: N steps of length τ; docs/method.md section 2.

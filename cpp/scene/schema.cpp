@@ -35,8 +35,12 @@ Keys<Mesh> keys_of(Of<Mesh>) {
       value("size", &Mesh::size, Number{above_zero}, "m", "element size for a .geo",
             {.otherwise = "those that the .geo itself sets"}),
       value("scale", &Mesh::scale, Number{above_zero}, "",
-            "in place of `mesh.size`, of the sizes that the .geo itself sets", {.otherwise = "1.0"},
+            "in place of `mesh.size`, of the element sizes that the .geo itself sets", {.otherwise = "1.0"},
             [](const Mesh& mesh) { return !mesh.size && mesh.file.extension() == ".geo"; }),
+      value("unit", &Mesh::unit, Choice<LengthUnit>{}, "",
+            "of the coordinates in the file, which are brought to metres; all else of a scene, `mesh.size` "
+            "too, is in "
+            "metres"),
       value("degree", &Mesh::degree, Whole{1, 2}, "", "Lagrange degree of the displacement")};
 }
 

@@ -201,6 +201,19 @@ def mesh_scale() -> None:
         assert simulate(scene, mesh__scale=scale).manifest["candidates"] == nodes
 
 
+@key("mesh.unit")
+def mesh_unit() -> None:
+    for unit, length in (("m", 1), ("mm", 1e-3)):
+        done = simulate(mesh__unit=unit, mesh__size=0.25 * length, time__step=0.02 * length, time__end=0.02 * length)
+        near(done.manifest["body"]["extent"], [length, length])
+        near(done.steps["kinetic_energy"][0], length**2 / 2)
+        assert done.manifest["candidates"] == 5
+    large = edited("large.geo", (r"= \{(\d), (\d), 0\}", r"= {1000*\1, 1000*\2, 0}"), source=DATA / "square.geo")
+    done = simulate(mesh__file=str(large), mesh__unit="mm")
+    near(done.steps["kinetic_energy"][0], 0.5)
+    assert done.manifest["candidates"] == 5 and done.manifest["body"]["doubts"] == []
+
+
 @key("mesh.degree")
 def mesh_degree() -> None:
     one, two = plain_run().manifest, simulate(mesh__degree=2).manifest

@@ -119,6 +119,13 @@ def range_cases() -> list[Case]:
         edited("degree 0", "[time]", "degree = 0\n[time]", "mesh.degree: found 0", "from 1 to 2"),
         Case("size of zero", ("mesh.size: found 0", "greater than 0", "m)"), mesh=GEO, mesh_file="square.geo",
              edits=(('file = "square.msh"', 'file = "square.geo"\nsize = 0'),), at="size = 0"),
+        Case("unknown unit", ('mesh.unit: found "millimetre"', "m, cm, mm, um, in"), edits=(
+            ('file = "square.msh"', 'file = "square.msh"\nunit = "millimetre"'),), at="unit ="),
+        *(Case(f"size for more elements than can be, {what}", ("mesh.size: found 1e-05 m", "cells of a body of 1 m", "mesh.unit"), **more,
+               edits=(*edits, ('.msh"', '.geo"\nsize = 1e-5'))) for what, edits, more in (  # type: ignore[arg-type]
+            ("plane", (), {"mesh": GEO, "mesh_file": "square.geo"}),
+            ("space", (('file = "square.msh"', 'file = "cube.msh"'),), {"mesh": SPACE_GEO + 'Physical Volume("body") = {1};\n', "mesh_file": "cube.geo"}),
+            ("two ranks", (), {"mesh": GEO, "mesh_file": "square.geo", "ranks": 2}))),
         Case("scale of zero", ("mesh.scale: found 0", "greater than 0"), mesh=GEO, mesh_file="square.geo",
              edits=(('file = "square.msh"', 'file = "square.geo"\nscale = 0'),), at="scale = 0"),
         Case("scale beside a size", ("mesh.scale: ", "beside mesh.size"), mesh=GEO, mesh_file="square.geo",
