@@ -1,4 +1,5 @@
-"""clang-tidy's checks, those of .clang-tidy, on the units of cpp/ that are quick to parse: they see neither dolfinx nor PETSc nor toml++.
+"""clang-tidy's checks, those of .clang-tidy, on the units of cpp/ that are quick to parse: they see neither dolfinx nor PETSc, nor libraries
+of files and formats.
 
     tidy.py SOURCE BUILD CLANG_TIDY [--all]
 
@@ -14,7 +15,7 @@ from pathlib import Path
 
 SOURCE, BUILD = (Path(a).resolve() for a in sys.argv[1:3])
 CLANG_TIDY = sys.argv[3]
-SLOW = re.compile(r"<?(dolfinx|basix|petsc|toml\+\+|gmsh|muParser)")
+SLOW = re.compile(r"dolfinx|basix|petsc|toml\+\+|gmsh|muParser|nlohmann|filesystem|fstream|regex")
 
 
 def includes(file: Path, seen: set[Path]) -> set[str]:
