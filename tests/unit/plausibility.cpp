@@ -107,7 +107,7 @@ TEST_CASE("the place of the largest strain is that of the least coordinates, on 
                         Case{"tests/data/cube.toml", {"0.01*x - 0.03*y", "0.03*x", "0.02*z"}},
                         Case{"tests/data/cube.toml", {"0", "0.1*(z - 0.5)^2", "0"}}})
     for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
-      INFO(c.file << " " << degree << " " << c.y.front());
+      INFO(c.file << " " << degree << " " << c.y.front().text);
       const fem::Deformation shared = Body({degree}, c.file).deformation(c.y),
                              alone = Body({degree}, c.file, MPI_COMM_SELF).deformation(c.y);
       REQUIRE(shared.strain.value > 0.01);

@@ -27,7 +27,7 @@ struct Body {
         space(mesh, degree), fields(space, fem::parts(mesh, materials)) {}
 
   petsc::Vector motion(scene::Components components) const {
-    components.resize(static_cast<std::size_t>(space.dim()));
+    components.resize(static_cast<std::size_t>(space.dim()), "0");
     petsc::Vector x = space.vector();
     space.interpolate(scene::Field(components, "test", false), 0, x);
     return x;

@@ -220,7 +220,7 @@ TEST_CASE("probes see linear motions as they are", "[forward]") {
       scene::Components y, v;
       for (std::size_t c = 0; c < n; ++c) {
         y.push_back(fmt::format("{} + {}*x + {}*y + {}*z", shift[c], G[c][0], G[c][1], n == 3 ? G[c][2] : 0));
-        v.push_back("2*(" + y.back() + ")");
+        v.push_back("2*(" + y.back().text + ")");
       }
       const petsc::Vector displacement = problem.space.vector(), velocity = problem.space.vector();
       problem.space.interpolate(scene::Field(y, "test", false), 0, displacement);
