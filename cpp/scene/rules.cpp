@@ -151,9 +151,7 @@ void require_rules(Reader& in, Probe& probe, const Scene& scene) {
   }
 }
 
-void require_rules(Reader& in, Output& output, const Scene& scene) {
-  if (!in.has("every"))
-    output.every = Output::automatic(scene.time.steps);
+void require_rules(Reader& in, const Output& output, const Scene& scene) {
   if (output.field(StoredField::pressure) && scene.contacts.empty())
     in.fail("fields",
             "found \"pressure\", which has no meaning without contact; allowed with a table [contact]");

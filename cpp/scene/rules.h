@@ -17,8 +17,7 @@ void require_rules(Reader& in, const Trajectory& trajectory, const Scene& scene)
 void require_rules(Reader& in, const Exact& exact, const Scene& scene);
 /// Sets a name that is not given.
 void require_rules(Reader& in, Probe& probe, const Scene& scene);
-/// Sets the number of steps between stored fields where it is not given.
-void require_rules(Reader& in, Output& output, const Scene& scene);
+void require_rules(Reader& in, const Output& output, const Scene& scene);
 void require_rules(Reader& in, const Scene& read, const Scene& scene);
 /// The name of the obstacle whose table is read, the last of the scene's so far; a default one where none is
 /// given.

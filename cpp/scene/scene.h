@@ -230,7 +230,7 @@ struct Probe {
 
 /// Table [output].
 struct Output {
-  int every = 1; ///< steps between stored fields
+  int every = 0; ///< steps between stored fields; 0 until automatic() sets it
   std::vector<StoredField> fields{StoredField::displacement, StoredField::velocity, StoredField::control,
                                   StoredField::adjoint}; ///< stored where a run has them
   std::vector<StoredTable> tables{StoredTable::steps, StoredTable::contact, StoredTable::obstacles,

@@ -68,6 +68,8 @@ TEST_CASE("units that were mistaken are doubted, and the scenes here are not", "
            {{"mesh.unit=um", "mesh.size=2.5e-7", "contact.obstacle.point=[0, -1e-6]"}, "the body is 1e-06 m long"}}) {
     const forward::BodyFigures found = figures("tests/data/block.toml", settings);
     INFO(said);
+    for (const std::string& doubt : found.doubts)
+      UNSCOPED_INFO(doubt);
     REQUIRE(found.doubts.size() == 1);
     CHECK_THAT(found.doubts.front(), ContainsSubstring(said));
   }

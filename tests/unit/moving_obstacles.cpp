@@ -52,8 +52,8 @@ TEST_CASE("an obstacle that moves is one, however it is written", "[forward]") {
              obstacle(R"("signed-distance", distance="2*sqrt((x - 0.6)^2 + (y + 1.1 - t/2)^2) - 2")")},
         Same{obstacle(R"("ball", center=["-0.5 + 3*t", -0.97], radius=1)"),
              obstacle(R"("signed-distance", distance="sqrt((x + 0.5 - 3*t)^2 + (y + 0.97)^2) - 1")")},
-        Same{obstacle(R"("ball", center=[0.6, "t/2"], radius="1.1 - t/2", side="inside")"),
-             obstacle(R"("ball", center=[0.6, )" + series + R"(], radius="1.1 - t/2", side="inside")")},
+        Same{obstacle(R"("ball", center=[0.6, "t/2"], radius="0.8 - t/2", side="inside")"),
+             obstacle(R"("ball", center=[0.6, )" + series + R"(], radius="0.8 - t/2", side="inside")")},
         Same{obstacle(R"("half-space", point=[0, "-0.1 + t/2"], normal=[0.2, 1])"),
              obstacle(R"("signed-distance", distance="0.2*x + y + 0.1 - t/2")")}}) {
     std::optional<test::Recorded> first;

@@ -70,7 +70,7 @@ TEST_CASE("an obstacle is echoed with the unit of its lengths, and a level set, 
     const scene::Scene scene = test::parse(test::source("tests/data/block.toml"),
                                            {fmt::format("contact.obstacle={{ {} }}", obstacle)});
     CHECK_THAT(scene::echo(scene, 2),
-               ContainsSubstring(fmt::format("obstacle = {{ {} }}{}\n", obstacle, unit)));
+               ContainsSubstring(fmt::format("obstacle = {{ name = \"obstacle 1\", {} }}{}\n", obstacle, unit)));
   }
 }
 

@@ -260,7 +260,7 @@ TEST_CASE("what clamps, obstacles and loads do is the rate of momentum, by probe
   const std::string probes =
       "output.probe=[{ name=\"held\", on=\"left\" }, { name=\"floor\", obstacle=\"obstacle 1\" }, { "
       "name=\"body\", body=true }]";
-  for (const char* value : {"[\"0\", \"0\"]", "[\"0.3*sin(3*t)\", \"-0.5*t^2\"]"})
+  for (const char* value : {"[\"0\", \"0\"]", "[\"0.3*sin(3*t)^2\", \"-0.5*t^2\"]"})
     for (const Settings& scheme : schemes) {
       const std::string clamp = fmt::format("clamp=[{{ on=\"left\", value={} }}]", value);
       const Watched motion("tests/data/block.toml",
@@ -309,7 +309,7 @@ TEST_CASE("contact that changes for a single step is counted", "[forward]") {
   };
   CHECK(counted({{}, {0, 1}, {0, 1}, {0, 1}, {}}).alternating == 0);
   CHECK(counted({{}, {0, 1}, {0, 1}, {0, 1}, {}}).closed == 6);
-  CHECK(counted({{}, {0, 1}, {1}, {0, 1}, {0, 1}, {}}).alternating == 1); // 0 opens once
+  CHECK(counted({{}, {0, 1}, {0, 1}, {1}, {0, 1}, {0, 1}, {}}).alternating == 1); // 0 opens once
   CHECK(counted({{}, {2}, {}, {2}, {}, {}}).alternating == 3); // closes, opens, closes for one step
   CHECK(counted({{3}, {3}}).alternating == 0);
   const test::Ready implicit("tests/data/block.toml"),
