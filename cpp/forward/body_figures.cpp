@@ -57,14 +57,15 @@ void doubt_sizes(const Stepper& stepper, const scene::Time& time, const BodyFigu
                  std::vector<std::string>& doubts) {
   constexpr const char* hint = "mesh.unit = \"mm\" takes a mesh in millimetres";
   const double length = std::ranges::max(figures.extent);
+  const bool waves_known = doubts.empty(); // times that follow from doubtful speeds say nothing more
   if (length > longest || length < shortest)
     doubts.push_back(fmt::format("the body is {:.3g} m long; {}", length, hint));
-  else if (time.end < figures.crossing)
+  else if (waves_known && time.end < figures.crossing)
     doubts.push_back(
         fmt::format("the run ends at {:.3g} s, before a wave has come across the body of {:.3g} m, which "
                     "takes {:.3g} s; {}",
                     time.end, length, figures.crossing, hint));
-  else if (figures.crossing_steps < 1)
+  else if (waves_known && figures.crossing_steps < 1)
     doubts.push_back(
         fmt::format("a step takes {:.3g} s, in which a wave comes {:.3g} times across the body of {:.3g} "
                     "m: only motions slower than that are resolved",

@@ -158,4 +158,3 @@ TEST_CASE("a signed distance is linearised by its derivatives", "[contact]") {
   for (const char* infinite : {"1/y", "sqrt(y - 1)", "sqrt(y)"}) // the last one beside the node
     CHECK_THROWS_WITH(made(scene::SignedDistance{infinite}, 2).at(x.data()), ContainsSubstring("x = 0.5"));
 }
-

@@ -69,8 +69,8 @@ TEST_CASE("an obstacle is echoed with the unit of its lengths, and a level set, 
         {"shape = \"signed-distance\", distance = \"y + 1 - 0.1*x^2\"", ""}}) {
     const scene::Scene scene = test::parse(test::source("tests/data/block.toml"),
                                            {fmt::format("contact.obstacle={{ {} }}", obstacle)});
-    CHECK_THAT(scene::echo(scene, 2),
-               ContainsSubstring(fmt::format("obstacle = {{ name = \"obstacle 1\", {} }}{}\n", obstacle, unit)));
+    CHECK_THAT(scene::echo(scene, 2), ContainsSubstring(fmt::format(
+                                          "obstacle = {{ name = \"obstacle 1\", {} }}{}\n", obstacle, unit)));
   }
 }
 
