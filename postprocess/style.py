@@ -130,6 +130,7 @@ def whole_file(path: Path) -> Iterator[Path]:
     partial = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
     try:
         yield partial
+        path.parent.mkdir(exist_ok=True)  # a run may have taken the figures of an earlier one away
         partial.replace(path)
     finally:
         partial.unlink(missing_ok=True)
