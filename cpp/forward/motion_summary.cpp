@@ -75,11 +75,11 @@ void MotionSummary::take(const Frame& frame, const ObstacleForce& now, Touch& to
   std::array<double, 3> mean{};
   for (std::size_t c = 0; c < 3; ++c)
     mean[c] = (last.force[c] + now.force[c]) / 2;
-  if (length(mean) > touch.peak) {
-    touch.peak = length(mean);
+  touch.peak = std::max(touch.peak, length(mean));
+  if (const double normal = (last.normal_force + now.normal_force) / 2; normal > touch.normal_peak) {
+    touch.normal_peak = normal;
     touch.peak_time = earlier;
   }
-  touch.normal_peak = std::max(touch.normal_peak, (last.normal_force + now.normal_force) / 2);
   touch.largest_step = std::max(touch.largest_step, now.normal_force);
   last = {now.force, now.normal_force};
   touch.impulse = now.impulse;

@@ -17,8 +17,9 @@ struct Touch {
   double contact_time = 0;         ///< of all steps with a contact force, s
   std::array<double, 3> impulse{}; ///< of the resultant
   double normal_impulse = 0;       ///< of the sum of the moduli of the nodal forces
-  double peak = 0, peak_time = 0;  ///< of the modulus of the resultant, at the time between the two steps, s
+  double peak = 0;                 ///< of the modulus of the resultant
   double normal_peak = 0;          ///< of the sum of the moduli of the nodal forces
+  double peak_time = 0;            ///< of the latter: that between its two steps, s
   double largest_step = 0;         ///< the same of a single step
 
   [[nodiscard]] bool occurred() const { return contact_time > 0; }

@@ -15,7 +15,7 @@ from harness import HALF_DISC, SIGNORINI, SOURCE, signorini, table  # noqa: E402
 
 import h5py  # noqa: E402
 
-OPTIMIZE_FILES = {"scene.toml", "run.json", "steps.csv", "contact.csv", "history.csv", "state.xdmf", "state.h5",
+OPTIMIZE_FILES = {"scene.toml", "run.json", "steps.csv", "contact.csv", "obstacles.csv", "history.csv", "state.xdmf", "state.h5",
                   "control.xdmf", "control.h5", "adjoint.xdmf", "adjoint.h5", "checkpoint.h5"}  # fmt: skip
 SIMULATE_FILES = OPTIMIZE_FILES - {"history.csv", "checkpoint.h5", "control.xdmf", "control.h5", "adjoint.xdmf", "adjoint.h5"}
 
