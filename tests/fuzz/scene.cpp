@@ -124,10 +124,15 @@ int main(int argc, char** argv) {
   for (const char* place : {"scenes", "tests/data", "tests/fuzz"})
     for (const auto& file : fuzz::files(source / place, ".toml"))
       scenes.push_back(fuzz::read(file));
-  fuzz::Mutator mutator(seed, scenes, {"sin(", "sqrt(",    "min(", "sum()",      "rnd", "?", ":",
-                                       "==",   "!=",       "<=",   "&&",         "||",  "^", "_e",
-                                       "x",    "y",        "z",    "t",          "pi",  "e", "(",
-                                       ")",    "cylinder", "P0",   "stabilized", "run", "{file=\"a\",column=\"linear\"}"});
+  fuzz::Mutator mutator(seed, scenes, {"sin(",       "sqrt(",    "min(",
+                                       "sum()",      "rnd",      "?",
+                                       ":",          "==",       "!=",
+                                       "<=",         "&&",       "||",
+                                       "^",          "_e",       "x",
+                                       "y",          "z",        "t",
+                                       "pi",         "e",        "(",
+                                       ")",          "cylinder", "P0",
+                                       "stabilized", "run",      "{file=\"a\",column=\"linear\"}"});
   fuzz::Mutator options(seed + 1,
                         {"mesh.size=0.25", "material.0.young=1e8", "load.body=[\"0\", \"t\"]",
                          "contact.obstacle.point=[0, \"t\"]", "clamp.0.value=[\"0\", \"0\"]",

@@ -1,5 +1,5 @@
-#include "fixtures.h"
 #include "forward/body_figures.h"
+#include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <fmt/format.h>
@@ -42,10 +42,12 @@ TEST_CASE("a body is told by its extent, mass and waves", "[forward]") {
 }
 
 TEST_CASE("a mesh in another unit is brought to metres", "[mesh]") {
-  for (const auto& [unit, length] : {std::pair{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"in", 0.0254}}) {
+  for (const auto& [unit, length] :
+       {std::pair{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"in", 0.0254}}) {
     const std::string size = fmt::format("mesh.size={}", 0.25 * length);
-    const forward::BodyFigures drawn = figures(
-        "tests/data/block.toml", {fmt::format("mesh.unit={}", unit), size, "contact.obstacle.point=[0, -100]"});
+    const forward::BodyFigures drawn =
+        figures("tests/data/block.toml",
+                {fmt::format("mesh.unit={}", unit), size, "contact.obstacle.point=[0, -100]"});
     require_near(drawn.extent[0], length);
     require_near(drawn.mass, length * length);
     const test::Ready ready("tests/data/block.toml",
@@ -56,31 +58,34 @@ TEST_CASE("a mesh in another unit is brought to metres", "[mesh]") {
 
 TEST_CASE("units that were mistaken are doubted, and the scenes here are not", "[forward]") {
   using Settings = std::vector<std::string>;
-  const std::string steel = "material={density = 7850, young = 2.1e11, poisson = 0.3}", slow = "time={end = 1, step = 0.1}";
+  const std::string steel = "material={density = 7850, young = 2.1e11, poisson = 0.3}",
+                    slow = "time={end = 1, step = 0.1}";
   for (const auto& [settings, said] : std::vector<std::pair<Settings, const char*>>{
            {{"material.density=1e-9", "material.young=210000"}, "faster than in any solid"}, // t/mm³ and MPa
-           {{"material.density=7.85", "material.young=2.1e11"}, "faster than in any solid"},  // g/cm³
-           {{"material.density=7850", "material.young=210000"}, "slower than in any solid of 7850 kg/m³"}, // MPa
-           {{"material.density=7850000"}, "more than that of any solid"},                    // g/m³
+           {{"material.density=7.85", "material.young=2.1e11"}, "faster than in any solid"}, // g/cm³
+           {{"material.density=7850", "material.young=210000"},
+            "slower than in any solid of 7850 kg/m³"},                    // MPa
+           {{"material.density=7850000"}, "more than that of any solid"}, // g/m³
            {{steel, "time={end = 1e-4, step = 1e-5}"}, "before a wave has come across the body of 1 m"},
            {{steel, slow}, "only motions slower than that are resolved"},
            {{"contact.obstacle.point=[0, -100]"}, "the obstacle is 95.8 m away"},
-           {{"mesh.unit=um", "mesh.size=2.5e-7", "contact.obstacle.point=[0, -1e-6]"}, "the body is 1e-06 m long"}}) {
+           {{"mesh.unit=um", "mesh.size=2.5e-7", "contact.obstacle.point=[0, -1e-6]"},
+            "the body is 1e-06 m long"}}) {
     const forward::BodyFigures found = figures("tests/data/block.toml", settings);
     INFO(said);
     REQUIRE(found.doubts.size() == 1);
     CHECK_THAT(found.doubts.front(), ContainsSubstring(said));
   }
-  for (const auto& [file, overrides] : std::vector<std::pair<const char*, Settings>>{
-           {"scenes/half-disc.toml", {"mesh.size=3"}},
-           {"scenes/half-ball.toml", {"mesh.size=4"}},
-           {"scenes/bar-impact.toml", {"mesh.size=1"}},
-           {"scenes/bouncing-bar.toml", {"mesh.size=1"}},
-           {"scenes/catch.toml", {"mesh.size=0.2"}},
-           {"scenes/disc-drop.toml", {"mesh.size=5"}},
-           {"scenes/hertz-press.toml", {"mesh.scale=8"}},
-           {"scenes/standing-wave.toml", {"mesh.size=1"}},
-           {"tests/data/block.toml", {}}}) {
+  for (const auto& [file, overrides] :
+       std::vector<std::pair<const char*, Settings>>{{"scenes/half-disc.toml", {"mesh.size=3"}},
+                                                     {"scenes/half-ball.toml", {"mesh.size=4"}},
+                                                     {"scenes/bar-impact.toml", {"mesh.size=1"}},
+                                                     {"scenes/bouncing-bar.toml", {"mesh.size=1"}},
+                                                     {"scenes/catch.toml", {"mesh.size=0.2"}},
+                                                     {"scenes/disc-drop.toml", {"mesh.size=5"}},
+                                                     {"scenes/hertz-press.toml", {"mesh.scale=8"}},
+                                                     {"scenes/standing-wave.toml", {"mesh.size=1"}},
+                                                     {"tests/data/block.toml", {}}}) {
     INFO(file);
     CHECK(figures(file, overrides).doubts.empty());
   }
