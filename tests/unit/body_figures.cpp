@@ -1,5 +1,6 @@
 #include "forward/body_figures.h"
 #include "fixtures.h"
+#include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <fmt/format.h>
@@ -73,8 +74,9 @@ TEST_CASE("units that were mistaken are doubted, and the scenes here are not", "
             "the body is 1e-06 m long"}}) {
     const forward::BodyFigures found = figures("tests/data/block.toml", settings);
     INFO(said);
-    REQUIRE(found.doubts.size() == 1);
-    CHECK_THAT(found.doubts.front(), ContainsSubstring(said));
+    CHECK(std::ranges::any_of(found.doubts, [&](const std::string& doubt) {
+      return doubt.find(said) != std::string::npos;
+    }));
   }
   for (const auto& [file, overrides] :
        std::vector<std::pair<const char*, Settings>>{{"scenes/half-disc.toml", {"mesh.size=3"}},
