@@ -73,13 +73,15 @@ control::Control as_stored(const control::ControlSpace& controls, const fs::path
   on_root(comm, [&] {
     std::error_code none;
     if (!fs::is_regular_file(folder / "control.h5", none) || !fs::is_regular_file(echo, none))
-      throw UserError(fmt::format("{}: {} has neither a checkpoint.h5 nor a control.h5 of its run, allowed is the "
-                                  "folder of an optimize that left one",
-                                  key, folder.string()));
+      throw UserError(
+          fmt::format("{}: {} has neither a checkpoint.h5 nor a control.h5 of its run, allowed is the "
+                      "folder of an optimize that left one",
+                      key, folder.string()));
     if (controls.cellwise())
-      throw UserError(fmt::format("{}: {} has no checkpoint.h5 of its run, from which controls with values in cells are "
-                                  "read, allowed is the folder of an optimize that left one",
-                                  key, folder.string()));
+      throw UserError(
+          fmt::format("{}: {} has no checkpoint.h5 of its run, from which controls with values in cells are "
+                      "read, allowed is the folder of an optimize that left one",
+                      key, folder.string()));
     scene = scene::read_file(echo);
   });
   const double step = step_of(broadcast(comm, scene), key, echo),

@@ -74,9 +74,8 @@ TEST_CASE("units that were mistaken are doubted, and the scenes here are not", "
             "the body is 1e-06 m long"}}) {
     const forward::BodyFigures found = figures("tests/data/block.toml", settings);
     INFO(said);
-    CHECK(std::ranges::any_of(found.doubts, [&](const std::string& doubt) {
-      return doubt.find(said) != std::string::npos;
-    }));
+    CHECK(std::ranges::any_of(
+        found.doubts, [&](const std::string& doubt) { return doubt.find(said) != std::string::npos; }));
   }
   for (const auto& [file, overrides] :
        std::vector<std::pair<const char*, Settings>>{{"scenes/half-disc.toml", {"mesh.size=3"}},
