@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/signals.h"
+#include "io/stored_control.h"
 #include "io/stored_field.h"
 #include <fmt/format.h>
 
@@ -128,22 +129,8 @@ Displacements desired_states(const Problem& problem, const control::ControlSpace
                              const std::optional<control::Control>& reference,
                              const forward::StateStoreFactory& storage, const Console& console) {
   const auto timer = problem.timers.time("desired state");
-  if (reference)
-    return computed(problem, controls, *reference, storage, console);
-  if (const auto* run = std::get_if<scene::DesiredRun>(&problem.scene.objective->desired)) {
-    const auto stored = std::make_shared<io::StoredField>(problem.space, run->folder / "state.h5",
-                                                          "displacement", "objective.desired.run",
-                                                          problem.stepper.grid().time(problem.steps()));
-    return given(problem, [stored](double t, Vec y) { stored->at(t, y); }, storage.in_memory());
-  }
-  const auto& desired = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
-  const auto field =
-      std::make_shared<scene::Field>(desired.displacement, "objective.desired.displacement", true);
-  if (field->depends_on_time())
-    return given(
-        problem, [&problem, field](double t, Vec y) { problem.space.interpolate(*field, t, y); },
-        storage.in_memory());
-  return std::make_unique<Constant>(problem, *field);
+  return reference ? computed(problem, controls, *reference, storage, console)
+                   : given_motion(problem, storage.in_memory());
 }
 
 /// Throws UserError if a control and, with `motion`, a motion with all its states in memory exceed the
@@ -161,6 +148,8 @@ void require_memory(const Problem& problem, const control::ControlSpace& control
 }
 
 control::Control first_guess(const control::ControlSpace& controls, const scene::Control& scene) {
+  if (scene.stored)
+    return io::stored_control(controls, scene.stored->folder, "control.initial.run");
   return scene.initial ? controls.interpolate(*scene.initial, "control.initial") : controls.zero();
 }
 
@@ -177,9 +166,11 @@ std::optional<control::Control> reference_control(const Problem& problem,
 Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs needs, Timers& t)
     : scene(s), timers(t), mesh(timed(t, "mesh", [&] { return read_mesh(comm, s); })),
       space(mesh, s.mesh.degree),
-      operators(timed(
-          t, "assembly",
-          [&] { return fem::assemble_operators(space, s.materials, has_densities(s, needs.sliding)); })),
+      operators(timed(t, "assembly",
+                      [&] {
+                        return fem::assemble_operators(
+                            space, s.materials, has_densities(s, needs.sliding || s.objective.has_value()));
+                      })),
       stepper(timed(t, "solver", [&] { return forward::Stepper(space, operators, s, needs); })),
       initial(stepper, s.initial) {
   if (stop_requested(comm))
@@ -205,6 +196,22 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
   control_ = first_guess(*controls_, control);
   controls_->project(*control_);
   force_.emplace(*controls_, *control_);
+}
+
+Displacements given_motion(const Problem& problem, bool keep) {
+  if (const auto* run = std::get_if<scene::DesiredRun>(&problem.scene.objective->desired)) {
+    const auto stored = std::make_shared<io::StoredField>(problem.space, run->folder / "state.h5",
+                                                          "displacement", "objective.desired.run",
+                                                          problem.stepper.grid().time(problem.steps()));
+    return given(problem, [stored](double t, Vec y) { stored->at(t, y); }, keep);
+  }
+  const auto& desired = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
+  const auto field =
+      std::make_shared<scene::Field>(desired.displacement, "objective.desired.displacement", true);
+  if (field->depends_on_time())
+    return given(
+        problem, [&problem, field](double t, Vec y) { problem.space.interpolate(*field, t, y); }, keep);
+  return std::make_unique<Constant>(problem, *field);
 }
 
 forward::StateStoreFactory state_stores(const Problem& problem) {

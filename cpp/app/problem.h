@@ -39,6 +39,10 @@ struct Problem {
 /// each kind may use half of the scene's budget.
 [[nodiscard]] forward::StateStoreFactory state_stores(const Problem& problem);
 
+/// The desired motion of a scene that gives it by expressions or by a run; `keep`: all of its states in
+/// memory. Collective. `problem` must outlive it. Throws UserError.
+std::unique_ptr<const forward::Displacements> given_motion(const Problem& problem, bool keep);
+
 /// The control that a scene gives (control.initial, within its bounds), for runs that do not optimise.
 class GivenControl {
 public:
@@ -52,6 +56,9 @@ public:
 
   /// All forces, the control's included; valid as long as this object lives.
   [[nodiscard]] forward::ForceAtStep load() const;
+
+  /// Null where it is zero.
+  [[nodiscard]] const control::Control* control() const { return control_ ? &*control_ : nullptr; }
 
 private:
   const Problem& problem_;

@@ -4,6 +4,7 @@
 #include "app/motion_writer.h"
 #include "app/optimize.h"
 #include "app/run_manifest.h"
+#include "app/run_objective.h"
 #include "app/summary_lines.h"
 #include "base/collective.h"
 #include "base/error.h"
@@ -16,6 +17,22 @@ namespace {
 
 MPI_Comm world() { return MPI_COMM_WORLD; }
 
+/// Prepares J of a run. A desired run that is missing or another's is no reason not to simulate: returns why
+/// J is not known then. Collective. Throws UserError.
+std::string start_objective(const Problem& problem, const GivenControl& given,
+                            std::optional<RunObjective>& objective) {
+  if (!problem.scene.objective)
+    return {};
+  try {
+    objective.emplace(problem, given);
+  } catch (const UserError& error) {
+    if (!std::holds_alternative<scene::DesiredRun>(problem.scene.objective->desired))
+      throw;
+    return error.what();
+  }
+  return {};
+}
+
 int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, bool replace,
                    const Console& console) {
   io::OutputFolder folder(world(), out);
@@ -27,6 +44,8 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
 
   const GivenControl given(problem);
   const forward::ForceAtStep load = given.load();
+  std::optional<RunObjective> objective;
+  const std::string unknown = start_objective(problem, given, objective);
   MotionWriter recorder(problem, folder, nullptr, given.acts());
   int steps = 0;
   {
@@ -35,6 +54,8 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
     steps = forward::integrate(problem.stepper, problem.initial, load, problem.steps(),
                                [&](const forward::Frame& frame) {
                                  recorder(frame);
+                                 if (objective)
+                                   objective->observe(frame);
                                  progress.update(static_cast<std::size_t>(frame.k));
                                });
   }
@@ -45,10 +66,18 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
   io::Manifest m = manifest(problem, "simulate", complete ? "end of time" : "interrupted", steps);
   add_watched(m, recorder, scene.run, console);
+  if (objective && complete)
+    m.objective = objective->value();
   m.files = folder.files();
   folder.write("run.json", io::to_json(m, scene, timers));
   for (const std::string& line : summary_lines(m))
     console.line(line);
+  if (m.objective)
+    console.line(fmt::format("J = {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e})",
+                             m.objective->total(), m.objective->tracking, m.objective->terminal,
+                             m.objective->control_cost));
+  if (!unknown.empty())
+    console.line("J is not known: " + unknown);
   console.line(
       fmt::format("{}{}", complete ? "" : "interrupted after ", cost_line(m, scene, timers, folder.bytes())));
   finish(folder, console);
@@ -97,6 +126,17 @@ void require_not_the_users(const scene::Scene& scene, const std::string& text,
                   echo.string()));
 }
 
+/// Throws UserError if the run would replace the control that it starts from.
+void require_not_the_guess(const scene::Scene& scene, const std::filesystem::path& out) {
+  std::error_code none;
+  if (scene.control && scene.control->stored &&
+      std::filesystem::equivalent(scene.control->stored->folder, out, none))
+    throw UserError(
+        fmt::format("--out: found the folder of control.initial.run, {}, whose control this run would "
+                    "replace, allowed is another",
+                    out.string()));
+}
+
 } // namespace
 
 int run(const Request& request, const Console& console) {
@@ -118,7 +158,10 @@ int run(const Request& request, const Console& console) {
   const std::filesystem::path out =
       request.out.empty() ? usual_folder(request.verb, scene.name, home) : request.out;
   if (request.verb == "simulate" || request.verb == "optimize")
-    on_root(world(), [&] { require_not_the_users(scene, text, out); });
+    on_root(world(), [&] {
+      require_not_the_users(scene, text, out);
+      require_not_the_guess(scene, out);
+    });
   if (request.verb == "simulate")
     return simulate_scene(scene, out, request.replace, console);
   if (request.verb == "optimize")

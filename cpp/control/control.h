@@ -126,8 +126,11 @@ public:
   /// it is (τ s/2) p_k (docs/method.md section 4).
   void add_riesz(int k, Vec p, Control& g) const;
 
-private:
+  /// Steps in which controls differ: 1 or N.
   [[nodiscard]] int count() const { return constant_in_time_ ? 1 : steps_; }
+  [[nodiscard]] const forward::TimeGrid& grid() const { return grid_; }
+
+private:
   /// τ, or T for a control that is constant in time.
   [[nodiscard]] double duration() const { return grid_.tau * steps_ / count(); }
   /// field += a · values.

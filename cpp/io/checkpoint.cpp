@@ -142,8 +142,9 @@ std::string CheckpointWriter::commit() {
   return broadcast(comm, failure_);
 }
 
-CheckpointReader::CheckpointReader(const control::ControlSpace& controls, const std::filesystem::path& file)
-    : controls_(controls), file_(file), in_(H5I_INVALID_HID, H5Fclose) {
+CheckpointReader::CheckpointReader(const control::ControlSpace& controls, const std::filesystem::path& file,
+                                   std::string reason)
+    : controls_(controls), file_(file), reason_(std::move(reason)), in_(H5I_INVALID_HID, H5Fclose) {
   on_root(controls.space().comm(), [&] {
     H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
     in_ = Opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
@@ -153,7 +154,7 @@ CheckpointReader::CheckpointReader(const control::ControlSpace& controls, const 
 }
 
 void CheckpointReader::fail(const std::string& problem) const {
-  throw UserError(fmt::format("--resume: {}: {}", file_.string(), problem));
+  throw UserError(fmt::format("{}: {}: {}", reason_, file_.string(), problem));
 }
 
 void CheckpointReader::damaged(const std::string& name) const {
@@ -226,19 +227,34 @@ void CheckpointReader::match_places() {
 }
 
 void CheckpointReader::operator()(const std::string& name, std::shared_ptr<const control::Control>& u) {
+  const int count = controls_.count();
+  const auto same = [&](int k, int rows) {
+    if (rows != count)
+      damaged(name);
+    return k - 1;
+  };
+  u = std::make_shared<const control::Control>(control(name, same));
+}
+
+control::Control CheckpointReader::control(const std::string& name,
+                                           const std::function<int(int k, int rows)>& row_of) {
   const MPI_Comm comm = controls_.space().comm();
   control::Control read = controls_.zero();
   Opened table(H5I_INVALID_HID, H5Dclose);
+  int rows = 0;
   on_root(comm, [&] {
     table = Opened(H5Dopen(in_, name.c_str(), H5P_DEFAULT), H5Dclose);
-    if (!table || shape(table) != std::array<hsize_t, 2>{static_cast<hsize_t>(read.count()), columns_})
+    if (!table || shape(table)[0] == 0 || shape(table)[1] != columns_)
       damaged(name);
+    rows = static_cast<int>(shape(table)[0]);
   });
+  MPI_Bcast(&rows, 1, MPI_INT, 0, comm);
   const std::size_t components = controls_.components().size();
   std::vector<double> row(columns_);
   for (int k = 1; k <= read.count(); ++k) {
+    const auto from = static_cast<hsize_t>(row_of(k, rows));
     on_root(comm, [&] {
-      if (!on_row(table, static_cast<hsize_t>(k) - 1, columns_,
+      if (!on_row(table, from, columns_,
                   [&](hid_t in_file, hid_t in_memory) {
                     return H5Dread(table, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, row.data());
                   }) ||
@@ -250,7 +266,7 @@ void CheckpointReader::operator()(const std::string& name, std::shared_ptr<const
     for (std::size_t i = 0; i < values.size(); ++i)
       values[i] = row[rows_[i / components] * components + i % components];
   }
-  u = std::make_shared<const control::Control>(std::move(read));
+  return read;
 }
 
 } // namespace signorini::io

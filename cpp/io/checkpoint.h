@@ -2,6 +2,7 @@
 #include "base/hdf5.h"
 #include "control/control.h"
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -42,8 +43,9 @@ private:
 /// where the file is missing or damaged.
 class CheckpointReader {
 public:
-  /// `controls` must outlive this object.
-  CheckpointReader(const control::ControlSpace& controls, const std::filesystem::path& file);
+  /// `reason`: what asks for the file, for messages. `controls` must outlive this object.
+  CheckpointReader(const control::ControlSpace& controls, const std::filesystem::path& file,
+                   std::string reason = "--resume");
 
   void operator()(const std::string& name, double& value);
   void operator()(const std::string& name, int& value);
@@ -51,6 +53,10 @@ public:
   void operator()(const std::string& name, std::vector<double>& values);
   void operator()(const std::string& name, std::string& text);
   void operator()(const std::string& name, std::shared_ptr<const control::Control>& u);
+
+  /// A control of another number of steps: in step k the values of the row `row(k, rows)` of `rows`.
+  [[nodiscard]] control::Control control(const std::string& name,
+                                         const std::function<int(int k, int rows)>& row);
 
   /// Matches the places of the controls with those of the file by coordinates; to be called before the first
   /// control is read. Throws UserError if they differ.
@@ -66,6 +72,7 @@ private:
 
   const control::ControlSpace& controls_;
   std::filesystem::path file_;
+  std::string reason_;
   Opened in_;                     ///< on rank 0
   std::size_t columns_ = 0;       ///< values in a row, of all ranks
   std::vector<std::size_t> rows_; ///< of the owned places in the file

@@ -94,14 +94,14 @@ bool finite(const std::vector<double>& values) {
 } // namespace
 
 StoredField::StoredField(const fem::Space& space, const std::filesystem::path& file, const std::string& field,
-                         const std::string& key, double end)
+                         const std::string& key, double end, bool at_start)
     : space_(space), file_(file), field_(field), key_(key),
       nodes_(static_cast<std::size_t>(space.dofs() / space.dim())) {
   if (space.degree() > 1)
     fail(fmt::format("found mesh.degree = {}, allowed is 1: fields are stored at the mesh's own nodes",
                      space.degree()));
   std::vector<double> points;
-  on_root(space.comm(), [&] { look(end, points); });
+  on_root(space.comm(), [&] { look(end, at_start, points); });
   auto count = static_cast<int>(times_.size());
   MPI_Bcast(&count, 1, MPI_INT, 0, space.comm());
   times_.resize(static_cast<std::size_t>(count));
@@ -116,7 +116,7 @@ void StoredField::fail(const std::string& problem) const {
   throw UserError(fmt::format("{}: {}: {}", key_, file_.string(), problem));
 }
 
-void StoredField::look(double end, std::vector<double>& points) {
+void StoredField::look(double end, bool at_start, std::vector<double>& points) {
   if (!std::filesystem::is_regular_file(file_))
     fail(fmt::format("there is no such file, allowed is the folder of an earlier run that stored \"{}\"",
                      field_));
@@ -149,7 +149,7 @@ void StoredField::look(double end, std::vector<double>& points) {
   if (times_.empty())
     fail(damaged);
   constexpr double rounding = 1e-9;
-  if (times_.front() > rounding * end || times_.back() < (1 - rounding) * end)
+  if ((at_start && times_.front() > rounding * end) || times_.back() < (1 - rounding) * end)
     fail(fmt::format(
         "found \"{}\" from {:.6g} to {:.6g} s, allowed are runs that cover this one, from 0 to {:.6g} s",
         field_, times_.front(), times_.back(), end));
@@ -192,7 +192,10 @@ Vec StoredField::stored(std::size_t number) {
 }
 
 void StoredField::at(double t, Vec out) {
-  // There are at least two times, since they cover an interval.
+  if (times_.size() == 1) { // of a single step
+    check(VecCopy(stored(0), out));
+    return;
+  }
   const auto above = static_cast<std::size_t>(std::ranges::lower_bound(times_, t) - times_.begin());
   const std::size_t second = std::clamp<std::size_t>(above, 1, times_.size() - 1), first = second - 1;
   const double weight = (t - times_[first]) / (times_[second] - times_[first]);

@@ -11,12 +11,13 @@ class StoredField {
 public:
   /// Finds `field` in an HDF5 file and matches its nodes with those of the space by their coordinates. `key`:
   /// that of the scene which names the run. Collective. `space` must outlive this object. Throws UserError if
-  /// the file is missing or damaged, has no such field, or has it on another mesh or not from 0 to `end` (s).
+  /// the file is missing or damaged, has no such field, or has it on another mesh or not from 0 to `end` (s);
+  /// of a field that no run has at 0, `at_start` is false.
   StoredField(const fem::Space& space, const std::filesystem::path& file, const std::string& field,
-              const std::string& key, double end);
+              const std::string& key, double end, bool at_start = true);
 
-  /// The field at time t (s), linear between two stored times, which are kept: cheap for monotonic t.
-  /// Collective. Throws UserError if its values are damaged.
+  /// The field at time t (s), linear between two stored times, which are kept: cheap for monotonic t; before
+  /// the first time the field there. Collective. Throws UserError if its values are damaged.
   void at(double t, Vec out);
 
 private:
@@ -26,7 +27,7 @@ private:
     petsc::Vector values;
   };
   [[noreturn]] void fail(const std::string& problem) const;
-  void look(double end, std::vector<double>& points);
+  void look(double end, bool at_start, std::vector<double>& points);
   Vec stored(std::size_t number);
 
   const fem::Space& space_;

@@ -46,6 +46,14 @@ std::map<std::string, std::string> posed(const std::string& scene, Part besides)
 
 } // namespace
 
+std::optional<double> time_step(const std::string& scene) {
+  try {
+    return toml::parse(scene)["time"]["step"].value<double>();
+  } catch (const toml::parse_error&) {
+    return std::nullopt;
+  }
+}
+
 Difference difference(const std::string& first, const std::string& second, Part besides) {
   const auto a = posed(first, besides), b = posed(second, besides);
   const auto shown = [](const auto& values, const std::string& key) {

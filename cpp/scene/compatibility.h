@@ -1,7 +1,11 @@
 #pragma once
 #include "scene/key_reference.h"
+#include <optional>
 
 namespace signorini::scene {
+
+/// The time step of a resolved scene, s; absent if the text is none.
+std::optional<double> time_step(const std::string& scene);
 
 /// A key in which two problems differ, as "key = value" of the first and of the second.
 struct Difference {

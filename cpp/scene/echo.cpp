@@ -27,7 +27,8 @@ std::string echo(const Scene& scene, int dim) {
   }
   if (whole.control) {
     fill(whole.control->components, components(dim));
-    fill(whole.control->initial, still);
+    if (!whole.control->stored)
+      fill(whole.control->initial, still);
   }
   return schema::write(whole);
 }

@@ -97,7 +97,7 @@ bool rests(const Control& control) {
   const auto all = [](const std::optional<std::vector<double>>& bound, auto&& allows) {
     return !bound || std::ranges::all_of(*bound, allows);
   };
-  return (!control.initial || vanishes(*control.initial)) &&
+  return !control.stored && (!control.initial || vanishes(*control.initial)) &&
          all(control.lower, [](double x) { return x <= 0; }) &&
          all(control.upper, [](double x) { return x >= 0; });
 }

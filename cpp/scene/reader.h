@@ -45,6 +45,10 @@ public:
   [[nodiscard]] bool is_array(const std::string& key) const {
     return table_.contains(key) && table_.get(key)->is_array();
   }
+  /// Whether it is a table.
+  [[nodiscard]] bool is_table(const std::string& key) const {
+    return table_.contains(key) && table_.get(key)->is_table();
+  }
   /// Whether the table is one of an array.
   [[nodiscard]] bool one_of_several() const { return path_.ends_with(']'); }
   double number(const std::string& key, const Limits& limits);

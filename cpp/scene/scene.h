@@ -140,6 +140,11 @@ struct Initial {
   std::optional<Components> velocity;     ///< m/s, of x, y, z
 };
 
+/// A control that an earlier run left.
+struct StoredControl {
+  std::filesystem::path folder; ///< output folder of that run, absolute
+};
+
 /// Table [control].
 struct Control {
   double scale = 1;              ///< factor s, N/m³ per unit of control; N/m² where it acts on a surface
@@ -147,7 +152,8 @@ struct Control {
   std::optional<std::vector<Component>> components; ///< those that act; absent: all
   bool constant_in_time = false;
   ControlValues space = ControlValues::nodal;
-  std::optional<Components> initial;        ///< first guess, of x, y, z, t; absent: zero
+  std::optional<Components> initial;        ///< first guess, of x, y, z, t; absent: `stored`, else zero
+  std::optional<StoredControl> stored;      ///< first guess, in place of `initial`
   std::optional<std::vector<double>> lower; ///< lower bound, one or one per component; absent: none
   std::optional<std::vector<double>> upper; ///< likewise
 };

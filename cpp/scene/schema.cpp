@@ -186,7 +186,40 @@ Keys<Initial> keys_of(Of<Initial>) {
                 {.otherwise = "`[\"0\", \"0\"]`", .effect = "initial velocity"})};
 }
 
+Keys<StoredControl> keys_of(Of<StoredControl>) {
+  return {required(
+      "run", &StoredControl::folder, Path{}, "",
+      "in place of expressions: the folder of an earlier `optimize`, relative to the scene file, on the "
+      "same mesh with controls of the same kind; its steps may be others",
+      {.part = Part::none})};
+}
+
+namespace {
+
+/// The first guess: expressions, or the table that names a run; two keys of one name.
+std::array<Key<Control>, 2> first_guess() {
+  Key<Control> given =
+      value("initial", &Control::initial, ControlField{}, "",
+            "the first guess, and what `simulate` applies, moved into the bounds; without t if "
+            "constant in time",
+            {.otherwise = "`[\"0\", \"0\"]`"});
+  Key<Control> stored = inline_table("initial", &Control::stored, {});
+  given.read = [read = given.read](Reader& in, Control& to, const Scene& scene) {
+    if (!in.is_table("initial"))
+      read(in, to, scene);
+  };
+  stored.read = [read = stored.read](Reader& in, Control& to, const Scene& scene) {
+    if (in.is_table("initial"))
+      read(in, to, scene);
+  };
+  stored.json = {{"anyOf", {given.json, stored.json}}};
+  return {given, stored};
+}
+
+} // namespace
+
 Keys<Control> keys_of(Of<Control>) {
+  const auto [given, stored] = first_guess();
   return {required("scale", &Control::scale,
                    Number{{.least = 0, .open = true, .unit = "N/m² (of the body, N/m³)"}},
                    "N/m³ per unit of control, N/m² on a surface"),
@@ -197,10 +230,8 @@ Keys<Control> keys_of(Of<Control>) {
           value("constant_in_time", &Control::constant_in_time, Flag{}, "", "the same at all times"),
           value("space", &Control::space, Choice<ControlValues>{}, "",
                 "values at the nodes, or (`\"P0\"`) in the cells"),
-          value("initial", &Control::initial, ControlField{}, "",
-                "the first guess, and what `simulate` applies, moved into the bounds; without t if constant "
-                "in time",
-                {.otherwise = "`[\"0\", \"0\"]`"}),
+          given,
+          stored,
           value("lower", &Control::lower, Bound{}, "", "bound",
                 {.otherwise = "none", .effect = "control bounds"}),
           value("upper", &Control::upper, Bound{}, "", "bound",

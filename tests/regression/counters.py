@@ -15,8 +15,8 @@ CONTACT = ("constraints", "VI solvers", "VIs solved")
 
 
 def counters(verb: str, scene: Path, folder: Path, ranks: int = 1, **overrides: object) -> dict[str, int]:
-    signorini(verb, scene, folder / "out", ranks, **overrides)
-    run = json.loads((folder / "out" / "run.json").read_text())
+    signorini(verb, scene, folder / verb, ranks, **overrides)
+    run = json.loads((folder / verb / "run.json").read_text())
     return run["counters"] | {"asked": run["steps"]["asked"], "candidates": run["candidates"]}
 
 
@@ -24,9 +24,18 @@ def none_of(found: dict[str, int], names: tuple[str, ...]) -> None:
     assert all(found[name] == 0 for name in names), {name: found[name] for name in names}
 
 
-def simulate_makes_no_control(folder: Path) -> None:
-    """Though the scene has a control and an objective."""
+def simulate_makes_no_adjoint(folder: Path) -> None:
+    """Of a scene with a control and an objective it makes what J needs: the desired motion, step by step beside its own."""
     found = counters("simulate", HALF_DISC, folder, mesh__size=2)
+    none_of(found, ("reduced problems", "adjoint sweeps", "adjoint steps", "linearised steps"))
+    assert found["control spaces"] == found["objectives"] == found["assembled L2"] == 1
+    assert found["steps"] == 2 * found["asked"] == 300 and found["load evaluations"] == 0
+    found = counters("simulate", HALF_DISC, folder, mesh__size=2, objective__desired={"displacement": ["0", "0"]})
+    assert found["steps"] == found["asked"] and found["objectives"] == 1
+    no_objective = folder / "no-objective.toml"
+    text = HALF_DISC.read_text().replace("../meshes", str(SOURCE / "meshes"))
+    no_objective.write_text(text[: text.index("[objective]")])
+    found = counters("simulate", no_objective, folder, mesh__size=2)
     none_of(found, CONTROL)
     assert found["steps"] == found["asked"] == 150 and found["load evaluations"] == 0
     assert {name: count for name, count in found.items() if name.startswith("assembled")} == {
@@ -37,7 +46,7 @@ def simulate_makes_no_control(folder: Path) -> None:
     assert found["control spaces"] == found["objectives"] == found["reduced problems"] == 1
     assert found["assembled L2"] == 1
     assert found["adjoint steps"] == found["asked"] * found["adjoint sweeps"] > 0, "the counters count nothing"
-    print("simulate: no control, objective or adjoint; optimize: one each")
+    print("simulate: what J needs and no adjoint; without an objective nothing of it")
 
 
 def elastic_scene_has_no_b(folder: Path) -> None:
@@ -54,7 +63,7 @@ def contact_only_where_it_is(folder: Path) -> None:
     none_of(found, CONTACT)
     assert found["solves with D"] == found["steps"] == found["asked"]
     assert found["load evaluations"] == found["asked"] + 1, "a load of time is evaluated once a step, and once before"
-    far = {"contact__obstacle__point": [0, -100]}
+    far = {"contact__obstacle__point": [0, -100], "objective__desired": {"displacement": ["0", "0"]}}  # no second motion
     for linear in ("direct", "iterative"):
         found = counters("simulate", BLOCK, folder, solver__linear=linear, **far)
         assert found["constraints"] == found["VI solvers"] == 1 and found["VIs solved"] == 0
@@ -71,12 +80,12 @@ def contact_only_where_it_is(folder: Path) -> None:
 
 
 def memory_does_not_grow_with_the_steps(folder: Path) -> None:
-    """A forward run keeps two states, however many steps it makes."""
+    """A forward run keeps two states, and two of a desired motion, however many steps it makes."""
     peak = {}
     for steps in (50, 3000):  # 3000 states of this mesh are 157 MB
         signorini("simulate", HALF_DISC, folder / "long", mesh__size=0.5, time__end=steps * 5e-5, output__every=10**6)
         run = json.loads((folder / "long" / "run.json").read_text())
-        assert run["counters"]["trajectory vectors"] == 4 and run["steps"]["done"] == steps
+        assert run["counters"]["trajectory vectors"] == 8 and run["steps"]["done"] == steps  # of the desired motion too
         peak[steps] = run["peak_memory_bytes"]
     assert peak[3000] < peak[50] + 20e6, peak
     print(f"two states kept; {peak[3000] / 1e6:.0f} MB for 3000 steps, {peak[50] / 1e6:.0f} MB for 50")
@@ -111,7 +120,7 @@ def optimizations_keep_what_they_say(folder: Path) -> None:
 def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        simulate_makes_no_control(folder)
+        simulate_makes_no_adjoint(folder)
         elastic_scene_has_no_b(folder)
         contact_only_where_it_is(folder)
         memory_does_not_grow_with_the_steps(folder)

@@ -504,6 +504,14 @@ def control_initial() -> None:
     assert optimize().history["control_cost"][0] == 0
 
 
+@key("control.initial.run")
+def control_initial_run() -> None:
+    first = optimize(iterations=2)
+    again = simulate(control__initial={"run": str(first.folder)})
+    near(again.manifest["objective"]["value"], first.manifest["objective"]["value"])
+    assert again.manifest["objective"]["control_cost"] > 0 == simulate().manifest["objective"]["control_cost"]
+
+
 @key("control.lower", "control.upper")
 def control_bounds() -> None:
     def reached(desired: str, **bounds: object) -> np.ndarray:
@@ -773,7 +781,7 @@ FULL = (
         "output__probe": [{"point": [0.5, 0.5]}, {"on": "top"}, {"obstacle": "obstacle 3"}, {"body": True}],
     }),
     (DATA / "two-materials.toml", {"objective__desired": {"displacement": ["0", "0"]}, "trajectory__storage": "checkpoints"}),
-    (BLOCK, {"objective__desired": {"run": "somewhere"}}),
+    (BLOCK, {"objective__desired": {"run": "somewhere"}, "control__initial": {"run": str(FOLDER / "first")}}),
     (SOURCE / "scenes" / "hertz-press.toml", {"time__end": 0.05, "mesh__scale": 8, "exact": EXACT}),
     (DATA / "cube.toml", {"contact__obstacle": {"shape": "cylinder", "point": [0, 0, -2], "axis": [1, 0, 0], "radius": 1}}),
 )  # fmt: skip
@@ -796,6 +804,7 @@ def plain(path: tuple[str, ...]) -> str:
 def accepted_keys() -> set[str]:
     """Those that scene.toml writes out, which must be all that the program says it allows in each table."""
     written: set[str] = set()
+    signorini("optimize", BLOCK, FOLDER / "first", optimizer__max_iterations=0)
     tables: dict[tuple[str, str], tuple[Path, tuple[str, ...]]] = {}  # each kind once, wherever it occurs
     for scene, overrides in FULL:
         done = simulate(scene, **overrides)
@@ -812,7 +821,8 @@ def accepted_keys() -> set[str]:
         return {plain((*path, name)) for name in refused.stderr.strip().rsplit("allowed here: ")[1].split(", ")}
 
     with ThreadPoolExecutor(WORKERS) as workers:
-        values = set.union(*workers.map(allowed, *zip(*tables.values()))) - {table for table, _ in tables}
+        # A key that may be a table or a value is both.
+        values = set.union(*workers.map(allowed, *zip(*tables.values()))) - ({table for table, _ in tables} - written)
     assert values == written, f"allowed and never echoed, or the reverse: {values ^ written}"
     return written
 

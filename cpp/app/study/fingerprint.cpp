@@ -18,7 +18,8 @@ constexpr int measurement = 3;
 constexpr const char *scene_part = "scene", *program = "program", *ranks_part = "number of ranks",
                      *options = "list of PETSc options", *mesh_file = "mesh file",
                      *desired_run = "run that objective.desired.run names",
-                     *series = "content of a time series", *forms = "set of compiled forms",
+                     *series = "content of a time series",
+                     *first_guess = "run that control.initial.run names", *forms = "set of compiled forms",
                      *sample_points = "set of points where fields are compared";
 
 std::string content(const std::filesystem::path& file) {
@@ -94,6 +95,9 @@ Origin::Origin(const scene::Scene& scene, const Samples& samples, int ranks)
   common_[sample_points] = samples.digest;
   if (!scene.digest_of_series.empty())
     common_[series] = scene.digest_of_series;
+  if (scene.control && scene.control->stored)
+    common_[first_guess] = digest(scene.control->stored->folder / "checkpoint.h5") +
+                           digest(scene.control->stored->folder / "control.h5");
   if (scene.objective)
     if (const auto* run = std::get_if<scene::DesiredRun>(&scene.objective->desired))
       common_[desired_run] = digest(run->folder / "state.h5");

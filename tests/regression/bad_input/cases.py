@@ -1,6 +1,8 @@
 """The bad inputs, theme by theme."""
 
 import re
+from collections.abc import Callable
+from pathlib import Path
 
 from case import (
     BODY, BOTTOM, Case, Expected, GEO, GROUPS, LINE, LINE_3, PRISM, QUADRILATERAL, SPACE_GEO, SPACE_GROUPS, TETRAHEDRON,
@@ -886,6 +888,38 @@ def desired_run_cases() -> list[Case]:
     ]
 
 
+def first_guess_cases() -> list[Case]:
+    """First guesses that no earlier run left."""
+    by_run = (("scale = 1e6", 'scale = 1e6\ninitial = { run = "earlier" }'),)
+
+    def left(*files: str) -> Callable[[Path], None]:
+        def make(folder: Path) -> None:
+            (folder / "earlier").mkdir()
+            for file in files:
+                write(folder / "earlier" / file, "nothing of ours")
+
+        return make
+
+    neither = ("control.initial.run: ", "earlier has neither a checkpoint.h5 nor a control.h5")
+    return [
+        Case("first guess of a run that is missing", neither, edits=by_run, earlier=True),
+        Case("first guess of a run that is missing, two ranks", neither, edits=by_run, ranks=2),
+        Case("first guess of a run without control", neither, edits=by_run, verb="optimize", prepare=left("scene.toml", "run.json")),
+        Case("first guess of a damaged checkpoint", ("control.initial.run: ", "earlier/checkpoint.h5", "damaged"), edits=by_run,
+             prepare=left("checkpoint.h5")),
+        Case("first guess of a damaged checkpoint, two ranks", ("control.initial.run: ", "earlier/checkpoint.h5", "damaged"),
+             edits=by_run, prepare=left("checkpoint.h5"), ranks=2),
+        Case("first guess of a run with no scene", ("control.initial.run: ", "scene.toml: found no time.step"), edits=by_run,
+             prepare=left("control.h5", "scene.toml")),
+        edited("first guess of a run that is a number", "scale = 1e6", "scale = 1e6\ninitial = { run = 3 }",
+               "control.initial.run: found 3", "a text", at="initial ="),
+        edited("first guess by an unknown key", "scale = 1e6", 'scale = 1e6\ninitial = { runn = "earlier" }', "control.initial.runn: unknown",
+               'mean "run"?', at="initial ="),
+        edited("first guess in the way", "scale = 1e6", 'scale = 1e6\ninitial = { run = "results" }', "--out: ", "control.initial.run",
+               "allowed is another", at="", earlier=True),
+    ]
+
+
 def folder_cases() -> list[Case]:
     """Folders that cannot take results."""
     return [
@@ -934,5 +968,6 @@ def all_cases() -> list[Case]:
         *mesh_content_cases(),
         *space_cases(),
         *desired_run_cases(),
+        *first_guess_cases(),
         *folder_cases(),
     ]

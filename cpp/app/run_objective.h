@@ -1,0 +1,30 @@
+#pragma once
+#include "app/problem.h"
+
+namespace signorini {
+
+/// J along a motion that is simulated under the scene's given control, looked at frame by frame. A desired
+/// motion that a control makes is simulated beside it: of either no more than two states are in memory.
+class RunObjective {
+public:
+  /// For a scene with an objective. Collective. The references must outlive this object. Throws UserError.
+  RunObjective(const Problem& problem, const GivenControl& given);
+  RunObjective(const RunObjective&) = delete;
+  RunObjective& operator=(const RunObjective&) = delete;
+
+  /// Takes the frames 0…N one after another. Collective. Throws UserError, SolverFailure.
+  void observe(const forward::Frame& frame);
+
+  /// J, once all frames have been taken. Collective.
+  [[nodiscard]] control::Value value() const;
+
+private:
+  const Problem& problem_;
+  control::ControlSpace controls_;
+  control::Control none_; ///< zero
+  const control::Control& given_;
+  control::Objective objective_;
+  std::vector<double> squared_distances_;
+};
+
+} // namespace signorini

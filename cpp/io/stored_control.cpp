@@ -1,0 +1,122 @@
+#include "io/stored_control.h"
+#include "base/collective.h"
+#include "io/checkpoint.h"
+#include "io/stored_field.h"
+#include "scene/compatibility.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace signorini::io {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double rounding = 1e-9; // of times, relative
+
+/// Whether the folder's checkpoint is of the run whose results are there, or of one that was killed: an
+/// earlier run's stays where a later one writes none. Collective.
+bool is_of_the_run(CheckpointReader& checkpoint, const fs::path& folder, MPI_Comm comm) {
+  std::vector<double> history;
+  checkpoint("history", history);
+  int same = 1;
+  if (rank(comm) == 0) {
+    constexpr std::size_t columns = 11, objective = 1;
+    std::ifstream in(folder / "run.json", std::ios::binary);
+    if (in) {
+      const nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
+      const double value =
+          run.is_object() && run.contains("objective") ? run["objective"].value("value", NAN) : NAN;
+      same = history.size() >= columns &&
+             std::abs(history[history.size() - columns + objective] - value) <= rounding * std::abs(value);
+    }
+  }
+  MPI_Bcast(&same, 1, MPI_INT, 0, comm);
+  return same != 0;
+}
+
+/// The time step of the run that wrote a resolved scene. Throws UserError.
+double step_of(const std::string& scene, const std::string& key, const fs::path& file) {
+  const std::optional<double> step = scene::time_step(scene);
+  if (!step || !(*step > 0))
+    throw UserError(
+        fmt::format("{}: {}: found no time.step, allowed is what a run left", key, file.string()));
+  return *step;
+}
+
+/// Of checkpoint.h5, whose rows are steps of length `step`.
+control::Control as_it_was(CheckpointReader& in, const control::ControlSpace& controls, double step) {
+  in.match_places();
+  const double end = controls.grid().time(controls.steps());
+  return in.control("u", [&](int k, int rows) {
+    if (rows == 1)
+      return 0;
+    if (controls.count() == 1)
+      in.fail(
+          "found a control that changes in time, allowed is one that is constant (control.constant_in_time)");
+    if (rows * step < (1 - rounding) * end)
+      in.fail(fmt::format(
+          "found a control from 0 to {:.6g} s, allowed is one that covers this run, from 0 to {:.6g} s",
+          rows * step, end));
+    return std::min(rows - 1, static_cast<int>(std::floor(controls.grid().load_time(k) / step)));
+  });
+}
+
+/// Of control.h5, where the value of a step stands at its end.
+control::Control as_stored(const control::ControlSpace& controls, const fs::path& folder,
+                           const std::string& key) {
+  const MPI_Comm comm = controls.space().comm();
+  const fs::path echo = folder / "scene.toml";
+  std::string scene;
+  on_root(comm, [&] {
+    std::error_code none;
+    if (!fs::is_regular_file(folder / "control.h5", none) || !fs::is_regular_file(echo, none))
+      throw UserError(
+          fmt::format("{}: {} has neither a checkpoint.h5 nor a control.h5 of its run, allowed is the "
+                      "folder of an optimize that left one",
+                      key, folder.string()));
+    if (controls.cellwise())
+      throw UserError(
+          fmt::format("{}: {} has no checkpoint.h5 of its run, from which controls with values in cells are "
+                      "read, allowed is the folder of an optimize that left one",
+                      key, folder.string()));
+    scene = scene::read_file(echo);
+  });
+  const double step = step_of(broadcast(comm, scene), key, echo),
+               end = controls.grid().time(controls.steps());
+  StoredField stored(controls.space(), folder / "control.h5", "control", key, end, false);
+  control::Control u = controls.zero();
+  const petsc::Vector field = controls.field();
+  for (int k = 1; k <= u.count(); ++k) {
+    stored.at(std::min(controls.grid().load_time(k) + step / 2, end), field);
+    controls.restrict(field, u.at(k));
+  }
+  return u;
+}
+
+} // namespace
+
+control::Control stored_control(const control::ControlSpace& controls, const fs::path& folder,
+                                const std::string& key) {
+  const MPI_Comm comm = controls.space().comm();
+  const fs::path file = folder / "checkpoint.h5";
+  int there = 0;
+  if (rank(comm) == 0) {
+    std::error_code none;
+    there = fs::is_regular_file(file, none);
+  }
+  MPI_Bcast(&there, 1, MPI_INT, 0, comm);
+  if (there != 0) {
+    CheckpointReader in(controls, file, key);
+    if (is_of_the_run(in, folder, comm)) {
+      std::string scene;
+      in("scene", scene);
+      return as_it_was(in, controls, step_of(scene, key, file));
+    }
+  }
+  return as_stored(controls, folder, key);
+}
+
+} // namespace signorini::io

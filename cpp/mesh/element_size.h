@@ -1,0 +1,15 @@
+#pragma once
+#include "scene/scene.h"
+#include <string>
+
+/// The size that elements are to have, of gmsh's current model.
+namespace signorini::mesh {
+
+/// Sets that of all elements, in the unit of the file.
+void set_size(double size);
+
+/// Throws UserError if the elements of mesh.size in the model, just opened from the file `opened`, are more
+/// than can be: gmsh would try for hours. A coarse mesh tells, where the bounding box leaves a doubt.
+void require_few_cells(const scene::Mesh& mesh, const std::string& opened);
+
+} // namespace signorini::mesh
