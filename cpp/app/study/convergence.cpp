@@ -43,9 +43,9 @@ struct Local {
 };
 
 Local judged(double p, bool same_way, const Limits& limits) {
-  constexpr double scatter = 0.5;
+  constexpr double least = 0.25, scatter = 0.5;
   p = std::clamp(p, -highest_order, highest_order);
-  return {p, same_way && p > 0 && p <= limits.order + scatter};
+  return {p, same_way && p >= least && p <= limits.order + scatter};
 }
 
 /// That of three values.

@@ -27,10 +27,10 @@ struct Limits {
 /// which is ρ^−p where each width is the ρth part of the one before, so that three values give one p.
 ///
 /// They are in the *asymptotic range*, where that law holds and p means something, if successive differences
-/// point the same way, fall (p > 0), and do not fall faster than the method can, by half an order at most: a
-/// scatter of a fifth in the errors of two neighbours, as unstructured meshes have, shifts log₂ of their
-/// ratio by log₂(1.2/0.8) = 0.58. Errors that pass through zero, chatter or have not begun to fall do not
-/// pass.
+/// point the same way and fall, with p of a quarter at least (or half the error would take a width of a
+/// sixteenth), and not faster than the method can, by half an order at most: a scatter of a fifth in the
+/// errors of two neighbours, as unstructured meshes have, shifts log₂ of their ratio by log₂(1.2/0.8) = 0.58.
+/// Errors that pass through zero, chatter or have not begun to fall do not pass.
 struct Order {
   double slope = 0;              ///< mean of the p of neighbours
   double least = 0, largest = 0; ///< of these

@@ -53,9 +53,9 @@ private:
 };
 
 /// Prices a ladder by runs of few steps, for each degree on its coarsest mesh and on one of some thousand
-/// unknowns, as many steps as it takes for them to be half as long as the set-up. Collective. Throws
-/// UserError, SolverFailure, Interrupted.
+/// unknowns, as many steps as it takes for them to be half as long as the set-up. `estimate`: that of the
+/// error of J is part of a run. Collective. Throws UserError, SolverFailure, Interrupted.
 Prices price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& rungs, const Samples& samples,
-             const std::vector<Quantity>& wanted);
+             const std::vector<Quantity>& wanted, bool estimate);
 
 } // namespace signorini::study

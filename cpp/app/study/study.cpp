@@ -163,7 +163,7 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   if (!options.dry_run)
     study.load(rungs); // before the first solver: Origin
   if (options.dry_run || options.budget)
-    prices = price(comm, scene, rungs, samples, wanted);
+    prices = price(comm, scene, rungs, samples, wanted, scene.objective.has_value());
   if (options.dry_run) {
     show_prices(console, rungs, *prices, scene);
     return 0;

@@ -1,5 +1,5 @@
 #include "app/study/density.h"
-#include "app/study/measure.h"
+#include "app/study/prices.h"
 #include "app/study/quantities.h"
 #include "app/study/study.h"
 #include "app/study/trials.h"
@@ -23,13 +23,11 @@ double order(double coarse, double fine, double ratio, double otherwise) {
 }
 
 /// The cheapest size h and step τ for which both parts add up to `target`, with a cost of h^(−dim p) / τ and
-/// parts proportional to h^r and τ^q.
-Rung proposal(const Trial& from, double target, int dim, double r, double q) {
+/// parts proportional to h^r and τ^q. Either changes by a factor of `reach` at most.
+Rung proposal(const Trial& from, double target, int dim, double r, double q, double reach) {
   const double share = (dim * step_power(dim) / r) / (dim * step_power(dim) / r + 1 / q);
-  // Limits the change of either to where the leading terms of the error can be trusted.
-  constexpr double most = 8;
   const auto factor = [&](double part, double budget, double slope) {
-    return part > 0 ? std::clamp(std::pow(budget / part, 1 / slope), 1 / most, 2.0) : 2.0;
+    return part > 0 ? std::clamp(std::pow(budget / part, 1 / slope), 1 / reach, 2.0) : 2.0;
   };
   Rung next = from.rung;
   next.size *= factor(from.space, share * target, r);
@@ -69,23 +67,28 @@ void require_size(const scene::Scene& scene, const Quantity& quantity) {
 /// Goes from trial to trial until one meets the tolerance.
 class Search {
 public:
-  Search(MPI_Comm comm, const scene::Scene& scene, double tolerance, std::optional<double> budget, int dim,
-         const Console& console)
-      : comm_(comm), scene_(scene), tolerance_(tolerance), budget_(budget), dim_(dim), console_(console) {}
+  Search(MPI_Comm comm, const scene::Scene& scene, double tolerance, std::optional<double> budget,
+         const Samples& samples, const Console& console)
+      : comm_(comm), scene_(scene), tolerance_(tolerance), budget_(budget), samples_(samples),
+        console_(console) {}
 
   /// The trial that meets it, else the last.
   Trial operator()(Trials& trials) const {
-    Trial last = run(
-        trials,
-        ladder(scene_, {{scene_.mesh.size.value_or(scene_.mesh.scale)}, {scene_.time.step}, {}, {}}).front());
+    const double size = scene_.mesh.size.value_or(scene_.mesh.scale);
+    const Rung own = trials.nearest(ladder(scene_, {{size}, {scene_.time.step}, {}, {}}).front());
+    Rung fine = own;
+    fine.size /= trials.reach();
+    const Prices prices =
+        price(comm_, scene_, {own, fine}, samples_, {trials.quantity()}, trials.estimates());
+    Trial last = run(trials, own);
     std::optional<Trial> met = last.error() <= tolerance_ ? std::optional(last) : std::nullopt;
     double r = trials.order(), q = trials.order();
     constexpr int most = 5;
     constexpr double aim =
         0.8; // of the tolerance, so that a little more error than foreseen does not cost another run
     for (int i = 0; i < most; ++i) {
-      const Rung next = trials.nearest(proposal(last, aim * tolerance_, dim_, r, q));
-      if (next == last.rung || beyond_budget(next, last))
+      const Rung next = trials.nearest(proposal(last, aim * tolerance_, samples_.dim, r, q, trials.reach()));
+      if (next == last.rung || beyond_budget(trials, next, prices))
         break;
       const Trial trial = run(trials, next);
       r = order(last.space, trial.space, last.rung.size / next.size, r);
@@ -100,6 +103,7 @@ public:
     return met.value_or(last);
   }
 
+  /// Seconds since the search began, the same on all ranks. Collective.
   [[nodiscard]] double passed() const {
     double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     MPI_Bcast(&seconds, 1, MPI_DOUBLE, 0, comm_);
@@ -108,15 +112,17 @@ public:
 
 private:
   [[nodiscard]] Trial run(Trials& trials, const Rung& rung) const {
-    const Trial trial = trials.run(trials.nearest(rung));
+    const Trial trial = trials.run(rung);
     console_.line(fmt::format("{}: {}", words(trial.rung, scene_), trial.said));
     return trial;
   }
 
-  [[nodiscard]] bool beyond_budget(const Rung& next, const Trial& last) const {
-    const double predicted = last.cost * work(next, dim_) / work(last.rung, dim_);
-    console_.line(fmt::format("next: {}, about {:.2g} s", words(next, scene_), predicted));
-    const bool beyond = budget_ && passed() + predicted > *budget_;
+  [[nodiscard]] bool beyond_budget(const Trials& trials, const Rung& next, const Prices& prices) const {
+    double priced = 0;
+    for (const Rung& rung : trials.runs(next))
+      priced += prices.seconds(rung);
+    console_.line(fmt::format("next: {}, about {:.2g} s", words(next, scene_), priced));
+    const bool beyond = budget_ && passed() + priced > *budget_;
     if (beyond)
       console_.line("that is beyond the budget");
     return beyond;
@@ -126,7 +132,7 @@ private:
   const scene::Scene& scene_;
   double tolerance_;
   std::optional<double> budget_;
-  int dim_;
+  const Samples& samples_;
   const Console& console_;
   Clock::time_point start_ = Clock::now();
 };
@@ -141,7 +147,7 @@ int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Op
   const Quantity quantity = the_quantity(scene, options.quantities, samples.dim);
   const std::unique_ptr<Trials> trials = quantity.name == "J" ? adjoint_trials(comm, scene, samples)
                                                               : ladder_trials(comm, scene, samples, quantity);
-  const Search search(comm, scene, tolerance, options.budget, samples.dim, console);
+  const Search search(comm, scene, tolerance, options.budget, samples, console);
   const Trial found = search(*trials);
   const bool met = found.error() <= tolerance;
   console.line(fmt::format("{:g} in {} is {}: {}, {}, {:.2g} s; found in {:.2g} s", tolerance, quantity.title,

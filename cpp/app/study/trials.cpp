@@ -21,6 +21,9 @@ public:
       : comm_(comm), scene_(scene), samples_(samples) {}
 
   [[nodiscard]] double order() const override { return 2; }
+  [[nodiscard]] double reach() const override { return 8; }
+  [[nodiscard]] Quantity quantity() const override { return {"J", "J", ""}; }
+  [[nodiscard]] bool estimates() const override { return true; }
 
   Trial run(const Rung& rung) override {
     const Measured measured = measure(comm_, on_rung(scene_, rung), samples_, {}, true);
@@ -32,7 +35,6 @@ public:
     return {rung,
             error - time,
             time,
-            measured.seconds,
             measured.seconds,
             fmt::format("J {:.6e}, estimated error at most {:.2e} ({}), {} unknowns, {:.2g} s", value, error,
                         listed(relative), measured.unknowns, measured.seconds),
@@ -51,6 +53,18 @@ public:
       : comm_(comm), scene_(scene), samples_(samples), quantity_(quantity) {}
 
   [[nodiscard]] double order() const override { return 1; }
+  [[nodiscard]] double reach() const override { return 4; }
+  [[nodiscard]] Quantity quantity() const override { return quantity_; }
+
+  [[nodiscard]] std::vector<Rung> runs(const Rung& rung) const override {
+    std::vector<Rung> all;
+    for (const auto& [wider, longer] : {std::pair(coarsest, 1), {2, 1}, {1, coarsest}, {1, 2}, {1, 1}}) {
+      all.push_back(rung);
+      all.back().size *= wider;
+      all.back().steps /= longer;
+    }
+    return all;
+  }
 
   /// Steps of twice and four times the length are whole parts of the time.
   [[nodiscard]] Rung nearest(const Rung& rung) const override {
@@ -61,14 +75,8 @@ public:
 
   Trial run(const Rung& rung) override {
     std::vector<Result> results;
-    double cost = 0;
-    for (const auto& [wider, longer] : {std::pair(coarsest, 1), {2, 1}, {1, coarsest}, {1, 2}, {1, 1}}) {
-      Rung one = rung;
-      one.size *= wider;
-      one.steps /= longer;
+    for (const Rung& one : runs(rung))
       results.push_back({one, known(one)});
-      cost += results.back().measured->seconds;
-    }
     const std::optional<ReferenceBar> bar = errors(quantity_, results, {}).bar;
     constexpr double nothing = 1; // is known
     const Measured& measured = *results.back().measured;
@@ -78,9 +86,11 @@ public:
     const std::string grounds = fmt::format("{}error bar {} (of the size {}, of the step {}{})", found,
                                             percent(space + time), percent(space), percent(time),
                                             bar && bar->asymptotic ? "" : "; not in the asymptotic range");
-    return {rung,   space,
-            time,   measured.seconds,
-            cost,   fmt::format("{}, {} unknowns, {:.2g} s", grounds, measured.unknowns, measured.seconds),
+    return {rung,
+            space,
+            time,
+            measured.seconds,
+            fmt::format("{}, {} unknowns, {:.2g} s", grounds, measured.unknowns, measured.seconds),
             grounds};
   }
 

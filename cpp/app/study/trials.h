@@ -10,7 +10,6 @@ struct Trial {
   Rung rung;
   double space = 0, time = 0;
   double seconds = 0;        ///< of the rung
-  double cost = 0;           ///< s, of all that the trial ran
   std::string said, grounds; ///< what it found, and by what its error is known, in words
   [[nodiscard]] double error() const { return space + time; }
 };
@@ -19,10 +18,16 @@ struct Trial {
 class Trials {
 public:
   virtual ~Trials() = default;
-  /// The order with which the estimates fall, as far as nothing is known of it.
+  /// The order with which the estimates fall, as far as nothing is known of it, and by how much size and step
+  /// may change at a time for them to be trusted.
   [[nodiscard]] virtual double order() const = 0;
-  /// The next finer rung that can be tried.
+  [[nodiscard]] virtual double reach() const = 0;
+  /// The next finer rung that can be tried, and all that have to run for it.
   [[nodiscard]] virtual Rung nearest(const Rung& rung) const { return rung; }
+  [[nodiscard]] virtual std::vector<Rung> runs(const Rung& rung) const { return {rung}; }
+  /// What they measure, and whether the error of J is estimated too.
+  [[nodiscard]] virtual Quantity quantity() const = 0;
+  [[nodiscard]] virtual bool estimates() const { return false; }
   /// Collective. Throws UserError, SolverFailure, Interrupted.
   virtual Trial run(const Rung& rung) = 0;
 };
