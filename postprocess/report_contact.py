@@ -147,13 +147,19 @@ def touched(contact: Contact, place: Place) -> list[float]:
     return [max(low - room, place.edges[0]), min(high + room, place.edges[-1])]
 
 
+def rows_of(place: Place, values: np.ndarray, what: str) -> np.ndarray:
+    """Values (times × candidates) in the rows of a map (rows × times): the largest one or the least gap there, NaN without any."""
+    extreme, start = (np.minimum, np.inf) if what == "gap" else (np.maximum, -np.inf)
+    shown = np.full((len(place.edges) - 1, len(values)), start)
+    extreme.at(shown, place.rows, values.T)
+    shown[~np.isfinite(shown)] = np.nan
+    return shown
+
+
 def surface_map(times: np.ndarray, place: Place, values: np.ndarray, unit: str, what: str, axis: dict) -> dict:
     """Values (times × candidates) by colours over time and place: the largest one or the least gap there."""
     every = -(-len(times) // MOST_COLUMNS)
-    extreme, start = (np.minimum, np.inf) if what == "gap" else (np.maximum, -np.inf)
-    shown = np.full((len(place.edges) - 1, len(times[::every])), start)
-    extreme.at(shown, place.rows, values[::every].T)
-    shown[~np.isfinite(shown)] = np.nan  # no candidate
+    shown = rows_of(place, values[::every], what)
     factor, unit = style.prefixed(np.nanmax(np.abs(shown)), unit)
     times, title = time_axis(times[::every])
     colours = {"colorscale": "Viridis", "reversescale": what == "gap", "zmin": min(0, float(np.nanmin(shown)) * factor),

@@ -32,10 +32,11 @@ class Drawing:
     cut: Cut | None
 
 
-def motion(run: RunFolder, times: np.ndarray | None = None) -> dict:
+def motion(run: RunFolder, times: np.ndarray | None = None, enlarged: float | None = None) -> dict:
     """What report_motion.js draws: positions in m, fields frame by frame, both as whole numbers times a scale.
 
-    At the stored times nearest to those given, else at as many stored ones as a page can hold.
+    At the stored times nearest to those given, else at as many stored ones as a page can hold; displacements so many times
+    as large, else such that they are seen.
     """
     series = run.field("state.xdmf", "displacement")
     peak = run.peak_time if run.touches else 0.0
@@ -45,7 +46,7 @@ def motion(run: RunFolder, times: np.ndarray | None = None) -> dict:
     if times is None:
         times = series.times[frames(series.times, len(nodes) * (run.dim + len(fields)), peak)]
     displacement = np.stack([series.at(nearest(series.times, time))[nodes] for time in times])
-    enlarged = enlargement(np.linalg.norm(displacement, axis=2).max(), mesh.size)
+    enlarged = enlarged or enlargement(np.linalg.norm(displacement, axis=2).max(), mesh.size)
     position = mesh.points + enlarged * displacement
     notes = [scale_note(enlarged), count_note(len(times), len(series.times))]
     obstacles, box = seen_obstacles(run, mesh, times, position, enlarged, notes)
@@ -65,7 +66,6 @@ def motion(run: RunFolder, times: np.ndarray | None = None) -> dict:
         "touching": touching(run, mesh, times),
         "cut": None if drawing.cut is None else packed_cut(drawing.cut),
         "eye": eye(run, mesh),
-        "size": mesh.size,
         "box": box.tolist(),
     }
 
@@ -152,7 +152,7 @@ def colouring(field: Field, times: np.ndarray, drawing: Drawing, size: float) ->
     values = np.stack([field.at(time)[drawing.nodes] for time in times])
     factor, unit = style.prefixed(values, field.unit) if field.prefixed else (1.0, field.unit)
     values = values * factor
-    found = {"name": field.name, "label": f"{field.name} ({unit})" if unit else field.name}
+    found = {"name": field.name, "label": f"{field.name} ({unit})" if unit else field.name, "factor": factor}
     found |= rounded(values, "i2" if values.min() < 0 else "u2")
     if field.support is not None:
         found |= boundary_field(field, times, drawing, size)
