@@ -95,7 +95,9 @@ def read_motion(run: RunFolder) -> Motion:
     position = series.mesh.points + enlarged * displacement
     drawn = drawn_obstacles(run, series.mesh, enlarged) if run.has_contact else []
     obstacles = [obstacle for obstacle in drawn if comes_near(obstacle, times, position, series.mesh.size)]
-    forces = read_forces(run, view, series.mesh, times, displacement, enlarged, stride) if run.has_contact and run.has_contact_table else None
+    forces = None
+    if run.has_contact and run.has_contact_table:
+        forces = read_forces(run, view, series.mesh, times, displacement, enlarged, stride)
     mesh, _ = view.seen(series.mesh)
     return Motion(mesh, view, times, magnitude, view.project(position), enlarged, forces, obstacles,
                   picture(obstacles, times, position, series.mesh.size))  # fmt: skip

@@ -59,7 +59,8 @@ def over_arc(run: RunFolder, index: int, factor: float, label: str) -> Axes:
     _, axes = style.graph()
     for part in np.unique(arc.part):
         own = arc.part == part
-        axes.plot(arc.position[own], force[own], "o-", color=style.BLUE, markersize=6, markevery=np.flatnonzero(force[own] > 0).tolist())
+        pushed = np.flatnonzero(force[own] > 0).tolist()
+        axes.plot(arc.position[own], force[own], "o-", color=style.BLUE, markersize=6, markevery=pushed)
     axes.set_xlabel("position along the surface (m)")
     axes.set_ylabel(label)
     axes.set_ylim(0, 1.06 * force.max() or 1)

@@ -37,7 +37,8 @@ def draw(run: RunFolder) -> list[Path]:
         axes.set_ylabel(f"{label},\nmean of two steps ({unit})")
     else:
         # Row 0 is the initial state, in which no force has acted yet.
-        axes.plot((times[1:] + times[:-1]) / 2, force[1:] * factor, ".-", color=style.GREY, linewidth=0.8, markersize=4, label="each step")
+        middle = (times[1:] + times[:-1]) / 2
+        axes.plot(middle, force[1:] * factor, ".-", color=style.GREY, linewidth=0.8, markersize=4, label="each step")
         axes.plot(times[1:-1], mean(force) * factor, color=style.VERMILLION, label="mean of two neighbouring steps")
         axes.set_ylabel(f"{label} ({unit})")
     axes.set_ylim(bottom=0)

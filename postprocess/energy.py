@@ -11,7 +11,8 @@ from run_folder import RunFolder, potential_of_loads
 
 
 def draw(run: RunFolder) -> list[Path]:
-    """Draws the energies at the time steps; the dissipation only for a body that has viscosity, the potential only where loads work."""
+    """Draws the energies at the time steps; the dissipation only for a body that has viscosity, the potential only where loads
+    do work."""
     steps = run.steps
     kinetic, elastic = steps["kinetic_energy"], steps["elastic_energy"]
     dissipated = np.cumsum(steps["viscous_dissipation"])

@@ -19,7 +19,7 @@ from report_run import logarithmic, objective_unit, positive
 from run_folder import RunFolder, potential_of_loads
 
 ROUNDING = 1e-9  # a relative difference that tells nothing
-STEPWISE = "active", "control"  # a row holds for the step that ends there
+STEPWISE = "active", "control-resultant"  # a row holds for the step that ends there
 LOOKS = [(style.BLUE, "solid"), (style.VERMILLION, "dash")]
 Two = tuple[RunFolder, RunFolder]
 Curve = tuple[np.ndarray, np.ndarray]
@@ -29,7 +29,8 @@ def page(runs: Two) -> Page:
     """Raises NotInRun where there is no run.json, Unreadable where a file is damaged or one body is plane and the other is not."""
     labels, gather = labels_of(*(run.path for run in runs)), Gathering(runs[1].path)
     if runs[0].dim != runs[1].dim:
-        raise Unreadable(f"{runs[1].path}: found a body in {'the plane' if runs[1].dim == 2 else 'space'}, allowed is one as in {runs[0].path}")
+        place = "the plane" if runs[1].dim == 2 else "space"
+        raise Unreadable(f"{runs[1].path}: found a body in {place}, allowed is one as in {runs[0].path}")
     identity, title = "; ".join(f"{label}: {run.identity}" for label, run in zip(labels, runs)), " and ".join(labels)
     return runs[0].told(lambda: Page(title, "two runs", identity, [], sections_of(runs, labels, gather), gather.left_out()))
 
@@ -37,16 +38,18 @@ def page(runs: Two) -> Page:
 def sections_of(runs: Two, labels: list[str], gather: Gathering) -> list[Section]:
     """All parts below the facts."""
     both = gather("the bodies in motion", motions, runs)
-    force = [*gather("contact force", over_time, runs, labels, "contact-force", "Contact force, mean of two steps", "contact force", CONTACT),
-             *gather("candidates in contact", over_time, runs, labels, "active", "Candidates in contact", "candidates", ACTIVE)]  # fmt: skip
-    others = [*gather("energies", over_time, runs, labels, "energies", "Energies", "energy", ENERGIES),
-              *gather("probes", over_time, runs, labels, "probes", "Probes", "", probes_of(runs))]  # fmt: skip
-    search = gather("resultant of the control", over_time, runs, labels, "control", "Resultant of the control", "force", control_of(runs))
-    search += [*gather("objective", over_iterations, runs, labels, "objective", "Objective"),
-               *gather("gradient norm", over_iterations, runs, labels, "gradient_norm", "Gradient norm")]  # fmt: skip
-    different = scene_differences(runs, labels)
+
+    def curves(name: str, title: str, what: str, views: Views) -> list[Chart]:
+        return gather(title[0].lower() + title[1:], over_time, runs, labels, name, title, what, views)
+
+    force = [*curves("contact-force", "Contact force, mean of two steps", "contact force", CONTACT),
+             *curves("active", "Candidates in contact", "candidates", ACTIVE)]  # fmt: skip
+    others = [*curves("energies", "Energies", "energy", ENERGIES), *curves("probes", "Probes", "", probes_of(runs))]
+    search = [*curves("control-resultant", "Resultant of the control", "force", control_of(runs)),
+              *gather("objective", over_iterations, runs, labels, "objective", "Objective"),
+              *gather("gradient norm", over_iterations, runs, labels, "gradient_norm", "Gradient norm")]  # fmt: skip
     return [
-        Section("scenes", "What differs in the scenes", tables=[different]),
+        Section("scenes", "What differs in the scenes", tables=[scene_differences(runs, labels)]),
         Section("results", "Results", tables=[results(runs, labels)]),
         Section("motion", "The bodies in motion", motions=both[0] if both else [], names=labels),
         Section("contact", "Contact", force),
@@ -67,7 +70,8 @@ def scene_differences(runs: Two, labels: list[str]) -> Table:
     first, second = (dict(entries(run.scene)) for run in runs)
     keys = [*first, *(key for key in second if key not in first)]
     rows = [[key, first.get(key, "–"), second.get(key, "–")] for key in keys if first.get(key) != second.get(key)]
-    return Table("Keys of scene.toml, every default written out" if rows else "The scenes are the same.", ["Key", *labels], rows or [["none", "", ""]])
+    title = "Keys of scene.toml, every default written out" if rows else "The scenes are the same."
+    return Table(title, ["Key", *labels], rows or [["none", "", ""]])
 
 
 def entries(value: object, key: str = "") -> list[tuple[str, str]]:
@@ -186,9 +190,13 @@ def potential(run: RunFolder) -> Curve:
 Views = dict[str, tuple[Callable[[RunFolder], Curve], Callable[[RunFolder], str]]]
 CONTACT: Views = {"": (mean_force, depth("N"))}
 ACTIVE: Views = {"": (lambda run: (run.steps["time"], run.steps["active"]), fixed(""))}
-ENERGIES: Views = {"kinetic + elastic + potential of the loads": (sum_of_energies, depth("J")), "kinetic": (energy("kinetic_energy"), depth("J")),
-                   "elastic": (energy("elastic_energy"), depth("J")), "potential of the loads": (potential, depth("J")),
-                   "dissipated so far": (lambda run: (run.steps["time"], np.cumsum(run.steps["viscous_dissipation"])), depth("J"))}  # fmt: skip
+ENERGIES: Views = {
+    "kinetic + elastic + potential of the loads": (sum_of_energies, depth("J")),
+    "kinetic": (energy("kinetic_energy"), depth("J")),
+    "elastic": (energy("elastic_energy"), depth("J")),
+    "potential of the loads": (potential, depth("J")),
+    "dissipated so far": (lambda run: (run.steps["time"], np.cumsum(run.steps["viscous_dissipation"])), depth("J")),
+}
 
 
 def probes_of(runs: Two) -> Views:
@@ -265,9 +273,9 @@ def motions(runs: Two) -> list[dict]:
     longest = max(series, key=lambda one: (one.times[-1], len(one.times)))
     numbers = sum(len(one.mesh.boundary_nodes() if run.dim == 3 else one.mesh.points) * (run.dim + len(stored_fields(run)))
                   for one, run in zip(series, runs))  # fmt: skip
-    peak = runs[0].peak_time if runs[0].touches else 0.0
-    times = longest.times[report_motion.frames(longest.times, numbers, peak)]
-    enlarged = min(enlargement(max(np.linalg.norm(one.at(i), axis=1).max() for i in range(len(one.times))), one.mesh.size) for one in series)
+    times = longest.times[report_motion.frames(longest.times, numbers, runs[0].peak_time or 0.0)]
+    farthest = [max(np.linalg.norm(one.at(i), axis=1).max() for i in range(len(one.times))) for one in series]
+    enlarged = min(enlargement(far, one.mesh.size) for far, one in zip(farthest, series))
     return alike([report_motion.motion(run, times, enlarged) for run in runs], times, series)
 
 

@@ -39,12 +39,12 @@ def motion(run: RunFolder, times: np.ndarray | None = None, enlarged: float | No
     as large, else such that they are seen.
     """
     series = run.field("state.xdmf", "displacement")
-    peak = run.peak_time if run.touches else 0.0
+    peak = run.peak_time
     drawing = drawing_of(run, series.mesh, peak)
     mesh, nodes = drawing.mesh, drawing.nodes
     fields = stored_fields(run)
     if times is None:
-        times = series.times[frames(series.times, len(nodes) * (run.dim + len(fields)), peak)]
+        times = series.times[frames(series.times, len(nodes) * (run.dim + len(fields)), peak or 0.0)]
     displacement = np.stack([series.at(nearest(series.times, time))[nodes] for time in times])
     enlarged = enlarged or enlargement(np.linalg.norm(displacement, axis=2).max(), mesh.size)
     position = mesh.points + enlarged * displacement
@@ -54,7 +54,7 @@ def motion(run: RunFolder, times: np.ndarray | None = None, enlarged: float | No
     return {
         "dim": run.dim,
         "times": (times * factor).tolist(),
-        "start": nearest(times, peak),
+        "start": nearest(times, peak or 0.0),
         "unit": unit,
         "note": "; ".join(notes) + ("; lengths in m; drag to turn." if run.dim == 3 else "."),
         "faces": packed(mesh.cells.T, "i4"),
@@ -70,7 +70,7 @@ def motion(run: RunFolder, times: np.ndarray | None = None, enlarged: float | No
     }
 
 
-def drawing_of(run: RunFolder, mesh: Mesh, peak: float) -> Drawing:
+def drawing_of(run: RunFolder, mesh: Mesh, peak: float | None) -> Drawing:
     """Of a plane body everything, of one in space its surface and the nodes about a cut."""
     faces = mesh.cells if run.dim == 2 else mesh.surface()[0]
     cut = None if run.dim == 2 else cut_open(mesh, faces, cut_point(run, peak), eye(run, mesh))
@@ -80,12 +80,13 @@ def drawing_of(run: RunFolder, mesh: Mesh, peak: float) -> Drawing:
     own = np.zeros(len(mesh.points), int)
     own[nodes] = np.arange(len(nodes))
     small = Mesh(mesh.points[nodes], own[faces])
-    return Drawing(nodes, small, small.outline() if run.dim == 2 else np.empty((0, 2)), None if cut is None else cut.renumbered(own, len(nodes)))
+    edges = small.outline() if run.dim == 2 else np.empty((0, 2))
+    return Drawing(nodes, small, edges, None if cut is None else cut.renumbered(own, len(nodes)))
 
 
-def cut_point(run: RunFolder, peak: float) -> np.ndarray | None:
-    """The candidate that is pushed the most at a time (s)."""
-    if not run.touches or not run.has_contact_table:
+def cut_point(run: RunFolder, peak: float | None) -> np.ndarray | None:
+    """The candidate that is pushed the most at a time (s), where there is one."""
+    if peak is None or not run.has_contact_table:
         return None
     contact = run.contact
     return contact.points[np.argmax(contact.force[nearest(contact.times, peak)])]

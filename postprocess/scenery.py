@@ -87,7 +87,7 @@ def over_frames(obstacle: Obstacle, times: np.ndarray, box: np.ndarray, size: fl
     if not shape.rigid:
         return Scenery(obstacle.name, [seen_of(shape, time, box, depth, True) for time in times], list(range(count)), still)
     travel = np.stack([shape.travel(time) for time in times])
-    # The one of the frame in which most of it is in the picture: whatever it is, that is where it is nearest to the middle.
+    # That of the frame in which the most of it is in the picture.
     main = middle_frame(shape, times, box)
     points, faces = seen_of(shape, times[main], box, depth, False)
     return Scenery(obstacle.name, [(points, faces)], [0] * count, travel - travel[main])
