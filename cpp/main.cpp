@@ -1,8 +1,10 @@
+#include "app/completion.h"
 #include "app/run.h"
 #include "app/run_manifest.h"
 #include "base/error.h"
 #include "base/petsc.h"
 #include "base/signals.h"
+#include "scene/expression.h"
 #include "scene/key_reference.h"
 #include "scene/names.h"
 #include <CLI/CLI.hpp>
@@ -34,7 +36,8 @@ constexpr Verb verbs[] = {
     {"check", "derivatives and discrete invariants of this scene"},
     {"study", "what accuracy costs in time: a ladder of sizes, steps, degrees and schemes"},
     {"info", "effects and what each adds, unknowns, memory; --time N: the time, from N steps"},
-    {"keys", "all keys of a scene: what each takes, its unit, limits, default and meaning"}};
+    {"keys", "all keys of a scene: what each takes, its unit, limits, default and meaning"},
+    {"completion", "a script for bash, which then completes verbs, options and keys"}};
 
 std::string did_you_mean(const std::string& found, const std::vector<std::string>& valid) {
   const std::string near = signorini::scene::nearest(found, valid);
@@ -94,7 +97,7 @@ void add_study_options(CLI::App& app, Request& request) {
       ->transform(CLI::Validator(to_seconds, "TIME"));
   app.add_flag("--dry-run", request.study.dry_run, "price the ladder and run nothing");
   app.add_option("--suggest", request.suggest,
-                 "instead: a size and a step for this relative error of J, such as 1e-2")
+                 "instead: a size and a step for this relative error, such as 1e-2, of --quantity, or of J")
       ->check(CLI::Range(1e-12, 1.0));
 }
 
@@ -105,67 +108,107 @@ void add_keys_options(CLI::App& app, std::string (*&writer)()) {
   app.add_flag_callback("--markdown", [&] { writer = signorini::scene::markdown; }, "as the README's table");
 }
 
-/// Parses the command line; returns an exit status if there is nothing to run. Throws UserError.
-std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, bool& quiet) {
-  require_verb(argc, argv);
-  CLI::App app("Optimal control of dynamic contact with exact discrete gradients.", "signorini");
-  app.require_subcommand(1);
-  app.footer("Options after -- go to PETSc. Exit status: 0 done; 1 a check failed; 2 the scene, the mesh or "
-             "an option is\n"
-             "wrong; 3 a solver failed; 130 interrupted.");
-  std::string (*keys)() = signorini::scene::reference;
+/// What the command line asks for besides a run.
+struct Asked {
+  bool quiet = false;
+  std::string (*keys)() = signorini::scene::reference; ///< prints them
+};
+
+void add_verbs(CLI::App& app, Request& request, Asked& asked) {
   for (const Verb& verb : verbs) {
+    const std::string_view name = verb.name;
     CLI::App* sub = app.add_subcommand(verb.name, verb.text);
     sub->callback([&request, &verb] { request.verb = verb.name; });
-    if (std::string_view(verb.name) == "keys") {
-      add_keys_options(*sub, keys);
+    if (name == "keys")
+      add_keys_options(*sub, asked.keys);
+    if (name == "keys" || name == "completion")
       continue;
-    }
     sub->allow_extras();
     sub->add_option("scene", request.scene, "scene file (TOML)")->required();
     sub->add_option("--out", request.out, "folder for the results (default results/<scene name>)");
     sub->add_option("--set", request.overrides, "key.path=value, overrides the scene; may be repeated")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    sub->add_flag("--quiet", quiet, "say nothing but errors");
-    sub->add_flag("--resume", request.resume,
-                  "optimize: go on from the checkpoint in the folder, where there is one");
-    if (std::string_view(verb.name) == "info")
+    sub->add_flag("--quiet", asked.quiet, "say nothing but errors");
+    if (name == "optimize")
+      sub->add_flag("--resume", request.resume,
+                    "go on from the checkpoint in the folder, where there is one");
+    if (name == "simulate")
+      sub->add_flag("--replace", request.replace, "even if the folder holds an optimum");
+    if (name == "info")
       sub->add_option("--time", request.timed_steps, "time this many steps, for an estimate of the whole")
           ->check(CLI::Range(1, std::numeric_limits<int>::max()));
-    if (std::string_view(verb.name) == "study")
+    if (name == "study")
       add_study_options(*sub, request);
   }
+}
+
+/// The options of all verbs.
+std::vector<signorini::VerbOptions> options(const CLI::App& app) {
+  std::vector<signorini::VerbOptions> all;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
+    all.push_back({sub->get_name(), {}});
+    for (const CLI::Option* option : sub->get_options())
+      for (const std::string& name : option->get_lnames())
+        all.back().options.push_back("--" + name);
+  }
+  return all;
+}
+
+/// Throws UserError if words are left that no option takes.
+void require_no_more(const CLI::App& app, const std::string& verb) {
+  const std::vector<std::string> extra = app.remaining(true);
+  if (std::ranges::find(extra, "--resume") != extra.end())
+    throw UserError(
+        fmt::format("--resume: found with {}, allowed is optimize, which writes checkpoints{}", verb,
+                    verb == "study" ? "; a study goes on from what its folder has without it" : ""));
+  if (extra.empty())
+    return;
+  std::vector<std::string> known;
+  for (const auto& [name, own] : options(app))
+    if (name == verb)
+      known = own;
+  throw UserError(
+      fmt::format("command line: \"{}\" is not expected{}, allowed are one scene and the options {}; "
+                  "see signorini --help",
+                  extra.front(), did_you_mean(extra.front(), known), signorini::scene::list(known)));
+}
+
+/// Parses the command line; returns an exit status if there is nothing to run. Throws UserError.
+std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, bool& quiet) {
+  require_verb(argc, argv);
+  CLI::App app("Optimal control of dynamic contact with exact discrete gradients.", "signorini");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", signorini::io::version_line());
+  app.footer(
+      fmt::format("Expressions in a scene: {}, and x, y, z (m), t (s).\nOptions after -- go to PETSc. Exit "
+                  "status: 0 done; 1 a check failed; 2 the scene, the mesh or an option is\n"
+                  "wrong; 3 a solver failed; 130 interrupted.",
+                  signorini::scene::expression_parts()));
+  Asked asked;
+  add_verbs(app, request, asked);
   try {
     app.parse(argc, argv);
-  } catch (const CLI::Success& success) { // --help
+  } catch (const CLI::Success& success) { // --help, --version
     if (speaks)
       app.exit(success);
     return 0;
   } catch (const CLI::ParseError& error) {
     throw UserError(fmt::format("command line: {}; see signorini --help", error.what()));
   }
-  if (const std::vector<std::string> extra = app.remaining(true); !extra.empty())
-    throw UserError(
-        fmt::format("command line: \"{}\" is not expected{}, allowed are one scene and the options --out, "
-                    "--set, --quiet; see signorini --help",
-                    extra.front(), did_you_mean(extra.front(), {"--out", "--set", "--quiet", "--resume"})));
-  if (request.verb == "keys") {
-    if (speaks)
-      fmt::print("{}", keys());
-    return 0;
-  }
-  if (request.resume && request.verb != "optimize")
-    throw UserError(
-        fmt::format("--resume: found with {}, allowed is optimize, which writes checkpoints{}", request.verb,
-                    request.verb == "study" ? "; a study goes on from what its folder has without it" : ""));
-  return std::nullopt;
+  quiet = asked.quiet;
+  require_no_more(app, request.verb);
+  if (request.verb != "keys" && request.verb != "completion")
+    return std::nullopt;
+  if (speaks)
+    signorini::say(stdout, request.verb == "keys" ? asked.keys() : signorini::bash_completion(options(app)));
+  return 0;
 }
 
 /// Prints an error as one line, with control characters in names replaced.
 void complain(std::string text) {
   std::ranges::replace_if(text, [](unsigned char c) { return std::iscntrl(c); }, ' ');
-  fmt::print(stderr, "signorini: {}\n", text);
+  signorini::say(stderr, fmt::format("signorini: {}\n", text));
 }
 
 /// Prints a failure that other ranks may not have seen, once, and ends all ranks.
@@ -186,11 +229,10 @@ void report_unused(const std::vector<std::string>& given) {
     return;
   for (PetscInt i = 0; i < count; ++i)
     if (const std::string name = fmt::format("-{}", names[i]); std::ranges::find(given, name) != given.end())
-      fmt::print(
-          stderr,
-          "signorini: the PETSc option {} was not used; prefixes of its solvers: -step_, -condensed_vi_, "
-          "-full_vi_\n",
-          name);
+      signorini::say(
+          stderr, fmt::format("signorini: the PETSc option {} was not used; prefixes of its solvers: -step_, "
+                              "-condensed_vi_, -full_vi_\n",
+                              name));
   (void)PetscOptionsLeftRestore(nullptr, &count, &names, &values);
 }
 
@@ -208,7 +250,7 @@ int guarded(int argc, char** argv, int rank, int ranks) {
     return wrong_input;
   } catch (const signorini::Interrupted&) {
     if (rank == 0)
-      fmt::print(stderr, "signorini: interrupted before there was anything to write\n");
+      complain("interrupted before there was anything to write");
     return interrupted;
   } catch (const signorini::WriteFailure& error) {
     if (ranks > 1)
@@ -249,6 +291,7 @@ int main(int argc, char** argv) {
     return solver_failed;
   spdlog::set_level(spdlog::level::warn); // the libraries log warnings and errors only
   signorini::petsc::keep_error_messages();
+  signorini::ignore_broken_pipes();                          // in place of PETSc's handler, which aborts
   (void)PetscOptionsSetValue(nullptr, "-options_left", "0"); // report_unused() covers the user's own
   int rank = 0, ranks = 1;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);

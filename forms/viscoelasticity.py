@@ -1,4 +1,4 @@
-"""The bilinear forms of a linearly viscoelastic body (Kelvin-Voigt), small strain.
+"""The bilinear forms of a linearly viscoelastic body (Kelvin-Voigt), small strain, and the fields of its stress.
 
 Notation: displacement y, velocity v, test function phi in V, the continuous vector Lagrange
 functions; eps(y) = sym grad y. In two dimensions the body is in plane strain: eps has no
@@ -13,6 +13,14 @@ out-of-plane component, the tensors below are its in-plane parts.
     d_elastic = m + tau^2/4 a        the same for a body without viscosity
     L2_cellwise(u, phi) = int u . phi   for u constant on each cell, _surface likewise
 
+Fields of a displacement and a velocity, constants on a cell: their values at its midpoint, which are the means over
+the cell for both degrees (strains of degree 2 are linear in it). They are tensors of three dimensions in the plane
+too, with the out-of-plane stress (lambda tr eps(y) + (kappa - 2 eta/3) tr eps(v)) e_z e_z.
+
+    strain     eps(y)
+    stress     sigma = lambda tr eps(y) I + 2 mu eps(y) + (kappa - 2 eta/3) tr eps(v) I + 2 eta eps(v)
+    von_mises  sqrt(3/2 dev sigma : dev sigma)
+
 The measure dx(1) stands for the cells of one material or part, ds(1) for the facets of one surface: which these are is
 said when a form is assembled. (Plain ufl.dx would be all cells, once for every material; the program refuses it.)
 
@@ -26,7 +34,7 @@ import ufl
 
 
 def forms(cell: str, degree: int) -> dict[str, object]:
-    """The forms on `cell` ("triangle", "tetrahedron") for Lagrange functions of `degree`."""
+    """The forms and fields on `cell` ("triangle", "tetrahedron") for Lagrange functions of `degree`."""
     dim = {"triangle": 2, "tetrahedron": 3}[cell]
     domain = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(dim,)))
     V = ufl.FunctionSpace(domain, basix.ufl.element("Lagrange", cell, degree, shape=(dim,)))
@@ -48,20 +56,32 @@ def forms(cell: str, degree: int) -> dict[str, object]:
     def eps(w):
         return ufl.sym(ufl.grad(w))
 
-    def isotropic(first, second, w):
-        return first * ufl.tr(eps(w)) * ufl.Identity(dim) + 2 * second * eps(w)
+    def isotropic(first, second, e):
+        return first * ufl.tr(e) * ufl.Identity(e.ufl_shape[0]) + 2 * second * e
 
     L2 = ufl.inner(y, phi) * dx
     L2_surface = ufl.inner(y, phi) * ds
     L2_cellwise = ufl.inner(u, phi) * dx
     L2_cellwise_surface = ufl.inner(u, phi) * ds
     m = rho * ufl.inner(y, phi) * dx
-    a = ufl.inner(isotropic(lmbda, mu, y), eps(phi)) * dx
-    b = ufl.inner(isotropic(kappa - 2 * eta / 3, eta, y), eps(phi)) * dx
+    a = ufl.inner(isotropic(lmbda, mu, eps(y)), eps(phi)) * dx
+    b = ufl.inner(isotropic(kappa - 2 * eta / 3, eta, eps(y)), eps(phi)) * dx
     d_elastic = m + tau**2 / 4 * a
     d = d_elastic + tau / 2 * b
+
+    displacement, velocity = ufl.Coefficient(V), ufl.Coefficient(V)
+
+    def in_space(e):
+        return ufl.as_tensor([[e[i, j] if max(i, j) < dim else 0 for j in range(3)] for i in range(3)])
+
+    strain = in_space(eps(displacement))
+    stress = isotropic(lmbda, mu, strain) + isotropic(kappa - 2 * eta / 3, eta, in_space(eps(velocity)))
+    von_mises = ufl.sqrt(1.5 * ufl.inner(ufl.dev(stress), ufl.dev(stress)))
+    midpoint = basix.geometry(basix.CellType[cell]).mean(axis=0, keepdims=True)
 
     return dict(rho=rho, young=young, poisson=poisson, kappa=kappa, eta=eta, tau=tau,
                 L2=L2, L2_surface=L2_surface, L2_cellwise=L2_cellwise,
                 L2_cellwise_surface=L2_cellwise_surface, m=m, a=a, b=b, d=d, d_elastic=d_elastic,
-                forms=[L2, L2_surface, L2_cellwise, L2_cellwise_surface, m, a, b, d, d_elastic])  # fmt: skip
+                forms=[L2, L2_surface, L2_cellwise, L2_cellwise_surface, m, a, b, d, d_elastic],
+                displacement=displacement, velocity=velocity, strain=strain, stress=stress, von_mises=von_mises,
+                expressions=[(field, midpoint) for field in (strain, stress, von_mises)])  # fmt: skip

@@ -262,7 +262,8 @@ def write_gif(frames: list[Image.Image], path: Path) -> Path:
     colours = palette()
     indexed = [frame.quantize(palette=colours, dither=Image.Dither.NONE) for frame in frames]
     with style.whole_file(path) as partial:
-        indexed[0].save(partial, save_all=True, append_images=indexed[1:], duration=FRAME_MILLISECONDS, loop=0)
+        indexed[0].save(partial, save_all=True, append_images=indexed[1:], duration=FRAME_MILLISECONDS, loop=0,
+                        comment=style.MARK.encode())
     return path
 
 
@@ -273,7 +274,8 @@ def write_mp4(frames: list[Image.Image], path: Path) -> Path:
     with style.whole_file(path) as partial:
         command = ["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgb24",
                    "-video_size", f"{width}x{height}", "-framerate", f"{1000 / FRAME_MILLISECONDS}", "-i", "-",
-                   "-pix_fmt", "yuv420p", "-crf", "18", "-movflags", "+faststart", str(partial)]
+                   "-pix_fmt", "yuv420p", "-crf", "18", "-metadata", f"comment={style.MARK}", "-movflags", "+faststart",
+                   str(partial)]
         result = subprocess.run(command, input=raw, capture_output=True)
         if result.returncode:
             reason = result.stderr.decode(errors="replace").strip().splitlines()

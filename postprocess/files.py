@@ -2,7 +2,7 @@
 
 import io
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import h5py
@@ -36,13 +36,13 @@ def whole_text(file: Path) -> str:
     return text
 
 
-def read_csv(file: Path, names: str | None = None) -> Table:
-    """A table below one line of column names. Where a column, `names`, has texts, numbers stand for them, in the order in
-    which they come first. Raises ValueError where a row is not whole."""
+def read_csv(file: Path, obstacles: Sequence[str] = ()) -> Table:
+    """A table below one line of column names. In a column `obstacle` numbers stand for the names, which are `obstacles`. Raises
+    ValueError where a row is not whole."""
     header, _, body = whole_text(file).partition("\n")
     columns = header.split(",")
-    if names is not None:
-        body = numbered(body, columns.index(names))
+    if "obstacle" in columns:
+        body = numbered(body, columns.index("obstacle"), obstacles)
     with warnings.catch_warnings(action="ignore"):
         rows = np.loadtxt(io.StringIO(body), delimiter=",", ndmin=2)
     if rows.size == 0:
@@ -52,12 +52,13 @@ def read_csv(file: Path, names: str | None = None) -> Table:
     return Table(file, zip(columns, rows.T))
 
 
-def numbered(body: str, column: int) -> str:
-    """Rows with a number in place of each different text in a column."""
-    rows, numbers = [line.split(",") for line in body.splitlines()], {}
+def numbered(body: str, column: int, names: Sequence[str]) -> str:
+    """Rows with a name's number in its place in a column, where earlier versions wrote the number. Raises ValueError at what
+    is neither."""
+    rows = [line.split(",") for line in body.splitlines()]
     for row in rows:
         if len(row) > column:
-            row[column] = str(numbers.setdefault(row[column], len(numbers)))
+            row[column] = str(names.index(row[column]) if row[column] in names else int(row[column]))
     return "\n".join(map(",".join, rows)) + "\n"
 
 

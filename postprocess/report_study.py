@@ -22,6 +22,7 @@ def page(study: StudyFolder) -> Page:
                  ("Versions", ", ".join(f"{name} {version}" for name, version in given["versions"].items()))]
         sections = [Section("precision", "What accuracy costs", charts=[work_precision(study)], texts=list(given["sentences"])),
                     Section("orders", "Observed orders", tables=[orders(study)]),
+                    Section("values", "Values and errors", tables=[values(study, name) for name in given["quantities"]]),
                     Section("rungs", "All rungs", tables=[rungs(study)])]  # fmt: skip
         return Page(str(given["scene"]), "study", f"study of {given['scene']} with {len(study.rungs)} rungs", facts, sections, [])
     except KeyError as error:
@@ -37,20 +38,26 @@ def work_precision(study: StudyFolder) -> Chart:
     if not views:
         raise Unreadable(f"{study.path / 'study.csv'}: no rung has an error")
     return Chart("work-precision", "Error against time", views,
-                 "Each mark is one rung. Nothing below and left of the dashed line is to be had: there no rung is both "
-                 "faster and more accurate.")
+                 "Each mark is one rung. The dashed line joins those that no faster one equals, at the largest error of each and of "
+                 "all finer rungs, so that errors which are small by luck do not count. Below the dotted line, the error bar of the "
+                 "finest rung, errors mean nothing.")
 
 
 def view(study: StudyFolder, name: str) -> dict:
-    """One trace for each method, and the Pareto front through those rungs that no other beats in both."""
+    """One trace for each method, the Pareto front through those rungs that no other beats in both, and the reference's error bar."""
     shown = [rung for rung in study.rungs if rung[f"{name}_error"] > 0]
     best = sorted((rung for rung in shown if rung[f"{name}_pareto"] == 1), key=lambda rung: rung["seconds"])
-    data = [{"type": "scatter", "mode": "lines", "name": "Pareto front", **place(best, name), "hoverinfo": "skip",
+    data = [{"type": "scatter", "mode": "lines", "name": "Pareto front", **place(best, f"{name}_envelope"), "hoverinfo": "skip",
              "line": {"color": GREY, "dash": "dash", "shape": "hv", "width": 1.5}}]
+    bar = study.manifest["quantities"][name]["bar"]
+    if bar and bar["value"] > 0:
+        ends = [extreme(rung["seconds"] for rung in shown) for extreme in (min, max)]
+        data.append({"type": "scatter", "mode": "lines", "name": "Error bar of the finest rung", "x": packed(ends),
+                     "y": packed([bar["value"]] * 2), "hoverinfo": "skip", "line": {"color": GREY, "dash": "dot", "width": 1.5}})  # fmt: skip
     for i, method in enumerate(study.methods):
         own = [rung for rung in shown if rung.method == method]
         front = [rung in best for rung in own]
-        data.append({"type": "scatter", "mode": "markers", "name": str(method), **place(own, name),
+        data.append({"type": "scatter", "mode": "markers", "name": str(method), **place(own, f"{name}_error"),
                      "text": [described(rung, name) for rung in own], "hovertemplate": "%{text}<extra></extra>",
                      "marker": {"color": COLOURS[i % len(COLOURS)], "symbol": SYMBOLS[i % len(SYMBOLS)], "size": 11,
                                 "opacity": [1.0 if on else 0.55 for on in front],
@@ -59,15 +66,16 @@ def view(study: StudyFolder, name: str) -> dict:
     return figure(data, "time of the run (s)", "relative error", xaxis=scale, yaxis=scale)
 
 
-def place(rungs: list[Rung], name: str) -> dict:
-    return {"x": packed([rung["seconds"] for rung in rungs]), "y": packed([rung[f"{name}_error"] for rung in rungs])}
+def place(rungs: list[Rung], column: str) -> dict:
+    return {"x": packed([rung["seconds"] for rung in rungs]), "y": packed([rung[column] for rung in rungs])}
 
 
 def described(rung: Rung, name: str) -> str:
     """What is said of a rung that is pointed at."""
     lines = [f"<b>{rung.method}</b>", f"size {rung['size']:g} m, step {rung['step']:g} s",
              f"{whole(rung['unknowns'])} unknowns, {whole(rung['steps'])} steps",
-             f"error {percent(rung[f'{name}_error'])} in {quantity(rung['seconds'], 's')}"]  # fmt: skip
+             f"error {percent(rung[f'{name}_error'])} in {quantity(rung['seconds'], 's')}",
+             f"there and at finer rungs at most {percent(rung[f'{name}_envelope'])}"]  # fmt: skip
     if not math.isnan(rung[f"{name}_estimate"]):
         lines.append(f"estimated {percent(rung[f'{name}_estimate'])}")
     return "<br>".join(lines)
@@ -81,7 +89,8 @@ def orders(study: StudyFolder) -> Table:
     rows = [[heading(study, order["quantity"]), str(Method(order["degree"], order["scheme"], order["mass"])),
              *(observed(order, part) for part in ("space", "time", "both"))] for order in study.manifest["orders"]]  # fmt: skip
     return Table("Powers of the element size, the time step and of both refined together with which errors fall, and "
-                 "their range from rung to rung",
+                 "their range from rung to rung. Not in the asymptotic range: differences of successive rungs change sign, do not "
+                 "fall, or fall faster than the method's errors can",
                  ["Quantity", "Method", "Space", "Time", "Both"], rows)
 
 
@@ -89,27 +98,31 @@ def observed(order: dict, part: str) -> str:
     if order.get(part) is None:
         return digits(None)
     least, largest = order["scatter"][part]
+    if not order["asymptotic"][part]:
+        return f"not in the asymptotic range ({least:.1f} to {largest:.1f})"
     return f"{order[part]:.2f} ({least:.2f} to {largest:.2f})"
 
 
+def values(study: StudyFolder, name: str) -> Table:
+    """Values beside errors, of one quantity."""
+    what = study.manifest["quantities"][name]
+    unit = f", {what['unit']}" if what["unit"] and any(not math.isnan(rung[name]) for rung in study.rungs) else ""
+    bar = f", {what['bar']['words']}" if what["bar"] else ""
+    title = (f"{heading(study, name)}{unit}: errors against the {what['reference']}{bar}. At most: the largest error there and at all finer "
+             "rungs. ★: no faster rung has less")  # fmt: skip
+    one = len(study.methods) == 1
+    rows = [[rung.name, f"{rung['size']:g}", f"{rung['step']:g}", *([] if one else [str(rung.method)]), digits(rung[name], 6),
+             percent(rung[f"{name}_error"]), percent(rung[f"{name}_envelope"]) + (" ★" if rung[f"{name}_pareto"] == 1 else ""),
+             percent(rung[f"{name}_estimate"]), digits(rung[f"{name}_effectivity"])] for rung in study.rungs]  # fmt: skip
+    head = ["Rung", "Size (m)", "Step (s)", *([] if one else ["Method"]), "Value", "Error", "At most", "Estimate", "Effectivity"]
+    return Table(title, head, rows)
+
+
 def rungs(study: StudyFolder) -> Table:
-    names = study.manifest["quantities"]
     head = ["Rung", "Size (m)", "Step (s)", "Method", "Unknowns", "Steps", "Time (s)", "Memory (MB)"]
-    for name, what in names.items():
-        unit = f" ({what['unit']})" if what["unit"] else ""
-        head += [f"{heading(study, name)}{unit}", "Error", "Estimate", "Effectivity"]
-    rows = [row(rung, list(names)) for rung in study.rungs]
-    return Table("A star marks the rungs of the Pareto front of a quantity", head, rows)
-
-
-def row(rung: Rung, names: list[str]) -> list[object]:
-    cells = [rung.name, f"{rung['size']:g}", f"{rung['step']:g}", str(rung.method), whole(rung["unknowns"]),
-             whole(rung["steps"]), digits(rung["seconds"]), whole(rung["memory_bytes"] / 1e6)]  # fmt: skip
-    for name in names:
-        star = " ★" if rung[f"{name}_pareto"] == 1 else ""
-        cells += [digits(rung[name], 6), percent(rung[f"{name}_error"]) + star, percent(rung[f"{name}_estimate"]),
-                  digits(rung[f"{name}_effectivity"])]  # fmt: skip
-    return cells
+    rows = [[rung.name, f"{rung['size']:g}", f"{rung['step']:g}", str(rung.method), whole(rung["unknowns"]), whole(rung["steps"]),
+             digits(rung["seconds"]), whole(rung["memory_bytes"] / 1e6)] for rung in study.rungs]  # fmt: skip
+    return Table("What each rung took", head, rows)
 
 
 def digits(value: float | None, count: int = 3) -> str:

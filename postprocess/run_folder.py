@@ -125,7 +125,7 @@ class RunFolder:
         pressure = table["pressure"].reshape(shape) if "pressure" in table else None
         normals = [table[f"normal_{axis}"][:count] for axis in "xyz"[: len(axes)] if f"normal_{axis}" in table]
         normal = np.column_stack(normals) if normals else None
-        return Contact(table["time"][first], np.column_stack(axes), obstacle - obstacle.min(), gap, force, pressure, normal)
+        return Contact(table["time"][first], np.column_stack(axes), obstacle, gap, force, pressure, normal)
 
     @cached_property
     def obstacles(self) -> list[Obstacle]:
@@ -147,7 +147,7 @@ class RunFolder:
     @cached_property
     def obstacle_steps(self) -> list[ObstacleSteps]:
         """obstacles.csv, in the scene's order."""
-        table = self._read("obstacles.csv", lambda file: read_csv(file, names="obstacle"))
+        table = self._read("obstacles.csv", lambda file: read_csv(file, self.obstacle_names))
         numbers = np.unique(table["obstacle"])
         rows = [table["obstacle"] == number for number in numbers]
         if any(own.sum() != self.steps_done + 1 for own in rows) or len(rows) != len(self.obstacle_names):
@@ -311,7 +311,7 @@ class RunFolder:
 
     def _table(self, file: str, rows: Callable[[], int]) -> Table:
         """A .csv file with as many rows as run.json tells of, where there is one."""
-        table = self._read(file, read_csv)
+        table = self._read(file, lambda path: read_csv(path, self.obstacle_names if file == "contact.csv" else ()))
         found = len(next(iter(table.values())))
         if (self.path / "run.json").is_file() and found != (told := self.told(rows)):
             raise Unreadable(f"{self.path / file}: found {found} rows, but run.json tells of {told}: it was cut, or is of another run")

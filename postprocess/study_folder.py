@@ -59,7 +59,7 @@ class StudyFolder:
     def rungs(self) -> list[Rung]:
         """study.csv."""
         file = self.path / "study.csv"
-        parts = ("", "_error", "_estimate", "_effectivity", "_pareto")
+        parts = ("", "_error", "_estimate", "_effectivity", "_pareto", "_envelope")
         columns = NUMBERS + [f"{name}{part}" for name in self.manifest["quantities"] for part in parts]
         try:
             rows = [rung_of(row, columns) for row in csv.DictReader(whole_text(file).splitlines())]

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 # Okabe and Ito's palette: told apart with every kind of colour vision.
 BLUE, VERMILLION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
 GREY, PALE = "0.55", "0.92"
+MARK = "signorini report"  # in all that is drawn of a run: the next run in its folder removes it
 FIELD_COLOURS = "viridis"  # even in lightness, so it survives a grey print
 
 WIDTH = 6.4  # inches; half of it is a journal's column
@@ -129,6 +130,7 @@ def whole_file(path: Path) -> Iterator[Path]:
     partial = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
     try:
         yield partial
+        path.parent.mkdir(exist_ok=True)  # a run may have taken the figures of an earlier one away
         partial.replace(path)
     finally:
         partial.unlink(missing_ok=True)
@@ -137,5 +139,5 @@ def whole_file(path: Path) -> Iterator[Path]:
 def save(figure: Figure, path: Path) -> Path:
     """Writes the figure; returns the path."""
     with whole_file(path) as partial:
-        figure.savefig(partial)
+        figure.savefig(partial, metadata={"Comment": MARK})
     return path

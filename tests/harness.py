@@ -27,7 +27,7 @@ def attempt(verb: str, scene: Path, out: Path | None = None, ranks: int = 1, **o
     command = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
     command += [str(SIGNORINI), verb, str(scene)]
     if out:
-        command += ["--out", str(out)]
+        command += ["--out", str(out), *(["--replace"] if verb == "simulate" else [])]
     for key, value in overrides.items():
         command += ["--set", f"{key.replace('__', '.')}={toml(value)}"]
     return captured(command)

@@ -24,7 +24,7 @@ EnrichedBody::EnrichedBody(const fem::Space& linear, const contact::ContactPairs
   set(scene.initial.velocity, "initial.velocity", initial_error_.v);
   if (!pairs)
     return;
-  pairs_.emplace(space_, clamped_, scene.contacts);
+  pairs_.emplace(space_, clamped_, scene.contacts, scene.time);
   match(*pairs);
   zero_.assign(ends_.size(), 0.0);
 }

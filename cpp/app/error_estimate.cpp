@@ -15,7 +15,7 @@ public:
                                                   problem.steps(), *problem.scene.control),
         coarse_field_(controls.field()), field_(controls_.field()), values_(controls_.size()) {
     if (problem.scene.load)
-      load_.emplace(body.space(), *problem.scene.load, problem.stepper.grid());
+      load_.emplace(body.space(), body.operators().M, *problem.scene.load, problem.stepper.grid());
   }
 
   /// The forces of the loads and of a control; valid as long as `force` lives.

@@ -1,4 +1,5 @@
 #include "app/info.h"
+#include "app/run_manifest.h"
 #include "base/collective.h"
 #include "base/memory.h"
 #include "forward/binomial_checkpointing.h"
@@ -81,11 +82,15 @@ std::map<std::string, Cost> costs(const Problem& problem) {
     if (pairs->moving())
       costs["moving obstacle"].step = "the gaps anew";
   }
+  if (problem.probes)
+    costs["probes"].step = fmt::format("{} values", problem.probes->columns().size());
   if (problem.scene_load) {
     const std::string evaluated =
         problem.scene_load->depends_on_time() ? ", evaluated anew" : ", evaluated once";
     if (scene.load->body)
       costs["body load"] = {"W", petsc::bytes(*body.W) + 2 * vector, density_product + evaluated};
+    if (scene.load->gravity)
+      costs["gravity"] = {"", 2 * vector, "a vector added" + evaluated};
     if (!scene.load->tractions.empty())
       costs["traction"] = {"L2 of the surface", problem.scene_load->surface_bytes() + 3 * vector,
                            "a vector added" + evaluated};
@@ -176,6 +181,7 @@ void print_info(const Problem& problem, int timed_steps, const Console& console)
       "{}: unknowns: {} ({} free), cells: {}, candidates: {}, steps: {} of {} s\nsolver: {}",
       problem.scene.name, problem.space.dofs(), problem.free_dofs(), problem.mesh.cells(),
       forward::candidates(stepper), problem.steps(), problem.scene.time.step, stepper.solver().choice()));
+  console.line(body_lines(problem));
   console.line(fmt::format(
       "always: M {}, A {}, R {}, {} {}; a step: one solve with D, products with R and M\n",
       megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)), megabytes(petsc::bytes(stepper.R())),

@@ -1,7 +1,10 @@
 #pragma once
 #include "app/problem.h"
+#include "forward/contact_resolution.h"
 #include "forward/invariants.h"
+#include "forward/motion_summary.h"
 #include "forward/plausibility.h"
+#include "io/contact_table.h"
 #include "io/csv_tables.h"
 #include "io/fields.h"
 #include <optional>
@@ -11,13 +14,14 @@ namespace signorini {
 /// Whether a run stores fields and contact of step k: every n-th, and the last that it makes.
 inline bool stored(int k, int every, bool last) { return k % every == 0 || last; }
 
-/// Writes steps.csv, contact.csv and state.xdmf of a motion frame by frame, as the scene's [output] asks, and
-/// monitors its invariants and plausibility.
+/// Writes steps.csv, contact.csv, obstacles.csv, probes.csv and state.xdmf of a motion frame by frame, as the
+/// scene's [output] asks, sums it up, and monitors its invariants and plausibility.
 class MotionWriter {
 public:
-  /// `objective` is null in a run without one. Collective. The arguments must outlive this object. Throws
-  /// UserError, WriteFailure.
-  MotionWriter(const Problem& problem, const io::OutputFolder& folder, const control::Objective* objective);
+  /// `objective` is null in a run without one; `controlled`: whether a control acts. Collective. The
+  /// arguments must outlive this object. Throws UserError, WriteFailure.
+  MotionWriter(const Problem& problem, const io::OutputFolder& folder, const control::Objective* objective,
+               bool controlled);
 
   /// Takes the frame after the last one, from frame 0 on. Collective. Throws UserError, WriteFailure; with
   /// run.invariants = "stop" SolverFailure at the step that violates an invariant.
@@ -28,23 +32,39 @@ public:
     return invariants_ ? &*invariants_ : nullptr;
   }
 
-  /// Warnings where the motion leaves the range of the model. Collective.
-  [[nodiscard]] std::vector<forward::Warning> warnings() { return plausibility_.warnings(); }
+  /// The sums of the motion; null without the balances of its steps, for which nothing has asked.
+  [[nodiscard]] const forward::MotionSummary* summary() const { return summary_ ? &*summary_ : nullptr; }
+
+  /// Warnings where the motion leaves the range of the model, or the mesh does not resolve it. Collective.
+  [[nodiscard]] std::vector<forward::Warning> warnings();
 
   /// Closes the files. Collective. Throws UserError, WriteFailure.
   void finish();
 
 private:
+  void weigh(const forward::Frame& frame, forward::StepBalance& balance);
+  void add_rows(const forward::Frame& frame, const forward::StepBalance& balance);
+  void open_tables(const io::OutputFolder& folder, bool probed);
+  /// Opens state.xdmf if a field in it is asked for.
+  void open_state(const io::OutputFolder& folder);
   void store(const forward::Frame& frame);
+  void store_fields(const forward::Frame& frame);
 
   const Problem& problem_;
   const control::Objective* objective_;
   std::optional<forward::Balance> balance_;
   std::optional<forward::Invariants> invariants_;
   forward::Plausibility plausibility_;
-  std::optional<io::TextFile> steps_, contact_;
+  forward::ObstacleForces forces_;
+  forward::ContactResolution resolution_;
+  std::optional<forward::MotionSummary> summary_;
+  std::optional<io::TextFile> steps_, contact_, obstacles_, probes_;
+  std::optional<contact::Pressure> pressure_;
+  std::optional<io::ContactTable> contact_table_;
   std::optional<io::FieldFile> state_;
-  std::string text_; ///< buffer of rows
+  std::optional<fem::CellFields> cell_fields_;
+  std::string text_;           ///< buffer of rows
+  std::vector<double> values_; ///< buffer of a row
 };
 
 } // namespace signorini

@@ -4,6 +4,7 @@
 #include "base/collective.h"
 #include "base/counters.h"
 #include "base/error.h"
+#include "forward/chatter.h"
 #include "optimize/lbfgs.h"
 #include "optimize/newton_cg.h"
 #include "optimize/projected_gradient.h"
@@ -71,6 +72,16 @@ std::string storage_line(const Problem& problem, const ControlProblem& control_p
                        bytes * 1e-6 * (control_problem.reference ? 2 : 1), count("recomputed steps"),
                        seconds("states recomputed"));
   return fmt::format("states in memory, {} a motion", room);
+}
+
+/// How to go on with a search that stopped before its end, in words.
+std::string going_on(optimize::Stop stop, const scene::Optimizer& scene) {
+  if (scene.checkpoint == 0)
+    return "";
+  return stop == optimize::Stop::interrupted ? "; the same command with --resume goes on from here"
+         : stop == optimize::Stop::iteration_limit
+             ? "; the same command with --resume and a larger optimizer.max_iterations goes on from here"
+             : "";
 }
 
 static_assert(optimize::Unknowns<control::ControlSpace>);
@@ -141,6 +152,23 @@ io::Kink describe(control::ReducedProblem& reduced,
   return kink;
 }
 
+/// Warns if a search ended without a minimum where candidates open and close from step to step, which breaks
+/// J into many small pieces.
+void add_chatter(io::Manifest& manifest, const control::ReducedProblem& reduced, const Console& console) {
+  const forward::Alternations found = forward::alternations(reduced.trajectory().contact());
+  const std::string other = forward::calmer_contact(reduced.stepper());
+  if (found.alternating == 0)
+    return;
+  manifest.warnings.push_back(
+      {"search among chattering contact",
+       fmt::format(
+           "the search found no further decrease where contact chatters: candidates open or close for "
+           "a single step {} times while {} are closed over all steps; {}",
+           found.alternating, found.closed, other),
+       static_cast<double>(found.alternating), 0});
+  console.line("warning: " + manifest.warnings.back().message);
+}
+
 void require_control_problem(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out) {
   if (!scene.objective)
     throw UserError(
@@ -178,13 +206,15 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   if (scene.output.table(scene::StoredTable::history))
     folder.write("history.csv", io::history_table(rows));
   folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
-  MotionWriter recorder(problem, folder, &reduced.objective());
+  MotionWriter recorder(problem, folder, &reduced.objective(), true);
   write_motion(problem, reduced, recorder);
   write_control(folder, problem, reduced);
   const double first_norm = rows.front().gradient_norm;
-  console.line("stopped: " + optimize::name(ending.stop));
+  console.line("stopped: " + optimize::name(ending.stop) + going_on(ending.stop, scene.optimizer));
   io::Manifest m = manifest(problem, "optimize", optimize::name(ending.stop), reduced.trajectory().steps());
   add_watched(m, recorder, scene.run, console);
+  if (ending.stop == optimize::Stop::no_decrease)
+    add_chatter(m, reduced, console);
   m.objective = reduced.value();
   m.iterations = rows.back().iteration;
   m.forward_sweeps = reduced.sweeps().forward;

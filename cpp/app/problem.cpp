@@ -151,8 +151,7 @@ Displacements desired_states(const Problem& problem, const control::ControlSpace
 /// the memory until it kills the program.
 void require_memory(const Problem& problem, const control::ControlSpace& controls, bool motion) {
   const bool kept = motion && problem.scene.trajectory.storage == scene::Storage::memory;
-  const double state = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
-  const double needed = controls.control_bytes() + (kept ? state * problem.steps() : 0),
+  const double needed = controls.control_bytes() + (kept ? state_stores(problem).bytes() : 0),
                room = machine_memory() * ranks(problem.space.comm());
   if (needed > room)
     throw UserError(fmt::format(
@@ -186,7 +185,9 @@ Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs n
   if (stop_requested(comm))
     throw Interrupted();
   if (s.load)
-    scene_load.emplace(space, *s.load, stepper.grid());
+    scene_load.emplace(space, stepper.M(), *s.load, stepper.grid());
+  if (!s.output.probes.empty())
+    probes.emplace(stepper, s);
 }
 
 long Problem::free_dofs() const {

@@ -1,6 +1,7 @@
 #pragma once
 #include "base/progress.h"
 #include "control/reduced_problem.h"
+#include "forward/probes.h"
 #include <optional>
 
 namespace signorini {
@@ -20,6 +21,7 @@ struct Problem {
   forward::Stepper stepper;
   forward::Initial initial;
   std::optional<forward::SceneLoad> scene_load;
+  std::optional<forward::Probes> probes; ///< absent if the scene has none
 
   /// The scene's loads, null if it has none.
   [[nodiscard]] const forward::Load* scene_loads() const { return scene_load ? &*scene_load : nullptr; }
@@ -44,6 +46,9 @@ public:
   explicit GivenControl(const Problem& problem);
   GivenControl(const GivenControl&) = delete;
   GivenControl& operator=(const GivenControl&) = delete;
+
+  /// Whether there is one.
+  [[nodiscard]] bool acts() const { return force_.has_value(); }
 
   /// All forces, the control's included; valid as long as this object lives.
   [[nodiscard]] forward::ForceAtStep load() const;

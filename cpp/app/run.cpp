@@ -4,6 +4,7 @@
 #include "app/motion_writer.h"
 #include "app/optimize.h"
 #include "app/run_manifest.h"
+#include "app/summary_lines.h"
 #include "base/collective.h"
 #include "base/error.h"
 #include "io/manifest.h"
@@ -15,15 +16,18 @@ namespace {
 
 MPI_Comm world() { return MPI_COMM_WORLD; }
 
-int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, const Console& console) {
+int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, bool replace,
+                   const Console& console) {
   io::OutputFolder folder(world(), out);
+  if (!replace)
+    folder.require_no_search(out);
   Timers timers;
   const Problem problem(world(), scene, {.sliding = false}, timers);
   console.line(headline(problem));
 
   const GivenControl given(problem);
   const forward::ForceAtStep load = given.load();
-  MotionWriter recorder(problem, folder, nullptr);
+  MotionWriter recorder(problem, folder, nullptr, given.acts());
   int steps = 0;
   {
     const auto timer = timers.time("forward");
@@ -43,8 +47,10 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   add_watched(m, recorder, scene.run, console);
   m.files = folder.files();
   folder.write("run.json", io::to_json(m, scene, timers));
-  console.line(fmt::format("{}{} steps in {:.2g} s", complete ? "" : "interrupted after ", steps,
-                           timers.entries().at("forward").seconds));
+  for (const std::string& line : summary_lines(m))
+    console.line(line);
+  console.line(
+      fmt::format("{}{}", complete ? "" : "interrupted after ", cost_line(m, scene, timers, folder.bytes())));
   finish(folder, console);
   return complete ? exit_status::done : exit_status::interrupted;
 }
@@ -54,6 +60,24 @@ int check(const scene::Scene& scene, const Console& console) {
   const Problem problem(world(), scene, {.sliding = scene.objective.has_value()}, timers);
   console.line(headline(problem));
   return check_scene(problem, console) ? exit_status::done : exit_status::check_failed;
+}
+
+/// The folder of the run whose echo a scene is, beside that run's manifest; empty for other scenes.
+std::string folder_of_echo(const std::filesystem::path& file) {
+  const std::filesystem::path absolute = std::filesystem::absolute(file).lexically_normal(),
+                              folder = absolute.parent_path();
+  std::error_code none;
+  return absolute.filename() == "scene.toml" && std::filesystem::exists(folder / "run.json", none)
+             ? folder.string()
+             : "";
+}
+
+/// Where a run's results go if the user names no folder: those of an echo back to where it is.
+std::filesystem::path usual_folder(const std::string& verb, const std::string& name,
+                                   const std::filesystem::path& home) {
+  if (verb == "study")
+    return (home.empty() ? "results" : home.parent_path()) / (name + "-study");
+  return home.empty() ? std::filesystem::path("results") / name : home;
 }
 
 /// A run replaces scene.toml in its folder by the echo of its scene. Where that file is itself the scene to
@@ -78,23 +102,31 @@ void require_not_the_users(const scene::Scene& scene, const std::string& text,
 int run(const Request& request, const Console& console) {
   std::string text; // read once: ranks with different scenes would deadlock
   on_root(world(), [&] { text = scene::read(request.scene); });
-  scene::Scene scene = scene::parse(broadcast(world(), text), request.scene, request.overrides);
+  const auto open = [](const std::filesystem::path& file) { // every rank asks for the same, in the same order
+    std::string content;
+    on_root(world(), [&] { content = scene::read_file(file); });
+    return broadcast(world(), content);
+  };
+  scene::Scene scene = scene::parse(broadcast(world(), text), request.scene, request.overrides, open);
+  std::string echoed;
+  on_root(world(), [&] { echoed = folder_of_echo(request.scene); });
+  const std::filesystem::path home = broadcast(world(), echoed);
+  if (!home.empty())
+    scene.name = home.filename().string();
   // Its default depends on the machine, and all ranks must choose the same solvers.
   MPI_Allreduce(MPI_IN_PLACE, &scene.solver.memory, 1, MPI_DOUBLE, MPI_MIN, world());
   const std::filesystem::path out =
-      !request.out.empty()
-          ? request.out
-          : std::filesystem::path("results") / (request.verb == "study" ? scene.name + "-study" : scene.name);
+      request.out.empty() ? usual_folder(request.verb, scene.name, home) : request.out;
   if (request.verb == "simulate" || request.verb == "optimize")
     on_root(world(), [&] { require_not_the_users(scene, text, out); });
   if (request.verb == "simulate")
-    return simulate_scene(scene, out, console);
+    return simulate_scene(scene, out, request.replace, console);
   if (request.verb == "optimize")
     return optimize_scene(world(), scene, out, request.resume, console);
   if (request.verb == "check")
     return check(scene, console);
   if (request.verb == "study")
-    return request.suggest ? study::suggest(world(), scene, *request.suggest, request.study.budget, console)
+    return request.suggest ? study::suggest(world(), scene, *request.suggest, request.study, console)
                            : study::run_study(world(), scene, out, request.study, console);
   Timers timers;
   const Problem problem(world(), scene, {.sliding = scene.objective.has_value()}, timers);

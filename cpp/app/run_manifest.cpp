@@ -5,6 +5,14 @@
 
 namespace signorini {
 
+std::string body_lines(const Problem& problem) {
+  const forward::BodyFigures figures = forward::body_figures(problem.stepper, problem.scene);
+  std::string text = figures.line();
+  for (const std::string& doubt : figures.doubts)
+    text += "\ndoubt: " + doubt;
+  return text;
+}
+
 std::string headline(const Problem& problem) {
   const int size = ranks(problem.space.comm());
   std::string on;
@@ -12,9 +20,9 @@ std::string headline(const Problem& problem) {
     if (active)
       on += (on.empty() ? "" : ", ") + name;
   return fmt::format(
-      "{}: {} free unknowns, {} contact candidates, {} steps of {} s, {} rank{}\neffects: {}\nsolver: {}",
+      "{}: {} free unknowns, {} contact candidates, {} steps of {} s, {} rank{}\n{}\neffects: {}\nsolver: {}",
       problem.scene.name, problem.free_dofs(), forward::candidates(problem.stepper), problem.steps(),
-      problem.scene.time.step, size, size == 1 ? "" : "s", on.empty() ? "none" : on,
+      problem.scene.time.step, size, size == 1 ? "" : "s", body_lines(problem), on.empty() ? "none" : on,
       problem.stepper.solver().choice());
 }
 
@@ -29,6 +37,8 @@ io::Manifest manifest(const Problem& problem, const std::string& verb, const std
   m.cells = static_cast<long>(problem.mesh.cells());
   m.candidates = forward::candidates(problem.stepper);
   m.steps_done = steps_done;
+  m.dim = problem.space.dim();
+  m.body = forward::body_figures(problem.stepper, problem.scene);
   if (const auto& control = problem.scene.control)
     m.control_unit =
         control->on && problem.mesh.group_dimension(*control->on, "control.on") < problem.mesh.dim() ? "N/m²"
@@ -46,6 +56,10 @@ void finish(io::OutputFolder& folder, const Console& console) {
 
 void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Run& run,
                  const Console& console) {
+  if (const forward::MotionSummary* summary = recorder.summary()) {
+    manifest.energy = summary->energy();
+    manifest.impact = summary->impact();
+  }
   if (recorder.invariants())
     manifest.invariants.assign(recorder.invariants()->defects().begin(),
                                recorder.invariants()->defects().end());

@@ -11,6 +11,9 @@ namespace exit_status {
 constexpr int done = 0, check_failed = 1, wrong_input = 2, solver_failed = 3, interrupted = 130;
 }
 
+/// The body in figures, and what is implausible about it. Collective.
+std::string body_lines(const Problem& problem);
+
 /// The run about to be made, in words. Collective.
 std::string headline(const Problem& problem);
 
@@ -18,7 +21,8 @@ std::string headline(const Problem& problem);
 io::Manifest manifest(const Problem& problem, const std::string& verb, const std::string& stop_reason,
                       int steps_done);
 
-/// Adds the recorder's invariants and warnings to run.json and prints those beyond their limits. Collective.
+/// Adds the recorder's sums, invariants and warnings to run.json and prints the latter two where they are
+/// beyond their limits. Collective.
 void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Run& run,
                  const Console& console);
 

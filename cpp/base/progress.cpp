@@ -1,6 +1,5 @@
 #include "base/progress.h"
 #include <cmath>
-#include <cstdio>
 #include <fmt/format.h>
 
 namespace signorini {
@@ -13,9 +12,14 @@ std::string duration(double seconds) {
 
 } // namespace
 
+void say(std::FILE* stream, std::string_view text) {
+  (void)std::fwrite(text.data(), 1, text.size(), stream);
+  (void)std::fflush(stream);
+}
+
 void Console::line(const std::string& text) const {
   if (speaks_)
-    fmt::print("{}\n", text), std::fflush(stdout);
+    say(stdout, text + "\n");
 }
 
 Progress::Progress(const Console& console, std::string label, std::size_t total, std::size_t from)
@@ -24,7 +28,7 @@ Progress::Progress(const Console& console, std::string label, std::size_t total,
 
 Progress::~Progress() {
   if (drawn_)
-    fmt::print(stderr, "\r\033[K"), std::fflush(stderr);
+    say(stderr, "\r\033[K");
 }
 
 void Progress::update(std::size_t done, const std::string& note) {
@@ -40,9 +44,8 @@ void Progress::update(std::size_t done, const std::string& note) {
     last_ = now;
     constexpr std::size_t width = 28;
     const std::size_t filled = width * done / total_;
-    fmt::print(stderr, "\r\033[K{} [{}{}] {}/{}  {} left  {}", label_, std::string(filled, '#'),
-               std::string(width - filled, '.'), done, total_, duration(left), note);
-    std::fflush(stderr);
+    say(stderr, fmt::format("\r\033[K{} [{}{}] {}/{}  {} left  {}", label_, std::string(filled, '#'),
+                            std::string(width - filled, '.'), done, total_, duration(left), note));
     drawn_ = true;
   } else if (const std::size_t tenth = 10 * done / total_; tenth > tenth_) {
     tenth_ = tenth;

@@ -1,9 +1,14 @@
 #pragma once
 #include <chrono>
 #include <cstddef>
+#include <cstdio>
 #include <string>
+#include <string_view>
 
 namespace signorini {
+
+/// Writes text at once. What nobody reads any more, as behind `| head`, is lost without a word.
+void say(std::FILE* stream, std::string_view text);
 
 /// Console output of a run: only rank 0 writes, and only if the run is not quiet.
 class Console {

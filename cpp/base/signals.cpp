@@ -19,6 +19,10 @@ void catch_stop_signals() {
     std::signal(signal, on_signal);
 }
 
+void ignore_broken_pipes() { std::signal(SIGPIPE, SIG_IGN); }
+
+bool stop_requested() { return requested != 0; }
+
 bool stop_requested(MPI_Comm comm) {
   int mine = requested, any = mine, size = 1;
   MPI_Comm_size(comm, &size);

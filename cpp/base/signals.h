@@ -8,7 +8,12 @@ namespace signorini {
 /// ranks; at the others mpirun kills them.
 void catch_stop_signals();
 
-/// Whether any rank was asked to stop. Collective.
+/// From now on a pipe that nobody reads any more fails writes to it instead of ending the process.
+void ignore_broken_pipes();
+
+/// Whether this process was asked to stop.
+bool stop_requested();
+/// Whether any rank was. Collective.
 bool stop_requested(MPI_Comm comm);
 
 } // namespace signorini

@@ -1,9 +1,12 @@
 #include "base/subprocess.h"
+#include "base/error.h"
+#include "base/signals.h"
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <fcntl.h>
+#include <poll.h>
 #include <stdexcept>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -25,20 +28,27 @@ bool write_all(int file, const std::string& text) {
   return true;
 }
 
-std::string read_all(int file) {
+/// All that comes; nothing if this process is asked to stop.
+std::optional<std::string> read_all(int file) {
+  constexpr int look = 100; // ms, from one look for such a request to the next
   std::string text;
   std::array<char, 1 << 16> part{};
-  for (;;) {
+  while (!stop_requested()) {
+    pollfd ready{.fd = file, .events = POLLIN, .revents = 0};
+    if (poll(&ready, 1, look) <= 0)
+      continue;
     const ssize_t count = read(file, part.data(), part.size());
     if (count == 0 || (count < 0 && errno != EINTR))
       return text;
     if (count > 0)
       text.append(part.data(), static_cast<std::size_t>(count));
   }
+  return std::nullopt;
 }
 
 [[noreturn]] void child(int out, const std::function<std::string()>& make, std::optional<unsigned> seconds) {
-  for (int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) // the parent's handlers would print
+  setpgid(0, 0); // a group of its own, that ends as a whole
+  for (int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGPIPE}) // the parent's handlers would print
     std::signal(signal, SIG_DFL);
   for (int signal : {SIGINT, SIGTERM, SIGUSR1}) // the parent decides when to stop
     std::signal(signal, SIG_IGN);
@@ -71,16 +81,22 @@ std::optional<std::string> in_subprocess(const std::function<std::string()>& mak
     child(ends[1], make, seconds);
   }
   close(ends[1]);
-  std::string text = process > 0 ? read_all(ends[0]) : "";
+  if (process > 0)
+    setpgid(process, process); // whichever of the two comes first
+  std::optional<std::string> text = process > 0 ? read_all(ends[0]) : "";
   close(ends[0]);
   if (process < 0)
     throw std::runtime_error("no process can be started");
+  if (!text)
+    kill(-process, SIGKILL);
   int status = 0;
   while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !text.ends_with(whole))
+  if (!text)
+    throw Interrupted();
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !text->ends_with(whole))
     return std::nullopt;
-  text.pop_back();
+  text->pop_back();
   return text;
 }
 

@@ -4,18 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 
 namespace signorini::contact {
 namespace {
 
 using Point = std::array<double, 3>;
-
-Point padded(const std::vector<double>& x) {
-  Point p{};
-  std::ranges::copy(x, p.begin());
-  return p;
-}
 
 double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -26,7 +19,8 @@ Point scaled(double s, const Point& a) { return {s * a[0], s * a[1], s * a[2]}; 
 Point from(const Point& a, const double* x) { return {x[0] - a[0], x[1] - a[1], x[2] - a[2]}; }
 
 Point unit(const std::vector<double>& x) {
-  Point p = padded(x);
+  Point p{};
+  std::ranges::copy(x, p.begin());
   p = scaled(1 / std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])}),
              p); // so that the length does not over- or underflow
   return scaled(1 / length(p), p);
@@ -35,75 +29,92 @@ Point unit(const std::vector<double>& x) {
 } // namespace
 
 Obstacle::Obstacle(const scene::Obstacle& obstacle, std::string key, int dim, double diameter)
-    : shape_(obstacle), key_(std::move(key)), dim_(static_cast<std::size_t>(dim)), diameter_(diameter) {
+    : shape_(obstacle), key_(std::move(key)), dim_(static_cast<std::size_t>(dim)), diameter_(diameter),
+      moves_(scene::moves(obstacle)) {
+  const auto round = [&](const scene::Components& middle, const char* name, const auto& shape) {
+    point_.emplace(middle, fmt::format("{}.{}", key_, name), true);
+    radius_.emplace(scene::Components{shape.radius}, key_ + ".radius", true);
+    inside_ = shape.side == scene::Side::inside;
+  };
   if (const auto* half_space = std::get_if<scene::HalfSpace>(&shape_)) {
-    normal_ = unit(half_space->normal);
-    scene::Field point(half_space->point, key_ + ".point", true);
-    const Point origin{};
-    point.evaluate(origin.data(), 0, start_.data());
-    if (point.depends_on_time())
-      motion_ = std::move(point);
+    direction_ = unit(half_space->normal);
+    point_.emplace(half_space->point, key_ + ".point", true);
+  } else if (const auto* ball = std::get_if<scene::Ball>(&shape_)) {
+    round(ball->center, "center", *ball);
+  } else if (const auto* cylinder = std::get_if<scene::Cylinder>(&shape_)) {
+    round(cylinder->point, "point", *cylinder);
+    if (!cylinder->axis.empty())
+      direction_ = unit(cylinder->axis);
+  } else {
+    const auto& level_set = std::get<scene::SignedDistance>(shape_);
+    distance_.emplace(scene::Components{level_set.distance}, key_ + ".distance", true);
   }
-  if (const auto* level_set = std::get_if<scene::SignedDistance>(&shape_))
-    distance_.emplace(scene::Components{level_set->distance}, key_ + ".distance", false);
+  start_ = place(0);
 }
 
-Obstacle::Plane Obstacle::at(const double* x) const {
-  return std::visit([&](const auto& shape) { return plane(shape, x); }, shape_);
-}
-
-double Obstacle::advance(double t) const {
+Obstacle::Place Obstacle::place(double t) const {
+  Place place{.t = t};
   const Point origin{};
-  Point now{};
-  motion_->evaluate(origin.data(), t, now.data());
-  return dot(normal_, from(start_, now.data()));
-}
-
-double Obstacle::radius() const {
-  if (const auto* ball = std::get_if<scene::Ball>(&shape_))
-    return ball->radius;
-  if (const auto* cylinder = std::get_if<scene::Cylinder>(&shape_))
-    return cylinder->radius;
-  return std::numeric_limits<double>::infinity();
-}
-
-Obstacle::Plane Obstacle::plane(const scene::HalfSpace&, const double* x) const {
-  return {normal_, dot(normal_, from(start_, x))};
-}
-
-Obstacle::Plane Obstacle::plane(const scene::Ball& ball, const double* x) const {
-  return round(from(padded(ball.center), x), ball.radius, ball.side, x);
-}
-
-Obstacle::Plane Obstacle::plane(const scene::Cylinder& cylinder, const double* x) const {
-  Point r = from(padded(cylinder.point), x);
-  if (!cylinder.axis.empty()) {
-    const Point axis = unit(cylinder.axis);
-    const double along = dot(axis, r);
-    for (std::size_t c = 0; c < 3; ++c)
-      r[c] -= along * axis[c];
+  if (point_)
+    point_->evaluate(origin.data(), t, place.point.data());
+  if (radius_) {
+    radius_->evaluate(origin.data(), t, &place.radius);
+    if (!(place.radius > 0))
+      throw UserError(
+          fmt::format("{}.radius: found {:.6g} m at t = {:.6g} s, allowed are radii greater than 0", key_,
+                      place.radius, t));
   }
-  return round(r, cylinder.radius, cylinder.side, x);
+  return place;
 }
 
-Obstacle::Plane Obstacle::round(const Point& r, double radius, scene::Side side, const double* x) const {
+Obstacle::Plane Obstacle::at(const double* x, const Place& place) const {
+  if (distance_)
+    return of_distance(x, place.t);
+  if (radius_)
+    return round(x, place);
+  return {direction_, dot(direction_, from(place.point, x))};
+}
+
+double Obstacle::level(const double* x, const Place& place) const {
+  if (distance_) {
+    double value = 0;
+    distance_->evaluate(x, place.t, &value);
+    return value;
+  }
+  if (!radius_)
+    return dot(direction_, from(place.point, x));
+  return (inside_ ? -1 : 1) * (length(from_middle(x, place)) - place.radius);
+}
+
+std::array<double, 3> Obstacle::from_middle(const double* x, const Place& place) const {
+  if (!radius_)
+    return {};
+  Point r = from(place.point, x);
+  const double along = dot(direction_, r);
+  for (std::size_t c = 0; c < 3; ++c)
+    r[c] -= along * direction_[c];
+  return r;
+}
+
+Obstacle::Plane Obstacle::round(const double* x, const Place& place) const {
+  const Point r = from_middle(x, place);
   const double distance = length(r);
-  if (!(distance > 1e-10 * radius)) // nearer to the middle the direction is rounding
+  if (!(distance > 1e-10 * place.radius)) // nearer to the middle the direction is rounding
     throw UserError(
         fmt::format("{}: the node at {} is at the middle, from where no one direction leads out of "
                     "the obstacle, allowed are nodes off the centre or axis",
                     key_, point_text(x)));
-  const double sign = side == scene::Side::inside ? -1 : 1;
-  return {scaled(sign / distance, r), sign * (distance - radius)};
+  const double sign = inside_ ? -1 : 1;
+  return {scaled(sign / distance, r), sign * (distance - place.radius)};
 }
 
-Obstacle::Plane Obstacle::plane(const scene::SignedDistance&, const double* x) const {
+Obstacle::Plane Obstacle::of_distance(const double* x, double t) const {
   // Central differences of order 6. For an obstacle of length scale l their error is (h/l)^6, 1e-12 where l
   // is a hundredth of the body's diameter, and their rounding is 1e-16 (distance/h).
   const double h = 1e-4 * diameter_;
   constexpr std::array weights{45.0 / 60, -9.0 / 60, 1.0 / 60};
   double value = 0, largest = 0;
-  distance_->evaluate(x, 0, &value);
+  distance_->evaluate(x, t, &value);
   Point gradient{};
   for (std::size_t c = 0; c < dim_; ++c)
     for (std::size_t k = 0; k < weights.size(); ++k) {
@@ -112,7 +123,7 @@ Obstacle::Plane Obstacle::plane(const scene::SignedDistance&, const double* x) c
         Point beside{x[0], x[1], x[2]};
         beside[c] += (side == 0 ? -1.0 : 1.0) * static_cast<double>(k + 1) * h;
         try {
-          distance_->evaluate(beside.data(), 0, &sides[side]);
+          distance_->evaluate(beside.data(), t, &sides[side]);
         } catch (const UserError& error) {
           throw UserError(fmt::format("{}, and around the node at {}, where its derivatives are wanted",
                                       error.what(), point_text(x)));
@@ -125,9 +136,9 @@ Obstacle::Plane Obstacle::plane(const scene::SignedDistance&, const double* x) c
   // Where the gradient vanishes, one-sided differences are of second order in h, and their sum is rounding.
   if (!(size * h > 1e-6 * largest))
     throw UserError(fmt::format(
-        "{}.distance: the expression has no slope at the node at {}, allowed are expressions that grow "
+        "{}.distance: the expression has no slope at the node at {}{}, allowed are expressions that grow "
         "where they lead out of the obstacle",
-        key_, point_text(x)));
+        key_, point_text(x), moves_ ? fmt::format(", t = {:.6g} s", t) : ""));
   return {scaled(1 / size, gradient), value / size};
 }
 

@@ -2,6 +2,7 @@
 #include "scene/expression.h"
 #include "scene/scene.h"
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -21,40 +22,49 @@ public:
     double height;                ///< of the point over the plane, negative inside the obstacle, m
   };
 
-  /// The half-space at t = 0 for the point `x` (3). Throws UserError naming the point where no direction
-  /// leads out of the obstacle, or a signed distance is not finite.
-  [[nodiscard]] Plane at(const double* x) const;
+  /// Where and how large the obstacle is at a time.
+  struct Place {
+    double t = 0;                  ///< s
+    std::array<double, 3> point{}; ///< of a plane; of a ball its centre, of a cylinder a point of its axis, m
+    double radius = std::numeric_limits<double>::infinity(); ///< of a ball or cylinder, m
+  };
+  /// At time t. Throws UserError if it is not finite or a radius not positive.
+  [[nodiscard]] Place place(double t) const;
+
+  /// The half-space for the point `x` (3). Throws UserError naming the point where no direction leads out of
+  /// the obstacle, or a signed distance is not finite.
+  [[nodiscard]] Plane at(const double* x, const Place& place) const;
+  /// The same at t = 0.
+  [[nodiscard]] Plane at(const double* x) const { return at(x, start_); }
+
+  /// A function of the point `x` (3) that is positive outside of the obstacle, negative inside and the
+  /// greater the farther: of a signed distance in its own unit, else the height.
+  [[nodiscard]] double level(const double* x, const Place& place) const;
 
   /// Whether the obstacle moves.
-  [[nodiscard]] bool moves() const { return motion_.has_value(); }
+  [[nodiscard]] bool moves() const { return moves_; }
 
   /// Whether the surface may be curved, so that points that move along it leave the range of their
   /// half-space. Signed distances count as curved.
   [[nodiscard]] bool curved() const { return !std::holds_alternative<scene::HalfSpace>(shape_); }
-  /// Radius of a ball or cylinder, m; infinite for other shapes.
-  [[nodiscard]] double radius() const;
 
-  /// How far a moving obstacle has advanced along its normal by time t, m: all heights are less than at t = 0
-  /// by this. Only where moves(). Throws UserError if its position is not finite.
-  [[nodiscard]] double advance(double t) const;
+  /// From the centre or axis to the point `x` (3), m; zero for shapes without one.
+  [[nodiscard]] std::array<double, 3> from_middle(const double* x, const Place& place) const;
 
 private:
-  [[nodiscard]] Plane plane(const scene::HalfSpace& obstacle, const double* x) const;
-  [[nodiscard]] Plane plane(const scene::Ball& obstacle, const double* x) const;
-  [[nodiscard]] Plane plane(const scene::Cylinder& obstacle, const double* x) const;
-  [[nodiscard]] Plane plane(const scene::SignedDistance& obstacle, const double* x) const;
-  /// The half-space of a sphere or cylinder with the body outside (or inside); `r` from the centre or axis to
-  /// the point.
-  [[nodiscard]] Plane round(const std::array<double, 3>& r, double radius, scene::Side side,
-                            const double* x) const;
+  /// The half-space of a sphere or cylinder with the body outside (or inside).
+  [[nodiscard]] Plane round(const double* x, const Place& place) const;
+  [[nodiscard]] Plane of_distance(const double* x, double t) const;
 
   scene::Obstacle shape_;
   std::string key_;
   std::size_t dim_;
   double diameter_;
-  std::array<double, 3> normal_{}, start_{}; ///< of a half-space: unit normal, and its point at t = 0
-  std::optional<scene::Field> motion_;       ///< point of a half-space that moves
-  std::optional<scene::Field> distance_;     ///< signed distance
+  bool moves_, inside_ = false;       ///< the body within a ball or cylinder
+  std::array<double, 3> direction_{}; ///< unit vector: a half-space's normal, a cylinder's axis; zero without
+  std::optional<scene::Field> point_, radius_; ///< of the place
+  std::optional<scene::Field> distance_;       ///< signed distance
+  Place start_;
 };
 
 } // namespace signorini::contact

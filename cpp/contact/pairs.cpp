@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <utility>
 
 namespace signorini::contact {
 namespace {
@@ -25,7 +26,7 @@ int free_components(const fem::DirichletDofs& clamped, int node, int dim) {
 } // namespace
 
 ContactPairs::ContactPairs(const fem::Space& space, const fem::DirichletDofs& clamped,
-                           const std::vector<scene::Contact>& contacts)
+                           const std::vector<scene::Contact>& contacts, const scene::Time& time)
     : dim_(space.dim()), diameter_(space.mesh().diameter()), gap_tolerance_(1e-10 * diameter_),
       comm_(space.comm()) {
   ++made;
@@ -36,7 +37,7 @@ ContactPairs::ContactPairs(const fem::Space& space, const fem::DirichletDofs& cl
     if (shapes_.back().moves())
       moving_.push_back(i);
   }
-  add_pairs(contacts, space, clamped);
+  add_pairs(contacts, space, clamped, time);
   group_by_node();
   NodeWork work = node_work();
   require_room(*this, psi_, 0, work);
@@ -50,9 +51,11 @@ ContactPairs::NodeWork ContactPairs::node_work() const {
 }
 
 ContactPairs::Gaps ContactPairs::gaps() const {
-  return {.psi = std::vector<double>(moving() ? psi_.size() : 0),
-          .advance = std::vector<double>(shapes_.size()),
-          .node = node_work()};
+  std::vector<Obstacle::Place> place;
+  for (const Obstacle& shape : shapes_)
+    place.push_back(shape.place(0));
+  return {
+      .psi = std::vector<double>(moving() ? psi_.size() : 0), .place = std::move(place), .node = node_work()};
 }
 
 std::vector<ContactPairs::BoundaryNode>
@@ -83,17 +86,44 @@ ContactPairs::boundary_nodes(const std::vector<scene::Contact>& contacts, const 
   return nodes;
 }
 
+std::vector<double> ContactPairs::times_of_meeting(const std::vector<BoundaryNode>& nodes,
+                                                   const scene::Time& time) const {
+  std::vector<double> times(nodes.size()), before(nodes.size()),
+      least(nodes.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t obstacle : moving_) {
+    const Obstacle& shape = shapes_[obstacle];
+    for (int k = 0; shape.curved() && k <= time.steps; ++k) {
+      const Obstacle::Place place = shape.place(k * time.step);
+      for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (static_cast<std::size_t>(nodes[i].obstacle) != obstacle || nodes[i].free_components == 0 ||
+            least[i] <= 0)
+          continue;
+        const double level = shape.level(nodes[i].x.data(), place), last = std::exchange(before[i], level);
+        if (level < least[i])
+          times[i] = place.t, least[i] = level;
+        if (level <= 0 && k > 0) // between two steps, by the secant
+          times[i] -= time.step * level / (level - last);
+      }
+    }
+  }
+  return times;
+}
+
 void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const fem::Space& space,
-                             const fem::DirichletDofs& clamped) {
+                             const fem::DirichletDofs& clamped, const scene::Time& time) {
   std::vector<int> candidates(contacts.size());
   clamped_dofs_.resize(contacts.size());
-  for (const BoundaryNode& node : boundary_nodes(contacts, space, clamped)) {
+  const std::vector<BoundaryNode> nodes = boundary_nodes(contacts, space, clamped);
+  const std::vector<double> meeting = times_of_meeting(nodes, time);
+  for (std::size_t number = 0; number < nodes.size(); ++number) {
+    const BoundaryNode& node = nodes[number];
     const auto obstacle = static_cast<std::size_t>(node.obstacle);
     if (node.free_components == 0) {
       clamped_dofs_[obstacle].push_back(static_cast<PetscInt>(node.first_dof));
       continue;
     }
-    const Obstacle::Plane plane = shapes_[obstacle].at(node.x.data());
+    const Obstacle& shape = shapes_[obstacle];
+    const Obstacle::Plane plane = shape.at(node.x.data(), shape.place(meeting[number]));
     std::array<double, 3> force{};
     double free = 0;
     for (int c = 0; c < dim_; ++c)
@@ -111,7 +141,7 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
       directions_.push_back(force[c]);
     }
     points_.insert(points_.end(), node.x.begin(), node.x.end());
-    psi_.push_back(plane.height);
+    psi_.push_back(meeting[number] == 0 ? plane.height : shape.at(node.x.data()).height);
     first_dofs_.push_back(static_cast<PetscInt>(node.first_dof));
     obstacles_.push_back(node.obstacle);
     ++candidates[obstacle];
@@ -147,9 +177,13 @@ std::span<const double> ContactPairs::psi(double t, Gaps& gaps) const {
   if (!moving())
     return psi_;
   for (std::size_t obstacle : moving_)
-    gaps.advance[obstacle] = shapes_[obstacle].advance(t);
-  for (std::size_t i = 0; i < psi_.size(); ++i)
-    gaps.psi[i] = psi_[i] - gaps.advance[static_cast<std::size_t>(obstacles_[i])];
+    gaps.place[obstacle] = shapes_[obstacle].place(t);
+  for (std::size_t i = 0; i < psi_.size(); ++i) {
+    const auto obstacle = static_cast<std::size_t>(obstacles_[i]);
+    gaps.psi[i] = shapes_[obstacle].moves()
+                      ? shapes_[obstacle].at(&points_[3 * i], gaps.place[obstacle]).height
+                      : psi_[i];
+  }
   require_room(*this, gaps.psi, t, gaps.node);
   return gaps.psi;
 }

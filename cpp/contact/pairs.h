@@ -14,10 +14,12 @@ namespace signorini::contact {
 /// ranks; all arrays over pairs are the same on every rank.
 class ContactPairs {
 public:
-  /// Collective. Throws UserError if a group is missing or holds only clamped nodes, if an obstacle has no
-  /// normal at a node, or if no position of a node satisfies the constraints of all its obstacles.
+  /// Obstacles that move are looked at in the steps of `time`: a pair's direction is that at the time at
+  /// which the obstacle first touches the undeformed node or, if it never does, is nearest to it. Collective.
+  /// Throws UserError if a group is missing or holds only clamped nodes, if an obstacle has no normal at a
+  /// node, or if no position of a node satisfies the constraints of all its obstacles.
   ContactPairs(const fem::Space& space, const fem::DirichletDofs& clamped,
-               const std::vector<scene::Contact>& contacts);
+               const std::vector<scene::Contact>& contacts, const scene::Time& time = {});
 
   /// m, on all ranks.
   [[nodiscard]] int count() const { return static_cast<int>(psi_.size()); }
@@ -49,7 +51,8 @@ public:
 
   /// Storage of ψ at one time.
   struct Gaps {
-    std::vector<double> psi, advance; ///< (m), empty where no obstacle moves; of each obstacle, m
+    std::vector<double> psi;            ///< (m), empty where no obstacle moves
+    std::vector<Obstacle::Place> place; ///< of each obstacle
     NodeWork node;
   };
   [[nodiscard]] Gaps gaps() const;
@@ -126,7 +129,10 @@ private:
                                                          const fem::Space& space,
                                                          const fem::DirichletDofs& clamped) const;
   void add_pairs(const std::vector<scene::Contact>& contacts, const fem::Space& space,
-                 const fem::DirichletDofs& clamped);
+                 const fem::DirichletDofs& clamped, const scene::Time& time);
+  /// The time for the direction of each node's pair, s.
+  [[nodiscard]] std::vector<double> times_of_meeting(const std::vector<BoundaryNode>& nodes,
+                                                     const scene::Time& time) const;
   void group_by_node();
 
   int dim_;

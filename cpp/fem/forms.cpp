@@ -1,12 +1,14 @@
 #include "fem/forms.h"
 #include "base/counters.h"
 #include "base/digest.h"
+#include "fem/function.h"
 #include "viscoelasticity_tetrahedron_1.h"
 #include "viscoelasticity_tetrahedron_2.h"
 #include "viscoelasticity_triangle_1.h"
 #include "viscoelasticity_triangle_2.h"
 #include <algorithm>
 #include <array>
+#include <dolfinx/fem/Expression.h>
 #include <dolfinx/fem/petsc.h>
 #include <dolfinx/la/petsc.h>
 #include <dolfinx/mesh/Mesh.h>
@@ -15,19 +17,30 @@
 namespace signorini::fem {
 namespace {
 
-/// Generated code of every form, in the order of enum Form.
-using Generated = std::array<const ufcx_form*, 9>;
+/// Generated code of every form, in the order of enum Form, and of every field, in that of enum CellField.
+struct Generated {
+  std::array<const ufcx_form*, 9> forms;
+  std::array<const ufcx_expression*, 3> fields;
+};
 constexpr std::array names{"L2", "L2_surface", "L2_cellwise", "L2_cellwise_surface", "m", "a",
                            "b",  "d",          "d_elastic"};
 
 #define SIGNORINI_GENERATED(cell, degree)                                                                    \
   Generated {                                                                                                \
-    form_viscoelasticity_##cell##_##degree##_L2, form_viscoelasticity_##cell##_##degree##_L2_surface,        \
-        form_viscoelasticity_##cell##_##degree##_L2_cellwise,                                                \
-        form_viscoelasticity_##cell##_##degree##_L2_cellwise_surface,                                        \
-        form_viscoelasticity_##cell##_##degree##_m, form_viscoelasticity_##cell##_##degree##_a,              \
-        form_viscoelasticity_##cell##_##degree##_b, form_viscoelasticity_##cell##_##degree##_d,              \
-        form_viscoelasticity_##cell##_##degree##_d_elastic                                                   \
+    {form_viscoelasticity_##cell##_##degree##_L2,                                                            \
+     form_viscoelasticity_##cell##_##degree##_L2_surface,                                                    \
+     form_viscoelasticity_##cell##_##degree##_L2_cellwise,                                                   \
+     form_viscoelasticity_##cell##_##degree##_L2_cellwise_surface,                                           \
+     form_viscoelasticity_##cell##_##degree##_m,                                                             \
+     form_viscoelasticity_##cell##_##degree##_a,                                                             \
+     form_viscoelasticity_##cell##_##degree##_b,                                                             \
+     form_viscoelasticity_##cell##_##degree##_d,                                                             \
+     form_viscoelasticity_##cell##_##degree##_d_elastic},                                                    \
+    {                                                                                                        \
+      expression_viscoelasticity_##cell##_##degree##_strain,                                                 \
+          expression_viscoelasticity_##cell##_##degree##_stress,                                             \
+          expression_viscoelasticity_##cell##_##degree##_von_mises                                           \
+    }                                                                                                        \
   }
 
 Generated generated(int dim, int degree) {
@@ -44,23 +57,30 @@ Generated generated(int dim, int degree) {
 
 using Compiled = dolfinx::fem::Form<PetscScalar, double>;
 
+using Constants = std::map<std::string, std::shared_ptr<const dolfinx::fem::Constant<PetscScalar>>>;
+
+/// The constants of forms and fields by their names there. One without viscosity has that of zero.
+Constants constants(const scene::Material& material, double tau) {
+  const auto constant = [](double value) {
+    return std::make_shared<dolfinx::fem::Constant<PetscScalar>>(value);
+  };
+  const scene::Viscosity viscosity = material.viscosity.value_or(scene::Viscosity{});
+  return {{"rho", constant(material.density)},     {"young", constant(material.young)},
+          {"poisson", constant(material.poisson)}, {"kappa", constant(viscosity.bulk)},
+          {"eta", constant(viscosity.shear)},      {"tau", constant(tau)}};
+}
+
 /// A form over `entities`: cells, or facets as pairs of a cell and the facet's number in it.
 Compiled compile(const Space& space, Form form, const scene::Material& material, double tau,
                  const std::vector<std::int32_t>& entities) {
-  using Constant = dolfinx::fem::Constant<PetscScalar>;
-  const auto constant = [](double value) { return std::make_shared<Constant>(value); };
-  const scene::Viscosity viscosity = material.viscosity.value_or(scene::Viscosity{});
-  const std::map<std::string, std::shared_ptr<const Constant>> constants{
-      {"rho", constant(material.density)},     {"young", constant(material.young)},
-      {"poisson", constant(material.poisson)}, {"kappa", constant(viscosity.bulk)},
-      {"eta", constant(viscosity.shear)},      {"tau", constant(tau)}};
   using enum dolfinx::fem::IntegralType;
   const bool cellwise_trial = form == Form::L2_cellwise || form == Form::L2_cellwise_surface;
   const auto type = form == Form::L2_surface || form == Form::L2_cellwise_surface ? exterior_facet : cell;
   const std::shared_ptr<const dolfinx::fem::FunctionSpace<double>> V = space.dolfinx();
   Compiled compiled = dolfinx::fem::create_form<PetscScalar, double>(
-      *generated(space.dim(), space.degree()).at(static_cast<std::size_t>(form)),
-      {V, cellwise_trial ? cellwise(space.mesh()) : V}, {}, constants, {{type, {{1, entities}}}}, {});
+      *generated(space.dim(), space.degree()).forms.at(static_cast<std::size_t>(form)),
+      {V, cellwise_trial ? cellwise(space.mesh()) : V}, {}, constants(material, tau),
+      {{type, {{1, entities}}}}, {});
   if (compiled.integral_ids(type) != std::vector{1} || compiled.integral_types() != std::set{type})
     throw std::runtime_error(
         "forms/viscoelasticity.py: the measures of a form are dx(1), of L2_surface ds(1)");
@@ -126,7 +146,7 @@ petsc::Matrix assemble_over(const Space& space, const std::string& group, const 
 
 std::string signature(int dim, int degree) {
   Digest digest;
-  for (const ufcx_form* form : generated(dim, degree))
+  for (const ufcx_form* form : generated(dim, degree).forms)
     digest.add(form->signature);
   return digest.text();
 }
@@ -155,6 +175,59 @@ petsc::Matrix assemble_cellwise(const Space& space, const std::optional<std::str
   if (group)
     return assemble_over(space, *group, key, Form::L2_cellwise, Form::L2_cellwise_surface);
   return assemble_over(space, Form::L2_cellwise, space.mesh().owned_cells());
+}
+
+struct CellFields::Expressions {
+  using Expression = dolfinx::fem::Expression<PetscScalar, double>;
+  const Space& space;
+  std::vector<Part> parts;
+  std::shared_ptr<Function> displacement, velocity;
+
+  struct Field {
+    Function values;
+    std::vector<Expression> of_parts;
+  };
+  std::map<CellField, Field> fields; ///< those that have been asked for
+
+  Field& of(CellField field) {
+    if (const auto found = fields.find(field); found != fields.end())
+      return found->second;
+    const std::map<std::string, std::shared_ptr<const Function>> motion{{"displacement", displacement},
+                                                                        {"velocity", velocity}};
+    const ufcx_expression& code =
+        *generated(space.dim(), space.degree()).fields.at(static_cast<std::size_t>(field));
+    constexpr double no_tau = 0;
+    Field made{Function(cellwise(space.mesh(), shape(field))), {}};
+    for (const Part& part : parts)
+      made.of_parts.push_back(dolfinx::fem::create_expression<PetscScalar, double>(
+          code, motion, constants(part.material, no_tau)));
+    return fields.emplace(field, std::move(made)).first->second;
+  }
+};
+
+CellFields::CellFields(const Space& space, const std::vector<Part>& parts)
+    : expressions_(new Expressions{space,
+                                   parts,
+                                   std::make_shared<Function>(space.dolfinx()),
+                                   std::make_shared<Function>(space.dolfinx()),
+                                   {}}) {}
+
+CellFields::~CellFields() = default;
+
+Shape CellFields::shape(CellField field) { return field == CellField::von_mises ? Shape{} : Shape{3, 3}; }
+
+void CellFields::set(Vec y, Vec v) {
+  fem::set(*expressions_->displacement, petsc::ReadArray(y));
+  fem::set(*expressions_->velocity, petsc::ReadArray(v));
+}
+
+std::span<const double> CellFields::operator()(CellField field) {
+  Expressions::Field& found = expressions_->of(field);
+  for (std::size_t i = 0; i < found.of_parts.size(); ++i)
+    found.values.interpolate(found.of_parts[i], expressions_->parts[i].cells);
+  const auto& dofmap = *found.values.function_space()->dofmap();
+  return found.values.x()->array().first(
+      static_cast<std::size_t>(dofmap.index_map->size_local() * dofmap.index_map_bs()));
 }
 
 } // namespace signorini::fem

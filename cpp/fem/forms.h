@@ -2,6 +2,7 @@
 #include "base/petsc.h"
 #include "fem/material_regions.h"
 #include "fem/space.h"
+#include <memory>
 #include <optional>
 
 namespace signorini::fem {
@@ -30,5 +31,34 @@ petsc::Matrix assemble_part(const Space& space, const std::string& group, const 
 /// facets (AIJ). Collective. Throws as assemble_part does.
 petsc::Matrix assemble_cellwise(const Space& space, const std::optional<std::string>& group,
                                 const std::string& key);
+
+/// The fields of forms/viscoelasticity.py, by their names there; docs/method.md section 1.
+enum class CellField { strain, stress, von_mises };
+
+/// Fields of a motion that are constant on each cell: a value for each, the mean of a strain or stress over
+/// the cell, and the von Mises stress of that mean.
+class CellFields {
+public:
+  /// For the body's parts, each with its material. Collective. Throws std::runtime_error if a field has a
+  /// coefficient or constant that the program does not provide.
+  CellFields(const Space& space, const std::vector<Part>& parts);
+  ~CellFields();
+  CellFields(const CellFields&) = delete;
+  CellFields& operator=(const CellFields&) = delete;
+
+  /// Components of a value: (3, 3) of a tensor, in the plane too, none of the von Mises stress.
+  [[nodiscard]] static Shape shape(CellField field);
+
+  /// Sets the displacement (m) and velocity (m/s) that the fields are evaluated for. Collective.
+  void set(Vec y, Vec v);
+
+  /// The field of the last motion set, strain or Pa, as values of cellwise(mesh, shape) that this rank owns;
+  /// valid until the next call for it. Collective.
+  [[nodiscard]] std::span<const double> operator()(CellField field);
+
+private:
+  struct Expressions;
+  std::unique_ptr<Expressions> expressions_;
+};
 
 } // namespace signorini::fem

@@ -31,7 +31,7 @@ DirichletDofs::DirichletDofs(const Space& space, const std::vector<scene::Clamp>
       for (int node : nodes)
         for (std::size_t c = 0; c < components.size(); ++c) {
           const std::string value =
-              clamp.value && !scene::vanishes({clamp.value->at(c)}) ? clamp.value->at(c) : "0";
+              clamp.value && !scene::vanishes({clamp.value->at(c)}) ? clamp.value->at(c).text : "0";
           const auto [held, first] = motion.try_emplace(node * dim_ + components[c], value, i);
           if (!first && held->second.first != value)
             throw UserError(fmt::format(

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <basix/quadrature.h>
+#include <cmath>
 #include <dolfinx/fem/CoordinateElement.h>
 #include <dolfinx/fem/FiniteElement.h>
 #include <dolfinx/fem/FunctionSpace.h>
@@ -104,6 +105,8 @@ Sampler::Sampler(const Space& space, const std::vector<double>& points)
   std::vector<double> least(count_);
   std::ranges::transform(found, least.begin(), [](const auto& cell) { return cell.first; });
   MPI_Allreduce(MPI_IN_PLACE, least.data(), static_cast<int>(count_), MPI_DOUBLE, MPI_MIN, comm_);
+  distances_.resize(count_);
+  std::ranges::transform(least, distances_.begin(), [](double square) { return std::sqrt(square); });
   std::vector<int> owner(count_);
   for (std::size_t i = 0; i < count_; ++i)
     owner[i] = found[i].second >= 0 && found[i].first <= least[i] ? rank(comm_) : ranks(comm_);

@@ -20,6 +20,9 @@ public:
   /// `points`: (n × 3), m, the same on every rank. Collective.
   Sampler(const Space& space, const std::vector<double>& points);
 
+  /// Distances of the points from this mesh (n), m, zero inside.
+  [[nodiscard]] const std::vector<double>& distances() const { return distances_; }
+
   /// Values of y at the points (n × dim), on every rank. Collective.
   [[nodiscard]] std::vector<double> operator()(Vec y) const;
 
@@ -28,6 +31,7 @@ private:
   MPI_Comm comm_;
   std::vector<std::size_t> mine_; ///< numbers of the points that this rank evaluates
   std::size_t count_;
+  std::vector<double> distances_;
   petsc::Matrix at_points_; ///< evaluation at points; one component for all (MAIJ)
   petsc::Vector values_;
 };

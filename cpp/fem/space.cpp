@@ -13,26 +13,37 @@ namespace signorini::fem {
 
 namespace {
 
-/// A space of vector functions of `degree`. Collective.
-std::shared_ptr<dolfinx::fem::FunctionSpace<double>> vectors(const mesh::Mesh& mesh, int degree,
-                                                             bool discontinuous) {
+/// A space of functions of `degree`. Collective.
+std::shared_ptr<dolfinx::fem::FunctionSpace<double>> functions(const mesh::Mesh& mesh, int degree,
+                                                               bool discontinuous, const Shape& shape) {
   const auto cell = dolfinx::mesh::cell_type_to_basix_type(mesh.dolfinx()->topology()->cell_type());
   // The variant must be that of basix.ufl.element in forms/: dolfinx compares the elements' hashes.
   const auto element = basix::create_element<double>(basix::element::family::P, cell, degree,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, discontinuous);
   return std::make_shared<dolfinx::fem::FunctionSpace<double>>(
-      dolfinx::fem::create_functionspace(mesh.dolfinx(), element, {static_cast<std::size_t>(mesh.dim())}));
+      dolfinx::fem::create_functionspace(mesh.dolfinx(), element, shape));
 }
+
+Shape vector(const mesh::Mesh& mesh) { return {static_cast<std::size_t>(mesh.dim())}; }
 
 } // namespace
 
+std::shared_ptr<dolfinx::fem::FunctionSpace<double>> lagrange(const mesh::Mesh& mesh, int degree,
+                                                              const Shape& shape) {
+  return functions(mesh, degree, false, shape);
+}
+
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> lagrange(const mesh::Mesh& mesh, int degree) {
-  return vectors(mesh, degree, false);
+  return lagrange(mesh, degree, vector(mesh));
+}
+
+std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh, const Shape& shape) {
+  return functions(mesh, 0, true, shape);
 }
 
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh) {
-  return vectors(mesh, 0, true);
+  return cellwise(mesh, vector(mesh));
 }
 
 Space::Space(const mesh::Mesh& mesh, int degree) : mesh_(&mesh), degree_(degree), V_(lagrange(mesh, degree)) {

@@ -65,10 +65,17 @@ private:
 void interpolate(MPI_Comm comm, const scene::Field& field, double t, const std::vector<double>& points,
                  const std::vector<int>& components, std::span<double> out);
 
-/// The space of vector functions that are constant on each cell. Collective.
-std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh);
+/// Numbers of components along each axis of a value: none of a scalar, (dim) of a vector.
+using Shape = std::vector<std::size_t>;
 
-/// The vector Lagrange space of `degree` on a mesh, as a dolfinx object, for Space and output. Collective.
+/// The space of functions that are constant on each cell, of vectors or of another shape. Collective.
+std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh);
+std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh, const Shape& shape);
+
+/// The Lagrange space of `degree` on a mesh, of vectors or of another shape, as a dolfinx object, for Space
+/// and output. Collective.
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> lagrange(const mesh::Mesh& mesh, int degree);
+std::shared_ptr<dolfinx::fem::FunctionSpace<double>> lagrange(const mesh::Mesh& mesh, int degree,
+                                                              const Shape& shape);
 
 } // namespace signorini::fem

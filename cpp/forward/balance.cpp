@@ -34,10 +34,14 @@ void contact_forces(const Stepper& stepper, int k, const contact::ContactState& 
 
 } // namespace
 
-Balance::Balance(const Stepper& stepper) : stepper_(stepper) {
+Balance::Balance(const Stepper& stepper, Wanted wanted) : stepper_(stepper) {
   for (petsc::Vector* x :
        {&Ay0_, &Ay1_, &Mv0_, &Mv1_, &Bw_, &w_, &jump_, &load_, &force_, &inertia_, &defect_})
     *x = stepper.space().vector();
+  if (wanted.reactions)
+    reaction_ = stepper.space().vector();
+  if (wanted.controlled)
+    loads_alone_.emplace(ForceAtStep(stepper.space(), {wanted.loads}));
 }
 
 StepBalance Balance::operator()(const Frame& frame) {
@@ -49,13 +53,20 @@ StepBalance Balance::operator()(const Frame& frame) {
   check(MatMult(stepper_.M(), frame.v1, Mv1_));
   now.kinetic_energy = dot(frame.v1, Mv1_) / 2;
   now.elastic_energy = dot(frame.y1, Ay1_) / 2;
+  now.momentum = resultant(stepper_, Mv1_);
   const double before = std::exchange(energy_, now.kinetic_energy + now.elastic_energy);
   if (frame.k == 0)
     return now;
   check(VecWAXPY(w_, -1, frame.y0, frame.y1)); // w holds y_k − y_{k−1} until it is divided by τ
+  if (loads_alone_) {
+    assemble(loads_alone_->at(frame.k), body, load_);
+    now.load_work = dot(load_, w_);
+  }
   assemble(frame.load, body, load_);
   contact_forces(stepper_, frame.k, frame.contact, force_);
   now.external_work = dot(load_, w_);
+  if (!loads_alone_)
+    now.load_work = now.external_work;
   now.contact_work = dot(force_, w_);
   check(VecScale(w_, 1 / tau));
   check(VecZeroEntries(Bw_));
@@ -74,6 +85,8 @@ StepBalance Balance::operator()(const Frame& frame) {
   check(VecAXPY(defect_, -1, force_));
   add_work_of_jumps(frame, tau, now);
   const std::array<double, 3> whole = resultant(stepper_, defect_);
+  if (reaction_)
+    check(VecCopy(defect_, reaction_));
   const double all_work = stepper_.motion() ? tau * dot(defect_, w_) : 0;
   stepper_.clamped().clear(defect_);
   if (stepper_.motion()) // work of the reaction

@@ -11,9 +11,11 @@ struct StepBalance {
   double elastic_energy = 0;      ///< ½ y·Ay at the end of the step
   double viscous_dissipation = 0; ///< τ w·Bw of the step, w = (y_k − y_{k−1})/τ
   double external_work = 0;   ///< f·(y_k − y_{k−1}) of the step, control and the motion of clamps included
+  double load_work = 0;       ///< the same of the scene's loads alone
   double contact_work = 0;    ///< F_k·(y_k − y_{k−1}), never positive where obstacles rest
   double energy_residual = 0; ///< of the energy identity
   std::array<double, 3> contact_force{}; ///< resultant on the body
+  std::array<double, 3> momentum{};      ///< at the end of the step, kg m/s
   std::array<double, 3>
       momentum_residual{}; ///< rate of momentum less loads, contact forces and the clamp's reaction
   double momentum_scale =
@@ -24,11 +26,23 @@ struct StepBalance {
 /// energies only.
 class Balance {
 public:
-  /// Collective. `stepper` must outlive this object.
-  explicit Balance(const Stepper& stepper);
+  /// What of a motion is wanted besides.
+  struct Wanted {
+    bool reactions = false;      ///< of the clamps
+    bool controlled = false;     ///< other forces act than the scene's loads
+    const Load* loads = nullptr; ///< the scene's loads in this case, null without any
+  };
+
+  /// Collective. The references must outlive this object.
+  explicit Balance(const Stepper& stepper, Wanted wanted);
+  explicit Balance(const Stepper& stepper) : Balance(stepper, Wanted{}) {}
 
   /// Balance of the frame that follows the last one. Allocates nothing. Collective.
   StepBalance operator()(const Frame& frame);
+
+  /// Forces of the clamps on the body in the last frame's step, on the clamped dofs; other entries have no
+  /// meaning. Null unless wanted, zero in frame 0.
+  [[nodiscard]] Vec reactions() const { return reaction_; }
 
 private:
   /// Where j = y_k − y_{k−1} − τ (v_{k−1} + v_k)/2 is not zero, the kinetic energy changes by −j·M (v_k −
@@ -37,7 +51,8 @@ private:
   void add_work_of_jumps(const Frame& frame, double tau, StepBalance& now);
 
   const Stepper& stepper_;
-  petsc::Vector Ay0_, Ay1_, Mv0_, Mv1_, Bw_, w_, jump_, load_, force_, inertia_, defect_;
+  petsc::Vector Ay0_, Ay1_, Mv0_, Mv1_, Bw_, w_, jump_, load_, force_, inertia_, defect_, reaction_;
+  std::optional<ForceAtStep> loads_alone_;
   double energy_ = 0; ///< of the last frame
 };
 

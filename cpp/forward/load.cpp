@@ -48,51 +48,58 @@ void assemble(Functional functional, const fem::Operators& operators, Vec out) {
     check(VecAXPY(out, 1, functional.vector));
 }
 
-SceneLoad::SceneLoad(const fem::Space& space, const scene::Load& scene, TimeGrid grid)
+SceneLoad::SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, TimeGrid grid)
     : space_(space), grid_(grid) {
   if (scene.body) {
-    body_.emplace(Term{scene::Field(*scene.body, "load.body", true), space.vector(), {}, {}});
+    body_.emplace(Term{scene::Field(*scene.body, "load.body", true), space.vector()});
     evaluate(*body_, 1);
+  }
+  if (scene.gravity) {
+    forces_.push_back(
+        {scene::Field(*scene.gravity, "load.gravity", true), space.vector(), {}, M, space.vector()});
+    evaluate(forces_.back(), 1);
   }
   for (std::size_t i = 0; i < scene.tractions.size(); ++i) {
     const auto key = [&](const char* name) { return fmt::format("load.traction[{}].{}", i, name); };
     const scene::Traction& traction = scene.tractions[i];
     (void)space.mesh().facets(traction.on, key("on")); // throws if the group is not a surface
-    tractions_.push_back(Term{scene::Field(traction.value, key("value"), true), space.vector(),
-                              fem::assemble_L2(space, traction.on, key("on")), space.vector()});
-    evaluate(tractions_.back(), 1);
+    petsc::Matrix surface = fem::assemble_L2(space, traction.on, key("on"));
+    const Mat product = surface;
+    forces_.push_back({scene::Field(traction.value, key("value"), true), space.vector(), std::move(surface),
+                       product, space.vector()});
+    evaluate(forces_.back(), 1);
   }
 }
 
 void SceneLoad::evaluate(const Term& term, int k) const {
   ++evaluations;
   space_.interpolate(term.field, grid_.load_time(k), term.nodal);
-  if (term.surface)
-    check(MatMult(term.surface, term.nodal, term.force));
+  if (term.product)
+    check(MatMult(term.product, term.nodal, term.force));
 }
 
 void SceneLoad::add_term(const Term& term, int k, Vec out) const {
   if (term.field.depends_on_time())
     evaluate(term, k);
-  check(VecAXPY(out, 1, term.surface ? term.force : term.nodal));
+  check(VecAXPY(out, 1, term.product ? term.force : term.nodal));
 }
 
 bool SceneLoad::depends_on_time() const {
   return (body_ && body_->field.depends_on_time()) ||
-         std::ranges::any_of(tractions_, [](const Term& term) { return term.field.depends_on_time(); });
+         std::ranges::any_of(forces_, [](const Term& term) { return term.field.depends_on_time(); });
 }
 
 double SceneLoad::surface_bytes() const {
   double sum = 0;
-  for (const Term& term : tractions_)
-    sum += petsc::bytes(term.surface);
+  for (const Term& term : forces_)
+    sum += term.surface ? petsc::bytes(term.surface) : 0;
   return sum;
 }
 
 void SceneLoad::add(int k, NodalForce sum) const {
   if (body_)
     add_term(*body_, k, sum.density);
-  for (const Term& term : tractions_)
+  for (const Term& term : forces_)
     add_term(term, k, sum.vector);
 }
 

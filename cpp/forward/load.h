@@ -65,14 +65,15 @@ public:
   [[nodiscard]] virtual Vec y(int k) const = 0;
 };
 
-/// The body force and the tractions of a scene; evaluated again only if they depend on time.
+/// The body force, the weight and the tractions of a scene; evaluated again only if they depend on time.
 class SceneLoad final : public Load {
 public:
+  /// `M`: the mass matrix by which gravity acts, and inertia too: then a free body falls without strain.
   /// Collective. The references must outlive this object. Throws UserError.
-  SceneLoad(const fem::Space& space, const scene::Load& scene, TimeGrid grid);
+  SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, TimeGrid grid);
 
   [[nodiscard]] bool has_density() const override { return body_.has_value(); }
-  [[nodiscard]] bool has_vector() const override { return !tractions_.empty(); }
+  [[nodiscard]] bool has_vector() const override { return !forces_.empty(); }
   /// Adds f(t_{k−1/2}).
   void add(int k, NodalForce sum) const override;
 
@@ -82,13 +83,14 @@ public:
   [[nodiscard]] double surface_bytes() const;
 
 private:
-  /// An expression, its nodal values, and what it contributes: these for a body force, their product with the
-  /// surface's mass matrix for a traction.
+  /// An expression, its nodal values, and what it contributes: these for a body force; their product with the
+  /// surface's mass matrix for a traction, with M for gravity.
   struct Term {
     scene::Field field;
     petsc::Vector nodal;
-    petsc::Matrix surface; ///< null for a body force
-    petsc::Vector force;   ///< surface · nodal
+    petsc::Matrix surface{}; ///< null for a body force and gravity
+    Mat product = nullptr;   ///< surface or M; null for a body force
+    petsc::Vector force{};   ///< product · nodal
   };
   void evaluate(const Term& term, int k) const;
   void add_term(const Term& term, int k, Vec out) const;
@@ -96,7 +98,7 @@ private:
   const fem::Space& space_;
   TimeGrid grid_;
   std::optional<Term> body_;
-  std::vector<Term> tractions_;
+  std::vector<Term> forces_; ///< of gravity and tractions
 };
 
 } // namespace signorini::forward

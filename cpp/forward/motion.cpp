@@ -88,6 +88,8 @@ void PrescribedMotion::evaluate(int k, At& at) const {
             for (std::size_t c = 0; c < clamp.components.size(); ++c)
               rate[c] += slope.weight[j] * (there[c] - here[c]) / reach;
           }
+          for (std::size_t c = 0; c < clamp.components.size(); ++c)
+            rate[c] = clamp.field.slope(c, t, reach > 0).value_or(rate[c]);
         }
         for (std::size_t c = 0; c < clamp.components.size(); ++c) {
           const auto dof = static_cast<std::size_t>(node * space_.dim() + clamp.components[c]);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <numbers>
+#include <numeric>
 
 namespace signorini::forward {
 using petsc::check;
@@ -54,7 +55,7 @@ void Plausibility::look(Vec y, int k) {
   const double t = stepper_.grid().time(k);
   const fem::Deformation now = fem::deformation(stepper_.space(), y);
   const auto take = [t](Worst& worst, double value, const std::array<double, 3>& at) {
-    if (value > worst.value)
+    if (value > (1 + fem::tie) * worst.value) // of frames that are equal but for rounding, the first
       worst = {value, t, at};
   };
   take(strain_, now.strain.value, now.strain.at);
@@ -82,24 +83,28 @@ void Plausibility::look_at_contact(Vec y, int k) {
       const double* x = &pairs.points()[3 * candidate];
       const double* nu = &pairs.normals()[dim * candidate];
       std::array<double, 3> place{x[0], x[1], x[2]};
-      double square = 0, normal = 0;
+      double square = 0;
       for (std::size_t c = 0; c < dim; ++c) {
         place[c] += moved[c];
         square += moved[c] * moved[c];
-        normal += nu[c] * moved[c];
       }
       double distance = 0;
+      const contact::Obstacle::Place& now =
+          psi_->place[static_cast<std::size_t>(pairs.obstacles()[candidate])];
       try {
-        distance = obstacle.at(place.data()).height;
+        distance = obstacle.at(place.data(), now).height;
       } catch (const UserError&) { // no direction leads out of the obstacle: the node is deep inside
         distance = gaps_[candidate] - std::sqrt(square);
       }
       // Where neither distance shows contact, their difference has no effect.
       if (std::min(gaps_[candidate], distance) > pairs.gap_tolerance())
         continue;
-      const double along = std::sqrt(std::max(0.0, square - normal * normal)) / obstacle.radius(),
+      const std::array<double, 3> r = obstacle.from_middle(place.data(), now);
+      const double normal = std::inner_product(nu, nu + dim, r.begin(), 0.0),
+                   along = std::sqrt(std::max(0.0, std::inner_product(r.begin(), r.end(), r.begin(), 0.0) -
+                                                       normal * normal)),
                    error = std::abs(distance - gaps_[candidate]);
-      slip = std::max(slip, Row{along, along * obstacle.radius(), x[0], x[1], x[2]});
+      slip = std::max(slip, Row{along / now.radius, along, x[0], x[1], x[2]});
       if (error > pairs.gap_tolerance())
         gap = std::max(gap, Row{error / std::sqrt(square), error, x[0], x[1], x[2]});
     }

@@ -17,7 +17,7 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
                  Needs needs)
     : space_(space), operators_(operators), grid_{scene.time.step}, clamped_(space, scene.clamps) {
   if (!scene.contacts.empty())
-    pairs_.emplace(space, clamped_, scene.contacts);
+    pairs_.emplace(space, clamped_, scene.contacts, scene.time);
   petsc::Matrix D = fem::assemble_step_operator(space, scene.materials, grid_.tau);
   if (std::ranges::any_of(scene.contacts, &scene::Contact::massless))
     move_mass(scene, D);

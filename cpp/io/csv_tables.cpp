@@ -15,14 +15,14 @@ std::string steps_header(int dim, bool tracking) {
                      "energy_residual,";
   for (int c = 0; c < dim; ++c)
     text += fmt::format("contact_force_{},", axes[c]);
-  return text + (tracking
-                     ? "active,weak,min_gap,vi_iterations,momentum_residual,complementarity,tracking_error\n"
-                     : "active,weak,min_gap,vi_iterations,momentum_residual,complementarity\n");
+  return text + fmt::format("active,weak,min_gap,vi_iterations,momentum_residual,complementarity{},"
+                            "normal_force,load_work\n",
+                            tracking ? ",tracking_error" : "");
 }
 
 void add_steps_row(std::string& text, int k, double time, int dim, const forward::StepBalance& balance,
                    const forward::Invariants& invariants, const contact::ContactState& contact,
-                   std::optional<double> tracking_error) {
+                   double normal_force, std::optional<double> tracking_error) {
   auto out = std::back_inserter(text);
   fmt::format_to(out, "{},{:.10g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.6e},", k, time,
                  balance.kinetic_energy, balance.elastic_energy, balance.viscous_dissipation,
@@ -36,26 +36,7 @@ void add_steps_row(std::string& text, int k, double time, int dim, const forward
                  least, contact.vi_iterations, invariants.momentum(), invariants.complementarity());
   if (tracking_error)
     fmt::format_to(out, ",{:.17g}", *tracking_error);
-  text += '\n';
-}
-
-std::string contact_header(const contact::ContactPairs& pairs) {
-  return fmt::format("step,time,x,y{},gap,force{}\n", pairs.dim() == 3 ? ",z" : "",
-                     pairs.obstacle_count() > 1 ? ",obstacle" : "");
-}
-
-void add_contact_rows(std::string& text, int k, const forward::TimeGrid& grid,
-                      const contact::ContactPairs& pairs, const contact::ContactState& contact) {
-  auto out = std::back_inserter(text);
-  for (std::size_t i = 0; i < contact.gap.size(); ++i) {
-    fmt::format_to(out, "{},{:.10g}", k, grid.time(k));
-    for (int c = 0; c < pairs.dim(); ++c)
-      fmt::format_to(out, ",{:.17g}", pairs.points()[3 * i + static_cast<std::size_t>(c)]);
-    fmt::format_to(out, ",{:.17g},{:.17g}", contact.gap[i], contact.lambda[i] / grid.scheme(k).impulse());
-    if (pairs.obstacle_count() > 1)
-      fmt::format_to(out, ",{}", pairs.obstacles()[i]);
-    text += '\n';
-  }
+  fmt::format_to(out, ",{:.17g},{:.17g}\n", normal_force, balance.load_work);
 }
 
 std::string history_table(const std::vector<HistoryRow>& rows) {

@@ -1,6 +1,5 @@
 #pragma once
 #include "contact/contact_state.h"
-#include "contact/pairs.h"
 #include "forward/invariants.h"
 #include <limits>
 #include <optional>
@@ -14,18 +13,11 @@ namespace signorini::io {
 /// with `tracking`, in a run with an objective.
 std::string steps_header(int dim, bool tracking);
 
-/// Appends row k; `tracking_error` is ‖y_k − y_d,k‖ in L2 (m², in 3D m^5/2).
+/// Appends row k; `normal_force` is the sum of the moduli of the nodal contact forces (N, in 2D N/m),
+/// `tracking_error` is ‖y_k − y_d,k‖ in L2 (m², in 3D m^5/2).
 void add_steps_row(std::string& text, int k, double time, int dim, const forward::StepBalance& balance,
                    const forward::Invariants& invariants, const contact::ContactState& contact,
-                   std::optional<double> tracking_error);
-
-/// Header of contact.csv: one row per stored step and candidate, with its point in the undeformed body; where
-/// a scene has several obstacles a last column gives the number of the candidate's.
-std::string contact_header(const contact::ContactPairs& pairs);
-
-/// Appends the rows of step k.
-void add_contact_rows(std::string& text, int k, const forward::TimeGrid& grid,
-                      const contact::ContactPairs& pairs, const contact::ContactState& contact);
+                   double normal_force, std::optional<double> tracking_error);
 
 /// One row of history.csv.
 struct HistoryRow {

@@ -1,6 +1,5 @@
 #include "io/manifest.h"
 #include "base/counters.h"
-#include "scene/expression.h"
 #include "version.h"
 #include <algorithm>
 #include <chrono>
@@ -18,10 +17,7 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
     return field && !scene::vanishes(*field);
   };
   const auto moves = [](const scene::Clamp& clamp) { return clamp.value && !scene::vanishes(*clamp.value); };
-  const auto obstacle_moves = [](const scene::Contact& contact) {
-    const auto* half_space = std::get_if<scene::HalfSpace>(&contact.obstacle);
-    return half_space && scene::Field(half_space->point, "contact.obstacle.point", true).depends_on_time();
-  };
+  const auto obstacle_moves = [](const scene::Contact& contact) { return scene::moves(contact.obstacle); };
   const auto& objective = scene.objective;
   const bool viscous = std::ranges::any_of(
       scene.materials, [](const scene::Material& material) { return material.viscosity.has_value(); });
@@ -34,6 +30,7 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
           {"massless contact", std::ranges::any_of(scene.contacts, &scene::Contact::massless)},
           {"moving obstacle", std::ranges::any_of(scene.contacts, obstacle_moves)},
           {"body load", scene.load && given(scene.load->body)},
+          {"gravity", scene.load && given(scene.load->gravity)},
           {"traction", scene.load && !scene.load->tractions.empty()},
           {"initial displacement", given(scene.initial.displacement)},
           {"initial velocity", given(scene.initial.velocity)},
@@ -44,7 +41,8 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
           {"terminal term", objective && objective->gamma > 0},
           {"control cost", objective && objective->alpha > 0},
           {"stored fields", !scene.output.fields.empty()},
-          {"tables", !scene.output.tables.empty()}};
+          {"tables", !scene.output.tables.empty()},
+          {"probes", !scene.output.probes.empty()}};
 }
 
 nlohmann::ordered_json versions() {
@@ -55,33 +53,70 @@ nlohmann::ordered_json versions() {
       {"gmsh", GMSH_API_VERSION}};
 }
 
-std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& timers) {
-  using nlohmann::ordered_json;
-  char host[256] = "";
-  gethostname(host, sizeof host - 1);
+std::string version_line() {
+  std::string text;
+  const nlohmann::ordered_json all = versions();
+  for (const auto& [name, version] : all.items())
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, version.get<std::string>());
+  return text;
+}
+
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json vector(const std::array<double, 3>& x, int dim) {
+  return std::vector<double>(x.begin(), x.begin() + dim);
+}
+
+/// Times and peaks are null where there was no contact.
+ordered_json touch(const forward::Touch& one, int dim) {
+  const auto if_any = [&](double value) { return one.occurred() ? ordered_json(value) : ordered_json(); };
   ordered_json json;
-  json["program"] = "signorini";
-  json["verb"] = m.verb;
-  json["scene"] = scene.name;
-  json["stop_reason"] = m.stop_reason;
-  json["finished"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
-  json["versions"] = versions();
-  json["host"] = {{"name", host}, {"ranks", m.ranks}};
-  json["unknowns"] = m.unknowns;
-  json["free_unknowns"] = m.free_unknowns;
-  json["cells"] = m.cells;
-  json["candidates"] = m.candidates;
-  json["steps"] = {{"asked", scene.time.steps}, {"done", m.steps_done}};
-  json["solver"] = m.solver;
-  if (!m.control_unit.empty())
-    json["control_unit"] = m.control_unit;
-  for (const auto& [name, on] : effects(scene))
-    json["effects"][name] = on;
-  if (m.objective)
-    json["objective"] = {{"value", m.objective->total()},
-                         {"tracking", m.objective->tracking},
-                         {"terminal", m.objective->terminal},
-                         {"control_cost", m.objective->control_cost}};
+  if (!one.name.empty())
+    json["name"] = one.name;
+  json["start"] = if_any(one.start);
+  json["end"] = if_any(one.end);
+  json["duration"] = one.end - one.start;
+  json["contact_time"] = one.contact_time;
+  json["impulse"] = vector(one.impulse, dim);
+  json["normal_impulse"] = one.normal_impulse;
+  json["peak"] = one.peak;
+  json["peak_time"] = if_any(one.peak_time);
+  json["normal_peak"] = one.normal_peak;
+  json["largest_step"] = one.largest_step;
+  return json;
+}
+
+ordered_json impact_json(const forward::Impact& impact, int dim) {
+  const auto if_any = [&](const std::array<double, 3>& velocity) {
+    return impact.all.occurred() ? vector(velocity, dim) : ordered_json();
+  };
+  ordered_json json{{"mass", impact.mass}, {"obstacles", ordered_json::array()}};
+  for (const forward::Touch& one : impact.obstacles)
+    json["obstacles"].push_back(touch(one, dim));
+  json["all"] = touch(impact.all, dim);
+  json["ended"] = impact.ended;
+  json["velocity_before"] = if_any(impact.before);
+  json["velocity_after"] = if_any(impact.after);
+  json["restitution"] = impact.restitution ? ordered_json(*impact.restitution) : ordered_json();
+  return json;
+}
+
+ordered_json energy_json(const forward::EnergyAccount& energy) {
+  return {{"kinetic_at_start", energy.kinetic_at_start},
+          {"elastic_at_start", energy.elastic_at_start},
+          {"load_work", energy.load_work},
+          {"control_and_clamp_work", energy.other_work},
+          {"contact_work", energy.contact_work},
+          {"viscous_dissipation", energy.viscous_dissipation},
+          {"residual", energy.residual},
+          {"kinetic_at_end", energy.kinetic_at_end},
+          {"elastic_at_end", energy.elastic_at_end}};
+}
+
+/// What a search adds.
+void add_search(ordered_json& json, const Manifest& m, const scene::Scene& scene) {
   if (m.iterations)
     json["optimizer"] = {{"iterations", *m.iterations},
                          {"forward_sweeps", m.forward_sweeps.value_or(0)},
@@ -99,6 +134,47 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
                     {"gradients", m.kink->gradients},
                     {"weak_contact", weak}};
   }
+}
+
+} // namespace
+
+std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& timers) {
+  char host[256] = "";
+  gethostname(host, sizeof host - 1);
+  ordered_json json;
+  json["program"] = "signorini";
+  json["verb"] = m.verb;
+  json["scene"] = scene.name;
+  json["stop_reason"] = m.stop_reason;
+  json["finished"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
+  json["versions"] = versions();
+  json["host"] = {{"name", host}, {"ranks", m.ranks}};
+  json["unknowns"] = m.unknowns;
+  json["free_unknowns"] = m.free_unknowns;
+  json["cells"] = m.cells;
+  json["body"] = {{"extent", std::vector(m.body.extent.begin(), m.body.extent.begin() + m.body.dim)},
+                  {"mass", m.body.mass},
+                  {"pressure_waves", m.body.pressure_waves},
+                  {"shear_waves", m.body.shear_waves},
+                  {"crossing_time", m.body.crossing},
+                  {"doubts", m.body.doubts}};
+  json["candidates"] = m.candidates;
+  json["steps"] = {{"asked", scene.time.steps}, {"done", m.steps_done}};
+  json["solver"] = m.solver;
+  if (!m.control_unit.empty())
+    json["control_unit"] = m.control_unit;
+  for (const auto& [name, on] : effects(scene))
+    json["effects"][name] = on;
+  if (m.objective)
+    json["objective"] = {{"value", m.objective->total()},
+                         {"tracking", m.objective->tracking},
+                         {"terminal", m.objective->terminal},
+                         {"control_cost", m.objective->control_cost}};
+  add_search(json, m, scene);
+  if (m.impact)
+    json["impact"] = impact_json(*m.impact, m.dim);
+  if (m.energy)
+    json["energy"] = energy_json(*m.energy);
   for (const forward::Invariants::Defect& defect : m.invariants)
     json["invariants"][defect.name] = {{"worst", defect.worst}, {"step", defect.step}};
   json["warnings"] = ordered_json::array();

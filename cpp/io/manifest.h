@@ -1,7 +1,9 @@
 #pragma once
 #include "base/timers.h"
 #include "control/objective.h"
+#include "forward/body_figures.h"
 #include "forward/invariants.h"
+#include "forward/motion_summary.h"
 #include "forward/plausibility.h"
 #include "scene/scene.h"
 #include <nlohmann/json_fwd.hpp>
@@ -37,7 +39,11 @@ struct Manifest {
   std::string control_unit; ///< of control.scale, empty without a control
   std::string solver;       ///< of the steps, and the reason of its choice
   double peak_memory = 0;   ///< bytes, summed over the ranks
+  int dim = 2;
+  forward::BodyFigures body;
   std::optional<control::Value> objective;
+  std::optional<forward::EnergyAccount> energy;        ///< of the motion stored; absent if not summed up
+  std::optional<forward::Impact> impact;               ///< likewise, and in a scene without contact
   std::vector<forward::Invariants::Defect> invariants; ///< of the motion stored; empty if not monitored
   std::vector<forward::Warning> warnings;              ///< of the motion stored
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
@@ -47,6 +53,8 @@ struct Manifest {
 
 /// Versions of this program and of its main libraries.
 nlohmann::ordered_json versions();
+/// The same on one line.
+std::string version_line();
 
 /// The text of run.json.
 std::string to_json(const Manifest& manifest, const scene::Scene& scene, const Timers& timers);

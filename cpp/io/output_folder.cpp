@@ -11,9 +11,9 @@ namespace fs = std::filesystem;
 namespace {
 
 /// The fixed names of a run's files, data before the files that refer to them.
-constexpr std::array file_names{"state.h5",     "control.h5",   "adjoint.h5", "state.xdmf",
-                                "control.xdmf", "adjoint.xdmf", "steps.csv",  "contact.csv",
-                                "history.csv",  "scene.toml",   "run.json"};
+constexpr std::array file_names{"state.h5",     "control.h5", "adjoint.h5",  "state.xdmf",    "control.xdmf",
+                                "adjoint.xdmf", "steps.csv",  "contact.csv", "obstacles.csv", "probes.csv",
+                                "history.csv",  "scene.toml", "run.json"};
 
 constexpr const char *manifest = file_names.back(), *unfinished = ".unfinished-";
 
@@ -22,6 +22,31 @@ constexpr const char* checkpoint = "checkpoint.h5";
 
 /// Files that a search puts in place before its end.
 const FolderLock::Names early_names{"history.csv", checkpoint};
+
+/// Files that only a search leaves.
+constexpr std::array of_search{"history.csv", "control.h5", "control.xdmf", "adjoint.h5", "adjoint.xdmf"};
+
+/// Whether postprocess/ made a file: it says so near its beginning, a page in
+/// <meta name="generator" content="signorini report">, a picture in its comment.
+bool drawn(const fs::path& file) {
+  std::string start(1 << 16, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(in.gcount()));
+  return start.find("signorini report") != std::string::npos;
+}
+
+/// The page and the figures of an earlier run, by their paths within the folder.
+std::vector<std::string> drawings(const fs::path& folder) {
+  std::vector<std::string> found;
+  std::error_code none;
+  if (fs::is_regular_file(folder / "report.html", none) && drawn(folder / "report.html"))
+    found.emplace_back("report.html");
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder / "figures", none))
+    if (entry.is_regular_file(none) && drawn(entry.path()))
+      found.push_back("figures/" + entry.path().filename().string());
+  return found;
+}
 
 /// Removes the half-written files of runs that were killed.
 void clear_unfinished(const fs::path& folder) {
@@ -82,6 +107,15 @@ FolderLock::Names OutputFolder::files() const {
   return found;
 }
 
+double OutputFolder::bytes() const {
+  double sum = 0;
+  std::error_code none;
+  for (const char* name : file_names)
+    if (const auto size = fs::file_size(staged(name), none); rank(comm_) == 0 && !none)
+      sum += static_cast<double>(size);
+  return sum;
+}
+
 void OutputFolder::write(const std::string& name, const std::string& text) const {
   TextFile file(*this, name);
   file.append(text);
@@ -112,9 +146,21 @@ void TextFile::close() {
   });
 }
 
+void OutputFolder::require_no_search(const fs::path& given) const {
+  on_root(comm_, [&] {
+    std::error_code none;
+    if (std::ranges::any_of(of_search, [&](const char* name) { return fs::exists(folder_ / name, none); }))
+      throw UserError(
+          fmt::format("--out: found an optimum in {0}, whose history, control and adjoint this run would "
+                      "remove, allowed are "
+                      "--replace, which removes them, and another folder, such as --out {0}-simulate",
+                      given.string()));
+  });
+}
+
 void OutputFolder::publish() {
   MPI_Barrier(comm_); // all ranks have closed their files
-  on_root(comm_, [&] { io::publish(folder_, staging_, file_names); });
+  on_root(comm_, [&] { io::publish(folder_, staging_, file_names, drawings(folder_)); });
 }
 
 } // namespace signorini::io

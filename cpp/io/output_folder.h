@@ -31,12 +31,20 @@ public:
   /// Removes everything written so far. Not collective.
   void discard() const;
 
+  /// Throws UserError if the folder, `given` by the user, has what only a search leaves and this run would
+  /// remove. Collective.
+  void require_no_search(const std::filesystem::path& given) const;
+
   /// Moves everything written into place, and removes files of an earlier run under the fixed names that this
-  /// one did not write; all of it, or nothing if it throws. Collective. Throws UserError.
+  /// one did not write, and the page and figures that postprocess/ made of it; all of it, or nothing if it
+  /// throws. Collective. Throws UserError.
   void publish();
 
   /// The files that run.json, written last, lists: those of this run, and a checkpoint that stays. On rank 0.
   [[nodiscard]] FolderLock::Names files() const;
+
+  /// Size of what has been written so far, bytes. Zero on ranks other than 0.
+  [[nodiscard]] double bytes() const;
 
   [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
   [[nodiscard]] MPI_Comm comm() const { return comm_; }

@@ -65,6 +65,10 @@ void go_on(const fs::path& folder, Names names, std::vector<Move>& done) {
     if (fs::exists(from / name))
       move(from / name, folder / name);
   synchronise(folder);
+  std::error_code not_empty;
+  for (const std::string& name : replaced)
+    if (const fs::path inner = fs::path(name).parent_path(); !inner.empty())
+      fs::remove(folder / inner, not_empty);
 }
 
 /// Removes the remains of a publication, which are harmless if this fails.
@@ -86,15 +90,19 @@ UserError problem(const fs::path& folder, Names names, const fs::filesystem_erro
 
 } // namespace
 
-void publish(const fs::path& folder, const fs::path& staging, Names names) {
+void publish(const fs::path& folder, const fs::path& staging, Names names,
+             const std::vector<std::string>& outdated) {
   std::vector<std::string> replaced;
   std::vector<Move> done;
   try {
     for (const char* name : std::views::reverse(names))
       if (fs::exists(folder / name))
         replaced.emplace_back(name);
+    replaced.insert(replaced.end(), outdated.begin(), outdated.end());
     write_list(staging / list, replaced);
     fs::create_directory(staging / earlier);
+    for (const std::string& name : replaced)
+      fs::create_directories((staging / earlier / name).parent_path());
     for (const auto& entry : fs::directory_iterator(staging))
       synchronise(entry.path());
     synchronise(staging);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fmt/format.h>
+#include <limits>
 
 namespace signorini::io {
 using petsc::check;
@@ -35,26 +36,53 @@ std::vector<std::int64_t> cells(hid_t dataset) {
   return all;
 }
 
-/// Times of a group's members, ascending, and their names; empty if a name is not a time. The writer calls
-/// the dataset of 0.25 s "0_25".
-std::vector<std::pair<double, std::string>> times_of(hid_t group) {
+/// Names of a group's members, ascending; fewer if one cannot be read.
+std::vector<std::string> names_of(hid_t group) {
   H5G_info_t info{};
-  if (H5Gget_info(group, &info) < 0)
+  std::vector<std::string> names;
+  for (hsize_t i = 0; H5Gget_info(group, &info) >= 0 && i < info.nlinks; ++i) {
+    std::array<char, 64> name{};
+    if (H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(), name.size(), H5P_DEFAULT) <
+        0)
+      break;
+    names.emplace_back(name.data());
+  }
+  return names;
+}
+
+/// As many times as the file must list, s; empty if it does not.
+std::vector<double> listed_times(hid_t file, std::size_t count) {
+  const Opened array(H5Dopen(file, "/times", H5P_DEFAULT), H5Dclose);
+  const Opened space(array ? H5Dget_space(array) : H5I_INVALID_HID, H5Sclose);
+  if (!space || H5Sget_simple_extent_npoints(space) != static_cast<hssize_t>(count))
+    return {};
+  std::vector<double> times(count);
+  if (H5Dread(array, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times.data()) < 0)
+    times.clear();
+  return times;
+}
+
+/// A name as a time, s; NaN if it is none. Earlier versions called the dataset of 0.25 s "0_25".
+double named_time(std::string name) {
+  std::ranges::replace(name, '_', '.');
+  char* end = nullptr;
+  const double time = std::strtod(name.c_str(), &end);
+  return *end == '\0' ? time : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Times of a group's members, ascending, and their names; empty if they are not as a run writes them.
+std::vector<std::pair<double, std::string>> times_of(hid_t file, hid_t group) {
+  const std::vector<std::string> names = names_of(group);
+  const bool lists = H5Lexists(file, "/times", H5P_DEFAULT) > 0;
+  const std::vector<double> listed = lists ? listed_times(file, names.size()) : std::vector<double>();
+  if (lists && listed.empty())
     return {};
   std::vector<std::pair<double, std::string>> times;
-  for (hsize_t i = 0; i < info.nlinks; ++i) {
-    std::array<char, 64> name{};
-    if (H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_NATIVE, i, name.data(), name.size(),
-                           H5P_DEFAULT) < 0)
-      return {};
-    std::string number = name.data();
-    std::ranges::replace(number, '_', '.');
-    char* end = nullptr;
-    const double time = std::strtod(number.c_str(), &end);
-    if (*end != '\0' || !std::isfinite(time))
-      return {};
-    times.emplace_back(time, name.data());
-  }
+  for (std::size_t i = 0; i < names.size(); ++i)
+    times.emplace_back(lists ? listed[i] : named_time(names[i]), names[i]);
+  const auto wrong = [](const auto& one) { return !std::isfinite(one.first); };
+  if (std::ranges::any_of(times, wrong) || (lists && !std::ranges::is_sorted(times)))
+    return {};
   std::ranges::sort(times);
   return times;
 }
@@ -114,7 +142,7 @@ void StoredField::look(double end, std::vector<double>& points) {
   const Opened group(H5Gopen(file, ("/Function/" + field_).c_str(), H5P_DEFAULT), H5Gclose);
   if (!group)
     fail(fmt::format("found no field \"{}\", allowed is a run whose output.fields has it", field_));
-  for (const auto& [time, name] : times_of(group)) {
+  for (const auto& [time, name] : times_of(file, group)) {
     times_.push_back(time);
     names_.push_back(name);
   }

@@ -79,7 +79,8 @@ struct Facet {
 /// Extracts gmsh's current model and validates it. Throws UserError.
 class Extraction {
 public:
-  explicit Extraction(const scene::Mesh& mesh) : file_(mesh.file.string()) {}
+  explicit Extraction(const scene::Mesh& mesh)
+      : file_(mesh.file.string()), metres_(scene::metres(mesh.unit)) {}
 
   RawMesh run() {
     require_dimension();
@@ -179,11 +180,12 @@ private:
       if (found == row.end())
         fail(fmt::format("an element refers to node {}, which the file does not have", tag));
       number_[tag] = static_cast<std::int64_t>(raw_.points.size() / 3);
-      const double* x = &points[3 * found->second];
+      const double* drawn = &points[3 * found->second];
+      const std::array<double, 3> x{metres_ * drawn[0], metres_ * drawn[1], metres_ * drawn[2]};
       if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
         fail(
             fmt::format("node {} is at ({}, {}, {}), allowed are finite coordinates", tag, x[0], x[1], x[2]));
-      raw_.points.insert(raw_.points.end(), x, x + 3);
+      raw_.points.insert(raw_.points.end(), x.begin(), x.end());
       extent = std::max({extent, std::abs(x[0]), std::abs(x[1])});
       off_plane = std::max(off_plane, std::abs(x[2]));
     }
@@ -313,11 +315,62 @@ private:
   }
 
   std::string file_;
+  double metres_; ///< length of the file's unit
   RawMesh raw_;
   std::unordered_map<std::int64_t, std::int64_t> number_;
   std::map<int, std::array<std::int64_t, 2>> range_; ///< entity → its rows in raw_.cells
   std::vector<Facet> facets_; ///< of every cell, sorted; a facet between two cells appears twice
 };
+
+/// Sets the size of all elements, in the unit of the file.
+void set_size(double size) {
+  gmsh::option::setNumber("Mesh.MeshSizeMin", size);
+  gmsh::option::setNumber("Mesh.MeshSizeMax", size);
+}
+
+/// Area or volume of the current model by a mesh of elements of this size, in the unit of the file.
+double measure(int dim, double size) {
+  set_size(size);
+  gmsh::model::mesh::generate(dim);
+  std::vector<int> types;
+  std::vector<std::vector<Tag>> elements, nodes;
+  gmsh::model::mesh::getElements(types, elements, nodes, dim);
+  double sum = 0;
+  for (const std::vector<Tag>& block : elements) {
+    std::vector<double> volumes;
+    gmsh::model::mesh::getElementQualities(block, volumes, "volume");
+    for (double volume : volumes)
+      sum += std::abs(volume);
+  }
+  return sum;
+}
+
+/// Throws UserError if the elements of mesh.size in the model, just opened from the file `opened`, are more
+/// than can be: gmsh would try for hours. A coarse mesh tells, where the bounding box leaves a doubt.
+void require_few_cells(const scene::Mesh& mesh, const std::string& opened) {
+  constexpr double most = 1e8, doubtful = 1e7;
+  const int dim = gmsh::model::getDimension();
+  if (dim < 2)
+    return;
+  std::array<double, 6> box{};
+  gmsh::model::getBoundingBox(-1, -1, box[0], box[1], box[2], box[3], box[4], box[5]);
+  std::array<double, 3> sides{box[3] - box[0], box[4] - box[1], box[5] - box[2]};
+  const double metres = scene::metres(mesh.unit), size = *mesh.size / metres,
+               cell = std::pow(size, dim) *
+                      (dim == 2 ? std::sqrt(3.0) / 4 : std::sqrt(2.0) / 12); // regular ones
+  if (!(sides[0] * sides[1] * (dim == 3 ? sides[2] : 1) > doubtful * cell))
+    return;
+  const double cells = measure(dim, std::max({sides[0], sides[1], sides[2]}) / (dim == 2 ? 20 : 8)) / cell;
+  if (!(cells <= most))
+    throw UserError(fmt::format("mesh.size: found {:.4g} m, which makes some {:.1e} cells of a body of "
+                                "{:.3g} m, allowed are sizes that make "
+                                "no more than {:.0e}; a file in millimetres has mesh.unit = \"mm\"",
+                                *mesh.size, cells, metres * std::max({sides[0], sides[1], sides[2]}), most));
+  gmsh::clear();
+  gmsh::logger::stop(); // what it says of the coarse mesh is no matter
+  gmsh::logger::start();
+  gmsh::open(opened);
+}
 
 } // namespace
 
@@ -340,8 +393,8 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh) {
     gmsh::open(opened);
     if (mesh.file.extension() == ".geo") {
       if (mesh.size) {
-        gmsh::option::setNumber("Mesh.MeshSizeMin", *mesh.size);
-        gmsh::option::setNumber("Mesh.MeshSizeMax", *mesh.size);
+        require_few_cells(mesh, opened);
+        set_size(*mesh.size / scene::metres(mesh.unit));
       }
       gmsh::option::setNumber("Mesh.MeshSizeFactor", mesh.scale);
       gmsh::model::mesh::generate(gmsh::model::getDimension());

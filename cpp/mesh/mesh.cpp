@@ -1,6 +1,7 @@
 #include "mesh/mesh.h"
 #include "base/collective.h"
 #include "base/digest.h"
+#include "base/signals.h"
 #include "mesh/gmsh_model.h"
 #include "scene/names.h"
 #include <algorithm>
@@ -19,7 +20,7 @@ namespace {
 
 namespace stdex = MDSPAN_IMPL_STANDARD_NAMESPACE;
 
-double bounding_diagonal(const RawMesh& raw) {
+std::array<double, 3> bounding_box(const RawMesh& raw) {
   std::array<double, 3> low{}, high{};
   for (int i = 0; i < 3; ++i)
     low[i] = high[i] = raw.points[i];
@@ -27,7 +28,7 @@ double bounding_diagonal(const RawMesh& raw) {
     low[p % 3] = std::min(low[p % 3], raw.points[p]);
     high[p % 3] = std::max(high[p % 3], raw.points[p]);
   }
-  return std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+  return {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
 }
 
 std::shared_ptr<dolfinx::mesh::Mesh<double>> distribute(MPI_Comm comm, const RawMesh& raw, int dim) {
@@ -81,11 +82,18 @@ std::vector<std::int32_t> owned_of(const dolfinx::mesh::Topology& topology,
 
 Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh) : comm_(comm), file_(mesh.file.string()) {
   RawMesh raw;
-  on_root(comm, [&] { raw = read_gmsh(mesh); });
+  on_root(comm, [&] {
+    try {
+      raw = read_gmsh(mesh);
+    } catch (const Interrupted&) { // which all ranks are told of below
+    }
+  });
+  if (stop_requested(comm))
+    throw Interrupted();
   if (rank(comm) == 0)
-    dim_ = raw.dim, diameter_ = bounding_diagonal(raw), digest_ = Digest().add(packed(raw)).text();
+    dim_ = raw.dim, extent_ = bounding_box(raw), digest_ = Digest().add(packed(raw)).text();
   MPI_Bcast(&dim_, 1, MPI_INT, 0, comm);
-  MPI_Bcast(&diameter_, 1, MPI_DOUBLE, 0, comm);
+  MPI_Bcast(extent_.data(), 3, MPI_DOUBLE, 0, comm);
   mesh_ = distribute(comm, raw, dim_);
   const auto topology = mesh_->topology_mutable();
   cells_ = topology->index_map(dim_)->size_global();

@@ -1,6 +1,7 @@
 #pragma once
 #include "scene/scene.h"
 #include <array>
+#include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <map>
@@ -20,14 +21,17 @@ namespace signorini::mesh {
 /// (surfaces).
 class Mesh {
 public:
-  /// Reads a .geo or .msh on rank 0 and distributes it. Collective; throws UserError on every rank alike.
+  /// Reads a .geo or .msh on rank 0 and distributes it. Collective; throws UserError, or Interrupted if a
+  /// rank was asked to stop meanwhile, on every rank alike.
   Mesh(MPI_Comm comm, const scene::Mesh& mesh);
 
   /// Space dimension.
   [[nodiscard]] int dim() const { return dim_; }
 
-  /// Diagonal of the bounding box, m: the reference length of tolerances for gaps.
-  [[nodiscard]] double diameter() const { return diameter_; }
+  /// Sides of the bounding box, m.
+  [[nodiscard]] const std::array<double, 3>& extent() const { return extent_; }
+  /// Its diagonal, m: the reference length of tolerances for gaps.
+  [[nodiscard]] double diameter() const { return std::hypot(extent_[0], extent_[1], extent_[2]); }
 
   /// Number of cells on all ranks.
   [[nodiscard]] std::int64_t cells() const { return cells_; }
@@ -60,7 +64,7 @@ private:
   MPI_Comm comm_;
   std::string file_, digest_;
   int dim_ = 0;
-  double diameter_ = 0;
+  std::array<double, 3> extent_{};
   std::int64_t cells_ = 0;
   std::shared_ptr<dolfinx::mesh::Mesh<double>> mesh_;
   struct Group {

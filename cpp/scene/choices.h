@@ -11,6 +11,14 @@ namespace signorini::scene {
 template <std::size_t n>
 using Names = std::array<std::string_view, n>;
 
+/// Of the coordinates in a mesh file.
+enum class LengthUnit { m, cm, mm, um, in };
+constexpr Names<5> names(LengthUnit) { return {"m", "cm", "mm", "um", "in"}; }
+constexpr double metres(LengthUnit unit) {
+  constexpr std::array lengths{1.0, 1e-2, 1e-3, 1e-6, 0.0254};
+  return lengths[static_cast<std::size_t>(unit)];
+}
+
 enum class TimeScheme { contact_implicit, contact_stabilized };
 constexpr Names<2> names(TimeScheme) { return {"contact-implicit", "contact-stabilized"}; }
 
@@ -57,11 +65,13 @@ constexpr Names<3> names(Storage) { return {"memory", "disk", "checkpoints"}; }
 enum class OnViolation { warn, stop, off };
 constexpr Names<3> names(OnViolation) { return {"warn", "stop", "off"}; }
 
-enum class StoredField { displacement, velocity, control, adjoint };
-constexpr Names<4> names(StoredField) { return {"displacement", "velocity", "control", "adjoint"}; }
+enum class StoredField { displacement, velocity, control, adjoint, strain, stress, von_mises, pressure };
+constexpr Names<8> names(StoredField) {
+  return {"displacement", "velocity", "control", "adjoint", "strain", "stress", "von_mises", "pressure"};
+}
 
-enum class StoredTable { steps, contact, history };
-constexpr Names<3> names(StoredTable) { return {"steps", "contact", "history"}; }
+enum class StoredTable { steps, contact, obstacles, probes, history };
+constexpr Names<5> names(StoredTable) { return {"steps", "contact", "obstacles", "probes", "history"}; }
 
 /// The name of a choice.
 template <class E>

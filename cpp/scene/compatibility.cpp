@@ -1,4 +1,5 @@
 #include "scene/compatibility.h"
+#include "scene/names.h"
 #include <algorithm>
 #include <fmt/format.h>
 #include <map>
@@ -11,14 +12,7 @@ namespace {
 
 /// Whether the key `name`, with the numbers of tables, matters to the problem or to `besides`.
 bool matters(const std::string& name, Part besides) {
-  std::string plain;
-  bool number = false;
-  for (char c : name) {
-    number = c == '[' || (number && c != ']');
-    if (!number && c != ']')
-      plain += c;
-  }
-  const auto key = std::ranges::find(keys(), plain, &KeyLine::name);
+  const auto key = std::ranges::find(keys(), without_numbers(name), &KeyLine::name);
   return key == keys().end() || key->part == Part::problem || key->part == besides;
 }
 

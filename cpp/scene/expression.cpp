@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <muParser.h>
 #include <numbers>
 
@@ -23,11 +24,26 @@ bool assigns(const std::string& text) {
 
 } // namespace
 
+std::string Expression::written(double value) { return fmt::format("{}", value); }
+
+const std::string& expression_parts() {
+  static const std::string text = [] {
+    const mu::Parser parser;
+    std::vector<std::string> functions;
+    for (const auto& [name, definition] : parser.GetFunDef())
+      functions.push_back(name);
+    return fmt::format("numbers, + - * / ^, < <= > >= == != && ||, a ? b : c, the functions {}, the "
+                       "constants pi and e",
+                       fmt::join(functions, " "));
+  }();
+  return text;
+}
+
 struct Field::Impl {
   Components text;
   std::string key;
   std::array<double, 4> variables{};
-  std::vector<mu::Parser> parsers;
+  std::vector<mu::Parser> parsers; ///< of time series, without an expression
   bool depends_on_time = false, depends_on_place = false;
 };
 
@@ -35,8 +51,12 @@ Field::Field(Components components, const std::string& key, bool time) : impl_(s
   impl_->text = std::move(components);
   impl_->key = key;
   impl_->parsers.reserve(impl_->text.size());
-  for (const std::string& text : impl_->text) {
+  for (const auto& [text, series] : impl_->text) {
     mu::Parser& parser = impl_->parsers.emplace_back();
+    if (series) {
+      impl_->depends_on_time = true;
+      continue;
+    }
     parser.ClearConst();
     parser.DefineConst("pi", std::numbers::pi);
     parser.DefineConst("e", std::numbers::e);
@@ -58,10 +78,9 @@ Field::Field(Components components, const std::string& key, bool time) : impl_(s
     } catch (const mu::ParserError& error) {
       const int position = std::min(error.GetPos(), static_cast<int>(text.size()));
       throw UserError(
-          fmt::format("{}: the expression \"{}\" is wrong{}: {}; allowed are muParser's functions, the "
-                      "constants pi and e, and the variables {}",
-                      key, text, position >= 0 ? fmt::format(" at position {}", position) : "",
-                      error.GetMsg(), time ? "x, y, z, t" : "x, y, z"));
+          fmt::format("{}: the expression \"{}\" is wrong{}: {}; allowed are {}, and the variables {}", key,
+                      text, position >= 0 ? fmt::format(" at position {}", position) : "", error.GetMsg(),
+                      expression_parts(), time ? "x, y, z, t" : "x, y, z"));
     }
   }
 }
@@ -77,13 +96,18 @@ bool Field::depends_on_place() const { return impl_->depends_on_place; }
 void Field::evaluate(const double* x, double t, double* values) const {
   impl_->variables = {x[0], x[1], x[2], t};
   for (std::size_t i = 0; i < impl_->parsers.size(); ++i) {
-    values[i] = impl_->parsers[i].Eval();
+    values[i] = impl_->text[i].series ? (*impl_->text[i].series)(t) : impl_->parsers[i].Eval();
     if (!std::isfinite(values[i]))
       throw UserError(
           fmt::format("{}: the expression \"{}\" is {} at x = {}, y = {}, z = {}, t = {}; it must "
                       "be finite in the whole body at all times",
                       impl_->key, impl_->text[i], values[i], x[0], x[1], x[2], t));
   }
+}
+
+std::optional<double> Field::slope(std::size_t component, double t, bool after) const {
+  const auto& series = impl_->text[component].series;
+  return series ? std::optional(series->slope(t, after)) : std::nullopt;
 }
 
 } // namespace signorini::scene

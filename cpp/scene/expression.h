@@ -2,13 +2,17 @@
 #include "scene/scene.h"
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace signorini::scene {
 
+/// What expressions consist of, in words, but for their variables.
+const std::string& expression_parts();
+
 /// A vector field given by one expression (muParser) per component in x, y, z (m) and t (s), with the
-/// constants pi and e. Not collective.
+/// constants pi and e, or by time series. Not collective.
 class Field {
 public:
   /// `time`: whether the expressions may depend on t. Throws UserError, naming `key`, if an expression does
@@ -27,6 +31,9 @@ public:
   /// Evaluates at the point `x` (3), m, and time `t`, s, into `values` (size()). Throws UserError, naming
   /// key, point and time, if a value is not finite.
   void evaluate(const double* x, double t, double* values) const;
+
+  /// The slope by time of a component that is a time series, per second: TimeSeries::slope().
+  [[nodiscard]] std::optional<double> slope(std::size_t component, double t, bool after) const;
 
 private:
   struct Impl;

@@ -1,4 +1,5 @@
 #include "scene/key_reference.h"
+#include "scene/expression.h"
 #include "scene/schema.h"
 
 namespace signorini::scene {
@@ -68,7 +69,11 @@ std::string reference() {
     text += key.meaning.empty() ? "\n" : "\n    " + key.meaning + "\n";
   }
   std::erase(text, '`');
-  return text;
+  return text +
+         fmt::format("Expressions consist of {}, and of x, y, z (m) and t (s) where the key has them.\n"
+                     "In place of one of t: {{ file = \"table.csv\", column = \"name\" }}, linear between "
+                     "the times of its column \"time\" or \"t\".\n",
+                     expression_parts());
 }
 
 std::string markdown() {

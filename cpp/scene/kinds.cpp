@@ -1,4 +1,5 @@
 #include "scene/kinds.h"
+#include "scene/expression.h"
 #include <charconv>
 #include <cmath>
 
@@ -9,7 +10,17 @@ Json array(const Json& items, int least) {
   return {{"type", "array"}, {"items", items}, {"minItems", least}, {"maxItems", 3}};
 }
 
-const Json number{{"type", "number"}}, expression{{"type", {"string", "number"}}};
+const Json number{{"type", "number"}}, text{{"type", "string"}}, expression{{"type", {"string", "number"}}},
+    time_series{{"type", "object"},
+                {"properties", {{"file", text}, {"column", text}}},
+                {"required", {"file", "column"}},
+                {"additionalProperties", false}};
+
+/// Throws UserError if an expression names a place.
+void require_time_alone(const Reader& in, Name key, const Components& components) {
+  if (Field(components, key, true).depends_on_place())
+    in.fail(key, fmt::format("found {}, allowed are expressions of t alone", fmt::join(components, ", ")));
+}
 
 } // namespace
 
@@ -23,6 +34,17 @@ std::string written(const std::string& text) {
   for (char c : text)
     quoted += (c == '"' || c == '\\') ? std::string{'\\', c} : std::string{c};
   return quoted + '"';
+}
+
+std::string written(const Expression& expression) {
+  return expression.series ? expression.text : written(expression.text);
+}
+
+std::string written_as_number(const Expression& expression) {
+  const std::string& text = expression.text;
+  double value = 0;
+  const auto [last, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && last == text.data() + text.size() ? written(value) : written(expression);
 }
 
 std::string quoted(const std::vector<std::string>& names) {
@@ -59,20 +81,23 @@ std::vector<Component> Acting::read(Reader& in, Name key, const Scene& scene) {
   return components;
 }
 
-Json Expressions::schema() { return array(expression, 2); }
+Json Expressions::schema() const {
+  return array(time ? Json{{"anyOf", {expression, time_series}}} : expression, 2);
+}
 
 Components ClampMotion::read(Reader& in, Name key, const Scene& scene) {
   const auto& held = scene.clamps.back().components;
-  return in.expressions(key, true, held ? held->size() : 0);
+  return in.expressions(key, scene.time.end, held ? held->size() : 0);
 }
 
-Json ClampMotion::schema() { return array(expression, 1); }
+Json ClampMotion::schema() { return array({{"anyOf", {expression, time_series}}}, 1); }
 
 Components ControlField::read(Reader& in, Name key, const Scene& scene) {
   if (!scene.control) // which is refused once all is read
-    return in.expressions(key, true);
+    return in.expressions(key, scene.time.end);
   const auto& acting = scene.control->components;
-  Components values = in.expressions(key, !scene.control->constant_in_time);
+  Components values =
+      in.expressions(key, scene.control->constant_in_time ? std::nullopt : std::optional(scene.time.end));
   for (std::size_t c = 0; acting && c < values.size(); ++c)
     if (!vanishes({values[c]}) && std::ranges::find(*acting, static_cast<Component>(c)) == acting->end())
       in.fail(key, fmt::format("found \"{}\" for {}, allowed is \"0\": control.components leaves it out",
@@ -80,16 +105,26 @@ Components ControlField::read(Reader& in, Name key, const Scene& scene) {
   return values;
 }
 
+Components Point::read(Reader& in, Name key, const Scene& scene) {
+  Components components = in.expressions(key, scene.time.end);
+  require_time_alone(in, key, components);
+  return components;
+}
+
 std::string Point::write(const Components& components) {
   std::vector<std::string> entries;
-  for (const std::string& component : components) {
-    double value = 0;
-    const char* end = component.data() + component.size();
-    const auto [last, error] = std::from_chars(component.data(), end, value);
-    entries.push_back(error == std::errc() && last == end ? written(value) : written(component));
-  }
+  for (const Expression& component : components)
+    entries.push_back(written_as_number(component));
   return fmt::format("[{}]", fmt::join(entries, ", "));
 }
+
+Expression Varying::read(Reader& in, Name key, const Scene& scene) const {
+  Expression expression = in.number_or_expression(key, limits, scene.time.end);
+  require_time_alone(in, key, {expression});
+  return expression;
+}
+
+Json Varying::schema() const { return {{"anyOf", {Number{limits}.schema(), text, time_series}}}; }
 
 Json Numbers::schema() { return array(number, 2); }
 

@@ -13,6 +13,9 @@ using Name = const std::string&;
 
 std::string written(double value);
 std::string written(const std::string& text);
+std::string written(const Expression& expression);
+/// The same, of a constant a number.
+std::string written_as_number(const Expression& expression);
 template <class T>
 std::string written(const std::vector<T>& values) {
   std::vector<std::string> texts;
@@ -98,22 +101,26 @@ struct Acting : Set<Component> {
   static std::vector<Component> read(Reader& in, Name key, const Scene& scene);
 };
 
-/// One expression of place, at `time` of t too.
+/// One expression of place, with `time` of t too.
 struct Formula : Text {
   bool time = false;
   std::string read(Reader& in, Name key, const Scene&) const { return in.expression(key, time); }
-  [[nodiscard]] std::string words() const { return "expression in x, y, z"; }
+  [[nodiscard]] std::string words() const {
+    return time ? "expression in x, y, z, t" : "expression in x, y, z";
+  }
 };
 
 /// One expression for each component.
 struct Expressions {
   bool time = true;
-  Components read(Reader& in, Name key, const Scene&) const { return in.expressions(key, time); }
+  Components read(Reader& in, Name key, const Scene& scene) const {
+    return in.expressions(key, time ? std::optional(scene.time.end) : std::nullopt);
+  }
   static std::string write(const Components& components) { return written(components); }
   [[nodiscard]] std::string words() const {
     return time ? "expressions in x, y, z, t" : "expressions in x, y, z";
   }
-  static Json schema();
+  [[nodiscard]] Json schema() const;
 };
 
 /// Of the components that the clamp which is being read holds.
@@ -128,10 +135,20 @@ struct ControlField : Expressions {
   static Components read(Reader& in, Name key, const Scene& scene);
 };
 
-/// A point that may move; its constant components are written as numbers.
+/// A vector of t alone, such as a point that moves; its constant components are written as numbers.
 struct Point : Expressions {
+  static Components read(Reader& in, Name key, const Scene& scene);
   static std::string write(const Components& components);
   static std::string words() { return "numbers or expressions in t"; }
+};
+
+/// A number of t alone; `limits` are those of a constant.
+struct Varying {
+  Limits limits{};
+  Expression read(Reader& in, Name key, const Scene& scene) const;
+  static std::string write(const Expression& expression) { return written_as_number(expression); }
+  [[nodiscard]] std::string words() const { return "number" + limits.range() + ", or expression in t"; }
+  [[nodiscard]] Json schema() const;
 };
 
 /// One number for each component.

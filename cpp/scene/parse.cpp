@@ -1,5 +1,8 @@
+#include "base/digest.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "scene/expression.h"
+#include "scene/names.h"
 #include "scene/override.h"
 #include "scene/schema.h"
 #include <algorithm>
@@ -19,7 +22,7 @@ std::string read(const std::filesystem::path& file) {
 }
 
 Scene parse(const std::string& text, const std::filesystem::path& file,
-            const std::vector<std::string>& overrides) {
+            const std::vector<std::string>& overrides, const ReadFile& open) {
   toml::table root;
   try {
     root = toml::parse(text, file.string());
@@ -27,15 +30,34 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
     throw UserError(fmt::format("{}:{}: not valid TOML: {}", file.string(), error.source().begin.line,
                                 error.description()));
   }
-  for (const std::string& assignment : overrides)
-    override_key(root, assignment, file);
-  Reader in(root, "", file);
   Scene scene;
+  for (const std::string& assignment : overrides) {
+    override_key(root, assignment, file);
+    scene.given.push_back(without_numbers(assignment.substr(0, assignment.find('='))));
+  }
+  std::optional<Digest> series;
+  const Source source{file, [&](const std::filesystem::path& path) {
+                        std::string content = open(path);
+                        (series ? *series : series.emplace()).add(content);
+                        return content;
+                      }};
+  Reader in(root, "", source);
   scene.file = std::filesystem::absolute(file);
   scene.name = file.stem().string();
   scene.solver.memory = machine_memory() / 2;
   schema::read(in, scene);
+  if (scene.output.every == 0)
+    scene.output.every = Output::automatic(scene.time.steps);
+  if (series)
+    scene.digest_of_series = series->text();
   return scene;
+}
+
+int Output::automatic(int steps) {
+  int every = 1;
+  for (int digit = 0; (steps - 1) / every + 1 > most_frames; digit = (digit + 1) % 3)
+    every = digit == 1 ? every / 2 * 5 : every * 2;
+  return every;
 }
 
 std::string contact_key(const std::vector<Contact>& contacts, std::size_t i) {
@@ -53,8 +75,22 @@ std::vector<Component> components(int dim) {
 }
 
 bool vanishes(const Components& components) {
-  return std::ranges::all_of(components,
-                             [](const std::string& text) { return text == "0" || text == "0.0"; });
+  return std::ranges::all_of(components, [](const Expression& expression) {
+    return expression.text == "0" || expression.text == "0.0";
+  });
+}
+
+bool moves(const Obstacle& obstacle) {
+  const auto varies = [](const Components& components) {
+    return Field(components, "obstacle", true).depends_on_time();
+  };
+  if (const auto* plane = std::get_if<HalfSpace>(&obstacle))
+    return varies(plane->point);
+  if (const auto* ball = std::get_if<Ball>(&obstacle))
+    return varies(ball->center) || varies({ball->radius});
+  if (const auto* cylinder = std::get_if<Cylinder>(&obstacle))
+    return varies(cylinder->point) || varies({cylinder->radius});
+  return varies({std::get<SignedDistance>(obstacle).distance});
 }
 
 bool rests(const Control& control) {

@@ -1,6 +1,7 @@
 #include "scene/reader.h"
 #include "base/error.h"
 #include "scene/expression.h"
+#include "scene/kinds.h"
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -74,6 +75,18 @@ std::string nearest(std::string_view found, const std::vector<std::string>& vali
   return best;
 }
 
+std::string without_numbers(std::string_view key) {
+  std::string plain;
+  for (std::size_t end = 0; end != std::string_view::npos; key.remove_prefix(std::min(end + 1, key.size()))) {
+    end = key.find('.');
+    std::string_view name = key.substr(0, end);
+    name = name.substr(0, name.find('['));
+    if (name.find_first_not_of("0123456789") != std::string_view::npos)
+      plain += (plain.empty() ? "" : ".") + std::string(name);
+  }
+  return plain;
+}
+
 std::string list(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
 
 bool Limits::contain(double value) const {
@@ -96,10 +109,13 @@ std::string Reader::full(const std::string& key) const {
 
 void Reader::fail(const std::string& key, const std::string& problem) const {
   const toml::node* found = key.empty() ? nullptr : table_.get(key);
-  // Neither the root table nor values from --set have a line.
-  const auto line = found ? found->source().begin.line : path_.empty() ? 0 : table_.source().begin.line;
-  throw UserError(line > 0 ? fmt::format("{}:{}: {}: {}", file_.string(), line, full(key), problem)
-                           : fmt::format("{}: {}: {}", file_.string(), full(key), problem));
+  const toml::node& place = found ? *found : table_;
+  // Neither the root table nor what comes from --set has a line.
+  const auto line = !found && path_.empty() ? 0 : place.source().begin.line;
+  const std::string file = source_.file.string();
+  throw UserError(line > 0 ? fmt::format("{}:{}: {}: {}", file, line, full(key), problem)
+                           : fmt::format("{}{}: {}", found || !path_.empty() ? "--set " : file + ": ",
+                                         full(key), problem));
 }
 
 bool Reader::has(const std::string& key) {
@@ -206,26 +222,74 @@ bool Reader::flag(const std::string& key) {
   return value->get();
 }
 
-Components Reader::expressions(const std::string& key, bool time, std::size_t count) {
-  const toml::array* array = node(key).as_array();
+Expression Reader::series(const toml::table& table, const std::string& key, std::optional<double> end) const {
+  if (!end)
+    fail(key, fmt::format("found {}, allowed are expressions of place alone", shown(table)));
+  Reader in(table, full(key), source_);
+  const std::string column = in.text("column");
+  const std::filesystem::path given = in.text("file");
+  in.finish();
+  std::error_code error;
+  const auto file =
+      std::filesystem::weakly_canonical(std::filesystem::absolute(source_.file).parent_path() / given, error);
+  if (error)
+    fail(key, fmt::format("found a path that cannot be followed ({}), allowed is another", error.message()));
+  const auto made = [&] {
+    try {
+      return TimeSeries(source_.open(file), column);
+    } catch (const UserError& problem) {
+      fail(key, fmt::format("{}: {}", given.string(), problem.what()));
+    }
+  }();
+  constexpr double rounding = 1e-9;
+  if (made.begin() > rounding * *end || made.end() < (1 - rounding) * *end)
+    fail(key,
+         fmt::format("{}: found times from {:.6g} to {:.6g} s, allowed are those that cover the run, from 0 "
+                     "to {:.6g} s",
+                     given.string(), made.begin(), made.end(), *end));
+  return {fmt::format("{{ file = {}, column = {} }}", kind::written(file.string()), kind::written(column)),
+          made};
+}
+
+Components Reader::expressions(const std::string& key, std::optional<double> end, std::size_t count) {
+  const toml::node& found = node(key);
+  const toml::array* array = found.as_array();
+  const std::string one = found.is_string() || found.is_number() ? shown(found) : "";
   const std::string allowed =
       count > 0 ? fmt::format("an array of {} expression{}, one for each component held", count,
                               count == 1 ? "" : "s")
-                : "an array of one expression per space dimension, such as [\"0\", \"-9.81\"] in the plane "
-                  "and [\"0\", \"0\", \"-9.81\"] in space";
+      : one.empty()
+          ? "an array of one expression per space dimension, 2 in the plane and 3 in space"
+          : fmt::format(
+                "an array of one expression per space dimension, such as [\"0\", {0}] in the plane and "
+                "[\"0\", \"0\", {0}] in space",
+                one);
   if (!array || (count > 0 ? array->size() != count : array->size() < 2 || array->size() > 3))
-    fail(key, fmt::format("found {}, allowed is {}", shown(node(key)), allowed));
+    fail(key, fmt::format("found {}, allowed is {}", shown(found), allowed));
   Components components;
   for (const toml::node& entry : *array) {
     if (const auto* string = entry.as_string(); string && on_one_line(string->get()))
-      components.push_back(string->get());
+      components.emplace_back(string->get());
     else if (entry.is_number())
-      components.push_back(shown(entry));
+      components.emplace_back(shown(entry));
+    else if (const toml::table* table = entry.as_table())
+      components.push_back(series(*table, key, end));
     else
       fail(key, fmt::format("found {}, allowed is {}", shown(entry), allowed));
   }
-  require_readable(components, key, time);
+  require_readable(components, key, end.has_value());
   return components;
+}
+
+Expression Reader::number_or_expression(const std::string& key, const Limits& limits, double end) {
+  const toml::node& found = node(key);
+  if (const toml::table* table = found.as_table())
+    return series(*table, key, end);
+  if (const auto* string = found.as_string(); string && on_one_line(string->get())) {
+    require_readable({string->get()}, key, true);
+    return string->get();
+  }
+  return number(key, limits);
 }
 
 std::string Reader::expression(const std::string& key, bool time) {
@@ -247,7 +311,7 @@ Reader Reader::table(const std::string& key) {
   const toml::table* table = node(key).as_table();
   if (!table)
     fail(key, fmt::format("found {}, allowed is a table", shown(node(key))));
-  return {*table, full(key), file_};
+  return {*table, full(key), source_};
 }
 
 std::vector<Reader> Reader::tables(const std::string& key) {
@@ -258,7 +322,7 @@ std::vector<Reader> Reader::tables(const std::string& key) {
   if (!array || !array->is_homogeneous<toml::table>())
     fail(key, fmt::format("found {}, allowed are tables headed [[{}]]", shown(node(key)), full(key)));
   for (std::size_t i = 0; i < array->size(); ++i)
-    readers.emplace_back(*array->get(i)->as_table(), fmt::format("{}[{}]", full(key), i), file_);
+    readers.emplace_back(*array->get(i)->as_table(), fmt::format("{}[{}]", full(key), i), source_);
   return readers;
 }
 

@@ -23,13 +23,19 @@ struct Limits {
   [[nodiscard]] std::string range() const;
 };
 
+/// Where a scene comes from.
+struct Source {
+  const std::filesystem::path& file; ///< for messages
+  ReadFile open;                     ///< reads the files of time series
+};
+
 /// Validating access to one table of the scene file: every access throws UserError for a wrong value or a
-/// missing key without fallback, and finish() rejects keys that were never accessed. Table and file must
+/// missing key without fallback, and finish() rejects keys that were never accessed. Table and source must
 /// outlive it.
 class Reader {
 public:
-  Reader(const toml::table& table, std::string path, const std::filesystem::path& file)
-      : table_(table), path_(std::move(path)), file_(file) {}
+  Reader(const toml::table& table, std::string path, const Source& source)
+      : table_(table), path_(std::move(path)), source_(source) {}
 
   /// Whether the table has the key; counts as an access.
   [[nodiscard]] bool has(const std::string& key);
@@ -53,10 +59,13 @@ public:
   std::vector<double> numbers(const std::string& key, const Limits& limits);
   /// One number, or one per space dimension.
   std::vector<double> number_or_numbers(const std::string& key, const Limits& limits);
-  /// One expression per space dimension, or `count` of them if positive; `time`: whether t is allowed.
-  Components expressions(const std::string& key, bool time, std::size_t count = 0);
-  /// One expression.
+  /// One expression per space dimension, or `count` of them if positive; `end`: the last time for which they
+  /// are evaluated, s; none: t is not allowed.
+  Components expressions(const std::string& key, std::optional<double> end, std::size_t count = 0);
+  /// One expression of place.
   std::string expression(const std::string& key, bool time);
+  /// A number, or an expression.
+  Expression number_or_expression(const std::string& key, const Limits& limits, double end);
   bool flag(const std::string& key);
   /// Reader of a subtable.
   Reader table(const std::string& key);
@@ -73,12 +82,14 @@ private:
   const toml::node& node(const std::string& key);
   double to_number(const toml::node& node, const std::string& key, const Limits& limits) const;
   [[nodiscard]] std::string full(const std::string& key) const;
+  /// A time series that a table names; `end` as in expressions().
+  Expression series(const toml::table& table, const std::string& key, std::optional<double> end) const;
   /// Throws UserError unless the expressions parse.
   void require_readable(const Components& components, const std::string& key, bool time) const;
 
   const toml::table& table_;
   std::string path_;
-  const std::filesystem::path& file_;
+  const Source& source_;
   std::set<std::string> known_;
 };
 

@@ -45,17 +45,6 @@ void require_rules(Reader& in, const Material& material, const Scene& scene) {
                                 *material.on, i));
 }
 
-void require_rules(Reader& in, const HalfSpace& obstacle, const Scene&) {
-  if (Field(obstacle.point, "point", true).depends_on_place())
-    in.fail(
-        "point",
-        fmt::format("found [{}], allowed are expressions of t alone: the point is one for the whole plane",
-                    fmt::join(obstacle.point, ", ")));
-  if (obstacle.normal.size() != obstacle.point.size())
-    in.fail("normal", fmt::format("found {} components where point has {}, allowed are as many",
-                                  obstacle.normal.size(), obstacle.point.size()));
-}
-
 void require_rules(Reader& in, const Cylinder& obstacle, const Scene&) {
   if (obstacle.point.size() == 3) {
     in.require("axis");
@@ -105,14 +94,73 @@ void require_rules(Reader& in, const Trajectory& trajectory, const Scene&) {
                         name(trajectory.storage)));
 }
 
-void require_rules(Reader& in, const Exact& exact, const Scene& scene) {
+namespace {
+
+/// The name of one of several things of a `kind`, for columns and rows of tables: `<kind> <number>` where the
+/// table gives none. `others` has the names of those before it, and their keys.
+std::string unique_name(Reader& in, const char* kind, std::size_t number,
+                        const std::vector<std::pair<std::string, std::string>>& others) {
+  const std::string name = in.has("name") ? in.text("name") : fmt::format("{} {}", kind, number);
+  if (name.find_first_of(",\"") != std::string::npos)
+    in.fail(
+        "name",
+        fmt::format("found '{}', allowed is a text without commas and quotes: it stands in tables", name));
+  for (const auto& [other, key] : others)
+    if (other == name)
+      in.fail("name", fmt::format("found \"{}\", which {} has too, allowed is another", name, key));
+  return name;
+}
+
+} // namespace
+
+std::string obstacle_name(Reader& in, const Scene& scene) {
+  std::vector<std::pair<std::string, std::string>> others;
+  for (std::size_t i = 0; i + 1 < scene.contacts.size(); ++i)
+    others.emplace_back(scene.contacts[i].name, fmt::format("contact[{}]", i));
+  return unique_name(in, "obstacle", scene.contacts.size(), others);
+}
+
+void require_rules(Reader& in, Probe& probe, const Scene& scene) {
+  std::vector<std::pair<std::string, std::string>> others;
+  for (std::size_t i = 0; i + 1 < scene.output.probes.size(); ++i)
+    others.emplace_back(scene.output.probes[i].name, fmt::format("output.probe[{}]", i));
+  probe.name = unique_name(in, "probe", scene.output.probes.size(), others);
+  std::vector<std::string> found;
+  for (const char* key : {"point", "on", "obstacle", "body"})
+    if (in.has(key))
+      found.emplace_back(key);
+  if (found.empty())
+    in.finish(); // reports a misspelt key, the likeliest reason
+  if (found.size() != 1)
+    in.fail("", fmt::format("found {}, allowed is one of point, on, obstacle, body",
+                            found.empty() ? "none of them" : list(found)));
+  if (probe.body && !*probe.body)
+    in.fail("body", "found false, allowed is true, or no table [[output.probe]]");
+  if (!probe.obstacle)
+    return;
+  if (scene.contacts.empty())
+    in.fail("obstacle", "has no meaning without contact; allowed with a table [contact]");
+  std::vector<std::string> names;
+  for (const Contact& contact : scene.contacts)
+    names.push_back(contact.name);
+  if (std::ranges::find(names, *probe.obstacle) == names.end()) {
+    const std::string near = nearest(*probe.obstacle, names);
+    in.fail("obstacle",
+            fmt::format("found \"{}\"{}, allowed: {}", *probe.obstacle,
+                        near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), list(names)));
+  }
+}
+
+void require_rules(Reader& in, const Output& output, const Scene& scene) {
+  if (output.field(StoredField::pressure) && scene.contacts.empty())
+    in.fail("fields",
+            "found \"pressure\", which has no meaning without contact; allowed with a table [contact]");
+}
+
+void require_rules(Reader& in, const Exact&, const Scene& scene) {
   for (const char* key : {"pressure", "impulse", "peak_force", "contact_start", "contact_time"})
     if (in.has(key) && scene.contacts.empty())
       in.fail(key, "has no meaning without contact; allowed with a table [contact]");
-  if (exact.pressure && Field({*exact.pressure}, "exact.pressure", true).depends_on_time())
-    in.fail("pressure",
-            fmt::format("found \"{}\", allowed is an expression of x, y and z: it is that at time.end",
-                        *exact.pressure));
 }
 
 void require_rules(Reader& in, const Scene& scene, const Scene&) {
@@ -140,8 +188,8 @@ public:
 
   void vector(std::size_t size, const std::string& key, bool one_allowed = false) const {
     if (size != static_cast<std::size_t>(dim_) && !(one_allowed && size == 1))
-      throw UserError(fmt::format("{}: {}: found {} components, allowed are {}: the mesh is {}-dimensional",
-                                  scene_.file.string(), key, size, dim_, dim_));
+      throw UserError(fmt::format("{}: found {} components, allowed are {}: the mesh is {}-dimensional",
+                                  where(key), size, dim_, dim_));
   }
   template <class V>
   void vector(const std::optional<V>& given, const std::string& key, bool one_allowed = false) const {
@@ -153,19 +201,27 @@ public:
     allowed.resize(static_cast<std::size_t>(dim_));
     for (Component component : given.value_or(components(dim_)))
       if (static_cast<int>(component) >= dim_)
-        throw UserError(fmt::format("{}: {}: found \"{}\", allowed: {}: the mesh is {}-dimensional",
-                                    scene_.file.string(), key, name(component), list(allowed), dim_));
+        throw UserError(fmt::format("{}: found \"{}\", allowed: {}: the mesh is {}-dimensional", where(key),
+                                    name(component), list(allowed), dim_));
   }
   void obstacle(const Obstacle& shape, const std::string& key) const {
-    if (const auto* half_space = std::get_if<HalfSpace>(&shape))
+    if (const auto* half_space = std::get_if<HalfSpace>(&shape)) {
       vector(half_space->point.size(), key + "point");
-    else if (const auto* ball = std::get_if<Ball>(&shape))
+      vector(half_space->normal.size(), key + "normal");
+    } else if (const auto* ball = std::get_if<Ball>(&shape))
       vector(ball->center.size(), key + "center");
     else if (const auto* cylinder = std::get_if<Cylinder>(&shape))
       vector(cylinder->point.size(), key + "point");
   }
 
 private:
+  /// The key behind what gave it: --set, or the file.
+  [[nodiscard]] std::string where(const std::string& key) const {
+    const std::string plain = without_numbers(key);
+    const auto gave = [&](const std::string& set) { return plain == set || plain.starts_with(set + "."); };
+    return (std::ranges::any_of(scene_.given, gave) ? "--set " : scene_.file.string() + ": ") + key;
+  }
+
   const Scene& scene_;
   int dim_;
 };
@@ -182,8 +238,10 @@ void require_dimension(const Scene& scene, int dim) {
     if (!clamp.components)
       require.vector(clamp.value, clamp_key(scene.clamps, i) + ".value");
   }
-  if (scene.load)
+  if (scene.load) {
     require.vector(scene.load->body, "load.body");
+    require.vector(scene.load->gravity, "load.gravity");
+  }
   for (std::size_t i = 0; scene.load && i < scene.load->tractions.size(); ++i)
     require.vector(scene.load->tractions[i].value.size(), fmt::format("load.traction[{}].value", i));
   require.vector(scene.initial.displacement, "initial.displacement");
@@ -201,6 +259,8 @@ void require_dimension(const Scene& scene, int dim) {
       require.vector(desired->displacement.size(), "objective.desired.displacement");
   }
   require.vector(scene.check.control, "check.control");
+  for (std::size_t i = 0; i < scene.output.probes.size(); ++i)
+    require.vector(scene.output.probes[i].point, fmt::format("output.probe[{}].point", i));
   if (scene.exact)
     require.vector(scene.exact->displacement, "exact.displacement");
 }

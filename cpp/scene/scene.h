@@ -1,10 +1,14 @@
 #pragma once
 #include "scene/choices.h"
+#include "scene/time_series.h"
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -12,15 +16,36 @@
 /// effect is absent, unless stated otherwise.
 namespace signorini::scene {
 
+/// An expression of x, y, z (m) and t (s), or a time series in its place.
+struct Expression {
+  std::string text;                         ///< of a time series the table in TOML that names it
+  std::shared_ptr<const TimeSeries> series; ///< null: an expression
+
+  Expression(std::string expression) : text(std::move(expression)) {}
+  Expression(const char* expression) : text(expression) {}
+  template <class Number>
+    requires std::is_arithmetic_v<Number>
+  Expression(Number value) : text(written(static_cast<double>(value))) {}
+  Expression(std::string table, TimeSeries given)
+      : text(std::move(table)), series(std::make_shared<const TimeSeries>(std::move(given))) {}
+
+  friend bool operator==(const Expression& a, const Expression& b) { return a.text == b.text; }
+
+private:
+  static std::string written(double value);
+};
+inline std::string_view format_as(const Expression& expression) { return expression.text; } // for fmt
+
 /// Components of a vector field, one expression each.
-using Components = std::vector<std::string>;
+using Components = std::vector<Expression>;
 
 /// Table [mesh].
 struct Mesh {
   std::filesystem::path file; ///< .geo or .msh, absolute
   std::optional<double> size; ///< element size for a .geo, m; absent: the sizes that the .geo itself sets
   double scale = 1;           ///< factor of these sizes
-  int degree = 1;             ///< Lagrange degree of the displacement
+  LengthUnit unit = LengthUnit::m; ///< of the file's coordinates
+  int degree = 1;                  ///< Lagrange degree of the displacement
 };
 
 /// Table [time]: N steps of length τ; docs/method.md section 2.
@@ -63,24 +88,24 @@ struct HalfSpace {
   std::vector<double> normal; ///< out of the obstacle, any length but zero
 };
 
-/// Obstacle inside of a ball, or outside.
+/// Obstacle inside of a ball, or outside, which may move.
 struct Ball {
-  std::vector<double> center; ///< m
-  double radius = 0;          ///< m
-  Side side = Side::outside;  ///< where the body is
+  Components center;         ///< m, of t
+  Expression radius = 0.0;   ///< m, of t
+  Side side = Side::outside; ///< where the body is
 };
 
-/// Obstacle inside of an infinite cylinder, or outside.
+/// Obstacle inside of an infinite cylinder, or outside, which may move.
 struct Cylinder {
-  std::vector<double> point; ///< a point of the axis, m
+  Components point;          ///< a point of the axis, m, of t
   std::vector<double> axis;  ///< any length but zero; empty in the plane, where the cylinder is a disc
-  double radius = 0;         ///< m
+  Expression radius = 0.0;   ///< m, of t
   Side side = Side::outside; ///< as for a ball
 };
 
 /// Obstacle given by a level set.
 struct SignedDistance {
-  std::string distance; ///< level set of x, y, z, positive outside of the obstacle, in any unit
+  std::string distance; ///< level set of x, y, z, t, positive outside of the obstacle, in any unit
 };
 
 using Obstacle = std::variant<HalfSpace, Ball, Cylinder, SignedDistance>;
@@ -89,6 +114,7 @@ using Obstacle = std::variant<HalfSpace, Ball, Cylinder, SignedDistance>;
 struct Contact {
   std::string on; ///< physical group of the contact candidates
   Obstacle obstacle;
+  std::string name; ///< of the obstacle, in tables; no two have the same
   ContactMass mass = ContactMass::consistent;
   ContactStart initial = ContactStart::outside;
 
@@ -103,7 +129,8 @@ struct Traction {
 
 /// Table [load].
 struct Load {
-  std::optional<Components> body; ///< N/m³ in 3D and plane strain, of x, y, z, t
+  std::optional<Components> body;    ///< N/m³ in 3D and plane strain, of x, y, z, t
+  std::optional<Components> gravity; ///< m/s², of t; acts by the density
   std::vector<Traction> tractions;
 };
 
@@ -192,13 +219,27 @@ struct Exact {
   std::optional<double> contact_time;     ///< total duration of contact, s
 };
 
+/// One table [[output.probe]]: what is followed over time, by exactly one of the members after the name.
+struct Probe {
+  std::string name;                         ///< of its columns; no two have the same
+  std::optional<std::vector<double>> point; ///< of the undeformed body, m
+  std::optional<std::string> on;            ///< physical group of a part of the body or of a surface
+  std::optional<std::string> obstacle;      ///< name of an obstacle
+  std::optional<bool> body;                 ///< true
+};
+
 /// Table [output].
 struct Output {
-  int every = 1; ///< steps between stored fields
+  int every = 0; ///< steps between stored fields; 0 until automatic() sets it
   std::vector<StoredField> fields{StoredField::displacement, StoredField::velocity, StoredField::control,
                                   StoredField::adjoint}; ///< stored where a run has them
-  std::vector<StoredTable> tables{StoredTable::steps, StoredTable::contact,
-                                  StoredTable::history}; ///< likewise
+  std::vector<StoredTable> tables{StoredTable::steps, StoredTable::contact, StoredTable::obstacles,
+                                  StoredTable::probes, StoredTable::history}; ///< likewise
+  std::vector<Probe> probes;
+
+  static constexpr int most_frames = 300; ///< stored after the first where `every` is not given
+  /// The least of 1, 2, 5, 10, 20, … that makes of so many steps no more than most_frames.
+  [[nodiscard]] static int automatic(int steps);
 
   [[nodiscard]] bool field(StoredField one) const { return std::ranges::find(fields, one) != fields.end(); }
   [[nodiscard]] bool table(StoredTable one) const { return std::ranges::find(tables, one) != tables.end(); }
@@ -224,15 +265,18 @@ struct Scene {
   std::optional<Exact> exact;
   Run run;
   Output output;
+  std::string digest_of_series;   ///< of the files of its time series; empty without any
+  std::vector<std::string> given; ///< keys of --set, without the numbers of tables
 };
 
 /// Returns the text of a scene file. Throws UserError if it cannot be read.
 std::string read(const std::filesystem::path& file);
 
-/// Parses and validates the text of a scene file; `overrides` are the texts `key.path=value` of --set. Throws
-/// UserError naming file, line, key, what was found and what is allowed.
+/// Parses and validates the text of a scene file; `overrides` are the texts `key.path=value` of --set, `open`
+/// reads the files of time series. Throws UserError naming file, line, key, what was found and what is
+/// allowed.
 Scene parse(const std::string& text, const std::filesystem::path& file,
-            const std::vector<std::string>& overrides = {});
+            const std::vector<std::string>& overrides = {}, const ReadFile& open = read_file);
 
 /// Name of a contact table in messages: `contact`, or `contact[i]` if there are several.
 std::string contact_key(const std::vector<Contact>& contacts, std::size_t i);
@@ -244,6 +288,9 @@ std::vector<Component> components(int dim);
 
 /// Whether every component is written as 0 or 0.0, which has no effect.
 bool vanishes(const Components& components);
+
+/// Whether an obstacle moves.
+bool moves(const Obstacle& obstacle);
 
 /// Whether the first guess of a control is zero, which is no load: absent or written as zero, and within the
 /// bounds.

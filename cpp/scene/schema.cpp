@@ -16,7 +16,7 @@ Key<T> acting(const char* meaning) {
 
 template <class T>
 Key<T> radius() {
-  return required("radius", &T::radius, Number{above_zero}, "m", "of a ball or a cylinder");
+  return required("radius", &T::radius, Varying{above_zero}, "m", "of a ball or a cylinder");
 }
 
 template <class T>
@@ -35,8 +35,12 @@ Keys<Mesh> keys_of(Of<Mesh>) {
       value("size", &Mesh::size, Number{above_zero}, "m", "element size for a .geo",
             {.otherwise = "those that the .geo itself sets"}),
       value("scale", &Mesh::scale, Number{above_zero}, "",
-            "in place of `mesh.size`, of the sizes that the .geo itself sets", {.otherwise = "1.0"},
+            "in place of `mesh.size`, of the element sizes that the .geo itself sets", {.otherwise = "1.0"},
             [](const Mesh& mesh) { return !mesh.size && mesh.file.extension() == ".geo"; }),
+      value("unit", &Mesh::unit, Choice<LengthUnit>{}, "",
+            "of the coordinates in the file, which are brought to metres; all else of a scene, `mesh.size` "
+            "too, is in "
+            "metres"),
       value("degree", &Mesh::degree, Whole{1, 2}, "", "Lagrange degree of the displacement")};
 }
 
@@ -80,19 +84,21 @@ Keys<Clamp> keys_of(Of<Clamp>) {
 }
 
 Keys<HalfSpace> keys_of(Of<HalfSpace>) {
-  return {required("point", &HalfSpace::point, Point{}, "m",
-                   "on the plane or the cylinder's axis (numbers); with an expression of t the plane moves",
-                   {.effect = "moving obstacle"}),
-          required("normal", &HalfSpace::normal, Direction{{}, "it points out of the obstacle"}, "",
-                   "of a half-space, out of the obstacle, of any length")};
+  return {
+      required("point", &HalfSpace::point, Point{}, "m",
+               "on the plane or the cylinder's axis; where an expression of an obstacle has t it moves (see "
+               "Candidates)",
+               {.effect = "moving obstacle"}),
+      required("normal", &HalfSpace::normal, Direction{{}, "it points out of the obstacle"}, "",
+               "of a half-space, out of the obstacle, of any length")};
 }
 
 Keys<Ball> keys_of(Of<Ball>) {
-  return {required("center", &Ball::center, Numbers{}, "m", "of a ball"), radius<Ball>(), side<Ball>()};
+  return {required("center", &Ball::center, Point{}, "m", "of a ball"), radius<Ball>(), side<Ball>()};
 }
 
 Keys<Cylinder> keys_of(Of<Cylinder>) {
-  return {required("point", &Cylinder::point, Numbers{}, "m"),
+  return {required("point", &Cylinder::point, Point{}, "m"),
           value("axis", &Cylinder::axis, Direction{{}, "it points along the cylinder"}, "",
                 "of a cylinder in space; in the plane it is a disc and has none",
                 {.otherwise = "required in space"},
@@ -102,7 +108,7 @@ Keys<Cylinder> keys_of(Of<Cylinder>) {
 
 Keys<SignedDistance> keys_of(Of<SignedDistance>) {
   return {required(
-      "distance", &SignedDistance::distance, Formula{{}, false}, "",
+      "distance", &SignedDistance::distance, Formula{{}, true}, "",
       "of a signed distance: positive outside of the obstacle, such as `\"y + 1 - 0.1*x^2\"`, in any unit")};
 }
 
@@ -115,24 +121,32 @@ Key<Contact> obstacle() {
       .required = true,
       .meaning = "in turn with `point` and `normal`; with `center`, `radius`, `side`; with `point`, `axis`, "
                  "`radius`, `side`; with `distance`"};
+  const Entry called{"name",
+                     {.meaning = "in tables and messages", .part = Part::none},
+                     Text{"text"}.words(),
+                     "by order, `\"obstacle 1\"`, `\"obstacle 2\"` …",
+                     Text::schema(),
+                     {}};
   Key<Contact> key{{"obstacle", {.required = true, .effect = "contact"}, {}, {}, {}, {}}};
   for (const auto& keys :
        {entries<HalfSpace>(), entries<Ball>(), entries<Cylinder>(), entries<SignedDistance>()}) {
     const std::string& name = shapes[key.json["oneOf"].size()];
-    std::vector<Entry> all{{"shape", said, quoted(shapes), {}, {{"const", name}}, {}}};
+    std::vector<Entry> all{{"shape", said, quoted(shapes), {}, {{"const", name}}, {}}, called};
     all.insert(all.end(), keys.begin(), keys.end());
     key.json["oneOf"].push_back(object(all));
     key.children.insert(key.children.end(), all.begin(), all.end());
   }
   key.read = [](Reader& in, Contact& to, const Scene& scene) {
     Reader table = in.table("obstacle");
+    to.name = obstacle_name(table, scene);
     to.obstacle = alternative(table.choice("shape", all_names<Shape>()), to.obstacle);
     std::visit([&](auto& one) { read_keys(table, one, scene); }, to.obstacle);
   };
-  key.line = [](const Contact& from) -> Written {
+  key.line = [](const Contact& from) {
     const auto shape = static_cast<Shape>(from.obstacle.index());
-    const auto on_line = [&](const auto& one) { return on_one_line(one, "shape = " + written(name(shape))); };
-    return {std::visit(on_line, from.obstacle).text, "m"};
+    const std::string first = fmt::format("name = {}, shape = {}", written(from.name), written(name(shape)));
+    const auto on_line = [&](const auto& one) { return on_one_line(one, first); };
+    return std::visit(on_line, from.obstacle);
   };
   return key;
 }
@@ -159,6 +173,9 @@ Keys<Traction> keys_of(Of<Traction>) {
 
 Keys<Load> keys_of(Of<Load>) {
   return {value("body", &Load::body, Expressions{}, "N/m³", "", {.otherwise = "none", .effect = "body load"}),
+          value("gravity", &Load::gravity, Point{}, "m/s²",
+                "acts by the density of each material, such as `[0, -9.81]`",
+                {.otherwise = "none", .effect = "gravity"}),
           sections("traction", &Load::tractions, {.effect = "traction"})};
 }
 
@@ -287,7 +304,7 @@ Keys<Check> keys_of(Of<Check>) {
 Keys<Exact> keys_of(Of<Exact>) {
   const char* about = "what is known of the solution, for `study`";
   return {value("displacement", &Exact::displacement, Expressions{}, "m", about),
-          value("pressure", &Exact::pressure, Formula{{}, true}, "N/m²",
+          value("pressure", &Exact::pressure, Formula{{}, false}, "N/m²",
                 "on the contact surface at `time.end`", {.part = Part::measurement}),
           value("impulse", &Exact::impulse, Number{above_zero}, "N s",
                 "of the contact forces in all (in the plane N s/m), modulus"),
@@ -317,13 +334,33 @@ Keys<Run> keys_of(Of<Run>) {
                 "of these and of those that `check` looks at, relative")};
 }
 
+Keys<Probe> keys_of(Of<Probe>) {
+  return {value("name", &Probe::name, Text{"text"}, "", "of its columns in `probes.csv`",
+                {.otherwise = "by order, `\"probe 1\"`, `\"probe 2\"` …"}),
+          value("point", &Probe::point, Numbers{}, "m",
+                "of the undeformed body, in a table `[[output.probe]]`: displacement and velocity there"),
+          value("on", &Probe::on, Text{}, "",
+                "in place of `point`, of the body or of the boundary: mean displacement and velocity; where "
+                "clamps hold nodes of the boundary, their reaction"),
+          value("obstacle", &Probe::obstacle, Text{"name of an obstacle"}, "",
+                "in place of `point`: the force by which it pushes the body, and its impulse so far"),
+          value("body", &Probe::body, Flag{}, "",
+                "in place of `point`, `true`: centre of mass, momentum, mean rotation (rad) of the body")};
+}
+
 Keys<Output> keys_of(Of<Output>) {
   return {value("every", &Output::every, Whole{1, Time::most_steps}, "steps",
-                "between stored fields and contact; the last step is stored too"),
+                "between stored fields and contact; the last step is stored too. Other tables have a row for "
+                "each step",
+                {.otherwise =
+                     fmt::format("the least of 1, 2, 5, 10, … that stores {} at most", Output::most_frames)}),
           value("fields", &Output::fields, Set<StoredField>{}, "",
-                "those stored, where the verb has them; `[]` for none, which then cost nothing",
+                "those stored, where the verb has them, `\"strain\"` to `\"pressure\"` only if named (see "
+                "Stress and "
+                "pressure); `[]` for none, which then cost nothing",
                 {.effect = "stored fields"}),
-          value("tables", &Output::tables, Set<StoredTable>{}, "", "likewise", {.effect = "tables"})};
+          value("tables", &Output::tables, Set<StoredTable>{}, "", "likewise", {.effect = "tables"}),
+          sections("probe", &Output::probes, {.effect = "probes"})};
 }
 
 Keys<Scene> keys_of(Of<Scene>) {

@@ -6,15 +6,18 @@ usage: ./dev bench accuracy [CASE …] [--out FOLDER]
 Leaves a study's folder for each case and work_precision.png in it; study.csv of each is committed as tests/bench/accuracy/CASE.csv.
   c0             the half disc: J, displacement and gradient against the finest rung
   bar-impact     B2, bouncing-bar B3, hertz-press H1, standing-wave M1: against the exact solution
+  prices         what --dry-run says of ladders in the plane and in space, and what they take: one line each
   solvers        tolerances of the iterative solver, of the full VI and of the optimizer: one line each
 """
 
 import argparse
 import csv
 import json
+import re
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -50,6 +53,43 @@ def study(name: str, out: Path) -> None:
     subprocess.run(["signorini", "study", SCENES / f"{scene}.toml", "--out", folder, *options], check=True)
     subprocess.run([sys.executable, ROOT / "postprocess" / "work_precision.py", folder], check=True)
     shutil.copy(folder / "study.csv", out / f"{name}.csv")
+
+
+# Ladders of a few seconds each, in the plane and in space, with and without objective, of coarse and of fine meshes.
+PRICED = {
+    "half-disc": ["--sizes", "2,1,0.5", "--quantity", "J"],
+    "half-disc, gradient": ["--sizes", "1,0.5", "--degrees", "1,2", "--quantity", "J,gradient"],
+    "half-ball": ["--sizes", "3,2,1.5", "--quantity", "J,impulse"],
+    "bar-impact": ["--schemes", ALL_SCHEMES],
+    "bouncing-bar": ["--sizes", "1,0.5,0.25", "--steps", "0.016,0.008", "--quantity", "displacement,impulse"],
+    "disc-drop": ["--sizes", "8,4,2", "--steps", "0.04,0.02", "--quantity", "impulse,contact_time"],
+    "hertz-press": ["--sizes", "4,2,1", "--steps", "0.2,0.1", "--quantity", "pressure"],
+    "standing-wave": [],
+    "catch": ["--quantity", "J"],
+}  # fmt: skip
+
+
+def seconds(text: str) -> float:
+    """What the program writes as 0.3 s, 12 min or 1.5 h."""
+    number, unit = text.split()
+    return float(number) * {"s": 1, "min": 60, "h": 3600}[unit]
+
+
+def prices(out: Path) -> None:
+    """Priced and found, of whole ladders."""
+    print(f"{'ladder':<24}{'rungs':>6}{'priced, s':>11}{'found, s':>10}{'found/priced':>14}{'pricing, s':>12}")
+    for name, options in PRICED.items():
+        folder = out / f"priced-{name.replace(', ', '-')}"
+        shutil.rmtree(folder, ignore_errors=True)
+        command = ["signorini", "study", SCENES / f"{name.split(',')[0]}.toml", *options]
+        began = time.perf_counter()
+        said = subprocess.run([*command, "--dry-run"], check=True, capture_output=True, text=True).stdout
+        took = time.perf_counter() - began
+        rungs, priced = re.search(r"^all (\d+): about (.+)$", said, re.MULTILINE).groups()
+        said = subprocess.run([*command, "--out", folder], check=True, capture_output=True, text=True).stdout
+        found = re.findall(r"; (\S+ \w+) so far$", said, re.MULTILINE)[-1]
+        ratio = seconds(found) / seconds(priced)
+        print(f"{name:<24}{rungs:>6}{seconds(priced):>11.3g}{seconds(found):>10.3g}{ratio:>14.2f}{took:>12.2g}", flush=True)
 
 
 def run(verb: str, scene: str, out: Path, *settings: str, petsc: tuple[str, ...] = ()) -> dict:
@@ -90,14 +130,17 @@ def solvers(out: Path) -> None:
             print(f"{'half-disc':<28}{tolerance:>10.1e}{met['seconds']:>8.2f}{met['objective'] / best - 1:>14.1e}{met['iteration']:>12.0f}")
 
 
+OTHERS = {"prices": prices, "solvers": solvers}
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("cases", nargs="*", choices=[*STUDIES, "solvers", []], metavar="CASE")
+    parser.add_argument("cases", nargs="*", choices=[*STUDIES, *OTHERS, []], metavar="CASE")
     parser.add_argument("--out", type=Path, default=ROOT / "results" / "accuracy")
     given = parser.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
-    for case in given.cases or [*STUDIES, "solvers"]:
-        solvers(given.out) if case == "solvers" else study(case, given.out)
+    for case in given.cases or [*STUDIES, *OTHERS]:
+        OTHERS[case](given.out) if case in OTHERS else study(case, given.out)
     return 0
 
 

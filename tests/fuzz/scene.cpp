@@ -47,11 +47,14 @@ std::optional<int> dimension(const scene::Scene& scene) {
   return std::nullopt;
 }
 
+/// Stands for every file of a time series.
+std::string table(const std::filesystem::path&) { return "time,linear\n0,0\n9,1\n"; }
+
 /// Whether the scene is taken.
 bool accepted(const Input& in, const std::filesystem::path& file) {
   std::optional<scene::Scene> scene;
   try {
-    scene = scene::parse(in.scene, file, in.overrides);
+    scene = scene::parse(in.scene, file, in.overrides, table);
   } catch (const UserError&) {
     return false;
   }
@@ -59,7 +62,7 @@ bool accepted(const Input& in, const std::filesystem::path& file) {
   if (!dim)
     return false;
   const std::string echo = scene::echo(*scene, *dim);
-  if (scene::echo(scene::parse(echo, file), *dim) != echo)
+  if (scene::echo(scene::parse(echo, file, {}, table), *dim) != echo)
     throw std::logic_error("the echo reads back to another one");
   return true;
 }
@@ -121,10 +124,15 @@ int main(int argc, char** argv) {
   for (const char* place : {"scenes", "tests/data", "tests/fuzz"})
     for (const auto& file : fuzz::files(source / place, ".toml"))
       scenes.push_back(fuzz::read(file));
-  fuzz::Mutator mutator(seed, scenes, {"sin(", "sqrt(",    "min(", "sum()",      "rnd", "?", ":",
-                                       "==",   "!=",       "<=",   "&&",         "||",  "^", "_e",
-                                       "x",    "y",        "z",    "t",          "pi",  "e", "(",
-                                       ")",    "cylinder", "P0",   "stabilized", "run"});
+  fuzz::Mutator mutator(seed, scenes, {"sin(",       "sqrt(",    "min(",
+                                       "sum()",      "rnd",      "?",
+                                       ":",          "==",       "!=",
+                                       "<=",         "&&",       "||",
+                                       "^",          "_e",       "x",
+                                       "y",          "z",        "t",
+                                       "pi",         "e",        "(",
+                                       ")",          "cylinder", "P0",
+                                       "stabilized", "run",      "{file=\"a\",column=\"linear\"}"});
   fuzz::Mutator options(seed + 1,
                         {"mesh.size=0.25", "material.0.young=1e8", "load.body=[\"0\", \"t\"]",
                          "contact.obstacle.point=[0, \"t\"]", "clamp.0.value=[\"0\", \"0\"]",

@@ -30,7 +30,9 @@ def simulate_makes_no_control(folder: Path) -> None:
     none_of(found, CONTROL)
     assert found["steps"] == found["asked"] == 150 and found["load evaluations"] == 0
     assert {name: count for name, count in found.items() if name.startswith("assembled")} == {
-        "assembled a": 1, "assembled b": 1, "assembled d": 1, "assembled m": 1}  # fmt: skip
+        "assembled a": 1, "assembled b": 1, "assembled d": 1, "assembled m": 1, "assembled L2_surface": 1}  # fmt: skip
+    found = counters("simulate", HALF_DISC, folder, mesh__size=2, output__tables=["steps"])
+    assert "assembled L2_surface" not in found, "areas of candidates without a table or a field of pressures"
     found = counters("optimize", HALF_DISC, folder, mesh__size=2, optimizer__max_iterations=1, output__every=50)
     assert found["control spaces"] == found["objectives"] == found["reduced problems"] == 1
     assert found["assembled L2"] == 1

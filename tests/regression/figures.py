@@ -137,10 +137,12 @@ def main() -> int:
         found = drawn(folder / "b")
         assert found == optimize, f"in space: missing {OPTIMIZE - found}, unexpected {found - OPTIMIZE}"
         for file in sorted([*(folder / "o" / "figures").glob("*.png"), *(folder / "b" / "figures").glob("*.png")]):
+            assert b"signorini report" in file.read_bytes()[:1000], "the next run would take it for the user's"
             with Image.open(file) as image:
                 assert min(image.size) >= 400, f"{file.name} is {image.size}"
                 colours = image.convert("RGB").getcolors(maxcolors=10**7)
                 assert len(colours) > 50, f"{file.name} is blank"
+        assert b"signorini report" in (folder / "o" / "figures" / "animation.gif").read_bytes()[:1000]
         with Image.open(folder / "o" / "figures" / "animation.gif") as image:
             assert image.n_frames >= 30
         for tables, fields, expected in ((["contact"], ["displacement", "control"],

@@ -93,7 +93,12 @@ def files_of_the_users(folder: Path) -> None:
     (out / "history.csv").unlink()
     assert run("optimize", HALF_DISC, out).returncode == 0
     assert sorted(json.loads((out / "run.json").read_text())["files"]) == sorted(path.name for path in out.iterdir())
-    assert run("simulate", HALF_DISC, out).returncode == 0 and (out / "checkpoint.h5").exists() and not (out / "control.h5").exists()
+    before = content(out)
+    for ranks in (1, 2):
+        refuses(run("simulate", HALF_DISC, out, ranks=ranks), "found an optimum", f"--out {out}-simulate", "--replace")
+        assert content(out) == before
+    assert run("simulate", HALF_DISC, out, "--replace").returncode == 0
+    assert (out / "checkpoint.h5").exists() and not (out / "control.h5").exists()
     assert run("optimize", HALF_DISC, out, "--resume").returncode == 0
     print("files that no run wrote stay, with one sentence")
 

@@ -1,14 +1,17 @@
 """SIGINT and SIGTERM leave complete files and exit status 130; a run that is stopped before it has anything leaves none."""
 
+import contextlib
 import json
+import os
 import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_DISC, SIGNORINI, signorini, table  # noqa: E402
+from harness import HALF_DISC, SIGNORINI, SOURCE, signorini, table  # noqa: E402
 
 import h5py  # noqa: E402
 
@@ -79,6 +82,37 @@ def earlier_results_survive(folder: Path) -> None:
     print("early: nothing was written, nothing was lost")
 
 
+def meshing_stops_too(folder: Path, ranks: int) -> None:
+    """gmsh, and what its script started, end at once and not after the ten minutes that they would take."""
+    number = f"600.{ranks}{os.getpid()}"  # told apart from others' commands
+    geo, scene = folder / f"slow-{ranks}.geo", folder / f"slow-{ranks}.toml"
+    mesh = (SOURCE / "meshes" / "half-disc.geo").read_text()
+    geo.write_text(f'SystemCall "touch {folder}/started-{ranks}; sleep {number}";\n{mesh}')
+    scene.write_text(HALF_DISC.read_text().replace("../meshes/half-disc.geo", str(geo)))
+
+    def running() -> bool:
+        found = False
+        for process in Path("/proc").glob("[0-9]*/cmdline"):
+            with contextlib.suppress(OSError):  # it has ended
+                found |= number.encode() in process.read_bytes()
+        return found
+
+    for which in (signal.SIGINT, signal.SIGTERM) if ranks == 1 else (signal.SIGUSR1,):
+        mpirun = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
+        process = subprocess.Popen([*mpirun, str(SIGNORINI), "simulate", str(scene), "--out", str(folder / "slow")],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)  # fmt: skip
+        started = folder / f"started-{ranks}"
+        while not (started.exists() and running()):
+            assert process.poll() is None, "ended before gmsh began"
+            time.sleep(0.01)
+        process.send_signal(which)
+        said = process.communicate(timeout=120)
+        assert process.returncode == 130 and said[0] == "" and "interrupted before" in said[1], (process.returncode, said)
+        assert not running() and not (folder / "slow").exists()
+        started.unlink()
+    print(f"meshing on {ranks} ranks: stopped, with all that gmsh had started")
+
+
 def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         optimize_is_complete(Path(folder), ranks=1)
@@ -86,6 +120,8 @@ def main() -> int:
         simulate_is_complete(Path(folder), ranks=1)
         simulate_is_complete(Path(folder), ranks=2)
         earlier_results_survive(Path(folder))
+        meshing_stops_too(Path(folder), ranks=1)
+        meshing_stops_too(Path(folder), ranks=2)
     return 0
 
 

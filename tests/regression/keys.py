@@ -201,6 +201,19 @@ def mesh_scale() -> None:
         assert simulate(scene, mesh__scale=scale).manifest["candidates"] == nodes
 
 
+@key("mesh.unit")
+def mesh_unit() -> None:
+    for unit, length in (("m", 1), ("mm", 1e-3)):
+        done = simulate(mesh__unit=unit, mesh__size=0.25 * length, time__step=0.02 * length, time__end=0.02 * length)
+        near(done.manifest["body"]["extent"], [length, length])
+        near(done.steps["kinetic_energy"][0], length**2 / 2)
+        assert done.manifest["candidates"] == 5
+    large = edited("large.geo", (r"= \{(\d), (\d), 0\}", r"= {1000*\1, 1000*\2, 0}"), source=DATA / "square.geo")
+    done = simulate(mesh__file=str(large), mesh__unit="mm")
+    near(done.steps["kinetic_energy"][0], 0.5)
+    assert done.manifest["candidates"] == 5 and done.manifest["body"]["doubts"] == []
+
+
 @key("mesh.degree")
 def mesh_degree() -> None:
     one, two = plain_run().manifest, simulate(mesh__degree=2).manifest
@@ -366,6 +379,22 @@ def ball() -> None:
                                                                        "radius": 0.9}).steps["active"].max() > 0  # fmt: skip
 
 
+@key("contact.obstacle.center", "contact.obstacle.radius", "contact.obstacle.distance", "contact.obstacle.point")
+def moving_round_obstacles() -> None:
+    """Gaps of the undeformed body, which rests far from everything until the obstacle comes."""
+    nodes, resting = np.linspace(0, 1, 5), {name: value for name, value in FREE.items() if "obstacle" not in name}
+    for shape in ({"shape": "ball", "center": ["0.5 + t", "-1.5 + t"], "radius": "0.5 + 0.2*t"},
+                  {"shape": "cylinder", "point": ["0.5 + t", "-1.5 + t"], "radius": "0.5 + 0.2*t"},
+                  {"shape": "signed-distance", "distance": "sqrt((x - 0.5 - t)^2 + (y + 1.5 - t)^2) - 0.5 - 0.2*t"}):  # fmt: skip
+        done = simulate(contact__obstacle=shape, **resting)
+        contact = table(done.folder / "contact.csv")
+        assert done.steps["active"].max() == 0 and done.manifest["effects"]["moving obstacle"]
+        t, x = np.unique(contact["time"])[:, None], nodes[None, :]
+        near(contact["gap"].reshape(31, 5), np.hypot(x - 0.5 - t, 1.5 - t) - 0.5 - 0.2 * t, 1e-9)
+    fast = simulate(contact__obstacle={"shape": "ball", "center": [0.5, "-1.2 + t"], "radius": 1}, **resting)
+    assert fast.steps["active"].max() > 0 and fast.momentum()[1] > 0.1
+
+
 @key("contact.obstacle.axis", "contact.obstacle.point", "contact.obstacle.radius", "contact.obstacle.side")
 def cylinder() -> None:
     disc = {"shape": "cylinder", "point": [0.5, -1], "radius": 0.9}
@@ -390,6 +419,15 @@ def signed_distance() -> None:
 @key("load.body")
 def body_load() -> None:
     near(simulate(**FREE | {"load__body": ["0.3", "2*t"]}).momentum(), [0.3 * T, T**2])
+
+
+@key("load.gravity")
+def gravity() -> None:
+    """By the density of each material; the weight of the whole is its momentum's rate."""
+    near(simulate(**FREE | {"load__gravity": [0.3, "2*t"], "material__density": 1.0}).momentum(), [0.3 * T, T**2])
+    heavy = simulate(**FREE | {"load__gravity": [0, -2], "material__density": 3.0})
+    near(heavy.field("velocity")[-1], np.tile([0, -2 * T], (len(heavy.points), 1)))
+    near(heavy.steps["external_work"].sum(), 3 * (2 * T) ** 2 / 2)
 
 
 @key("load.traction.on", "load.traction.value")
@@ -636,8 +674,38 @@ def invariants() -> None:
     assert attempt("check", BLOCK, **less_than_rounding).returncode == 1
 
 
+@key("contact.obstacle.name")
+def obstacle_name() -> None:
+    plane = {"shape": "half-space", "point": [0, -0.1], "normal": [0, 1]}
+    for names, expected in ((({}, {}), ["obstacle 1", "obstacle 2"]), (({"name": "floor"}, {}), ["floor", "obstacle 2"])):
+        done = simulate(contact=[{"on": "bottom", "obstacle": plane | names[0]}, {"on": "left", "obstacle": plane | names[1]}])
+        assert [contact["obstacle"]["name"] for contact in done.echo["contact"]] == expected
+        assert list(table(done.folder / "obstacles.csv")["obstacle"]) == 31 * expected
+        assert [one["name"] for one in done.manifest["impact"]["obstacles"]] == expected
+
+
+@key("output.probe.name", "output.probe.point", "output.probe.on", "output.probe.obstacle", "output.probe.body")
+def probes() -> None:
+    done = simulate(output__probe=[{"name": "corner", "point": [0, 1]}, {"on": "body"}, {"name": "floor", "obstacle": "obstacle 1"},
+                                   {"name": "all", "body": True}])  # fmt: skip
+    found = table(done.folder / "probes.csv")
+    assert not (plain_run().folder / "probes.csv").exists()
+    corner = np.flatnonzero(abs(done.points[:, :2] - [0, 1]).max(axis=1) < ROUNDING)
+    for field in ("displacement", "velocity"):
+        near(np.column_stack([found[f"corner.{field}_{axis}"] for axis in "xy"]), done.field(field)[:, corner[0]])
+        near(found["all.center_y"] - 0.5, found["probe 2.displacement_y"])
+    near(found["all.momentum_x"], found["probe 2.velocity_x"])
+    near(found["floor.force_y"], done.steps["contact_force_y"])
+    near(found["floor.impulse_x"][-1], 0.02 * done.steps["contact_force_x"].sum())
+    assert abs(found["all.rotation"]).max() > 0.01, "one corner comes first"
+
+
 @key("output.every")
 def output_every() -> None:
+    for step, every in ((0.02, 1), (0.002, 1), (0.00125, 2), (0.0005, 5)):  # 30, 300, 480, 1200 steps
+        done = simulate(time__step=step, output__fields=["displacement"])
+        assert done.echo["output"]["every"] == every and len(done.field("displacement")) == round(0.6 / step / every) + 1
+        assert len(done.steps["step"]) == round(0.6 / step) + 1
     for every, stored in ((1, 31), (7, 6), (30, 2), (100, 2)):  # the first and the last state always
         done = optimize(output__every=every)
         assert len(done.field("displacement")) == stored and len(done.field("control", "control")) == stored - 1
@@ -647,12 +715,13 @@ def output_every() -> None:
 @key("output.fields", "output.tables")
 def output_files() -> None:
     always = {"scene.toml", "run.json", "checkpoint.h5"}
-    files = {"displacement": "state", "velocity": "state", "control": "control", "adjoint": "adjoint"}
+    files = {"displacement": "state", "velocity": "state", "control": "control", "adjoint": "adjoint", "strain": "state",
+             "stress": "state", "von_mises": "state", "pressure": "state"}  # fmt: skip
     for field, name in files.items():
         done = optimize(output__fields=[field], output__tables=[])
         assert {path.name for path in done.folder.iterdir()} == always | {f"{name}.xdmf", f"{name}.h5"}
         assert abs(done.field(field, name)).max() > 0 or field == "control"
-    for name in ("steps", "contact", "history"):
+    for name in ("steps", "contact", "obstacles", "history"):
         done = optimize(output__fields=[], output__tables=[name])
         assert {path.name for path in done.folder.iterdir()} == always | {f"{name}.csv"}
 
@@ -693,7 +762,7 @@ EXACT = {"displacement": ["0", "0"], "pressure": "1", "impulse": 1, "peak_force"
 FULL = (
     (BLOCK, {
         "clamp": [{"on": "left", "components": ["x"], "value": ["0"]}],
-        "load__traction": [{"on": "top", "value": ["0", "0"]}],
+        "load__traction": [{"on": "top", "value": ["0", "0"]}], "load__gravity": [0, 0],
         "contact": [
             {"on": "bottom", "obstacle": {"shape": "half-space", "point": [0, -1], "normal": [0, 1]}},
             {"on": "bottom", "obstacle": {"shape": "ball", "center": [0, -2], "radius": 1}},
@@ -701,6 +770,7 @@ FULL = (
             {"on": "bottom", "obstacle": {"shape": "signed-distance", "distance": "y + 1"}},
         ],
         "control__on": "body", "control__lower": -9, "control__upper": 9, "objective__on": "body", "check__control": ["0", "0"],
+        "output__probe": [{"point": [0.5, 0.5]}, {"on": "top"}, {"obstacle": "obstacle 3"}, {"body": True}],
     }),
     (DATA / "two-materials.toml", {"objective__desired": {"displacement": ["0", "0"]}, "trajectory__storage": "checkpoints"}),
     (BLOCK, {"objective__desired": {"run": "somewhere"}}),

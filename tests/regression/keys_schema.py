@@ -77,6 +77,8 @@ def printed(*words: str) -> str:
 
 def main() -> int:
     assert re.search(r"(?m)^  keys ", printed("--help"))
+    for said in (printed("--help"), printed("keys")):  # what expressions consist of
+        assert all(part in said for part in ("a ? b : c", "+ - * / ^", "atan2", "sqrt", "pi", "x, y, z (m)")), said
     named = re.findall(r"(?m)^\| `([a-z_.]+)` ", printed("keys", "--markdown"))
     assert len(named) > 60 and re.findall(r"(?m)^[a-z_.]+$", printed("keys")) == named
     schema = json.loads(printed("keys", "--json"))

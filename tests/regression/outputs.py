@@ -1,6 +1,7 @@
 """What a run leaves in its folder is what the documentation promises."""
 
 import json
+import shutil
 import sys
 import tempfile
 import tomllib
@@ -15,9 +16,10 @@ import numpy as np  # noqa: E402
 
 STEPS = ("step,time,kinetic_energy,elastic_energy,viscous_dissipation,external_work,contact_work,energy_residual,"
          "contact_force_x,contact_force_y,active,weak,min_gap,vi_iterations,momentum_residual,complementarity")  # fmt: skip
-CONTACT = "step,time,x,y,gap,force"
+LAST = ",normal_force,load_work"
+CONTACT = "step,time,x,y,gap,force,obstacle,normal_x,normal_y,area,pressure"
 STEPS_IN_SPACE = STEPS.replace("contact_force_y,", "contact_force_y,contact_force_z,")
-CONTACT_IN_SPACE = "step,time,x,y,z,gap,force"
+CONTACT_IN_SPACE = "step,time,x,y,z,gap,force,obstacle,normal_x,normal_y,normal_z,area,pressure"
 HISTORY = ("iteration,objective,tracking,terminal,control_cost,gradient_norm,step_length,forward_sweeps,adjoint_sweeps,"
            "seconds,relative_distance_to_reference")  # fmt: skip
 
@@ -36,13 +38,17 @@ def grids(file: Path) -> dict[str, list[float]]:
             assert list(h5[path].shape) == [int(n) for n in item.get("Dimensions").split()]
     for collection in xml.parse(file).iter("Grid"):
         if collection.get("GridType") == "Collection":
-            found[collection.get("Name")] = [float(t.get("Value")) for t in collection.iter("Time")]
+            times = found[collection.get("Name")] = [float(t.get("Value")) for t in collection.iter("Time")]
+            names = [item.text.split("/")[-1] for item in collection.iter("DataItem") if "/Function/" in item.text]
+            with h5py.File(file.with_suffix(".h5")) as h5:
+                assert np.array_equal(h5["times"][:], times) and times == sorted(times)
+                assert names == list(h5["Function"][collection.get("Name")]) == sorted(names), "names in the order of time"
     return found
 
 
 def optimize_folder(out: Path) -> None:
     signorini("optimize", HALF_DISC, out, mesh__size=2, optimizer__max_iterations=4, output__every=50)
-    assert header(out / "steps.csv") == STEPS + ",tracking_error"
+    assert header(out / "steps.csv") == STEPS + ",tracking_error" + LAST
     assert header(out / "contact.csv") == CONTACT and header(out / "history.csv") == HISTORY
     stored = [0, 50 * 5e-5, 100 * 5e-5, 150 * 5e-5]
     assert {k: np.allclose(v, stored) for k, v in grids(out / "state.xdmf").items()} == {"displacement": True, "velocity": True}
@@ -73,14 +79,44 @@ def echoed_scene_repeats_the_run(out: Path) -> None:
 
 
 def simulate_replaces_optimize(out: Path) -> None:
-    """A folder describes one run: what the earlier one left and this one does not write is gone."""
+    """A folder describes one run: what the earlier one left and this one does not write is gone, if --replace says so."""
     (out / "notes.txt").write_text("mine")
-    signorini("simulate", HALF_DISC, out, mesh__size=2, control__initial=["0", "-1"])
+    before = {path: path.read_bytes() for path in out.iterdir() if path.is_file()}
+    refused = attempt("simulate", HALF_DISC, out, mesh__size=2)
+    assert refused.returncode == 2 and refused.stdout == "" and len(refused.stderr.splitlines()) == 1, refused.stderr
+    assert all(text in refused.stderr for text in ("history, control and adjoint", f"--out {out}-simulate", "--replace"))
+    assert {path: path.read_bytes() for path in out.iterdir() if path.is_file()} == before
+    done = captured([str(SIGNORINI), "simulate", str(HALF_DISC), "--out", str(out), "--replace", "--set", "mesh.size=2", "--set",
+                     'control.initial=["0", "-1"]'])  # fmt: skip
+    assert done.returncode == 0, done.stderr
     assert not (out / "history.csv").exists() and not (out / "control.h5").exists()
     assert (out / "notes.txt").read_text() == "mine", "a file that is not the program's was touched"
-    assert header(out / "steps.csv") == STEPS
+    assert header(out / "steps.csv") == STEPS + LAST
     assert "adjoint" not in json.loads((out / "run.json").read_text())["timings"]
     print("simulate: no adjoint, no history, nothing left of the earlier run")
+
+
+def no_old_page_stays(folder: Path) -> None:
+    """The next run removes the page and the figures that were made of the earlier one, and what is the user's stays."""
+    page = '<!DOCTYPE html>\n<html><head><meta name="generator" content="signorini report"></head></html>'
+    picture = b"\x89PNG\r\n\x1a\n....tEXtComment\0signorini report...."
+    own = {"figures/own.png": picture.replace(b"signorini", b"another"), "figures/notes.txt": b"mine", "other.html": page.encode()}
+    for verb, kept in (("simulate", own), ("optimize", {})):
+        out = folder / f"page-{verb}"
+        signorini("optimize", HALF_DISC, out, mesh__size=3, optimizer__max_iterations=0)
+        (out / "figures").mkdir()
+        for name, content in ({"report.html": page.encode(), "figures/energy.png": picture} | kept).items():
+            (out / name).write_bytes(content)
+        done = captured([str(SIGNORINI), verb, str(HALF_DISC), "--out", str(out), "--set", "mesh.size=3", "--set",
+                         "optimizer.max_iterations=0", *(["--replace"] if verb == "simulate" else [])])  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        assert not (out / "report.html").exists() and not (out / "figures" / "energy.png").exists()
+        assert {name: (out / name).read_bytes() for name in kept} == kept and (out / "figures").exists() == bool(kept)
+        assert not [path for path in out.iterdir() if path.name.startswith(".")]
+    (out / "report.html").write_text(page.replace("signorini report", "my own"))
+    signorini("optimize", HALF_DISC, out, mesh__size=3, optimizer__max_iterations=0)
+    assert (out / "report.html").exists()
+    print("the page and figures of the earlier run are gone, and the user's stay")
 
 
 def nodal_force_is_the_resultant(out: Path) -> None:
@@ -108,7 +144,7 @@ def half_ball(folder: Path) -> None:
         out = folder / f"ball-{degree}-{ranks}"
         signorini("optimize", HALF_BALL, out, ranks, mesh__size=4, mesh__degree=degree, time__step=2.5e-4, output__every=10,
                   optimizer__max_iterations=0, control__initial=["0", "0", "-1"])  # fmt: skip
-        assert header(out / "steps.csv") == STEPS_IN_SPACE + ",tracking_error"
+        assert header(out / "steps.csv") == STEPS_IN_SPACE + ",tracking_error" + LAST
         assert header(out / "contact.csv") == CONTACT_IN_SPACE
         stored = [0, 2.5e-3, 5e-3, 7.5e-3]
         assert np.allclose(grids(out / "state.xdmf")["displacement"], stored)
@@ -145,11 +181,13 @@ def only_what_is_asked_for(folder: Path) -> None:
         ("optimize", ["control"], ["history"], {"control.xdmf", "control.h5", "history.csv", "checkpoint.h5"}),
         ("optimize", ["adjoint", "displacement"], ["steps"],
          {"adjoint.xdmf", "adjoint.h5", "state.xdmf", "state.h5", "steps.csv", "checkpoint.h5"}),
+        ("optimize", ["stress", "von_mises", "strain", "pressure"], [], {"state.xdmf", "state.h5", "checkpoint.h5"}),
+        ("simulate", ["pressure"], [], {"state.xdmf", "state.h5"}),
     ):  # fmt: skip
         signorini(verb, HALF_DISC, out, mesh__size=3, optimizer__max_iterations=1, output__fields=fields, output__tables=tables)
         assert {path.name for path in out.iterdir()} == always | files, f"{verb} {fields} {tables}: {list(out.iterdir())}"
         if "state.xdmf" in files:
-            assert set(grids(out / "state.xdmf")) == {"displacement", "velocity"} & set(fields)
+            assert set(grids(out / "state.xdmf")) == set(fields) - {"control", "adjoint"}
         output = tomllib.loads((out / "scene.toml").read_text())["output"]
         assert set(output["fields"]) == set(fields) and set(output["tables"]) == set(tables)
         run = json.loads((out / "run.json").read_text())
@@ -175,6 +213,19 @@ def silence_and_plain_lines(folder: Path) -> None:
     print("piped output is plain, --quiet says nothing, info names the effects")
 
 
+def nobody_reads(folder: Path) -> None:
+    """Behind `| head` the program goes on without a word: a run writes its results."""
+    command = f"'{SIGNORINI}' %s | head -n 1; echo ${{PIPESTATUS[0]}}"
+    for words, status in ((f"info '{HALF_DISC}' --set mesh.size=3", 0), ("keys", 0), ("keys --json", 0),
+                          (f"simulate '{HALF_DISC}' --set mesh.size=3 --out '{folder}/head'", 0),
+                          (f"simulate '{HALF_DISC}' --set mesh.size=nothing 2>&1", 2)):  # fmt: skip
+        done = captured(["bash", "-c", command % words])
+        assert done.returncode == 0 and done.stderr == "" and done.stdout.splitlines()[-1] == str(status), (words, done)
+        assert len(done.stdout.splitlines()) == 2, done.stdout
+    assert json.loads((folder / "head" / "run.json").read_text())["stop_reason"] == "end of time"
+    print("a pipe that is closed ends no run and is no error")
+
+
 def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -183,10 +234,12 @@ def main() -> int:
         echoed_scene_repeats_the_run(out)
         simulate_replaces_optimize(out)
         nodal_force_is_the_resultant(out)
+        no_old_page_stays(folder)
         degree_two(folder)
         half_ball(folder)
         only_what_is_asked_for(folder)
         silence_and_plain_lines(folder)
+        nobody_reads(folder)
     return 0
 
 

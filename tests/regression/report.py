@@ -91,17 +91,21 @@ def read_study(driver: Chrome, page: Path) -> None:
     reader = Reader(driver, page, 1280, 900)
     plot = "document.getElementById('work-precision-plot')"
     names = reader.ask(f"{plot}.data.map((trace) => trace.name)")
-    assert names[0] == "Pareto front" and set(names[1:]) == {"degree 1, contact-implicit", "degree 1, contact-stabilized",
-                                                             "degree 1, contact-implicit, massless"}, names  # fmt: skip
+    assert names[0] == "Pareto front" and set(names[1:]) == {"Error bar of the finest rung", "degree 1, contact-implicit",
+        "degree 1, contact-stabilized", "degree 1, contact-implicit, massless"}, names  # fmt: skip
     assert reader.ask(f"{plot}.layout.xaxis.type + {plot}.layout.yaxis.type") == "loglog"
     marks = "Array.from(document.querySelectorAll('#work-precision-plot .points path'), (mark) => mark.getAttribute('transform'))"
     reader.changed(marks, lambda: reader.select("#work-precision-view", 1))
     legend_of(reader, "work-precision")
     text = reader.ask("document.body.innerText")
     manifest = json.loads((page.parent / "study.json").read_text())
-    for expected in (*manifest["sentences"], "finest rung", f"{manifest['orders'][0]['space']:.2f} (", "★"):
+    first = manifest["orders"][0]
+    order = f"{first['space']:.2f} (" if first["asymptotic"]["space"] else "not in the asymptotic range ("
+    for expected in (*manifest["sentences"], manifest["quantities"]["J"]["bar"]["words"], "N s/m", "finest rung", order, "★"):
         assert expected in text, f"{expected} is not on the page"
     assert reader.ask("document.querySelectorAll('#rungs tbody tr').length") == 18
+    assert reader.ask("document.querySelectorAll('#values table').length") == 2  # J and impulse
+    assert reader.ask("document.querySelectorAll('#values tbody tr').length") == 2 * 18
     reader.close()
     narrow(driver, page)
 

@@ -193,7 +193,7 @@ def refuses_or_is_whole(folder: Path, out: Path, good: bytes) -> None:
 
 def main() -> int:
     parser = argparse.ArgumentParser()
-    parser.add_argument("--kills", type=int, default=8)
+    parser.add_argument("--kills", type=int, default=6)
     parser.add_argument("--ranks", action="store_true")
     options = parser.parse_args(sys.argv[3:])
     random.seed(1)

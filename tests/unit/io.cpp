@@ -1,6 +1,7 @@
 #include "base/collective.h"
 #include "fixtures.h"
 #include "io/checkpoint.h"
+#include "io/contact_table.h"
 #include "io/csv_tables.h"
 #include "io/fields.h"
 #include "io/manifest.h"
@@ -154,8 +155,10 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
     const test::Ready ready(scene, {"time.step=0.05"});
     const Problem& problem = ready.problem;
     const contact::ContactPairs& pairs = *problem.stepper.pairs();
+    const contact::Pressure pressure(problem.space, pairs, ready.scene.contacts);
+    const io::ContactTable contact_table(pairs, pressure, ready.scene.contacts);
     for (const bool tracking : {false, true}) {
-      std::string steps = io::steps_header(dim, tracking), contact = io::contact_header(pairs);
+      std::string steps = io::steps_header(dim, tracking), contact = contact_table.header();
       forward::Invariants invariants(problem.stepper);
       forward::Balance weigh(problem.stepper);
       std::vector<forward::StepBalance> balance;
@@ -166,10 +169,9 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
                            states.push_back(frame.contact);
                            invariants.observe(frame, balance.back());
                            io::add_steps_row(steps, frame.k, problem.stepper.grid().time(frame.k), dim,
-                                             balance.back(), invariants, frame.contact,
+                                             balance.back(), invariants, frame.contact, 2.5 * frame.k,
                                              tracking ? std::optional(1.0 / (frame.k + 3)) : std::nullopt);
-                           io::add_contact_rows(contact, frame.k, problem.stepper.grid(), pairs,
-                                                frame.contact);
+                           contact_table.add_rows(contact, frame.k, problem.stepper.grid(), frame.contact);
                          });
       const auto rows = cells(steps), candidates = cells(contact);
       const auto m = static_cast<std::size_t>(pairs.count());
@@ -178,7 +180,8 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
       for (const auto* table : {&rows, &candidates})
         for (const auto& row : *table)
           CHECK(row.size() == table->front().size());
-      CHECK((rows.front().back() == "tracking_error") == tracking);
+      CHECK(rows.front().back() == "load_work");
+      CHECK((rows.front()[rows.front().size() - 3] == "tracking_error") == tracking);
       int pushed = 0;
       for (std::size_t k = 0; k < balance.size(); ++k) {
         CHECK(number(rows, k, "step") == static_cast<double>(k));
@@ -187,15 +190,24 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
               balance[k].contact_force[static_cast<std::size_t>(dim) - 1]);
         CHECK(number(rows, k, "active") == static_cast<double>(states[k].active.size()));
         CHECK(number(rows, k, "min_gap") == std::ranges::min(states[k].gap));
+        CHECK(number(rows, k, "normal_force") == 2.5 * static_cast<double>(k));
+        CHECK(number(rows, k, "load_work") == balance[k].load_work);
         if (tracking)
           CHECK(number(rows, k, "tracking_error") == 1.0 / (static_cast<double>(k) + 3));
+        double force = 0, pressed = 0;
         for (std::size_t i = 0; i < m; ++i) {
+          const auto cell = [&](const char* name) { return number(candidates, k * m + i, name); };
+          force += cell("force") * cell(dim == 3 ? "normal_z" : "normal_y");
+          pressed += cell("pressure") * cell("area") - cell("force");
           CHECK(number(candidates, k * m + i, "gap") == states[k].gap[i]);
           CHECK(number(candidates, k * m + i, "force") ==
                 states[k].lambda[i] / problem.stepper.grid().scheme(1).impulse());
           CHECK(number(candidates, k * m + i, "x") == pairs.points()[3 * i]);
           pushed += states[k].lambda[i] > 0;
         }
+        const double up = balance[k].contact_force[static_cast<std::size_t>(dim) - 1];
+        CHECK(std::abs(force - up) <= 1e-13 * std::abs(up));
+        CHECK(std::abs(pressed) <= 1e-13 * std::abs(up));
       }
       CHECK(pushed > 0);
     }

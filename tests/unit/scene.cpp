@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <set>
+#include <tuple>
 #include <unistd.h>
 
 using namespace signorini;
@@ -59,6 +60,20 @@ TEST_CASE("the echo leaves the start to clamps that move", "[scene]") {
   }
 }
 
+TEST_CASE("an obstacle is echoed with the unit of its lengths, and a level set, which has any, with none",
+          "[scene]") {
+  for (const auto& [obstacle, unit] :
+       {std::pair{"shape = \"half-space\", point = [0.0, \"-t\"], normal = [0.0, 2.0]", "  # m"},
+        {"shape = \"ball\", center = [0.0, -2.0], radius = 1.5, side = \"outside\"", "  # m"},
+        {"shape = \"cylinder\", point = [0.0, -2.0], radius = 9.0, side = \"inside\"", "  # m"},
+        {"shape = \"signed-distance\", distance = \"y + 1 - 0.1*x^2\"", ""}}) {
+    const scene::Scene scene = test::parse(test::source("tests/data/block.toml"),
+                                           {fmt::format("contact.obstacle={{ {} }}", obstacle)});
+    CHECK_THAT(scene::echo(scene, 2), ContainsSubstring(fmt::format(
+                                          "obstacle = {{ name = \"obstacle 1\", {} }}{}\n", obstacle, unit)));
+  }
+}
+
 TEST_CASE("the table of keys says what poses the problem", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
   const auto echo = [&](const std::vector<std::string>& overrides) {
@@ -97,7 +112,7 @@ TEST_CASE("every effect is that of a key", "[scene]") {
 TEST_CASE("a list of names is a set, and may be empty", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
   const scene::Output all = test::parse(file).output;
-  CHECK((all.fields.size() == 4 && all.tables.size() == 3));
+  CHECK((all.fields.size() == 4 && all.tables.size() == 5));
   const scene::Output some =
       test::parse(file, {"output.fields=[\"adjoint\", \"velocity\", \"adjoint\"]", "output.tables=[]"})
           .output;
@@ -150,6 +165,97 @@ TEST_CASE("an override reaches one of several materials", "[scene]") {
   CHECK(scene.materials.back().viscosity->bulk == 9);
   CHECK(scene.materials.back().viscosity->shear == before.materials.back().viscosity->shear);
   CHECK_FALSE(test::parse(test::source("tests/data/block.toml")).materials.front().on);
+}
+
+TEST_CASE("a time series is linear between its times", "[scene]") {
+  // The kinds of table that programs write.
+  for (const char* text : {"t,u,v\n0,5,1\n0.5,6,2\n2,7,-1\n",
+                           "\xef\xbb\xbf# of a sensor\r\nu;time;v\r\n5;0;1\r\n6;5e-1;+2\r\n\r\n7;2;-1",
+                           "\"s, exact\"\t u \t\"v\"\n 0\t5\t1\n 0.5\t6\t2\n2\t7\t-1"}) {
+    INFO(text);
+    const scene::TimeSeries series(text, "v");
+    CHECK((series.begin() == 0 && series.end() == 2));
+    for (const auto& [t, value] :
+         {std::pair{0.0, 1.0}, {0.25, 1.5}, {0.5, 2.0}, {1.0, 1.0}, {2.0, -1.0}, {9.0, -1.0}})
+      CHECK(series(t) == value);
+    CHECK((series.slope(0.5, false) == 2 && series.slope(0.5, true) == -2));
+    CHECK((series.slope(0.5 + 1e-12, false) == 2 && series.slope(0.5 - 1e-12, true) == -2));
+    CHECK((series.slope(0, true) == 2 && series.slope(2, false) == -2 && series.slope(0.3, false) == 2));
+  }
+  for (const auto& [text, column, problem] :
+       {std::tuple{"t,force\n0,1\n1,2\n", "forces", "did you mean \"force\"?"},
+        {"t,v\n0,1\n0,2\n", "v", "line 3: found the time 0 s behind 0 s"},
+        {"t,v\n0,1\n1,two\n", "v", "line 3: found \"two\" in column 2"},
+        {"t,v\n0,1\n1\n", "v", "line 3: found \"\" in column 2"},
+        {"t;v\n0;1\n1;2,5\n", "v", "found \"2,5\""},
+        {"t,v\n0,1\n1,inf\n", "v", "found \"inf\""},
+        {"t,v\n0,1\n", "v", "found 1 line of numbers"},
+        {"", "v", "found 0 lines"}})
+    CHECK_THROWS_WITH(scene::TimeSeries(text, column), ContainsSubstring(problem));
+}
+
+TEST_CASE("a time series stands where an expression of time may", "[scene]") {
+  const auto file = test::source("tests/data/block.toml");
+  const auto made = [&](const std::string& setting, const std::string& content = "t,v\n0,1\n1,3\n") {
+    return scene::parse(scene::read(file), file, {setting}, [&](const std::filesystem::path& path) {
+      CHECK(path == std::filesystem::weakly_canonical(file.parent_path() / "a.csv"));
+      return content;
+    });
+  };
+  const std::string series = "{ file = \"../data/a.csv\", column = \"v\" }", pair = "[0, " + series + "]";
+  for (const std::string& setting :
+       {"load.body=" + pair, "load.gravity=" + pair, "load.traction=[{on = \"top\", value = " + pair + "}]",
+        "clamp=[{on = \"left\", value = " + pair + "}]", "contact.obstacle.point=" + pair,
+        "contact.obstacle={shape = \"ball\", center = " + pair + ", radius = " + series + "}",
+        "control.initial=" + pair, "objective.desired={control = " + pair + "}",
+        "objective.desired={displacement = " + pair + "}", "check.control=" + pair}) {
+    INFO(setting);
+    const scene::Scene scene = made(setting);
+    CHECK_FALSE(scene.digest_of_series.empty());
+    const std::string echo = scene::echo(scene, 2);
+    CHECK(echo.find("column = \"v\"") != std::string::npos);
+    const auto again = scene::parse(echo, file, {}, [](const auto&) { return "t,v\n0,1\n1,3\n"; });
+    CHECK(scene::echo(again, 2) == echo);
+    CHECK(scene.digest_of_series != made(setting, "t,v\n0,1\n1,4\n").digest_of_series);
+    CHECK_THROWS_WITH(made(setting, "t,v\n0,1\n0.5,3\n"),
+                      ContainsSubstring("from 0 to 0.5 s") && ContainsSubstring("0 to 0.6 s"));
+  }
+  const scene::Field load(*made("load.body=" + pair).load->body, "load.body", true);
+  CHECK((load.depends_on_time() && !load.depends_on_place()));
+  const double x[] = {7, 7, 7};
+  double value[2];
+  load.evaluate(x, 0.25, value);
+  CHECK((value[0] == 0 && value[1] == 1.5));
+  CHECK((!load.slope(0, 0.25, true) && load.slope(1, 0.25, true) == 2));
+  CHECK_THROWS_WITH(made("initial.velocity=" + pair), ContainsSubstring("place alone"));
+  CHECK_THROWS_WITH(made("load.body=[0, {file = \"a.csv\"}]"),
+                    ContainsSubstring("load.body.column: missing"));
+  CHECK_THROWS_WITH(made("load.body=[0, {file = \"a.csv\", colum = \"v\"}]"),
+                    ContainsSubstring("did you mean \"column\"?"));
+}
+
+TEST_CASE("an expression that is wrong is told what expressions are", "[scene]") {
+  for (const char* part : {"sqrt", "atan2", "a ? b : c", "^", "pi and e", "x, y, z, t"})
+    CHECK_THROWS_WITH(scene::Field({"sine(t)"}, "load.body", true), ContainsSubstring(part));
+}
+
+TEST_CASE("what --set gave is blamed on it, and what the file gave on the file", "[scene]") {
+  for (const auto& [key, plain] : {std::pair{"material.0.young", "material.young"},
+                                   {"material[1].viscosity.bulk", "material.viscosity.bulk"},
+                                   {"mesh.size", "mesh.size"},
+                                   {"contact", "contact"}})
+    CHECK(scene::without_numbers(key) == plain);
+  const auto file = test::source("tests/data/two-materials.toml");
+  for (const auto& [setting, said] :
+       {std::pair{"material.1.young=-1", "--set material[1].young: found -1"},
+        {"contact.obstacle={shape = \"ball\", radius = 1}", "--set contact.obstacle.center: missing"},
+        {"contact.obstacle.shape=\"ball\"", "two-materials.toml:26: contact.obstacle.center: missing"},
+        {"run.tolerance=2", "--set run.tolerance: found 2"}})
+    CHECK_THROWS_WITH(test::parse(file, {setting}), ContainsSubstring(said));
+  CHECK_THROWS_WITH(scene::require_dimension(test::parse(file, {"load={body = [0, 0, 0]}"}), 2),
+                    ContainsSubstring("--set load.body: found 3"));
+  CHECK_THROWS_WITH(scene::require_dimension(test::parse(file, {"mesh.size=1"}), 3),
+                    ContainsSubstring("two-materials.toml: contact.obstacle.point: found 2"));
 }
 
 TEST_CASE("the number of steps is exact for decimal steps", "[scene]") {

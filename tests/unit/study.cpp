@@ -1,5 +1,7 @@
+#include "app/study/analysis.h"
 #include "app/study/density.h"
 #include "app/study/measure.h"
+#include "app/study/quantities.h"
 #include "base/error.h"
 #include "fem/sampler.h"
 #include "fixtures.h"
@@ -23,6 +25,7 @@ constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 Result run(double size, int steps, double seconds, double value) {
   Measured measured;
+  measured.unknowns = std::lround(1000 / (size * size)); // another mesh for another size
   measured.seconds = seconds;
   measured.numbers["Q"] = value;
   measured.fields["F"] = {value, -value};
@@ -145,22 +148,102 @@ TEST_CASE("the estimate is exact where errors fall as the model says, and has no
 }
 
 TEST_CASE("on the front is what no cheaper rung is as accurate as", "[study]") {
-  // By seconds and moduli: the cheapest; dearer and worse; dearer and as good; two alike; as dear as they;
-  // the best; no number.
+  // By seconds and moduli, from long steps to short ones: the cheapest; better by luck, as the next shows;
+  // dearer and as good; two alike; as dear as they; the best.
   const std::vector<Result> results =
-      chain({{1, 0.5}, {2, 0.6}, {3, -0.5}, {4, 0.3}, {4, 0.3}, {4, 0.4}, {9, 0.1}, {5, no_number}});
-  CHECK(errors(D, results, {{{"Q", 0}}, {}}).pareto ==
-        std::vector<bool>{true, false, false, true, true, true, true, false});
+      chain({{1, 0.6}, {2, 0.2}, {3, -0.6}, {4, 0.4}, {4, 0.4}, {4, 0.4}, {9, 0.1}});
+  const Errors found = errors(D, results, {{{"Q", 0}}, {}});
+  CHECK(found.envelope == std::vector<std::optional<double>>{0.6, 0.6, 0.6, 0.4, 0.4, 0.4, 0.1});
+  CHECK(found.pareto == std::vector<bool>{true, false, false, true, true, true, true});
+}
+
+TEST_CASE("an envelope counts the rungs of its method that are as fine in size and in step", "[study]") {
+  std::vector<Result> results{run(2, 10, 1, 1.3), run(2, 20, 2, 1.01), run(1, 10, 3, 1.1),
+                              run(1, 20, 4, 1.05), run(0.5, 10, 5, 1.2)};
+  const Exact exact{{{"Q", 1}}, {}};
+  const std::vector<double> expected{0.3, 0.05, 0.2, 0.05, 0.2};
+  for (std::size_t i = 0; i < results.size(); ++i)
+    CHECK_THAT(*errors(Q, results, exact).envelope[i], WithinAbs(expected[i], 1e-12));
+  // What another degree does says nothing of this one.
+  results.push_back(run(0.25, 40, 6, 2));
+  results.back().rung.degree = 2;
+  CHECK_THAT(*errors(Q, results, exact).envelope[3], WithinAbs(0.05, 1e-12));
+  // Where a finer rung has no number nothing is known, and where it has not run it does not count.
+  results[4].measured->numbers["Q"] = no_number;
+  const Errors spoilt = errors(Q, results, exact);
+  CHECK_FALSE(spoilt.envelope[0]);
+  CHECK_FALSE(spoilt.envelope[2]);
+  CHECK(spoilt.envelope[3]);
+  results[4].measured.reset();
+  CHECK_THAT(*errors(Q, results, exact).envelope[2], WithinAbs(0.1, 1e-12));
+}
+
+TEST_CASE("the finest rung's error bar is that of its row and its column, and of J what the adjoint says",
+          "[study]") {
+  // 1 + 0.1 h^2 + 3 / N at h = 0.5 and N = 80, twice.
+  constexpr double in_size = 0.1 * 0.25, in_step = 3.0 / 80;
+  const Errors found = errors(D, runs(0.1, 2, 3, 1), {});
+  REQUIRE(found.bar);
+  CHECK_THAT(*found.bar->size, WithinRel(2 * in_size, 1e-6));
+  CHECK_THAT(*found.bar->step, WithinRel(2 * in_step, 1e-6));
+  CHECK_THAT(found.bar->value, WithinRel(2 * (in_size + in_step), 1e-6));
+  CHECK(found.bar->asymptotic);
+  CHECK_FALSE(errors(D, runs(0.1, 2, 3, 1), {{{"Q", 1}}, {}}).bar); // an exact value has none
+  // Meshes that are the same whatever their size tell nothing of it.
+  std::vector<Result> same = runs(0, 2, 3, 1);
+  for (Result& result : same)
+    result.measured->unknowns = 12;
+  CHECK_FALSE(errors(D, same, {}).bar->size);
+  CHECK(errors(D, same, {}).bar->step);
+  CHECK(words(*errors(D, same, {}).bar) == "error bar 7.5 % of the step alone");
+  // J of one rung beside another of half the size: parts of opposite sign do not make up for each other.
+  const Quantity J{"J", "J", ""};
+  std::vector<Result> two{run(2, 10, 1, 0), run(1, 10, 2, 0)};
+  two[0].measured->numbers["J"] = 1.01, two[1].measured->numbers["J"] = 1;
+  two[1].measured->estimate = {0.3, -0.2, 0, 0};
+  CHECK_THAT(errors(J, two, {}).bar->value, WithinRel(0.5, 1e-12));
+  two[1].measured->estimate = {0.3, 0.2, 0, 0};
+  CHECK_THAT(errors(J, two, {}).bar->value, WithinRel(1.0, 1e-12));
+  two[1].measured->estimate = {1e-3, 0, 0, 0};
+  CHECK_THAT(errors(J, two, {}).bar->value, WithinRel(0.03, 1e-9)); // three times the difference
 }
 
 TEST_CASE("the cheapest rung for each tolerance is named, and what is out of reach", "[study]") {
   const scene::Scene scene = test::parse(test::source("scenes/half-disc.toml"));
-  const std::vector<Result> results = chain({{8, 1.005}, {4, 1.008}, {2, 1.09}, {1, 1.2}});
+  const std::vector<Result> results = chain({{1, 1.0005}, {2, 1.09}, {4, 1.008}, {8, 1.005}});
   const std::vector<std::string> said = sentences(errors(Q, results, {{{"Q", 1}}, {}}), results, scene);
   REQUIRE(said.size() == 3);
-  CHECK(said[0] == "for 10 % in Q: " + words(results[2].rung, scene) + ", 2 s");
-  CHECK(said[1] == "for 1 % in Q: " + words(results[1].rung, scene) + ", 4 s");
+  // The first rung is as near as the last by luck: 9 % off with half the step.
+  const std::string there = "there and at all finer rungs)";
+  CHECK(said[0] == "for 10 % in Q: " + words(results[0].rung, scene) + ", 1 s (off by at most 9 % " + there);
+  CHECK(said[1] == "for 1 % in Q: " + words(results[2].rung, scene) + ", 4 s (off by at most 0.8 % " + there);
   CHECK(said[2] == "0.1 % in Q is out of this ladder's reach: its best is 0.5 %");
+}
+
+TEST_CASE("nothing is promised that the finest rung itself may be off by", "[study]") {
+  const scene::Scene scene = test::parse(test::source("scenes/half-disc.toml"));
+  // 1 + 8.8 / N from 10 to 80 steps: the finest is off by 11 %, and its neighbour differs from it by no more.
+  const std::vector<Result> results = chain({{1, 1.88}, {2, 1.44}, {4, 1.22}, {8, 1.11}});
+  const Errors found = errors(D, results, {});
+  CHECK_THAT(found.bar->value, WithinRel(2 * 0.11, 1e-9));
+  const std::vector<std::string> said = sentences(found, results, scene);
+  REQUIRE(said.size() == 1);
+  CHECK(said[0] ==
+        "10 % in Q is out of this ladder's reach: its best is 33 % (finest rung: error bar 22 % of "
+        "the step alone)");
+  // Ten times as near it is promised, with the bar beside it.
+  const std::vector<Result> nearer = chain({{1, 1.088}, {2, 1.044}, {4, 1.022}, {8, 1.011}});
+  const std::string first = sentences(errors(D, nearer, {}), nearer, scene).front();
+  CHECK(first ==
+        "for 10 % in Q: " + words(nearer[0].rung, scene) +
+            ", 1 s (off by at most 7.7 % there and at all finer rungs; finest rung: error bar 2.2 % of "
+            "the step alone)");
+  // Of a chatter nothing is known but how much it is.
+  const std::vector<Result> chatter = chain({{1, 1}, {2, 1.004}, {4, 0.998}, {8, 1.001}});
+  const Errors found_chatter = errors(D, chatter, {});
+  CHECK_THAT(found_chatter.bar->value, WithinRel(3 * 0.006, 1e-9));
+  CHECK_FALSE(found_chatter.bar->asymptotic);
+  CHECK(sentences(found_chatter, chatter, scene)[1].starts_with("1 % in Q is out of"));
 }
 
 TEST_CASE("what has no size gives no relative error, and what is no number no error at all", "[study]") {
@@ -171,7 +254,7 @@ TEST_CASE("what has no size gives no relative error, and what is no number no er
     const Errors zero = errors(quantity, to_zero, {});
     CHECK(zero.error == std::vector<std::optional<double>>{std::nullopt, 0.0, std::nullopt});
     CHECK(zero.pareto == std::vector<bool>{false, true, false});
-    CHECK(sentences(zero, to_zero, scene).size() == 3);
+    CHECK(sentences(zero, to_zero, scene).front().starts_with("nothing is recommended"));
     CHECK(orders(quantity, to_zero, {}).empty());
     // The finest is no number: the finest that is one takes its place.
     const std::vector<Result> spoilt =
@@ -179,8 +262,10 @@ TEST_CASE("what has no size gives no relative error, and what is no number no er
     const Errors found = errors(quantity, spoilt, {});
     CHECK(found.reference == std::size_t(2));
     CHECK(found.error == std::vector<std::optional<double>>{0.5, std::nullopt, std::nullopt, std::nullopt});
-    CHECK(found.pareto == std::vector<bool>{true, false, false, false});
-    CHECK(sentences(found, spoilt, scene).front().starts_with("10 % in " + quantity.title + " is out of"));
+    CHECK(found.pareto == std::vector<bool>{false, false, false, false});
+    CHECK(sentences(found, spoilt, scene) ==
+          std::vector<std::string>{"nothing is recommended for " + quantity.title +
+                                   ": finer rungs have no number"});
     // Nothing is a number.
     const std::vector<Result> lost = chain({{1, no_number}, {2, no_number}});
     CHECK_FALSE(errors(quantity, lost, {}).reference);
@@ -235,6 +320,21 @@ TEST_CASE("a scheme that is named holds for every contact, and without one each 
   scene.contacts[1].mass = scene::ContactMass::massless;
   CHECK(masses({size, step, {}, {}}) == Masses{{true, true}});
   CHECK(scheme_and_mass(ladder(scene, {size, step, {}, {}}).front().scheme).mass == "massless");
+}
+
+TEST_CASE("units are those of the plane or of space, and of several obstacles each has its own quantities",
+          "[study]") {
+  scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
+  const auto unit = [&](const char* name, int dim) { return chosen(scene, {name}, dim).front().unit; };
+  CHECK(unit("impulse", 2) == "N s/m");
+  CHECK(unit("impulse", 3) == "N s");
+  CHECK(unit("peak_force", 2) == "N/m");
+  CHECK(unit("peak_force", 3) == "N");
+  CHECK(unit("contact_time", 2) == "s");
+  CHECK_THROWS_AS(unit("impulse_2", 2), UserError);
+  scene.contacts.push_back(scene.contacts.front());
+  CHECK(unit("impulse_2", 2) == "N s/m");
+  CHECK_THROWS_AS(unit("impulse_3", 2), UserError);
 }
 
 TEST_CASE("steps that no number could count are refused", "[study]") {

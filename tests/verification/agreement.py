@@ -113,8 +113,8 @@ def compare_contact_over_ranks(folder: Path, name: str, scene: Path, **overrides
         tables.append(table(out / "contact.csv"))
         assert same_sets(folder / "ranks-1", out)
         assert "obstacle" not in tables[0] or np.array_equal(tables[0]["obstacle"], tables[-1]["obstacle"])
-    worst = max(abs(other[key] - tables[0][key]).max() / abs(tables[0][key]).max() for other in tables[1:] for key in ("gap", "force"))
-    print(f"{name}: gaps and forces over the ranks differ by {worst:.1e} of the largest")
+    worst = max(abs(other[key] - tables[0][key]).max() / abs(tables[0][key]).max() for other in tables[1:] for key in ("gap", "force", "area", "pressure"))
+    print(f"{name}: gaps, forces and pressures over the ranks differ by {worst:.1e} of the largest")
     return worst <= 1e-9
 
 

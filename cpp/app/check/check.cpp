@@ -92,6 +92,7 @@ void invariants(const Problem& problem, const forward::ForceAtStep& load, std::v
 bool check_scene(const Problem& problem, const Console& console) {
   const scene::Scene& scene = problem.scene;
   std::vector<CheckRow> rows;
+  std::string advice;
   if (scene.contacts.empty())
     console.line("The scene has no contact: what follows checks a linear problem.");
   if (scene.objective) {
@@ -99,7 +100,8 @@ bool check_scene(const Problem& problem, const Console& console) {
     std::string where;
     const control::Control u = evaluation_point(problem, control_problem, where);
     console.line(fmt::format("Derivatives at {}.", where));
-    check_derivatives(control_problem.reduced, u, problem.stepper.solver().tolerance(), console, rows);
+    advice =
+        check_derivatives(control_problem.reduced, u, problem.stepper.solver().tolerance(), console, rows);
     invariants(problem, control_problem.reduced.load(), rows);
   } else {
     console.line("The scene has no objective: there are no derivatives to check.");
@@ -116,6 +118,9 @@ bool check_scene(const Problem& problem, const Console& console) {
   console.line(all ? (scene.contacts.empty() ? "All checks hold; contact was not checked."
                                              : "All checks hold, contact included.")
                    : "A check failed.");
+  if (all && !advice.empty())
+    console.line("But the derivatives are those of changes too small to be of use to a search: " + advice +
+                 ".");
   return all;
 }
 

@@ -2,6 +2,7 @@
 #include "app/check/evaluation_point.h"
 #include "base/error.h"
 #include "base/fit.h"
+#include "forward/chatter.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -94,6 +95,9 @@ public:
     if (contact_occurs())
       judge(derivative);
   }
+
+  /// What to change, if anything.
+  [[nodiscard]] const std::string& advice() const { return advice_; }
 
 private:
   void settle(const control::Control& u) {
@@ -304,19 +308,19 @@ private:
         "{} "
         "changes of the sets, J has the slope {:.6e}.",
         radius, margin.force(), margin.gap, slope, macroscopic, changed, secant));
-    const bool massless = problem_.stepper().massless();
-    if (radius > narrow && off <= alike)
-      console_.line("Verdict: exact, and what larger changes of the control see.");
-    else if (radius > narrow)
-      console_.line(
-          fmt::format("Verdict: exact, but valid only within {:.1e}: beyond it contact changes, and "
-                      "larger changes of the control see a slope that differs by {:.0f} %.",
-                      radius, 100 * off));
-    else
-      console_.line(fmt::format(
-          "Verdict: exact, but valid only within {:.1e}: the contact chatters, and larger "
-          "changes of the control see a slope that differs by {:.0f} %; {}.",
-          radius, 100 * off, massless ? "try more viscosity" : "try massless contact (contact.mass)"));
+    if (off <= alike) {
+      console_.line(radius > narrow
+                        ? "Verdict: exact, and what larger changes of the control see."
+                        : fmt::format("Verdict: exact, but valid only within {:.1e}: the contact chatters; "
+                                      "larger changes of the control see the same slope, though.",
+                                      radius));
+      return;
+    }
+    advice_ = forward::calmer_contact(problem_.stepper());
+    console_.line(fmt::format("Verdict: exact, but valid only within {:.1e}: {}, and larger changes of the "
+                              "control see a slope that differs by {:.0f} %; {}.",
+                              radius, radius > narrow ? "beyond it contact changes" : "the contact chatters",
+                              100 * off, advice_));
   }
 
   void hessian(std::vector<CheckRow>& rows) {
@@ -348,13 +352,16 @@ private:
   double cancellation_ = 1;
   double kept_size_ =
       0; ///< the invariance radius: the largest size that keeps the active sets on the sides compared
+  std::string advice_;
 };
 
 } // namespace
 
-void check_derivatives(control::ReducedProblem& problem, const control::Control& u, double solver_tolerance,
-                       const Console& console, std::vector<CheckRow>& rows) {
-  DerivativeCheck(problem, u, solver_tolerance, console).run(rows);
+std::string check_derivatives(control::ReducedProblem& problem, const control::Control& u,
+                              double solver_tolerance, const Console& console, std::vector<CheckRow>& rows) {
+  DerivativeCheck derivatives(problem, u, solver_tolerance, console);
+  derivatives.run(rows);
+  return derivatives.advice();
 }
 
 } // namespace signorini

@@ -16,9 +16,10 @@ struct CheckRow {
 CheckRow below(const std::string& name, double value, double limit);
 
 /// Compares the derivatives of J at u with differences of J, prints how far they can be trusted, and adds
-/// rows to the table. `solver_tolerance` is the relative error of a step's solve. Collective. Throws
-/// SolverFailure, Interrupted.
-void check_derivatives(control::ReducedProblem& problem, const control::Control& u, double solver_tolerance,
-                       const Console& console, std::vector<CheckRow>& rows);
+/// rows to the table. `solver_tolerance` is the relative error of a step's solve. Returns what to change
+/// where exact derivatives are of no use, since larger changes of the control see other slopes; else an empty
+/// text. Collective. Throws SolverFailure, Interrupted.
+std::string check_derivatives(control::ReducedProblem& problem, const control::Control& u,
+                              double solver_tolerance, const Console& console, std::vector<CheckRow>& rows);
 
 } // namespace signorini

@@ -1,21 +1,21 @@
 #include "app/study/analysis.h"
-#include "base/fit.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 
 namespace signorini::study {
 namespace {
 
-double norm(const std::vector<double>& field) {
+using Samples = std::span<const double>;
+
+double norm(Samples x) {
   double sum = 0;
-  for (double x : field)
-    sum += x * x;
+  for (double value : x)
+    sum += value * value;
   return std::sqrt(sum);
 }
 
-double difference(const std::vector<double>& a, const std::vector<double>& b) {
+double difference(Samples a, Samples b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
     sum += (a[i] - b[i]) * (a[i] - b[i]);
@@ -31,19 +31,18 @@ std::optional<double> relative(double difference, double size) {
   return difference == 0 && size == 0 ? 0 : finite(difference / size);
 }
 
+/// What errors of a quantity are divided by.
+double scale(const Quantity& quantity, Samples known) { return quantity.absolute ? 1 : norm(known); }
+
 /// The distance to known values, of another run or exact; absent where one of them is not finite.
 template <class Known>
 std::optional<double> distance_to(const Quantity& quantity, const Measured& run, const Known& known) {
-  if (quantity.field) {
-    const std::vector<double>& b = known.fields.at(quantity.name);
-    return relative(difference(run.fields.at(quantity.name), b), norm(b));
-  }
-  const double b = known.numbers.at(quantity.name), off = std::abs(run.numbers.at(quantity.name) - b);
-  return quantity.absolute ? finite(off) : relative(off, std::abs(b));
+  const Samples there = known.values(quantity);
+  return relative(difference(run.values(quantity), there), scale(quantity, there));
 }
 
 bool is_finite(const Quantity& quantity, const Measured& run) {
-  return std::isfinite(quantity.field ? norm(run.fields.at(quantity.name)) : run.numbers.at(quantity.name));
+  return std::isfinite(norm(run.values(quantity)));
 }
 
 bool finer(const Rung& a, const Rung& b) {
@@ -51,41 +50,6 @@ bool finer(const Rung& a, const Rung& b) {
 }
 
 bool alike(const Rung& a, const Rung& b) { return a.degree == b.degree && a.scheme == b.scheme; }
-
-/// The slope of all points, and of neighbours.
-std::optional<Orders::Order> fit(const std::vector<std::pair<double, double>>& points) {
-  const double slope = log_log_slope(points);
-  if (!std::isfinite(slope))
-    return std::nullopt;
-  Orders::Order order{slope, std::numeric_limits<double>::infinity(),
-                      -std::numeric_limits<double>::infinity()};
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    const double local = log_log_slope({points[i - 1], points[i]});
-    order.least = std::min(order.least, local);
-    order.largest = std::max(order.largest, local);
-  }
-  return order;
-}
-
-/// Order along a chain of rungs from coarse to fine whose widths are given: of the differences of neighbours
-/// or, given an exact value, of errors.
-std::optional<Orders::Order> order(const Quantity& quantity,
-                                   const std::vector<std::pair<double, const Measured*>>& chain,
-                                   const Exact& exact = {}) {
-  constexpr double rounding = 1e-9; // below it, and for long runs somewhat above, errors do not converge
-  std::vector<std::pair<double, double>> points;
-  const auto add = [&](double width, std::optional<double> value) {
-    if (value && *value > rounding)
-      points.emplace_back(width, *value);
-  };
-  if (exact.knows(quantity))
-    for (const auto& [width, run] : chain)
-      add(width, distance_to(quantity, *run, exact));
-  else
-    for (std::size_t i = 0; i + 1 < chain.size(); ++i)
-      add(chain[i].first, distance_to(quantity, *chain[i].second, *chain[i + 1].second));
-  return fit(points);
-}
 
 /// Rungs of one degree and scheme that have run, from coarse to fine.
 using Family = std::vector<const Result*>;
@@ -104,45 +68,92 @@ std::vector<Family> families(const std::vector<Result>& results) {
   return all;
 }
 
-Orders orders_of(const Quantity& quantity, const Family& members, const Exact& exact) {
-  const Rung& finest = members.back()->rung;
-  Orders found{quantity.name, finest.degree, finest.scheme, {}, {}, {}};
-  using Chain = std::vector<std::pair<double, const Measured*>>;
+/// Chains of rungs of a family and what is known of their quantity.
+struct Chains {
   Chain space, time, both;
-  int most_steps = 0;
-  double least_size = finest.size;
-  for (const Result* member : members)
-    most_steps = std::max(most_steps, member->rung.steps);
+  Limits in_space{}, in_time{}, in_both{};
+};
+
+/// The values of those rungs of a family, from coarse to fine, of which there is a number. Meshes of another
+/// size but as many unknowns are the same and count once.
+Chain chain(const Quantity& quantity, const Family& members, double (*width)(const Rung&)) {
+  Chain values;
+  long unknowns = -1;
+  double size = 0;
   for (const Result* member : members) {
-    if (member->rung.steps == most_steps)
-      space.emplace_back(member->rung.size, &*member->measured);
-    if (member->rung.size == least_size)
-      time.emplace_back(1.0 / member->rung.steps, &*member->measured);
+    if (!is_finite(quantity, *member->measured))
+      continue;
+    const Value value{width(member->rung), member->measured->values(quantity)};
+    const bool same = member->rung.size < size && member->measured->unknowns == unknowns;
+    (same ? values.back() : values.emplace_back()) = value;
+    unknowns = member->measured->unknowns;
+    size = member->rung.size;
   }
-  // From the finest rung back, each time to the next coarser size with the next longer step.
+  return values;
+}
+
+double size_of(const Rung& rung) { return rung.size; }
+double step_of(const Rung& rung) { return 1.0 / rung.steps; }
+
+/// Those along the rungs with the steps and along those with the size of the rung `at`, and along those that
+/// refine both, back from it: each time to the next coarser size with the next longer step.
+Chains chains(const Quantity& quantity, const Family& members, const Rung& at) {
+  Family space, time, both;
+  for (const Result* member : members) {
+    if (member->rung.steps == at.steps && member->rung.size >= at.size)
+      space.push_back(member);
+    if (member->rung.size == at.size && member->rung.steps <= at.steps)
+      time.push_back(member);
+  }
   const Rung* last = nullptr;
   for (auto member = members.rbegin(); member != members.rend(); ++member) {
     const Rung& rung = (*member)->rung;
-    const bool next = !last ? rung.steps == most_steps && rung.size == least_size
+    const bool next = !last ? rung.steps == at.steps && rung.size == at.size
                             : rung.size > last->size && rung.steps < last->steps;
     if (!next)
       continue;
-    both.emplace_back(1.0 / rung.steps, &*(*member)->measured);
+    both.push_back(*member);
     last = &rung;
   }
   std::ranges::reverse(both);
-  // In space or time alone errors would stagnate at that of the other kind: no exact values.
-  found.space = order(quantity, space);
-  found.time = order(quantity, time);
-  found.both = order(quantity, both, exact);
+  Chains found{chain(quantity, space, size_of), chain(quantity, time, step_of),
+               chain(quantity, both, step_of)};
+  const double by_size = highest_order_in_size(quantity, at.degree);
+  found.in_space.order = by_size;
+  found.in_time.order = found.in_both.order = highest_order_in_step;
+  if (both.size() > 1) { // widths are steps, and sizes may have been refined by another factor
+    const Rung &coarse = both.front()->rung, &fine = both.back()->rung;
+    found.in_both.order =
+        std::max(highest_order_in_step, by_size * std::log(coarse.size / fine.size) /
+                                            std::log(static_cast<double>(fine.steps) / coarse.steps));
+  }
+  for (const auto& [limits, values] : {std::pair(&found.in_space, &found.space),
+                                       {&found.in_time, &found.time},
+                                       {&found.in_both, &found.both}})
+    limits->rounding = values->empty() ? 0 : rounding * scale(quantity, values->back().samples);
   return found;
 }
 
+Orders orders_of(const Quantity& quantity, const Family& members, const Exact& exact) {
+  Rung finest = members.back()->rung;
+  for (const Result* member : members)
+    finest.steps = std::max(finest.steps, member->rung.steps);
+  const Chains along = chains(quantity, members, finest);
+  // In space or time alone errors would stagnate at that of the other kind: no exact values.
+  return {quantity.name,
+          finest.degree,
+          finest.scheme,
+          observed_order(along.space, along.in_space),
+          observed_order(along.time, along.in_time),
+          exact.knows(quantity) ? observed_order(along.both, exact.values(quantity), along.in_both)
+                                : observed_order(along.both, along.in_both)};
+}
+
 /// The error of a run by Richardson extrapolation from its differences to the next coarser ones, if they fall
-/// with the observed orders.
+/// with orders that make sense.
 std::optional<double> extrapolated(const Quantity& quantity, const Family& members, const Result& result,
                                    const Orders& orders) {
-  if (!orders.space || !orders.time || orders.space->slope <= 0 || orders.time->slope <= 0)
+  if (!orders.space || !orders.time || !orders.space->asymptotic || !orders.time->asymptotic)
     return std::nullopt;
   const Result *wider = nullptr, *longer = nullptr;
   for (const Result* other : members) {
@@ -166,6 +177,55 @@ std::optional<double> extrapolated(const Quantity& quantity, const Family& membe
                 part(*time, static_cast<double>(result.rung.steps) / longer->rung.steps, orders.time->slope));
 }
 
+/// Whether a relative bar is of an order that makes sense, or no more than rounding; or there is none.
+bool in_range(const Chain& values, const Limits& limits, const std::optional<double>& bar) {
+  constexpr double factor = 10; // that of the bar among it
+  if (!bar || *bar <= factor * rounding)
+    return true;
+  const std::optional<Order> order = observed_order(values, limits);
+  return order && order->asymptotic;
+}
+
+std::optional<ReferenceBar> reference_bar(const Quantity& quantity, const Family& members,
+                                          const Result& reference) {
+  const Measured& run = *reference.measured;
+  const Chains along = chains(quantity, members, reference.rung);
+  const double whole = scale(quantity, run.values(quantity));
+  const auto part = [&](const Chain& values, const Limits& limits) {
+    const std::optional<double> bar = error_bar(values, limits);
+    return bar ? relative(*bar, whole) : std::nullopt;
+  };
+  ReferenceBar bar;
+  bar.size = part(along.space, along.in_space);
+  bar.step = part(along.time, along.in_time);
+  bar.value = bar.size.value_or(0) + bar.step.value_or(0);
+  bar.asymptotic =
+      in_range(along.space, along.in_space, bar.size) && in_range(along.time, along.in_time, bar.step);
+  if (quantity.name == "J" && run.estimate && run.estimate->space) {
+    constexpr double underestimated = 2; // at most, in 59 of 61 runs: tests/verification/effectivity.py
+    const double estimate =
+        std::max(underestimated * std::abs(run.estimate->sum()), run.estimate->sum_of_moduli());
+    if (const std::optional<double> adjoint = relative(estimate, whole)) {
+      bar.adjoint = true;
+      bar.value = std::max(bar.value, *adjoint);
+    }
+  }
+  return bar.size || bar.step || bar.adjoint ? std::optional(bar) : std::nullopt;
+}
+
+std::vector<std::optional<double>> envelopes(const Errors& errors, const std::vector<Result>& results) {
+  std::vector<std::optional<double>> all = errors.error;
+  for (std::size_t i = 0; i < results.size(); ++i)
+    for (std::size_t j = 0; j < results.size() && all[i]; ++j) {
+      const Rung &coarse = results[i].rung, &fine = results[j].rung;
+      if (j == errors.reference || !results[j].measured || !alike(coarse, fine) || fine.size > coarse.size ||
+          fine.steps < coarse.steps)
+        continue;
+      all[i] = errors.error[j] ? std::optional(std::max(*all[i], *errors.error[j])) : std::nullopt;
+    }
+  return all;
+}
+
 std::vector<bool> pareto_front(const std::vector<Result>& results,
                                const std::vector<std::optional<double>>& error) {
   std::vector<bool> front(results.size(), false);
@@ -182,8 +242,14 @@ std::vector<bool> pareto_front(const std::vector<Result>& results,
 
 } // namespace
 
+double highest_order_in_size(const Quantity& quantity, int degree) {
+  return quantity.field ? degree + 1 : 2 * degree;
+}
+
 Errors errors(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact) {
-  Errors found{quantity, exact.knows(quantity), {}, {}, {}, {}, {}};
+  Errors found;
+  found.quantity = quantity;
+  found.exact = exact.knows(quantity);
   if (!found.exact)
     for (std::size_t i = 0; i < results.size(); ++i)
       if (results[i].measured && is_finite(quantity, *results[i].measured) &&
@@ -204,10 +270,13 @@ Errors errors(const Quantity& quantity, const std::vector<Result>& results, cons
   }
   for (const Family& family : families(results)) {
     const Orders orders = orders_of(quantity, family, {});
-    for (const Result* member : family)
-      if (std::optional<double>& estimate = found.estimate[static_cast<std::size_t>(member - results.data())];
-          !estimate)
-        estimate = extrapolated(quantity, family, *member, orders);
+    for (const Result* member : family) {
+      const auto i = static_cast<std::size_t>(member - results.data());
+      if (!found.estimate[i])
+        found.estimate[i] = extrapolated(quantity, family, *member, orders);
+      if (i == found.reference)
+        found.bar = reference_bar(quantity, family, *member);
+    }
   }
   constexpr double small = 1.0 / 3;
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -218,7 +287,8 @@ Errors errors(const Quantity& quantity, const std::vector<Result>& results, cons
         *of_reference <= small * *found.error[i])
       found.effectivity.back() = *found.estimate[i] / *found.error[i];
   }
-  found.pareto = pareto_front(results, found.error);
+  found.envelope = envelopes(found, results);
+  found.pareto = pareto_front(results, found.envelope);
   return found;
 }
 
@@ -228,33 +298,6 @@ std::vector<Orders> orders(const Quantity& quantity, const std::vector<Result>& 
     if (const Orders found = orders_of(quantity, family, exact); found.space || found.time || found.both)
       all.push_back(found);
   return all;
-}
-
-std::vector<std::string> sentences(const Errors& errors, const std::vector<Result>& results,
-                                   const scene::Scene& scene) {
-  std::vector<std::string> texts;
-  std::optional<double> best;
-  for (const std::optional<double>& error : errors.error)
-    if (error && !(best && *best <= *error))
-      best = error;
-  if (!best)
-    return texts;
-  for (double target : {0.1, 0.01, 0.001}) {
-    const Result* cheapest = nullptr;
-    for (std::size_t i = 0; i < results.size(); ++i)
-      if (errors.error[i] && *errors.error[i] <= target &&
-          (!cheapest || results[i].measured->seconds < cheapest->measured->seconds))
-        cheapest = &results[i];
-    if (cheapest) {
-      texts.push_back(fmt::format("for {} % in {}: {}, {:.2g} s", 100 * target, errors.quantity.title,
-                                  words(cheapest->rung, scene), cheapest->measured->seconds));
-    } else {
-      texts.push_back(fmt::format("{} % in {} is out of this ladder's reach: its best is {:.2g} %",
-                                  100 * target, errors.quantity.title, 100 * *best));
-      break;
-    }
-  }
-  return texts;
 }
 
 } // namespace signorini::study

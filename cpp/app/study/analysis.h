@@ -1,41 +1,15 @@
 #pragma once
-#include "adjoint/weighted_residual.h"
-#include "app/study/ladder.h"
-#include <optional>
+#include "app/study/convergence.h"
+#include "app/study/measured.h"
 
 namespace signorini::study {
 
-/// What is measured of a run. A field is compared in its norm, a number by its modulus.
-struct Measured {
-  long unknowns = 0;
-  double seconds = 0;                    ///< of set-up and sweeps
-  double memory = 0;                     ///< peak beyond what the program held before, bytes
-  std::map<std::string, double> numbers; ///< by quantity
-  std::map<std::string, std::vector<double>>
-      fields; ///< by quantity: samples, scaled so that their sum of squares is the norm's
-  std::optional<adjoint::ErrorParts> estimate; ///< of the error of J, J(exact) − J
-};
-
-struct Quantity {
-  std::string name, title, unit;
-  bool field = false;
-  bool absolute = false; ///< already relative: errors are plain differences
-};
-
-/// A rung and its measurements; empty if it has not run.
-struct Result {
-  Rung rung;
-  std::optional<Measured> measured;
-};
-
-/// The values against which errors are taken, by quantity; an absent quantity is compared with the finest
-/// rung.
-struct Exact {
-  std::map<std::string, double> numbers;
-  std::map<std::string, std::vector<double>> fields;
-  [[nodiscard]] bool knows(const Quantity& quantity) const {
-    return quantity.field ? fields.contains(quantity.name) : numbers.contains(quantity.name);
-  }
+/// How far the finest rung may be off, relative; see error_bar().
+struct ReferenceBar {
+  double value = 0;
+  std::optional<double> size, step; ///< its parts, from rungs that differ in these alone; absent without any
+  bool adjoint = false;             ///< whether the adjoint's estimate, which is of both, is in the value
+  bool asymptotic = true;           ///< whether the parts are of orders that make sense
 };
 
 /// Errors of one quantity, rung by rung.
@@ -43,12 +17,17 @@ struct Errors {
   Quantity quantity;
   bool exact = false;
   std::optional<std::size_t> reference;        ///< the finest rung that has run, without an exact value
+  std::optional<ReferenceBar> bar;             ///< of the reference; absent if nothing is known of it
   std::vector<std::optional<double>> error;    ///< relative
   std::vector<std::optional<double>> estimate; ///< of the error, from the run and coarser ones alone
   /// Estimate over error; absent unless the reference's own error, by its estimate, is small beside the
   /// error.
   std::vector<std::optional<double>> effectivity;
-  std::vector<bool> pareto; ///< no cheaper rung is as accurate
+  /// The largest error of the rung and of all of its degree and scheme that are as fine or finer in size and
+  /// in step; absent if one of them has no number. Never less on a coarser rung, so that errors which are
+  /// small by luck do not count.
+  std::vector<std::optional<double>> envelope;
+  std::vector<bool> pareto; ///< no cheaper rung has as small an envelope
 };
 
 /// Observed orders of one degree and scheme.
@@ -56,14 +35,12 @@ struct Orders {
   std::string quantity;
   int degree = 1;
   Scheme scheme;
-  /// Log-log slope of the differences, and the smallest and largest of neighbouring pairs.
-  struct Order {
-    double slope = 0, least = 0, largest = 0;
-  };
   std::optional<Order> space, time, both;
 };
 
-/// Errors, estimates and Pareto front of one quantity.
+/// Errors, estimates, envelopes and Pareto front of one quantity. The reference's error bar is the sum of
+/// those along the rungs of its step and along those of its size; of J also at least twice what the adjoint
+/// estimates, and the sum of the moduli of its parts.
 Errors errors(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact);
 
 /// Observed orders: in space at the shortest step and in time at the smallest size from the differences of
@@ -71,8 +48,23 @@ Errors errors(const Quantity& quantity, const std::vector<Result>& results, cons
 /// known. Needs three rungs, two with an exact value.
 std::vector<Orders> orders(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact);
 
-/// For 10, 1 and 0.1 per cent the cheapest rung that is as accurate, or that there is none, in words.
+/// For 10, 1 and 0.1 per cent the cheapest rung whose envelope and the reference's error bar together are no
+/// more, or that there is none, in words.
 std::vector<std::string> sentences(const Errors& errors, const std::vector<Result>& results,
                                    const scene::Scene& scene);
+
+/// The highest order with which errors of a quantity fall with the size of elements of this degree r: r + 1
+/// of a field, 2 r of a number, as of functionals by duality; and with the step: 2, of trapezoidal rules.
+double highest_order_in_size(const Quantity& quantity, int degree);
+constexpr double highest_order_in_step = 2;
+
+/// What is left of differences by rounding, and for long runs somewhat more, relative.
+constexpr double rounding = 1e-9;
+
+/// "0.4 %"
+std::string percent(double value, int digits = 2);
+
+/// "an error bar of 0.4 %", of what, and that its orders make no sense if so.
+std::string words(const ReferenceBar& bar);
 
 } // namespace signorini::study

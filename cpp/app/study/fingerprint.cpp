@@ -13,11 +13,12 @@ namespace signorini::study {
 namespace {
 
 /// To be raised with every change of what is measured of a run, or how.
-constexpr int measurement = 2;
+constexpr int measurement = 3;
 
 constexpr const char *scene_part = "scene", *program = "program", *ranks_part = "number of ranks",
                      *options = "list of PETSc options", *mesh_file = "mesh file",
-                     *desired_run = "run that objective.desired.run names", *forms = "set of compiled forms",
+                     *desired_run = "run that objective.desired.run names",
+                     *series = "content of a time series", *forms = "set of compiled forms",
                      *sample_points = "set of points where fields are compared";
 
 std::string content(const std::filesystem::path& file) {
@@ -91,6 +92,8 @@ Origin::Origin(const scene::Scene& scene, const Samples& samples, int ranks)
   common_[options] = petsc_options();
   common_[mesh_file] = mesh_digest(scene.mesh.file);
   common_[sample_points] = samples.digest;
+  if (!scene.digest_of_series.empty())
+    common_[series] = scene.digest_of_series;
   if (scene.objective)
     if (const auto* run = std::get_if<scene::DesiredRun>(&scene.objective->desired))
       common_[desired_run] = digest(run->folder / "state.h5");

@@ -1,11 +1,12 @@
 #include "app/study/measure.h"
 #include "app/check/evaluation_point.h"
 #include "app/error_estimate.h"
-#include "app/study/pressure.h"
+#include "app/study/contact_watch.h"
 #include "base/collective.h"
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "contact/pressure.h"
 #include "forward/balance.h"
 #include <algorithm>
 #include <chrono>
@@ -55,17 +56,15 @@ private:
   std::vector<double> values_;
 };
 
-double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
-
 /// Measures the wanted quantities of a motion frame by frame.
 class Watch {
 public:
   Watch(const Problem& problem, const Samples& samples, const std::vector<Quantity>& wanted)
-      : problem_(problem), wanted_(wanted), weigh_(problem.stepper) {
+      : problem_(problem), wanted_(wanted), weigh_(problem.stepper), contact_(problem.stepper) {
     if (has(wanted, "displacement"))
       displacement_.emplace(samples, problem.space);
     if (has(wanted, "pressure"))
-      pressure_.emplace(problem);
+      pressure_.emplace(problem.space, *problem.stepper.pairs(), problem.scene.contacts);
   }
 
   void operator()(const forward::Frame& frame) {
@@ -73,18 +72,7 @@ public:
     const double tau = problem_.stepper.grid().tau, t = problem_.stepper.grid().time(frame.k);
     energy_ = std::max(energy_, balance.kinetic_energy + balance.elastic_energy);
     lost_ -= balance.contact_work;
-    const std::array<double, 3>& force = balance.contact_force;
-    // Forces of contact-implicit steps alternate, their means over two steps do not (docs/method.md section
-    // 2).
-    peak_ = std::max(peak_, length({(force[0] + before_[0]) / 2, (force[1] + before_[1]) / 2,
-                                    (force[2] + before_[2]) / 2}));
-    before_ = force;
-    for (int c = 0; c < 3; ++c)
-      impulse_[c] += tau * force[c];
-    if (frame.contact.count(contact::Status::strong) > 0) {
-      if (contact_steps_++ == 0)
-        start_ = t - tau / 2; // closed at some time within the step
-    }
+    contact_(frame);
     if (displacement_)
       displacement_->take_until(t, frame.last, [&](double at, Vec y) {
         // Within a step y is quadratic and v linear, except for the jump of a projected predictor.
@@ -101,18 +89,13 @@ public:
   }
 
   void report(Measured& measured) {
-    const double tau = problem_.stepper.grid().tau;
     if (displacement_)
       measured.fields["displacement"] = displacement_->take();
-    const auto give = [&](const char* name, double value) {
+    std::map<std::string, double> numbers = contact_.numbers(problem_.scene.time.end);
+    numbers["energy_loss"] = energy_ > 0 ? lost_ / energy_ : 0;
+    for (const auto& [name, value] : numbers)
       if (has(wanted_, name))
         measured.numbers[name] = value;
-    };
-    give("energy_loss", energy_ > 0 ? lost_ / energy_ : 0);
-    give("impulse", length(impulse_));
-    give("peak_force", peak_);
-    give("contact_start", contact_steps_ > 0 ? start_ : problem_.scene.time.end);
-    give("contact_time", contact_steps_ * tau);
     if (pressure_)
       measured.numbers["pressure"] = pressure_error();
   }
@@ -145,12 +128,11 @@ private:
   const Problem& problem_;
   const std::vector<Quantity>& wanted_;
   forward::Balance weigh_;
+  ContactWatch contact_;
   std::optional<Series> displacement_;
-  std::optional<Pressure> pressure_;
+  std::optional<contact::Pressure> pressure_;
   std::vector<std::vector<double>> last_forces_;
-  double energy_ = 0, lost_ = 0, peak_ = 0, start_ = 0;
-  int contact_steps_ = 0;
-  std::array<double, 3> before_{}, impulse_{};
+  double energy_ = 0, lost_ = 0;
 };
 
 /// Seconds of the phases that no run can do without.
@@ -221,30 +203,6 @@ void Samples::scale(std::vector<double>& values) const {
       for (std::size_t c = 0; c < components; ++c)
         values[(j * n + i) * components + c] *=
             std::sqrt(body.weights[i] * (j == 0 || j + 1 == times.size() ? interval / 2 : interval));
-}
-
-std::vector<Quantity> quantities(const scene::Scene& scene) {
-  std::vector<Quantity> all{{"displacement", "displacement", "m", true}};
-  if (scene.objective) {
-    all.insert(all.begin(), {"J", "J", ""});
-    if (scene.control->space == scene::ControlValues::nodal)
-      all.push_back({"gradient", "gradient", "", true});
-  }
-  if (scene.contacts.empty())
-    return all;
-  all.push_back({"impulse", "impulse of contact", "N s"});
-  all.push_back({"peak_force", "peak force", "N"});
-  all.push_back({"contact_start", "start of contact", "s"});
-  all.push_back({"contact_time", "time in contact", "s"});
-  const auto rests = [](const scene::Contact& contact) {
-    const auto* plane = std::get_if<scene::HalfSpace>(&contact.obstacle);
-    return !plane || !scene::Field(plane->point, "point", true).depends_on_time();
-  };
-  if (std::ranges::all_of(scene.contacts, rests))
-    all.push_back({"energy_loss", "energy lost in contact", "", false, true});
-  if (scene.exact && scene.exact->pressure)
-    all.push_back({"pressure", "pressure at the end", "", false, true});
-  return all;
 }
 
 Exact exact_values(const scene::Scene& scene, const Samples& samples) {

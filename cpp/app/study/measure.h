@@ -1,5 +1,5 @@
 #pragma once
-#include "app/study/analysis.h"
+#include "app/study/measured.h"
 #include "base/progress.h"
 #include "fem/sampler.h"
 
@@ -20,11 +20,6 @@ struct Samples {
   /// norm in L2(0,T; L2).
   void scale(std::vector<double>& values) const;
 };
-
-/// The quantities that can be compared in a scene: displacement, energy_loss where it has contact with
-/// obstacles at rest, contact_start, contact_time, peak_force, impulse with contact, pressure where the exact
-/// one is given, J and gradient with an objective.
-std::vector<Quantity> quantities(const scene::Scene& scene);
 
 /// The quantities whose values are known: the scene's [exact] at the samples. Throws UserError.
 Exact exact_values(const scene::Scene& scene, const Samples& samples);

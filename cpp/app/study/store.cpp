@@ -92,10 +92,24 @@ std::string shown(const std::optional<double>& value) {
   return value && std::isfinite(*value) ? fmt::format("{:.17g}", *value) : "";
 }
 
-Json given(const std::optional<Orders::Order>& order) { return order ? Json(order->slope) : Json(); }
+Json given(const std::optional<Order>& order) { return order ? Json(order->slope) : Json(); }
 
-Json scatter(const std::optional<Orders::Order>& order) {
+Json scatter(const std::optional<Order>& order) {
   return order ? Json{order->least, order->largest} : Json();
+}
+
+Json asymptotic(const std::optional<Order>& order) { return order ? Json(order->asymptotic) : Json(); }
+
+/// The finest rung's error bar and what it is of, relative.
+Json given(const std::optional<ReferenceBar>& bar) {
+  if (!bar)
+    return {};
+  const auto part = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
+  return {{"value", bar->value},
+          {"size", part(bar->size)},
+          {"step", part(bar->step)},
+          {"asymptotic", bar->asymptotic},
+          {"words", words(*bar)}};
 }
 
 } // namespace
@@ -162,7 +176,8 @@ void Store::write(const std::string& name, const std::string& text) const {
 std::string csv(const std::vector<Result>& results, const std::vector<Errors>& errors, double end) {
   std::string text = "rung,size,step,degree,scheme,mass,unknowns,steps,seconds,memory_bytes";
   for (const Errors& one : errors)
-    text += fmt::format(",{0},{0}_error,{0}_estimate,{0}_effectivity,{0}_pareto", one.quantity.name);
+    text +=
+        fmt::format(",{0},{0}_error,{0}_estimate,{0}_effectivity,{0}_pareto,{0}_envelope", one.quantity.name);
   const bool estimated = std::ranges::any_of(
       results, [](const Result& result) { return result.measured && result.measured->estimate; });
   if (estimated) // relative to J, with signs
@@ -177,9 +192,10 @@ std::string csv(const std::vector<Result>& results, const std::vector<Errors>& e
                         rung.degree, scheme, mass, run->unknowns, rung.steps, run->seconds, run->memory);
     for (const Errors& one : errors) {
       const std::optional<double>&error = one.error[i], &estimate = one.estimate[i];
-      text += fmt::format(",{},{},{},{},{:d}",
+      text += fmt::format(",{},{},{},{},{:d},{}",
                           one.quantity.field ? "" : shown(run->numbers.at(one.quantity.name)), shown(error),
-                          shown(estimate), shown(one.effectivity[i]), bool(one.pareto[i]));
+                          shown(estimate), shown(one.effectivity[i]), bool(one.pareto[i]),
+                          shown(one.envelope[i]));
     }
     if (const auto& estimate = run->estimate) {
       const double J = std::abs(run->numbers.at("J"));
@@ -213,7 +229,8 @@ std::string json(const scene::Scene& scene, const std::vector<Result>& results,
   for (const Errors& one : errors)
     json["quantities"][one.quantity.name] = {{"title", one.quantity.title},
                                              {"unit", one.quantity.unit},
-                                             {"reference", one.exact ? "exact" : "finest rung"}};
+                                             {"reference", one.exact ? "exact" : "finest rung"},
+                                             {"bar", given(one.bar)}};
   json["orders"] = nlohmann::ordered_json::array();
   for (const Orders& one : orders) {
     const auto [scheme, mass] = scheme_and_mass(one.scheme);
@@ -226,7 +243,11 @@ std::string json(const scene::Scene& scene, const std::vector<Result>& results,
          {"time", given(one.time)},
          {"both", given(one.both)},
          {"scatter",
-          {{"space", scatter(one.space)}, {"time", scatter(one.time)}, {"both", scatter(one.both)}}}});
+          {{"space", scatter(one.space)}, {"time", scatter(one.time)}, {"both", scatter(one.both)}}},
+         {"asymptotic",
+          {{"space", asymptotic(one.space)},
+           {"time", asymptotic(one.time)},
+           {"both", asymptotic(one.both)}}}});
   }
   json["sentences"] = sentences;
   return json.dump(2) + "\n";

@@ -1,4 +1,5 @@
 #pragma once
+#include "app/study/analysis.h"
 #include "app/study/fingerprint.h"
 #include "io/folder_lock.h"
 #include <filesystem>

@@ -82,8 +82,14 @@ def type_cases() -> list[Case]:
                at="body ="),
         edited("truth for an expression", 'body = ["0", "-9.81"]', 'body = [true, "0"]', "load.body: found true",
                "expression"),
-        edited("one expression for a list", 'body = ["0", "-9.81"]', 'body = "-9.81"', "load.body: found", "-9.81",
+        edited("one expression for a list", 'body = ["0", "-9.81"]', 'body = "-9.81"', "load.body: found", '["0", "-9.81"] in the plane',
                "an array of one expression per space dimension"),
+        edited("one velocity for a list", 'velocity = ["0", "0"]', "velocity = -3", "initial.velocity: found -3", '["0", -3] in the plane',
+               never=("9.81",)),
+        edited("one expression for a control", "scale = 1e6", 'scale = 1e6\ninitial = "sin(t)"', "control.initial: found",
+               '["0", "0", "sin(t)"] in space', never=("9.81",), at="initial ="),
+        edited("table for a list", 'velocity = ["0", "0"]', "velocity = { x = 1 }", "initial.velocity: found", "2 in the plane and 3 in space",
+               never=("9.81",)),
         edited("text for a bound", "lower = -2.0", 'lower = "-2"', "control.lower: found", "-2", "a number"),
     ]
 
@@ -113,14 +119,21 @@ def range_cases() -> list[Case]:
         edited("degree 0", "[time]", "degree = 0\n[time]", "mesh.degree: found 0", "from 1 to 2"),
         Case("size of zero", ("mesh.size: found 0", "greater than 0", "m)"), mesh=GEO, mesh_file="square.geo",
              edits=(('file = "square.msh"', 'file = "square.geo"\nsize = 0'),), at="size = 0"),
+        Case("unknown unit", ('mesh.unit: found "millimetre"', "m, cm, mm, um, in"), edits=(
+            ('file = "square.msh"', 'file = "square.msh"\nunit = "millimetre"'),), at="unit ="),
+        *(Case(f"size for more elements than can be, {what}", ("mesh.size: found 1e-05 m", "cells of a body of 1 m", "mesh.unit"), **more,
+               edits=(*edits, ('.msh"', '.geo"\nsize = 1e-5'))) for what, edits, more in (  # type: ignore[arg-type]
+            ("plane", (), {"mesh": GEO, "mesh_file": "square.geo"}),
+            ("space", (('file = "square.msh"', 'file = "cube.msh"'),), {"mesh": SPACE_GEO + 'Physical Volume("body") = {1};\n', "mesh_file": "cube.geo"}),
+            ("two ranks", (), {"mesh": GEO, "mesh_file": "square.geo", "ranks": 2}))),
         Case("scale of zero", ("mesh.scale: found 0", "greater than 0"), mesh=GEO, mesh_file="square.geo",
              edits=(('file = "square.msh"', 'file = "square.geo"\nscale = 0'),), at="scale = 0"),
         Case("scale beside a size", ("mesh.scale: ", "beside mesh.size"), mesh=GEO, mesh_file="square.geo",
              edits=(('file = "square.msh"', 'file = "square.geo"\nsize = 1\nscale = 2'),), at="scale = 2"),
         edited("exact displacement of three components", "[output]", '[exact]\ndisplacement = ["0", "0", "0"]\n[output]',
                "exact.displacement: found 3 components", "allowed are 2", at=""),
-        edited("exact pressure over time", "[output]", '[exact]\npressure = "t"\n[output]', "exact.pressure: found", "x, y and z",
-               at="pressure ="),
+        edited("exact pressure over time", "[output]", '[exact]\npressure = "t"\n[output]', "exact.pressure: ", '"t"', "variables x, y, z",
+               never=("x, y, z, t",), at="pressure ="),
         *(edited(f"exact {name} of zero", "[output]", f"[exact]\n{name} = 0\n[output]", f"exact.{name}: found 0", "greater than 0",
                  at=f"{name} =") for name in ("impulse", "peak_force", "contact_start", "contact_time")),
         edited("negative iterations", "max_iterations = 1", "max_iterations = -1", "optimizer.max_iterations: found -1",
@@ -132,13 +145,17 @@ def range_cases() -> list[Case]:
         edited("every beyond an integer", "every = 1", "every = 99999999999", "output.every: found 99999999999",
                "from 1 to"),
         edited("misspelt field", "every = 1", 'every = 1\nfields = ["displacment"]', "output.fields: found", "displacment",
-               'did you mean "displacement"?', "displacement, velocity, control, adjoint", at="fields ="),
+               'did you mean "displacement"?', "displacement, velocity, control, adjoint, strain, stress, von_mises, pressure", at="fields ="),
         edited("field that is no list", "every = 1", 'every = 1\nfields = "velocity"', "output.fields: found", "velocity",
                "a list", "[] for none", at="fields ="),
         edited("field that is a number", "every = 1", "every = 1\nfields = [1]", "output.fields: found 1", "allowed",
                at="fields ="),
+        Case("pressure without contact", ('output.fields: found "pressure"', "without contact", "[contact]"), edits=(
+            ('[contact]\non = "bottom"\nobstacle = { shape = "half-space", point = [0, -0.1], normal = [0, 1] }\n', ""),
+            ("every = 1", 'every = 1\nfields = ["stress", "pressure"]')), at="fields ="),
         edited("unknown table of output", "every = 1", 'every = 1\ntables = ["steps", "energies"]', "output.tables: found",
-               "energies", "steps, contact, history", at="tables ="),
+               "energies", "steps, contact, obstacles, probes, history", at="tables ="),
+        *probe_cases(),
         edited("scale of zero", "scale = 1e6", "scale = 0", "control.scale: found 0", "greater than 0"),
         edited("negative alpha", "alpha = 1e-2", "alpha = -1e-2", "objective.alpha: found -0.01", "at least 0"),
         edited("negative gamma", "gamma = 7.5e-4", "gamma = -7.5e-4", "objective.gamma: found -0.00075", "at least 0"),
@@ -175,8 +192,9 @@ def dimension_cases() -> list[Case]:
                "objective.desired.control", *found, at="", verb="optimize", earlier=True),
         edited("obstacle in space", obstacle, "point = [0, 0, -1], normal = [0, 0, 1]", "contact.obstacle.point",
                *found, at=""),
-        edited("point and normal of different lengths", obstacle, "point = [0, 0, -1], normal = [0, 1]",
-               "contact.obstacle.normal: found 2 components", "point has 3", "allowed are as many", at="obstacle ="),
+        edited("point in space", obstacle, "point = [0, 0, -1], normal = [0, 1]", "contact.obstacle.point: ", *found, at=""),
+        edited("normal in space", obstacle, "point = [0, -1], normal = [0, 0, 1]", "contact.obstacle.normal: ", *found, at=""),
+        edited("gravity in space", 'body = ["0", "-9.81"]', "gravity = [0, 0, -9.81]", "load.gravity: ", *found, at=""),
         edited("expressions of four components", '["0", "-9.81"]', '["0", "0", "0", "0"]', "load.body: found",
                "one expression per space dimension", at="body ="),
         edited("normal of length zero", "normal = [0, 1]", "normal = [0, 0]", "contact.obstacle.normal: found",
@@ -215,7 +233,16 @@ def obstacle_cases() -> list[Case]:
         shaped("ball without a center", '{ shape = "ball", radius = 0.5 }', "contact.obstacle.center: missing"),
         shaped("ball by a point", ball.replace("center", "point"), "contact.obstacle.center: missing"),
         shaped("ball of radius zero", ball.replace("0.5", "0"), "contact.obstacle.radius: found 0", "greater than 0", "m)"),
-        shaped("text for a radius", ball.replace("0.5", '"t"'), "contact.obstacle.radius: found", "a number"),
+        shaped("truth for a radius", ball.replace("0.5", "true"), "contact.obstacle.radius: found", "a number"),
+        shaped("radius of an expression that cannot be read", ball.replace("0.5", '"0.5 +"'), "contact.obstacle.radius: ", '"0.5 +"'),
+        shaped("radius of an expression of place", ball.replace("0.5", '"0.5 + x"'), "contact.obstacle.radius: found 0.5 + x",
+               "expressions of t alone"),
+        shaped("center of an expression of place", ball.replace("-1", '"y - 1"'), "contact.obstacle.center: found 0, y - 1",
+               "expressions of t alone"),
+        shaped("radius that vanishes", ball.replace("0.5", '"0.5 - t/2e-4"'), "contact.obstacle.radius: found 0 m at t = 0.0001 s",
+               "greater than 0", at="", ranks=2),
+        shaped("center that leaves the finite", ball.replace("-1", '"-1 - 1/(1e-4 - t)"'), "contact.obstacle.center: ",
+               "t = 0.0001", "finite", at=""),
         shaped("unknown side", ball.replace(" }", ', side = "within" }'), 'contact.obstacle.side: found "within"',
                "outside, inside"),
         shaped("ball with a normal", ball.replace(" }", ", normal = [0, 1] }"), "contact.obstacle.normal: unknown key"),
@@ -242,8 +269,8 @@ def obstacle_cases() -> list[Case]:
                "contact.obstacle.point: found 3 components", "2-dimensional", at=""),
         shaped("distance that cannot be read", '{ shape = "signed-distance", distance = "y +" }',
                "contact.obstacle.distance: ", '"y +"', "x, y, z"),
-        shaped("distance that depends on time", '{ shape = "signed-distance", distance = "y + 1 - t" }',
-               "contact.obstacle.distance: ", '"y + 1 - t"'),
+        shaped("distance that loses its slope", '{ shape = "signed-distance", distance = "t > 9e-5 ? 1 : y + 1" }',
+               "contact.obstacle.distance: ", "no slope", "t = 0.0001 s", at=""),
         shaped("list for a distance", '{ shape = "signed-distance", distance = ["y", "y"] }',
                "contact.obstacle.distance: found", "a text"),
         shaped("distance without a slope", '{ shape = "signed-distance", distance = "1" }', "contact.obstacle.distance: ",
@@ -303,12 +330,64 @@ def expression_cases() -> list[Case]:
                "is inf", re.compile(r"t = 0\.00012\d*"), at="", earlier=True, ranks=2),
         edited("infinite desired control", '["0", "-1"]', '["0", "1/(y - 0.5)"]', "objective.desired.control", "is inf",
                "y = 0.5", at="", verb="optimize", earlier=True),
+        edited("gravity of an expression of place", body, 'gravity = ["0", "-9.81*x"]', "load.gravity: found 0, -9.81*x",
+               "expressions of t alone", at="gravity ="),
+        edited("gravity as a number", body, "gravity = 9.81", "load.gravity: found 9.81", '["0", 9.81]', at="gravity ="),
+        edited("gravity that is not finite", body, 'gravity = ["0", "1/(t > 1e-4 ? 0 : 1)"]', "load.gravity: ", "is inf", at="",
+               ranks=2),
         edited("initial displacement of a clamp", start, 'displacement = ["0", "1e-3"]', "initial.displacement",
                "found a difference of 0.001", "clamp", "allowed is 0", at="", earlier=True),
         edited("initial displacement of a clamp, two ranks", start, 'displacement = ["0", "1e-3"]',
                "initial.displacement", "found a difference of 0.001", "clamp", at="", ranks=2),
         edited("initial velocity of a clamp", 'velocity = ["0", "0"]', 'velocity = ["0", "-10"]', "initial.velocity",
                "found a difference of 10", "clamp", "allowed is 0", at=""),
+    ]
+
+
+def time_series_cases() -> list[Case]:
+    """Tables that give no quantity over the time of the run."""
+    good = "time,force,late\n0,1,2\n1e-4,2,2\n2e-4,3,x\n"
+
+    def wrong(name: str, *expect: Expected, column: str = "force", text: str | bytes = good, **other: object) -> Case:
+        given = f'{{ file = "loads.csv", column = "{column}" }}'
+        return Case(name, ("load.body: ", *expect), edits=(('"-9.81"', given),), at="body =",
+                    prepare=lambda folder: write(folder / "loads.csv", text), **other)  # type: ignore[arg-type]
+
+    def at(name: str, old: str, new: str, *expect: Expected, **other: object) -> Case:
+        series = '{ file = "loads.csv", column = "force" }'
+        return Case(name, expect, edits=((old, new.replace("SERIES", series)),), prepare=lambda folder: write(
+            folder / "loads.csv", good), **other)  # type: ignore[arg-type]
+
+    return [
+        Case("series that is missing", ("load.body: ", "loads.csv: cannot be read"), edits=(
+            ('"-9.81"', '{ file = "loads.csv", column = "force" }'),), at="body ="),
+        Case("series that is missing, two ranks", ("load.body: ", "loads.csv: cannot be read"), edits=(
+            ('"-9.81"', '{ file = "loads.csv", column = "force" }'),), at="body =", ranks=2),
+        Case("series that never ends", ("load.body: ", "/dev/zero: cannot be read"), edits=(
+            ('"-9.81"', '{ file = "/dev/zero", column = "force" }'),), at="body ="),
+        wrong("misspelt column", 'no column "forces"', 'mean "force"?', "time, force, late", column="forces", earlier=True),
+        wrong("misspelt column, two ranks", 'no column "forces"', column="forces", ranks=2),
+        wrong("series with a text", "loads.csv: line 4: ", '"x" in column 3', "a number", column="late"),
+        wrong("series of one time", "1 line of numbers", text="t,force\n0,1\n"),
+        wrong("series that is empty", "loads.csv", "empty", text=""),
+        wrong("series of bytes", "loads.csv: ", text=bytes(range(256)) * 4),
+        wrong("series with times that go back", "line 4: ", "0.0001 s behind 0.0002 s", "ascend",
+              text="t,force\n0,1\n2e-4,1\n1e-4,1\n"),
+        wrong("series that ends early", "from 0 to 0.0001 s", "0 to 0.00015 s", text="t,force\n0,1\n1e-4,1\n"),
+        wrong("series that starts late", "from 1e-05 to 1 s", text="t,force\n1e-5,1\n1,1\n"),
+        wrong("series with decimal commas", '"2,5" in column 2', "decimal point", text="t;force\n0;1\n1;2,5\n"),
+        Case("series without a column", ("load.body.column: missing",), edits=(('"-9.81"', '{ file = "loads.csv" }'),),
+             at="body ="),
+        Case("series of a number", ("load.body.column: found 3", "a text"), edits=(
+            ('"-9.81"', '{ file = "loads.csv", column = 3 }'),), at="body ="),
+        Case("series with an unknown key", ("load.body.unit: unknown key", "column, file"), edits=(
+            ('"-9.81"', '{ file = "loads.csv", column = "force", unit = "N" }'),), at="body ="),
+        at("series in an initial value", 'velocity = ["0", "0"]', 'velocity = ["0", SERIES]', "initial.velocity: found",
+           "place alone", at="velocity ="),
+        at("series for a control constant in time", "scale = 1e6", "scale = 1e6\nconstant_in_time = true\ninitial = [0, SERIES]",
+           "control.initial: found", "place alone", at="initial = [0"),
+        at("series for all components", 'body = ["0", "-9.81"]', "body = SERIES", "load.body: found", "an array of one expression",
+           at="body ="),
     ]
 
 
@@ -461,8 +540,8 @@ def option_cases() -> list[Case]:
     return [
         overridden("set without =", "mesh.size", '--set: found "mesh.size"', "key.path=value"),
         overridden("set without a key", "=4", '--set: found "=4"', "key.path=value"),
-        overridden("set of an unknown key", "material.yong=1e8", "material.yong: unknown", 'did you mean "young"?'),
-        overridden("set of an unknown table", "materail.young=1e8", "materail: unknown", 'did you mean "material"?'),
+        overridden("set of an unknown key", "material.yong=1e8", "--set material.yong: unknown", 'did you mean "young"?'),
+        overridden("set of an unknown table", "materail.young=1e8", "--set materail: unknown", 'did you mean "material"?'),
         overridden("set ending in a dot", "material.=1e8", "--set material.=1e8", "ends in a dot"),
         overridden("set beginning with a dot", ".young=1e8", "--set .young=1e8", "dot"),
         overridden("set with two dots", "material..young=1e8", "--set material..young=1e8", "dot"),
@@ -473,10 +552,18 @@ def option_cases() -> list[Case]:
         overridden("set on a component", "load.body.1=0", "--set load.body.1=0", "load.body",
                    never=("tables", "body.0.on")),
         overridden("set below a value", "material.young.x=1", "--set material.young.x=1", '"young" is not a table'),
-        overridden("set of the wrong type", "material.young=soft", "material.young: found", "soft", "a number"),
+        overridden("set of the wrong type", "material.young=soft", "--set material.young: found", "soft", "a number"),
         overridden("set to nothing", "material.young=", "material.young: found", "a number"),
         overridden("set out of range", "material.poisson=0.7", "material.poisson: found 0.7", "less than 0.5"),
-        overridden("set out of range, two ranks", "material.poisson=0.7", "material.poisson: found 0.7", ranks=2),
+        overridden("set out of range, two ranks", "material.poisson=0.7", "--set material.poisson: found 0.7", ranks=2),
+        overridden("set of a key of a table of its own", "exact={impulse = 0}", "--set exact.impulse: found 0"),
+        overridden("set of a table without a required key", "check={}", "--set check.control: missing"),
+        overridden("set of too many components", 'initial.velocity=["0", "0", "0"]', "--set initial.velocity: found 3 components",
+                   "2-dimensional", never=("scene.toml",)),
+        overridden("set of too many components of a clamp", 'clamp.0.value=["0", "0", "t"]', "--set clamp.value: found 3", never=("scene.toml",)),
+        overridden("set of a component of space", 'control.components=["z"]', '--set control.components: found "z"', never=("scene.toml",)),
+        edited("too many components beside a set", 'velocity = ["0", "0"]', 'velocity = ["0", "0", "0"]', "scene.toml: initial.velocity: found 3",
+               at="", options=("--set", "initial.displacement=[0, 0]")),
         overridden("set of a table to a value", "contact=bottom", "contact: found", "bottom", "a table"),
         overridden("set of two keys, the second wrong", ("material.young=1e7", "solver.vi=ful"),
                    'solver.vi: found "ful"', 'did you mean "full"?'),
@@ -716,6 +803,42 @@ def space_cases() -> list[Case]:
     ]
 
 
+def probe_cases() -> list[Case]:
+    """What is to be followed over time, and names that stand in tables."""
+
+    def probe(name: str, keys: str, *expect: Expected, at: str = "[[output.probe]]", **more: object) -> Case:
+        return edited(name, "every = 1", f"every = 1\n\n[[output.probe]]\n{keys}", *expect, at=at, **more)
+
+    twice = 'name = "a"\nbody = true\n\n[[output.probe]]\npoint = [0, 0.5]\nname = "a" # again'
+    obstacle = "obstacle = { shape"
+    return [
+        probe("probe of nothing", 'name = "a"', "output.probe[0]: found none of them", "point, on, obstacle, body"),
+        probe("probe of two things", 'on = "top"\npoint = [0, 0.5]', "output.probe[0]: found point, on", "allowed is one of"),
+        probe("misspelt key of a probe", "pont = [0, 0.5]", "output.probe[0].pont: unknown", '"point"', at="pont ="),
+        probe("probe with a comma in its name", 'name = "a, b"\nbody = true', "output.probe[0].name: found 'a, b'", "without commas",
+              at="name ="),
+        probe("probe with a name that another one has", twice, 'output.probe[1].name: found "a"', "output.probe[0] has too",
+              at='name = "a" # again'),
+        probe("probe at a point of three components", "point = [0, 0.5, 0]", "output.probe[0].point: found 3 components",
+              "allowed are 2", at=""),
+        probe("probe outside of the body", "point = [0, 3]", "output.probe[0].point: found (0, 3)", "2 m outside of the body", at="",
+              verb="simulate"),
+        probe("probe outside of the body, two ranks", "point = [0, 3]", "output.probe[0].point: found (0, 3)", at="", ranks=2),
+        probe("probe of a group that is not there", 'on = "topp"', "output.probe[0].on: ", '"topp"', "top", at=""),
+        probe("probe of an obstacle that is not there", 'obstacle = "obstacel 1"', 'output.probe[0].obstacle: found "obstacel 1"',
+              'did you mean "obstacle 1"?', "allowed: obstacle 1", at='obstacle = "'),
+        probe("probe of no body", "body = false", "output.probe[0].body: found false", "allowed is true", at="body ="),
+        probe("probe of a body that is a number", "body = 1", "output.probe[0].body: found 1", "true and false", at="body ="),
+        edited("obstacle with a quote in its name", obstacle, "obstacle = { name = 'a \"', shape", "contact.obstacle.name: found",
+               "without commas and quotes", at="obstacle ="),
+        edited("obstacle with an empty name", obstacle, 'obstacle = { name = "", shape', "contact.obstacle.name: found \"\"",
+               "not empty", at="obstacle ="),
+        Case("obstacles with the same name", ("contact[1].obstacle.name: found", "obstacle 2", "contact[0] has too"), edits=(
+            ("[contact]", '[[contact]]\non = "bottom"\nobstacle = { name = "obstacle 2", shape = "half-space", point = [0, -0.2], '
+             "normal = [0, 1] }\n[[contact]]"),)),
+    ]
+
+
 def desired_run_cases() -> list[Case]:
     """Desired states that no earlier run left as they are needed."""
     by_run = (('desired = { control = ["0", "-1"] }', 'desired = { run = "earlier" }'),)
@@ -752,6 +875,10 @@ def desired_run_cases() -> list[Case]:
         wrong("desired run with a value that is no number", *allowed, '"displacement" at 0.00015 s is damaged', value=float("nan")),
         wrong("desired run with a value that is no number, two ranks", "is damaged", value=float("inf"), ranks=2),
         wrong("desired run with a time that is none", *allowed, "damaged", names=("0_0", "later")),
+        *(wrong(f"desired run that lists its times {how}", *allowed, "damaged", names=("00000000", "00000001"), listed=listed)
+          for how, listed in (("backwards", (1.5e-4, 0.0)), ("with one missing", (0.0,)), ("as no numbers", (0.0, float("nan"))))),
+        wrong("desired run that lists its times and ends early", *allowed, "from 0 to 0.0001 s", names=("00000000", "00000001"),
+              listed=(0.0, 1e-4)),
         Case("desired run of degree 2", ("objective.desired.run: ", "mesh.degree = 2", "allowed is 1"),
              edits=(*by_run, ("[time]", "degree = 2\n\n[time]")), verb="optimize"),
         Case("desired run in the way", ("--out: ", "objective.desired.run", "allowed is another"), edits=(
@@ -798,6 +925,7 @@ def all_cases() -> list[Case]:
         *dimension_cases(),
         *obstacle_cases(),
         *expression_cases(),
+        *time_series_cases(),
         *effect_cases(),
         *later_cases(),
         *material_cases(),

@@ -7,7 +7,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-A = "a = ufl.inner(isotropic(lmbda, mu, y), eps(phi)) * dx"
+A = "a = ufl.inner(isotropic(lmbda, mu, eps(y)), eps(phi)) * dx"
 
 
 def run(*command: str) -> str:

@@ -1,4 +1,4 @@
-#include "app/study/pressure.h"
+#include "contact/pressure.h"
 #include "base/collective.h"
 #include <algorithm>
 #include <basix/cell.h>
@@ -7,27 +7,23 @@
 #include <dolfinx/mesh/Mesh.h>
 #include <map>
 
-namespace signorini::study {
+namespace signorini::contact {
 using petsc::check;
 
 namespace {
 
 /// ∫ φ over an obstacle's group for the node of each of its candidates that this rank owns; 0 for the others.
-std::vector<double> shares(const Problem& problem, std::size_t obstacle) {
-  const contact::ContactPairs& pairs = *problem.stepper.pairs();
-  const petsc::Matrix mass = fem::assemble_L2(problem.space, problem.scene.contacts[obstacle].on,
-                                              scene::contact_key(problem.scene.contacts, obstacle) + ".on");
-  const petsc::Vector one = problem.space.vector(), sum = problem.space.vector();
+std::vector<double> shares(const fem::Space& space, const ContactPairs& pairs, const std::string& group,
+                           int obstacle) {
+  const petsc::Matrix mass = fem::assemble_L2(space, group, pairs.key(obstacle) + ".on");
+  const petsc::Vector one = space.vector(), sum = space.vector();
   check(VecSet(one, 1));
   check(MatMult(mass, one, sum));
-  PetscInt begin = 0, end = 0;
-  check(VecGetOwnershipRange(sum, &begin, &end));
   const petsc::ReadArray values(sum);
   std::vector<double> found(static_cast<std::size_t>(pairs.count()), 0.0);
   for (std::size_t j = 0; j < found.size(); ++j)
-    if (const PetscInt dof = pairs.first_dofs()[j];
-        pairs.obstacles()[j] == static_cast<int>(obstacle) && dof >= begin && dof < end)
-      found[j] = values[static_cast<std::size_t>(dof - begin)];
+    if (const int dof = pairs.local_dofs()[j]; pairs.obstacles()[j] == obstacle && dof >= 0)
+      found[j] = values[static_cast<std::size_t>(dof)];
   return found;
 }
 
@@ -77,20 +73,25 @@ std::vector<EdgeNodes> edges_on(const fem::Space& space, const std::string& grou
 
 } // namespace
 
-Pressure::Pressure(const Problem& problem)
-    : area_(static_cast<std::size_t>(problem.stepper.pairs()->count()), 0.0) {
-  for (std::size_t i = 0; i < problem.scene.contacts.size(); ++i) {
-    const std::vector<double> own = shares(problem, i);
+Pressure::Pressure(const fem::Space& space, const ContactPairs& pairs,
+                   const std::vector<scene::Contact>& contacts)
+    : area_(static_cast<std::size_t>(pairs.count()), 0.0) {
+  for (int i = 0; i < pairs.obstacle_count(); ++i) {
+    const std::string& group = contacts[static_cast<std::size_t>(i)].on;
+    const std::vector<double> own = shares(space, pairs, group, i);
     std::ranges::transform(area_, own, area_.begin(), std::plus<>());
-    if (problem.space.degree() > 1)
-      add_edges(problem, static_cast<int>(i));
+    if (space.degree() > 1)
+      add_edges(space, pairs, group, i);
   }
   MPI_Allreduce(MPI_IN_PLACE, area_.data(), static_cast<int>(area_.size()), MPI_DOUBLE, MPI_SUM,
-                problem.space.comm());
+                space.comm());
   gather_at_vertices(area_);
-  if (problem.space.degree() == 1)
-    return;
-  std::vector<double> of_hats(area_.size(), 0.0); // no area where all edges of a vertex are clamped
+  if (space.degree() > 1)
+    keep_areas_of_edges();
+}
+
+void Pressure::keep_areas_of_edges() {
+  std::vector<double> of_hats(area_.size(), 0.0);
   for (const Edge& edge : edges_)
     for (const int end : edge.ends)
       if (end >= 0)
@@ -98,19 +99,17 @@ Pressure::Pressure(const Problem& problem)
   area_ = std::move(of_hats);
 }
 
-void Pressure::add_edges(const Problem& problem, int obstacle) {
-  const contact::ContactPairs& pairs = *problem.stepper.pairs();
+void Pressure::add_edges(const fem::Space& space, const ContactPairs& pairs, const std::string& group,
+                         int obstacle) {
   std::map<std::int64_t, int> candidate; // of each node
   for (int j = 0; j < pairs.count(); ++j)
     if (pairs.obstacles()[static_cast<std::size_t>(j)] == obstacle)
-      candidate[pairs.first_dofs()[static_cast<std::size_t>(j)] / problem.space.dim()] = j;
+      candidate[pairs.first_dofs()[static_cast<std::size_t>(j)] / space.dim()] = j;
   const auto candidate_at = [&](std::int64_t node) {
     const auto found = candidate.find(node);
     return found == candidate.end() ? -1 : found->second;
   };
-  const auto i = static_cast<std::size_t>(obstacle);
-  for (const EdgeNodes& nodes : edges_on(problem.space, problem.scene.contacts[i].on,
-                                         scene::contact_key(problem.scene.contacts, i) + ".on"))
+  for (const EdgeNodes& nodes : edges_on(space, group, pairs.key(obstacle) + ".on"))
     if (const int middle = candidate_at(nodes[0]); middle >= 0)
       edges_.push_back({middle, {candidate_at(nodes[1]), candidate_at(nodes[2])}});
 }
@@ -128,7 +127,29 @@ std::vector<double> Pressure::operator()(std::vector<double> lambda, double impu
   gather_at_vertices(lambda);
   for (std::size_t i = 0; i < lambda.size(); ++i)
     lambda[i] = area_[i] > 0 ? lambda[i] / impulse / area_[i] : 0;
+  for (const Edge& edge : edges_) {
+    double sum = 0;
+    int ends = 0;
+    for (const int end : edge.ends)
+      if (end >= 0 && area_[static_cast<std::size_t>(end)] > 0) {
+        sum += lambda[static_cast<std::size_t>(end)];
+        ++ends;
+      }
+    if (ends > 0)
+      lambda[static_cast<std::size_t>(edge.middle)] = sum / ends;
+  }
   return lambda;
 }
 
-} // namespace signorini::study
+std::vector<double> at_nodes(const fem::Space& space, const ContactPairs& pairs,
+                             const std::vector<double>& values) {
+  std::vector<double> field(static_cast<std::size_t>(space.owned_nodes()), 0.0);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (const int dof = pairs.local_dofs()[i]; dof >= 0) {
+      double& at = field[static_cast<std::size_t>(dof / space.dim())];
+      at = std::max(at, values[i]);
+    }
+  return field;
+}
+
+} // namespace signorini::contact

@@ -1,0 +1,16 @@
+#pragma once
+#include <string>
+#include <vector>
+
+namespace signorini {
+
+/// A verb of the command line with its options, such as --out.
+struct VerbOptions {
+  std::string verb;
+  std::vector<std::string> options;
+};
+
+/// A script by which bash completes verbs, options, folders, scenes, the keys of --set and their choices.
+std::string bash_completion(const std::vector<VerbOptions>& verbs);
+
+} // namespace signorini

@@ -1,0 +1,99 @@
+#include "app/study/contact_watch.h"
+#include <cmath>
+#include <fmt/format.h>
+#include <numeric>
+
+namespace signorini::study {
+namespace {
+
+double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
+
+/// The end of the names that belong to an obstacle of the scene, by its number.
+std::string suffix(int obstacle) { return fmt::format("_{}", obstacle + 1); }
+
+} // namespace
+
+std::vector<Quantity> contact_quantities(const scene::Scene& scene, int dim) {
+  const std::string each = dim == 2 ? "/m" : "";
+  std::vector<Quantity> all;
+  const auto add = [&](const std::string& end, const std::string& of) {
+    all.push_back({"impulse" + end, "impulse of contact" + of, "N s" + each});
+    all.push_back({"peak_force" + end, "peak force" + of, "N" + each});
+    all.push_back({"contact_start" + end, "start of contact" + of, "s"});
+    all.push_back({"contact_time" + end, "time in contact" + of, "s"});
+  };
+  if (!scene.contacts.empty())
+    add("", "");
+  if (scene.contacts.size() > 1)
+    for (int obstacle = 0; obstacle < std::ssize(scene.contacts); ++obstacle)
+      add(suffix(obstacle), fmt::format(", obstacle {}", obstacle + 1));
+  return all;
+}
+
+ContactWatch::ContactWatch(const forward::Stepper& stepper) : stepper_(stepper) {
+  const contact::ContactPairs* pairs = stepper.pairs();
+  if (!pairs)
+    return;
+  std::vector<int> all(static_cast<std::size_t>(pairs->count()));
+  std::iota(all.begin(), all.end(), 0);
+  parts_.push_back({"", {stepper.grid(), all}});
+  for (int obstacle = 0; pairs->obstacle_count() > 1 && obstacle < pairs->obstacle_count(); ++obstacle) {
+    std::vector<int> own;
+    for (const int i : all)
+      if (pairs->obstacles()[static_cast<std::size_t>(i)] == obstacle)
+        own.push_back(i);
+    parts_.push_back({suffix(obstacle), {stepper.grid(), std::move(own)}});
+  }
+}
+
+void ContactWatch::operator()(const forward::Frame& frame) {
+  if (parts_.empty())
+    return;
+  for (Part& part : parts_)
+    part.times.observe(frame.k, frame.contact);
+  if (frame.k == 0)
+    return;
+  const contact::ContactPairs& pairs = *stepper_.pairs();
+  const auto dim = static_cast<std::size_t>(pairs.dim());
+  std::vector<Force> forces(parts_.size());
+  for (std::size_t i = 0; i < frame.contact.lambda.size(); ++i) {
+    const double force = frame.contact.lambda[i] / stepper_.grid().scheme(frame.k).impulse();
+    for (std::size_t c = 0; c < dim; ++c) {
+      const double on_body = -force * pairs.normals()[i * dim + c];
+      forces[0][c] += on_body;
+      if (parts_.size() > 1)
+        forces[static_cast<std::size_t>(pairs.obstacles()[i]) + 1][c] += on_body;
+    }
+  }
+  for (std::size_t part = 0; part < parts_.size(); ++part)
+    add_force(forces[part], stepper_.grid().length(frame.k), parts_[part]);
+}
+
+void ContactWatch::add_force(const Force& force, double tau, Part& part) const {
+  Force mean{};
+  for (std::size_t c = 0; c < force.size(); ++c) {
+    // Forces of contact-implicit steps alternate, their means over two steps do not (docs/method.md section
+    // 2).
+    mean[c] = (force[c] + part.before[c]) / 2;
+    part.impulse[c] += tau * force[c];
+  }
+  part.peak = std::max(part.peak, length(mean));
+  part.before = force;
+}
+
+std::map<std::string, double> ContactWatch::numbers(double end) const {
+  std::map<std::string, double> all;
+  for (const Part& part : parts_) {
+    const std::vector<forward::ContactTimes::Interval> intervals = part.times.intervals();
+    double time = 0;
+    for (const auto& [start, until] : intervals)
+      time += until - start;
+    all["impulse" + part.suffix] = length(part.impulse);
+    all["peak_force" + part.suffix] = part.peak;
+    all["contact_start" + part.suffix] = intervals.empty() ? end : intervals.front().start;
+    all["contact_time" + part.suffix] = time;
+  }
+  return all;
+}
+
+} // namespace signorini::study

@@ -1,0 +1,41 @@
+#pragma once
+#include "app/study/measured.h"
+#include "forward/contact_times.h"
+#include "forward/integrate.h"
+#include <array>
+
+namespace signorini::study {
+
+/// Impulse, peak force and times of contact: the quantities of a scene that has contact, of all obstacles
+/// together and, where there are several, of each under the same names with its number. `dim` tells the
+/// units: in the plane forces are per metre.
+std::vector<Quantity> contact_quantities(const scene::Scene& scene, int dim);
+
+/// Measures them frame by frame.
+class ContactWatch {
+public:
+  /// `stepper` must outlive this object.
+  explicit ContactWatch(const forward::Stepper& stepper);
+
+  /// Takes the frames of a motion in turn.
+  void operator()(const forward::Frame& frame);
+
+  /// Their values by name, at the end of a motion that took `end` s: without contact it starts there.
+  [[nodiscard]] std::map<std::string, double> numbers(double end) const;
+
+private:
+  using Force = std::array<double, 3>;
+  /// What is known of one obstacle, or of all.
+  struct Part {
+    std::string suffix; ///< of the quantities' names
+    forward::ContactTimes times;
+    Force before{}, impulse{}; ///< N (in the plane N/m) and N s (N s/m)
+    double peak = 0;
+  };
+  void add_force(const Force& force, double tau, Part& part) const;
+
+  const forward::Stepper& stepper_;
+  std::vector<Part> parts_; ///< that of all obstacles first
+};
+
+} // namespace signorini::study

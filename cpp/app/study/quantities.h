@@ -1,0 +1,14 @@
+#pragma once
+#include "app/study/measured.h"
+
+namespace signorini::study {
+
+/// The quantities that can be compared in a scene: displacement, energy_loss where it has contact with
+/// obstacles at rest, contact_quantities() with contact, pressure where the exact one is given, J and
+/// gradient with an objective. `dim` tells the units.
+std::vector<Quantity> quantities(const scene::Scene& scene, int dim);
+
+/// Those of these names or, if there are none, all but the gradient. Throws UserError.
+std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::string>& names, int dim);
+
+} // namespace signorini::study

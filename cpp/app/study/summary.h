@@ -1,0 +1,31 @@
+#pragma once
+#include "app/study/analysis.h"
+#include "app/study/store.h"
+#include "base/progress.h"
+
+namespace signorini::study {
+
+/// What the rungs that have run tell, as files and on the console, in tables of at most 80 columns. Used on
+/// rank 0.
+class Summary {
+public:
+  /// The references must outlive this object.
+  Summary(const scene::Scene& scene, const std::vector<Quantity>& wanted, const std::vector<Result>& results,
+          const Exact& exact);
+
+  void write(const Store& store) const;
+  void show(const Console& console) const;
+
+private:
+  void show_rungs(const Console& console) const;
+  void show_errors(const Errors& errors, const Console& console) const;
+  void show_orders(const Console& console) const;
+
+  const scene::Scene& scene_;
+  const std::vector<Result>& results_;
+  std::vector<Errors> errors_;
+  std::vector<Orders> orders_;
+  std::vector<std::string> sentences_;
+};
+
+} // namespace signorini::study

@@ -1,0 +1,122 @@
+#include "app/study/trials.h"
+#include "app/study/analysis.h"
+#include <cmath>
+#include <fmt/format.h>
+
+namespace signorini::study {
+namespace {
+
+std::string listed(const adjoint::ErrorParts& parts) {
+  std::string text = fmt::format("space {:+.2e}, time {:+.2e}", *parts.space, parts.time);
+  if (parts.initial != 0)
+    text += fmt::format(", initial data {:+.2e}", parts.initial);
+  if (parts.desired != 0)
+    text += fmt::format(", desired displacement {:+.2e}", parts.desired);
+  return text;
+}
+
+class AdjointTrials final : public Trials {
+public:
+  AdjointTrials(MPI_Comm comm, const scene::Scene& scene, const Samples& samples)
+      : comm_(comm), scene_(scene), samples_(samples) {}
+
+  [[nodiscard]] double order() const override { return 2; }
+
+  Trial run(const Rung& rung) override {
+    const Measured measured = measure(comm_, on_rung(scene_, rung), samples_, {}, true);
+    const double value = measured.numbers.at("J"), J = std::abs(value);
+    const adjoint::ErrorParts& parts = *measured.estimate;
+    const adjoint::ErrorParts relative{*parts.space / J, parts.time / J, parts.initial / J,
+                                       parts.desired / J};
+    const double time = std::abs(relative.time), error = relative.sum_of_moduli();
+    return {rung,
+            error - time,
+            time,
+            measured.seconds,
+            measured.seconds,
+            fmt::format("J {:.6e}, estimated error at most {:.2e} ({}), {} unknowns, {:.2g} s", value, error,
+                        listed(relative), measured.unknowns, measured.seconds),
+            fmt::format("by the moduli of their own estimate's parts {:.2e}", error)};
+  }
+
+private:
+  MPI_Comm comm_;
+  const scene::Scene& scene_;
+  const Samples& samples_;
+};
+
+class LadderTrials final : public Trials {
+public:
+  LadderTrials(MPI_Comm comm, const scene::Scene& scene, const Samples& samples, const Quantity& quantity)
+      : comm_(comm), scene_(scene), samples_(samples), quantity_(quantity) {}
+
+  [[nodiscard]] double order() const override { return 1; }
+
+  /// Steps of twice and four times the length are whole parts of the time.
+  [[nodiscard]] Rung nearest(const Rung& rung) const override {
+    Rung next = rung;
+    next.steps = (rung.steps + coarsest - 1) / coarsest * coarsest;
+    return next;
+  }
+
+  Trial run(const Rung& rung) override {
+    std::vector<Result> results;
+    double cost = 0;
+    for (const auto& [wider, longer] : {std::pair(coarsest, 1), {2, 1}, {1, coarsest}, {1, 2}, {1, 1}}) {
+      Rung one = rung;
+      one.size *= wider;
+      one.steps /= longer;
+      results.push_back({one, known(one)});
+      cost += results.back().measured->seconds;
+    }
+    const std::optional<ReferenceBar> bar = errors(quantity_, results, {}).bar;
+    constexpr double nothing = 1; // is known
+    const Measured& measured = *results.back().measured;
+    const double space = bar && bar->size ? *bar->size : nothing,
+                 time = bar && bar->step ? *bar->step : nothing;
+    const std::string found = value(measured);
+    const std::string grounds = fmt::format("{}error bar {} (of the size {}, of the step {}{})", found,
+                                            percent(space + time), percent(space), percent(time),
+                                            bar && bar->asymptotic ? "" : "; not in the asymptotic range");
+    return {rung,   space,
+            time,   measured.seconds,
+            cost,   fmt::format("{}, {} unknowns, {:.2g} s", grounds, measured.unknowns, measured.seconds),
+            grounds};
+  }
+
+private:
+  static constexpr int coarsest = 4;
+
+  Measured known(const Rung& rung) {
+    const auto [found, missing] = runs_.try_emplace(rung);
+    if (missing)
+      found->second = measure(comm_, on_rung(scene_, rung), samples_, {quantity_}, false);
+    return found->second;
+  }
+
+  [[nodiscard]] std::string value(const Measured& measured) const {
+    if (quantity_.field)
+      return "";
+    return fmt::format("{} {:.6g}{}{}, ", quantity_.title, measured.numbers.at(quantity_.name),
+                       quantity_.unit.empty() ? "" : " ", quantity_.unit);
+  }
+
+  MPI_Comm comm_;
+  const scene::Scene& scene_;
+  const Samples& samples_;
+  Quantity quantity_;
+  std::map<Rung, Measured> runs_;
+};
+
+} // namespace
+
+std::unique_ptr<Trials> adjoint_trials(MPI_Comm comm, const scene::Scene& scene, const Samples& samples) {
+  return std::make_unique<AdjointTrials>(comm, scene, samples);
+}
+
+std::unique_ptr<Trials> ladder_trials(MPI_Comm comm, const scene::Scene& scene, const Samples& samples,
+                                      const Quantity& quantity) {
+  return std::make_unique<LadderTrials>(comm, scene, samples, quantity);
+}
+
+} // namespace signorini::study

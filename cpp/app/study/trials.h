@@ -1,0 +1,39 @@
+#pragma once
+#include "app/study/measure.h"
+#include <memory>
+
+namespace signorini::study {
+
+/// A size and a step that have been tried, and an estimate of the relative error, in two parts: that of the
+/// mesh and that of the steps.
+struct Trial {
+  Rung rung;
+  double space = 0, time = 0;
+  double seconds = 0;        ///< of the rung
+  double cost = 0;           ///< s, of all that the trial ran
+  std::string said, grounds; ///< what it found, and by what its error is known, in words
+  [[nodiscard]] double error() const { return space + time; }
+};
+
+/// Tries sizes and steps.
+class Trials {
+public:
+  virtual ~Trials() = default;
+  /// The order with which the estimates fall, as far as nothing is known of it.
+  [[nodiscard]] virtual double order() const = 0;
+  /// The next finer rung that can be tried.
+  [[nodiscard]] virtual Rung nearest(const Rung& rung) const { return rung; }
+  /// Collective. Throws UserError, SolverFailure, Interrupted.
+  virtual Trial run(const Rung& rung) = 0;
+};
+
+/// Of J, by what the adjoint estimates from the run itself. The references must outlive the result.
+std::unique_ptr<Trials> adjoint_trials(MPI_Comm comm, const scene::Scene& scene, const Samples& samples);
+
+/// Of any quantity, by the error bar of a rung beside two coarser ones in size and two in step, with twice
+/// and four times either; they take about as long as the rung once more. The references must outlive the
+/// result.
+std::unique_ptr<Trials> ladder_trials(MPI_Comm comm, const scene::Scene& scene, const Samples& samples,
+                                      const Quantity& quantity);
+
+} // namespace signorini::study

@@ -1,0 +1,101 @@
+#include "app/summary_lines.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace signorini {
+namespace {
+
+/// Units of a body in the plane are those of a slice of it.
+std::string per_depth(const char* unit, int dim) { return dim == 2 ? fmt::format("{}/m", unit) : unit; }
+
+std::string components(const std::array<double, 3>& x, int dim) {
+  return fmt::format("({:.4g})", fmt::join(x.begin(), x.begin() + dim, ", "));
+}
+
+/// The second figure where it says more than the first: that of all nodal forces by modulus.
+std::string by_modulus(double resultant, double normal) {
+  constexpr double alike = 1e-3;
+  return normal - resultant > alike * normal ? fmt::format(" ({:.4g} by modulus)", normal) : "";
+}
+
+std::string touch_line(const std::string& name, const forward::Touch& touch, int dim) {
+  if (!touch.occurred())
+    return fmt::format("  {}: not touched", name);
+  const std::string closed = touch.contact_time < 0.999 * (touch.end - touch.start)
+                                 ? fmt::format(", {:.4g} s of it with a force", touch.contact_time)
+                                 : "";
+  const std::array<double, 3>& J = touch.impulse;
+  return fmt::format("  {}: from {:.6g} to {:.6g} s{}, impulse {}{} {}, peak {:.4g}{} {} at {:.6g} s", name,
+                     touch.start, touch.end, closed, components(J, dim),
+                     by_modulus(std::hypot(J[0], J[1], J[2]), touch.normal_impulse), per_depth("N s", dim),
+                     touch.peak, by_modulus(touch.peak, touch.normal_peak), per_depth("N", dim),
+                     touch.peak_time);
+}
+
+void add_impact(const forward::Impact& impact, int dim, std::vector<std::string>& lines) {
+  if (!impact.all.occurred()) {
+    lines.emplace_back("contact: none");
+    return;
+  }
+  lines.emplace_back(
+      "contact (the force of a step acts from the time before to its own; peaks are means of two steps):");
+  for (const forward::Touch& one : impact.obstacles)
+    lines.push_back(touch_line(one.name, one, dim));
+  if (std::ranges::count_if(impact.obstacles, &forward::Touch::occurred) > 1)
+    lines.push_back(touch_line("all together", impact.all, dim));
+  lines.push_back(fmt::format(
+      "  velocity of the centre of mass: {} m/s before, {} m/s {}{}", components(impact.before, dim),
+      components(impact.after, dim), impact.ended ? "after" : "at the end, still in contact",
+      impact.restitution ? fmt::format("; restitution {:.4g}", *impact.restitution) : ""));
+}
+
+void add_energy(const forward::EnergyAccount& energy, int dim, std::vector<std::string>& lines) {
+  std::string text = fmt::format("energy: {:.4g} {} at the start",
+                                 energy.kinetic_at_start + energy.elastic_at_start, per_depth("J", dim));
+  const auto add = [&](const char* by, double work) {
+    if (work != 0)
+      text += fmt::format(", {:+.4g} by {}", work, by);
+  };
+  add("loads", energy.load_work);
+  add("control and clamps", energy.other_work);
+  add("contact", energy.contact_work);
+  add("viscosity", -energy.viscous_dissipation);
+  lines.push_back(text + fmt::format(": {:.4g} at the end, {:.4g} of it elastic",
+                                     energy.kinetic_at_end + energy.elastic_at_end, energy.elastic_at_end));
+}
+
+} // namespace
+
+std::vector<std::string> summary_lines(const io::Manifest& manifest) {
+  std::vector<std::string> lines;
+  if (manifest.impact)
+    add_impact(*manifest.impact, manifest.dim, lines);
+  if (manifest.energy)
+    add_energy(*manifest.energy, manifest.dim, lines);
+  return lines;
+}
+
+std::string cost_line(const io::Manifest& manifest, const scene::Scene& scene, const Timers& timers,
+                      double bytes) {
+  const auto seconds = [&](const char* phase) {
+    const auto found = timers.entries().find(phase);
+    return found == timers.entries().end() ? 0.0 : found->second.seconds;
+  };
+  const bool fields = scene.output.field(scene::StoredField::displacement) ||
+                      scene.output.field(scene::StoredField::velocity);
+  std::string text = fmt::format("{} steps in {:.2g} s, output in {:.2g} s: {:.3g} MB", manifest.steps_done,
+                                 seconds("forward"), seconds("output"), bytes / 1e6);
+  if (fields || scene.output.table(scene::StoredTable::contact))
+    text += fmt::format(", fields and contact of {} (output.every = {})",
+                        scene.output.every == 1 ? "every step"
+                                                : fmt::format("one step in {}", scene.output.every),
+                        scene.output.every);
+  constexpr double noticeable = 1; // s
+  if (seconds("output") > std::max(noticeable, 2 * seconds("forward")))
+    text += "; output took longest: output.every, output.fields and output.tables say what is stored";
+  return text;
+}
+
+} // namespace signorini

@@ -1,0 +1,16 @@
+#pragma once
+#include <algorithm>
+#include <dolfinx/fem/Function.h>
+#include <span>
+
+namespace signorini::fem {
+
+using Function = dolfinx::fem::Function<double>;
+
+/// Sets a function's values from those that this rank owns. Collective.
+inline void set(Function& to, std::span<const double> owned) {
+  std::ranges::copy(owned, to.x()->mutable_array().begin());
+  to.x()->scatter_fwd();
+}
+
+} // namespace signorini::fem

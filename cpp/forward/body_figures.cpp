@@ -1,0 +1,116 @@
+#include "forward/body_figures.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace signorini::forward {
+using petsc::check;
+
+namespace {
+
+/// No solid has faster waves than diamond, 18 km/s, or more mass than osmium, 22,600 kg/m³; and those from
+/// 2000 kg/m³ on are stones, glasses and metals, of which lead has the slowest, at 1.2 km/s.
+constexpr double fastest = 20e3, densest = 25e3, heavy = 2000, slow_if_heavy = 100;
+/// Beyond these a body is drawn in another unit more likely than not, m.
+constexpr double longest = 1000, shortest = 1e-5;
+/// Times of the body that an obstacle may be away.
+constexpr double farthest = 10;
+
+/// Speeds of pressure and shear waves.
+std::array<double, 2> waves(const scene::Material& material) {
+  const double nu = material.poisson, shear = material.young / (2 * (1 + nu)) / material.density;
+  return {std::sqrt(shear * 2 * (1 - nu) / (1 - 2 * nu)), std::sqrt(shear)};
+}
+
+double mass(const Stepper& stepper) {
+  const petsc::Vector along_x = stepper.space().vector(), image = petsc::zero_like(along_x);
+  {
+    const petsc::WriteArray values(along_x);
+    for (std::size_t i = 0; i < values.size(); i += static_cast<std::size_t>(stepper.space().dim()))
+      values[i] = 1;
+  }
+  check(MatMult(stepper.operators().M, along_x, image));
+  return petsc::dot(along_x, image);
+}
+
+void doubt_materials(const std::vector<scene::Material>& materials, std::vector<std::string>& doubts) {
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    const std::string key = materials.size() == 1 ? "material" : fmt::format("material[{}]", i);
+    const double speed = waves(materials[i])[0], density = materials[i].density;
+    if (density > densest)
+      doubts.push_back(fmt::format("{}.density is {:.4g} kg/m³, more than that of any solid", key, density));
+    else if (speed > fastest)
+      doubts.push_back(
+          fmt::format("{}: waves of {:.3g} m/s are faster than in any solid; young is in Pa, density "
+                      "in kg/m³",
+                      key, speed));
+    else if (density >= heavy && speed < slow_if_heavy)
+      doubts.push_back(
+          fmt::format("{}: waves of {:.3g} m/s are slower than in any solid of {:.4g} kg/m³; young is "
+                      "in Pa, density in kg/m³",
+                      key, speed, density));
+  }
+}
+
+void doubt_sizes(const Stepper& stepper, const scene::Time& time, const BodyFigures& figures,
+                 std::vector<std::string>& doubts) {
+  constexpr const char* hint = "mesh.unit = \"mm\" takes a mesh in millimetres";
+  const double length = std::ranges::max(figures.extent);
+  const bool waves_known = doubts.empty(); // times that follow from doubtful speeds say nothing more
+  if (length > longest || length < shortest)
+    doubts.push_back(fmt::format("the body is {:.3g} m long; {}", length, hint));
+  else if (waves_known && time.end < figures.crossing)
+    doubts.push_back(
+        fmt::format("the run ends at {:.3g} s, before a wave has come across the body of {:.3g} m, which "
+                    "takes {:.3g} s; {}",
+                    time.end, length, figures.crossing, hint));
+  else if (waves_known && figures.crossing_steps < 1)
+    doubts.push_back(
+        fmt::format("a step takes {:.3g} s, in which a wave comes {:.3g} times across the body of {:.3g} "
+                    "m: only motions slower than that are resolved",
+                    time.step, 1 / figures.crossing_steps, length));
+  if (!stepper.pairs() || stepper.pairs()->moving())
+    return;
+  if (const double gap = std::ranges::min(stepper.pairs()->psi()); gap > farthest * length)
+    doubts.push_back(
+        fmt::format("the obstacle is {:.3g} m away from a body of {:.3g} m; {}", gap, length, hint));
+}
+
+} // namespace
+
+BodyFigures body_figures(const Stepper& stepper, const scene::Scene& scene) {
+  BodyFigures figures;
+  figures.extent = stepper.space().mesh().extent();
+  figures.dim = stepper.space().dim();
+  figures.mass = mass(stepper);
+  std::vector<double> pressure, shear;
+  for (const scene::Material& material : scene.materials) {
+    pressure.push_back(waves(material)[0]);
+    shear.push_back(waves(material)[1]);
+  }
+  figures.pressure_waves = {std::ranges::min(pressure), std::ranges::max(pressure)};
+  figures.shear_waves = {std::ranges::min(shear), std::ranges::max(shear)};
+  figures.crossing = std::ranges::max(figures.extent) / figures.pressure_waves[1];
+  figures.crossing_steps = figures.crossing / scene.time.step;
+  doubt_materials(scene.materials, figures.doubts);
+  doubt_sizes(stepper, scene.time, figures, figures.doubts);
+  return figures;
+}
+
+std::string BodyFigures::line() const {
+  std::vector<std::string> sides;
+  for (int c = 0; c < dim; ++c)
+    sides.push_back(fmt::format("{:.3g}", extent[static_cast<std::size_t>(c)]));
+  const auto speeds = [](const std::array<double, 2>& range) {
+    return range[0] == range[1] ? fmt::format("{:.3g}", range[0])
+                                : fmt::format("{:.3g} to {:.3g}", range[0], range[1]);
+  };
+  return fmt::format(
+      "body: {} m, {:.3g} kg{}; pressure waves {} m/s, shear waves {} m/s, across it in {:.2e} s, {:.3g} "
+      "steps",
+      fmt::join(sides, " x "), mass, dim == 2 ? "/m" : "", speeds(pressure_waves), speeds(shear_waves),
+      crossing, crossing_steps);
+}
+
+} // namespace signorini::forward

@@ -1,0 +1,47 @@
+#pragma once
+#include "contact/contact_state.h"
+#include "forward/scheme.h"
+
+namespace signorini::forward {
+
+/// When some candidates of a motion are in contact, to a part of a step (docs/method.md section 8).
+///
+/// Steps tell contact to half of their length. Within its first step an interval of contact begins where the
+/// gaps before it, continued linearly, vanish, and it ends where those after it do. With a and b the first
+/// and the last step of the interval with a force, and i the candidates that have one there,
+///     start = t_{a−1} + τ min_i g_{a−1} / (g_{a−2} − g_{a−1})
+///     end   = t_b     + τ max_i (1 − g_{b+1} / (g_{b+2} − g_{b+1}))
+/// where fractions are cut to [0, 1], and are 1/2 where the two gaps do not fall towards the contact or there
+/// are no two. They are off by O(τ²) where bodies meet and part with a speed; with 1/2 throughout the times
+/// are those that counting steps gives.
+class ContactTimes {
+public:
+  /// `candidates`: numbers of those that are looked at.
+  ContactTimes(TimeGrid grid, std::vector<int> candidates);
+
+  /// Takes the contact after step k, of all candidates, for k = 0, 1, 2 … in turn.
+  void observe(int k, const contact::ContactState& contact);
+
+  /// s.
+  struct Interval {
+    double start, end;
+  };
+  /// Those of the frames observed so far; one that lasts ends with the last of them.
+  [[nodiscard]] std::vector<Interval> intervals() const;
+
+private:
+  /// Fractions of the step in which an interval begins, and of that after its last one.
+  [[nodiscard]] double onset(const std::vector<int>& touching) const;
+  [[nodiscard]] double release() const;
+
+  TimeGrid grid_;
+  std::vector<int> candidates_;
+  std::vector<double> before_, last_, now_; ///< gaps after steps k − 2, k − 1 and k
+  std::vector<int> touching_;               ///< places, among the candidates, of those in contact in step k
+  std::vector<int> held_;                   ///< likewise, in the last step of the last interval
+  std::vector<Interval> intervals_;
+  int k_ = 0;
+  bool ending_ = false; ///< step k is the first without contact: the gap after the next one tells the end
+};
+
+} // namespace signorini::forward

@@ -1,0 +1,81 @@
+#pragma once
+#include "forward/balance.h"
+#include "forward/obstacle_forces.h"
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace signorini::forward {
+
+/// Contact with one obstacle, or with all of them, over a motion. In 2D forces are N/m, impulses N s/m. Times
+/// are those of steps: the force of step k acts from t_{k−1} to t_k. Peaks are those of the mean of two steps
+/// in a row, since the forces of single contact-implicit steps alternate (docs/method.md section 2).
+struct Touch {
+  std::string name;                ///< of the obstacle
+  double start = 0, end = 0;       ///< of the first step with a contact force, and of the last one, s
+  double contact_time = 0;         ///< of all steps with a contact force, s
+  std::array<double, 3> impulse{}; ///< of the resultant
+  double normal_impulse = 0;       ///< of the sum of the moduli of the nodal forces
+  double peak = 0, peak_time = 0;  ///< of the modulus of the resultant, at the time between the two steps, s
+  double normal_peak = 0;          ///< of the sum of the moduli of the nodal forces
+  double largest_step = 0;         ///< the same of a single step
+
+  [[nodiscard]] bool occurred() const { return contact_time > 0; }
+};
+
+/// The motion of the body as a whole before and after contact.
+struct Impact {
+  double mass = 0; ///< kg, in 2D kg/m
+  std::vector<Touch> obstacles;
+  Touch all;
+  bool ended = false;             ///< whether no candidate was in contact in the last two steps
+  std::array<double, 3> before{}, ///< velocity of the centre of mass at all.start, m/s
+      after{};                    ///< at all.end
+  /// −(after·n)/(before·n) along the direction n of the impulse in all; only of a body without clamps that
+  /// moved towards one obstacle at rest, touched no other, and left it.
+  std::optional<double> restitution;
+};
+
+/// Where the energy of a motion came from and went to, J, in 2D J/m: the sums over its steps.
+struct EnergyAccount {
+  double kinetic_at_start = 0, elastic_at_start = 0, kinetic_at_end = 0, elastic_at_end = 0;
+  double load_work = 0;           ///< of the scene's loads
+  double other_work = 0;          ///< of a control and of clamps that move
+  double contact_work = 0;        ///< of contact
+  double viscous_dissipation = 0; ///< by viscosity
+  double residual = 0;            ///< what is left of the energy law
+};
+
+/// Sums up a motion frame by frame.
+class MotionSummary {
+public:
+  /// Collective. The references must outlive this object.
+  MotionSummary(const Stepper& stepper, const scene::Scene& scene);
+
+  /// Takes the frame after the last one, from frame 0 on, its balance and its contact forces. Not collective.
+  void observe(const Frame& frame, const StepBalance& balance, const ObstacleForces& forces);
+
+  [[nodiscard]] const EnergyAccount& energy() const { return energy_; }
+  /// Absent in a scene without contact.
+  [[nodiscard]] std::optional<Impact> impact() const;
+
+private:
+  /// Of an obstacle or of all: what the last step left, for means of two.
+  struct Last {
+    std::array<double, 3> force{};
+    double normal_force = 0;
+  };
+  void take(const Frame& frame, const ObstacleForce& now, Touch& touch, Last& last) const;
+  [[nodiscard]] std::optional<double> restitution(const Impact& impact) const;
+
+  const Stepper& stepper_;
+  bool held_, moving_;
+  EnergyAccount energy_;
+  Impact impact_;
+  std::vector<Last> last_; ///< of each obstacle, and of all
+  std::array<double, 3> momentum_{};
+  int open_steps_ = 0; ///< without a candidate in contact, since the last one with
+};
+
+} // namespace signorini::forward

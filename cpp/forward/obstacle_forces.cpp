@@ -1,0 +1,49 @@
+#include "forward/obstacle_forces.h"
+#include <cmath>
+#include <limits>
+
+namespace signorini::forward {
+namespace {
+
+/// The same but for the impulse so far.
+void begin(ObstacleForce& one) {
+  one = {.min_gap = std::numeric_limits<double>::infinity(), .impulse = one.impulse};
+}
+
+void add_impulse(ObstacleForce& one, double tau) {
+  for (std::size_t c = 0; c < 3; ++c)
+    one.impulse[c] += tau * one.force[c];
+}
+
+} // namespace
+
+ObstacleForces::ObstacleForces(const Stepper& stepper)
+    : stepper_(stepper),
+      each_(stepper.pairs() ? static_cast<std::size_t>(stepper.pairs()->obstacle_count()) : 0) {}
+
+void ObstacleForces::observe(const Frame& frame) {
+  begin(all_);
+  for (ObstacleForce& one : each_)
+    begin(one);
+  if (each_.empty())
+    return;
+  const contact::ContactPairs& pairs = *stepper_.pairs();
+  const auto dim = static_cast<std::size_t>(pairs.dim());
+  const double impulse = stepper_.grid().scheme(frame.k).impulse();
+  for (std::size_t i = 0; i < frame.contact.lambda.size(); ++i) {
+    const double modulus = frame.contact.lambda[i] / impulse;
+    for (ObstacleForce* one : {&each_[static_cast<std::size_t>(pairs.obstacles()[i])], &all_}) {
+      for (std::size_t c = 0; c < dim; ++c) // ν points from the body to the obstacle
+        one->force[c] -= modulus * pairs.normals()[dim * i + c];
+      one->normal_force += std::abs(modulus);
+      one->active += frame.contact.status[i] != contact::Status::open;
+      one->min_gap = std::min(one->min_gap, frame.contact.gap[i]);
+    }
+  }
+  const double tau = stepper_.grid().length(frame.k);
+  add_impulse(all_, tau);
+  for (ObstacleForce& one : each_)
+    add_impulse(one, tau);
+}
+
+} // namespace signorini::forward

@@ -1,0 +1,38 @@
+#pragma once
+#include "forward/integrate.h"
+#include <array>
+#include <vector>
+
+namespace signorini::forward {
+
+/// What contact does to the body in a step, and has done so far; in 2D forces are N/m, impulses N s/m.
+struct ObstacleForce {
+  std::array<double, 3> force{};   ///< resultant on the body, N
+  double normal_force = 0;         ///< sum of the moduli of the nodal forces, N
+  int active = 0;                  ///< candidates in contact
+  double min_gap = 0;              ///< the least gap of a candidate, m
+  std::array<double, 3> impulse{}; ///< Σ τ_k F_k of the steps so far, N s
+};
+
+/// The contact forces of a motion by obstacles, frame by frame. The force of step k, docs/method.md section
+/// 2, acts from t_{k−1} to t_k. Not collective: candidates are known to every rank.
+class ObstacleForces {
+public:
+  /// Without contact there are no obstacles. `stepper` must outlive this object.
+  explicit ObstacleForces(const Stepper& stepper);
+
+  /// Takes the frame after the last one, from frame 0 on, in which no force acts yet. Allocates nothing.
+  void observe(const Frame& frame);
+
+  /// By the number of the obstacle in the scene.
+  [[nodiscard]] const std::vector<ObstacleForce>& each() const { return each_; }
+  /// Of all obstacles together.
+  [[nodiscard]] const ObstacleForce& all() const { return all_; }
+
+private:
+  const Stepper& stepper_;
+  std::vector<ObstacleForce> each_;
+  ObstacleForce all_;
+};
+
+} // namespace signorini::forward

@@ -1,0 +1,36 @@
+#pragma once
+#include "contact/contact_state.h"
+#include "contact/pressure.h"
+#include "forward/scheme.h"
+#include "scene/scene.h"
+#include <string>
+#include <vector>
+
+namespace signorini::io {
+
+/// contact.csv, as text: one row per stored step and candidate, with its point in the undeformed body, the
+/// name of its obstacle, the obstacle's normal there (out of the obstacle, the direction of
+/// the force on the body), area and pressure. Numbers have as many digits as tell them from all others.
+class ContactTable {
+public:
+  /// `pressure` must outlive this object; `contacts`: those of the scene, which have the obstacles' names.
+  ContactTable(const contact::ContactPairs& pairs, const contact::Pressure& pressure,
+               const std::vector<scene::Contact>& contacts);
+
+  [[nodiscard]] std::string header() const;
+
+  /// Appends the rows of step k.
+  void add_rows(std::string& text, int k, const forward::TimeGrid& grid,
+                const contact::ContactState& contact) const;
+
+private:
+  /// What of each candidate's row never changes, before and behind gap and force.
+  struct Fixed {
+    std::string point, surface;
+  };
+  int dim_;
+  const contact::Pressure& pressure_;
+  std::vector<Fixed> fixed_;
+};
+
+} // namespace signorini::io

@@ -1,0 +1,36 @@
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace signorini::scene {
+
+/// Reads a file; throws UserError if it cannot.
+using ReadFile = std::function<std::string(const std::filesystem::path&)>;
+
+/// The text of a regular file. Throws UserError naming it if it cannot be read.
+std::string read_file(const std::filesystem::path& file);
+
+/// A quantity that a table gives at times, linear between them and constant beyond.
+class TimeSeries {
+public:
+  /// From the text of a CSV file: numbers behind one line of names, separated by commas, semicolons or tabs;
+  /// lines that begin with # are left out. Times (s) are in the column "time" or "t", else in the first.
+  /// Throws UserError naming the line, or the column that is not there.
+  TimeSeries(const std::string& text, const std::string& column);
+
+  [[nodiscard]] double operator()(double t) const;
+  /// Its slope at t, per second: where two lines meet, that of the one before t, or, with `after`, behind it.
+  [[nodiscard]] double slope(double t, bool after) const;
+  /// Its first and its last time, s.
+  [[nodiscard]] double begin() const { return times_.front(); }
+  [[nodiscard]] double end() const { return times_.back(); }
+
+private:
+  void add(double time, double value, int line);
+
+  std::vector<double> times_, values_; ///< times ascending, at least two
+};
+
+} // namespace signorini::scene

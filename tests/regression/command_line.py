@@ -1,0 +1,114 @@
+"""The command line beside its runs: --version, what bash completes, where an option is known, where a run of an echo goes."""
+
+import json
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from harness import SIGNORINI, SOURCE, captured, signorini  # noqa: E402
+
+BLOCK = SOURCE / "tests" / "data" / "block.toml"
+QUICK = ("--set", "mesh.size=0.5", "--set", "time.end=0.04", "--set", "optimizer.max_iterations=1")
+
+
+def ok(*words: str, cwd: Path | None = None) -> str:
+    done = captured([str(SIGNORINI), *words], cwd=cwd)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def version() -> None:
+    said = ok("--version")
+    assert re.fullmatch(r"signorini \d+\.\d+\S*, dolfinx \S+, petsc \S+, gmsh \S+\n", said), said
+    print(said.strip())
+
+
+def completion(folder: Path) -> None:
+    """By the functions that bash itself would call, for the words as bash splits them."""
+    script = folder / "completion.bash"
+    script.write_text(ok("completion"))
+    (folder / "own scene.toml").write_text("")
+    (folder / "notes.txt").write_text("")
+
+    def completed(*words: str) -> set[str]:
+        given = " ".join(shlex.quote(word) for word in ("signorini", *words))
+        command = f"source {shlex.quote(str(script))}; COMP_WORDS=({given}); COMP_CWORD={len(words)}; _signorini; printf '%s\\n' \"${{COMPREPLY[@]}}\""
+        done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=True, cwd=folder)
+        assert not done.stderr, done.stderr
+        return set(done.stdout.splitlines()) - {""}
+
+    verbs = set(re.findall(r"(?m)^  ([a-z]+) ", ok("--help")))
+    assert {"simulate", "completion"} < verbs and completed("") == verbs | {"--help", "--version"}
+    assert completed("op") == {"optimize"} and completed("nonsense") == set()
+    for verb in verbs:
+        listed = set(re.findall(r"(?m)--[a-z-]+", ok(verb, "--help")))
+        assert completed(verb, "--") == listed, (verb, completed(verb, "--") ^ listed)
+    assert "--resume" in completed("optimize", "--") and "--resume" not in completed("simulate", "--")
+    assert completed("simulate", "--set", "mesh.s") == {"mesh.size=", "mesh.scale="}
+    assert completed("simulate", "--set", "solver.vi", "=") == {"condensed", "full"}
+    assert completed("simulate", "--set", "solver.linear", "=", "it") == {"iterative"}
+    assert completed("simulate", "--set", "control.constant_in_time", "=") == {"true", "false"}
+    assert completed("simulate", "--set", "mesh.size", "=") == set()
+    assert completed("simulate", "own") == {"own scene.toml"} and completed("simulate", "no") == set()
+    assert "own scene.toml" not in completed("simulate", "a.toml", "--out", "")
+    print(f"bash completes {len(verbs)} verbs, their options, the keys of --set and their choices")
+
+
+def options_where_they_work() -> None:
+    for verb in ("simulate", "check", "info", "study"):
+        assert "--resume" not in ok(verb, "--help")
+        done = captured([str(SIGNORINI), verb, str(BLOCK), "--resume"])
+        assert done.returncode == 2 and f"--resume: found with {verb}, allowed is optimize" in done.stderr, done.stderr
+    done = captured([str(SIGNORINI), "optimize", str(BLOCK), "--replac"])
+    assert done.returncode == 2 and "--replace" not in done.stderr and "--resume" in done.stderr, done.stderr
+    print("--resume is an option of optimize alone")
+
+
+def how_to_go_on(folder: Path) -> None:
+    for checkpoint, told in ((10, True), (0, False)):
+        done = signorini("optimize", BLOCK, folder / "stopped", mesh__size=0.5, optimizer__max_iterations=1, optimizer__checkpoint=checkpoint)
+        line = next(line for line in done.stdout.splitlines() if line.startswith("stopped: iteration limit"))
+        assert ("--resume" in line) == told, line
+    print("a search that stopped before its end says how to go on")
+
+
+def echo_goes_home(folder: Path) -> None:
+    """A run of the scene.toml that a run left goes to the same folder, under its name; other scenes of that name do not."""
+    place = folder / "elsewhere"
+    place.mkdir()
+    scene = place / "block.toml"
+    scene.write_text(BLOCK.read_text().replace('"square.geo"', f'"{SOURCE / "tests" / "data" / "square.geo"}"'))
+    ok("simulate", "block.toml", *QUICK, cwd=place)
+    home = place / "results" / "block"
+    assert json.loads((home / "run.json").read_text())["scene"] == "block"
+    for words, cwd in ((("results/block/scene.toml",), place), (("./scene.toml",), home), (("block/scene.toml",), home.parent)):
+        (home / "steps.csv").unlink()
+        ok("simulate", *words, cwd=cwd)
+        assert (home / "steps.csv").exists() and json.loads((home / "run.json").read_text())["scene"] == "block"
+    assert {path.name for path in (place / "results").iterdir()} == {"block"} and not (home / "results").exists()
+    shutil.copy(scene, place / "scene.toml")
+    ok("simulate", "scene.toml", *QUICK, cwd=place)
+    assert (place / "results" / "scene" / "run.json").exists()
+    (home / "scene.toml").write_text("# edited\n" + (home / "scene.toml").read_text())
+    done = captured([str(SIGNORINI), "simulate", str(home / "scene.toml")], cwd=place)
+    assert done.returncode == 2 and "the scene itself" in done.stderr, done.stderr
+    print("the echo of a run is run again in its own folder")
+
+
+def main() -> int:
+    version()
+    options_where_they_work()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name).resolve()
+        for part in (completion, how_to_go_on, echo_goes_home):
+            part(folder)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

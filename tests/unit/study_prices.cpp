@@ -1,0 +1,64 @@
+#include "app/study/prices.h"
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
+#include <cmath>
+
+using namespace signorini::study;
+using Catch::Matchers::WithinRel;
+
+namespace {
+
+/// What a set-up of a + b n^p and steps of c + d n^p take.
+CostModel::Timed timed(double n, int dim) {
+  const double power = std::pow(n, step_power(dim));
+  return {n, 0.02 + 3e-7 * power, 2e-5 + 5e-9 * power};
+}
+
+} // namespace
+
+TEST_CASE("the cost of a constant and a power of the unknowns is found from two meshes", "[study]") {
+  for (const int dim : {2, 3}) {
+    const CostModel cost({timed(100, dim), timed(4000, dim)}, dim);
+    for (const double n : {50.0, 1000.0, 1e5})
+      for (const int steps : {1, 40, 10'000}) {
+        const CostModel::Timed at = timed(n, dim);
+        CHECK_THAT(cost.seconds(n, steps), WithinRel(at.setup + steps * at.step, 1e-10));
+      }
+  }
+}
+
+TEST_CASE("of one mesh, or of times that make no sense, more unknowns never cost less", "[study]") {
+  const CostModel one({timed(4000, 2)}, 2);
+  const CostModel::Timed at = timed(4000, 2);
+  CHECK_THAT(one.seconds(4000, 10), WithinRel(at.setup + 10 * at.step, 1e-12));
+  CHECK_THAT(one.seconds(8000, 10) / one.seconds(4000, 10), WithinRel(std::pow(2, 1.2), 1e-12));
+  // Grows faster than the power, and falls.
+  const CostModel steep({{100, 1e-3, 1e-6}, {1000, 1, 1e-2}}, 2), falls({{100, 2, 1e-2}, {1000, 1, 1e-3}}, 2);
+  CHECK_THAT(steep.seconds(1000, 10), WithinRel(1.1, 1e-12));
+  CHECK_THAT(falls.seconds(1000, 10), WithinRel(1.01, 1e-12));
+  for (const CostModel* cost : {&steep, &falls})
+    for (double n = 10; n < 1e6; n *= 2)
+      CHECK(cost->seconds(2 * n, 10) >= cost->seconds(n, 10));
+}
+
+TEST_CASE("prices are of the rung's own degree, and are corrected by what rungs have taken", "[study]") {
+  const CostModel cost({timed(100, 2), timed(6400, 2)}, 2), dear({timed(6400, 2)}, 2);
+  // Three quarters of the size's power between the meshes known, as of a body whose edges limit the coarse
+  // one.
+  Prices prices({{1, 2, {{4, 100}, {0.5, 100 * std::pow(8, 1.5)}}, cost}, {2, 2, {{1, 6400}}, dear}});
+  CHECK_THAT(prices.unknowns({2, 10, 1, {}}), WithinRel(100 * std::pow(2, 1.5), 1e-12));
+  CHECK_THAT(prices.unknowns({0.25, 10, 1, {}}), WithinRel(400 * std::pow(8, 1.5), 1e-12));
+  CHECK_THAT(prices.unknowns({8, 10, 1, {}}), WithinRel(25, 1e-12));
+  CHECK_THAT(prices.unknowns({0.5, 10, 2, {}}), WithinRel(4 * 6400, 1e-12));
+  const Rung small{4, 10, 1, {}}, large{0.5, 1000, 1, {}}, quadratic{1, 10, 2, {}};
+  CHECK_THAT(prices.seconds(small), WithinRel(cost.seconds(100, 10), 1e-12));
+  CHECK_THAT(prices.seconds(quadratic), WithinRel(dear.seconds(6400, 10), 1e-12));
+  const double before = prices.seconds(large);
+  prices.learn(small, 3 * prices.seconds(small));
+  CHECK_THAT(prices.seconds(large), WithinRel(3 * before, 1e-12));
+  // Dear rungs count for more.
+  prices.learn(large, before);
+  CHECK_THAT(
+      prices.seconds(large),
+      WithinRel(before * (3 * cost.seconds(100, 10) + before) / (cost.seconds(100, 10) + before), 1e-12));
+}

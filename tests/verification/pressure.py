@@ -1,0 +1,263 @@
+"""Contact pressure as the program gives it, in contact.csv and as a field: of uniform patches to rounding, and Hertz's.
+
+All bodies are at rest after one step: with a viscosity of T = 1000 s times the elastic moduli and steps of 2T the step
+solves the static problem, but for a share ρ L²/(E τ²) < 1e-8 of the inertia.
+"""
+
+import sys
+import tempfile
+import xml.etree.ElementTree as xml
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from harness import SOURCE, Figures, boundary, signorini, stored, table  # noqa: E402
+
+import numpy as np  # noqa: E402
+
+E, NU, DENSITY, LAG = 200.0, 0.3, 1e-2, 1e3
+LAMBDA, MU = E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU))
+SCHEMES = {"contact-implicit": ("contact-implicit", "consistent"), "contact-stabilized": ("contact-stabilized", "consistent"),
+           "massless": ("contact-implicit", "massless")}  # fmt: skip
+
+SCENE = f"""
+[mesh]
+file = "{{mesh}}"
+{{size}}
+degree = {{degree}}
+[time]
+end = {6 * LAG}
+step = {2 * LAG}
+scheme = "{{scheme}}"
+[material]
+density = {DENSITY}
+young = {E}
+poisson = {NU}
+viscosity = {{{{ bulk = {LAG * (LAMBDA + 2 * MU / 3)}, shear = {LAG * MU} }}}}
+{{tables}}
+[output]
+fields = ["strain", "stress", "von_mises", "pressure"]
+"""
+QUOTE = '"'
+
+
+def quoted(expressions: list[str]) -> str:
+    return "[" + ", ".join(f"{QUOTE}{one}{QUOTE}" for one in expressions) + "]"
+
+
+# --- A patch --------------------------------------------------------------------------------------------------------------
+
+SQUEEZE = (0.01, 0.02, 0.015)  # strains along the axes
+GROUPS = {2: ("Curve", "Surface"), 3: ("Surface", "Volume")}
+
+
+def box(dim: int, folder: Path) -> Path:
+    """Unit square or cube, an unstructured mesh; groups x0, x1, y0, … of its sides."""
+    side, body = GROUPS[dim]
+    text = 'SetFactory("OpenCASCADE");\n' + ("Rectangle(1) = {0, 0, 0, 1, 1};\n" if dim == 2 else "Box(1) = {0, 0, 0, 1, 1, 1};\n")
+    text += f'e = 1e-6;\nPhysical {body}("body") = {{1}};\n'
+    for axis, name in enumerate("xyz"[:dim]):
+        for at in (0, 1):
+            low = ", ".join(f"{at} - e" if c == axis else "-e" for c in range(3))
+            high = ", ".join(f"{at} + e" if c == axis else "1 + e" for c in range(3))
+            text += f'Physical {side}("{name}{at}") = {side} In BoundingBox {{{low}, {high}}};\n'
+    file = folder / f"box-{dim}.geo"
+    file.write_text(text)
+    return file
+
+
+def patch_tables(dim: int, mass: str) -> str:
+    """Half of the sides are moved inwards, the others rest on obstacles: uniform strain, from the start on."""
+    axes = "xyz"[:dim]
+    text = ""
+    for axis, name in enumerate(axes):
+        text += f'[[clamp]]\non = "{name}1"\ncomponents = ["{name}"]\nvalue = ["-{SQUEEZE[axis]}"]\n'
+        normal = [int(c == axis) for c in range(dim)]
+        text += (f'[[contact]]\non = "{name}0"\nmass = "{mass}"\n'
+                 f'obstacle = {{ shape = "half-space", point = {[0] * dim}, normal = {normal} }}\n')  # fmt: skip
+    return text + f"[initial]\ndisplacement = {quoted([f'-{SQUEEZE[c]}*{name}' for c, name in enumerate(axes)])}\n"
+
+
+def attributes(file: Path) -> dict[str, tuple[str, str]]:
+    """Type and centre of each field, as a reader of XDMF sees them."""
+    found = {}
+    for collection in xml.parse(file).iter("Grid"):
+        if collection.get("GridType") == "Collection":
+            one = collection.find("Grid/Attribute")
+            found[collection.get("Name")] = (one.get("AttributeType"), one.get("Center"))
+    return found
+
+
+def patch(dim: int, degree: int, scheme: str, ranks: int, folder: Path, figures: Figures) -> None:
+    time_scheme, mass = SCHEMES[scheme]
+    scene, out = folder / "patch.toml", folder / "patch"
+    scene.write_text(SCENE.format(mesh=box(dim, folder), size="size = 0.3", degree=degree, scheme=time_scheme,
+                                  tables=patch_tables(dim, mass)))  # fmt: skip
+    signorini("simulate", scene, out, ranks)
+    strain = np.diag([-s for s in SQUEEZE[:dim]] + [0] * (3 - dim))
+    stress = LAMBDA * np.trace(strain) * np.eye(3) + 2 * MU * strain
+    deviator = stress - np.trace(stress) / 3 * np.eye(3)
+    contact, steps = table(out / "contact.csv"), table(out / "steps.csv")
+    now = contact["step"] == 3
+    assert steps["active"][-1] > 0 and (contact["force"][now] > 0).any(), "no contact: the case says nothing"
+    axes = "xyz"[:dim]
+    pressure, force = 0.0, 0.0
+    for axis, name in enumerate(axes):
+        own = now & (contact["obstacle"] == axis)
+        expected = -stress[axis, axis]
+        pressure = max(pressure, abs(contact["pressure"][own] / expected - 1).max())
+        assert abs(contact["area"][own].sum() - 1) < 1e-12, "areas do not add up to the side's"
+        for other, direction in enumerate(axes):
+            assert (contact[f"normal_{direction}"][own] == (other == axis)).all()
+        force = max(force, abs((contact["force"][own]).sum() / expected - 1), abs(steps[f"contact_force_{name}"][-1] / expected - 1))
+    print(f"patch, {dim} dimensions, degree {degree}, {scheme}, {ranks} ranks, {now.sum()} candidates:")
+    figures.show("pressure of contact.csv, off by", pressure, 0, 1e-10)
+    figures.show("force, off by", force, 0, 1e-10)
+    nodes, _, fields = stored(out, "state", "pressure")
+    at_nodes = np.max([np.where(abs(nodes[:, axis]) < 1e-12, -stress[axis, axis], 0) for axis in range(dim)], axis=0)
+    figures.show("pressure as a field, off by", abs(fields[-1].reshape(-1) / at_nodes.max() - at_nodes / at_nodes.max()).max(), 0, 1e-10)
+    assert abs(fields[0]).max() == 0, "a pressure before the first step"
+    for name, exact in (("strain", strain), ("stress", stress), ("von_mises", np.sqrt(1.5 * (deviator**2).sum()))):
+        found = stored(out, "state", name)[2][-1]
+        off = abs(found.reshape(len(found), *np.shape(exact)) - exact).max() / abs(exact).max()
+        figures.show(f"{name}, off by", off, 0, 1e-10)
+    assert attributes(out / "state.xdmf") == {"strain": ("Tensor", "Cell"), "stress": ("Tensor", "Cell"), "von_mises": ("Scalar", "Cell"),
+                                              "pressure": ("Scalar", "Node")}  # fmt: skip
+
+
+# --- Hertz ----------------------------------------------------------------------------------------------------------------
+
+RADIUS, MODULUS = 8.0, E / (1 - NU**2)
+BALL = """
+// An octant of a ball, its lowest point at the origin: the boundary within 15 degrees of that is the group contact.
+radius = 8; fine = {fine}; reach = {reach}; angle = Pi / 12;
+Point(1) = {{0, 0, radius}};
+Point(2) = {{0, 0, 0}};
+Point(3) = {{radius, 0, radius}};
+Point(4) = {{0, radius, radius}};
+Point(5) = {{radius * Sin(angle), 0, radius * (1 - Cos(angle))}};
+Point(6) = {{0, radius * Sin(angle), radius * (1 - Cos(angle))}};
+Point(7) = {{0, 0, radius * (1 - Cos(angle))}};
+Line(1) = {{1, 3}}; Line(2) = {{1, 4}}; Line(3) = {{1, 2}};
+Circle(4) = {{2, 1, 5}}; Circle(5) = {{5, 1, 3}}; Circle(6) = {{2, 1, 6}}; Circle(7) = {{6, 1, 4}}; Circle(8) = {{3, 1, 4}};
+Circle(9) = {{5, 7, 6}};
+Curve Loop(1) = {{1, -5, -4, -3}}; Plane Surface(1) = {{1}};
+Curve Loop(2) = {{3, 6, 7, -2}}; Plane Surface(2) = {{2}};
+Curve Loop(3) = {{2, -8, -1}}; Plane Surface(3) = {{3}};
+Curve Loop(4) = {{4, 9, -6}}; Surface(4) = {{4}} In Sphere {{1}};
+Curve Loop(5) = {{5, 8, -7, -9}}; Surface(5) = {{5}} In Sphere {{1}};
+Surface Loop(1) = {{1, 2, 3, 4, 5}}; Volume(1) = {{1}};
+Field[1] = MathEval;
+Field[1].F = Sprintf("%g + 0.3 * Max(0, Sqrt(x^2 + y^2 + z^2) - %g)", fine, reach);
+Background Field = 1;
+Mesh.MeshSizeExtendFromBoundary = 0;
+Mesh.MeshSizeFromPoints = 0;
+Physical Volume("body") = {{1}};
+Physical Surface("y0") = {{1}}; Physical Surface("x0") = {{2}}; Physical Surface("top") = {{3}}; Physical Surface("contact") = {{4}};
+"""
+PLANE = SOURCE / "meshes" / "press.geo"
+
+
+def hertz_scene(dim: int, degree: int, fine: float, folder: Path) -> Path:
+    """A half disc or an octant of a ball, its flat side moved down onto a plane."""
+    mesh, scene = folder / "hertz.geo", folder / "hertz.toml"
+    floor = f'[contact]\non = "contact"\nobstacle = {{ shape = "half-space", point = {[0] * dim}, normal = {[0] * (dim - 1) + [1]} }}\n'
+    if dim == 2:
+        text = PLANE.read_text().replace("fine = 0.068;", f"fine = {fine};")
+        clamps = '[[clamp]]\non = "top"\nvalue = ["0", "-0.1"]\n'
+    else:
+        text = BALL.format(fine=fine, reach=0.5)
+        clamps = "".join(f'[[clamp]]\non = "{axis}0"\ncomponents = ["{axis}"]\n' for axis in "xy")
+        clamps += '[[clamp]]\non = "top"\ncomponents = ["z"]\nvalue = ["-0.03"]\n'
+    assert f"fine = {fine};" in text
+    mesh.write_text(text)
+    scene.write_text(SCENE.format(mesh=mesh, size="", degree=degree, scheme="contact-implicit", tables=clamps + floor))
+    return scene
+
+
+def hertz(dim: int, load: float) -> tuple[float, float]:
+    """Half-width or radius of the contact, and peak pressure."""
+    if dim == 2:
+        width = 2 * np.sqrt(load * RADIUS / (np.pi * MODULUS))
+        return width, 2 * load / (np.pi * width)
+    radius = np.cbrt(3 * load * RADIUS / (4 * MODULUS))
+    return radius, 3 * load / (2 * np.pi * radius**2)
+
+
+def hat_means(nodes: np.ndarray, facets: np.ndarray, exact) -> np.ndarray:
+    """Mean of a pressure at each node, weighted with the node's hat function, by midpoints of the facets' parts."""
+    corners = facets.shape[1]
+    n = 24
+    if corners == 2:
+        s = (np.arange(n) + 0.5) / n
+        weights = np.column_stack([1 - s, s])
+    else:  # midpoints of n² triangles
+        up = [(3 * i + 1, 3 * j + 1) for i in range(n) for j in range(n - i)]
+        down = [(3 * i + 2, 3 * j + 2) for i in range(n - 1) for j in range(n - 1 - i)]
+        st = np.array(up + down) / (3 * n)
+        weights = np.column_stack([1 - st.sum(axis=1), st])
+    sums = np.zeros((2, len(nodes)))
+    for facet in facets:
+        values = exact(weights @ nodes[facet])
+        size = np.linalg.norm(np.cross(nodes[facet[1]] - nodes[facet[0]], nodes[facet[2]] - nodes[facet[0]])) / 2 if corners == 3 else np.linalg.norm(
+            nodes[facet[1]] - nodes[facet[0]])  # fmt: skip
+        sums[0, facet] += size * (weights * values[:, None]).mean(axis=0)
+        sums[1, facet] += size * weights.mean(axis=0)
+    return sums[0] / np.where(sums[1] > 0, sums[1], 1)
+
+
+def press(dim: int, degree: int, fine: float, scatter: float, folder: Path, figures: Figures) -> None:
+    """Shows the pressure beside Hertz's for the same resultant; `scatter`: what single nodes may be off by, RMS."""
+    out = folder / "hertz"
+    signorini("simulate", hertz_scene(dim, degree, fine, folder), out)
+    contact = table(out / "contact.csv")
+    now = contact["step"] == contact["step"][-1]
+    x = np.column_stack([contact[axis][now] for axis in "xyz"[:dim]])
+    force, area, p = (contact[name][now] for name in ("force", "area", "pressure"))
+    assert (p[area > 0] > 0).sum() > 20 and (force >= 0).all(), "hardly any contact: the case says nothing"
+    resultant = force.sum() * (4 if dim == 3 else 1)
+    radius, peak = hertz(dim, resultant)
+    nodes, cells, fields = stored(out, "state", "pressure")
+    r = np.linalg.norm(nodes[:, : dim - 1], axis=1)
+    assert r[fields[-1].reshape(-1) > 0].max() < 1.2 * radius
+
+    def exact(places: np.ndarray) -> np.ndarray:
+        return peak * np.sqrt(np.maximum(0, 1 - (np.linalg.norm(places[:, : dim - 1], axis=1) / radius) ** 2))
+
+    near = boundary(cells)
+    near = near[(r[near] < 1.5 * radius).all(axis=1) & (nodes[near][:, :, dim - 1] < 0.1 * RADIUS).all(axis=1)]
+    if dim == 3:  # the planes of symmetry are no contact
+        near = near[(abs(np.linalg.norm(nodes[near] - [0, 0, RADIUS], axis=2) - RADIUS) < 1e-6).all(axis=1)]
+    means = hat_means(nodes[:, :dim] if dim == 3 else nodes, near, exact)
+    vertices = np.flatnonzero(area > 0)
+    node = np.array([np.argmin(np.linalg.norm(nodes[:, :dim] - x[i], axis=1)) for i in vertices])
+    inside = r[node] < 1.2 * radius
+    vertices, node = vertices[inside], node[inside]
+    found, expected, weight = p[vertices], means[node], area[vertices]
+    assert np.array_equal(found, fields[-1].reshape(-1)[node]), "the field and the table differ"
+    moment = {2: 4, 3: 5 / 2}[dim]  # a² over the mean of r² under Hertz's pressure
+    width = np.sqrt((area * p * np.linalg.norm(x[:, : dim - 1], axis=1) ** 2).sum() / (area * p).sum() * moment)
+    print(f"Hertz, {dim} dimensions, degree {degree}, {(found > 0).sum()} vertices in contact, a/R = {radius / RADIUS:.3f}, h/a = {fine / radius:.2f}:")
+    figures.show("sum of pressure times area over the forces'", (area * p).sum() / force.sum(), 1, 1e-12)
+    figures.show("peak, by least squares, over Hertz's", (weight * found * expected).sum() / (weight * expected**2).sum(), 1, 0.01)
+    figures.show("radius, by the second moment, over Hertz's", width / radius, 1, 0.01)
+    core = r[node] < 0.8 * radius
+    off = np.sqrt((weight * (found - expected) ** 2)[core].sum() / (weight * expected**2)[core].sum())
+    figures.show("single vertices within 0.8 a, RMS", off, 0, scatter)
+
+
+def main() -> int:
+    figures = Figures()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for dim in (2, 3):
+            for degree in (1, 2):
+                for scheme in SCHEMES:
+                    patch(dim, degree, scheme, 1, folder, figures)
+                patch(dim, degree, "contact-implicit", 2, folder, figures)
+        for dim, degree, fine, scatter in ((2, 1, 0.068, 0.01), (2, 2, 0.068, 0.01), (3, 1, 0.04, 0.04), (3, 2, 0.06, 0.01)):
+            press(dim, degree, fine, scatter, folder, figures)
+    return 1 if figures.failed else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
