@@ -1,10 +1,10 @@
-"""Film of the deformed body on its obstacle: colours show the displacement, arrows the contact forces.
+"""Film of the deformed body beside its obstacles: colours show the displacement, arrows the contact forces.
 
 A body in space is seen from the side, along the obstacle's plane.
 
 Displacements below 2 % of the body's size are enlarged, and the picture says by how much. The gap of the node nearest
-to the obstacle is then enlarged with them, so that this node is seen to touch when it does; a curved body may seem to
-overlap the obstacle beside it. Writes a GIF, and an .mp4 where ffmpeg is present.
+to an obstacle and the obstacle's motion are then enlarged with them, so that this node is seen to touch when it does; a
+curved body may seem to overlap the obstacle beside it. Writes a GIF, and an .mp4 where ffmpeg is present.
 """
 
 import math
@@ -26,7 +26,12 @@ from PIL import Image
 
 import style
 from command_line import run_alone
-from run_folder import Contact, HalfSpace, Mesh, RunFolder, Unreadable, nearest
+from files import Unreadable
+from mesh import Mesh
+from obstacle_artists import GREY, obstacle_artists
+from obstacles import Obstacle
+from run_folder import Contact, RunFolder, nearest
+from scenery import comes_near, directions, drawn_obstacles, picture
 from view import View, view_of
 
 MOST_FRAMES = 76  # 75 intervals
@@ -37,23 +42,23 @@ VISIBLE = 0.05  # … to about this part
 ARROW = 0.15  # longest arrow, as a part of the body's size
 KEY = 0.17  # inches from the axes up to the arrow that tells the length
 SPACING = 0.012  # least distance of arrows, likewise
-OBSTACLE_GREY = "0.85"
 
 
 @dataclass(frozen=True)
-class Obstacle:
-    """What is drawn of contact, with the forces' points (frames × nodes × 2, m) and sizes (frames × nodes, `unit`)."""
+class Forces:
+    """Contact forces at the points on which they act (frames × nodes × 2, m): sizes (frames × nodes, `unit`), directions."""
 
-    half_space: HalfSpace
     points: np.ndarray
-    forces: np.ndarray
+    sizes: np.ndarray
+    directions: np.ndarray
     unit: str
 
 
 @dataclass(frozen=True)
 class Motion:
     """What the film shows at times (s): the nodes' size of displacement (frames × nodes, m), and where the mesh's nodes
-    are on paper (frames × nodes × 2, m), with displacements drawn `enlarged` times as large."""
+    are on paper (frames × nodes × 2, m), with displacements drawn `enlarged` times as large; obstacles near the body and the
+    box (two corners, m) that holds what is seen of them."""
 
     mesh: Mesh
     view: View
@@ -61,7 +66,9 @@ class Motion:
     magnitude: np.ndarray
     position: np.ndarray
     enlarged: float
-    obstacle: Obstacle | None
+    forces: Forces | None
+    obstacles: list[Obstacle]
+    box: np.ndarray
 
 
 def draw(run: RunFolder) -> list[Path]:
@@ -85,9 +92,15 @@ def read_motion(run: RunFolder) -> Motion:
     magnitude = np.linalg.norm(displacement, axis=2)
     enlarged = enlargement(magnitude.max(), series.mesh.size)
     times, view = series.times[shown], view_of(run)
-    obstacle = read_obstacle(run, view, series.mesh, times, displacement, enlarged, stride) if run.has_contact else None
+    position = series.mesh.points + enlarged * displacement
+    drawn = drawn_obstacles(run, series.mesh, enlarged) if run.has_contact else []
+    obstacles = [obstacle for obstacle in drawn if comes_near(obstacle, times, position, series.mesh.size)]
+    forces = None
+    if run.has_contact and run.has_contact_table:
+        forces = read_forces(run, view, series.mesh, times, displacement, enlarged, stride)
     mesh, _ = view.seen(series.mesh)
-    return Motion(mesh, view, times, magnitude, mesh.points + enlarged * view.project(displacement), enlarged, obstacle)
+    return Motion(mesh, view, times, magnitude, view.project(position), enlarged, forces, obstacles,
+                  picture(obstacles, times, position, series.mesh.size))  # fmt: skip
 
 
 def enlargement(largest: float, size: float) -> float:
@@ -101,19 +114,15 @@ def round_down(value: float) -> float:
     return float(max(digit for digit in (1, 2, 5) if digit * power <= value) * power)
 
 
-def read_obstacle(run: RunFolder, view: View, mesh: Mesh, times: np.ndarray, displacement: np.ndarray, enlarged: float,
-                  stride: int) -> Obstacle:
-    """The obstacle as it is drawn, and the forces of the frames at so many nodes that arrows can be told apart."""
-    contact, obstacle = run.contact, run.obstacle
-    # The gap grows with the displacements: the node nearest to the plane meets it when it does in truth.
-    gap = obstacle.height(contact.points).min()
-    drawn = HalfSpace(obstacle.point + (1 - enlarged) * gap * obstacle.normal, obstacle.normal)
-    boundary = mesh.boundary_nodes()
+def read_forces(run: RunFolder, view: View, mesh: Mesh, times: np.ndarray, displacement: np.ndarray, enlarged: float,
+                stride: int) -> Forces:
+    """The forces of the frames at so many nodes that arrows can be told apart."""
+    contact, boundary = run.contact, mesh.boundary_nodes()
     points = contact.points + enlarged * follow(mesh.points[boundary], contact.points, displacement[:, boundary])
     spacing = np.median(np.linalg.norm(np.diff(contact.points, axis=0), axis=1)) if len(contact.points) > 1 else np.inf
-    every = math.ceil(SPACING * mesh.size / spacing) or 1
-    return Obstacle(view.half_space(drawn), view.project(points[:, ::every]),
-                    frame_forces(contact, times, stride)[:, ::every], style.per_depth("N", run.dim))
+    every = math.ceil(SPACING * mesh.size / spacing) or 1 if spacing else 1
+    return Forces(view.project(points[:, ::every]), frame_forces(contact, times, stride)[:, ::every],
+                  view.project(directions(run)[::every]), style.per_depth("N", run.dim))
 
 
 def follow(nodes: np.ndarray, points: np.ndarray, displacement: np.ndarray) -> np.ndarray:
@@ -158,9 +167,13 @@ class Stage:
             axes.add_collection(part, autolim=False)
         style.colour_bar(self.body, axes, f"displacement ({unit})")
         self.arrows = add_arrows(axes, motion)
+        self.obstacles = obstacle_artists(axes, motion.obstacles, motion.view, motion.times, motion.box, motion.mesh.size)
+        for obstacle in self.obstacles:
+            obstacle.place(0, motion.times[0])
 
         self.axes = axes
-        self.moving = [part for part in (self.body, self.outline, self.arrows, self.title) if part is not None]
+        passing = [artist for obstacle in self.obstacles if obstacle.moves for artist in obstacle.artists]
+        self.moving = [part for part in (*passing, self.body, self.outline, self.arrows, self.title) if part is not None]
         for part in self.moving:
             part.set_animated(True)
         self.canvas = FigureCanvasAgg(axes.figure)
@@ -182,22 +195,20 @@ class Stage:
         self.body.set_array(self.motion.magnitude[frame] * self.factor)
         self.outline.set_segments(position[self.edges])
         self.title.set_text(f"$t$ = {self.time_factor * self.motion.times[frame]:.2f} {self.time_unit}")
+        for obstacle in self.obstacles:
+            if obstacle.moves:
+                obstacle.place(frame, self.motion.times[frame])
         if self.arrows is not None:
-            obstacle = self.motion.obstacle
-            force = obstacle.forces[frame]
-            self.arrows.set_offsets(obstacle.points[frame])
+            forces = self.motion.forces
+            force = forces.sizes[frame]
+            self.arrows.set_offsets(forces.points[frame])
             # A force of zero would leave a dot.
-            self.arrows.set_UVC(*np.where(force > 0, force, np.nan) * obstacle.half_space.normal[:, None])
+            self.arrows.set_UVC(*np.where(force > 0, force, np.nan) * forces.directions.T)
 
 
 def scenery(motion: Motion) -> Axes:
-    """The axes with the obstacle, in a figure of their own."""
+    """The axes, in a figure of their own."""
     axes = style.plan(*view(motion), motion.view.names, DOTS_PER_INCH)
-    low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
-    if motion.obstacle:
-        half_space = motion.obstacle.half_space
-        axes.fill(*clip(rectangle(low, high), half_space).reshape(-1, 2).T, color=OBSTACLE_GREY, linewidth=0)
-        axes.axline(half_space.point, half_space.point + half_space.tangent, color="0.4", linewidth=1)
     scale = "true to scale" if motion.enlarged == 1 else f"displacement × {motion.enlarged:g}"
     axes.annotate(scale, (1, 0), (0, -28), xycoords="axes fraction", textcoords="offset points", ha="right", va="top",
                   fontsize=12)
@@ -205,47 +216,29 @@ def scenery(motion: Motion) -> Axes:
 
 
 def view(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
-    """Two corners of the box that holds the body at all times, the obstacle next to it and the arrows, m."""
-    size = motion.mesh.size
+    """Two corners of the picture that holds the body at all times, obstacles of its size next to it and the arrows, m."""
+    size, dim = motion.mesh.size, motion.box.shape[1]
     inside = [motion.position.reshape(-1, 2)]
-    if motion.obstacle:
-        points, plane = motion.obstacle.points, motion.obstacle.half_space
-        height = plane.height(points)
-        if height.min() < size:  # a plane that the body never comes near stays outside
-            nearest_to_plane = points[height <= height.min() + 0.01 * size]
-            inside.append(nearest_to_plane - (height.min() + 1.1 * ARROW * size) * plane.normal)
+    if any(obstacle.shape.extent(0.0) is not None for obstacle in motion.obstacles):
+        corners = motion.box[[[i >> axis & 1 for axis in range(dim)] for i in range(2**dim)], range(dim)]
+        inside.append(motion.view.project(corners))
+    if motion.forces is not None and (acting := motion.forces.sizes > 0).any():
+        tails = motion.forces.points - 1.1 * ARROW * size * motion.forces.directions
+        inside.append(tails[acting])
     every = np.concatenate(inside)
     return every.min(axis=0) - 0.04 * size, every.max(axis=0) + 0.04 * size
 
 
-def rectangle(low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Corners of a box in order, 4 × 2."""
-    return np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
-
-
-def clip(polygon: np.ndarray, half_space: HalfSpace) -> np.ndarray:
-    """The part of a convex polygon (corners × 2, m) that is inside the obstacle."""
-    corners = []
-    height = half_space.height(polygon)
-    for i, h in enumerate(height):
-        if h <= 0:
-            corners.append(polygon[i])
-        following = (i + 1) % len(polygon)
-        if h * height[following] < 0:
-            corners.append(polygon[i] + h / (h - height[following]) * (polygon[following] - polygon[i]))
-    return np.array(corners)
-
-
 def add_arrows(axes: Axes, motion: Motion) -> Quiver | None:
     """Arrows that end at the nodes in contact, and one in the margin that tells their length."""
-    if motion.obstacle is None or not motion.obstacle.forces.any():
+    if motion.forces is None or not motion.forces.sizes.any():
         return None
-    largest = motion.obstacle.forces.max()
-    arrows = axes.quiver(*motion.obstacle.points[0].T, *np.zeros_like(motion.obstacle.points[0]).T, angles="xy",
+    largest = motion.forces.sizes.max()
+    arrows = axes.quiver(*motion.forces.points[0].T, *np.zeros_like(motion.forces.points[0]).T, angles="xy",
                          scale_units="xy", scale=largest / (ARROW * motion.mesh.size), pivot="tip",
                          color=style.VERMILLION, width=0.007)
     key = round_down(largest)
-    factor, unit = style.prefixed(key, motion.obstacle.unit)
+    factor, unit = style.prefixed(key, motion.forces.unit)
     height = axes.get_position().height * axes.figure.get_figheight()
     axes.quiverkey(arrows, 0.72, 1 + KEY / height, key, f"{key * factor:g} {unit}", labelpos="E", coordinates="axes")
     return arrows
@@ -257,7 +250,7 @@ def palette() -> Image.Image:
         return np.linspace(to_rgb(start), to_rgb(end), count)
 
     field = colormaps[style.FIELD_COLOURS](np.linspace(0, 1, 160))[:, :3]
-    colours = np.concatenate([field, blend("black", "white", 32), blend(style.VERMILLION, OBSTACLE_GREY, 16),
+    colours = np.concatenate([field, blend("black", "white", 32), blend(style.VERMILLION, GREY, 16),
                               blend(style.VERMILLION, "white", 16)])
     image = Image.new("P", (1, 1))
     image.putpalette(np.rint(255 * colours).astype(np.uint8).tobytes())

@@ -12,8 +12,8 @@ LONGEST_JUMP = 0.3  # times the length of all parts, at most so wide is what is 
 
 @dataclass(frozen=True)
 class Arc:
-    """Candidates of a plane body from end to end: their numbers in that order, positions (m; 0 where `origin` is) and the part of the
-    surface that each belongs to, numbered from 0."""
+    """Candidates of a plane body from end to end: their numbers in that order, positions (m) and the part of the surface that
+    each belongs to, numbered from 0."""
 
     order: np.ndarray
     position: np.ndarray
@@ -78,7 +78,8 @@ def closed(curve: np.ndarray) -> bool:
 
 
 def chain(points: np.ndarray, start: int) -> list[int]:
-    """Points of a curve from end to end, the end with the smaller x first: from `start` on each joins the end that it is nearest to."""
+    """Points of a curve from end to end, the end with the smaller x first: from `start` on each joins the end that it is
+    nearest to."""
     order, left = [start], np.delete(np.arange(len(points)), start)
     while left.size:
         apart = np.linalg.norm(points[left] - points[[order[0], order[-1]]][:, None], axis=2)

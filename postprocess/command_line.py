@@ -8,7 +8,8 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from run_folder import NotInRun, RunFolder, Unreadable
+from files import NotInRun, Unreadable
+from run_folder import RunFolder
 
 
 def arguments(description: str, timed: bool) -> argparse.Namespace:

@@ -1,6 +1,7 @@
 """Nodal contact force over the horizontal position of the undeformed body at one time (seed, Fig. 9).
 
-In space it is drawn by colours at the candidates' places, seen along the obstacle's normal.
+In space it is drawn by colours at the candidates' places, seen along the obstacle's normal; beside a curved obstacle, or several,
+over the position along the surface.
 """
 
 import sys
@@ -10,8 +11,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import style
+from arc import arc_of, merged
 from command_line import run_alone
-from run_folder import HalfSpace, RunFolder, nearest
+from run_folder import RunFolder, nearest
+from scenery import main_normal
 
 
 def draw(run: RunFolder, time: float | None = None) -> list[Path]:
@@ -22,34 +25,57 @@ def draw(run: RunFolder, time: float | None = None) -> list[Path]:
     run.check_time(time)
     index = nearest(contact.times, time)
     factor, unit = style.prefixed(contact.force[index], style.per_depth("N", run.dim))
-    draw_forces = over_line if run.dim == 2 else over_plane
-    axes = draw_forces(run.obstacle, contact.points, contact.force[index] * factor, f"nodal contact force ({unit})")
+    label = f"nodal contact force ({unit})"
+    if run.dim == 3:
+        axes = over_plane(main_normal(run), contact.points, contact.force[index] * factor, label)
+    elif (plane := run.half_space) is not None:
+        axes = over_line(plane.normal, contact.points, contact.force[index] * factor, label)
+    else:
+        axes = over_arc(run, index, factor, label)
     style.show_time(axes, contact.times[index])
     return [style.save(axes.figure, run.path / "figures" / "contact_force.png")]
 
 
-def over_line(obstacle: HalfSpace, points: np.ndarray, force: np.ndarray, label: str) -> Axes:
+def over_line(normal: np.ndarray, points: np.ndarray, force: np.ndarray, label: str) -> Axes:
     """A curve over the position along the plane (m)."""
-    position = points @ obstacle.tangent
+    tangent = np.array([normal[1], -normal[0]])
+    position = points @ tangent
     order = np.argsort(position)
     _, axes = style.graph()
     position, force = position[order], force[order]
     axes.plot(position, force, "o-", color=style.BLUE, markersize=6, markevery=np.flatnonzero(force > 0).tolist())
-    axes.set_xlabel(f"{position_name(obstacle)} (m)")
+    axes.set_xlabel(f"{position_name(tangent)} (m)")
     axes.set_ylabel(label)
     axes.set_ylim(0, 1.06 * force.max() or 1)
     return axes
 
 
-def over_plane(obstacle: HalfSpace, points: np.ndarray, force: np.ndarray, label: str) -> Axes:
+def over_arc(run: RunFolder, index: int, factor: float, label: str) -> Axes:
+    """A curve over the position along the surface (m), where the obstacle is curved or there are several; interrupted where the
+    surface is."""
+    contact = merged(run.contact)
+    arc = arc_of(contact)
+    force = contact.force[index][arc.order] * factor
+    _, axes = style.graph()
+    for part in np.unique(arc.part):
+        own = arc.part == part
+        pushed = np.flatnonzero(force[own] > 0).tolist()
+        axes.plot(arc.position[own], force[own], "o-", color=style.BLUE, markersize=6, markevery=pushed)
+    axes.set_xlabel("position along the surface (m)")
+    axes.set_ylabel(label)
+    axes.set_ylim(0, 1.06 * force.max() or 1)
+    return axes
+
+
+def over_plane(normal: np.ndarray, points: np.ndarray, force: np.ndarray, label: str) -> Axes:
     """Coloured dots at the candidates that carry a force, pale ones at the others."""
-    horizontal = np.allclose(obstacle.normal[:2], 0)
-    across = np.array([1.0, 0.0, 0.0]) if horizontal else np.cross(obstacle.normal, [0.0, 0.0, 1.0])
+    horizontal = np.allclose(normal[:2], 0)
+    across = np.array([1.0, 0.0, 0.0]) if horizontal else np.cross(normal, [0.0, 0.0, 1.0])
     across /= np.linalg.norm(across)
-    position = points @ np.column_stack([across, np.cross(obstacle.normal, across)])
+    position = points @ np.column_stack([across, np.cross(normal, across)])
     low, high = position.min(axis=0), position.max(axis=0)
     margin = 0.05 * (high - low).max()
-    names = ("$x$", "$y$") if horizontal and obstacle.normal[2] > 0 else ("along the plane", "along the plane")
+    names = ("$x$", "$y$") if horizontal and normal[2] > 0 else ("along the plane", "along the plane")
     axes = style.plan(low - margin, high + margin, names)
     pushed = force > 0
     axes.plot(*position[~pushed].T, "o", color=style.PALE, markeredgecolor=style.GREY, markersize=5)
@@ -58,9 +84,9 @@ def over_plane(obstacle: HalfSpace, points: np.ndarray, force: np.ndarray, label
     return axes
 
 
-def position_name(obstacle: HalfSpace) -> str:
+def position_name(tangent: np.ndarray) -> str:
     """What the coordinate along the plane is: x above a floor."""
-    horizontal = np.allclose(obstacle.tangent, [1, 0])
+    horizontal = np.allclose(tangent, [1, 0])
     return "horizontal position $x$" if horizontal else "position along the obstacle's plane"
 
 

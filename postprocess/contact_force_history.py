@@ -1,35 +1,65 @@
-"""Total normal contact force over time, of each step and averaged over two neighbouring steps.
+"""Normal contact force over time, of each step and averaged over two neighbouring steps; of several obstacles the mean for each.
 
 In contact-implicit time stepping the force alternates from step to step, on every mesh and for every step size;
-the mean of two neighbouring steps is what converges.
+the mean of two neighbouring steps is what converges. The force of a step acts all through it and is drawn in its middle.
 """
 
 import sys
 from pathlib import Path
 
+import numpy as np
+
 import style
 from command_line import run_alone
-from run_folder import NotInRun, RunFolder
+from files import NotInRun
+from run_folder import RunFolder
+
+LOOKS = [(style.BLUE, "-"), (style.VERMILLION, "--"), (style.GREEN, "-."), (style.ORANGE, ":")]
 
 
 def draw(run: RunFolder) -> list[Path]:
     """Draws the force of every step, not of the stored ones only."""
     run.require_contact()
-    factor, unit = style.prefixed(run.normal_force, style.per_depth("N", run.dim))
-    # Row 0 is the initial state, in which no force has acted yet.
-    force = run.normal_force[1:] * factor
-    if len(force) < 2:
+    if len(run.steps["time"]) < 3:
         raise NotInRun("there are fewer than two time steps")
+    try:
+        force, label = run.normal_force, "normal contact force"
+    except NotInRun:
+        force, label = np.linalg.norm(run.resultant, axis=1), "resultant contact force"
+    factor, unit = style.prefixed(force, style.per_depth("N", run.dim))
 
     figure, axes = style.graph()
-    times = style.time_axis(axes, run.steps["time"])[1:]
-    axes.plot(times, force, ".-", color=style.GREY, linewidth=0.8, markersize=4, label="each step")
-    axes.plot((times[1:] + times[:-1]) / 2, (force[1:] + force[:-1]) / 2, color=style.VERMILLION,
-              label="mean of two neighbouring steps")
-    axes.set_ylabel(f"normal contact force ({unit})")
+    times = style.time_axis(axes, run.steps["time"])
+    own = each_obstacle(run)
+    if own:
+        for (name, force), (colour, line) in zip(own.items(), LOOKS):
+            axes.plot(times[1:-1], mean(force) * factor, line, color=colour, label=name)
+        axes.set_ylabel(f"{label},\nmean of two steps ({unit})")
+    else:
+        # Row 0 is the initial state, in which no force has acted yet.
+        middle = (times[1:] + times[:-1]) / 2
+        axes.plot(middle, force[1:] * factor, ".-", color=style.GREY, linewidth=0.8, markersize=4, label="each step")
+        axes.plot(times[1:-1], mean(force) * factor, color=style.VERMILLION, label="mean of two neighbouring steps")
+        axes.set_ylabel(f"{label} ({unit})")
     axes.set_ylim(bottom=0)
     style.legend_above(axes)
     return [style.save(figure, run.path / "figures" / "contact_force_history.png")]
+
+
+def each_obstacle(run: RunFolder) -> dict[str, np.ndarray]:
+    """The force of those of several obstacles that push the most, by name; nothing for one, or where the run did not write it."""
+    if len(run.obstacle_names) < 2:
+        return {}
+    try:
+        steps = sorted(run.obstacle_steps, key=lambda own: -own.normal_force.max())[: len(LOOKS)]
+    except NotInRun:
+        return {}
+    return {own.name: own.normal_force for own in sorted(steps, key=lambda own: run.obstacle_names.index(own.name))}
+
+
+def mean(force: np.ndarray) -> np.ndarray:
+    """Of two neighbouring steps, at the times between them."""
+    return (force[2:] + force[1:-1]) / 2
 
 
 if __name__ == "__main__":

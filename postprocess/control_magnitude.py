@@ -1,6 +1,6 @@
 """Magnitude of the control over the undeformed body at one time, with the nodes in contact marked (seed, Fig. 5).
 
-In space it is that on the surface, seen from the side.
+A control of a part of a plane body's boundary is drawn there, with arrows. In space it is that on the surface, seen from the side.
 """
 
 import sys
@@ -8,13 +8,19 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.tri import Triangulation
 
 import style
 from command_line import run_alone
-from run_folder import Mesh, RunFolder, nearest
+from mesh import Mesh, Series
+from report_fields import nodal, support_of
+from run_folder import RunFolder, nearest
 from view import View, view_of
+
+MOST_ARROWS = 40
+ARROW = 0.15  # length of the longest, as a part of the body's size
 
 
 def draw(run: RunFolder, time: float | None = None) -> list[Path]:
@@ -26,12 +32,9 @@ def draw(run: RunFolder, time: float | None = None) -> list[Path]:
 
     view = view_of(run)
     mesh, cells = view.seen(control.mesh)
-    axes = body_axes(mesh, view)
-    magnitude = np.linalg.norm(control.at(index), axis=1)
-    triangles = Triangulation(*mesh.points.T, mesh.cells)
-    look = {"cmap": style.FIELD_COLOURS, "vmin": 0, "rasterized": True}
-    colours = (axes.tripcolor(triangles, facecolors=magnitude[cells], **look) if control.cellwise
-               else axes.tripcolor(triangles, magnitude, shading="gouraud", **look))  # fmt: skip
+    support = support_of(run, control) if run.dim == 2 else None
+    axes = body_axes(mesh, view, room=0.04 if support is None else 0.04 + ARROW)
+    colours = inside(axes, control, index, mesh, cells) if support is None else on_boundary(axes, control, index, support)
     style.colour_bar(colours, axes, f"control $|u|$ ({control_unit(run)})")
     style.show_time(axes, control.times[index])
     if run.has_contact and run.has_contact_table:
@@ -39,9 +42,38 @@ def draw(run: RunFolder, time: float | None = None) -> list[Path]:
     return [style.save(axes.figure, run.path / "figures" / "control_magnitude.png")]
 
 
-def body_axes(mesh: Mesh, view: View) -> Axes:
-    """Axes that fit the undeformed body, with its outline."""
-    margin = 0.04 * mesh.size
+def inside(axes: Axes, control: Series, index: int, mesh: Mesh, cells: np.ndarray) -> ScalarMappable:
+    """Colours all over the triangles that are seen, each of one of the body's cells."""
+    magnitude = np.linalg.norm(control.at(index), axis=1)
+    triangles = Triangulation(*mesh.points.T, mesh.cells)
+    look = {"cmap": style.FIELD_COLOURS, "vmin": 0, "rasterized": True}
+    if control.cellwise:
+        return axes.tripcolor(triangles, facecolors=magnitude[cells], **look)
+    return axes.tripcolor(triangles, magnitude, shading="gouraud", **look)
+
+
+def on_boundary(axes: Axes, control: Series, index: int, support: np.ndarray) -> ScalarMappable:
+    """Colours along the edges whose nodes the control acts at, and arrows that end there."""
+    mesh, values = control.mesh, nodal(control, control.at(index), support)
+    magnitude = np.linalg.norm(values, axis=1)
+    largest = magnitude.max() or 1.0
+    grey = {"facecolors": np.full(len(mesh.cells), 0.06), "cmap": "Greys", "vmin": 0, "vmax": 1, "rasterized": True}
+    axes.tripcolor(Triangulation(*mesh.points.T, mesh.cells), **grey)
+    edges = mesh.outline()
+    edges = edges[support[edges].all(axis=1)]
+    lines = LineCollection(mesh.points[edges], array=magnitude[edges].mean(axis=1), cmap=style.FIELD_COLOURS, linewidths=5, zorder=3)
+    lines.set_clim(0, largest)
+    axes.add_collection(lines, autolim=False)
+    at = np.flatnonzero(support)
+    at = at[:: -(-len(at) // MOST_ARROWS)]
+    axes.quiver(*mesh.points[at].T, *values[at].T, angles="xy", scale_units="xy", scale=largest / (ARROW * mesh.size), pivot="tip",
+                color="0.25", width=0.005, zorder=4)  # fmt: skip
+    return lines
+
+
+def body_axes(mesh: Mesh, view: View, room: float = 0.04) -> Axes:
+    """Axes that fit the undeformed body, with its outline; room about it as a part of its size."""
+    margin = room * mesh.size
     axes = style.plan(mesh.points.min(axis=0) - margin, mesh.points.max(axis=0) + margin, view.names)
     axes.add_collection(LineCollection(mesh.points[mesh.outline()], colors="black", linewidths=0.8))
     return axes

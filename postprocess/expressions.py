@@ -72,7 +72,8 @@ class TimeSeries:
 
     def __init__(self, file: Path, column: str) -> None:
         try:
-            lines = [line for line in file.read_text(encoding="utf-8-sig").splitlines() if line.strip() and not line.startswith("#")]
+            text = file.read_text(encoding="utf-8-sig")
+            lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
             between = next(separator for separator in "\t;," if separator in lines[0])
             names, *rows = [[cell.strip(' \t"') for cell in line.split(between)] for line in lines]
             times = next((names.index(name) for name in ("time", "t") if name in names), 0)

@@ -8,13 +8,16 @@ from pathlib import Path
 import animation
 import contact_force
 import contact_force_history
+import contact_pressure
+import control_history
 import control_magnitude
 import distance_to_reference
 import energy
 import objective
 import tracking_error
 from command_line import arguments, complain
-from run_folder import NotInRun, RunFolder, Unreadable
+from files import NotInRun, Unreadable
+from run_folder import RunFolder
 
 
 def figures(time: float | None) -> dict[str, Callable[[RunFolder], list[Path]]]:
@@ -24,8 +27,10 @@ def figures(time: float | None) -> dict[str, Callable[[RunFolder], list[Path]]]:
         "distance_to_reference": distance_to_reference.draw,
         "tracking_error": tracking_error.draw,
         "control_magnitude": partial(control_magnitude.draw, time=time),
+        "control_history": control_history.draw,
         "contact_force": partial(contact_force.draw, time=time),
         "contact_force_history": contact_force_history.draw,
+        "contact_pressure": contact_pressure.draw,
         "energy": energy.draw,
         "animation": animation.draw,
     }

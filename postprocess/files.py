@@ -37,7 +37,8 @@ def whole_text(file: Path) -> str:
 
 
 def read_csv(file: Path, obstacles: Sequence[str] = ()) -> Table:
-    """A table below one line of column names. In a column `obstacle` numbers stand for the names, those in `obstacles`. Raises ValueError where a row is not whole."""
+    """A table below one line of column names. In a column `obstacle` numbers stand for the names, which are `obstacles`. Raises
+    ValueError where a row is not whole."""
     header, _, body = whole_text(file).partition("\n")
     columns = header.split(",")
     if "obstacle" in columns:
@@ -52,11 +53,12 @@ def read_csv(file: Path, obstacles: Sequence[str] = ()) -> Table:
 
 
 def numbered(body: str, column: int, names: Sequence[str]) -> str:
-    """Rows with a name's number in its place in a column. Raises ValueError at a name that is none of them."""
+    """Rows with a name's number in its place in a column, where earlier versions wrote the number. Raises ValueError at what
+    is neither."""
     rows = [line.split(",") for line in body.splitlines()]
     for row in rows:
         if len(row) > column:
-            row[column] = str(names.index(row[column]))
+            row[column] = str(names.index(row[column]) if row[column] in names else int(row[column]))
     return "\n".join(map(",".join, rows)) + "\n"
 
 

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import style
 from command_line import run_alone
-from run_folder import NotInRun, RunFolder
+from files import NotInRun
+from run_folder import RunFolder
 
 
 def draw(run: RunFolder) -> list[Path]:

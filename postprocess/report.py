@@ -1,7 +1,8 @@
 """Makes one page of all that a run or a study found: FOLDER/report.html, which needs no other file and no network.
 
-A run's page has the body in motion, contact forces, energies, convergence and times; a study's page has what accuracy
-costs. What the folder holds no data for is left out, and the page says so.
+A run's page has the body in motion, contact forces, control, energies, probes, convergence and times; a study's page has what
+accuracy costs. What the folder holds no data for is left out, and the page says so. With a second run's folder the page
+shows both side by side: OTHER/comparison.html.
 """
 
 import argparse
@@ -14,11 +15,13 @@ from pathlib import Path
 import jinja2
 from plotly.offline import get_plotlyjs
 
+import report_compare
 import report_run
 import report_study
 from command_line import complain
+from files import NotInRun, Unreadable
 from report_parts import Page
-from run_folder import NotInRun, RunFolder, Unreadable
+from run_folder import RunFolder
 from style import whole_file
 from study_folder import StudyFolder, is_study
 
@@ -33,6 +36,14 @@ def page_of(folder: Path) -> Page:
         raise Unreadable(f"{folder}: this is the folder of neither a run nor a study, since there is no scene.toml "
                          "and no study.json in it")
     return report_run.page(RunFolder(folder))
+
+
+def comparison_of(folder: Path, other: Path) -> Page:
+    """What the page of two runs' folders shows."""
+    for one in (folder, other):
+        if is_study(one):
+            raise Unreadable(f"{one}: found a study, allowed are two runs")
+    return report_compare.page((RunFolder(folder), RunFolder(other)))
 
 
 def html(page: Page) -> str:
@@ -51,15 +62,20 @@ def compressed(text: str) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="where a run or a study left its files")
-    folder = parser.parse_args().folder
+    parser.add_argument("other", type=Path, nargs="?", metavar="OTHER", help="where another run did, to be shown beside the first")
+    given = parser.parse_args()
     try:
-        text = html(page_of(folder))
-        with whole_file(folder / "report.html") as partial:
-            partial.write_text(text, encoding="utf-8")
+        if given.other is None:
+            page, file = page_of(given.folder), given.folder / "report.html"
+        else:
+            page, file = comparison_of(given.folder, given.other), given.other / "comparison.html"
+        with whole_file(file) as partial:
+            partial.write_text(html(page), encoding="utf-8")
     except (NotInRun, Unreadable, OSError) as error:
         complain(error)
         return 2
-    print(folder / "report.html")
+    print(page.identity)
+    print(file)
     return 0
 
 

@@ -62,7 +62,8 @@ def means(run: RunFolder, forces: dict[str, np.ndarray], unit: str) -> dict:
     times, title = time_axis(run.steps["time"])
     curves = [line(name, times[1:-1], (force[2:] + force[1:-1]) / 2 * factor, *look)
               for (name, force), look in zip(forces.items(), zip(COLOURS, DASHES))]  # fmt: skip
-    return figure(curves, title, f"normal contact force ({unit}),<br>mean of two steps", xaxis={"range": [0, times[-1]]}, yaxis=FROM_ZERO)
+    what = f"normal contact force ({unit}),<br>mean of two steps"
+    return figure(curves, title, what, xaxis={"range": [0, times[-1]]}, yaxis=FROM_ZERO)
 
 
 def active_candidates(run: RunFolder) -> Chart:
@@ -92,12 +93,13 @@ def contact_surface(run: RunFolder) -> Chart:
     if run.dim == 2:
         contact = merged(run.contact)
         views = surface_views(run, contact, along_surface(arc_of(contact)))
-        note = "Forces are those of single nodes. Position 0 is where the node is that is pushed the most. Double-click to see all candidates."
+        note = "Forces are those of single nodes. Position 0 is where the node is that is pushed the most. Double-click to see all."
     else:
         apart = [run.contact.of(i) for i in range(len(names))]
         views = {f"{name}: {view}" if len(names) > 1 else view: shown for name, own in zip(names, apart) if own.force.any()
                  for view, shown in surface_views(run, own, around_contact(own)).items()}  # fmt: skip
-        note = "Of the nodes at about the same distance the largest pressure or force, or the least gap, is shown. Double-click to see all."
+        note = ("Of the nodes at about the same distance the largest pressure or force, or the least gap, is shown. Double-click to "
+                "see all.")  # fmt: skip
     return Chart("contact-surface", "Contact along the surface", views, note)
 
 
@@ -147,18 +149,27 @@ def touched(contact: Contact, place: Place) -> list[float]:
     return [max(low - room, place.edges[0]), min(high + room, place.edges[-1])]
 
 
+def rows_of(place: Place, values: np.ndarray, what: str) -> np.ndarray:
+    """Values (times × candidates) in the rows of a map (rows × times): the largest one or the least gap there, NaN without any."""
+    extreme, start = (np.minimum, np.inf) if what == "gap" else (np.maximum, -np.inf)
+    shown = np.full((len(place.edges) - 1, len(values)), start)
+    extreme.at(shown, place.rows, values.T)
+    shown[~np.isfinite(shown)] = np.nan
+    return shown
+
+
 def surface_map(times: np.ndarray, place: Place, values: np.ndarray, unit: str, what: str, axis: dict) -> dict:
     """Values (times × candidates) by colours over time and place: the largest one or the least gap there."""
     every = -(-len(times) // MOST_COLUMNS)
-    extreme, start = (np.minimum, np.inf) if what == "gap" else (np.maximum, -np.inf)
-    shown = np.full((len(place.edges) - 1, len(times[::every])), start)
-    extreme.at(shown, place.rows, values[::every].T)
-    shown[~np.isfinite(shown)] = np.nan  # no candidate
+    shown = rows_of(place, values[::every], what)
     factor, unit = style.prefixed(np.nanmax(np.abs(shown)), unit)
     times, title = time_axis(times[::every])
-    colours = {"colorscale": "Viridis", "reversescale": what == "gap", "zmin": min(0, float(np.nanmin(shown)) * factor),
-               "colorbar": {"title": {"text": f"{what} ({unit})", "side": "right"}, "thickness": 14, "outlinewidth": 0}}  # fmt: skip
-    hover = f"%{{x:.4g}}, %{{y:.3g}} m<br>{what} %{{z:.3g}} {unit}<extra></extra>"
-    field = {"type": "heatmap", "x": packed(times), "y": packed(place.edges), "z": packed(shown * factor), "hovertemplate": hover,
-             "hoverongaps": False}
-    return figure([field | colours], title, place.title, yaxis=axis)
+    colours = {"colorscale": "Viridis", "reversescale": what == "gap", "zmin": min(0, float(np.nanmin(shown)) * factor)}
+    return figure([heatmap(times, place.edges, shown * factor, what, unit) | colours], title, place.title, yaxis=axis)
+
+
+def heatmap(times: np.ndarray, edges: np.ndarray, values: np.ndarray, what: str, unit: str) -> dict:
+    """Values (rows × times, NaN where there is nothing) between the rows' edges (m)."""
+    return {"type": "heatmap", "x": packed(times), "y": packed(edges), "z": packed(values), "hoverongaps": False,
+            "hovertemplate": f"%{{x:.4g}}, %{{y:.3g}} m<br>{what} %{{z:.3g}} {unit}<extra></extra>",
+            "colorbar": {"title": {"text": f"{what} ({unit})", "side": "right"}, "thickness": 14, "outlinewidth": 0}}  # fmt: skip

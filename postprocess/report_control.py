@@ -6,9 +6,9 @@ import style
 from arc import arc_of
 from files import NotInRun
 from mesh import Series
-from report_contact import MOST_COLUMNS, along_surface
+from report_contact import MOST_COLUMNS, Place, along_surface, heatmap
 from report_fields import area, nodal, support_of
-from report_parts import Chart, figure, line, packed, time_axis
+from report_parts import Chart, figure, line, time_axis
 from run_folder import Contact, RunFolder
 
 LOOKS = [(style.BLUE, "solid"), (style.VERMILLION, "dash"), (style.GREEN, "dashdot")]
@@ -67,23 +67,20 @@ def boundary(run: RunFolder) -> list[Chart]:
     values = scale * np.stack([nodal(control, control.at(i), support)[support] for i in range(0, len(control.times), every)])
     size = np.linalg.norm(values, axis=2)
     nothing = np.zeros_like(size)
-    place = along_surface(arc_of(Contact(control.times, control.mesh.points[support], np.zeros(support.sum(), int), nothing, size)))
+    nodes = control.mesh.points[support]
+    place = along_surface(arc_of(Contact(control.times, nodes, np.zeros(len(nodes), int), nothing, size)))
     step = run.scene["time"]["step"]
-    parts = {"modulus": size} | {f"{axis} component": values[:, :, i] for i, axis in enumerate("xyz"[: run.dim]) if values[:, :, i].any()}
+    parts = {"modulus": size} | {f"{axis} component": values[:, :, i] for i, axis in enumerate("xy") if values[:, :, i].any()}
     views = {name: over_boundary(control.times[::every] - step / 2, place, part) for name, part in parts.items()}
-    note = "Position 0 is where the control pushes the most." + " Between parts of the boundary the map is blank." * (len(place.edges) > 1 + support.sum())
-    return [Chart("control-boundary", "Control along the boundary", views, note)]
+    return [Chart("control-boundary", "Control along the boundary", views, "Position 0 is where the control pushes the most.")]
 
 
-def over_boundary(times: np.ndarray, place: object, values: np.ndarray) -> dict:
+def over_boundary(times: np.ndarray, place: Place, values: np.ndarray) -> dict:
     """Values (times × nodes, N/m²) by colours."""
     shown = np.full((len(place.edges) - 1, len(times)), np.nan)
     shown[place.rows] = values.T
     factor, unit = style.prefixed(values, "N/m²")
     far, signed = np.abs(values).max() * factor or 1.0, bool((values < 0).any())
     times, title = time_axis(times)
-    colours = {"colorscale": "RdBu" if signed else "Viridis", "zmin": -far if signed else 0, "zmax": far, "hoverongaps": False,
-               "colorbar": {"title": {"text": f"control ({unit})", "side": "right"}, "thickness": 14, "outlinewidth": 0}}  # fmt: skip
-    hover = f"%{{x:.4g}}, %{{y:.3g}} m<br>%{{z:.3g}} {unit}<extra></extra>"
-    field = {"type": "heatmap", "x": packed(times), "y": packed(place.edges), "z": packed(shown * factor), "hovertemplate": hover}
-    return figure([field | colours], title, place.title)
+    colours = {"colorscale": "RdBu" if signed else "Viridis", "zmin": -far if signed else 0, "zmax": far}
+    return figure([heatmap(times, place.edges, shown * factor, "control", unit) | colours], title, place.title)

@@ -101,13 +101,19 @@ def support_of(run: RunFolder, control: Series) -> np.ndarray | None:
     acts = np.any([control.at(i).any(axis=1) for i in range(len(control.times))], axis=0)
     if not control.cellwise:
         return acts
-    boundary = np.zeros(len(control.mesh.points), bool)
-    boundary[control.mesh.boundary_nodes()] = True
-    cells = control.mesh.cells[acts]
-    # The facet of such a cell that is of the boundary.
-    cells = cells[boundary[cells].sum(axis=1) >= run.dim]
-    found = np.zeros(len(control.mesh.points), bool)
-    found[cells[boundary[cells]]] = True
+    return nodes_of_facets(control.mesh, acts)
+
+
+def nodes_of_facets(mesh: Mesh, acts: np.ndarray) -> np.ndarray:
+    """The nodes of those facets of the boundary by which a field acts on cells, `acts`: of a cell at an edge of the body, which
+    has several, those that are joined to the only facet of another one."""
+    facets, owner = mesh.facets()
+    facets, owner = facets[acts[owner]], owner[acts[owner]]
+    alone = np.bincount(owner, minlength=len(acts))[owner] == 1
+    found = np.zeros(len(mesh.points), bool)
+    found[facets[alone]] = True
+    joined = found[facets].sum(axis=1) >= facets.shape[1] - 1
+    found[facets[joined if alone.any() else np.ones_like(alone)]] = True
     return found
 
 

@@ -16,7 +16,8 @@ def impact(run: RunFolder) -> list[Table]:
     if len(rows) > 1:
         rows.append(touch(run, "all", given["all"]))
     title = "Forces are added by their moduli; the peak is that of the mean of two steps. The force of a step acts all through it."
-    tables = [Table(title, ["Obstacle", "Contact from", "to", "In contact for", "Impulse", "Resultant of it", "Peak force", "at"], rows)]
+    head = ["Obstacle", "Contact from", "to", "In contact for", "Impulse", "Resultant of it", "Peak force", "at"]
+    tables = [Table(title, head, rows)]
     if given["velocity_before"]:
         body = [["Mass", quantity(given["mass"] * 1000, per_depth("g", run.dim))],
                 ["Velocity of the centre of mass before", vector(given["velocity_before"], "m/s")],

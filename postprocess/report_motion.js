@@ -75,7 +75,8 @@ function framesOf(motion) {
   const position = (frame) => [0, 1, 2].map((axis) => {
     if (axis >= motion.dim) return new Float32Array(count + weight.length);
     const start = (frame * motion.dim + axis) * count;
-    return withCut(Float32Array.from({ length: count }, (_, i) => points[axis * count + i] + motion.displacement.scale * moved[start + i]));
+    const moving = (_, i) => points[axis * count + i] + motion.displacement.scale * moved[start + i];
+    return withCut(Float32Array.from({ length: count }, moving));
   });
   const colours = (field, frame) => {
     const { scale } = motion.fields[field], own = values[field].subarray(frame * count, (frame + 1) * count);
@@ -145,25 +146,24 @@ function bodyOf(motion) {
     colorbar: { orientation: "h", x: 0.5, xanchor: "center", y: 1, yanchor: "bottom", len: 0.9, thickness: 12, outlinewidth: 0,
       title: { side: "top", text: "" } } };
   const lines = (color, width) => ({ type: "scatter3d", mode: "lines", hoverinfo: "skip", line: { color, width } });
-  const outline = lines("#1c2126", 2), ribbon = lines("#1c2126", 9), arrows = lines("#d55e00", 3);
+  const outline = lines("#1c2126", 2), ribbon = lines("#1c2126", 9), arrows = lines("#0072b2", 3);
   const contact = { type: "scatter3d", mode: "markers", hoverinfo: "skip", marker: { color: "#d55e00", size: 4 },
     ...(touching && { name: "in contact" }) };
   const put = (trace, [x, y, z]) => Object.assign(trace, { x, y, z });
 
   const pose = (frame, field, mode) => {
-    const place = position(frame), { label, least, largest } = motion.fields[field], values = colours(field, frame), marks = ribbons[field];
-    const signed = least < 0, far = Math.max(-least, largest) || 1;
+    const place = position(frame), values = colours(field, frame), marks = ribbons[field];
+    const { label, least, largest } = motion.fields[field], signed = least < 0, far = Math.max(-least, largest) || 1;
+    const colour = { cmin: signed ? -far : 0, cmax: far, colorscale: COLOURS[signed ? -1 : 1] };
     [body.i, body.j, body.k] = mode === "cut" && cut ? cut : faces;
-    put(body, place);
+    Object.assign(put(body, place), colour, { opacity: mode === "see-through" ? SEE_THROUGH : 1 }).colorbar.title.text = label;
     // What acts on a plane body's boundary alone is not smeared into it.
-    Object.assign(body, { intensity: marks && marks.edges.length ? new Float32Array(values.length) : values, cmin: signed ? -far : 0, cmax: far, opacity: mode === "see-through" ? SEE_THROUGH : 1,
-      colorscale: COLOURS[signed ? -1 : 1] }).colorbar.title.text = label;
+    body.intensity = marks && marks.edges.length ? new Float32Array(values.length) : values;
     put(outline, place.map((coordinate) => segments(edges, coordinate)));
     const on = touching ? touching.nodes.filter((_, i) => touching.on[frame * touching.nodes.length + i]) : [];
     put(contact, place.map((coordinate) => Array.from(on, (node) => coordinate[node])));
     put(ribbon, place.map((coordinate) => (marks ? segments(marks.edges, coordinate) : [])));
-    Object.assign(ribbon.line, { color: marks ? segments(marks.edges, values).map((value) => value ?? 0) : [], cmin: body.cmin,
-      cmax: far, colorscale: body.colorscale });
+    Object.assign(ribbon.line, colour, { color: marks ? segments(marks.edges, values).map((value) => value ?? 0) : [] });
     put(arrows, marks ? marks.arrows(frame, place) : [[], [], []]);
     obstacles.forEach((obstacle) => obstacle.place(frame));
   };

@@ -32,20 +32,21 @@ class Drawing:
     cut: Cut | None
 
 
-def motion(run: RunFolder, times: np.ndarray | None = None) -> dict:
+def motion(run: RunFolder, times: np.ndarray | None = None, enlarged: float | None = None) -> dict:
     """What report_motion.js draws: positions in m, fields frame by frame, both as whole numbers times a scale.
 
-    At the stored times nearest to those given, else at as many stored ones as a page can hold.
+    At the stored times nearest to those given, else at as many stored ones as a page can hold; displacements so many times
+    as large, else such that they are seen.
     """
     series = run.field("state.xdmf", "displacement")
-    peak = run.peak_time if run.touches else 0.0
+    peak = run.peak_time
     drawing = drawing_of(run, series.mesh, peak)
     mesh, nodes = drawing.mesh, drawing.nodes
     fields = stored_fields(run)
     if times is None:
-        times = series.times[frames(series.times, len(nodes) * (run.dim + len(fields)), peak)]
+        times = series.times[frames(series.times, len(nodes) * (run.dim + len(fields)), peak or 0.0)]
     displacement = np.stack([series.at(nearest(series.times, time))[nodes] for time in times])
-    enlarged = enlargement(np.linalg.norm(displacement, axis=2).max(), mesh.size)
+    enlarged = enlarged or enlargement(np.linalg.norm(displacement, axis=2).max(), mesh.size)
     position = mesh.points + enlarged * displacement
     notes = [scale_note(enlarged), count_note(len(times), len(series.times))]
     obstacles, box = seen_obstacles(run, mesh, times, position, enlarged, notes)
@@ -53,7 +54,7 @@ def motion(run: RunFolder, times: np.ndarray | None = None) -> dict:
     return {
         "dim": run.dim,
         "times": (times * factor).tolist(),
-        "start": nearest(times, peak),
+        "start": nearest(times, peak or 0.0),
         "unit": unit,
         "note": "; ".join(notes) + ("; lengths in m; drag to turn." if run.dim == 3 else "."),
         "faces": packed(mesh.cells.T, "i4"),
@@ -65,12 +66,11 @@ def motion(run: RunFolder, times: np.ndarray | None = None) -> dict:
         "touching": touching(run, mesh, times),
         "cut": None if drawing.cut is None else packed_cut(drawing.cut),
         "eye": eye(run, mesh),
-        "size": mesh.size,
         "box": box.tolist(),
     }
 
 
-def drawing_of(run: RunFolder, mesh: Mesh, peak: float) -> Drawing:
+def drawing_of(run: RunFolder, mesh: Mesh, peak: float | None) -> Drawing:
     """Of a plane body everything, of one in space its surface and the nodes about a cut."""
     faces = mesh.cells if run.dim == 2 else mesh.surface()[0]
     cut = None if run.dim == 2 else cut_open(mesh, faces, cut_point(run, peak), eye(run, mesh))
@@ -80,12 +80,13 @@ def drawing_of(run: RunFolder, mesh: Mesh, peak: float) -> Drawing:
     own = np.zeros(len(mesh.points), int)
     own[nodes] = np.arange(len(nodes))
     small = Mesh(mesh.points[nodes], own[faces])
-    return Drawing(nodes, small, small.outline() if run.dim == 2 else np.empty((0, 2)), None if cut is None else cut.renumbered(own, len(nodes)))
+    edges = small.outline() if run.dim == 2 else np.empty((0, 2))
+    return Drawing(nodes, small, edges, None if cut is None else cut.renumbered(own, len(nodes)))
 
 
-def cut_point(run: RunFolder, peak: float) -> np.ndarray | None:
-    """The candidate that is pushed the most at a time (s)."""
-    if not run.touches or not run.has_contact_table:
+def cut_point(run: RunFolder, peak: float | None) -> np.ndarray | None:
+    """The candidate that is pushed the most at a time (s), where there is one."""
+    if peak is None or not run.has_contact_table:
         return None
     contact = run.contact
     return contact.points[np.argmax(contact.force[nearest(contact.times, peak)])]
@@ -152,7 +153,7 @@ def colouring(field: Field, times: np.ndarray, drawing: Drawing, size: float) ->
     values = np.stack([field.at(time)[drawing.nodes] for time in times])
     factor, unit = style.prefixed(values, field.unit) if field.prefixed else (1.0, field.unit)
     values = values * factor
-    found = {"name": field.name, "label": f"{field.name} ({unit})" if unit else field.name}
+    found = {"name": field.name, "label": f"{field.name} ({unit})" if unit else field.name, "factor": factor}
     found |= rounded(values, "i2" if values.min() < 0 else "u2")
     if field.support is not None:
         found |= boundary_field(field, times, drawing, size)

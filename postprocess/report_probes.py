@@ -1,5 +1,7 @@
 """The part of a run's page about what the scene follows over time: a chart for each probe of probes.csv."""
 
+import numpy as np
+
 import style
 from files import NotInRun
 from report_parts import Chart, figure, line, time_axis
@@ -30,12 +32,16 @@ def stem(quantity: str) -> str:
     return quantity[:-2] if quantity[-2:] in ("_x", "_y", "_z") else quantity
 
 
+def unit_of(run: RunFolder, quantity: str) -> str:
+    """SI, nothing for a quantity that is not known here."""
+    return UNITS.get(quantity) or (style.per_depth(PER_DEPTH[quantity], run.dim) if quantity in PER_DEPTH else "")
+
+
 def view(run: RunFolder, name: str, columns: list[str]) -> dict:
     """The components of a quantity."""
-    unit = UNITS.get(name) or (style.per_depth(PER_DEPTH[name], run.dim) if name in PER_DEPTH else "")
+    unit = unit_of(run, name)
     values = [run.probes[column] for column in columns]
-    # A prefix would stand before kg.
-    factor, unit = style.prefixed(max(values, key=lambda part: abs(part).max()), unit) if unit and "kg" not in unit else (1.0, unit)
+    factor, unit = style.prefixed(np.concatenate(values), unit) if unit else (1.0, "")
     times, title = time_axis(run.probes["time"])
     curves = [line(column.rsplit("_", 1)[-1] if len(columns) > 1 else name, times, part * factor, *look)
               for column, part, look in zip(columns, values, LOOKS)]  # fmt: skip

@@ -18,7 +18,8 @@ FROM_ZERO = {"rangemode": "tozero"}
 def page(run: RunFolder) -> Page:
     """Raises NotInRun where there is no run.json, Unreadable where a file is damaged."""
     gather = Gathering(run.path)
-    return run.told(lambda: Page(str(run.manifest["scene"]), run.verb, run.identity, facts(run), sections_of(run, gather), gather.left_out()))
+    return run.told(lambda: Page(str(run.manifest["scene"]), run.verb, run.identity, facts(run), sections_of(run, gather),
+                                 gather.left_out()))  # fmt: skip
 
 
 def sections_of(run: RunFolder, gather: Gathering) -> list[Section]:
@@ -32,11 +33,12 @@ def sections_of(run: RunFolder, gather: Gathering) -> list[Section]:
     convergence = [*gather("objective", objective, run), *gather("gradient norm", gradient_norm, run),
                    *gather("distance to the reference control", distance, run),
                    *gather("distance to the desired state", tracking_error, run)]  # fmt: skip
+    tables = [*energy_account(run), *gather("worst residuals", invariants, run)]
     return [
         Section("motion", "The body in motion", motions=motion),
         Section("contact", "Contact", contact, impact(run)),
         Section("control", "Control", [*control, *report_control.boundary(run)]),
-        Section("energy", "Energy and what each step keeps", energy, [*energy_account(run), *gather("worst residuals", invariants, run)]),
+        Section("energy", "Energy and what each step keeps", energy, tables),
         Section("probes", "Probes", report_probes.charts(run)),
         Section("convergence", "Convergence", convergence),
         Section("time", "Where the time went", gather("times", timings, run)),
@@ -119,7 +121,8 @@ def energies(run: RunFolder) -> Chart:
 def drives(run: RunFolder) -> bool:
     """Whether what the run wrote tells the work of a control or of clamps that move from that of loads."""
     effects = run.manifest["effects"]
-    return (effects["control"] or effects["moving clamp"]) and ("load_work" in run.steps or not (effects["body load"] or effects["traction"]))
+    loads = any(effects.get(name) for name in ("body load", "gravity", "traction"))
+    return (effects["control"] or effects["moving clamp"]) and ("load_work" in run.steps or not loads)
 
 
 def residuals(run: RunFolder) -> Chart:

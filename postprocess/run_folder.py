@@ -57,7 +57,8 @@ class Contact:
 
 @dataclass(frozen=True)
 class ObstacleSteps:
-    """What an obstacle does at every time step: the moduli of its nodal forces in sum (N, in the plane N/m), candidates in contact."""
+    """What an obstacle does at every time step: the moduli of its nodal forces in sum (N, in the plane N/m), and how many
+    candidates are in contact."""
 
     name: str
     normal_force: np.ndarray
@@ -151,7 +152,8 @@ class RunFolder:
         rows = [table["obstacle"] == number for number in numbers]
         if any(own.sum() != self.steps_done + 1 for own in rows) or len(rows) != len(self.obstacle_names):
             raise Unreadable(f"{self.path / 'obstacles.csv'}: it has not one row for each step and obstacle")
-        return [ObstacleSteps(name, table["normal_force"][own], table["active"][own]) for name, own in zip(self.obstacle_names, rows)]
+        force, active = table["normal_force"], table["active"]
+        return [ObstacleSteps(name, force[own], active[own]) for name, own in zip(self.obstacle_names, rows)]
 
     @cached_property
     def probes(self) -> Table:
@@ -216,8 +218,14 @@ class RunFolder:
         return np.column_stack([self.steps[f"contact_force_{axis}"] for axis in "xyz"[: self.dim]])
 
     @property
-    def peak_time(self) -> float:
-        """The time in the middle of the two steps with the largest contact force in the mean, s."""
+    def peak_time(self) -> float | None:
+        """The time between the two steps with the largest contact force in the mean, s; None without contact and where no table
+        tells."""
+        try:
+            if not self.touches:
+                return None
+        except NotInRun:
+            return None
         times, _, force = self._contact_history
         if len(times) < 3:
             return float(times[-1])

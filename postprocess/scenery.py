@@ -87,7 +87,7 @@ def over_frames(obstacle: Obstacle, times: np.ndarray, box: np.ndarray, size: fl
     if not shape.rigid:
         return Scenery(obstacle.name, [seen_of(shape, time, box, depth, True) for time in times], list(range(count)), still)
     travel = np.stack([shape.travel(time) for time in times])
-    # The one of the frame in which most of it is in the picture: whatever it is, that is where it is nearest to the middle.
+    # That of the frame in which the most of it is in the picture.
     main = middle_frame(shape, times, box)
     points, faces = seen_of(shape, times[main], box, depth, False)
     return Scenery(obstacle.name, [(points, faces)], [0] * count, travel - travel[main])
@@ -97,3 +97,25 @@ def middle_frame(shape: object, times: np.ndarray, box: np.ndarray) -> int:
     """The frame in which the obstacle is nearest to the middle of the box."""
     middle = box.mean(axis=0, keepdims=True)
     return int(np.argmin([abs(shape.height(middle, time)[0]) for time in times]))
+
+
+def main_normal(run: RunFolder) -> np.ndarray:
+    """The direction out of a plane; of another obstacle, or of several, the axis next to that where the body is pushed the most.
+    Raises NotInRun where no table tells."""
+    if (plane := run.half_space) is not None:
+        return plane.normal
+    way = directions(run)[run.contact.most_pushed]
+    axis = int(np.argmax(np.abs(way)))
+    return np.sign(way[axis]) * np.eye(len(way))[axis]
+
+
+def directions(run: RunFolder) -> np.ndarray:
+    """Directions in which obstacles push candidates (candidates × dim): those that the run wrote, else those at the start."""
+    contact = run.contact
+    if contact.normal is not None:
+        return contact.normal
+    found, size = np.zeros_like(contact.points), float(np.ptp(contact.points, axis=0).max())
+    for i, obstacle in enumerate(run.obstacles):
+        own = contact.obstacle == i
+        found[own] = normals(obstacle.shape, contact.points[own], 0.0, SPACING * size)
+    return found

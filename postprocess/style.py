@@ -76,9 +76,9 @@ def plan(low: np.ndarray, high: np.ndarray, names: tuple[str, str], dots_per_inc
 
 
 def prefixed(values: np.ndarray | float, unit: str) -> tuple[float, str]:
-    """Factor and prefixed unit that bring the largest of the values (in `unit`) between 1 and 1000."""
+    """Factor and prefixed unit that bring the largest of the values (in `unit`) between 1 and 1000; kg have a prefix already."""
     largest = float(np.max(np.abs(values)))
-    if largest == 0 or not np.isfinite(largest):
+    if largest == 0 or not np.isfinite(largest) or unit.startswith("kg"):
         return 1.0, unit
     # Half a unit in the last place printed, so that a value of 1 that was rounded down still is one.
     power = int(3 * np.floor(np.log10(largest * (1 + 1e-9)) / 3))

@@ -1,13 +1,17 @@
 """How a body gets onto paper: a plane one as it is, one in space as it is seen from the side.
 
-The side view looks along the obstacle's plane, which is then a line, as level as that allows: the vertical axis is z.
+The side view looks along the plane in which the obstacle touches the most, which is then a line, as level as that allows: the
+vertical axis is z.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from run_folder import HalfSpace, Mesh, RunFolder
+from files import NotInRun
+from mesh import Mesh
+from run_folder import RunFolder
+from scenery import main_normal
 
 
 @dataclass(frozen=True)
@@ -20,10 +24,6 @@ class View:
     def project(self, x: np.ndarray) -> np.ndarray:
         """Vectors (… × dim) in the picture's coordinates (… × 2)."""
         return x @ self.axes.T
-
-    def half_space(self, obstacle: HalfSpace) -> HalfSpace:
-        """The obstacle in the picture."""
-        return HalfSpace(self.project(obstacle.point), self.project(obstacle.normal))
 
     def seen(self, mesh: Mesh) -> tuple[Mesh, np.ndarray]:
         """The mesh on paper, in space those triangles of the surface that face the viewer, the farthest first; and the
@@ -42,13 +42,27 @@ class View:
         return Mesh(self.project(mesh.points), surface[facing][order]), cells[facing][order]
 
 
+def longer_side(run: RunFolder) -> np.ndarray:
+    """The x axis, or the y axis if the body is longer along it."""
+    for file, name in (("state.xdmf", "displacement"), ("control.xdmf", "control")):
+        try:
+            x, y, _ = np.ptp(run.field(file, name).mesh.points, axis=0)
+            return np.eye(3)[int(y > 1.1 * x)]
+        except NotInRun:
+            continue
+    return np.eye(3)[0]
+
+
 def view_of(run: RunFolder) -> View:
     """The view of a run's body."""
     if run.dim == 2:
         return View(np.eye(2), ("$x$", "$y$"))
     up = np.array([0.0, 0.0, 1.0])
-    horizontal = np.array([1.0, 0.0, 0.0])
-    tilt = run.obstacle.normal[:2] if run.has_contact else np.zeros(2)
+    horizontal = longer_side(run)
+    try:
+        tilt = main_normal(run)[:2] if run.has_contact else np.zeros(2)
+    except NotInRun:
+        tilt = np.zeros(2)
     if np.linalg.norm(tilt) > 1e-9:
         horizontal[:2] = tilt / np.linalg.norm(tilt)
         horizontal *= 1 if horizontal[np.argmax(abs(horizontal))] > 0 else -1

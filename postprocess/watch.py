@@ -11,8 +11,8 @@ from pathlib import Path
 
 import style
 from command_line import complain
+from files import Table, Unreadable, read_csv
 from matplotlib.figure import Figure
-from run_folder import Table, Unreadable, read_csv
 
 
 def draw(history: Table, path: Path) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import HALF_BALL, HALF_DISC, SOURCE, signorini  # noqa: E402
 
+import numpy as np  # noqa: E402
 from PIL import Image  # noqa: E402
 
 sys.path.insert(0, str(SOURCE / "postprocess"))
@@ -16,9 +17,58 @@ from run_folder import RunFolder  # noqa: E402
 from view import view_of  # noqa: E402
 
 SCRIPT = SOURCE / "postprocess" / "figures.py"
-OPTIMIZE = {"control_magnitude.png", "objective.png", "distance_to_reference.png", "tracking_error.png",
-            "contact_force.png", "contact_force_history.png", "energy.png", "animation.gif"}  # fmt: skip
-SIMULATE = {"contact_force.png", "contact_force_history.png", "energy.png", "animation.gif"}
+SIMULATE = {"contact_force.png", "contact_force_history.png", "contact_pressure.png", "energy.png", "animation.gif"}
+OPTIMIZE = SIMULATE | {"control_magnitude.png", "control_history.png", "objective.png", "distance_to_reference.png", "tracking_error.png"}
+# Jaws, one of which moves, a disc inside of which the body is and a wavy floor.
+OBSTACLES = """
+[mesh]
+file = "{data}/square.geo"
+size = 0.2
+
+[time]
+end = 0.3
+step = 0.01
+
+[material]
+density = 1.0
+young = 50.0
+poisson = 0.3
+viscosity = {{ bulk = 0.05, shear = 0.05 }}
+
+[[contact]]
+on = "left"
+obstacle = {{ shape = "half-space", point = ["-0.3 + 1.2*t", 0], normal = [1, 0] }}
+
+[[contact]]
+on = "rest"
+obstacle = {{ shape = "cylinder", point = [-0.3, 0.5], radius = 1.45, side = "inside" }}
+
+[[contact]]
+on = "bottom"
+obstacle = {{ shape = "signed-distance", distance = "y + 0.2 - 0.09*cos(3*(x - 0.5))" }}
+"""
+IN_SPACE = """
+[mesh]
+file = "{data}/cube.geo"
+size = 0.34
+
+[time]
+end = 0.4
+step = 0.02
+
+[material]
+density = 1.0
+young = 50.0
+poisson = 0.3
+viscosity = {{ bulk = 0.05, shear = 0.05 }}
+
+[contact]
+on = "bottom"
+obstacle = {{ shape = "ball", center = [0.5, 0.5, -0.62], radius = 0.6 }}
+
+[initial]
+velocity = ["0", "0", "-1"]
+"""
 
 
 def draw(out: Path) -> subprocess.CompletedProcess:
@@ -48,6 +98,30 @@ def cellwise(folder: Path) -> None:
         assert control_magnitude.control_unit(run) == unit, control_magnitude.control_unit(run)
 
 
+def pressed(out: Path, figures: set[str]) -> set[str]:
+    """Those figures, but for the one that wants pressures where contact.csv has none."""
+    return figures if "pressure" in (out / "contact.csv").read_text().split("\n", 1)[0] else figures - {"contact_pressure.png"}
+
+
+def every_obstacle(folder: Path) -> None:
+    """Several obstacles of all shapes are drawn, and the jaw comes nearer; in space a ball is."""
+    for name, text in (("several", OBSTACLES), ("ball", IN_SPACE)):
+        scene, out = folder / f"{name}.toml", folder / name
+        scene.write_text(text.format(data=SOURCE / "tests" / "data"))
+        signorini("simulate", scene, out)
+        found = drawn(out)
+        assert found == pressed(out, SIMULATE), f"{name}: missing {SIMULATE - found}, unexpected {found - SIMULATE}"
+        with Image.open(out / "figures" / "animation.gif") as film:
+            grey = []
+            for frame in (0, film.n_frames - 1):
+                film.seek(frame)
+                picture = np.asarray(film.convert("RGB")).astype(int)
+                plot = picture[60:-90, 90:-150]  # without axes and colours
+                grey.append(np.mean((np.ptp(plot, axis=2) < 8) & (abs(plot.mean(axis=2) - 216) < 12)))
+        assert grey[0] > 0.02, f"{name}: no obstacle is seen"
+        assert name == "ball" or grey[1] > grey[0] + 0.03, f"the jaw does not move: {grey}"
+
+
 def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -56,11 +130,12 @@ def main() -> int:
         signorini("optimize", HALF_BALL, folder / "b", mesh__size=3, time__step=2.5e-4, optimizer__max_iterations=3,
                   contact__obstacle__normal=[0.1, -0.12, 1], control__initial=["0", "0", "-0.9"])  # fmt: skip
         found = drawn(folder / "o")
-        assert found == OPTIMIZE, f"missing {OPTIMIZE - found}, unexpected {found - OPTIMIZE}"
+        optimize, simulate = pressed(folder / "o", OPTIMIZE), pressed(folder / "s", SIMULATE)
+        assert found == optimize, f"missing {optimize - found}, unexpected {found - optimize}"
         found = drawn(folder / "s")
-        assert found == SIMULATE, f"missing {SIMULATE - found}, unexpected {found - SIMULATE}"
+        assert found == simulate, f"missing {SIMULATE - found}, unexpected {found - SIMULATE}"
         found = drawn(folder / "b")
-        assert found == OPTIMIZE, f"in space: missing {OPTIMIZE - found}, unexpected {found - OPTIMIZE}"
+        assert found == optimize, f"in space: missing {OPTIMIZE - found}, unexpected {found - OPTIMIZE}"
         for file in sorted([*(folder / "o" / "figures").glob("*.png"), *(folder / "b" / "figures").glob("*.png")]):
             assert b"signorini report" in file.read_bytes()[:1000], "the next run would take it for the user's"
             with Image.open(file) as image:
@@ -70,17 +145,22 @@ def main() -> int:
         assert b"signorini report" in (folder / "o" / "figures" / "animation.gif").read_bytes()[:1000]
         with Image.open(folder / "o" / "figures" / "animation.gif") as image:
             assert image.n_frames >= 30
-        for tables, fields, expected in ((["contact"], ["displacement", "control"], {"control_magnitude.png", "contact_force.png", "animation.gif"}),
-                                         (["history"], ["control"], {"control_magnitude.png", "objective.png", "distance_to_reference.png"}),
+        for tables, fields, expected in ((["contact"], ["displacement", "control"],
+                                          {"control_magnitude.png", "control_history.png", "contact_force.png", "contact_pressure.png",
+                                           "animation.gif"}),
+                                         (["history"], ["control"],
+                                          {"control_magnitude.png", "control_history.png", "objective.png", "distance_to_reference.png"}),
                                          ([], [], set())):  # fmt: skip
             out = folder / "part"
             signorini("optimize", HALF_DISC, out, mesh__size=3, optimizer__max_iterations=1, output__tables=tables,
                       output__fields=fields, control__initial=["0", "-0.9"])  # fmt: skip
+            expected = pressed(out, expected) if "contact" in tables else expected
             done = draw(out)
             found = {Path(line).name for line in done.stdout.splitlines() if line.endswith((".png", ".gif"))}
             said = [line for line in done.stdout.splitlines() if line.startswith("no ")]
             assert done.returncode == 0 and found == expected, f"{tables}, {fields}: {found}\n{done.stdout}{done.stderr}"
             assert len(said) == len(OPTIMIZE - expected), done.stdout
+        every_obstacle(folder)
         cellwise(folder)
         assert "control_magnitude.png" in drawn(folder / "cells")
         wrong = draw(folder)

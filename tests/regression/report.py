@@ -9,116 +9,31 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_BALL, HALF_DISC, SIGNORINI, SOURCE, signorini  # noqa: E402
+from browser import BODY, Reader, browser, make, page_of  # noqa: E402
+from harness import HALF_BALL, HALF_DISC, SIGNORINI, SOURCE, signorini, table  # noqa: E402
 
 sys.path.insert(0, str(SOURCE / "postprocess"))
 from run_folder import RunFolder, Unreadable  # noqa: E402
 from study_folder import StudyFolder  # noqa: E402
 
-from selenium.webdriver import Chrome, ChromeOptions, Keys  # noqa: E402
-from selenium.webdriver.chrome.service import Service  # noqa: E402
-from selenium.webdriver.common.by import By  # noqa: E402
+from selenium.webdriver import Chrome, Keys  # noqa: E402
 from selenium.webdriver.support.select import Select  # noqa: E402
-from selenium.webdriver.support.wait import WebDriverWait  # noqa: E402
 
-SCRIPT = SOURCE / "postprocess" / "report.py"
 LARGEST = 8_000_000  # bytes, for the half disc as shipped: a page that can be mailed
-PATIENCE = 60  # s
-BODY = "document.getElementById('body-plot').data"
 MAP = "document.querySelector('#contact-surface-plot .hm image').href.baseVal"
-
-
-def make(folder: Path) -> subprocess.CompletedProcess:
-    return subprocess.run([sys.executable, str(SCRIPT), str(folder)], capture_output=True, text=True)
-
-
-def page_of(folder: Path) -> Path:
-    done = make(folder)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.strip() == str(folder / "report.html") and not done.stderr, done.stdout + done.stderr
-    return folder / "report.html"
-
-
-@contextmanager
-def browser(folder: Path) -> Iterator[Chrome]:
-    """A browser with an empty profile that writes down its complaints and what it asks of the network."""
-    options = ChromeOptions()
-    options.binary_location = shutil.which("chromium")
-    for flag in ("headless", "no-sandbox", "use-gl=angle", "use-angle=swiftshader", "enable-unsafe-swiftshader", "disable-quic",
-                 "no-first-run", "disable-background-networking", "disable-component-update", "disable-sync",
-                 "window-size=1280,900", f"user-data-dir={folder}"):  # fmt: skip
-        options.add_argument(f"--{flag}")
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    driver = Chrome(options=options, service=Service(shutil.which("chromedriver")))
-    try:
-        yield driver
-    finally:
-        driver.quit()
-
-
-class Reader:
-    """Opens a page and uses it. Fails where the page asks for another file or the browser reports an error."""
-
-    def __init__(self, driver: Chrome, page: Path, width: int, height: int) -> None:
-        self.driver = driver
-        driver.get("about:blank")
-        for log in ("browser", "performance"):
-            driver.get_log(log)
-        self.size(width, height)
-        driver.get(page.as_uri())
-        self.wait("'ready' in document.documentElement.dataset || !document.getElementById('trouble').hidden")
-        trouble = self.ask("document.getElementById('trouble').textContent")
-        assert not trouble, trouble
-        self.page = page
-
-    def size(self, width: int, height: int) -> None:
-        screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
-        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
-
-    def ask(self, expression: str) -> object:
-        return self.driver.execute_script(f"return {expression}")
-
-    def wait(self, expression: str) -> None:
-        WebDriverWait(self.driver, PATIENCE).until(lambda _: self.ask(expression), f"never true: {expression}")
-
-    def changed(self, expression: str, act: Callable[[], object]) -> None:
-        """Asserts that the action changes the expression's value."""
-        before = self.ask(f"JSON.stringify({expression})")
-        act()
-        WebDriverWait(self.driver, PATIENCE).until(lambda _: self.ask(f"JSON.stringify({expression})") != before,
-                                                   f"did not change: {expression}")  # fmt: skip
-
-    def find(self, selector: str) -> object:
-        return self.driver.find_element(By.CSS_SELECTOR, selector)
-
-    def select(self, selector: str, index: int) -> None:
-        Select(self.find(selector)).select_by_index(index)
-
-    def fits(self) -> None:
-        """Nothing makes the page wider than the screen."""
-        wide, screen = self.ask("document.documentElement.scrollWidth"), self.ask("document.documentElement.clientWidth")
-        assert wide <= screen, f"{self.page}: {wide} pixels wide on a screen of {screen}"
-
-    def close(self) -> None:
-        """Looks at what the browser wrote down."""
-        errors = [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
-        assert not errors, errors
-        events = [json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance")]
-        asked = {event["params"]["request"]["url"] for event in events if event["method"] == "Network.requestWillBeSent"}
-        assert {url for url in asked if not url.startswith(("data:", "blob:"))} == {self.page.as_uri()}, asked
 
 
 def read_run(driver: Chrome, page: Path) -> None:
     """What there is to do on a run's page."""
     reader = Reader(driver, page, 1280, 900)
+    opens_at_the_peak(reader)
     slider = reader.find("#frame")
     vertices = f"Array.from({BODY}[0].{'y' if 'half-disc' in page.read_text() else 'z'}).slice(0, 500)"
-    for key in (Keys.ARROW_RIGHT, Keys.END, Keys.PAGE_DOWN * 3 + Keys.ARROW_LEFT):
+    for key in (Keys.ARROW_RIGHT, Keys.HOME, Keys.END, Keys.PAGE_DOWN * 3 + Keys.ARROW_LEFT):
         reader.changed(vertices, lambda key=key: slider.send_keys(key))
     reader.changed(vertices, slider.click)  # in its middle
     frame = int(slider.get_attribute("value"))
@@ -138,6 +53,18 @@ def read_run(driver: Chrome, page: Path) -> None:
         reader.changed(MAP, lambda view=view: reader.select("#contact-surface-view", view))
     reader.close()
     narrow(driver, page)
+
+
+def opens_at_the_peak(reader: Reader) -> None:
+    """The first picture is that of the largest mean of two steps' contact forces."""
+    steps = table(reader.page.parent / "steps.csv")
+    force = max((steps[f"contact_force_{axis}"] for axis in "xyz" if f"contact_force_{axis}" in steps), key=lambda part: abs(part).max())
+    mean = abs(force[2:] + force[1:-1])
+    assert mean.max() > 0, "the body never touches"
+    time, unit = reader.ask("document.getElementById('now').textContent").removeprefix("t = ").split(" ")
+    shown = float(time) * {"s": 1, "ms": 1e-3}[unit]
+    # 4 digits are shown.
+    assert abs(shown - steps["time"][1 + mean.argmax()]) <= 5e-4 * shown, (shown, steps["time"][1 + mean.argmax()])
 
 
 def legend_of(reader: Reader, chart: str) -> None:

@@ -1,0 +1,43 @@
+"""Contact pressure over the position along the surface and time, averaged over two neighbouring steps where all are stored.
+
+In space over the distance from the node that is pushed the most. Bands without candidates are blank.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import style
+from arc import arc_of, merged
+from command_line import run_alone
+from files import NotInRun
+from report_contact import along_surface, around_contact, rows_of, touched
+from run_folder import RunFolder
+
+
+def draw(run: RunFolder) -> list[Path]:
+    """Draws the part of the surface that ever touches."""
+    run.require_contact()
+    contact = merged(run.contact)
+    if contact.pressure is None:
+        raise NotInRun("the run wrote no contact pressure")
+    place = along_surface(arc_of(contact)) if run.dim == 2 else around_contact(contact)
+    times, pressure = contact.times, contact.pressure[1:]
+    if run.scene["output"]["every"] == 1 and len(times) > 3:
+        # The mean of two steps is that about the time between them.
+        times, pressure = (times[1:] + times[:-1]) / 2, (pressure[1:] + pressure[:-1]) / 2
+    factor, unit = style.prefixed(pressure, "Pa")
+
+    figure, axes = style.graph()
+    edges = style.time_axis(axes, times)
+    shown = rows_of(place, pressure, "pressure") * factor
+    colours = axes.pcolormesh(edges, place.edges, np.ma.masked_invalid(shown), cmap=style.FIELD_COLOURS, vmin=0, rasterized=True)
+    axes.set_ylim(*touched(contact, place))
+    axes.set_ylabel(place.title.replace("<br>", "\n"))
+    figure.colorbar(colours, label=f"contact pressure ({unit})")
+    return [style.save(figure, run.path / "figures" / "contact_pressure.png")]
+
+
+if __name__ == "__main__":
+    sys.exit(run_alone(draw, __doc__))

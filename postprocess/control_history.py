@@ -1,0 +1,33 @@
+"""Resultant of the control over time, by its components."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import style
+from command_line import run_alone
+from report_control import resultant_of
+from run_folder import RunFolder
+
+LOOKS = [(style.BLUE, "-"), (style.VERMILLION, "--"), (style.GREEN, "-.")]
+
+
+def draw(run: RunFolder) -> list[Path]:
+    """Draws what the control amounts to in each step."""
+    control = run.field("control.xdmf", "control")
+    force = resultant_of(run, control)
+    factor, unit = style.prefixed(force, style.per_depth("N", run.dim))
+
+    figure, axes = style.graph()
+    starts = np.concatenate([[0.0], control.times])
+    times = style.time_axis(axes, starts)
+    for name, values, (colour, dash) in zip("xyz", force.T * factor, LOOKS):
+        axes.step(times, np.append(values[0], values), where="pre", color=colour, linestyle=dash, label=f"${name}$")
+    axes.set_ylabel(f"resultant of the control ({unit})")
+    style.legend_above(axes)
+    return [style.save(figure, run.path / "figures" / "control_history.png")]
+
+
+if __name__ == "__main__":
+    sys.exit(run_alone(draw, __doc__))

@@ -1,0 +1,302 @@
+"""The page of two runs side by side: what differs in their scenes and results, both bodies in motion, both curves in each chart."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+import report_motion
+import report_probes
+import style
+from animation import enlargement
+from files import NotInRun, Unreadable
+from report_contact import FROM_ZERO
+from report_control import resultant_of
+from report_fields import stored_fields
+from report_parts import Chart, Gathering, Page, Section, Table, figure, line, quantity
+from report_run import logarithmic, objective_unit, positive
+from run_folder import RunFolder, potential_of_loads
+
+ROUNDING = 1e-9  # a relative difference that tells nothing
+STEPWISE = "active", "control-resultant"  # a row holds for the step that ends there
+LOOKS = [(style.BLUE, "solid"), (style.VERMILLION, "dash")]
+Two = tuple[RunFolder, RunFolder]
+Curve = tuple[np.ndarray, np.ndarray]
+
+
+def page(runs: Two) -> Page:
+    """Raises NotInRun where there is no run.json, Unreadable where a file is damaged or one body is plane and the other is not."""
+    labels, gather = labels_of(*(run.path for run in runs)), Gathering(runs[1].path)
+    if runs[0].dim != runs[1].dim:
+        place = "the plane" if runs[1].dim == 2 else "space"
+        raise Unreadable(f"{runs[1].path}: found a body in {place}, allowed is one as in {runs[0].path}")
+    identity, title = "; ".join(f"{label}: {run.identity}" for label, run in zip(labels, runs)), " and ".join(labels)
+    return runs[0].told(lambda: Page(title, "two runs", identity, [], sections_of(runs, labels, gather), gather.left_out()))
+
+
+def sections_of(runs: Two, labels: list[str], gather: Gathering) -> list[Section]:
+    """All parts below the facts."""
+    both = gather("the bodies in motion", motions, runs)
+
+    def curves(name: str, title: str, what: str, views: Views) -> list[Chart]:
+        return gather(title[0].lower() + title[1:], over_time, runs, labels, name, title, what, views)
+
+    force = [*curves("contact-force", "Contact force, mean of two steps", "contact force", CONTACT),
+             *curves("active", "Candidates in contact", "candidates", ACTIVE)]  # fmt: skip
+    others = [*curves("energies", "Energies", "energy", ENERGIES), *curves("probes", "Probes", "", probes_of(runs))]
+    search = [*curves("control-resultant", "Resultant of the control", "force", control_of(runs)),
+              *gather("objective", over_iterations, runs, labels, "objective", "Objective"),
+              *gather("gradient norm", over_iterations, runs, labels, "gradient_norm", "Gradient norm")]  # fmt: skip
+    return [
+        Section("scenes", "What differs in the scenes", tables=[scene_differences(runs, labels)]),
+        Section("results", "Results", tables=[results(runs, labels)]),
+        Section("motion", "The bodies in motion", motions=both[0] if both else [], names=labels),
+        Section("contact", "Contact", force),
+        Section("energy", "Energies and probes", others),
+        Section("control", "Control and convergence", search),
+    ]
+
+
+def labels_of(*folders: Path) -> list[str]:
+    """The folders' names from where they differ."""
+    parts = [folder.resolve().parts for folder in folders]
+    same = next((i for i, pair in enumerate(zip(*parts)) if len(set(pair)) > 1), min(map(len, parts)) - 1)
+    return ["/".join(one[same:]) for one in parts]
+
+
+def scene_differences(runs: Two, labels: list[str]) -> Table:
+    """Keys that do not have the same value in both scenes."""
+    first, second = (dict(entries(run.scene)) for run in runs)
+    keys = [*first, *(key for key in second if key not in first)]
+    rows = [[key, first.get(key, "–"), second.get(key, "–")] for key in keys if first.get(key) != second.get(key)]
+    title = "Keys of scene.toml, every default written out" if rows else "The scenes are the same."
+    return Table(title, ["Key", *labels], rows or [["none", "", ""]])
+
+
+def entries(value: object, key: str = "") -> list[tuple[str, str]]:
+    """Keys and values of a table and the tables within."""
+    if isinstance(value, dict):
+        return [entry for name, part in value.items() for entry in entries(part, f"{key}.{name}" if key else name)]
+    if isinstance(value, list) and value and all(isinstance(part, dict) for part in value):
+        return [entry for i, part in enumerate(value) for entry in entries(part, f"{key}.{i}")]
+    return [(key, json.dumps(value, ensure_ascii=False))]
+
+
+def results(runs: Two, labels: list[str]) -> Table:
+    """What both runs, or one of them, tell in a number."""
+    rows = []
+    for name, (measure, unit) in MEASURES.items():
+        found = [measured(measure, run) for run in runs]
+        if found != [None, None]:
+            units = unit(runs[0])
+            rows.append([name, *("–" if value is None else shown(value, units) for value in found), *difference(found, units)])
+    return Table("Differences are those of the second run from the first", ["Quantity", *labels, "Difference", "Relative"], rows)
+
+
+def measured(measure: Callable[[RunFolder], float], run: RunFolder) -> float | None:
+    """Nothing where the run did not write it."""
+    try:
+        value = measure(run)
+    except (NotInRun, KeyError, TypeError):
+        return None
+    return None if value is None or not np.isfinite(value) else float(value)
+
+
+def shown(value: float, unit: str) -> str:
+    return quantity(value, unit) if unit and "⁴" not in unit and "⁵" not in unit else f"{value:.6g} {unit}".strip()
+
+
+def difference(found: list[float | None], unit: str) -> list[str]:
+    if None in found:
+        return ["–", "–"]
+    first, second = found
+    if abs(second - first) <= ROUNDING * max(abs(first), abs(second)):
+        return ["0", "0"]
+    return [shown(second - first, unit), f"{100 * (second - first) / abs(first):+.3g} %" if first else "–"]
+
+
+def mean_force(run: RunFolder) -> Curve:
+    """The mean of two steps, over the times between them."""
+    if not run.has_contact:
+        raise NotInRun("the scene has no contact")
+    force = run.normal_force
+    return run.steps["time"][1:-1], (force[2:] + force[1:-1]) / 2
+
+
+def touching(run: RunFolder) -> np.ndarray:
+    """Steps that end in contact."""
+    found = np.flatnonzero(run.steps["active"][1:] > 0)
+    if not len(found):
+        raise NotInRun("the body never touches the obstacle")
+    return found
+
+
+def pressure(run: RunFolder) -> np.ndarray:
+    if not run.has_contact or (found := run.contact.pressure) is None:
+        raise NotInRun("the run wrote no pressure")
+    return found
+
+
+def step(run: RunFolder) -> np.ndarray:
+    return np.diff(run.steps["time"])
+
+
+def fixed(unit: str) -> Callable[[RunFolder], str]:
+    return lambda run: unit
+
+
+def depth(unit: str) -> Callable[[RunFolder], str]:
+    return lambda run: style.per_depth(unit, run.dim)
+
+
+MEASURES: dict[str, tuple[Callable[[RunFolder], float], Callable[[RunFolder], str]]] = {
+    "Objective": (lambda run: run.manifest["objective"]["value"], objective_unit),
+    "Iterations": (lambda run: run.manifest["optimizer"]["iterations"], fixed("")),
+    "First contact, the start of its step": (lambda run: run.steps["time"][touching(run)[0]], fixed("s")),
+    "In contact for": (lambda run: step(run)[touching(run)].sum(), fixed("s")),
+    "Impulse of the contact forces": (lambda run: (run.normal_force[1:] * step(run)).sum(), depth("N s")),
+    "Largest contact force, mean of two steps": (lambda run: mean_force(run)[1].max(), depth("N")),
+    "Time of that": (lambda run: mean_force(run)[0][np.argmax(mean_force(run)[1])], fixed("s")),
+    "Largest pressure of a step": (lambda run: pressure(run).max(), fixed("Pa")),
+    "Restitution": (lambda run: run.manifest["impact"]["restitution"], fixed("")),
+    "Largest kinetic energy": (lambda run: run.steps["kinetic_energy"].max(), depth("J")),
+    "Largest elastic energy": (lambda run: run.steps["elastic_energy"].max(), depth("J")),
+    "Kinetic energy at the end": (lambda run: run.steps["kinetic_energy"][-1], depth("J")),
+    "Elastic energy at the end": (lambda run: run.steps["elastic_energy"][-1], depth("J")),
+    "Dissipated by viscosity": (lambda run: run.steps["viscous_dissipation"].sum(), depth("J")),
+    "Work of contact": (lambda run: run.steps["contact_work"].sum(), depth("J")),
+    "Unknowns": (lambda run: run.manifest["unknowns"], fixed("")),
+    "Steps": (lambda run: run.manifest["steps"]["done"], fixed("")),
+    "Peak memory": (lambda run: run.manifest["peak_memory_bytes"], fixed("B")),
+}  # fmt: skip
+
+
+def energy(name: str) -> Callable[[RunFolder], Curve]:
+    return lambda run: (run.steps["time"], run.steps[name])
+
+
+def sum_of_energies(run: RunFolder) -> Curve:
+    potential = potential_of_loads(run.steps)
+    return run.steps["time"], run.steps["kinetic_energy"] + run.steps["elastic_energy"] + (0 if potential is None else potential)
+
+
+def potential(run: RunFolder) -> Curve:
+    if (values := potential_of_loads(run.steps)) is None:
+        raise NotInRun("loads do no work")
+    return run.steps["time"], values
+
+
+Views = dict[str, tuple[Callable[[RunFolder], Curve], Callable[[RunFolder], str]]]
+CONTACT: Views = {"": (mean_force, depth("N"))}
+ACTIVE: Views = {"": (lambda run: (run.steps["time"], run.steps["active"]), fixed(""))}
+ENERGIES: Views = {
+    "kinetic + elastic + potential of the loads": (sum_of_energies, depth("J")),
+    "kinetic": (energy("kinetic_energy"), depth("J")),
+    "elastic": (energy("elastic_energy"), depth("J")),
+    "potential of the loads": (potential, depth("J")),
+    "dissipated so far": (lambda run: (run.steps["time"], np.cumsum(run.steps["viscous_dissipation"])), depth("J")),
+}
+
+
+def probes_of(runs: Two) -> Views:
+    """Columns that both runs' probes.csv have."""
+    try:
+        first, second = (run.probes for run in runs)
+    except NotInRun:
+        return {}
+    return {column: (lambda run, column=column: (run.probes["time"], run.probes[column]), probe_unit(column))
+            for column in first if column in second and column not in ("step", "time")}  # fmt: skip
+
+
+def probe_unit(column: str) -> Callable[[RunFolder], str]:
+    return lambda run: report_probes.unit_of(run, report_probes.stem(column.rsplit(".", 1)[-1]))
+
+
+def control_of(runs: Two) -> Views:
+    """A view for each component."""
+    def component(run: RunFolder, axis: int) -> Curve:
+        control = run.field("control.xdmf", "control")
+        return control.times, resultant_of(run, control)[:, axis]
+
+    return {name: (lambda run, axis=axis: component(run, axis), depth("N")) for axis, name in enumerate("xyz"[: runs[0].dim])}
+
+
+def over_time(runs: Two, labels: list[str], name: str, title: str, what: str, views: Views) -> Chart:
+    """A curve for each run that has one; `what` the curves show, or each view's name."""
+    drawn = {}
+    for view, (curve, unit_of) in views.items():
+        found = [(label, *values, *look) for label, run, look in zip(labels, runs, LOOKS) if (values := drawn_curve(curve, run))]
+        if not found:
+            continue
+        second, unit_of_time = style.prefixed(max(times[-1] for _, times, *_ in found), "s")
+        everything = np.concatenate([values for _, _, values, *_ in found])
+        factor, unit = style.prefixed(everything, unit_of(runs[0])) if unit_of(runs[0]) else (1.0, "")
+        curves = [line(label, times * second, values * factor, *look) for label, times, values, *look in found]
+        for trace in curves:
+            trace["line"]["shape"] = "vh" if name in STEPWISE else "linear"
+        axis = f"{what or view} ({unit})" if unit else what or view
+        drawn[view] = figure(curves, f"time ({unit_of_time})", axis, yaxis=FROM_ZERO if (everything >= 0).all() else {})
+    if not drawn:
+        raise NotInRun("neither run wrote it")
+    return Chart(name, title, drawn)
+
+
+def drawn_curve(curve: Callable[[RunFolder], Curve], run: RunFolder) -> Curve | None:
+    try:
+        return curve(run)
+    except NotInRun:
+        return None
+
+
+def over_iterations(runs: Two, labels: list[str], column: str, title: str) -> Chart:
+    """A column of history.csv of each run that has one."""
+    curves, shown_values = [], []
+    for label, run, look in zip(labels, runs, LOOKS):
+        try:
+            history = run.history
+        except NotInRun:
+            continue
+        if (history[column] > 0).any():
+            curves.append(line(label, history["iteration"], positive(history[column]), *look))
+            shown_values.append(history[column])
+    if not curves:
+        raise NotInRun("neither run is an optimization")
+    unit = f" ({objective_unit(runs[0])})" if column == "objective" else ""
+    view = figure(curves, "iteration", title.lower() + unit, yaxis=logarithmic(*shown_values))
+    return Chart.single(column.replace("_", "-"), title, view)
+
+
+def motions(runs: Two) -> list[dict]:
+    """Both bodies at the same times, with the same colours, enlargement and box."""
+    series = [run.field("state.xdmf", "displacement") for run in runs]
+    longest = max(series, key=lambda one: (one.times[-1], len(one.times)))
+    numbers = sum(len(one.mesh.boundary_nodes() if run.dim == 3 else one.mesh.points) * (run.dim + len(stored_fields(run)))
+                  for one, run in zip(series, runs))  # fmt: skip
+    times = longest.times[report_motion.frames(longest.times, numbers, runs[0].peak_time or 0.0)]
+    farthest = [max(np.linalg.norm(one.at(i), axis=1).max() for i in range(len(one.times))) for one in series]
+    enlarged = min(enlargement(far, one.mesh.size) for far, one in zip(farthest, series))
+    return alike([report_motion.motion(run, times, enlarged) for run in runs], times, series)
+
+
+def alike(found: list[dict], times: np.ndarray, series: list) -> list[dict]:
+    """Motions with the fields that both have, in the same units."""
+    first, second = found
+    names = [field["name"] for field in first["fields"] if field["name"] in {other["name"] for other in second["fields"]}]
+    for one in found:
+        one["fields"] = [next(field for field in one["fields"] if field["name"] == name) for name in names]
+    for pair in zip(first["fields"], second["fields"]):
+        least = min(pair, key=lambda field: field["factor"])
+        label, factor = least["label"], least["factor"]
+        for field in pair:
+            ratio = factor / field["factor"]
+            field.update(label=label, factor=factor, **{key: field[key] * ratio for key in ("scale", "least", "largest")})
+        extremes = min(field["least"] for field in pair), max(field["largest"] for field in pair)
+        for field in pair:
+            field.update(least=extremes[0], largest=extremes[1])
+    boxes = np.array([one["box"] for one in found])
+    for one, own in zip(found, series):
+        one.update(box=[boxes[:, 0].min(axis=0).tolist(), boxes[:, 1].max(axis=0).tolist()], eye=first["eye"], start=first["start"])
+        if own.times[-1] < times[-1] * (1 - 1e-9):
+            one["note"] += f" It ends at {quantity(own.times[-1], 's')} and stays as it is then."
+    return found

@@ -1,0 +1,258 @@
+"""What figures and pages draw of obstacles and controls is what the program computed with: gaps, surfaces, cuts, resultants."""
+
+import math
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from harness import SOURCE, signorini, stored, table  # noqa: E402
+
+sys.path.insert(0, str(SOURCE / "postprocess"))
+import numpy as np  # noqa: E402
+
+from arc import arc_of, merged  # noqa: E402
+from expressions import Expression, TimeSeries  # noqa: E402
+from files import NotInRun, Table, Unreadable  # noqa: E402
+from mesh import Mesh  # noqa: E402
+from obstacles import LevelSet, Obstacle, Round, course, read_obstacles  # noqa: E402
+from report_control import resultant_of  # noqa: E402
+from report_cut import cut_open  # noqa: E402
+from run_folder import Contact, RunFolder, potential_of_loads  # noqa: E402
+from scenery import drawn_obstacles, over_frames  # noqa: E402
+from surfaces import between, seen_of  # noqa: E402
+
+DATA = SOURCE / "tests" / "data"
+SQUARE = """
+[mesh]
+file = "{data}/square.geo"
+size = 0.2
+
+[time]
+end = 0.2
+step = 0.02
+
+[material]
+density = 1.0
+young = 50.0
+poisson = 0.3
+viscosity = {{ bulk = 0.05, shear = 0.05 }}
+"""
+SHAPES = """
+[[contact]]
+on = "left"
+obstacle = { shape = "half-space", point = ["-0.05 + t", 0.5], normal = [2, 0.1] }
+
+[[contact]]
+on = "bottom"
+obstacle = { shape = "ball", center = [0.4, -1], radius = 0.9 }
+
+[[contact]]
+on = "top"
+obstacle = { shape = "cylinder", point = [0.5, 0.4], radius = 1.1, side = "inside" }
+
+[[contact]]
+on = "bottom"
+obstacle = { shape = "signed-distance", distance = "2*y + 0.3 - 0.1*cos(3*x)^2" }
+"""
+IN_SPACE = """
+[[contact]]
+on = "bottom"
+obstacle = { shape = "ball", center = [0.4, 0.4, -1], radius = 0.9 }
+
+[[contact]]
+on = "top"
+obstacle = { shape = "cylinder", point = [0.5, 0, 2], axis = [1, 1, 0.5], radius = 0.2 }
+
+[[contact]]
+on = "left"
+obstacle = { shape = "signed-distance", distance = "x > -5 ? exp(x + 0.4) - 1 + 0.05*sin(y*z) : -1" }
+"""
+
+
+def run_of(folder: Path, name: str, text: str, verb: str = "simulate", **overrides: object) -> RunFolder:
+    scene = folder / f"{name}.toml"
+    scene.write_text(text)
+    signorini(verb, scene, folder / name, **overrides)
+    return RunFolder(folder / name)
+
+
+def gaps_are_heights(folder: Path) -> None:
+    """A gap is the height of the undeformed node above the obstacle; of a moving plane at any time that of the moved node."""
+    square = SQUARE.format(data=DATA)
+    for run in (run_of(folder, "plane", square + SHAPES), run_of(folder, "space", square.replace("square.geo", "cube.geo") + IN_SPACE, mesh__size=0.34)):
+        contact = run.contact
+        assert len(run.obstacles) == len(set(contact.obstacle)) >= 3
+        for i, obstacle in enumerate(run.obstacles):
+            own = contact.of(i)
+            height = obstacle.shape.height(own.points, 0.0)
+            assert np.ptp(height) > 1e-3, f"{obstacle.name} is as far from every node"
+            # A level set's tangent planes come from differences of another order in the program.
+            tolerance = 1e-7 if isinstance(obstacle.shape, LevelSet) else 1e-13
+            assert np.abs(height - own.gap[0]).max() < tolerance, f"{obstacle.name}: {np.abs(height - own.gap[0]).max()}"
+    run = RunFolder(folder / "plane")
+    series, own, jaw = run.field("state.xdmf", "displacement"), run.contact.of(0), run.obstacles[0].shape
+    assert jaw.moves and (own.force > 0).any() and len(own.times) == len(series.times)
+    nodes = [int(np.abs(series.mesh.points - point).max(axis=1).argmin()) for point in own.points]
+    enlarged = 7.0
+    drawn = drawn_obstacles(run, series.mesh, enlarged)[0].shape
+    touching = own.force.any(axis=0)
+    closest = int(np.flatnonzero(touching)[np.argmin(jaw.height(own.points[touching], 0.0))])
+    for k, time in enumerate(own.times):
+        moved = series.at(k)[nodes]
+        assert np.abs(jaw.height(own.points + moved, time) - own.gap[k]).max() < 1e-13
+        # Drawn enlarged, the nearest node has so many times the gap.
+        seen = drawn.height((own.points + enlarged * moved)[[closest]], time)[0]
+        assert abs(seen - enlarged * own.gap[k, closest]) < 1e-12, (seen, own.gap[k, closest])
+
+
+def surfaces_are_where_heights_vanish() -> None:
+    """A ball's surface is closed, turned outwards, and its area comes with the order 2; a band's rim is the circle."""
+    middle, errors = np.array([0.1, 0.2, 0.3]), []
+    for changes in (True, False):  # 16 and 40 cells along the box
+        box = middle + np.array([[-2.0], [2.0]])
+        points, faces = seen_of(Round(course(middle.tolist()), course(0.5), 1), 0.0, box, 0.1, changes)
+        corners = points[faces]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        assert (np.einsum("ij,ij->i", normal, corners.mean(axis=1) - middle) > -1e-12).all()
+        edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all(), "the surface has a rim"
+        errors.append(abs(np.linalg.norm(normal, axis=1).sum() / 2 / math.pi - 1))
+    order = math.log(errors[0] / errors[1]) / math.log(40 / 16)
+    assert 1.7 < order < 2.4, f"areas are off by {errors}, order {order}"
+    disc = Round(course([0.1, 0.2]), course("0.5 + t"), -1)
+    rim, _ = seen_of(disc, 0.2, np.array([[-1.0, -1.0], [1.0, 1.0]]), 0.1, False)
+    reach = np.linalg.norm(rim - [0.1, 0.2], axis=1)
+    assert np.minimum(abs(reach - 0.7), abs(reach - 0.8)).max() < 1e-3 and {0.7, 0.8} == set(reach.round(2))
+    # What moves rigidly is one shape that is moved.
+    flying = Round(course(["-1 + 2*t", 0, 0]), course(0.3), 1)
+    times = np.linspace(0, 1, 5)
+    seen = over_frames(Obstacle("ball", flying), times, np.array([[-0.5] * 3, [0.5] * 3]), 1.0)
+    assert len(seen.shapes) == 1
+    for frame, time in enumerate(times):
+        at = seen.shapes[0][0] + seen.offset[frame]
+        assert np.abs(flying.height(at, time)).max() < 0.01, time
+
+
+def half_a_body_is_left(folder: Path) -> None:
+    """Shell and section of a cut body are closed and hold the volume beyond the plane."""
+    nodes, cells, _ = stored(folder / "space", "state", "displacement")
+    mesh = Mesh(nodes, cells)
+    faces, _ = mesh.surface()
+    for eye, point, part in (([0.9, -1.5, 0.5], None, 0.5), ([1.5, -0.9, 0.5], np.array([0.3, 0.0, 0.0]), 0.3)):
+        cut = cut_open(mesh, faces, point, eye)
+        points = np.concatenate([nodes, between(cut.pairs, cut.weight, nodes)])
+        a, b, c = np.moveaxis(points[cut.faces], 1, 0)
+        volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
+        assert abs(volume - part) < 1e-12, volume
+        section = cut.faces >= len(nodes) + len(cut.pairs) // 2
+        a, b, c = np.moveaxis(points[cut.faces[section.all(axis=1)]], 1, 0)
+        assert abs(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 - 1) < 1e-12, "the section of a unit cube"
+        assert cut.pairs.max() < len(nodes) <= cut.faces.max()
+
+
+def places_without_candidates_have_rows_of_their_own(folder: Path) -> None:
+    """Two sides of a square: a row for each node, and one between them that no node has. A ring is opened opposite the contact."""
+    text = SQUARE.format(data=DATA) + "".join(
+        f'[[contact]]\non = "{side}"\nobstacle = {{ shape = "half-space", point = [0, {at}], normal = [0, {way}] }}\n'
+        for side, at, way in (("bottom", -0.01, 1), ("top", 1.01, -1)))
+    run = run_of(folder, "sides", text, initial__velocity=["0", "-1"])
+    contact = merged(run.contact)
+    arc = arc_of(contact)
+    rows, edges = arc.rows(), arc.edges()
+    assert len(set(rows)) == len(contact.points) and len(edges) == len(contact.points) + 2, (len(edges), len(contact.points))
+    empty = set(range(len(edges) - 1)) - set(rows)
+    assert len(empty) == 1 and len(set(arc.part)) == 2 and (np.diff(edges) > 0).all()
+    low = {row for row, point in zip(rows, contact.points) if point[1] < 0.5}
+    assert max(low) < min(empty) < min(set(rows) - low) or min(low) > max(empty) > max(set(rows) - low)
+    for row, point in zip(rows, contact.points):
+        place = arc.position[list(arc.order).index(list(rows).index(row))]
+        assert edges[row] < place < edges[row + 1], point
+    angle = np.linspace(0, 2 * math.pi, 41)[:-1]
+    ring, force = np.column_stack([np.cos(angle), np.sin(angle)]), np.zeros((1, 40))
+    force[0, 30] = 1  # at the bottom
+    arc = arc_of(Contact(np.zeros(1), ring, np.zeros(40, int), np.ones((1, 40)), force))
+    assert arc.order[len(arc.order) // 2] == 30 and not arc.part.any()
+
+
+def controls_add_up(folder: Path) -> None:
+    """A control of one pushes with its scale times the area or the length, in each space of controls."""
+    base = SQUARE.format(data=DATA) + '[[clamp]]\non = "left"\n[control]\nscale = 3.0\ninitial = ["0", "-2"]\n'
+    base += '[objective]\ndesired = { displacement = ["0", "0"] }\n'
+    for name, more in (("body", {}), ("cells", {"control__space": "P0"}), ("top", {"control__on": "top"}),
+                       ("top-cells", {"control__on": "top", "control__space": "P0"})):  # fmt: skip
+        run = run_of(folder, name, base, "optimize", optimizer__max_iterations=0, **more)
+        force = resultant_of(run, run.field("control.xdmf", "control"))
+        assert len(force) == 10 and np.abs(force - [0.0, -6.0]).max() < 1e-12, f"{name}: {force[0]}"
+
+
+def expressions_are_the_programs(folder: Path) -> None:
+    """muParser's grammar, and time series; what cannot be evaluated is said in one sentence."""
+    x = np.array([[0.5, 2.0], [1.0, -1.0]])
+    assert np.allclose(Expression("x > 0.7 && y < 0 ? -2^2 : min(x, y)*pi + e*t")(x, 2.0), [0.5 * math.pi + 2 * math.e, -4])
+    assert Expression("exp(2*t)").moves and not Expression("exp(2)*tan(x)").moves
+    try:
+        Expression("sin(x")(x, 0.0)
+        raise AssertionError("half an expression was evaluated")
+    except Unreadable as problem:
+        assert "sin(x" in str(problem) and "\n" not in str(problem)
+    file = folder / "series.csv"
+    file.write_text("# recorded\nheight;t\n1;0\n3;1\n0;2\n")
+    series = TimeSeries(file, "height")
+    assert [series(t) for t in (-1, 0.5, 1, 1.5, 9)] == [1, 2, 3, 1.5, 0]
+    try:
+        TimeSeries(folder / "none.csv", "height")
+        raise AssertionError("a file that is not there was read")
+    except NotInRun:
+        pass
+    try:
+        read_obstacles({"contact": {"obstacle": {"shape": "torus"}}}, 1.0)
+        raise AssertionError("a torus was drawn")
+    except NotInRun as reason:
+        assert "torus" in str(reason)
+
+
+def a_held_body_that_is_moved(folder: Path) -> None:
+    """The echoed scene of a moving clamp has no initial displacement, which all scripts can do without."""
+    for space, mesh in ((2, "square.geo"), (3, "cube.geo")):
+        text = SQUARE.format(data=DATA).replace("square.geo", mesh)
+        way = ", ".join(['"0"'] * (space - 1))
+        text += f'[[clamp]]\non = "left"\nvalue = [{way}, "-0.2*t"]\n[contact]\non = "bottom"\n'
+        point, normal = [0] * (space - 1) + [-0.01], [0] * (space - 1) + [1]
+        text += f'obstacle = {{ shape = "half-space", point = {point}, normal = {normal} }}\n'
+        run = run_of(folder, f"held-{space}", text, mesh__size=0.34)
+        assert "displacement" not in run.scene.get("initial", {}) and run.dim == space and run.touches
+        for script in ("report.py", "figures.py"):
+            done = subprocess.run([sys.executable, SOURCE / "postprocess" / script, run.path], capture_output=True, text=True)
+            assert done.returncode == 0 and not done.stderr, done.stderr
+
+
+def loads_have_a_potential(folder: Path) -> None:
+    """In free fall kinetic energy and potential add up to what they were."""
+    run = run_of(folder, "fall", SQUARE.format(data=DATA) + '[load]\nbody = ["0.5", "-3"]\n')
+    steps = table(run.path / "steps.csv")
+    fall = Table(run.path, {**steps, "load_work": steps["external_work"]}.items())
+    potential = potential_of_loads(fall)
+    energy = steps["kinetic_energy"] + steps["elastic_energy"] + np.cumsum(steps["viscous_dissipation"])
+    assert potential[0] > 0.05 and potential.min() == 0 and np.ptp(potential + energy) < 1e-12 * potential[0]
+    assert potential_of_loads(Table(run.path, {"external_work": energy}.items())) is None
+
+
+def main() -> int:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        gaps_are_heights(folder)
+        surfaces_are_where_heights_vanish()
+        half_a_body_is_left(folder)
+        places_without_candidates_have_rows_of_their_own(folder)
+        controls_add_up(folder)
+        expressions_are_the_programs(folder)
+        a_held_body_that_is_moved(folder)
+        loads_have_a_potential(folder)
+        print("obstacles, surfaces, cuts, places, controls, expressions, moving clamps and potentials hold")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
