@@ -18,7 +18,7 @@ E, NU, RHO, KAPPA, ETA = 3.0, 0.3, 1.0, 0.2, 0.3
 LAMBDA, MU = E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU))
 ALONG, ACROSS = (LAMBDA + 2 * MU, KAPPA + 4 * ETA / 3), (LAMBDA, KAPPA - 2 * ETA / 3)  # elastic, viscous
 END = 0.8  # s, a fifth of a period
-MESHES = {2: ("parts.geo", {1: 0.1, 2: 0.4}), 3: ("parts-space.geo", {1: 0.2, 2: 0.5})}  # coarser size by degree
+MESHES = {2: ("parts.geo", {1: 0.05, 2: 0.4}), 3: ("parts-space.geo", {1: 0.15, 2: 0.36})}  # coarser size by degree
 
 SCENE = """
 [mesh]
