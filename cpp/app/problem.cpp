@@ -151,8 +151,7 @@ Displacements desired_states(const Problem& problem, const control::ControlSpace
 /// the memory until it kills the program.
 void require_memory(const Problem& problem, const control::ControlSpace& controls, bool motion) {
   const bool kept = motion && problem.scene.trajectory.storage == scene::Storage::memory;
-  const double state = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
-  const double needed = controls.control_bytes() + (kept ? state * problem.steps() : 0),
+  const double needed = controls.control_bytes() + (kept ? state_stores(problem).bytes() : 0),
                room = machine_memory() * ranks(problem.space.comm());
   if (needed > room)
     throw UserError(fmt::format(

@@ -1,7 +1,12 @@
 #pragma once
 #include "base/error.h"
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <mpi.h>
 #include <numeric>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,26 +26,47 @@ inline int ranks(MPI_Comm comm) {
   return size;
 }
 
-/// Returns the text or numbers of rank `root` on every rank. Collective.
+/// Bytes that one message may have: MPI counts in int.
+constexpr std::size_t largest_message = std::numeric_limits<int>::max();
+
+/// Overwrites `bytes` (the same number on every rank) with those of rank `root`, in messages of at most
+/// `largest` bytes. Collective.
+inline void broadcast_bytes(MPI_Comm comm, std::span<std::byte> bytes, int root, std::size_t largest) {
+  for (; !bytes.empty(); bytes = bytes.subspan(std::min(bytes.size(), largest)))
+    MPI_Bcast(bytes.data(), static_cast<int>(std::min(bytes.size(), largest)), MPI_BYTE, root, comm);
+}
+
+/// Returns the text or numbers of rank `root` on every rank, sent in messages of at most `largest` bytes.
+/// Collective.
 template <class Sequence>
-Sequence broadcast(MPI_Comm comm, Sequence values, int root = 0) {
-  auto size = static_cast<long>(values.size());
-  MPI_Bcast(&size, 1, MPI_LONG, root, comm);
+Sequence broadcast(MPI_Comm comm, Sequence values, int root = 0, std::size_t largest = largest_message) {
+  auto size = static_cast<std::uint64_t>(values.size());
+  MPI_Bcast(&size, 1, MPI_UINT64_T, root, comm);
   values.resize(static_cast<std::size_t>(size));
-  MPI_Bcast(values.data(), static_cast<int>(size * sizeof(typename Sequence::value_type)), MPI_BYTE, root,
-            comm);
+  broadcast_bytes(comm, std::as_writable_bytes(std::span(values)), root, largest);
   return values;
 }
 
-/// Returns the entries of all ranks, in the order of the ranks, on every rank. Collective.
+/// Returns the entries of all ranks, in the order of the ranks, on every rank: by one exchange, or if they
+/// have more than `largest` bytes together, from rank to rank in messages of at most that. Collective.
 template <class T>
-std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine) {
-  const int size = ranks(comm), bytes = static_cast<int>(mine.size() * sizeof(T));
-  std::vector<int> counts(static_cast<std::size_t>(size)), starts(static_cast<std::size_t>(size), 0);
-  MPI_Allgather(&bytes, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
-  std::partial_sum(counts.begin(), counts.end() - 1, starts.begin() + 1);
-  std::vector<T> all(static_cast<std::size_t>(starts.back() + counts.back()) / sizeof(T));
-  MPI_Allgatherv(mine.data(), bytes, MPI_BYTE, all.data(), counts.data(), starts.data(), MPI_BYTE, comm);
+std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine, std::size_t largest = largest_message) {
+  const auto number = static_cast<std::size_t>(ranks(comm));
+  const std::uint64_t own = mine.size() * sizeof(T);
+  std::vector<std::uint64_t> sizes(number), starts(number, 0);
+  MPI_Allgather(&own, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm);
+  std::partial_sum(sizes.begin(), sizes.end() - 1, starts.begin() + 1);
+  std::vector<T> all((starts.back() + sizes.back()) / sizeof(T));
+  const std::span<std::byte> bytes = std::as_writable_bytes(std::span(all));
+  if (bytes.size() <= largest) {
+    const std::vector<int> counts(sizes.begin(), sizes.end()), offsets(starts.begin(), starts.end());
+    MPI_Allgatherv(mine.data(), static_cast<int>(own), MPI_BYTE, all.data(), counts.data(), offsets.data(),
+                   MPI_BYTE, comm);
+    return all;
+  }
+  std::ranges::copy(mine, all.begin() + static_cast<std::ptrdiff_t>(starts[rank(comm)] / sizeof(T)));
+  for (std::size_t r = 0; r < number; ++r)
+    broadcast_bytes(comm, bytes.subspan(starts[r], sizes[r]), static_cast<int>(r), largest);
   return all;
 }
 

@@ -34,6 +34,11 @@ double Objective::squared_distance(int k, Vec y) const {
 
 double Objective::distance(int k, Vec y) const { return std::sqrt(squared_distance(k, y)); }
 
+double Objective::norm(Vec y) const {
+  check(MatMult(observed_, y, work_));
+  return std::sqrt(petsc::dot(y, work_));
+}
+
 void Objective::observe(int k, Vec y, std::vector<double>& squared_distances) const {
   squared_distances.resize(static_cast<std::size_t>(steps_) + 1);
   if (weight(k) != 0)

@@ -47,6 +47,9 @@ public:
   /// ‖y − y_d,k‖ in L2 of the set that is observed.
   [[nodiscard]] double distance(int k, Vec y) const;
 
+  /// ‖y‖ there.
+  [[nodiscard]] double norm(Vec y) const;
+
   /// y_d,k, valid until the next is asked for.
   [[nodiscard]] Vec desired(int k) const { return desired_->y(k); }
 

@@ -8,6 +8,7 @@
 #include <dolfinx/la/Vector.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <numbers>
+#include <span>
 
 namespace signorini::fem {
 
@@ -51,13 +52,42 @@ double volume_ratio(const Gradient& G) {
   return determinant([&](int i, int j) { return G[i][j] + (i == j); });
 }
 
-/// The largest over all ranks; of equal ones that at the least coordinates. Collective.
-void reduce(MPI_Comm comm, Largest& largest) {
-  const std::vector<std::array<double, 4>> all = gather(
-      comm,
-      std::vector<std::array<double, 4>>{{-largest.value, largest.at[0], largest.at[1], largest.at[2]}});
-  const std::array<double, 4> first = *std::ranges::min_element(all);
-  largest = {-first[0], {first[1], first[2], first[3]}};
+/// What is known of ∇y at one place.
+struct Sample {
+  Simplex::Point at;
+  double strain, rotation;
+};
+
+/// The largest of a quantity over all ranks. Collective.
+Largest largest(MPI_Comm comm, const std::vector<Sample>& samples, double Sample::* quantity) {
+  Largest found;
+  for (const Sample& sample : samples)
+    if (sample.*quantity > found.value) // false for NaN
+      found.value = sample.*quantity;
+  MPI_Allreduce(MPI_IN_PLACE, &found.value, 1, MPI_DOUBLE, MPI_MAX, comm);
+  std::vector<Simplex::Point> first;
+  for (const Sample& sample : samples)
+    if (sample.*quantity >= (1 - tie) * found.value && (first.empty() || sample.at < first.front()))
+      first = {sample.at};
+  first = gather(comm, first);
+  if (!first.empty())
+    found.at = *std::ranges::min_element(first);
+  return found;
+}
+
+/// The middle of a cell, to the last bit the same however its vertices are numbered.
+template <class Vertex>
+Simplex::Point middle(int dim, Vertex&& vertex) {
+  std::array<Simplex::Point, 4> corners{};
+  const std::span used = std::span(corners).first(static_cast<std::size_t>(dim) + 1);
+  for (int i = 0; i <= dim; ++i)
+    std::copy_n(vertex(i), 3, used[static_cast<std::size_t>(i)].begin());
+  std::ranges::sort(used);
+  Simplex::Point at{};
+  for (const Simplex::Point& corner : used)
+    for (std::size_t k = 0; k < 3; ++k)
+      at[k] += corner[k] / (dim + 1);
+  return at;
 }
 
 /// ∇y at vertex v of a cell: for degree 2 the basis is λ_i (2λ_i − 1) and 4 λ_a λ_b; `slope` are the
@@ -103,6 +133,7 @@ Deformation deformation(const Space& space, Vec y) {
   const auto geometry = mesh.geometry().dofmap();
   const std::span<const double> x = mesh.geometry().x();
   Deformation found;
+  std::vector<Sample> samples;
   for (std::int32_t cell : space.mesh().owned_cells()) {
     const auto vertex = [&](int i) {
       return &x[3 * static_cast<std::size_t>(
@@ -116,20 +147,16 @@ Deformation deformation(const Space& space, Vec y) {
     bool inverted = false;
     for (std::size_t v = 0; v < (space.degree() == 1 ? 1 : vertices); ++v) { // constant for degree 1
       const Gradient G = gradient(space, dofs, at_dofs, slope, edges, v);
-      const auto note = [&](Largest& largest, double value) {
-        if (value > largest.value)
-          largest = {value,
-                     {vertex(static_cast<int>(v))[0], vertex(static_cast<int>(v))[1],
-                      vertex(static_cast<int>(v))[2]}};
-      };
-      note(found.strain, principal_strain(G));
-      note(found.rotation, rotation(G));
+      const double* place = vertex(static_cast<int>(v));
+      samples.push_back(
+          {space.degree() == 1 ? middle(dim, vertex) : Simplex::Point{place[0], place[1], place[2]},
+           principal_strain(G), rotation(G)});
       inverted = inverted || !(volume_ratio(G) > 0);
     }
     found.inverted += inverted;
   }
-  reduce(space.comm(), found.strain);
-  reduce(space.comm(), found.rotation);
+  found.strain = largest(space.comm(), samples, &Sample::strain);
+  found.rotation = largest(space.comm(), samples, &Sample::rotation);
   MPI_Allreduce(MPI_IN_PLACE, &found.inverted, 1, MPI_INT64_T, MPI_SUM, space.comm());
   return found;
 }

@@ -5,10 +5,15 @@
 
 namespace signorini::fem {
 
-/// The largest value of a quantity over the cells' vertices, and where it is attained.
+/// Relative difference up to which values are equal where the place of the largest is told: far more than
+/// other sums and solves on another number of ranks make of it, and less than the digits of a message.
+inline constexpr double tie = 1e-6;
+
+/// The largest value of a quantity, and where it is attained: of places with equal values that of the least
+/// coordinates, x before y before z, so that no partition of the mesh changes it.
 struct Largest {
   double value = 0;
-  std::array<double, 3> at{}; ///< point of the undeformed body, m
+  std::array<double, 3> at{}; ///< point of the undeformed body, m: for degree 1 the middle of a cell
 };
 
 /// How much a displacement violates the assumption of small strain.

@@ -54,7 +54,7 @@ void Plausibility::look(Vec y, int k) {
   const double t = stepper_.grid().time(k);
   const fem::Deformation now = fem::deformation(stepper_.space(), y);
   const auto take = [t](Worst& worst, double value, const std::array<double, 3>& at) {
-    if (value > worst.value)
+    if (value > (1 + fem::tie) * worst.value) // of frames that are equal but for rounding, the first
       worst = {value, t, at};
   };
   take(strain_, now.strain.value, now.strain.at);

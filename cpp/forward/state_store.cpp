@@ -198,9 +198,10 @@ std::unique_ptr<StateStore> StateStoreFactory::place(TimeIntegrator& integrator,
   return std::make_unique<OnDisk>(stepper_, steps_, velocities, timers_);
 }
 
-double StateStoreFactory::bytes() const {
+double StateStoreFactory::bytes(bool velocities) const {
   return pool_ ? static_cast<double>(pool_->room) * State::bytes(stepper_)
-               : sizeof(PetscScalar) * static_cast<double>(stepper_.space().dofs()) * (steps_ + 1.0);
+               : (velocities ? 2 : 1) * sizeof(PetscScalar) * static_cast<double>(stepper_.space().dofs()) *
+                     (steps_ + 1.0);
 }
 
 } // namespace signorini::forward

@@ -38,9 +38,9 @@ public:
   [[nodiscard]] std::unique_ptr<StateStore> place(TimeIntegrator& integrator, bool velocities = false) const;
 
   [[nodiscard]] bool in_memory() const { return scene_.storage == scene::Storage::memory; }
-  /// Memory or disk space on all ranks, bytes: of one motion's displacements, or of all checkpoints.
-  /// Collective.
-  [[nodiscard]] double bytes() const;
+  /// Memory or disk space on all ranks, bytes: of one motion's store, with `velocities` as in place(), or of
+  /// all checkpoints, each of which has them. Collective.
+  [[nodiscard]] double bytes(bool velocities = false) const;
 
 private:
   struct Pool;

@@ -129,10 +129,10 @@ Key<Contact> obstacle() {
     to.obstacle = alternative(table.choice("shape", all_names<Shape>()), to.obstacle);
     std::visit([&](auto& one) { read_keys(table, one, scene); }, to.obstacle);
   };
-  key.line = [](const Contact& from) -> Written {
+  key.line = [](const Contact& from) {
     const auto shape = static_cast<Shape>(from.obstacle.index());
     const auto on_line = [&](const auto& one) { return on_one_line(one, "shape = " + written(name(shape))); };
-    return {std::visit(on_line, from.obstacle).text, "m"};
+    return std::visit(on_line, from.obstacle);
   };
   return key;
 }

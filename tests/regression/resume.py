@@ -1,7 +1,9 @@
 """A search that was stopped goes on to the last bit: after SIGINT, after kill -9 at random moments, with each method; on another
 number of ranks to rounding; and not from a damaged checkpoint or one of another problem.
 
-    resume.py SIGNORINI SOURCE [--kills N]
+    resume.py SIGNORINI SOURCE [--kills N | --ranks]
+
+--ranks: on other numbers of ranks, and what is refused there, alone.
 """
 
 import argparse
@@ -82,15 +84,15 @@ def kills(folder: Path, whole: list[str], seconds: float, count: int) -> None:
           "all with the results of a run in one piece")  # fmt: skip
 
 
-def methods(folder: Path, lbfgs: list[str]) -> None:
+def methods(folder: Path) -> None:
     """Stopped in smooth parts of the search and among kinks, where an iteration gathers many gradients."""
     gathered = np.diff(table(folder / "lbfgs" / "history.csv")["adjoint_sweeps"])  # by iterations 1, 2, …
     kink = int(np.argmax(gathered > 10)) + 1
     assert gathered[kink - 1] > 10 and gathered[:15].max() < 3, gathered
-    for method, most, steps in (("lbfgs", 80, (3, 15, kink)), ("newton-cg", 40, (2, 12)), ("projected-gradient", 30, (10,))):
+    for method, most, steps in (("lbfgs", 80, (15, kink)), ("newton-cg", 25, (2, 12)), ("projected-gradient", 20, (10,))):
         whole, choice = folder / method, {"optimizer__method": f'"{method}"'}
-        complete(whole, **choice, optimizer__max_iterations=str(most))
-        assert method != "lbfgs" or results(whole) == lbfgs
+        if method != "lbfgs":  # which is there already
+            complete(whole, **choice, optimizer__max_iterations=str(most))
         for step in steps:
             out = folder / f"{method}-{step}"
             complete(out, **choice, optimizer__max_iterations=str(step))
@@ -118,8 +120,8 @@ def interrupted(folder: Path, whole: list[str]) -> None:
 
 def ranks(folder: Path) -> None:
     """From one rank to two and back: J as that of the run in one piece, until kinks magnify the rounding."""
-    whole = folder / "lbfgs"
-    out = folder / "ranks"
+    whole, out = folder / "whole", folder / "ranks"
+    complete(whole, optimizer__max_iterations="20")
     complete(out, optimizer__max_iterations="8")
     complete(out, "--resume", optimizer__max_iterations="12", ranks=2)
     complete(out, "--resume", optimizer__max_iterations="16", ranks=3)
@@ -128,26 +130,33 @@ def ranks(folder: Path) -> None:
     difference = np.abs(here / there[: len(here)] - 1)
     assert len(here) == 21 and difference[:9].max() == 0
     assert difference.max() < 1e-9, difference
+    good = (out / "checkpoint.h5").read_bytes()
+    refuses_other_problems(out, 2)
+    (out / "checkpoint.h5").write_bytes(good[:-1])
+    refuses(out, "damaged", ranks=2)
     print(f"8 iterations on 1 rank, 4 on 2, 4 on 3, 4 on 1: J differs by {difference.max():.1e} at most")
+
+
+def refuses(out: Path, *texts: str, ranks: int = 1, scene: Path = HALF_DISC, **overrides: str) -> None:
+    done = run(out, "--resume", ranks=ranks, scene=scene, **overrides)
+    lines = done.stderr.split("\n---")[0].strip().splitlines()  # of several ranks mpirun says something too
+    assert done.returncode == 2 and len(lines) == 1, f"{done.returncode}: {done.stdout}{done.stderr}"
+    assert "checkpoint.h5" in lines[0] and all(text in lines[0] for text in texts), lines[0]
+    assert (out / "checkpoint.h5").exists()
+    print("  " + lines[0].replace(str(out), "…"))
+
+
+def refuses_other_problems(out: Path, ranks: int = 1) -> None:
+    refuses(out, "objective.alpha = 0.01", "objective.alpha = 0.1;", objective__alpha="0.1", ranks=ranks)
+    refuses(out, "mesh.size", mesh__size="1.5", ranks=ranks)
+    refuses(out, "optimizer.method", optimizer__method='"newton-cg"', ranks=ranks)
 
 
 def refused(folder: Path) -> None:
     out = folder / "refused"
     complete(out, optimizer__max_iterations="5")
     good = (out / "checkpoint.h5").read_bytes()
-
-    def refuses(*texts: str, ranks: int = 1, scene: Path = HALF_DISC, **overrides: str) -> None:
-        done = run(out, "--resume", ranks=ranks, scene=scene, **overrides)
-        lines = done.stderr.split("\n---")[0].strip().splitlines()  # of several ranks mpirun says something too
-        assert done.returncode == 2 and len(lines) == 1, f"{done.returncode}: {done.stdout}{done.stderr}"
-        assert "checkpoint.h5" in lines[0] and all(text in lines[0] for text in texts), lines[0]
-        assert (out / "checkpoint.h5").exists()
-        print("  " + lines[0].replace(str(out), "…"))
-
-    for count in (1, 2):
-        refuses("objective.alpha = 0.01", "objective.alpha = 0.1;", objective__alpha="0.1", ranks=count)
-        refuses("mesh.size", mesh__size="1.5", ranks=count)
-        refuses("optimizer.method", optimizer__method='"newton-cg"', ranks=count)
+    refuses_other_problems(out)
     # The same key names another mesh.
     other = folder / "other" / "scenes" / HALF_DISC.name
     other.parent.mkdir(parents=True)
@@ -155,13 +164,13 @@ def refused(folder: Path) -> None:
     shutil.copy(HALF_DISC, other)
     geo = folder / "other" / "meshes" / "half-disc.geo"
     geo.write_text(geo.read_text().replace("15", "15.001"))
-    refuses("allowed is", scene=other)
+    refuses(out, "allowed is", scene=other)
     # What is known of the solution does not pose another problem.
     assert "resumed after" in complete(out, "--resume", optimizer__max_iterations="5", exact__impulse="1.0")
     (out / "checkpoint.h5").write_bytes(good)
     for damaged in (good[: len(good) // 2], b"", b"x" * 1000, good[:-1]):
         (out / "checkpoint.h5").write_bytes(damaged)
-        refuses("damaged")
+        refuses(out, "damaged")
     refuses_or_is_whole(folder, out, good)
 
 
@@ -184,18 +193,21 @@ def refuses_or_is_whole(folder: Path, out: Path, good: bytes) -> None:
 
 def main() -> int:
     parser = argparse.ArgumentParser()
-    parser.add_argument("--kills", type=int, default=8)
+    parser.add_argument("--kills", type=int, default=6)
+    parser.add_argument("--ranks", action="store_true")
     options = parser.parse_args(sys.argv[3:])
     random.seed(1)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        if options.ranks:
+            ranks(folder)
+            return 0
         start = time.monotonic()
         complete(folder / "lbfgs")
         seconds, whole = time.monotonic() - start, results(folder / "lbfgs")
         options.kills and kills(folder, whole, seconds, options.kills)
-        methods(folder, whole)
+        methods(folder)
         interrupted(folder, whole)
-        ranks(folder)
         refused(folder)
     return 0
 

@@ -22,8 +22,9 @@ struct Body {
   mesh::Mesh mesh;
   fem::Space space;
 
-  explicit Body(const std::vector<std::string>& overrides, const std::string& file = "tests/data/block.toml")
-      : scene(test::parse(test::source(file), overrides)), mesh(MPI_COMM_WORLD, scene.mesh),
+  explicit Body(const std::vector<std::string>& overrides, const std::string& file = "tests/data/block.toml",
+                MPI_Comm comm = MPI_COMM_WORLD)
+      : scene(test::parse(test::source(file), overrides)), mesh(comm, scene.mesh),
         space(mesh, scene.mesh.degree) {}
 
   [[nodiscard]] fem::Deformation deformation(const scene::Components& y) const {
@@ -93,6 +94,31 @@ TEST_CASE("strain, rotation and turned elements of known motions", "[fem]") {
   const fem::Deformation quadratic = bent.deformation({"x^2", "0"});
   CHECK(std::abs(quadratic.strain.value - 2) < 1e-12); // at x = 1
   CHECK(std::abs(quadratic.strain.at[0] - 1) < 1e-12);
+}
+
+TEST_CASE("the place of the largest strain is that of the least coordinates, on any number of ranks",
+          "[fem]") {
+  struct Case {
+    const char* file;
+    scene::Components y; ///< of which the largest strain and rotation are attained at many places
+  };
+  for (const Case& c : {Case{"tests/data/block.toml", {"0.02*x - 0.01*y", "0.04*x"}},
+                        Case{"tests/data/block.toml", {"0.1*(x - 0.5)^2", "0.1*(x - 0.5)^2"}},
+                        Case{"tests/data/cube.toml", {"0.01*x - 0.03*y", "0.03*x", "0.02*z"}},
+                        Case{"tests/data/cube.toml", {"0", "0.1*(z - 0.5)^2", "0"}}})
+    for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
+      INFO(c.file << " " << degree << " " << c.y.front());
+      const fem::Deformation shared = Body({degree}, c.file).deformation(c.y),
+                             alone = Body({degree}, c.file, MPI_COMM_SELF).deformation(c.y);
+      REQUIRE(shared.strain.value > 0.01);
+      REQUIRE(shared.rotation.value > 0.01);
+      CHECK(std::abs(shared.strain.value / alone.strain.value - 1) < 1e-12);
+      CHECK(std::abs(shared.rotation.value / alone.rotation.value - 1) < 1e-12);
+      CHECK(shared.strain.at == alone.strain.at);
+      CHECK(shared.rotation.at == alone.rotation.at);
+      if (std::string(degree) == "mesh.degree=2") // at a vertex; all of these strains are largest at this one
+        CHECK(shared.strain.at == std::array<double, 3>{});
+    }
 }
 
 TEST_CASE("parts of a mesh that do not hang together are counted on any number of ranks", "[fem]") {

@@ -59,6 +59,20 @@ TEST_CASE("the echo leaves the start to clamps that move", "[scene]") {
   }
 }
 
+TEST_CASE("an obstacle is echoed with the unit of its lengths, and a level set, which has any, with none",
+          "[scene]") {
+  for (const auto& [obstacle, unit] :
+       {std::pair{"shape = \"half-space\", point = [0.0, \"-t\"], normal = [0.0, 2.0]", "  # m"},
+        {"shape = \"ball\", center = [0.0, -2.0], radius = 1.5, side = \"outside\"", "  # m"},
+        {"shape = \"cylinder\", point = [0.0, -2.0], radius = 9.0, side = \"inside\"", "  # m"},
+        {"shape = \"signed-distance\", distance = \"y + 1 - 0.1*x^2\"", ""}}) {
+    const scene::Scene scene = test::parse(test::source("tests/data/block.toml"),
+                                           {fmt::format("contact.obstacle={{ {} }}", obstacle)});
+    CHECK_THAT(scene::echo(scene, 2),
+               ContainsSubstring(fmt::format("obstacle = {{ {} }}{}\n", obstacle, unit)));
+  }
+}
+
 TEST_CASE("the table of keys says what poses the problem", "[scene]") {
   const auto file = test::source("scenes/half-disc.toml");
   const auto echo = [&](const std::vector<std::string>& overrides) {

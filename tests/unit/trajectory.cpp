@@ -18,7 +18,7 @@ using petsc::check;
 
 namespace {
 
-long& recomputed = count("recomputed steps");
+long &recomputed = count("recomputed steps"), &vectors = count("trajectory vectors");
 
 scene::Trajectory checkpoints(const forward::Stepper& stepper, int slots) {
   return {.storage = scene::Storage::checkpoints, .budget = slots * forward::State::bytes(stepper)};
@@ -209,6 +209,59 @@ TEST_CASE("errors are estimated alike from every storage", "[adjoint]") {
       CHECK(std::abs(*error.space - *expected->space) <= rounding * std::abs(*error.space));
     }
   }
+}
+
+namespace {
+
+/// Bytes of the scratch files that this rank has open: they have no name, but /proc shows what it was.
+double scratch_bytes() {
+  double bytes = 0;
+  for (const auto& open : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code gone; // the folder's own
+    const std::string name = std::filesystem::read_symlink(open.path(), gone).string();
+    if (!gone && name.ends_with("/states (deleted)"))
+      bytes += static_cast<double>(std::filesystem::file_size(open.path()));
+  }
+  return bytes;
+}
+
+} // namespace
+
+TEST_CASE("a store of states takes the room that is told, with velocities and without", "[forward]") {
+  const test::Ready ready("tests/data/block.toml", {"mesh.size=0.04", "solver.linear=direct"});
+  const forward::Stepper& stepper = ready.problem.stepper;
+  const forward::Initial& initial = ready.problem.initial;
+  const int N = ready.problem.steps();
+  const double vector = sizeof(PetscScalar) * static_cast<double>(ready.problem.space.dofs());
+  Timers timers;
+  for (const scene::Trajectory& scene :
+       {scene::Trajectory{}, scene::Trajectory{.storage = scene::Storage::disk}, checkpoints(stepper, 7),
+        checkpoints(stepper, 5 * N)})
+    for (const bool velocities : {false, true}) {
+      INFO(scene::name(scene.storage) << " " << scene.budget << (velocities ? " with velocities" : ""));
+      forward::TimeIntegrator integrator(stepper, initial.y, initial.v,
+                                         [](int, Vec y0, Vec v0, Vec y1, Vec v1) {
+                                           check(VecCopy(y0, y1));
+                                           check(VecCopy(v0, v1));
+                                         });
+      const long before = vectors;
+      const forward::StateStoreFactory storage(stepper, scene, N, 1, timers);
+      const std::unique_ptr<forward::StateStore> store = storage.place(integrator, velocities);
+      for (integrator.restart(); integrator.state().k < N; integrator.advance())
+        store->keep(integrator.state());
+      store->keep(integrator.state());
+      for (int k = N; k >= 1; --k)
+        (void)store->at(k);
+      const double told = storage.bytes(velocities);
+      if (scene.storage != scene::Storage::disk) {
+        CHECK(static_cast<double>(vectors - before) * vector == told);
+        continue;
+      }
+      double stored = scratch_bytes();
+      MPI_Allreduce(MPI_IN_PLACE, &stored, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+      CHECK(stored >= told);
+      CHECK(stored < 1.1 * told); // HDF5's own entries: a few kilobytes a file
+    }
 }
 
 TEST_CASE("a scratch file has no name, and says when it cannot be", "[forward]") {

@@ -130,14 +130,13 @@ private:
            (1000 * std::numeric_limits<double>::epsilon() + 10 * solver_tolerance_);
   }
 
-  /// ‖y‖ / ‖y − y_d‖ in L2(0,T; L2), at least 1: the amplification of rounding in y − y_d.
+  /// ‖y‖ / ‖y − y_d‖ in L2(0,T; L2) of the set that is observed, at least 1: the amplification of rounding in
+  /// y − y_d.
   double cancellation() {
     double motion = 0, error = 0;
-    const petsc::Vector product = controls_.space().vector();
     for (int k = 1; k <= controls_.steps(); ++k) {
-      const Vec y = problem_.trajectory().y(k);
-      check(MatMult(*problem_.stepper().operators().W, y, product));
-      motion += petsc::dot(product, y);
+      const double norm = problem_.objective().norm(problem_.trajectory().y(k));
+      motion += norm * norm;
       error += problem_.squared_distances()[static_cast<std::size_t>(k)];
     }
     return error > 0 ? std::max(1.0, std::sqrt(motion / error)) : 1;

@@ -38,8 +38,8 @@ std::vector<Scheme> schemes(const scene::Scene& scene, const std::vector<std::st
 }
 
 template <class T>
-std::vector<T> or_default(const std::vector<T>& given, std::vector<T> otherwise) {
-  return given.empty() ? std::move(otherwise) : given;
+std::vector<T> or_default(const std::vector<T>& given, const std::vector<T>& otherwise) {
+  return given.empty() ? otherwise : given;
 }
 
 /// The whole number of steps to time.end whose length is nearest.

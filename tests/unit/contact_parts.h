@@ -1,0 +1,53 @@
+#pragma once
+#include "contact/normal_operator.h"
+#include "contact/pairs.h"
+#include "fixtures.h"
+#include "forward/solver_choice.h"
+
+namespace signorini::test {
+
+/// The parts of a contact step on their own.
+struct Parts {
+  scene::Scene scene;
+  mesh::Mesh mesh;
+  fem::Space space;
+  fem::DirichletDofs clamped;
+  petsc::Matrix D;
+  contact::ContactPairs pairs;
+  contact::NormalOperator N{pairs};
+  forward::SolverChoice solver;
+
+  explicit Parts(const std::vector<std::string>& overrides = {})
+      : scene(parse(source("tests/data/block.toml"), overrides)), mesh(MPI_COMM_WORLD, scene.mesh),
+        space(mesh, scene.mesh.degree), clamped(space, scene.clamps),
+        D(fem::assemble_step_operator(space, scene.materials, scene.time.step)),
+        pairs(space, clamped, scene.contacts), solver(copy(D), &pairs, scene.solver, true) {}
+
+  static petsc::Matrix copy(Mat matrix) {
+    petsc::Matrix same;
+    petsc::check(MatDuplicate(matrix, MAT_COPY_VALUES, same.put()));
+    return same;
+  }
+
+  /// The contact step for r from a previous state (default: all open), y from zero.
+  contact::ContactState solve(Vec r, Vec y) const {
+    return solve(r, contact::ContactState(pairs.count()), y);
+  }
+  contact::ContactState solve(Vec r, const contact::ContactState& previous, Vec y) const {
+    contact::ContactState state(pairs.count());
+    contact::Workspace work = solver.contact()->workspace();
+    solver.contact()->solve(r, pairs.psi(), previous.active, state, y, work);
+    return state;
+  }
+
+  /// r = D y for a target y that presses some candidates into the obstacle and lifts others.
+  petsc::Vector pressing(int which) const {
+    petsc::Vector y = smooth(space, which), r = petsc::zero_like(y);
+    petsc::check(VecScale(y, 0.5));
+    petsc::check(VecShift(y, -0.4));
+    petsc::check(MatMult(D, y, r));
+    return r;
+  }
+};
+
+} // namespace signorini::test

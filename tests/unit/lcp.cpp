@@ -1,0 +1,129 @@
+#include "contact/lcp/primal_dual.h"
+#include "contact/node_basis.h"
+#include <array>
+#include <catch2/catch_test_macros.hpp>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+
+using namespace signorini;
+using Point = std::array<double, 3>;
+
+TEST_CASE("a node basis finds shortest motions and forces", "[contact]") {
+  contact::NodeBasis basis(3);
+  const Point a{0, 0, 1}, b{0, 0.6, 0.8}, c{0, 1, 0}, d{1, 1e-9, 0};
+  CHECK(basis.add(a.data()));
+  CHECK(basis.add(b.data()));
+  CHECK_FALSE(basis.add(c.data())); // in the plane of the first two
+  CHECK(basis.add(d.data()));
+  CHECK_FALSE(basis.add(a.data()));
+  Point x{}, values{0.3, -0.2, 0.7};
+  basis.shortest(values);
+  basis.add_to(x.data(), values);
+  CHECK(std::abs(x[2] - 0.3) < 1e-15);
+  CHECK(std::abs(0.6 * x[1] + 0.8 * x[2] + 0.2) < 1e-15);
+  CHECK(std::abs(x[0] + 1e-9 * x[1] - 0.7) < 1e-15);
+  // 2 a − b + 3 d.
+  const Point sum{3, -0.6 + 3e-9, 2 - 0.8};
+  Point parts{basis.along(0, sum.data()), basis.along(1, sum.data()), basis.along(2, sum.data())};
+  basis.combine(parts);
+  CHECK(std::abs(parts[0] - 2) + std::abs(parts[1] + 1) + std::abs(parts[2] - 3) < 1e-14);
+}
+
+TEST_CASE("directions may follow each other without a gap", "[contact]") {
+  // A basis looks at as many components as there are dimensions, whatever stands behind them.
+  for (const std::size_t dim : {2, 3}) {
+    std::vector<double> packed;
+    for (std::size_t i = 0; i < dim; ++i)
+      for (std::size_t c = 0; c < dim; ++c)
+        packed.push_back(i == c ? 0.8 : 0.1);
+    packed.push_back(std::numeric_limits<double>::quiet_NaN());
+    contact::NodeBasis basis(static_cast<int>(dim));
+    for (std::size_t i = 0; i < dim; ++i)
+      CHECK(basis.add(&packed[i * dim]));
+    CHECK(basis.size() == dim);
+  }
+}
+
+TEST_CASE("the dual active-set method solves singular problems or tells that they have no solution",
+          "[contact]") {
+  // Columns of N in the plane: directions round the circle, of which any three depend on each other.
+  constexpr int m = 7;
+  std::vector<double> N, S(m * m), lambda(m);
+  for (int i = 0; i < m; ++i)
+    for (const double n : {std::cos(0.9 * i), std::sin(0.9 * i)})
+      N.push_back(n);
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < m; ++j)
+      S[static_cast<std::size_t>(m * i + j)] = N[2 * i] * N[2 * j] + N[2 * i + 1] * N[2 * j + 1];
+  const auto depends = [&](const contact::ActiveSet& set, int i) {
+    contact::NodeBasis basis(2);
+    for (int j : set)
+      basis.add(&N[static_cast<std::size_t>(2 * j)]);
+    return !basis.add(&N[static_cast<std::size_t>(2 * i)]);
+  };
+  contact::GoldfarbIdnaniWork work(m);
+  contact::ActiveSet set;
+  int pairs = 0;
+  for (int which = 0; which < 50; ++which) {
+    // Half-planes n·x ≤ 1 move by a shift: the closest point to the origin of their polygon.
+    const double a = 0.3 * which, r = 0.1 * which;
+    std::vector<double> gap(m);
+    for (int i = 0; i < m; ++i)
+      gap[static_cast<std::size_t>(i)] = 1 - r * (N[2 * i] * std::cos(a) + N[2 * i + 1] * std::sin(a));
+    int steps = 0;
+    REQUIRE(contact::goldfarb_idnani(S, gap, 1e-14, depends, set, lambda, steps, work));
+    CHECK(set.size() <= 2);
+    pairs += set.size() == 2;
+    for (std::size_t i = 0; i < m; ++i) {
+      double g = gap[i];
+      for (std::size_t j = 0; j < m; ++j)
+        g += S[m * i + j] * lambda[j];
+      CHECK(g > -1e-13);
+      CHECK(lambda[i] >= 0);
+      CHECK(std::abs(lambda[i] * g) < 1e-12);
+      CHECK((lambda[i] > 0) == std::ranges::binary_search(set, static_cast<int>(i)));
+    }
+  }
+  CHECK(pairs > 5);
+  std::vector<double> empty(m, -0.1); // n·x ≤ −0.1 all round
+  int steps = 0;
+  CHECK_FALSE(contact::goldfarb_idnani(S, empty, 1e-14, depends, set, lambda, steps, work));
+}
+
+TEST_CASE("the dual active-set method solves regular problems with many constraints closed", "[contact]") {
+  // S = N Nᵀ of m directions in more dimensions, with gaps of both signs.
+  constexpr std::size_t m = 9, n = 11;
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  const auto depends = [](const contact::ActiveSet&, int) { return false; };
+  contact::GoldfarbIdnaniWork work(m);
+  std::size_t most = 0;
+  int left = 0; // constraints that were in the set on the way, but not at the end
+  for (int which = 0; which < 100; ++which) {
+    std::vector<double> N(m * n), S(m * m), gap0(m), lambda(m);
+    for (double& x : N)
+      x = 0.5 + normal(random); // to the same side, so that one constraint makes others superfluous
+    for (std::size_t i = 0; i < m; ++i)
+      for (std::size_t j = 0; j < m; ++j)
+        S[i * m + j] = std::inner_product(&N[i * n], &N[i * n] + n, &N[j * n], 0.0);
+    for (double& g : gap0)
+      g = normal(random) - 0.5;
+    contact::ActiveSet set;
+    int steps = 0;
+    REQUIRE(contact::goldfarb_idnani(S, gap0, 1e-13, depends, set, lambda, steps, work));
+    most = std::max(most, set.size());
+    left += steps - static_cast<int>(set.size());
+    for (std::size_t i = 0; i < m; ++i) {
+      const double g = std::inner_product(&S[i * m], &S[i * m] + m, lambda.begin(), gap0[i]);
+      const bool closed = std::ranges::binary_search(set, static_cast<int>(i));
+      CHECK(g > -1e-12);
+      CHECK((lambda[i] > 0) == closed);
+      if (closed)
+        CHECK(std::abs(g) < 1e-11);
+    }
+  }
+  CHECK(most > 4);
+  CHECK(left > 0);
+}
