@@ -145,17 +145,18 @@ private:
 
   /// The minimiser of the model; adds Hessian products until its curvature along the direction is accurate.
   Direction downhill(P& problem, const Iterate<P>& at) {
-    for (int products = 1;; ++products) {
+    for (int products = 0;;) {
       Direction direction = model_.minimise(span_.dimension());
       if (direction.subgradient.length == 0)
         return direction;
       const Vector d = span_.vector(direction.d, at.u);
       if (norm(problem, difference(tangential(problem, at.u, d), d)) >
           options_.bundle.rounding * norm(direction.d)) {
-        block(problem, d);
+        block(problem, d); // without a product, so that none is counted
         continue;
       }
       Coordinates product = coordinates(problem, problem.hessian_product(d));
+      ++products;
       if (model_.learn(direction, std::move(product)) || products == options_.bundle.products)
         return direction;
     }
