@@ -321,3 +321,31 @@ TEST_CASE("a direction takes as many Hessian products as it may, however often v
       CHECK((problem.directions[i].x[0] == 0) == (i > 0));
   }
 }
+
+TEST_CASE("a step of the bundle method that ends exactly on a bound says so", "[optimize]") {
+  // −x + x²/2 − x³/6 from 0: the model's minimiser is 1, the bound, where J still descends. The method cannot
+  // block there what was free where it started.
+  struct OntoBound : Bounded {
+    OntoBound() { w = {1}, lower = -1e300, upper = 1; }
+    double value(const Point& u) {
+      trial = u;
+      const double x = u.x[0];
+      return -x + x * x / 2 - x * x * x / 6;
+    }
+    Point trial_gradient() {
+      const double x = trial.x[0];
+      return {{-1 + x - x * x / 2}};
+    }
+    Point hessian_product(const Point& d) { return {{(1 - current.x[0]) * d.x[0]}}; }
+  };
+  OntoBound problem;
+  const Point from{{0}};
+  const double J = problem.value(from);
+  problem.accept();
+  const optimize::Iterate<OntoBound> at{from, J, problem.trial_gradient()};
+  optimize::BundleMethod<OntoBound> bundle(optimize::Options(), problem, at, 1);
+  const auto step = bundle.step(problem, at, 1e-6);
+  REQUIRE(step.found);
+  REQUIRE(step.found->u.x[0] == 1);
+  CHECK(step.at_other_bounds);
+}
