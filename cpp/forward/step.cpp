@@ -1,6 +1,7 @@
 #include "forward/step.h"
 #include "base/counters.h"
 #include "base/error.h"
+#include "contact/lcp/primal_dual.h"
 #include "contact/massless.h"
 #include <algorithm>
 #include <cmath>
@@ -153,38 +154,31 @@ void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactSets& contac
   const contact::NormalOperator N(*pairs_);
   const auto m = static_cast<std::size_t>(pairs_->count());
   std::vector<double> force(m), motion(m);
-  contact::ActiveSet& closed = contact.active;
+  contact::ActiveSet &closed = contact.active, next, wrong;
   const petsc::Vector residual = petsc::zero_like(p);
-  // After so many changes of the set one candidate changes at a time, which does not cycle for long.
-  const int several = 2 * static_cast<int>(contact.weak.size()) + 10;
-  for (int change = 0; change < 20 * several; ++change) {
+  for (contact::BlockPivoting pivoting(*pairs_);; pivoting.advance(closed, next, wrong)) {
     solve_sliding(closed, p, work);
     check(MatMult(R_, p, residual)); // D p = R p + 2 stiffness() A p
     check(MatMult(operators_.A, p, work.work));
     check(VecAXPBYPCZ(residual, 1, -2 * scheme.stiffness(), -1, work.r, work.work));
-    N.normal_components(residual, force);
+    N.forces(closed, residual, force);
     N.normal_components(p, motion);
     PetscReal largest_force = 0, largest_motion = 0;
     check(VecNorm(work.r, NORM_INFINITY, &largest_force));
     check(VecNorm(p, NORM_INFINITY, &largest_motion));
     constexpr double rounding = 1e-10;
-    contact::ActiveSet next;
-    bool settled = true;
-    for (std::size_t i = 0; i < m; ++i) {
-      const bool is_closed = std::ranges::binary_search(closed, static_cast<int>(i));
-      const bool wrong =
-          std::ranges::binary_search(contact.weak, static_cast<int>(i)) &&
+    next.clear();
+    for (int i = 0; i < pairs_->count(); ++i) {
+      const bool is_closed = std::ranges::binary_search(closed, i);
+      const bool flips =
+          std::ranges::binary_search(contact.weak, i) &&
           (is_closed ? force[i] < -rounding * largest_force : motion[i] > rounding * largest_motion);
-      const bool flips = wrong && (settled || change < several);
-      settled = settled && !wrong;
       if (is_closed != flips)
-        next.push_back(static_cast<int>(i));
+        next.push_back(i);
     }
-    if (settled)
+    if (next == closed)
       return;
-    closed = std::move(next);
   }
-  throw SolverFailure("the weak contact of a linearised step did not settle");
 }
 
 Vec Stepper::linearised_right_hand_side(const LinearisedStep& step, const contact::ContactSets& contact,

@@ -1,199 +1,195 @@
 #include "linalg/simplex_qp.h"
-#include "base/petsc.h"
+#include "linalg/updated_cholesky.h"
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <numeric>
-#include <petscblaslapack.h>
-#include <petsctao.h>
+#include <utility>
 
 namespace signorini {
-using petsc::check;
 
 namespace {
 
-/// ½ x·Kx + c·x over x ≥ 0 for a small dense K.
-class BoundedQuadratic {
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// One run of the method: weights w, and the set A where they are positive. Its vectors are affinely
+/// independent, so that K_AA is definite for K = G + s 11ᵀ.
+class Search {
 public:
-  explicit BoundedQuadratic(petsc::Matrix K)
-      : K_(std::move(K)), c_(petsc::vector_of(K_)), lower_(petsc::zero_like(c_)),
-        upper_(petsc::zero_like(c_)) {
-    check(VecSet(upper_, PETSC_INFINITY));
-    check(TaoCreate(PETSC_COMM_SELF, tao_.put()));
-    check(TaoSetOptionsPrefix(tao_, "combination_"));
-    check(TaoSetType(tao_, TAOTRON));
-    check(TaoSetObjectiveAndGradient(tao_, nullptr, value_and_gradient, this));
-    check(TaoSetHessian(tao_, K_, K_, constant_hessian, nullptr));
-    check(TaoSetVariableBounds(tao_, lower_, upper_));
-    // Steps are accepted by comparing values, whose rounding, 1e-16, limits the gradient to about its root.
-    check(TaoSetTolerances(tao_, 1e-7, 0, 0));
-    check(TaoSetMaximumIterations(tao_, 30));
-    KSP ksp = nullptr; // K may be singular
-    check(TaoGetKSP(tao_, &ksp));
-    check(KSPSetType(ksp, KSPSTCG));
-    PC pc = nullptr;
-    check(KSPGetPC(ksp, &pc));
-    check(PCSetType(pc, PCNONE));
-    check(KSPSetTolerances(ksp, 1e-14, 0, PETSC_CURRENT, PETSC_CURRENT));
-    check(TaoSetFromOptions(tao_));
+  /// Starts at the best vertex.
+  Search(std::span<const double> G, std::span<const double> e)
+      : G_(G), e_(e), n_(e.size()), w_(n_), factor_(n_) {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < n_; ++i)
+      if (entry(i, i) / 2 + e[i] < entry(best, best) / 2 + e[best])
+        best = i;
+    w_[best] = 1;
+    enter(best);
   }
 
-  /// The vector c, to be set before minimise().
-  [[nodiscard]] Vec linear() const { return c_; }
+  [[nodiscard]] const std::vector<double>& weights() const { return w_; }
 
-  /// Replaces the guess `x` by the minimiser, to the accuracy that rounding allows.
-  void minimise(Vec x) const {
-    check(TaoSetSolution(tao_, x));
-    check(TaoSolve(tao_));
+  /// Moves to the minimum over the affine combinations of A; where a weight falls to zero on the way, its
+  /// vector leaves A and the minimum is that of the others.
+  void settle() {
+    constexpr int passes = 2; // the second one removes the rounding of the first
+    for (int whole = 0; whole < passes;) {
+      std::vector<double> d = slopes_on_set();
+      minimise(d, 1 - std::reduce(w_.begin(), w_.end())); // what rounding has taken from Σ w = 1
+      whole += move(d, 1);
+    }
+  }
+
+  struct Candidate {
+    std::size_t index; ///< along which the value falls the most; n if along none by more than rounding
+    double excess;     ///< how far the value may be above its minimum, by convexity
+  };
+  [[nodiscard]] Candidate candidate() const {
+    constexpr double rounding = 1e-14; // n ε, the sums' rounding
+    std::vector<double> slopes(e_.begin(), e_.end()), sizes(n_);
+    double mean = 0, size = 0;
+    for (std::size_t i = 0; i < n_; ++i) {
+      sizes[i] = std::abs(e_[i]);
+      for (std::size_t j : A_) {
+        slopes[i] += entry(i, j) * w_[j];
+        sizes[i] += std::abs(entry(i, j)) * w_[j];
+      }
+      mean += w_[i] * slopes[i];
+      size += w_[i] * sizes[i];
+    }
+    Candidate found{n_, mean - std::ranges::min(slopes)};
+    for (std::size_t i = 0; i < n_; ++i)
+      if (w_[i] == 0 && slopes[i] - mean < -rounding * (sizes[i] + size) &&
+          (found.index == n_ || slopes[i] < slopes[found.index]))
+        found.index = i;
+    return found;
+  }
+
+  /// Takes j into A. If it depends on A, weights move along the dependence, where the value is linear, until
+  /// one falls to zero and its vector, perhaps j, leaves A.
+  void enter(std::size_t j) {
+    constexpr double dependent = 1e-15; // the pivot is then rounding
+    for (;;) {
+      fit_shift(j);
+      std::vector<double> d;
+      for (std::size_t i : A_)
+        d.push_back(entry(i, j) + shift_);
+      A_.push_back(j);
+      if (factor_.append(d, entry(j, j) + shift_, dependent))
+        return;
+      minimise(d, -1);
+      d.push_back(1);
+      const std::vector<double> slopes = slopes_on_set();
+      if (std::inner_product(d.begin(), d.end(), slopes.begin(), 0.0) > 0)
+        std::ranges::transform(d, d.begin(), std::negate());
+      move(d, infinity);
+      if (A_.back() != j)
+        return;
+      A_.pop_back();
+    }
   }
 
 private:
-  static PetscErrorCode value_and_gradient(Tao, Vec x, PetscReal* value, Vec gradient, void* self) {
-    PetscFunctionBeginUser;
-    const auto* quadratic = static_cast<const BoundedQuadratic*>(self);
-    PetscScalar product = 0, linear = 0;
-    PetscCall(MatMult(quadratic->K_, x, gradient));
-    PetscCall(VecDot(x, gradient, &product));
-    PetscCall(VecDot(x, quadratic->c_, &linear));
-    PetscCall(VecAXPY(gradient, 1, quadratic->c_));
-    *value = product / 2 + linear;
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  static PetscErrorCode constant_hessian(Tao, Vec, Mat, Mat, void*) { return PETSC_SUCCESS; }
+  [[nodiscard]] double entry(std::size_t i, std::size_t j) const { return G_[i * n_ + j]; }
 
-  petsc::Matrix K_;
-  petsc::Vector c_, lower_, upper_;
-  petsc::Handle<Tao, TaoDestroy> tao_;
+  /// (Gw + e)_A less its mean, which changes no direction and would cost digits.
+  [[nodiscard]] std::vector<double> slopes_on_set() const {
+    std::vector<double> slopes;
+    double mean = 0;
+    for (std::size_t i : A_) {
+      slopes.push_back(std::inner_product(w_.begin(), w_.end(), &G_[i * n_], e_[i] - e_[A_.front()]));
+      mean += w_[i] * slopes.back();
+    }
+    for (double& slope : slopes)
+      slope -= mean;
+    return slopes;
+  }
+
+  /// Replaces c by the d that minimises ½ d·G_AA d + c·d over Σ d = `sum`: −K⁻¹c and a multiple of K⁻¹1.
+  void minimise(std::vector<double>& c, double sum) const {
+    std::vector<double> ones(c.size(), 1.0);
+    factor_.solve(c);
+    factor_.solve(ones);
+    for (double& x : c)
+      x = -x;
+    for (int pass = 0; pass < 2; ++pass) { // the second one removes the rounding of the first
+      const double part = (sum - std::reduce(c.begin(), c.end())) / std::reduce(ones.begin(), ones.end());
+      for (std::size_t k = 0; k < c.size(); ++k)
+        c[k] += part * ones[k];
+    }
+  }
+
+  /// w_A += t d with the largest t ≤ `most` for which w ≥ 0; vectors whose weight is then zero leave A.
+  /// Returns whether none does.
+  bool move(const std::vector<double>& d, double most) {
+    std::size_t first = A_.size();
+    for (std::size_t k = 0; k < A_.size(); ++k)
+      if (w_[A_[k]] < -most * d[k]) {
+        most = w_[A_[k]] / -d[k];
+        first = k;
+      }
+    for (std::size_t k = 0; k < A_.size(); ++k)
+      w_[A_[k]] = k == first ? 0 : std::max(0.0, w_[A_[k]] + most * d[k]);
+    const std::size_t before = A_.size();
+    for (std::size_t k = before; k-- > 0;)
+      if (w_[A_[k]] == 0) {
+        A_.erase(A_.begin() + static_cast<std::ptrdiff_t>(k));
+        if (k < factor_.size())
+          factor_.remove(k);
+      }
+    return A_.size() == before;
+  }
+
+  /// Keeps s of the size of the products whose weights count. A longer vector of little weight does not cost
+  /// the others their digits then.
+  void fit_shift(std::size_t j) {
+    double size = 0;
+    for (std::size_t i = 0; i < n_; ++i)
+      size += w_[i] * entry(i, i);
+    if (!(size > 0))
+      size = entry(j, j) > 0 ? entry(j, j) : 1;
+    constexpr double near = 10;
+    if (shift_ < near * size && size < near * shift_)
+      return;
+    shift_ = size;
+    factor_.clear();
+    for (std::size_t i : std::exchange(A_, {}))
+      enter(i);
+  }
+
+  std::span<const double> G_, e_;
+  std::size_t n_;
+  std::vector<double> w_;
+  std::vector<std::size_t> A_; ///< in the order of the factor
+  double shift_ = 0;           ///< s
+  UpdatedCholesky factor_;     ///< of K_AA
 };
-
-/// Minimiser under Σ w = 1 with weights outside `support` zero, without w ≥ 0: the weights of the support,
-/// and the common value of (Gw + e)_i there (the multiplier). Empty if the KKT matrix is singular.
-/// `products`: G; `prices`: e.
-std::vector<double> best_on(std::span<const double> products, std::span<const double> prices,
-                            const std::vector<std::size_t>& support) {
-  const std::size_t n = prices.size(), size = support.size();
-  const auto order = static_cast<PetscBLASInt>(size + 1), one = PetscBLASInt{1};
-  std::vector<double> K(static_cast<std::size_t>(order) * static_cast<std::size_t>(order)),
-      b(static_cast<std::size_t>(order), 1.0);
-  double largest = 0;
-  for (std::size_t i : support)
-    largest = std::max(largest, products[i * n + i]);
-  if (!(largest > 0))
-    return {};
-  for (std::size_t i = 0; i < size; ++i) {
-    for (std::size_t j = 0; j < size; ++j)
-      K[i * (size + 1) + j] = products[support[i] * n + support[j]] / largest;
-    K[i * (size + 1) + size] = K[size * (size + 1) + i] = 1;
-    b[i] = -prices[support[i]] / largest;
-  }
-  std::vector<PetscBLASInt> pivots(static_cast<std::size_t>(order));
-  PetscBLASInt info = 0;
-  LAPACKgesv_(&order, &one, K.data(), &order, pivots.data(), b.data(), &order, &info);
-  if (info != 0)
-    return {};
-  b[size] *= -largest;
-  return b;
-}
-
-/// Weights that satisfy the optimality conditions to rounding, by an active-set method from `near`, which
-/// nearly satisfy them; `near` itself if the method does not settle.
-std::vector<double> polished(std::span<const double> products, std::span<const double> prices,
-                             const std::vector<double>& near) {
-  const std::size_t n = prices.size();
-  constexpr double negligible = 1e-7;
-  std::vector<std::size_t> support;
-  for (std::size_t i = 0; i < n; ++i)
-    if (near[i] > negligible)
-      support.push_back(i);
-  for (std::size_t change = 0; change < 10 * n; ++change) {
-    const std::vector<double> solution = best_on(products, prices, support);
-    if (solution.empty()) { // dependent: the minimum is attained without one of them
-      if (support.size() == 1)
-        return near;
-      support.erase(std::ranges::min_element(support, {}, [&](std::size_t i) { return near[i]; }));
-      continue;
-    }
-    const auto least = std::min_element(solution.begin(), solution.end() - 1) - solution.begin();
-    if (solution[static_cast<std::size_t>(least)] < 0) {
-      support.erase(support.begin() + least);
-      continue;
-    }
-    std::vector<double> weights(n);
-    for (std::size_t i = 0; i < support.size(); ++i)
-      weights[support[i]] = solution[i];
-    std::size_t steepest = n;
-    double below = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      double slope = prices[i] - solution.back(), size = std::abs(prices[i]);
-      for (std::size_t j : support) {
-        slope += products[i * n + j] * weights[j];
-        size += std::abs(products[i * n + j] * weights[j]);
-      }
-      constexpr double rounding = 1e-13;
-      if (slope < -rounding * size && slope < below && weights[i] == 0) {
-        steepest = i;
-        below = slope;
-      }
-    }
-    if (steepest == n)
-      return weights;
-    support.insert(std::ranges::lower_bound(support, steepest), steepest);
-  }
-  return near;
-}
 
 } // namespace
 
-std::optional<std::vector<double>> simplex_qp(std::span<const double> products,
-                                              std::span<const double> prices) {
-  const std::size_t n = prices.size();
+std::optional<std::vector<double>> simplex_qp(std::span<const double> G, std::span<const double> e) {
+  const std::size_t n = e.size();
   const auto finite = [](double x) { return std::isfinite(x); };
-  if (n == 0 || !std::ranges::all_of(products, finite) || !std::ranges::all_of(prices, finite))
+  if (n == 0 || !std::ranges::all_of(G, finite) || !std::ranges::all_of(e, finite))
     return std::nullopt;
-  std::vector<double> weights(n, 1 / static_cast<double>(n));
-  double largest = 0;
-  for (std::size_t i = 0; i < n; ++i)
-    largest = std::max({largest, products[i * n + i], std::abs(prices[i])});
-  if (n == 1 || largest == 0)
-    return weights;
-  petsc::Matrix K; // G plus the penalty ½ (Σ w − 1)² of the augmented Lagrangian
-  const auto size = static_cast<PetscInt>(n);
-  check(MatCreateSeqDense(PETSC_COMM_SELF, size, size, nullptr, K.put()));
-  for (PetscInt i = 0; i < size; ++i)
-    for (PetscInt j = 0; j < size; ++j)
-      check(MatSetValue(K, i, j,
-                        products[static_cast<std::size_t>(i) * n + static_cast<std::size_t>(j)] / largest + 1,
-                        INSERT_VALUES));
-  check(MatAssemblyBegin(K, MAT_FINAL_ASSEMBLY));
-  check(MatAssemblyEnd(K, MAT_FINAL_ASSEMBLY));
-  const BoundedQuadratic quadratic(std::move(K));
-  petsc::Vector x = petsc::copy(quadratic.linear());
-  check(VecSet(x, 1 / static_cast<double>(n)));
-  // Augmented Lagrangian in the constraint Σ w = 1. For e = 0 the first minimiser is already a multiple of
-  // the solution.
-  const bool priced = std::ranges::any_of(prices, [](double e) { return e != 0; });
-  double multiplier = 1, sum = 0;
-  constexpr int most = 10;
-  for (int iteration = 0; iteration < most; ++iteration) {
-    {
-      const petsc::WriteArray c(quadratic.linear());
-      for (std::size_t i = 0; i < n; ++i)
-        c[i] = prices[i] / largest - multiplier;
+  // Every change lowers the value, so that no A returns; where rounding hides that, the best weights count.
+  const std::size_t most = 20 * n;
+  Search search(G, e);
+  std::optional<std::vector<double>> best;
+  double least = infinity;
+  for (std::size_t change = 0; change < most; ++change) {
+    search.settle();
+    const auto [index, excess] = search.candidate();
+    if (excess < least) {
+      least = excess;
+      best = search.weights();
     }
-    quadratic.minimise(x);
-    const petsc::ReadArray found(x);
-    for (std::size_t i = 0; i < n; ++i)
-      weights[i] = std::max(0.0, found[i]);
-    sum = std::accumulate(weights.begin(), weights.end(), 0.0);
-    constexpr double near = 1e-6;
-    if (sum > 0 && (!priced || std::abs(sum - 1) < near))
+    if (index == n)
       break;
-    multiplier += 1 - sum;
+    search.enter(index);
   }
-  if (!(sum > 0))
-    return std::nullopt;
-  for (double& w : weights)
-    w /= sum;
-  return polished(products, prices, weights);
+  return best;
 }
 
 } // namespace signorini

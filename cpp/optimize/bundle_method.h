@@ -109,6 +109,11 @@ private:
     return {std::move(within), std::move(u)};
   }
 
+  /// Length of the part of d that pushes values out of the bounds at u.
+  static double outward(const P& problem, const Vector& u, const Vector& d) {
+    return norm(problem, difference(tangential(problem, u, d), d));
+  }
+
   /// The certificate of these weights of the cuts, if gradients evaluated anew confirm it. If they do not,
   /// they become the cuts of a new model, with only those values blocked that they push out of the bounds.
   std::optional<Certificate<Vector>> confirmed(P& problem, const Iterate<P>& at,
@@ -145,17 +150,17 @@ private:
 
   /// The minimiser of the model; adds Hessian products until its curvature along the direction is accurate.
   Direction downhill(P& problem, const Iterate<P>& at) {
-    for (int products = 1;; ++products) {
+    for (int products = 0;;) {
       Direction direction = model_.minimise(span_.dimension());
       if (direction.subgradient.length == 0)
         return direction;
       const Vector d = span_.vector(direction.d, at.u);
-      if (norm(problem, difference(tangential(problem, at.u, d), d)) >
-          options_.bundle.rounding * norm(direction.d)) {
-        block(problem, d);
+      if (outward(problem, at.u, d) > options_.bundle.rounding * norm(direction.d)) {
+        block(problem, d); // without a product, so that none is counted
         continue;
       }
       Coordinates product = coordinates(problem, problem.hessian_product(d));
+      ++products;
       if (model_.learn(direction, std::move(product)) || products == options_.bundle.products)
         return direction;
     }
@@ -169,7 +174,9 @@ private:
     for (double t = 1; t * direction.predicted > options_.negligible(at.objective); t *= options.shorter) {
       const Coordinates s = scaled(direction.d, t), Hs = scaled(direction.Hd, t);
       auto [u, outside] = point(problem, at, s);
-      const bool at_other_bounds = norm(problem, outside) > 0;
+      // Also where a bound is met exactly: block() could not hold there what is free at bounds_at_.
+      const bool at_other_bounds = norm(problem, outside) > 0 ||
+                                   outward(problem, u, tangential(problem, at.u, span_.vector(s, at.u))) > 0;
       const double J = attempt(problem, u).value_or(nan), decrease = at.objective - J;
       if (decrease >= options.sufficient * t * direction.predicted) { // false for NaN
         Vector g = problem.trial_gradient();

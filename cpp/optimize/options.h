@@ -75,8 +75,8 @@ struct BundleOptions {
   /// not convex or lies beyond another, is of no use there: the piece in between is nearer.
   double shorter = 0.25;
   int null_steps = 3; ///< along one direction, at decreasing lengths; the model then knows a better one
-  /// Weight of a cut above which it carries the model's minimum: √ε, the accuracy of weights that
-  /// simplex_qp() does not settle.
+  /// Weight of a cut above which it carries the model's minimum: √ε, as accurate as the weights
+  /// of gradients are that differ by that part of their length.
   double carrying = 1e-8;
   /// Where the model's subgradient is shorter than the first, of the tolerance, gradients are gathered at a
   /// distance over which they change by the second: together 3/4, so that the certificate is confirmed.

@@ -33,6 +33,7 @@ BESIDE = {
     "forward": [r"derivative\.", r"unit\.(contact|adjoint|control)\."],  # the tests of contact make steps
     "adjoint": [r"derivative\.", r"unit\.control\."],
     "control": [r"derivative\.", r"unit\.adjoint\."],
+    "linalg": [r"unit\.(base|optimize|contact)\."],  # its tests are among those of base
     "optimize": [],
 }
 MOST_RANKS = 2

@@ -11,11 +11,15 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import SOURCE, attempt  # noqa: E402
 
 STANDING = SOURCE / "tests" / "data" / "standing.toml"
+# A second plane through a corner, not at right angles to the first: two candidates share the forces of that node.
+CORNER = [{"on": group, "obstacle": {"shape": "half-space", "point": [0, 0], "normal": normal}}
+          for group, normal in (("bottom", [0, 1]), ("left", [0.8, 0.6]))]  # fmt: skip
 
 
 def main() -> int:
     for ranks in (1, 2):
-        for overrides in ({}, {"mesh__size": 0.125}, {"mesh__degree": 2}, {"contact__mass": "massless"}, {"solver__linear": "iterative"}):
+        for overrides in ({}, {"mesh__size": 0.125}, {"mesh__degree": 2}, {"contact__mass": "massless"}, {"solver__linear": "iterative"},
+                          {"contact": CORNER}):  # fmt: skip
             done = attempt("check", STANDING, None, ranks, **overrides)
             # A body at rest is not what the other checks ask for, and they say so; nothing else may be wrong.
             rows = re.findall(r"^(ok|FAIL) +(\S.*?)  ", done.stdout, re.MULTILINE)

@@ -286,3 +286,66 @@ TEST_CASE("a subspace that grows holds what it was given, in orthonormal coordin
       CHECK(std::abs(optimize::dot(found[i], found[j]) - problem.inner(given[i], given[j])) < 1e-12);
   }
 }
+
+TEST_CASE("a direction takes as many Hessian products as it may, however often values are blocked",
+          "[optimize]") {
+  // The Hessian of each product is eight times that of the last, so that no product tells the curvature. That
+  // of the first couples x, at its bound, to y: the second direction leads out, and x is blocked.
+  struct Stiffening : Bounded {
+    std::vector<Point> directions;
+    Stiffening() { w = {1, 1}, lower = -1, upper = 1e300; }
+    double value(const Point& u) {
+      trial = u;
+      return u.x[1] - u.x[0] / 8;
+    }
+    static Point trial_gradient() { return {{-0.125, 1}}; }
+    Point hessian_product(const Point& d) {
+      const double c = std::ldexp(1, 3 * static_cast<int>(directions.size()));
+      directions.push_back(d);
+      return {{c * (5 * d.x[0] - 2 * d.x[1]), c * (2 * d.x[1] - 2 * d.x[0])}};
+    }
+  };
+  for (const int most : {1, 2, 3, 10}) {
+    INFO("of " << most);
+    Stiffening problem;
+    const Point corner{{-1, 0}};
+    optimize::Options options;
+    options.bundle.products = most;
+    options.bundle.rounds = 1;
+    optimize::BundleMethod<Stiffening> bundle(
+        options, problem, {corner, problem.value(corner), Stiffening::trial_gradient()}, 1);
+    CHECK_FALSE(
+        bundle.step(problem, {corner, problem.value(corner), Stiffening::trial_gradient()}, 1e-6).found);
+    REQUIRE(problem.directions.size() == static_cast<std::size_t>(most));
+    for (std::size_t i = 0; i < problem.directions.size(); ++i)
+      CHECK((problem.directions[i].x[0] == 0) == (i > 0));
+  }
+}
+
+TEST_CASE("a step of the bundle method that ends exactly on a bound says so", "[optimize]") {
+  // −x + x²/2 − x³/6 from 0: the model's minimiser is 1, the bound, where J still descends. The method cannot
+  // block there what was free where it started.
+  struct OntoBound : Bounded {
+    OntoBound() { w = {1}, lower = -1e300, upper = 1; }
+    double value(const Point& u) {
+      trial = u;
+      const double x = u.x[0];
+      return -x + x * x / 2 - x * x * x / 6;
+    }
+    Point trial_gradient() {
+      const double x = trial.x[0];
+      return {{-1 + x - x * x / 2}};
+    }
+    Point hessian_product(const Point& d) { return {{(1 - current.x[0]) * d.x[0]}}; }
+  };
+  OntoBound problem;
+  const Point from{{0}};
+  const double J = problem.value(from);
+  problem.accept();
+  const optimize::Iterate<OntoBound> at{from, J, problem.trial_gradient()};
+  optimize::BundleMethod<OntoBound> bundle(optimize::Options(), problem, at, 1);
+  const auto step = bundle.step(problem, at, 1e-6);
+  REQUIRE(step.found);
+  REQUIRE(step.found->u.x[0] == 1);
+  CHECK(step.at_other_bounds);
+}

@@ -1,6 +1,5 @@
 #include "contact/lcp/goldfarb_idnani.h"
 #include "base/error.h"
-#include "linalg/dense.h"
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -10,13 +9,14 @@ namespace signorini::contact {
 
 namespace {
 
-/// One run of the method: the problem and the iterate.
+/// One run of the method: the problem and the iterate, whose set is in the order of the factor of S_AA.
 class Search {
 public:
   Search(std::span<const double> S, std::span<const double> gap0, ActiveSet& set, std::span<double> lambda,
          GoldfarbIdnaniWork& work)
       : S_(S), gap0_(gap0), set_(set), lambda_(lambda), factor_(work.factor), r_(work.r) {
     set_.clear();
+    factor_.clear();
     std::ranges::fill(lambda_, 0);
   }
 
@@ -25,7 +25,7 @@ public:
     std::size_t j = gap0_.size();
     double least = -tolerance;
     for (std::size_t i = 0; i < gap0_.size(); ++i)
-      if (const double g = gap(i); g < least && !std::ranges::binary_search(set_, static_cast<int>(i)))
+      if (const double g = gap(i); g < least && std::ranges::find(set_, static_cast<int>(i)) == set_.end())
         least = g, j = i;
     return j;
   }
@@ -33,10 +33,8 @@ public:
   /// Raises λ_j until gap j is closed or the force of a candidate of the set falls to zero, which then leaves
   /// it. Returns whether gap j is closed, nothing if no force closes it.
   std::optional<bool> raise(std::size_t j, bool dependent) {
-    r_.clear();
-    for (int i : set_)
-      r_.push_back(entry(i, j));
-    solve_on_set();
+    take_column(j);
+    factor_.solve(r_);
     double slope = entry(j, j), largest = 0;
     for (std::size_t i = 0; i < set_.size(); ++i) {
       slope -= r_[i] * entry(set_[i], j);
@@ -58,16 +56,21 @@ public:
       return true;
     force(leaves) = 0;
     set_.erase(set_.begin() + static_cast<std::ptrdiff_t>(leaves));
+    factor_.remove(leaves);
     return false;
   }
 
   /// Adds j to the set, and computes λ anew, so that rounding does not accumulate.
   void add(std::size_t j) {
-    set_.insert(std::ranges::lower_bound(set_, static_cast<int>(j)), static_cast<int>(j));
+    take_column(j);
+    if (!factor_.append(r_, entry(j, j)))
+      throw SolverFailure(
+          fmt::format("the condensed matrix of {} independent constraints is singular", set_.size() + 1));
+    set_.push_back(static_cast<int>(j));
     r_.clear();
     for (int i : set_)
       r_.push_back(-gap0_[static_cast<std::size_t>(i)]);
-    solve_on_set();
+    factor_.solve(r_);
     for (std::size_t i = 0; i < set_.size(); ++i)
       force(i) = std::max(0.0, r_[i]);
   }
@@ -83,22 +86,18 @@ private:
       g += entry(j, i) * lambda_[static_cast<std::size_t>(i)];
     return g;
   }
-  /// r ← S_AA⁻¹ r.
-  void solve_on_set() {
-    factor_.clear();
+  /// r ← S_Aj.
+  void take_column(std::size_t j) {
+    r_.clear();
     for (int i : set_)
-      for (int j : set_)
-        factor_.push_back(entry(i, j));
-    if (const int pivot = factorise_dense(factor_, set_.size()); pivot != 0)
-      throw SolverFailure(fmt::format(
-          "the condensed matrix of {} independent constraints is singular (pivot {})", set_.size(), pivot));
-    solve_factorised(factor_, set_.size(), r_);
+      r_.push_back(entry(i, j));
   }
 
   std::span<const double> S_, gap0_;
   ActiveSet& set_;
   std::span<double> lambda_;
-  std::vector<double>&factor_, &r_;
+  UpdatedCholesky& factor_;
+  std::vector<double>& r_;
 };
 
 } // namespace
@@ -122,6 +121,7 @@ bool goldfarb_idnani(std::span<const double> S, std::span<const double> gap0, do
     }
     search.add(j);
   }
+  std::ranges::sort(set);
   return true;
 }
 

@@ -1,20 +1,19 @@
 #pragma once
 #include "contact/contact_state.h"
+#include "linalg/updated_cholesky.h"
 #include <functional>
 #include <span>
 
 namespace signorini::contact {
 
-/// Whether column j of N depends linearly on those of a set.
+/// Whether column j of N depends linearly on those of a set, which is in no order.
 using Depends = std::function<bool(const ActiveSet& set, int j)>;
 
 /// Scratch of goldfarb_idnani(); with room for m columns, solves up to this size allocate nothing.
 struct GoldfarbIdnaniWork {
-  explicit GoldfarbIdnaniWork(std::size_t m = 0) {
-    factor.reserve(m * m);
-    r.reserve(m);
-  }
-  std::vector<double> factor, r;
+  explicit GoldfarbIdnaniWork(std::size_t m = 0) : factor(m) { r.reserve(m); }
+  UpdatedCholesky factor; ///< of S_AA
+  std::vector<double> r;
 };
 
 /// Solves 0 ≤ λ ⟂ g⁰ + Sλ ≥ 0 by the dual active-set method of Goldfarb and Idnani (1983), for a symmetric S

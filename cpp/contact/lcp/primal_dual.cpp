@@ -1,7 +1,10 @@
 #include "contact/lcp/primal_dual.h"
+#include "base/error.h"
 #include "contact/node_basis.h"
 #include <algorithm>
 #include <array>
+#include <fmt/format.h>
+#include <iterator>
 
 namespace signorini::contact {
 
@@ -44,6 +47,17 @@ void exchange(const ContactPairs& pairs, std::span<const double> lambda, ActiveS
   std::sort(set.begin() + static_cast<std::ptrdiff_t>(begin), set.end());
 }
 
+/// Replaces the candidates of candidate i's node in `set` by those in `other`.
+void take_node(const ContactPairs& pairs, const ActiveSet& other, int i, ActiveSet& set) {
+  const ContactPairs::Node& here = pairs.node(i);
+  const auto part = [&](auto& all) {
+    return std::pair{std::ranges::lower_bound(all, here.first), std::ranges::lower_bound(all, here.last)};
+  };
+  const auto [first, last] = part(set);
+  const auto [from, to] = part(other);
+  set.insert(set.erase(first, last), from, to);
+}
+
 } // namespace
 
 bool depends(const ContactPairs& pairs, const ActiveSet& set, int i) {
@@ -51,8 +65,9 @@ bool depends(const ContactPairs& pairs, const ActiveSet& set, int i) {
   if (!here.crowded)
     return false;
   NodeBasis basis(pairs.dim());
-  for (auto at = std::ranges::lower_bound(set, here.first); at != set.end() && *at < here.last; ++at)
-    basis.add(pairs.direction(*at));
+  for (const int other : set)
+    if (here.first <= other && other < here.last)
+      basis.add(pairs.direction(other));
   return !basis.add(pairs.direction(i));
 }
 
@@ -87,14 +102,19 @@ void next_set(const ContactPairs& pairs, const ActiveSet& set, std::span<const d
   }
 }
 
-void take_node(const ContactPairs& pairs, const ActiveSet& other, int i, ActiveSet& set) {
-  const ContactPairs::Node& here = pairs.node(i);
-  const auto part = [&](auto& all) {
-    return std::pair{std::ranges::lower_bound(all, here.first), std::ranges::lower_bound(all, here.last)};
-  };
-  const auto [first, last] = part(set);
-  const auto [from, to] = part(other);
-  set.insert(set.erase(first, last), from, to);
+void BlockPivoting::advance(ActiveSet& set, ActiveSet& next, ActiveSet& wrong) {
+  constexpr int most = 1000;
+  if (++steps_ > most)
+    throw SolverFailure(fmt::format("the active set did not settle in {} steps: {} of {} candidates closed",
+                                    most, set.size(), pairs_.count()));
+  wrong.clear();
+  std::ranges::set_symmetric_difference(set, next, std::back_inserter(wrong));
+  left_ = wrong.size() < fewest_ ? patience : std::max(left_ - 1, 0);
+  fewest_ = std::min(fewest_, wrong.size());
+  if (whole())
+    std::swap(set, next);
+  else
+    take_node(pairs_, next, wrong.back(), set);
 }
 
 } // namespace signorini::contact

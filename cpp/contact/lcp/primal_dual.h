@@ -1,9 +1,11 @@
 #pragma once
 #include "contact/pairs.h"
+#include <limits>
 
 namespace signorini::contact {
 
-/// Whether the direction of candidate i depends linearly on those of its node in an independent set.
+/// Whether the direction of candidate i depends linearly on those of its node in an independent set, which
+/// may be in any order.
 [[nodiscard]] bool depends(const ContactPairs& pairs, const ActiveSet& set, int i);
 
 /// Removes candidates that depend on earlier ones of their node.
@@ -15,7 +17,28 @@ void drop_dependent(const ContactPairs& pairs, ActiveSet& set);
 void next_set(const ContactPairs& pairs, const ActiveSet& set, std::span<const double> lambda,
               std::span<const double> gap, ActiveSet& next);
 
-/// Replaces the candidates of candidate i's node in `set` by those in `other`.
-void take_node(const ContactPairs& pairs, const ActiveSet& other, int i, ActiveSet& set);
+/// Block principal pivoting (Júdice, Pires 1994): whole primal-dual steps as long as the number of candidates
+/// on the wrong side reaches a new minimum every few steps, else one node at a time, that of the last
+/// candidate on the wrong side, which ends after finitely many steps (Murty 1974).
+class BlockPivoting {
+public:
+  /// `pairs` must outlive this object.
+  explicit BlockPivoting(const ContactPairs& pairs) : pairs_(pairs) {}
+
+  /// Whether the next step is a whole one.
+  [[nodiscard]] bool whole() const { return left_ > 0; }
+  [[nodiscard]] int steps() const { return steps_; }
+
+  /// Replaces `set` by the one to try after it. `next` is the set of a primal-dual step from it, and on
+  /// return scratch like `wrong`. Throws SolverFailure after too many steps.
+  void advance(ActiveSet& set, ActiveSet& next, ActiveSet& wrong);
+
+private:
+  static constexpr int patience = 10;
+
+  const ContactPairs& pairs_;
+  std::size_t fewest_ = std::numeric_limits<std::size_t>::max();
+  int left_ = patience, steps_ = 0;
+};
 
 } // namespace signorini::contact

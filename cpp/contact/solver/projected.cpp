@@ -1,10 +1,7 @@
 #include "contact/solver/projected.h"
-#include "base/error.h"
 #include "contact/lcp/primal_dual.h"
 #include <algorithm>
-#include <fmt/format.h>
 #include <functional>
-#include <iterator>
 
 namespace signorini::contact {
 using petsc::check;
@@ -31,7 +28,6 @@ void ProjectedSolver::evaluate(Vec r, std::span<const double> psi, Vec y, Contac
 
 void ProjectedSolver::solve(Vec r, std::span<const double> psi, const ActiveSet& previous,
                             ContactState& state, Vec y, Workspace& work) const {
-  constexpr int most = 1000, patience = 10;
   const ConjugateGradients::Projector project = [&](Vec x) { N_.set_normal(work.set, zero_, x); };
   const auto look = [&](Vec x) {
     evaluate(r, psi, x, state, work);
@@ -41,17 +37,10 @@ void ProjectedSolver::solve(Vec r, std::span<const double> psi, const ActiveSet&
   work.set = previous;
   drop_dependent(pairs_, work.set);
   N_.hold(diagonal_, r, y); // gaps depend on held components too
-  // Block principal pivoting (Júdice and Pires): primal-dual steps as long as the number of candidates on the
-  // wrong side reaches a new minimum within `patience` steps, else one node at a time, that of the last
-  // candidate on the wrong side, which ends after finitely many steps (Murty).
-  std::size_t fewest = zero_.size() + 1;
-  int left = patience;
-  for (state.vi_iterations = 0;; ++state.vi_iterations) {
-    if (state.vi_iterations > most)
-      throw SolverFailure(fmt::format("the active set did not settle in {} steps: {} of {} candidates closed",
-                                      most, work.set.size(), zero_.size()));
+  for (BlockPivoting pivoting(pairs_);; pivoting.advance(work.set, work.next, work.wrong)) {
+    state.vi_iterations = pivoting.steps();
     N_.set_normal(work.set, psi, y);
-    if (D_.solve(r, y, project, left > 0 ? judge : nullptr)) {
+    if (D_.solve(r, y, project, pivoting.whole() ? judge : nullptr)) {
       evaluate(r, psi, y, state, work);
       PetscReal size = 0;
       check(VecNorm(y, NORM_INFINITY, &size));
@@ -59,14 +48,6 @@ void ProjectedSolver::solve(Vec r, std::span<const double> psi, const ActiveSet&
           complementarity_.holds(state.lambda, state.gap, pairs_.gap_tolerance(), size, D_.tolerance()))
         break;
     }
-    work.wrong.clear();
-    std::ranges::set_symmetric_difference(work.set, work.next, std::back_inserter(work.wrong));
-    left = work.wrong.size() < fewest ? patience : std::max(left - 1, 0);
-    fewest = std::min(fewest, work.wrong.size());
-    if (left > 0)
-      std::swap(work.set, work.next);
-    else
-      take_node(pairs_, work.next, work.wrong.back(), work.set);
   }
   if (!previous.empty() || state.vi_iterations > 0)
     count_solved();
