@@ -1,5 +1,6 @@
 """The look of all figures: one copy of sizes and colours, made to be read at half their size."""
 
+import io
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -130,7 +131,6 @@ def whole_file(path: Path) -> Iterator[Path]:
     partial = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
     try:
         yield partial
-        path.parent.mkdir(exist_ok=True)  # a run may have taken the figures of an earlier one away
         partial.replace(path)
     finally:
         partial.unlink(missing_ok=True)
@@ -138,6 +138,14 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 def save(figure: Figure, path: Path) -> Path:
     """Writes the figure; returns the path."""
-    with whole_file(path) as partial:
-        figure.savefig(partial, metadata={"Comment": MARK})
+    picture = io.BytesIO()
+    figure.savefig(picture, format=path.suffix[1:], metadata={"Comment": MARK})
+    for attempts in (1, 0):
+        try:
+            with whole_file(path) as partial:
+                partial.write_bytes(picture.getvalue())
+            break
+        except FileNotFoundError:  # a run has just taken the figures of an earlier one away
+            if not attempts:
+                raise
     return path

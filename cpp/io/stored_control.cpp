@@ -27,8 +27,9 @@ bool is_of_the_run(CheckpointReader& checkpoint, const fs::path& folder, MPI_Com
     std::ifstream in(folder / "run.json", std::ios::binary);
     if (in) {
       const nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
-      const double value =
-          run.is_object() && run.contains("objective") ? run["objective"].value("value", NAN) : NAN;
+      const double value = run.is_object() && run.contains("objective")
+                               ? run["objective"].value("value", std::nan(""))
+                               : std::nan("");
       same = history.size() >= columns &&
              std::abs(history[history.size() - columns + objective] - value) <= rounding * std::abs(value);
     }

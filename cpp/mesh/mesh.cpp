@@ -38,9 +38,15 @@ std::shared_ptr<dolfinx::mesh::Mesh<double>> distribute(MPI_Comm comm, const Raw
   for (std::size_t p = 0; p < raw.points.size(); p += 3)
     x.insert(x.end(), &raw.points[p], &raw.points[p] + dim);
   const std::size_t nodes = raw.points.size() / 3;
+  // Rank 0, which has all cells, divides them alone: what several ranks do together depends on the order in
+  // which their messages come, and the same run would be divided otherwise now and then.
+  MPI_Comm dividing = rank(comm) == 0 ? MPI_COMM_SELF : MPI_COMM_NULL;
+  dolfinx::mesh::CellPartitionFunction divide;
+  if (dolfinx::MPI::size(comm) > 1)
+    divide = dolfinx::mesh::create_cell_partitioner(dolfinx::mesh::GhostMode::none);
   return std::make_shared<dolfinx::mesh::Mesh<double>>(
-      dolfinx::mesh::create_mesh(comm, std::span<const std::int64_t>(raw.cells), element, x,
-                                 {nodes, static_cast<std::size_t>(dim)}, dolfinx::mesh::GhostMode::none));
+      dolfinx::mesh::create_mesh(comm, dividing, std::span<const std::int64_t>(raw.cells), element, comm, x,
+                                 {nodes, static_cast<std::size_t>(dim)}, divide));
 }
 
 /// This rank's facets, local indices ascending, of a list on rank 0 (facets × dim, nodes of the file).

@@ -98,6 +98,8 @@ Components ControlField::read(Reader& in, Name key, const Scene& scene) {
   const auto& acting = scene.control->components;
   Components values =
       in.expressions(key, scene.control->constant_in_time ? std::nullopt : std::optional(scene.time.end));
+  if (acting && static_cast<std::size_t>(std::ranges::max(*acting)) >= values.size())
+    return values; // a component that is not there is refused once the mesh is read
   for (std::size_t c = 0; acting && c < values.size(); ++c)
     if (!vanishes({values[c]}) && std::ranges::find(*acting, static_cast<Component>(c)) == acting->end())
       in.fail(key, fmt::format("found \"{}\" for {}, allowed is \"0\": control.components leaves it out",

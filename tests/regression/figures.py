@@ -116,7 +116,7 @@ def every_obstacle(folder: Path) -> None:
             for frame in (0, film.n_frames - 1):
                 film.seek(frame)
                 picture = np.asarray(film.convert("RGB")).astype(int)
-                plot = picture[60:-90, 90:-150]  # without axes and colours
+                plot = picture[50:-75, 90:-130]  # without axes and colours
                 grey.append(np.mean((np.ptp(plot, axis=2) < 8) & (abs(plot.mean(axis=2) - 216) < 12)))
         assert grey[0] > 0.02, f"{name}: no obstacle is seen"
         assert name == "ball" or grey[1] > grey[0] + 0.03, f"the jaw does not move: {grey}"

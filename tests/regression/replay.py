@@ -58,7 +58,7 @@ def replayed(folder: Path) -> None:
     """The motion and J of an optimum again, from its folder."""
     for number, (scene, settings) in enumerate((
         (BLOCK, {"output__every": 7}),  # so that control.h5 has only some of it
-        (BLOCK, {"mesh__degree": 2, "control__on": "rest", "control__components": ["y"]}),
+        (BLOCK, {"mesh__degree": 2, "control__on": "rest", "control__components": ["y"], "objective__desired": {"control": ["0", "-1"]}}),
         (BLOCK, {"control__space": "P0", "control__upper": 0.1, "time__scheme": "contact-stabilized"}),
         (BLOCK, {"control__constant_in_time": True, "contact__mass": "massless"}),
         (CUBE, {**IN_SPACE, "contact__obstacle": {"shape": "half-space", "point": [0, 0, -0.05], "normal": [0, 0, 1]}}),
@@ -87,7 +87,8 @@ def replayed(folder: Path) -> None:
 def gone_on_from(folder: Path) -> None:
     """A search with other weights or steps starts where an earlier one ended."""
     optimum = folder / "optimum-1"
-    settings = {"mesh__degree": 2, "control__on": "rest", "control__components": ["y"], "control__initial": {"run": str(optimum)}}
+    settings = {"mesh__degree": 2, "control__on": "rest", "control__components": ["y"], "control__initial": {"run": str(optimum)},
+                "objective__desired": {"control": ["0", "-1"]}}  # fmt: skip
     signorini("optimize", BLOCK, folder / "on", **settings, optimizer__max_iterations=2)
     history = table(folder / "on" / "history.csv")["objective"]
     assert abs(history[0] / objective(optimum)["value"] - 1) < RANKS and history[-1] < history[0]

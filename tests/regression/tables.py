@@ -82,10 +82,11 @@ def impact(folder: Path) -> None:
             assert np.isclose(found["restitution"], (impulse - weight + before) / -before, rtol=1e-6)
             assert np.isclose(found["all"]["start"], 0.02 * (pushed[0] - 1)) and np.isclose(found["all"]["end"], 0.02 * pushed[-1])
             assert np.isclose(found["all"]["contact_time"], 0.02 * len(pushed))
-            assert np.isclose(found["all"]["peak"], (force[1:] + force[:-1]).max() / 2) and found["all"]["largest_step"] == force.max()
+            assert np.isclose(found["all"]["peak"], (force[1:] + force[:-1]).max() / 2) and np.isclose(found["all"]["largest_step"], force.max(), rtol=1e-14)
             energy = told(out)["energy"]
             assert np.isclose(energy["load_work"], steps["load_work"].sum(), rtol=1e-12) and energy["control_and_clamp_work"] == 0
-            assert np.isclose(energy["load_work"], -(body[f"body.center_{name}"][-1] - 0.5), rtol=0, atol=1e-12)  # potential energy
+            if "contact__mass" not in scheme:  # else the mass that moves is not where the load acts
+                assert np.isclose(energy["load_work"], -(body[f"body.center_{name}"][-1] - 0.5), rtol=0, atol=1e-12)  # potential energy
             assert f"restitution {found['restitution']:.4g}" in done.stdout and "acts from the time before to its own" in done.stdout
             print(f"{scene.stem}, {ranks} ranks, {scheme or 'contact-implicit'}: restitution {found['restitution']:.4f}")
     signorini("simulate", BLOCK, folder / "none", contact__obstacle__point=[0, -100], time__end=0.1)
@@ -145,7 +146,7 @@ def few_nodes(folder: Path) -> None:
     assert said["message"] == most(2, mesh__size=4)[1]["message"]
     fine, nothing = most(mesh__size=size)
     assert 5 <= fine < 20 and nothing is None, (fine, size, nothing)
-    signorini("simulate", CUBE, out, contact__on="boundary", time__end=0.3, contact__obstacle__normal=[0.5, 0.4, 1],
+    signorini("simulate", CUBE, out, contact__on="boundary", time__end=0.16, contact__obstacle__normal=[0.5, 0.4, 1],
               contact__obstacle__point=[0, 0, -0.02], output__fields=[])  # fmt: skip
     corner = [warning["message"] for warning in told(out)["warnings"] if warning["name"] == "few nodes in contact"]
     assert table(out / "steps.csv")["active"].max() in (1, 2) and len(corner) == 1, corner

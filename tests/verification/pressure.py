@@ -102,7 +102,7 @@ def patch(dim: int, degree: int, scheme: str, ranks: int, folder: Path, figures:
     axes = "xyz"[:dim]
     pressure, force = 0.0, 0.0
     for axis, name in enumerate(axes):
-        own = now & (contact["obstacle"] == axis)
+        own = now & (contact["obstacle"] == f"obstacle {axis + 1}")
         expected = -stress[axis, axis]
         pressure = max(pressure, abs(contact["pressure"][own] / expected - 1).max())
         assert abs(contact["area"][own].sum() - 1) < 1e-12, "areas do not add up to the side's"
@@ -218,7 +218,8 @@ def press(dim: int, degree: int, fine: float, scatter: float, folder: Path, figu
     radius, peak = hertz(dim, resultant)
     nodes, cells, fields = stored(out, "state", "pressure")
     r = np.linalg.norm(nodes[:, : dim - 1], axis=1)
-    assert r[fields[-1].reshape(-1) > 0].max() < 1.2 * radius
+    pressed = fields[-1].reshape(-1) > 1e-12 * fields[-1].max()  # rounding is left of forces that were none
+    assert r[pressed].max() < 1.2 * radius
 
     def exact(places: np.ndarray) -> np.ndarray:
         return peak * np.sqrt(np.maximum(0, 1 - (np.linalg.norm(places[:, : dim - 1], axis=1) / radius) ** 2))
@@ -233,7 +234,8 @@ def press(dim: int, degree: int, fine: float, scatter: float, folder: Path, figu
     inside = r[node] < 1.2 * radius
     vertices, node = vertices[inside], node[inside]
     found, expected, weight = p[vertices], means[node], area[vertices]
-    assert np.array_equal(found, fields[-1].reshape(-1)[node]), "the field and the table differ"
+    off = abs(found - fields[-1].reshape(-1)[node]).max()
+    assert off <= 1e-14 * found.max(), f"the field and the table differ by {off:g} of {found.max():g}"
     moment = {2: 4, 3: 5 / 2}[dim]  # a² over the mean of r² under Hertz's pressure
     width = np.sqrt((area * p * np.linalg.norm(x[:, : dim - 1], axis=1) ** 2).sum() / (area * p).sum() * moment)
     print(f"Hertz, {dim} dimensions, degree {degree}, {(found > 0).sum()} vertices in contact, a/R = {radius / RADIUS:.3f}, h/a = {fine / radius:.2f}:")

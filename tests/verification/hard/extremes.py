@@ -125,7 +125,7 @@ def thrown(folder: Path, table: Table) -> None:
         for title, other in (("twice the same plane", PLACE), ("a plane 5 mm below", PLACE - 5e-3)):
             steps, _ = run("simulate", block(folder, (PLACE, other), massless), out, output__every=1, **overrides)
             contact = read(out / "contact.csv")
-            lower = contact["force"][contact["obstacle"] == 1].sum() / contact["force"].sum()
+            lower = contact["force"][contact["obstacle"] == "obstacle 2"].sum() / contact["force"].sum()
             apart = abs(steps["contact_force_y"] - single["contact_force_y"]).max() / single["contact_force_y"].max()
             energies = abs(energy(steps) - e).max() / e[0]
             pull = max(0, -contact["force"].min()) / contact["force"].max()
