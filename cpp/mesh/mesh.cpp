@@ -6,6 +6,7 @@
 #include "scene/names.h"
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <dolfinx/fem/CoordinateElement.h>
 #include <dolfinx/io/xdmf_utils.h>
 #include <dolfinx/mesh/Mesh.h>
@@ -38,8 +39,10 @@ std::shared_ptr<dolfinx::mesh::Mesh<double>> distribute(MPI_Comm comm, const Raw
   for (std::size_t p = 0; p < raw.points.size(); p += 3)
     x.insert(x.end(), &raw.points[p], &raw.points[p] + dim);
   const std::size_t nodes = raw.points.size() / 3;
-  // Rank 0, which has all cells, divides them alone: what several ranks do together depends on the order in
-  // which their messages come, and the same run would be divided otherwise now and then.
+  // Rank 0, which has all cells, divides them alone and on one thread (unless the user wants more): the
+  // result of several ranks or threads depends on who comes first, and the same run would be divided
+  // otherwise.
+  setenv("SCOTCH_PTHREAD_NUMBER", "1", 0);
   MPI_Comm dividing = rank(comm) == 0 ? MPI_COMM_SELF : MPI_COMM_NULL;
   dolfinx::mesh::CellPartitionFunction divide;
   if (dolfinx::MPI::size(comm) > 1)
