@@ -117,6 +117,34 @@ TEST_CASE("energy, momentum and complementarity hold through contact", "[forward
   }
 }
 
+TEST_CASE("the momentum law notices a velocity that is wrong", "[forward]") {
+  const test::Ready ready("tests/data/block.toml");
+  const forward::Stepper& stepper = ready.problem.stepper;
+  forward::Balance weigh(stepper);
+  const double off = 0.25, tau = stepper.grid().length(5);
+  const petsc::Vector shift = ready.problem.space.vector(), wrong = petsc::zero_like(shift),
+                      moved = petsc::zero_like(shift);
+  ready.problem.space.interpolate(scene::Field({"0.25", "0"}, "test", false), 0, shift);
+  petsc::check(MatMult(stepper.M(), shift, moved));
+  const double mass = petsc::dot(shift, moved) / (off * off);
+  int looked = 0;
+  forward::integrate(
+      stepper, ready.problem.initial, ready.problem.load(), 5, [&](const forward::Frame& frame) {
+        if (frame.k < 5) {
+          weigh(frame);
+          return;
+        }
+        petsc::check(VecWAXPY(wrong, 1, shift, frame.v1));
+        const auto residual =
+            weigh({frame.k, frame.y0, frame.v0, frame.load, frame.y1, wrong, frame.contact, frame.last})
+                .momentum_residual;
+        CHECK(std::abs(residual[0] - mass * off / tau) < 1e-9 * mass * off / tau);
+        CHECK(std::abs(residual[1]) < 1e-9 * mass * off / tau);
+        ++looked;
+      });
+  CHECK(looked == 1);
+}
+
 TEST_CASE("a body of two equal materials moves like one of one", "[forward]") {
   const std::string data = "density = 2, young = 80, poisson = 0.3, viscosity = { bulk = 0.1, shear = 0.05 }";
   const test::Ready two("tests/data/two-materials.toml",

@@ -37,6 +37,21 @@ TEST_CASE("a first step that is much too long or short is repaired", "[optimize]
     }
 }
 
+TEST_CASE("projected gradient learns the curvature along its step", "[optimize]") {
+  // The same in all directions, and one and a half times that at first: the second step is Newton's.
+  Misleading problem;
+  problem.lower = -100, problem.upper = 100;
+  for (std::size_t i = 0; i < problem.c.size(); ++i)
+    problem.c[i] = 3 * problem.w[i];
+  problem.factor = 1.5;
+  Record record;
+  CHECK(minimise(Method::projected_gradient, problem, start, {.max_iterations = 10, .tolerance = 1e-12},
+                 record) == optimize::Stop::gradient_tolerance);
+  REQUIRE(record.rows.size() == 3);
+  CHECK(record.rows[1].objective > 0.05 * record.rows[0].objective);
+  CHECK(record.rows[2].objective < 1e-24 * record.rows[0].objective);
+}
+
 TEST_CASE("the search says why it stopped", "[optimize]") {
   for (Method method : methods) {
     Record record;
