@@ -66,11 +66,24 @@ void place_outside(const ContactPairs& pairs, Vec y) {
   for (int i = 0; i < pairs.count(); ++i)
     if (g[i] < -allowed && !pairs.projects(obstacles[i]) && (deepest < 0 || g[i] < g[deepest]))
       deepest = i;
-  if (deepest >= 0)
+  if (deepest >= 0) {
+    int all = 0, inside = 0;
+    for (int i = 0; i < pairs.count(); ++i)
+      if (obstacles[i] == obstacles[deepest]) {
+        ++all;
+        inside += g[i] < -allowed;
+      }
+    if (inside == all && all > 1)
+      throw UserError(
+          fmt::format("{}: the node at {} starts {:.6g} m inside the obstacle, as do all {} candidates, "
+                      "allowed are bodies that "
+                      "start outside (the obstacle's normal points out of it; this one may be reversed)",
+                      pairs.key(obstacles[deepest]), shown(pairs, deepest), -g[deepest], all));
     throw UserError(fmt::format(
         "{}: the node at {} starts {:.6g} m inside the obstacle, allowed are bodies that start outside (the "
         "obstacle's normal points out of it) and initial = \"project\", which moves such nodes out of it",
         pairs.key(obstacles[deepest]), shown(pairs, deepest), -g[deepest]));
+  }
   together(pairs.comm(), [&] {
     for (const ContactPairs::Node& here : pairs.nodes()) {
       if (std::all_of(&g[here.first], &g[here.first] + (here.last - here.first),

@@ -63,7 +63,7 @@ void doubt_sizes(const Stepper& stepper, const scene::Time& time, const BodyFigu
   else if (waves_known && time.end < figures.crossing)
     doubts.push_back(
         fmt::format("the run ends at {:.3g} s, before a wave has come across the body of {:.3g} m, which "
-                    "takes {:.3g} s; {}",
+                    "takes {:.3g} s; {}, and moduli are in Pa",
                     time.end, length, figures.crossing, hint));
   else if (waves_known && figures.crossing_steps < 1)
     doubts.push_back(

@@ -144,7 +144,7 @@ Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
   const double* x = &pairs.points()[3 * static_cast<std::size_t>(zone.candidate)];
   std::string message = fmt::format(
       "the mesh is too coarse at ({:.6g}) m, t = {:.6g} s: at most {} touch{} \"{}\" at once, and the force "
-      "is that of single nodes; nodes there are {:.3g} m apart",
+      "and the motion are those of single nodes; nodes there are {:.3g} m apart",
       fmt::join(x, x + 3, ", "), zone.time, zone.most == 1 ? "one node" : "two nodes",
       zone.most == 1 ? "es" : "", scene_.contacts[static_cast<std::size_t>(obstacle)].name, spacing.found);
   if (spacing.enough > 0) {

@@ -104,10 +104,11 @@ std::optional<Impact> MotionSummary::impact() const {
 std::optional<double> MotionSummary::restitution(const Impact& impact) const {
   if (held_ || moving_ || !impact.ended || std::ranges::count_if(impact.obstacles, &Touch::occurred) != 1)
     return std::nullopt;
-  const double towards = product(impact.before, impact.all.impulse);
-  if (!(towards < 0))
+  const double towards = product(impact.before, impact.all.impulse),
+               away = product(impact.after, impact.all.impulse);
+  if (!(towards < 0 && away > 0)) // a body that still comes nearer is about to touch again
     return std::nullopt;
-  return -product(impact.after, impact.all.impulse) / towards;
+  return -away / towards;
 }
 
 } // namespace signorini::forward

@@ -43,6 +43,13 @@ void require_few_cells(const scene::Mesh& mesh, const std::string& opened) {
   std::array<double, 6> box{};
   gmsh::model::getBoundingBox(-1, -1, box[0], box[1], box[2], box[3], box[4], box[5]);
   std::array<double, 3> sides{box[3] - box[0], box[4] - box[1], box[5] - box[2]};
+  constexpr double coarsest = 10; // times the body
+  if (const double longest = scene::metres(mesh.unit) * std::ranges::max(sides);
+      *mesh.size > coarsest * longest)
+    throw UserError(
+        fmt::format("mesh.size: found {:.4g} m, allowed is at most {:.3g} m for a body of {:.3g} m; "
+                    "the size is in metres, whatever mesh.unit is",
+                    *mesh.size, coarsest * longest, longest));
   const double metres = scene::metres(mesh.unit), size = *mesh.size / metres,
                cell = std::pow(size, dim) *
                       (dim == 2 ? std::sqrt(3.0) / 4 : std::sqrt(2.0) / 12); // regular ones

@@ -2,6 +2,8 @@
 #include "base/error.h"
 #include "contact_parts.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
 #include <fmt/format.h>
 
 using namespace signorini;
@@ -170,6 +172,9 @@ TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces 
       contact::ContactState s = by_motion;
       CHECK_THROWS_AS(complementarity.classify(s, still), SolverFailure);
     }
+    contact::ContactState inside = state(i, 0, -0.1);
+    CHECK_THROWS_WITH(complementarity.classify(inside, still),
+                      Catch::Matchers::ContainsSubstring("penetration 1.000e-01 m"));
     for (const auto& [force, gap] : {std::pair{NAN, 0.0}, {0.0, NAN}, {INFINITY, 0.0}, {0.0, INFINITY}}) {
       contact::ContactState s = state(i, force, gap);
       CHECK_THROWS_AS(complementarity.classify(s, still), SolverFailure);

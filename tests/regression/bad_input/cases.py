@@ -618,6 +618,8 @@ def mesh_file_cases() -> list[Case]:
                prepare=lambda folder: (folder / "loop").symlink_to("loop")),
         edited("mesh of a name beyond all limits", file, f'file = "{"a" * 5000}.msh"', "mesh.file: ", "cannot be followed", at="file ="),
         edited("mesh of another format", file, 'file = "square.vtk"', 'mesh.file: found "square.vtk"', ".geo or .msh"),
+        edited("size in millimetres", file, 'file = "square.geo"\nunit = "mm"\nsize = 8', "mesh.size: found 8 m", "at most 0.01 m for a body of 0.001 m",
+               "in metres", at="", mesh_file="square.geo", mesh=GEO),
         edited("size of a mesh that is meshed", file, file + "\nsize = 4", "mesh.size: ", "no effect on a .msh",
                "allowed with a .geo", at="size = 4"),
         meshed("geometry with a syntax error", GEO.replace("Line(2) = {2, 3};", "Line(2) = {2, 3;"), "line 6", "syntax",
