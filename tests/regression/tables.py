@@ -129,6 +129,17 @@ def probes(folder: Path) -> None:
     print("probes: as in the stored fields, on two ranks, of both degrees, and where a search goes on")
 
 
+def half_landed(folder: Path) -> None:
+    """A body that has let go of the plane for some steps and still comes nearer has no restitution yet."""
+    out = folder / "landing"
+    signorini("simulate", BLOCK, out, contact__obstacle__normal=[0.2, 1], output__fields=[], output__tables=["steps"], time__end=2)
+    found = told(out)["impact"]
+    n = np.array([0.2, 1])
+    assert np.dot(found["velocity_before"], n) < 0 and np.dot(found["velocity_after"], n) < 0 and found["ended"], found
+    assert found["all"]["end"] < 2 and found["restitution"] is None, found
+    print("no restitution of a body that lands")
+
+
 def few_nodes(folder: Path) -> None:
     """A ball in space that touches with one node: the size that is told lets five touch, and then nothing is told."""
     out = folder / "few"
@@ -192,7 +203,7 @@ def advice(folder: Path) -> None:
 
 def main() -> int:
     with tempfile.TemporaryDirectory() as name:
-        for part in (gripper, impact, probes, few_nodes, stored_steps, advice):
+        for part in (gripper, impact, probes, half_landed, few_nodes, stored_steps, advice):
             part(Path(name))
     return 0
 
