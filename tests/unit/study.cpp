@@ -365,9 +365,9 @@ TEST_CASE("sizes that do not change the mesh are refused where they are needed",
   scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
   CHECK_NOTHROW(require_answer(MPI_COMM_WORLD, scene));
   CHECK_NOTHROW(require_answer_to(MPI_COMM_WORLD, scene, {0.25, 0.5, 0.25}));
-  scene.mesh.size = 50; // two triangles, as with twice the size, and more with half a metre
-  CHECK_NOTHROW(require_answer_to(MPI_COMM_WORLD, scene, {8, 0.5}));
-  CHECK_THROWS_AS(require_answer_to(MPI_COMM_WORLD, scene, {0.5, 50, 100}), UserError);
+  scene.mesh.size = 5; // two triangles, as with twice the size, and more with half a metre
+  CHECK_NOTHROW(require_answer_to(MPI_COMM_WORLD, scene, {5, 0.5}));
+  CHECK_THROWS_AS(require_answer_to(MPI_COMM_WORLD, scene, {0.5, 5, 10}), UserError);
   scene.mesh.file = test::source("tests/data/fixed-top.geo");
   scene.mesh.size = 4; // as one of 8, but finer ones change the mesh
   CHECK_NOTHROW(require_answer_to(MPI_COMM_WORLD, scene, {4, 0.5}));
