@@ -7,6 +7,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import HALF_BALL, HALF_DISC, SOURCE, signorini  # noqa: E402
+from soft_scenes import ON_A_BALL, soft  # noqa: E402
 
 import numpy as np  # noqa: E402
 from PIL import Image  # noqa: E402
@@ -20,54 +21,18 @@ SCRIPT = SOURCE / "postprocess" / "figures.py"
 SIMULATE = {"contact_force.png", "contact_force_history.png", "contact_pressure.png", "energy.png", "animation.gif"}
 OPTIMIZE = SIMULATE | {"control_magnitude.png", "control_history.png", "objective.png", "distance_to_reference.png", "tracking_error.png"}
 # Jaws, one of which moves, a disc inside of which the body is and a wavy floor.
-OBSTACLES = """
-[mesh]
-file = "{data}/square.geo"
-size = 0.2
-
-[time]
-end = 0.3
-step = 0.01
-
-[material]
-density = 1.0
-young = 50.0
-poisson = 0.3
-viscosity = {{ bulk = 0.05, shear = 0.05 }}
-
+OBSTACLES = soft("square.geo", 0.2, 0.3, 0.01) + """
 [[contact]]
 on = "left"
-obstacle = {{ shape = "half-space", point = ["-0.3 + 1.2*t", 0], normal = [1, 0] }}
+obstacle = { shape = "half-space", point = ["-0.3 + 1.2*t", 0], normal = [1, 0] }
 
 [[contact]]
 on = "rest"
-obstacle = {{ shape = "cylinder", point = [-0.3, 0.5], radius = 1.45, side = "inside" }}
+obstacle = { shape = "cylinder", point = [-0.3, 0.5], radius = 1.45, side = "inside" }
 
 [[contact]]
 on = "bottom"
-obstacle = {{ shape = "signed-distance", distance = "y + 0.2 - 0.09*cos(3*(x - 0.5))" }}
-"""
-IN_SPACE = """
-[mesh]
-file = "{data}/cube.geo"
-size = 0.34
-
-[time]
-end = 0.4
-step = 0.02
-
-[material]
-density = 1.0
-young = 50.0
-poisson = 0.3
-viscosity = {{ bulk = 0.05, shear = 0.05 }}
-
-[contact]
-on = "bottom"
-obstacle = {{ shape = "ball", center = [0.5, 0.5, -0.62], radius = 0.6 }}
-
-[initial]
-velocity = ["0", "0", "-1"]
+obstacle = { shape = "signed-distance", distance = "y + 0.2 - 0.09*cos(3*(x - 0.5))" }
 """
 
 
@@ -105,9 +70,9 @@ def pressed(out: Path, figures: set[str]) -> set[str]:
 
 def every_obstacle(folder: Path) -> None:
     """Several obstacles of all shapes are drawn, and the jaw comes nearer; in space a ball is."""
-    for name, text in (("several", OBSTACLES), ("ball", IN_SPACE)):
+    for name, text in (("several", OBSTACLES), ("ball", ON_A_BALL)):
         scene, out = folder / f"{name}.toml", folder / name
-        scene.write_text(text.format(data=SOURCE / "tests" / "data"))
+        scene.write_text(text)
         signorini("simulate", scene, out)
         found = drawn(out)
         assert found == pressed(out, SIMULATE), f"{name}: missing {SIMULATE - found}, unexpected {found - SIMULATE}"

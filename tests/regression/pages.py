@@ -8,6 +8,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from browser import BODY, Reader, browser, make, page_of  # noqa: E402
 from harness import SOURCE, signorini, stored, table  # noqa: E402
+from soft_scenes import ON_A_BALL, soft  # noqa: E402
 
 sys.path.insert(0, str(SOURCE / "postprocess"))
 import h5py  # noqa: E402
@@ -18,57 +19,21 @@ from selenium.webdriver import Chrome  # noqa: E402
 from selenium.webdriver.support.select import Select  # noqa: E402
 
 DATA = SOURCE / "tests" / "data"
-GRIPPER = f"""
-[mesh]
-file = "{DATA}/square.geo"
-size = 0.125
-
-[time]
-end = 0.3
-step = 0.01
-
-[material]
-density = 1.0
-young = 50.0
-poisson = 0.3
-viscosity = {{ bulk = 0.05, shear = 0.05 }}
-
+GRIPPER = soft("square.geo", 0.125, 0.3, 0.01) + """
 [[contact]]
 on = "left"
-obstacle = {{ shape = "half-space", point = ["-0.02 + 0.05*min(1, 5*t)", 0], normal = [1, 0] }}
+obstacle = { shape = "half-space", point = ["-0.02 + 0.05*min(1, 5*t)", 0], normal = [1, 0] }
 
 [[contact]]
 on = "rest"
-obstacle = {{ shape = "ball", center = [2.52, 0.5], radius = 1.5 }}
+obstacle = { shape = "ball", center = [2.52, 0.5], radius = 1.5 }
 
 [[contact]]
 on = "bottom"
-obstacle = {{ shape = "signed-distance", distance = "y + 0.1 - 0.09*cos(3*(x - 0.5))" }}
+obstacle = { shape = "signed-distance", distance = "y + 0.1 - 0.09*cos(3*(x - 0.5))" }
 
 [load]
 body = ["0", "-0.5"]
-"""
-BALL = f"""
-[mesh]
-file = "{DATA}/cube.geo"
-size = 0.34
-
-[time]
-end = 0.4
-step = 0.02
-
-[material]
-density = 1.0
-young = 50.0
-poisson = 0.3
-viscosity = {{ bulk = 0.05, shear = 0.05 }}
-
-[contact]
-on = "bottom"
-obstacle = {{ shape = "ball", center = [0.5, 0.5, -0.62], radius = 0.6 }}
-
-[initial]
-velocity = ["0", "0", "-1"]
 """
 # Positions of a trace, as lists.
 XYZ = "[{0}.x, {0}.y, {0}.z].map((axis) => Array.from(axis))"
@@ -281,7 +246,7 @@ def main() -> int:
         folder = Path(name)
         gripper = simulate(folder, "gripper", GRIPPER)
         stiffer = simulate(folder, "stiffer", GRIPPER, material__young=100, time__end=0.2)
-        space = simulate(folder, "space", BALL)
+        space = simulate(folder, "space", ON_A_BALL)
         both = page_of(gripper, stiffer)
         with_known_tables(gripper)
         with_known_fields(gripper)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import SOURCE, signorini, stored, table  # noqa: E402
+from soft_scenes import soft  # noqa: E402
 
 sys.path.insert(0, str(SOURCE / "postprocess"))
 import numpy as np  # noqa: E402
@@ -24,21 +25,7 @@ from scenery import drawn_obstacles, over_frames  # noqa: E402
 from surfaces import between, seen_of  # noqa: E402
 
 DATA = SOURCE / "tests" / "data"
-SQUARE = """
-[mesh]
-file = "{data}/square.geo"
-size = 0.2
-
-[time]
-end = 0.2
-step = 0.02
-
-[material]
-density = 1.0
-young = 50.0
-poisson = 0.3
-viscosity = {{ bulk = 0.05, shear = 0.05 }}
-"""
+SQUARE = soft("square.geo", 0.2, 0.2, 0.02)
 SHAPES = """
 [[contact]]
 on = "left"
@@ -80,7 +67,7 @@ def run_of(folder: Path, name: str, text: str, verb: str = "simulate", **overrid
 
 def gaps_are_heights(folder: Path) -> None:
     """A gap is the height of the undeformed node above the obstacle; of a moving plane at any time that of the moved node."""
-    square = SQUARE.format(data=DATA)
+    square = SQUARE
     for run in (run_of(folder, "plane", square + SHAPES), run_of(folder, "space", square.replace("square.geo", "cube.geo") + IN_SPACE, mesh__size=0.34)):
         contact = run.contact
         assert len(run.obstacles) == len(set(contact.obstacle)) >= 3
@@ -154,7 +141,7 @@ def half_a_body_is_left(folder: Path) -> None:
 
 def places_without_candidates_have_rows_of_their_own(folder: Path) -> None:
     """Two sides of a square: a row for each node, and one between them that no node has. A ring is opened opposite the contact."""
-    text = SQUARE.format(data=DATA) + "".join(
+    text = SQUARE + "".join(
         f'[[contact]]\non = "{side}"\nobstacle = {{ shape = "half-space", point = [0, {at}], normal = [0, {way}] }}\n'
         for side, at, way in (("bottom", -0.01, 1), ("top", 1.01, -1)))
     run = run_of(folder, "sides", text, initial__velocity=["0", "-1"])
@@ -178,7 +165,7 @@ def places_without_candidates_have_rows_of_their_own(folder: Path) -> None:
 
 def controls_add_up(folder: Path) -> None:
     """A control of one pushes with its scale times the area or the length, in each space of controls."""
-    base = SQUARE.format(data=DATA) + '[[clamp]]\non = "left"\n[control]\nscale = 3.0\ninitial = ["0", "-2"]\n'
+    base = SQUARE + '[[clamp]]\non = "left"\n[control]\nscale = 3.0\ninitial = ["0", "-2"]\n'
     base += '[objective]\ndesired = { displacement = ["0", "0"] }\n'
     for name, more in (("body", {}), ("cells", {"control__space": "P0"}), ("top", {"control__on": "top"}),
                        ("top-cells", {"control__on": "top", "control__space": "P0"})):  # fmt: skip
@@ -216,7 +203,7 @@ def expressions_are_the_programs(folder: Path) -> None:
 def a_held_body_that_is_moved(folder: Path) -> None:
     """The echoed scene of a moving clamp has no initial displacement, which all scripts can do without."""
     for space, mesh in ((2, "square.geo"), (3, "cube.geo")):
-        text = SQUARE.format(data=DATA).replace("square.geo", mesh)
+        text = SQUARE.replace("square.geo", mesh)
         way = ", ".join(['"0"'] * (space - 1))
         text += f'[[clamp]]\non = "left"\nvalue = [{way}, "-0.2*t"]\n[contact]\non = "bottom"\n'
         point, normal = [0] * (space - 1) + [-0.01], [0] * (space - 1) + [1]
@@ -230,7 +217,7 @@ def a_held_body_that_is_moved(folder: Path) -> None:
 
 def loads_have_a_potential(folder: Path) -> None:
     """In free fall kinetic energy and potential add up to what they were."""
-    run = run_of(folder, "fall", SQUARE.format(data=DATA) + '[load]\nbody = ["0.5", "-3"]\n')
+    run = run_of(folder, "fall", SQUARE + '[load]\nbody = ["0.5", "-3"]\n')
     steps = table(run.path / "steps.csv")
     fall = Table(run.path, {**steps, "load_work": steps["external_work"]}.items())
     potential = potential_of_loads(fall)
