@@ -92,8 +92,9 @@ void add_study_options(CLI::App& app, Request& request) {
        "of contact-implicit,contact-stabilized,massless (default: the scene's)");
   list("--quantity", request.study.quantities,
        "what is compared, such as J,displacement,gradient,impulse (default: all but the gradient)");
-  app.add_option("--budget", request.study.budget,
-                 "stop before a rung that would end later, such as 90s, 10min or 2h")
+  app.add_option(
+         "--budget", request.study.budget,
+         "stop before a rung that would end later, such as 90s, 10min or 2h (default of --suggest: 10min)")
       ->transform(CLI::Validator(to_seconds, "TIME"));
   app.add_flag("--dry-run", request.study.dry_run, "price the ladder and run nothing");
   app.add_option("--suggest", request.suggest,

@@ -16,6 +16,8 @@ def impact(run: RunFolder) -> list[Table]:
     if len(rows) > 1:
         rows.append(touch(run, "all", given["all"]))
     title = "Forces are added by their moduli; the peak is that of the mean of two steps. The force of a step acts all through it."
+    if any(one.get("peak_at_onset") for one in [*given["obstacles"], given["all"]]):
+        title += " ∗ in the first steps of contact: such a peak depends on the step."
     head = ["Obstacle", "Contact from", "to", "In contact for", "Impulse", "Resultant of it", "Peak force", "at"]
     tables = [Table(title, head, rows)]
     if given["velocity_before"]:
@@ -24,7 +26,18 @@ def impact(run: RunFolder) -> list[Table]:
                 ["and after" if given["ended"] else "and at the end, still in contact", vector(given["velocity_after"], "m/s")]]
         if given["restitution"] is not None:
             body.append(["Restitution", f"{given['restitution']:.4g}"])
+        stress = run.manifest.get("largest_von_mises")
+        if stress:
+            body.append(["Largest von Mises stress of the stored times",
+                         f"{quantity(stress['value'], 'Pa')} at {vector(stress['point'], 'm')}, {quantity(stress['time'], 's')}"])
         tables.append(Table("The body as a whole", ["Quantity", "Value"], body))
+    bounces = given.get("bounces", [])
+    if len(bounces) > 1:
+        most = 20
+        title = f"Bounces one by one{f', the first {most} of {len(bounces)}' if len(bounces) > most else ''}: velocities of the centre of mass"
+        tables.append(Table(title, ["Contact from", "to", "Velocity before", "Velocity after", "Restitution"], [
+            [quantity(one["start"], "s"), quantity(one["end"], "s"), vector(one["velocity_before"], "m/s"), vector(one["velocity_after"], "m/s"),
+             "–" if one["restitution"] is None else f"{one['restitution']:.4g}"] for one in bounces[:most]]))  # fmt: skip
     return tables
 
 
@@ -35,7 +48,7 @@ def touch(run: RunFolder, name: str, given: dict) -> list[str]:
     force, impulse = per_depth("N", run.dim), per_depth("N s", run.dim)
     return [name, quantity(given["start"], "s"), quantity(given["end"], "s"), quantity(given["contact_time"], "s"),
             quantity(given["normal_impulse"], impulse), vector(given["impulse"], impulse), quantity(given["normal_peak"], force),
-            quantity(given["peak_time"], "s")]  # fmt: skip
+            quantity(given["peak_time"], "s") + (" ∗" if given.get("peak_at_onset") else "")]  # fmt: skip
 
 
 def vector(components: list[float], unit: str) -> str:

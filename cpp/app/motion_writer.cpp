@@ -139,6 +139,11 @@ void MotionWriter::store_fields(const forward::Frame& frame) {
         {Field::von_mises, fem::CellField::von_mises, Values::cellwise_scalar}})
     if (output.field(name))
       state_->write(scene::name(name), (*cell_fields_)(field), t, values);
+  if (output.field(Field::stress) || output.field(Field::von_mises)) {
+    const fem::Largest now = fem::largest(problem_.space, (*cell_fields_)(fem::CellField::von_mises));
+    if (!von_mises_ || now.value > von_mises_->largest.value)
+      von_mises_ = {now, t};
+  }
   if (output.field(Field::pressure)) {
     const double impulse = problem_.stepper.grid().scheme(frame.k).impulse();
     state_->write("pressure",

@@ -7,6 +7,7 @@
 #include "io/contact_table.h"
 #include "io/csv_tables.h"
 #include "io/fields.h"
+#include "io/manifest.h"
 #include <optional>
 
 namespace signorini {
@@ -34,6 +35,9 @@ public:
 
   /// The sums of the motion; null without the balances of its steps, for which nothing has asked.
   [[nodiscard]] const forward::MotionSummary* summary() const { return summary_ ? &*summary_ : nullptr; }
+
+  /// The largest von Mises stress of a cell at the stored times; absent if no stress is stored.
+  [[nodiscard]] const std::optional<io::LargestStress>& von_mises() const { return von_mises_; }
 
   /// Warnings where the motion leaves the range of the model, or the mesh does not resolve it. Collective.
   [[nodiscard]] std::vector<forward::Warning> warnings();
@@ -63,6 +67,7 @@ private:
   std::optional<io::ContactTable> contact_table_;
   std::optional<io::FieldFile> state_;
   std::optional<fem::CellFields> cell_fields_;
+  std::optional<io::LargestStress> von_mises_;
   std::string text_;           ///< buffer of rows
   std::vector<double> values_; ///< buffer of a row
 };

@@ -60,6 +60,7 @@ void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Ru
     manifest.energy = summary->energy();
     manifest.impact = summary->impact();
   }
+  manifest.von_mises = recorder.von_mises();
   if (recorder.invariants())
     manifest.invariants.assign(recorder.invariants()->defects().begin(),
                                recorder.invariants()->defects().end());

@@ -10,7 +10,13 @@ namespace {
 /// Units of a body in the plane are those of a slice of it.
 std::string per_depth(const char* unit, int dim) { return dim == 2 ? fmt::format("{}/m", unit) : unit; }
 
-std::string components(const std::array<double, 3>& x, int dim) {
+/// What is rounding beside the largest component is 0.
+std::string components(std::array<double, 3> x, int dim) {
+  constexpr double rounding = 1e-9;
+  const double largest = std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])});
+  for (double& component : x)
+    if (std::abs(component) < rounding * largest)
+      component = 0;
   return fmt::format("({:.4g})", fmt::join(x.begin(), x.begin() + dim, ", "));
 }
 
@@ -27,11 +33,30 @@ std::string touch_line(const std::string& name, const forward::Touch& touch, int
                                  ? fmt::format(", {:.4g} s of it with a force", touch.contact_time)
                                  : "";
   const std::array<double, 3>& J = touch.impulse;
-  return fmt::format("  {}: from {:.6g} to {:.6g} s{}, impulse {}{} {}, peak {:.4g}{} {} at {:.6g} s", name,
-                     touch.start, touch.end, closed, components(J, dim),
-                     by_modulus(std::hypot(J[0], J[1], J[2]), touch.normal_impulse), per_depth("N s", dim),
-                     touch.peak, by_modulus(touch.peak, touch.normal_peak), per_depth("N", dim),
-                     touch.peak_time);
+  return fmt::format(
+      "  {}: from {:.6g} to {:.6g} s{}, impulse {}{} {}, peak {:.4g}{} {} at {:.6g} s{}", name, touch.start,
+      touch.end, closed, components(J, dim), by_modulus(std::hypot(J[0], J[1], J[2]), touch.normal_impulse),
+      per_depth("N s", dim), touch.peak, by_modulus(touch.peak, touch.normal_peak), per_depth("N", dim),
+      touch.peak_time, touch.peak_at_onset ? ", of the first steps of contact: it depends on time.step" : "");
+}
+
+/// Velocities before and after, and what restitution that is.
+std::string velocities(const forward::Rebound& rebound, bool ended, int dim) {
+  return fmt::format("{} m/s before, {} m/s {}{}", components(rebound.before, dim),
+                     components(rebound.after, dim), ended ? "after" : "at the end, still in contact",
+                     rebound.restitution ? fmt::format("; restitution {:.4g}", *rebound.restitution) : "");
+}
+
+/// The first of several bounces one by one.
+void add_bounces(const forward::Impact& impact, int dim, std::vector<std::string>& lines) {
+  constexpr std::size_t most = 5;
+  const std::size_t number = impact.bounces.size();
+  for (std::size_t i = 0; number > 1 && i < std::min(number, most); ++i)
+    lines.push_back(fmt::format("  bounce {} of {}: from {:.6g} to {:.6g} s, {}", i + 1, number,
+                                impact.bounces[i].start, impact.bounces[i].end,
+                                velocities(impact.bounces[i], i + 1 < number || impact.ended, dim)));
+  if (number > most)
+    lines.emplace_back("  the others are in run.json, as impact.bounces");
 }
 
 void add_impact(const forward::Impact& impact, int dim, std::vector<std::string>& lines) {
@@ -45,10 +70,9 @@ void add_impact(const forward::Impact& impact, int dim, std::vector<std::string>
     lines.push_back(touch_line(one.name, one, dim));
   if (std::ranges::count_if(impact.obstacles, &forward::Touch::occurred) > 1)
     lines.push_back(touch_line("all together", impact.all, dim));
-  lines.push_back(fmt::format(
-      "  velocity of the centre of mass: {} m/s before, {} m/s {}{}", components(impact.before, dim),
-      components(impact.after, dim), impact.ended ? "after" : "at the end, still in contact",
-      impact.restitution ? fmt::format("; restitution {:.4g}", *impact.restitution) : ""));
+  lines.push_back("  velocity of the centre of mass: " + velocities(impact.whole, impact.ended, dim) +
+                  (impact.whole.restitution ? "" : "; no restitution: " + impact.no_restitution));
+  add_bounces(impact, dim, lines);
 }
 
 void add_energy(const forward::EnergyAccount& energy, int dim, std::vector<std::string>& lines) {
@@ -74,6 +98,11 @@ std::vector<std::string> summary_lines(const io::Manifest& manifest) {
     add_impact(*manifest.impact, manifest.dim, lines);
   if (manifest.energy)
     add_energy(*manifest.energy, manifest.dim, lines);
+  if (manifest.von_mises)
+    lines.push_back(
+        fmt::format("largest von Mises stress of the stored times: {:.4g} Pa in the cell at {} m, {:.6g} s",
+                    manifest.von_mises->largest.value,
+                    components(manifest.von_mises->largest.at, manifest.dim), manifest.von_mises->time));
   return lines;
 }
 

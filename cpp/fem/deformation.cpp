@@ -52,22 +52,22 @@ double volume_ratio(const Gradient& G) {
   return determinant([&](int i, int j) { return G[i][j] + (i == j); });
 }
 
-/// What is known of ∇y at one place.
+/// A quantity at one place.
 struct Sample {
   Simplex::Point at;
-  double strain, rotation;
+  double value;
 };
 
-/// The largest of a quantity over all ranks. Collective.
-Largest largest(MPI_Comm comm, const std::vector<Sample>& samples, double Sample::* quantity) {
+/// The largest of them over all ranks. Collective.
+Largest largest(MPI_Comm comm, const std::vector<Sample>& samples) {
   Largest found;
   for (const Sample& sample : samples)
-    if (sample.*quantity > found.value) // false for NaN
-      found.value = sample.*quantity;
+    if (sample.value > found.value) // false for NaN
+      found.value = sample.value;
   MPI_Allreduce(MPI_IN_PLACE, &found.value, 1, MPI_DOUBLE, MPI_MAX, comm);
   std::vector<Simplex::Point> first;
   for (const Sample& sample : samples)
-    if (sample.*quantity >= (1 - tie) * found.value && (first.empty() || sample.at < first.front()))
+    if (sample.value >= (1 - tie) * found.value && (first.empty() || sample.at < first.front()))
       first = {sample.at};
   first = gather(comm, first);
   if (!first.empty())
@@ -89,6 +89,26 @@ Simplex::Point middle(int dim, Vertex&& vertex) {
       at[k] += corner[k] / (dim + 1);
   return at;
 }
+
+/// The vertices of cells.
+class Corners {
+public:
+  explicit Corners(const Space& space)
+      : geometry_(space.dolfinx()->mesh()->geometry().dofmap()), x_(space.dolfinx()->mesh()->geometry().x()) {
+  }
+
+  /// The i-th vertex of a cell, as a function of i: the address of its three coordinates.
+  [[nodiscard]] auto of(std::int32_t cell) const {
+    return [this, cell](int i) {
+      return &x_[3 * static_cast<std::size_t>(
+                         geometry_(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))];
+    };
+  }
+
+private:
+  decltype(std::declval<const dolfinx::mesh::Geometry<double>&>().dofmap()) geometry_;
+  std::span<const double> x_;
+};
 
 /// ∇y at vertex v of a cell: for degree 2 the basis is λ_i (2λ_i − 1) and 4 λ_a λ_b; `slope` are the
 /// gradients of the barycentric coordinates λ.
@@ -129,16 +149,11 @@ Deformation deformation(const Space& space, Vec y) {
 
   const auto cell_type = dim == 2 ? basix::cell::type::triangle : basix::cell::type::tetrahedron;
   const std::vector<std::vector<int>> edges = basix::cell::topology(cell_type)[1];
-  const auto& mesh = *V.mesh();
-  const auto geometry = mesh.geometry().dofmap();
-  const std::span<const double> x = mesh.geometry().x();
+  const Corners corners(space);
   Deformation found;
-  std::vector<Sample> samples;
+  std::vector<Sample> strains, rotations;
   for (std::int32_t cell : space.mesh().owned_cells()) {
-    const auto vertex = [&](int i) {
-      return &x[3 * static_cast<std::size_t>(
-                        geometry(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))];
-    };
+    const auto vertex = corners.of(cell);
     const Simplex simplex(dim, vertex);
     std::array<Simplex::Point, 4> slope{}; // of the barycentric coordinates
     for (int i = 0; i <= dim; ++i)
@@ -148,17 +163,28 @@ Deformation deformation(const Space& space, Vec y) {
     for (std::size_t v = 0; v < (space.degree() == 1 ? 1 : vertices); ++v) { // constant for degree 1
       const Gradient G = gradient(space, dofs, at_dofs, slope, edges, v);
       const double* place = vertex(static_cast<int>(v));
-      samples.push_back(
-          {space.degree() == 1 ? middle(dim, vertex) : Simplex::Point{place[0], place[1], place[2]},
-           principal_strain(G), rotation(G)});
+      const Simplex::Point at =
+          space.degree() == 1 ? middle(dim, vertex) : Simplex::Point{place[0], place[1], place[2]};
+      strains.push_back({at, principal_strain(G)});
+      rotations.push_back({at, rotation(G)});
       inverted = inverted || !(volume_ratio(G) > 0);
     }
     found.inverted += inverted;
   }
-  found.strain = largest(space.comm(), samples, &Sample::strain);
-  found.rotation = largest(space.comm(), samples, &Sample::rotation);
+  found.strain = largest(space.comm(), strains);
+  found.rotation = largest(space.comm(), rotations);
   MPI_Allreduce(MPI_IN_PLACE, &found.inverted, 1, MPI_INT64_T, MPI_SUM, space.comm());
   return found;
+}
+
+Largest largest(const Space& space, std::span<const double> of_cells) {
+  const auto V = cellwise(space.mesh(), {});
+  const Corners corners(space);
+  std::vector<Sample> samples;
+  for (std::int32_t cell : space.mesh().owned_cells())
+    samples.push_back({middle(space.dim(), corners.of(cell)),
+                       of_cells[static_cast<std::size_t>(V->dofmap()->cell_dofs(cell)[0])]});
+  return largest(space.comm(), samples);
 }
 
 } // namespace signorini::fem

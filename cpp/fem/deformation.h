@@ -2,6 +2,7 @@
 #include "fem/space.h"
 #include <array>
 #include <cstdint>
+#include <span>
 
 namespace signorini::fem {
 
@@ -26,5 +27,9 @@ struct Deformation {
 /// Evaluates ∇y at the vertices of all cells, where the strains of degree 1 and 2 are largest. Costs as much
 /// as one or two matrix-vector products. Collective.
 Deformation deformation(const Space& space, Vec y);
+
+/// The largest of values of cells (scalars of cellwise(mesh, {}) that this rank owns), at the middle of the
+/// cell. Collective.
+Largest largest(const Space& space, std::span<const double> of_cells);
 
 } // namespace signorini::fem

@@ -8,6 +8,8 @@ using petsc::check;
 
 namespace {
 
+constexpr int least_open = 2; // steps; single ones without contact occur in rest
+
 double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
 
 double product(const std::array<double, 3>& x, const std::array<double, 3>& y) {
@@ -18,6 +20,15 @@ std::array<double, 3> over(std::array<double, 3> x, double divisor) {
   for (double& component : x)
     component /= divisor;
   return x;
+}
+
+/// That of a free body thrown back by an obstacle at rest.
+std::optional<double> restitution(const Rebound& rebound) {
+  const double towards = product(rebound.before, rebound.impulse),
+               away = product(rebound.after, rebound.impulse);
+  if (!(towards < 0 && away > 0)) // a body that still comes nearer is about to touch again
+    return std::nullopt;
+  return -away / towards;
 }
 
 /// e·Me for a translation e along one axis. Collective.
@@ -59,14 +70,34 @@ void MotionSummary::observe(const Frame& frame, const StepBalance& balance, cons
   if (impact_.obstacles.empty())
     return;
   const bool pushed = forces.all().normal_force > 0;
-  if (pushed && !impact_.all.occurred())
-    impact_.before = over(before, impact_.mass);
   if (pushed)
-    impact_.after = over(balance.momentum, impact_.mass);
+    rebound(frame, forces.all(), before, balance.momentum);
   open_steps_ = pushed || forces.all().active > 0 ? 0 : open_steps_ + 1;
   for (std::size_t i = 0; i < forces.each().size(); ++i)
     take(frame, forces.each()[i], impact_.obstacles[i], last_[i]);
   take(frame, forces.all(), impact_.all, last_.back());
+}
+
+void MotionSummary::rebound(const Frame& frame, const ObstacleForce& now, const std::array<double, 3>& before,
+                            const std::array<double, 3>& after) {
+  const TimeGrid& grid = stepper_.grid();
+  const auto begun = [&] {
+    return Rebound{.start = grid.time(frame.k - 1), .before = over(before, impact_.mass)};
+  };
+  if (impact_.bounces.empty())
+    impact_.whole = begun();
+  if (impact_.bounces.empty() || open_steps_ >= least_open) {
+    if (!impact_.bounces.empty())
+      impulse_ = impact_.whole.impulse;
+    impact_.bounces.push_back(begun());
+  }
+  for (Rebound* one : {&impact_.whole, &impact_.bounces.back()}) {
+    one->end = grid.time(frame.k);
+    one->after = over(after, impact_.mass);
+    one->impulse = now.impulse;
+  }
+  for (std::size_t c = 0; c < 3; ++c)
+    impact_.bounces.back().impulse[c] -= impulse_[c];
 }
 
 void MotionSummary::take(const Frame& frame, const ObstacleForce& now, Touch& touch, Last& last) const {
@@ -75,13 +106,15 @@ void MotionSummary::take(const Frame& frame, const ObstacleForce& now, Touch& to
   std::array<double, 3> mean{};
   for (std::size_t c = 0; c < 3; ++c)
     mean[c] = (last.force[c] + now.force[c]) / 2;
+  last.steps = now.normal_force > 0 ? last.steps + 1 : 0;
   touch.peak = std::max(touch.peak, length(mean));
   if (const double normal = (last.normal_force + now.normal_force) / 2; normal > touch.normal_peak) {
     touch.normal_peak = normal;
     touch.peak_time = earlier;
+    touch.peak_at_onset = last.steps == 1 || last.steps == 2;
   }
   touch.largest_step = std::max(touch.largest_step, now.normal_force);
-  last = {now.force, now.normal_force};
+  last = {now.force, now.normal_force, last.steps};
   touch.impulse = now.impulse;
   touch.normal_impulse += tau * now.normal_force;
   if (!(now.normal_force > 0))
@@ -96,19 +129,31 @@ std::optional<Impact> MotionSummary::impact() const {
   if (impact_.obstacles.empty())
     return std::nullopt;
   Impact impact = impact_;
-  impact.ended = open_steps_ >= 2; // single steps without contact occur in rest
-  impact.restitution = restitution(impact);
+  impact.ended = open_steps_ >= least_open;
+  impact.no_restitution = unfit();
+  if (!impact.no_restitution.empty())
+    return impact;
+  for (Rebound& bounce : impact.bounces)
+    if (&bounce != &impact.bounces.back() || impact.ended)
+      bounce.restitution = restitution(bounce);
+  if (!impact.ended)
+    impact.no_restitution = "contact has not ended";
+  else if (impact.whole.restitution = restitution(impact.whole); !impact.whole.restitution)
+    impact.no_restitution = product(impact.whole.before, impact.whole.impulse) < 0
+                                ? "the body still comes nearer"
+                                : "the body did not come nearer before";
   return impact;
 }
 
-std::optional<double> MotionSummary::restitution(const Impact& impact) const {
-  if (held_ || moving_ || !impact.ended || std::ranges::count_if(impact.obstacles, &Touch::occurred) != 1)
-    return std::nullopt;
-  const double towards = product(impact.before, impact.all.impulse),
-               away = product(impact.after, impact.all.impulse);
-  if (!(towards < 0 && away > 0)) // a body that still comes nearer is about to touch again
-    return std::nullopt;
-  return -away / towards;
+std::string MotionSummary::unfit() const {
+  if (!impact_.all.occurred())
+    return "nothing was touched";
+  if (held_)
+    return "the body is clamped";
+  if (moving_)
+    return "an obstacle moves";
+  return std::ranges::count_if(impact_.obstacles, &Touch::occurred) > 1 ? "several obstacles were touched"
+                                                                        : "";
 }
 
 } // namespace signorini::forward

@@ -20,9 +20,22 @@ struct Touch {
   double peak = 0;                 ///< of the modulus of the resultant
   double normal_peak = 0;          ///< of the sum of the moduli of the nodal forces
   double peak_time = 0;            ///< of the latter: that between its two steps, s
-  double largest_step = 0;         ///< the same of a single step
+  bool peak_at_onset = false; ///< whether one of its steps is the first or second with a force after none:
+                              ///< it depends on the step then, as what has hit the obstacle does
+  double largest_step = 0;    ///< the same of a single step
 
   [[nodiscard]] bool occurred() const { return contact_time > 0; }
+};
+
+/// What contact did to the motion of the body as a whole.
+struct Rebound {
+  double start = 0, end = 0;       ///< as those of a Touch, s
+  std::array<double, 3> impulse{}; ///< of all obstacles, N s, in 2D N s/m
+  std::array<double, 3> before{},  ///< velocity of the centre of mass at the start, m/s
+      after{};                     ///< at the end
+  /// −(after·n)/(before·n) along the direction n of the impulse; only of a body without clamps that moved
+  /// towards one obstacle at rest, touched no other, and left it.
+  std::optional<double> restitution;
 };
 
 /// The motion of the body as a whole before and after contact.
@@ -30,12 +43,10 @@ struct Impact {
   double mass = 0; ///< kg, in 2D kg/m
   std::vector<Touch> obstacles;
   Touch all;
-  bool ended = false;             ///< whether no candidate was in contact in the last two steps
-  std::array<double, 3> before{}, ///< velocity of the centre of mass at all.start, m/s
-      after{};                    ///< at all.end
-  /// −(after·n)/(before·n) along the direction n of the impulse in all; only of a body without clamps that
-  /// moved towards one obstacle at rest, touched no other, and left it.
-  std::optional<double> restitution;
+  bool ended = false;           ///< whether no candidate was in contact in the last two steps
+  Rebound whole;                ///< from the first contact to the last
+  std::vector<Rebound> bounces; ///< one by one: between two, no candidate is in contact for two steps or more
+  std::string no_restitution;   ///< why the whole has none; empty if it has one
 };
 
 /// Where the energy of a motion came from and went to, J, in 2D J/m: the sums over its steps.
@@ -66,17 +77,22 @@ private:
   struct Last {
     std::array<double, 3> force{};
     double normal_force = 0;
+    int steps = 0; ///< in a row with a force
   };
   void take(const Frame& frame, const ObstacleForce& now, Touch& touch, Last& last) const;
-  [[nodiscard]] std::optional<double> restitution(const Impact& impact) const;
+  /// Lets contact act on the body as a whole: its momentum before a step and after it.
+  void rebound(const Frame& frame, const ObstacleForce& now, const std::array<double, 3>& before,
+               const std::array<double, 3>& after);
+  /// Why nothing that contact did here is a restitution; empty if it may be.
+  [[nodiscard]] std::string unfit() const;
 
   const Stepper& stepper_;
   bool held_, moving_;
   EnergyAccount energy_;
   Impact impact_;
-  std::vector<Last> last_; ///< of each obstacle, and of all
-  std::array<double, 3> momentum_{};
-  int open_steps_ = 0; ///< without a candidate in contact, since the last one with
+  std::vector<Last> last_;                       ///< of each obstacle, and of all
+  std::array<double, 3> momentum_{}, impulse_{}; ///< of contact, before the last bounce
+  int open_steps_ = 0;                           ///< without a candidate in contact, since the last one with
 };
 
 } // namespace signorini::forward

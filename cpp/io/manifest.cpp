@@ -83,9 +83,24 @@ ordered_json touch(const forward::Touch& one, int dim) {
   json["normal_impulse"] = one.normal_impulse;
   json["peak"] = one.peak;
   json["peak_time"] = if_any(one.peak_time);
+  json["peak_at_onset"] = one.peak_at_onset;
   json["normal_peak"] = one.normal_peak;
   json["largest_step"] = one.largest_step;
   return json;
+}
+
+/// Null where there is none.
+ordered_json number(const std::optional<double>& value) {
+  return value ? ordered_json(*value) : ordered_json();
+}
+
+ordered_json bounce(const forward::Rebound& one, int dim) {
+  return {{"start", one.start},
+          {"end", one.end},
+          {"impulse", vector(one.impulse, dim)},
+          {"velocity_before", vector(one.before, dim)},
+          {"velocity_after", vector(one.after, dim)},
+          {"restitution", number(one.restitution)}};
 }
 
 ordered_json impact_json(const forward::Impact& impact, int dim) {
@@ -97,9 +112,12 @@ ordered_json impact_json(const forward::Impact& impact, int dim) {
     json["obstacles"].push_back(touch(one, dim));
   json["all"] = touch(impact.all, dim);
   json["ended"] = impact.ended;
-  json["velocity_before"] = if_any(impact.before);
-  json["velocity_after"] = if_any(impact.after);
-  json["restitution"] = impact.restitution ? ordered_json(*impact.restitution) : ordered_json();
+  json["velocity_before"] = if_any(impact.whole.before);
+  json["velocity_after"] = if_any(impact.whole.after);
+  json["restitution"] = number(impact.whole.restitution);
+  json["bounces"] = ordered_json::array();
+  for (const forward::Rebound& one : impact.bounces)
+    json["bounces"].push_back(bounce(one, dim));
   return json;
 }
 
@@ -173,6 +191,10 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
   add_search(json, m, scene);
   if (m.impact)
     json["impact"] = impact_json(*m.impact, m.dim);
+  if (m.von_mises)
+    json["largest_von_mises"] = {{"value", m.von_mises->largest.value},
+                                 {"point", vector(m.von_mises->largest.at, m.dim)},
+                                 {"time", m.von_mises->time}};
   if (m.energy)
     json["energy"] = energy_json(*m.energy);
   for (const forward::Invariants::Defect& defect : m.invariants)

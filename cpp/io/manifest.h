@@ -1,6 +1,7 @@
 #pragma once
 #include "base/timers.h"
 #include "control/objective.h"
+#include "fem/deformation.h"
 #include "forward/body_figures.h"
 #include "forward/invariants.h"
 #include "forward/motion_summary.h"
@@ -28,6 +29,12 @@ struct Kink {
   std::vector<WeakContact> weak;
 };
 
+/// The largest von Mises stress of a cell at the stored times.
+struct LargestStress {
+  fem::Largest largest; ///< Pa, at the middle of the cell
+  double time = 0;      ///< s
+};
+
 /// The contents of run.json.
 struct Manifest {
   std::string verb;
@@ -44,6 +51,7 @@ struct Manifest {
   std::optional<control::Value> objective;
   std::optional<forward::EnergyAccount> energy;        ///< of the motion stored; absent if not summed up
   std::optional<forward::Impact> impact;               ///< likewise, and in a scene without contact
+  std::optional<LargestStress> von_mises;              ///< likewise; absent if no stress is stored
   std::vector<forward::Invariants::Defect> invariants; ///< of the motion stored; empty if not monitored
   std::vector<forward::Warning> warnings;              ///< of the motion stored
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;

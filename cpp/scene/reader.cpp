@@ -314,12 +314,12 @@ Reader Reader::table(const std::string& key) {
   return {*table, full(key), source_};
 }
 
-std::vector<Reader> Reader::tables(const std::string& key) {
+std::vector<Reader> Reader::tables(const std::string& key, bool needed) {
   std::vector<Reader> readers;
   if (!has(key))
     return readers;
   const toml::array* array = node(key).as_array();
-  if (!array || !array->is_homogeneous<toml::table>())
+  if (!array || !((array->empty() && !needed) || array->is_homogeneous<toml::table>()))
     fail(key, fmt::format("found {}, allowed are tables headed [[{}]]", shown(node(key)), full(key)));
   for (std::size_t i = 0; i < array->size(); ++i)
     readers.emplace_back(*array->get(i)->as_table(), fmt::format("{}[{}]", full(key), i), source_);

@@ -73,8 +73,8 @@ public:
   bool flag(const std::string& key);
   /// Reader of a subtable.
   Reader table(const std::string& key);
-  /// Readers of an array of tables; none if the key is absent.
-  std::vector<Reader> tables(const std::string& key);
+  /// Readers of an array of tables; none if the key is absent, and of an empty array unless one is needed.
+  std::vector<Reader> tables(const std::string& key, bool needed);
 
   /// Throws UserError for the first key that was never accessed, suggesting the nearest one that was.
   void finish() const;

@@ -191,7 +191,7 @@ Key<T> sections(const char* name, std::vector<U> T::* member, const Said& said,
   key.read = [=, needed = said.required](Reader& in, T& to, const Scene& scene) {
     const auto read = [&](Reader table) { read_keys(table, (to.*member).emplace_back(), scene); };
     if (!alone || in.is_array(name))
-      std::ranges::for_each(in.tables(name), read);
+      std::ranges::for_each(in.tables(name, needed), read);
     else if (needed || in.has(name))
       read(in.table(name));
   };

@@ -138,7 +138,7 @@ TEST_CASE("two jaws push with opposite forces whose moduli add", "[forward]") {
     CHECK(std::abs(impact.all.normal_impulse - length(impact.obstacles[0].impulse) -
                    length(impact.obstacles[1].impulse)) < 1e-12 * impact.all.normal_impulse);
     CHECK_FALSE(impact.ended);
-    CHECK_FALSE(impact.restitution);
+    CHECK_FALSE(impact.whole.restitution);
   }
 }
 
@@ -148,12 +148,13 @@ TEST_CASE("restitution from velocities is that from the impulse", "[forward]") {
     const Watched motion("tests/data/block.toml", with(thrown, scheme));
     const forward::Impact impact = *motion.summary->impact();
     REQUIRE(impact.ended);
-    REQUIRE(impact.restitution);
-    CHECK(*impact.restitution > 0.3);
-    CHECK(*impact.restitution < 1);
-    const double by_impulse = (impact.all.impulse[1] / impact.mass + impact.before[1]) / -impact.before[1];
-    CHECK(std::abs(by_impulse - *impact.restitution) < 1e-11);
-    CHECK(std::abs(impact.before[1] + 1) < 1e-12);
+    REQUIRE(impact.whole.restitution);
+    CHECK(*impact.whole.restitution > 0.3);
+    CHECK(*impact.whole.restitution < 1);
+    const double by_impulse =
+        (impact.all.impulse[1] / impact.mass + impact.whole.before[1]) / -impact.whole.before[1];
+    CHECK(std::abs(by_impulse - *impact.whole.restitution) < 1e-11);
+    CHECK(std::abs(impact.whole.before[1] + 1) < 1e-12);
     const forward::Touch& touch = impact.all;
     CHECK((touch.start >= 0.08 && touch.start <= 0.1)); // 0.1 m at 1 m/s, in steps of 0.02 s
     CHECK((touch.end > touch.start && touch.contact_time <= touch.end - touch.start + 1e-12));
@@ -172,12 +173,58 @@ TEST_CASE("restitution from velocities is that from the impulse", "[forward]") {
                                 {"contact.obstacle.point=[0, \"-0.1 + 0.01*t\"]"}}) {
     const forward::Impact impact = *Watched("tests/data/block.toml", with(thrown, other)).summary->impact();
     CHECK(impact.all.occurred());
-    CHECK_FALSE(impact.restitution);
+    CHECK_FALSE(impact.whole.restitution);
+    CHECK_FALSE(impact.no_restitution.empty());
   }
   const forward::Impact none =
       *Watched("tests/data/block.toml", with(thrown, {"time.end=0.08"})).summary->impact();
   CHECK_FALSE(none.all.occurred());
-  CHECK_FALSE(none.restitution);
+  CHECK_FALSE(none.whole.restitution);
+}
+
+TEST_CASE("bounces are told one by one, with free fall between them", "[forward]") {
+  const Settings falling{"contact.obstacle.normal=[0, 1]", "load.body=[\"0\", \"-4\"]", "time.end=3"};
+  for (const Settings& scheme : schemes) {
+    const Watched motion("tests/data/block.toml", with(falling, scheme));
+    const forward::Impact impact = *motion.summary->impact();
+    const std::vector<forward::Rebound>& bounces = impact.bounces;
+    REQUIRE(bounces.size() >= 3);
+    Vector sum{};
+    for (std::size_t i = 0; i < bounces.size(); ++i) {
+      const forward::Rebound& one = bounces[i];
+      const double duration = one.end - one.start;
+      CHECK(std::abs(impact.mass * (one.after[1] - one.before[1] + 4 * duration) - one.impulse[1]) < 1e-11);
+      for (std::size_t c = 0; c < 3; ++c)
+        sum[c] += one.impulse[c];
+      if (i > 0)
+        CHECK(std::abs(bounces[i - 1].after[1] - 4 * (one.start - bounces[i - 1].end) - one.before[1]) <
+              1e-11);
+      if (one.restitution)
+        CHECK(std::abs(*one.restitution + one.after[1] / one.before[1]) < 1e-12);
+    }
+    CHECK(length(difference(sum, impact.whole.impulse)) < 1e-11);
+    CHECK(bounces.front().restitution);
+    CHECK((impact.whole.start == bounces.front().start && impact.whole.end == bounces.back().end));
+    CHECK(impact.whole.before == bounces.front().before);
+    CHECK(impact.whole.after == bounces.back().after);
+    CHECK(impact.no_restitution.empty() == impact.whole.restitution.has_value());
+  }
+}
+
+TEST_CASE("a peak in the first steps of contact is marked, one that builds up is not", "[forward]") {
+  const auto peak = [](const Settings& settings) {
+    return Watched("tests/data/block.toml", with({"contact.obstacle.normal=[0, 1]"}, settings))
+        .summary->impact()
+        ->all;
+  };
+  // The mass of a flat face stops within a step, the shorter the harder.
+  const forward::Touch hit = peak({"time.step=0.005"}), harder = peak({"time.step=0.0025"});
+  CHECK((hit.peak_at_onset && harder.peak_at_onset));
+  CHECK(harder.peak > 1.3 * hit.peak);
+  // Pressed slowly by a weight that grows.
+  const forward::Touch pressed = peak({"initial.velocity=[\"0\", \"0\"]", "load.body=[\"0\", \"-t\"]",
+                                       "contact.obstacle.point=[0, 0]", "time.end=2"});
+  CHECK((pressed.occurred() && !pressed.peak_at_onset));
 }
 
 TEST_CASE("the work of loads is told apart from that of a control", "[forward]") {

@@ -4,6 +4,7 @@ The strain is u'(x, t) e_x e_x alone, so that along the bar the moduli are λ + 
 out of the plane too. Fields are means over cells, taken at midpoints: of order h with degree 1, h² with degree 2.
 """
 
+import json
 import sys
 import tempfile
 from pathlib import Path
@@ -11,6 +12,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import SOURCE, Figures, signorini, stored  # noqa: E402
 
+import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 
 LENGTH, SIZE = 2.0, 0.1  # m, of the bar and of the motion
@@ -86,6 +88,14 @@ def errors(dim: int, degree: int, size: float, folder: Path) -> dict[str, float]
         return float(np.sqrt(weighted[0] / weighted[1]))
 
     assert stress.shape[1:] == (len(cells), 9)
+    largest = json.loads((out / "run.json").read_text())["largest_von_mises"]
+    all_mises = stored(out, "state", "von_mises")[2][:, :, 0]
+    step, cell = np.unravel_index(all_mises.argmax(), all_mises.shape)
+    assert abs(largest["value"] / all_mises[step, cell] - 1) < 1e-14
+    with h5py.File(out / "state.h5") as data:
+        found = np.argmin(abs(data["times"][:] - largest["time"]))
+    there = np.argmin(np.linalg.norm(corners.mean(axis=1) - largest["point"], axis=1))
+    assert all_mises[found, there] >= (1 - 1e-6) * largest["value"], f"not there: {largest}"
     return {"strain": error("strain", exact_strain), "stress": error("stress", exact), "von_mises": error("von_mises", exact_mises)}
 
 

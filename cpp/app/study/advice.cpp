@@ -58,7 +58,7 @@ std::vector<std::string> sentences(const Errors& errors, const std::vector<Resul
         title)};
   const double bar = errors.bar ? errors.bar->value : 0;
   std::vector<std::string> texts;
-  for (double target : {0.1, 0.01, 0.001}) {
+  for (double target : {0.1, 0.05, 0.01, 0.001}) {
     const auto [nearest, cheapest] = best(errors, results, target - bar);
     if (cheapest) {
       texts.push_back(fmt::format("for {} % in {}: {}, {:.2g} s ({})", 100 * target, title,

@@ -22,8 +22,9 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
 
 /// Proposes a size and step for a relative error below `tolerance` of the one quantity that the options name,
 /// else of J, from an estimate of the scene's own (Trials), runs them, and reports whether by their own
-/// estimate the tolerance is met; repeats from there if not, a few times and within the options' budget.
-/// Returns the exit status: 1 if it is not met. Collective. Throws UserError, SolverFailure, Interrupted.
+/// estimate the tolerance is met; repeats from there if not, a few times and within the options' budget, else
+/// of ten minutes. Returns the exit status: 1 if it is not met. Collective. Throws UserError, SolverFailure,
+/// Interrupted.
 int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Options& options,
             const Console& console);
 

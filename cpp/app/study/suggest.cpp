@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
+#include <utility>
 
 namespace signorini::study {
 namespace {
@@ -67,40 +68,49 @@ void require_size(const scene::Scene& scene, const Quantity& quantity) {
 /// Goes from trial to trial until one meets the tolerance.
 class Search {
 public:
-  Search(MPI_Comm comm, const scene::Scene& scene, double tolerance, std::optional<double> budget,
-         const Samples& samples, const Console& console)
+  Search(MPI_Comm comm, const scene::Scene& scene, double tolerance, double budget, const Samples& samples,
+         const Console& console)
       : comm_(comm), scene_(scene), tolerance_(tolerance), budget_(budget), samples_(samples),
         console_(console) {}
 
   /// The trial that meets it, else the last.
+  /// That of degree 2 is tried once, where it costs less than the next step of the search.
   Trial operator()(Trials& trials) const {
     const double size = scene_.mesh.size.value_or(scene_.mesh.scale);
     const Rung own = trials.nearest(ladder(scene_, {{size}, {scene_.time.step}, {}, {}}).front());
-    Rung fine = own;
-    fine.size /= trials.reach();
-    const Prices prices =
-        price(comm_, scene_, {own, fine}, samples_, {trials.quantity()}, trials.estimates());
-    Trial last = run(trials, own);
-    std::optional<Trial> met = last.error() <= tolerance_ ? std::optional(last) : std::nullopt;
+    std::optional<Rung> raised;
+    if (trials.any_degree() && own.degree == 1)
+      raised = own, raised->degree = 2;
+    const Prices prices = priced(trials, own, raised);
+    Trial last = run(trials, own), nearest = last;
     double r = trials.order(), q = trials.order();
-    constexpr int most = 5;
-    constexpr double aim =
-        0.8; // of the tolerance, so that a little more error than foreseen does not cost another run
+    const auto proposed = [&](const Trial& from) {
+      constexpr double aim =
+          0.8; // of the tolerance, so that a little more error than foreseen does not cost another run
+      return trials.nearest(proposal(from, aim * tolerance_, samples_.dim, r, q, trials.reach()));
+    };
+    constexpr int most = 8;
     for (int i = 0; i < most; ++i) {
-      const Rung next = trials.nearest(proposal(last, aim * tolerance_, samples_.dim, r, q, trials.reach()));
+      Rung next = proposed(last);
+      if (raised && last.error() > tolerance_ &&
+          seconds(trials, *raised, prices) < seconds(trials, next, prices))
+        next = *std::exchange(raised, std::nullopt);
       if (next == last.rung || beyond_budget(trials, next, prices))
         break;
       const Trial trial = run(trials, next);
-      r = order(last.space, trial.space, last.rung.size / next.size, r);
-      q = order(last.time, trial.time, static_cast<double>(next.steps) / last.rung.steps, q);
-      last = trial;
-      if (last.error() > tolerance_)
+      if (trial.error() <= tolerance_)
+        return nearest.error() <= tolerance_ && nearest.seconds < trial.seconds ? nearest : trial;
+      if (trial.error() < nearest.error())
+        nearest = trial;
+      if (trial.rung.degree == last.rung.degree) {
+        r = order(last.space, trial.space, last.rung.size / next.size, r);
+        q = order(last.time, trial.time, static_cast<double>(next.steps) / last.rung.steps, q);
+      } else if (seconds(trials, proposed(last), prices) < seconds(trials, proposed(trial), prices)) {
         continue;
-      if (!met || last.seconds < met->seconds)
-        met = last;
-      break;
+      }
+      last = trial;
     }
-    return met.value_or(last);
+    return nearest;
   }
 
   /// Seconds since the search began, the same on all ranks. Collective.
@@ -117,21 +127,39 @@ private:
     return trial;
   }
 
-  [[nodiscard]] bool beyond_budget(const Trials& trials, const Rung& next, const Prices& prices) const {
-    double priced = 0;
+  /// Of what the search may come to.
+  [[nodiscard]] Prices priced(const Trials& trials, const Rung& own,
+                              const std::optional<Rung>& raised) const {
+    std::vector<Rung> rungs;
+    for (const std::optional<Rung>& one : {std::optional(own), raised})
+      if (one) {
+        rungs.insert(rungs.end(), 2, *one);
+        rungs.back().size /= trials.reach();
+      }
+    return price(comm_, scene_, rungs, samples_, {trials.quantity()}, trials.estimates());
+  }
+
+  /// Predicted, of all that has to run for a rung.
+  [[nodiscard]] static double seconds(const Trials& trials, const Rung& next, const Prices& prices) {
+    double sum = 0;
     for (const Rung& rung : trials.runs(next))
-      priced += prices.seconds(rung);
-    console_.line(fmt::format("next: {}, about {:.2g} s", words(next, scene_), priced));
-    const bool beyond = budget_ && passed() + priced > *budget_;
+      sum += prices.seconds(rung);
+    return sum;
+  }
+
+  [[nodiscard]] bool beyond_budget(const Trials& trials, const Rung& next, const Prices& prices) const {
+    const double expected = seconds(trials, next, prices);
+    console_.line(fmt::format("next: {}, about {:.2g} s", words(next, scene_), expected));
+    const bool beyond = passed() + expected > budget_;
     if (beyond)
-      console_.line("that is beyond the budget");
+      console_.line(fmt::format("that is beyond the budget of {:.3g} s (--budget)", budget_));
     return beyond;
   }
 
   MPI_Comm comm_;
   const scene::Scene& scene_;
   double tolerance_;
-  std::optional<double> budget_;
+  double budget_;
   const Samples& samples_;
   const Console& console_;
   Clock::time_point start_ = Clock::now();
@@ -147,7 +175,8 @@ int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Op
   const Quantity quantity = the_quantity(scene, options.quantities, samples.dim);
   const std::unique_ptr<Trials> trials = quantity.name == "J" ? adjoint_trials(comm, scene, samples)
                                                               : ladder_trials(comm, scene, samples, quantity);
-  const Search search(comm, scene, tolerance, options.budget, samples, console);
+  constexpr double usual_budget = 600; // s, as --help says
+  const Search search(comm, scene, tolerance, options.budget.value_or(usual_budget), samples, console);
   const Trial found = search(*trials);
   const bool met = found.error() <= tolerance;
   console.line(fmt::format("{:g} in {} is {}: {}, {}, {:.2g} s; found in {:.2g} s", tolerance, quantity.title,

@@ -22,6 +22,7 @@ public:
 
   [[nodiscard]] double order() const override { return 2; }
   [[nodiscard]] double reach() const override { return 8; }
+  [[nodiscard]] bool any_degree() const override { return false; } // see require_size() in suggest.cpp
   [[nodiscard]] Quantity quantity() const override { return {"J", "J", ""}; }
   [[nodiscard]] bool estimates() const override { return true; }
 
@@ -53,7 +54,7 @@ public:
       : comm_(comm), scene_(scene), samples_(samples), quantity_(quantity) {}
 
   [[nodiscard]] double order() const override { return 1; }
-  [[nodiscard]] double reach() const override { return 4; }
+  [[nodiscard]] double reach() const override { return 2; }
   [[nodiscard]] Quantity quantity() const override { return quantity_; }
 
   [[nodiscard]] std::vector<Rung> runs(const Rung& rung) const override {

@@ -25,6 +25,8 @@ public:
   /// The next finer rung that can be tried, and all that have to run for it.
   [[nodiscard]] virtual Rung nearest(const Rung& rung) const { return rung; }
   [[nodiscard]] virtual std::vector<Rung> runs(const Rung& rung) const { return {rung}; }
+  /// Whether degrees may be compared.
+  [[nodiscard]] virtual bool any_degree() const { return true; }
   /// What they measure, and whether the error of J is estimated too.
   [[nodiscard]] virtual Quantity quantity() const = 0;
   [[nodiscard]] virtual bool estimates() const { return false; }
