@@ -227,6 +227,8 @@ TEST_CASE("a .msh is read as a mesh alone, whatever it is called and whatever li
 }
 
 TEST_CASE("a file that makes gmsh crash is refused by one sentence", "[mesh]") {
+  if (ranks(MPI_COMM_WORLD) > 2)
+    return; // one rank reads and tells the others, two as three
   int found = 0;
   for (const auto& entry : std::filesystem::directory_iterator(test::source("tests/fuzz/found")))
     if (entry.path().extension() == ".msh") {

@@ -348,6 +348,8 @@ TEST_CASE("steps that no number could count are refused", "[study]") {
 }
 
 TEST_CASE("sampling ends on a mesh that sets its own density, in whole or in part", "[study]") {
+  if (ranks(MPI_COMM_WORLD) > 2)
+    return; // one rank meshes, which takes the time
   constexpr std::size_t per_cell = 3, wanted = 12'000; // of the quadrature's points
   for (const auto& [file, size, least] :
        {std::tuple{"tests/data/fixed-density.geo", std::optional<double>(0.25), 2 * 70 * 70},
@@ -363,6 +365,8 @@ TEST_CASE("sampling ends on a mesh that sets its own density, in whole or in par
 }
 
 TEST_CASE("sizes that do not change the mesh are refused where they are needed", "[study]") {
+  if (ranks(MPI_COMM_WORLD) > 2)
+    return; // one rank meshes, which takes the time
   scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
   CHECK_NOTHROW(require_answer(MPI_COMM_WORLD, scene));
   CHECK_NOTHROW(require_answer_to(MPI_COMM_WORLD, scene, {0.25, 0.5, 0.25}));
