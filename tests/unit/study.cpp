@@ -1,3 +1,4 @@
+#include "base/collective.h"
 #include "app/study/analysis.h"
 #include "app/study/density.h"
 #include "app/study/measure.h"
