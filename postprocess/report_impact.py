@@ -17,7 +17,7 @@ def impact(run: RunFolder) -> list[Table]:
         rows.append(touch(run, "all", given["all"]))
     title = "Forces are added by their moduli; the peak is that of the mean of two steps. The force of a step acts all through it."
     if any(one.get("peak_at_onset") for one in [*given["obstacles"], given["all"]]):
-        title += " ∗ in the first steps of contact: such a peak depends on the step."
+        title += " ∗ as contact begins, before a wave has crossed the body: such a peak may depend on step and size."
     head = ["Obstacle", "Contact from", "to", "In contact for", "Impulse", "Resultant of it", "Peak force", "at"]
     tables = [Table(title, head, rows)]
     if given["velocity_before"]:
@@ -35,8 +35,9 @@ def impact(run: RunFolder) -> list[Table]:
     if len(bounces) > 1:
         most = 20
         title = f"Bounces one by one{f', the first {most} of {len(bounces)}' if len(bounces) > most else ''}: velocities of the centre of mass"
-        tables.append(Table(title, ["Contact from", "to", "Velocity before", "Velocity after", "Restitution"], [
-            [quantity(one["start"], "s"), quantity(one["end"], "s"), vector(one["velocity_before"], "m/s"), vector(one["velocity_after"], "m/s"),
+        impulse, force = per_depth("N s", run.dim), per_depth("N", run.dim)
+        tables.append(Table(title, ["Contact from", "to", "Impulse", "Peak force", "Velocity before", "Velocity after", "Restitution"], [
+            [quantity(one["start"], "s"), quantity(one["end"], "s"), vector(one["impulse"], impulse), quantity(one["peak"], force), vector(one["velocity_before"], "m/s"), vector(one["velocity_after"], "m/s"),
              "–" if one["restitution"] is None else f"{one['restitution']:.4g}"] for one in bounces[:most]]))  # fmt: skip
     return tables
 

@@ -138,11 +138,18 @@ io::Kink describe(control::ReducedProblem& reduced,
                   bool& interrupted, const Console& console) {
   io::Kink kink{certificate.length, certificate.radius, static_cast<int>(certificate.points.size()),
                 weak_contact(reduced, certificate.points, interrupted)};
-  console.line(fmt::format(
-      "{} gradients within {:.1e} of the control have a combination of length {:.2e}, {:.1e} of the first "
-      "gradient's; contact is weak at {}{} candidates and steps:",
-      kink.gradients, kink.radius, kink.length, kink.length / first_norm, interrupted ? "at least " : "",
-      kink.weak.size()));
+  std::string text = fmt::format(
+      "no direction lowers J: {} gradients within {:.1e} of the control have a combination of length "
+      "{:.2e}, {:.1e} of the first gradient's; ",
+      kink.gradients, kink.radius, kink.length, kink.length / first_norm);
+  text +=
+      kink.weak.empty()
+          ? std::string(
+                "the same candidates are closed at all of them: J changes its piece nearer to the control, "
+                "as where contact chatters")
+          : fmt::format("contact is weak at {}{} candidates and steps:", interrupted ? "at least " : "",
+                        kink.weak.size());
+  console.line(text);
   constexpr std::size_t most_lines = 8;
   for (std::size_t i = 0; i < std::min(most_lines, kink.weak.size()); ++i)
     console.line(fmt::format("  step {} (t = {:.6g} s), node at ({:.6g}) m", kink.weak[i].step,

@@ -37,7 +37,8 @@ std::string touch_line(const std::string& name, const forward::Touch& touch, int
       "  {}: from {:.6g} to {:.6g} s{}, impulse {}{} {}, peak {:.4g}{} {} at {:.6g} s{}", name, touch.start,
       touch.end, closed, components(J, dim), by_modulus(std::hypot(J[0], J[1], J[2]), touch.normal_impulse),
       per_depth("N s", dim), touch.peak, by_modulus(touch.peak, touch.normal_peak), per_depth("N", dim),
-      touch.peak_time, touch.peak_at_onset ? ", of the first steps of contact: it depends on time.step" : "");
+      touch.peak_time,
+      touch.peak_at_onset ? ", as contact begins: it may depend on time.step and mesh.size" : "");
 }
 
 /// Velocities before and after, and what restitution that is.
@@ -47,14 +48,18 @@ std::string velocities(const forward::Rebound& rebound, bool ended, int dim) {
                      rebound.restitution ? fmt::format("; restitution {:.4g}", *rebound.restitution) : "");
 }
 
+std::string bounce_line(const forward::Rebound& one, std::size_t which, std::size_t of, bool ended, int dim) {
+  return fmt::format("  bounce {} of {}: from {:.6g} to {:.6g} s, impulse {} {}, peak {:.4g} {}; {}", which,
+                     of, one.start, one.end, components(one.impulse, dim), per_depth("N s", dim), one.peak,
+                     per_depth("N", dim), velocities(one, ended, dim));
+}
+
 /// The first of several bounces one by one.
 void add_bounces(const forward::Impact& impact, int dim, std::vector<std::string>& lines) {
   constexpr std::size_t most = 5;
   const std::size_t number = impact.bounces.size();
   for (std::size_t i = 0; number > 1 && i < std::min(number, most); ++i)
-    lines.push_back(fmt::format("  bounce {} of {}: from {:.6g} to {:.6g} s, {}", i + 1, number,
-                                impact.bounces[i].start, impact.bounces[i].end,
-                                velocities(impact.bounces[i], i + 1 < number || impact.ended, dim)));
+    lines.push_back(bounce_line(impact.bounces[i], i + 1, number, i + 1 < number || impact.ended, dim));
   if (number > most)
     lines.emplace_back("  the others are in run.json, as impact.bounces");
 }

@@ -177,6 +177,25 @@ Deformation deformation(const Space& space, Vec y) {
   return found;
 }
 
+double mean_diameter(const Space& space) {
+  const Corners corners(space);
+  const int dim = space.dim();
+  std::array<double, 2> sums{}; // of volumes times diameters, and of volumes
+  for (std::int32_t cell : space.mesh().owned_cells()) {
+    const auto vertex = corners.of(cell);
+    double diameter = 0;
+    for (int i = 0; i <= dim; ++i)
+      for (int j = 0; j < i; ++j)
+        diameter = std::max(diameter, std::hypot(vertex(i)[0] - vertex(j)[0], vertex(i)[1] - vertex(j)[1],
+                                                 vertex(i)[2] - vertex(j)[2]));
+    const double volume = Simplex(dim, vertex).volume();
+    sums[0] += volume * diameter;
+    sums[1] += volume;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), 2, MPI_DOUBLE, MPI_SUM, space.comm());
+  return sums[0] / sums[1];
+}
+
 Largest largest(const Space& space, std::span<const double> of_cells) {
   const auto V = cellwise(space.mesh(), {});
   const Corners corners(space);

@@ -28,6 +28,9 @@ struct Deformation {
 /// as one or two matrix-vector products. Collective.
 Deformation deformation(const Space& space, Vec y);
 
+/// Mean over the body of the cells' longest edges, m. Collective.
+double mean_diameter(const Space& space);
+
 /// The largest of values of cells (scalars of cellwise(mesh, {}) that this rank owns), at the middle of the
 /// cell. Collective.
 Largest largest(const Space& space, std::span<const double> of_cells);

@@ -1,6 +1,8 @@
 #include "forward/body_figures.h"
+#include "fem/deformation.h"
 #include <algorithm>
 #include <cmath>
+#include <dolfinx/mesh/Mesh.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -77,6 +79,46 @@ void doubt_sizes(const Stepper& stepper, const scene::Time& time, const BodyFigu
         fmt::format("the obstacle is {:.3g} m away from a body of {:.3g} m; {}", gap, length, hint));
 }
 
+/// A body that is inside of an obstacle but for its surface, which may stand on it.
+void doubt_normals(const Stepper& stepper, std::vector<std::string>& doubts) {
+  const contact::ContactPairs* pairs = stepper.pairs();
+  const std::span<const double> x = stepper.space().mesh().dolfinx()->geometry().x();
+  int next = 0; // obstacle
+  for (int i = 0; pairs && i < pairs->count(); ++i) {
+    const int number = pairs->obstacles()[static_cast<std::size_t>(i)];
+    if (number < next)
+      continue;
+    next = number + 1;
+    const contact::Obstacle& obstacle = pairs->obstacle(i);
+    const contact::Obstacle::Place place = obstacle.place(0);
+    std::array<std::int64_t, 2> nodes{0, static_cast<std::int64_t>(x.size() / 3)}; // inside, all
+    for (std::size_t node = 0; 3 * node < x.size(); ++node)
+      nodes[0] += obstacle.level(&x[3 * node], place) < -pairs->gap_tolerance();
+    MPI_Allreduce(MPI_IN_PLACE, nodes.data(), 2, MPI_INT64_T, MPI_SUM, stepper.space().comm());
+    if (2 * nodes[0] > nodes[1])
+      doubts.push_back(fmt::format(
+          "{}: {:.0f} % of the body is inside the obstacle, whose normal points out of "
+          "it and may be reversed",
+          pairs->key(number), 100 * static_cast<double>(nodes[0]) / static_cast<double>(nodes[1])));
+  }
+}
+
+/// Elements of degree 1 are too stiff in bending, by ten per cent with four across the height.
+void doubt_bending(const Stepper& stepper, const scene::Scene& scene, const BodyFigures& figures,
+                   std::vector<std::string>& doubts) {
+  constexpr double slender = 4, enough = 6;
+  const std::span extent(figures.extent.data(), static_cast<std::size_t>(figures.dim));
+  const auto [least, greatest] = std::ranges::minmax(extent);
+  if (stepper.space().degree() > 1 || scene.clamps.empty() || !stepper.pairs() || greatest < slender * least)
+    return;
+  const double across = least / fem::mean_diameter(stepper.space());
+  if (across < enough)
+    doubts.push_back(
+        fmt::format("a slender body that is held has elements of degree 1, {:.2g} across, which are too "
+                    "stiff in bending by ten per cent or more; mesh.degree = 2 is not",
+                    across));
+}
+
 } // namespace
 
 BodyFigures body_figures(const Stepper& stepper, const scene::Scene& scene) {
@@ -95,6 +137,8 @@ BodyFigures body_figures(const Stepper& stepper, const scene::Scene& scene) {
   figures.crossing_steps = figures.crossing / scene.time.step;
   doubt_materials(scene.materials, figures.doubts);
   doubt_sizes(stepper, scene.time, figures, figures.doubts);
+  doubt_normals(stepper, figures.doubts);
+  doubt_bending(stepper, scene, figures, figures.doubts);
   return figures;
 }
 

@@ -1,11 +1,10 @@
 #include "forward/motion_summary.h"
+#include "forward/body_figures.h"
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 namespace signorini::forward {
-using petsc::check;
-
 namespace {
 
 constexpr int least_open = 2; // steps; single ones without contact occur in rest
@@ -31,24 +30,14 @@ std::optional<double> restitution(const Rebound& rebound) {
   return -away / towards;
 }
 
-/// e·Me for a translation e along one axis. Collective.
-double mass(const Stepper& stepper) {
-  const petsc::Vector e = stepper.space().vector(), Me = stepper.space().vector();
-  {
-    const petsc::WriteArray values(e);
-    for (std::size_t i = 0; i < values.size(); i += static_cast<std::size_t>(stepper.space().dim()))
-      values[i] = 1;
-  }
-  check(MatMult(stepper.M(), e, Me));
-  return petsc::dot(e, Me);
-}
-
 } // namespace
 
 MotionSummary::MotionSummary(const Stepper& stepper, const scene::Scene& scene)
     : stepper_(stepper), held_(!scene.clamps.empty()), moving_(stepper.pairs() && stepper.pairs()->moving()),
-      last_(scene.contacts.size() + 1) {
-  impact_.mass = mass(stepper);
+      last_(scene.contacts.size() + 1, Last{.open = least_open}) {
+  const BodyFigures figures = body_figures(stepper, scene);
+  impact_.mass = figures.mass;
+  crossing_ = figures.crossing;
   for (const scene::Contact& contact : scene.contacts)
     impact_.obstacles.push_back({.name = contact.name});
 }
@@ -96,8 +85,12 @@ void MotionSummary::rebound(const Frame& frame, const ObstacleForce& now, const 
     one->after = over(after, impact_.mass);
     one->impulse = now.impulse;
   }
+  Rebound& bounce = impact_.bounces.back();
   for (std::size_t c = 0; c < 3; ++c)
-    impact_.bounces.back().impulse[c] -= impulse_[c];
+    bounce.impulse[c] -= impulse_[c];
+  const double mean = (last_.back().normal_force + now.normal_force) / 2;
+  bounce.peak = std::max(bounce.peak, mean);
+  impact_.whole.peak = std::max(impact_.whole.peak, mean);
 }
 
 void MotionSummary::take(const Frame& frame, const ObstacleForce& now, Touch& touch, Last& last) const {
@@ -106,15 +99,18 @@ void MotionSummary::take(const Frame& frame, const ObstacleForce& now, Touch& to
   std::array<double, 3> mean{};
   for (std::size_t c = 0; c < 3; ++c)
     mean[c] = (last.force[c] + now.force[c]) / 2;
-  last.steps = now.normal_force > 0 ? last.steps + 1 : 0;
+  if (now.normal_force > 0 && last.open >= least_open)
+    last.begun = earlier;
+  last.open = now.normal_force > 0 ? 0 : last.open + 1;
   touch.peak = std::max(touch.peak, length(mean));
   if (const double normal = (last.normal_force + now.normal_force) / 2; normal > touch.normal_peak) {
     touch.normal_peak = normal;
     touch.peak_time = earlier;
-    touch.peak_at_onset = last.steps == 1 || last.steps == 2;
+    touch.peak_at_onset = earlier <= last.begun + crossing_;
   }
   touch.largest_step = std::max(touch.largest_step, now.normal_force);
-  last = {now.force, now.normal_force, last.steps};
+  last.force = now.force;
+  last.normal_force = now.normal_force;
   touch.impulse = now.impulse;
   touch.normal_impulse += tau * now.normal_force;
   if (!(now.normal_force > 0))

@@ -20,9 +20,9 @@ struct Touch {
   double peak = 0;                 ///< of the modulus of the resultant
   double normal_peak = 0;          ///< of the sum of the moduli of the nodal forces
   double peak_time = 0;            ///< of the latter: that between its two steps, s
-  bool peak_at_onset = false; ///< whether one of its steps is the first or second with a force after none:
-                              ///< it depends on the step then, as what has hit the obstacle does
-  double largest_step = 0;    ///< the same of a single step
+  bool peak_at_onset = false;      ///< whether a wave has not crossed the body since contact began: then it
+                                   ///< is of what hits, and as a rule depends on step and size
+  double largest_step = 0;         ///< the same of a single step
 
   [[nodiscard]] bool occurred() const { return contact_time > 0; }
 };
@@ -31,6 +31,7 @@ struct Touch {
 struct Rebound {
   double start = 0, end = 0;       ///< as those of a Touch, s
   std::array<double, 3> impulse{}; ///< of all obstacles, N s, in 2D N s/m
+  double peak = 0;                 ///< Touch::normal_peak of these steps
   std::array<double, 3> before{},  ///< velocity of the centre of mass at the start, m/s
       after{};                     ///< at the end
   /// −(after·n)/(before·n) along the direction n of the impulse; only of a body without clamps that moved
@@ -77,7 +78,8 @@ private:
   struct Last {
     std::array<double, 3> force{};
     double normal_force = 0;
-    int steps = 0; ///< in a row with a force
+    int open = 0;     ///< steps in a row without a force, before the first one too
+    double begun = 0; ///< when contact last began after that, s
   };
   void take(const Frame& frame, const ObstacleForce& now, Touch& touch, Last& last) const;
   /// Lets contact act on the body as a whole: its momentum before a step and after it.
@@ -88,6 +90,7 @@ private:
 
   const Stepper& stepper_;
   bool held_, moving_;
+  double crossing_; ///< of a wave, s
   EnergyAccount energy_;
   Impact impact_;
   std::vector<Last> last_;                       ///< of each obstacle, and of all

@@ -98,6 +98,7 @@ ordered_json bounce(const forward::Rebound& one, int dim) {
   return {{"start", one.start},
           {"end", one.end},
           {"impulse", vector(one.impulse, dim)},
+          {"peak", one.peak},
           {"velocity_before", vector(one.before, dim)},
           {"velocity_after", vector(one.after, dim)},
           {"restitution", number(one.restitution)}};

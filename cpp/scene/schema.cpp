@@ -328,7 +328,8 @@ Keys<Trajectory> keys_of(Of<Trajectory>) {
 
 Keys<Check> keys_of(Of<Check>) {
   return {required("control", &Check::control, ControlField{}, "",
-                   "where `check` takes derivatives: as `control.initial`",
+                   "where `check` takes derivatives: expressions as those of `control.initial`, whose run is "
+                   "taken without this key",
                    {.otherwise = "near the reference control; without one, the first guess"})};
 }
 

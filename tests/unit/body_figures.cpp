@@ -68,6 +68,11 @@ TEST_CASE("units that were mistaken are doubted, and the scenes here are not", "
            {{"material.density=7850000"}, "more than that of any solid"}, // g/m³
            {{steel, "time={end = 1e-4, step = 1e-5}"}, "before a wave has come across the body of 1 m"},
            {{steel, slow}, "only motions slower than that are resolved"},
+           {{"contact.obstacle={shape=\"half-space\", point=[0, 0], normal=[0, -1]}"},
+            "% of the body is inside the obstacle"},
+           {{"clamp=[{on=\"free\", components=[\"x\"]}]", "mesh.file=../../meshes/bar.geo", "mesh.size=0.5",
+             "time.end=2", "contact.on=contact", "contact.obstacle.normal=[0, 1]"},
+            "too stiff in bending"},
            {{"contact.obstacle.point=[0, -100]"}, "the obstacle is 95.8 m away"},
            {{"mesh.unit=um", "mesh.size=2.5e-7", "contact.obstacle.point=[0, -1e-6]"},
             "the body is 1e-06 m long"}}) {

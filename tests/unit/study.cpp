@@ -1,8 +1,8 @@
-#include "base/collective.h"
 #include "app/study/analysis.h"
 #include "app/study/density.h"
 #include "app/study/measure.h"
 #include "app/study/quantities.h"
+#include "base/collective.h"
 #include "base/error.h"
 #include "fem/sampler.h"
 #include "fixtures.h"
@@ -350,7 +350,7 @@ TEST_CASE("steps that no number could count are refused", "[study]") {
 
 TEST_CASE("sampling ends on a mesh that sets its own density, in whole or in part", "[study]") {
   if (ranks(MPI_COMM_WORLD) > 2)
-    return; // one rank meshes, which takes the time
+    return;                                            // one rank meshes, which takes the time
   constexpr std::size_t per_cell = 3, wanted = 12'000; // of the quadrature's points
   for (const auto& [file, size, least] :
        {std::tuple{"tests/data/fixed-density.geo", std::optional<double>(0.25), 2 * 70 * 70},
