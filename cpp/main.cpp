@@ -130,6 +130,9 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
     sub->add_option("--set", request.overrides, "key.path=value, overrides the scene; may be repeated")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    sub->add_option("--threads", request.threads,
+                    "of each rank (default: OMP_NUM_THREADS, else the cores that the ranks leave)")
+        ->check(CLI::Range(1, 1024));
     sub->add_flag("--quiet", asked.quiet, "say nothing but errors");
     if (name == "optimize")
       sub->add_flag("--resume", request.resume,

@@ -4,6 +4,7 @@ import csv
 import json
 import subprocess
 import sys
+import xml.etree.ElementTree as xml
 from pathlib import Path
 
 import numpy as np
@@ -82,6 +83,26 @@ def stored(out: Path, file: str, name: str) -> tuple[np.ndarray, np.ndarray, np.
         mesh, states = data["Mesh/mesh"], data[f"Function/{name}"]
         order = sorted(states, key=lambda key: float(key.replace("_", ".")))
         return mesh["geometry"][:], mesh["topology"][:], np.array([states[key][:] for key in order])
+
+
+def grids(file: Path) -> dict[str, list[float]]:
+    """Field name → times, with every dataset that the XDMF file refers to present in the HDF5 file."""
+    import h5py
+
+    found: dict[str, list[float]] = {}
+    with h5py.File(file.with_suffix(".h5")) as h5:
+        for item in xml.parse(file).iter("DataItem"):
+            name, path = item.text.split(":")
+            assert name == file.with_suffix(".h5").name, "the XDMF file points to another folder"
+            assert list(h5[path].shape) == [int(n) for n in item.get("Dimensions").split()]
+    for collection in xml.parse(file).iter("Grid"):
+        if collection.get("GridType") == "Collection":
+            times = found[collection.get("Name")] = [float(t.get("Value")) for t in collection.iter("Time")]
+            names = [item.text.split("/")[-1] for item in collection.iter("DataItem") if "/Function/" in item.text]
+            with h5py.File(file.with_suffix(".h5")) as h5:
+                assert np.array_equal(h5["times"][:], times) and times == sorted(times)
+                assert names == list(h5["Function"][collection.get("Name")]) == sorted(names), "names in the order of time"
+    return found
 
 
 def boundary(cells: np.ndarray) -> np.ndarray:

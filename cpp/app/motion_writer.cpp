@@ -2,7 +2,7 @@
 #include "base/error.h"
 #include "io/motion_tables.h"
 #include <fmt/format.h>
-#include <tuple>
+#include <utility>
 
 namespace signorini {
 using Field = scene::StoredField;
@@ -50,14 +50,19 @@ void MotionWriter::open_tables(const io::OutputFolder& folder, bool probed) {
 
 void MotionWriter::open_state(const io::OutputFolder& folder) {
   const scene::Output& output = problem_.scene.output;
-  std::size_t fields = 0; // in vectors
-  for (const Field field : {Field::displacement, Field::velocity, Field::von_mises, Field::pressure})
-    fields += output.field(field);
-  for (const Field field : {Field::strain, Field::stress})
-    fields += 3 * static_cast<std::size_t>(output.field(field));
+  using enum io::Values;
+  std::vector<io::FieldFile::Field> fields;
+  for (const auto& [field, values] : {std::pair{Field::displacement, nodal},
+                                      {Field::velocity, nodal},
+                                      {Field::strain, cellwise_tensor},
+                                      {Field::stress, cellwise_tensor},
+                                      {Field::von_mises, cellwise_scalar},
+                                      {Field::pressure, nodal_scalar}})
+    if (output.field(field))
+      fields.push_back({scene::name(field), values});
   const auto times = static_cast<std::size_t>((problem_.steps() - 1) / output.every + 2);
-  if (fields > 0)
-    state_.emplace(problem_.space, folder, "state.xdmf", fields * times);
+  if (!fields.empty())
+    state_.emplace(problem_.space, folder, "state.xdmf", fields, times);
   if (output.field(Field::strain) || output.field(Field::stress) || output.field(Field::von_mises))
     cell_fields_.emplace(problem_.space, fem::parts(problem_.mesh, problem_.scene.materials));
 }
@@ -126,31 +131,29 @@ void MotionWriter::store(const forward::Frame& frame) {
 void MotionWriter::store_fields(const forward::Frame& frame) {
   const scene::Output& output = problem_.scene.output;
   const double t = problem_.stepper.grid().time(frame.k);
-  if (output.field(Field::displacement))
-    state_->write("displacement", frame.y1, t);
-  if (output.field(Field::velocity))
-    state_->write("velocity", frame.v1, t);
+  const auto write = [&](Field field, auto&& values) {
+    if (output.field(field))
+      state_->write(scene::name(field), stored_, t, values());
+  };
+  write(Field::displacement, [&] { return frame.y1; });
+  write(Field::velocity, [&] { return frame.v1; });
   if (cell_fields_)
     cell_fields_->set(frame.y1, frame.v1);
-  using Values = io::FieldFile::Values;
-  for (const auto& [name, field, values] :
-       {std::tuple{Field::strain, fem::CellField::strain, Values::cellwise_tensor},
-        {Field::stress, fem::CellField::stress, Values::cellwise_tensor},
-        {Field::von_mises, fem::CellField::von_mises, Values::cellwise_scalar}})
-    if (output.field(name))
-      state_->write(scene::name(name), (*cell_fields_)(field), t, values);
+  for (const auto& [field, of_cells] : {std::pair{Field::strain, fem::CellField::strain},
+                                        {Field::stress, fem::CellField::stress},
+                                        {Field::von_mises, fem::CellField::von_mises}})
+    write(field, [&] { return (*cell_fields_)(of_cells); });
   if (output.field(Field::stress) || output.field(Field::von_mises)) {
-    const fem::Largest now = fem::largest(problem_.space, (*cell_fields_)(fem::CellField::von_mises));
+    const fem::Largest now = cell_fields_->largest_von_mises();
     if (!von_mises_ || now.value > von_mises_->largest.value)
       von_mises_ = {now, t};
   }
-  if (output.field(Field::pressure)) {
+  write(Field::pressure, [&] {
     const double impulse = problem_.stepper.grid().scheme(frame.k).impulse();
-    state_->write("pressure",
-                  contact::at_nodes(problem_.space, *problem_.stepper.pairs(),
-                                    (*pressure_)(frame.contact.lambda, impulse)),
-                  t, Values::nodal_scalar);
-  }
+    return contact::at_nodes(problem_.space, *problem_.stepper.pairs(),
+                             (*pressure_)(frame.contact.lambda, impulse));
+  });
+  ++stored_;
 }
 
 std::vector<forward::Warning> MotionWriter::warnings() {

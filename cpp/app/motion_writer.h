@@ -66,6 +66,7 @@ private:
   std::optional<contact::Pressure> pressure_;
   std::optional<io::ContactTable> contact_table_;
   std::optional<io::FieldFile> state_;
+  std::size_t stored_ = 0; ///< number of times in it
   std::optional<fem::CellFields> cell_fields_;
   std::optional<io::LargestStress> von_mises_;
   std::string text_;           ///< buffer of rows

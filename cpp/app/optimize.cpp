@@ -31,13 +31,16 @@ void write_control(const io::OutputFolder& folder, const Problem& problem, contr
   for (int k = 1; k <= problem.steps(); ++k)
     if (stored(k, output.every, k == problem.steps()))
       steps.push_back(k);
-  using enum io::FieldFile::Values;
-  const auto write = [&](scene::StoredField field, io::FieldFile::Values values, auto&& at) {
+  using enum io::Values;
+  const auto write = [&](scene::StoredField field, io::Values values, auto&& at) {
     if (!output.field(field))
       return;
     const std::string name = scene::name(field);
-    io::FieldFile file(problem.space, folder, name + ".xdmf", steps.size(), values);
-    at([&](int k, Vec x) { file.write(name, x, problem.stepper.grid().time(k)); });
+    io::FieldFile file(problem.space, folder, name + ".xdmf", {{name, values}}, steps.size());
+    at([&](int k, Vec x) {
+      if (const auto found = std::ranges::lower_bound(steps, k); found != steps.end() && *found == k)
+        file.write(name, static_cast<std::size_t>(found - steps.begin()), problem.stepper.grid().time(k), x);
+    });
     file.close();
   };
   write(scene::StoredField::control, reduced.controls().cellwise() ? cellwise : nodal, [&](auto&& store) {
@@ -47,12 +50,7 @@ void write_control(const io::OutputFolder& folder, const Problem& problem, contr
       store(k, field);
     }
   });
-  write(scene::StoredField::adjoint, nodal, [&](auto&& store) {
-    reduced.adjoint_states([&](int k, Vec p) {
-      if (std::ranges::binary_search(steps, k))
-        store(k, p);
-    });
-  });
+  write(scene::StoredField::adjoint, nodal, [&](auto&& store) { reduced.adjoint_states(store); });
 }
 
 /// How the states of motions were stored, and its cost, in words.

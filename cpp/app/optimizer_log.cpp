@@ -11,7 +11,7 @@ namespace signorini {
 namespace {
 
 /// The version of the layout of checkpoint.h5.
-constexpr int format = 2;
+constexpr int format = 3;
 
 /// Numbers in a row of the history, as stored.
 constexpr std::size_t columns = 11;
@@ -43,6 +43,8 @@ OptimizerLog::OptimizerLog(ControlProblem& control_problem, const Problem& probl
     : control_problem_(control_problem), problem_(problem), folder_(folder), console_(console),
       file_(folder.path() / checkpoint), every_(problem.scene.optimizer.checkpoint), resume_(resume) {
   progress_.emplace(console, "iterations", static_cast<std::size_t>(problem.scene.optimizer.max_iterations));
+  if (control_problem.reference)
+    reference_norm_ = control_problem.controls.norm(*control_problem.reference);
 }
 
 double OptimizerLog::seconds() const {
@@ -61,8 +63,7 @@ void OptimizerLog::operator()(const optimize::Iteration& iteration) {
   if (control_problem_.reference) {
     control::Control difference = reduced.control();
     difference.add(-1, *control_problem_.reference);
-    row.relative_distance_to_reference = control_problem_.controls.norm(difference) /
-                                         control_problem_.controls.norm(*control_problem_.reference);
+    row.relative_distance_to_reference = control_problem_.controls.norm(difference) / reference_norm_;
   }
   rows_.push_back(row);
   show_row();

@@ -87,6 +87,7 @@ private:
   bool resume_, evaluated_ = false;
   std::optional<Progress> progress_;
   Clock::time_point start_ = Clock::now();
+  double reference_norm_ = 0;
   double earlier_ = 0; ///< seconds of the search before it was resumed
   std::vector<io::HistoryRow> rows_;
   std::ofstream history_; ///< on rank 0

@@ -8,6 +8,7 @@
 #include "app/summary_lines.h"
 #include "base/collective.h"
 #include "base/error.h"
+#include "base/threads.h"
 #include "io/manifest.h"
 #include "io/output_folder.h"
 #include <fmt/format.h>
@@ -140,6 +141,7 @@ void require_not_the_guess(const scene::Scene& scene, const std::filesystem::pat
 } // namespace
 
 int run(const Request& request, const Console& console) {
+  use_threads(world(), request.threads);
   std::string text; // read once: ranks with different scenes would deadlock
   on_root(world(), [&] { text = scene::read(request.scene); });
   const auto open = [](const std::filesystem::path& file) { // every rank asks for the same, in the same order

@@ -13,9 +13,10 @@ struct Request {
   std::filesystem::path scene;
   std::filesystem::path out; ///< empty: results/<scene name>
   std::vector<std::string> overrides;
-  bool resume = false;  ///< continue optimize from its checkpoint
-  bool replace = false; ///< simulate may remove what a search left in its folder
-  int timed_steps = 0;  ///< number of steps that info makes and times
+  bool resume = false;        ///< continue optimize from its checkpoint
+  bool replace = false;       ///< simulate may remove what a search left in its folder
+  int timed_steps = 0;        ///< number of steps that info makes and times
+  std::optional<int> threads; ///< of each rank; absent: use_threads() chooses
   study::Options study;
   std::optional<double> suggest; ///< tolerance for which study proposes size and step
 };

@@ -1,6 +1,7 @@
 #include "app/run_manifest.h"
 #include "base/collective.h"
 #include "base/memory.h"
+#include "base/threads.h"
 #include <fmt/format.h>
 
 namespace signorini {
@@ -19,11 +20,12 @@ std::string headline(const Problem& problem) {
   for (const auto& [name, active] : io::effects(problem.scene))
     if (active)
       on += (on.empty() ? "" : ", ") + name;
-  return fmt::format(
-      "{}: {} free unknowns, {} contact candidates, {} steps of {} s, {} rank{}\n{}\neffects: {}\nsolver: {}",
-      problem.scene.name, problem.free_dofs(), forward::candidates(problem.stepper), problem.steps(),
-      problem.scene.time.step, size, size == 1 ? "" : "s", body_lines(problem), on.empty() ? "none" : on,
-      problem.stepper.solver().choice());
+  return fmt::format("{}: {} free unknowns, {} contact candidates, {} steps of {} s, {} "
+                     "rank{}{}\n{}\neffects: {}\nsolver: {}",
+                     problem.scene.name, problem.free_dofs(), forward::candidates(problem.stepper),
+                     problem.steps(), problem.scene.time.step, size, size == 1 ? "" : "s",
+                     threads() == 1 ? "" : fmt::format(" of {} threads", threads()), body_lines(problem),
+                     on.empty() ? "none" : on, problem.stepper.solver().choice());
 }
 
 io::Manifest manifest(const Problem& problem, const std::string& verb, const std::string& stop_reason,

@@ -111,6 +111,23 @@ private:
   Vec x_;
 };
 
+/// A column of a dense matrix as a vector to be read, borrowed during this object's lifetime. Collective.
+class Column {
+public:
+  Column(Mat matrix, PetscInt j) : matrix_(matrix), j_(j) {
+    check(MatDenseGetColumnVecRead(matrix, j, &column_));
+  }
+  ~Column() { (void)MatDenseRestoreColumnVecRead(matrix_, j_, &column_); }
+  Column(const Column&) = delete;
+  Column& operator=(const Column&) = delete;
+  operator Vec() const { return column_; }
+
+private:
+  Mat matrix_;
+  PetscInt j_;
+  Vec column_ = nullptr;
+};
+
 /// The scalar matrix that a matrix of type MAIJ applies to each component, borrowed; null for other types.
 Mat component(Mat matrix);
 

@@ -1,4 +1,5 @@
 #include "contact/elimination.h"
+#include "base/collective.h"
 #include "base/error.h"
 #include "base/signals.h"
 #include <algorithm>
@@ -15,6 +16,29 @@ void triangular(const std::vector<double>& L, const char* transposed, std::span<
   const PetscBLASInt one = 1;
   if (n > 0)
     BLAStrsv_("L", transposed, "N", &n, L.data(), &n, x.data(), &one);
+}
+
+/// Columns of N solved at a time: enough for MUMPS to work by dense products, few enough for the block to
+/// take little memory beside the factor (`./dev bench choice`).
+constexpr int block = 64;
+
+/// `count` columns of N, transposed, on rank 0.
+petsc::Matrix transposed_columns(const ContactPairs& pairs, int first, int count, Vec layout) {
+  const MPI_Comm comm = petsc::comm(layout);
+  const bool mine = rank(comm) == 0;
+  PetscInt n = 0;
+  check(VecGetSize(layout, &n));
+  petsc::Matrix columns;
+  check(MatCreateAIJ(comm, mine ? count : 0, mine ? n : 0, count, n, pairs.dim(), nullptr, 0, nullptr,
+                     columns.put()));
+  for (PetscInt j = 0; mine && j < count; ++j)
+    for (int c = 0; c < pairs.dim(); ++c)
+      check(MatSetValue(columns, j, pairs.first_dofs()[first + j] + c,
+                        pairs.directions()[static_cast<std::size_t>((first + j) * pairs.dim() + c)],
+                        INSERT_VALUES));
+  check(MatAssemblyBegin(columns, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(columns, MAT_FINAL_ASSEMBLY));
+  return columns;
 }
 
 } // namespace
@@ -84,7 +108,7 @@ std::vector<double> TrailingBlockElimination::condensed() const {
 
 double TrailingBlockElimination::bytes() const { return sizeof(double) * static_cast<double>(L_.size()); }
 
-StoredColumnsElimination::StoredColumnsElimination(const ContactPairs& pairs, const LinearSolver& D,
+StoredColumnsElimination::StoredColumnsElimination(const ContactPairs& pairs, const MumpsSolver& D,
                                                    Vec layout, double memory)
     : pairs_(pairs), N_(pairs), D_(D), layout_(petsc::zero_like(layout)) {
   const auto m = static_cast<std::size_t>(pairs.count());
@@ -92,19 +116,17 @@ StoredColumnsElimination::StoredColumnsElimination(const ContactPairs& pairs, co
   check(VecGetSize(layout, &n));
   const bool keep = sizeof(double) * static_cast<double>(m) * static_cast<double>(n) <= memory;
   S_.resize(m * m);
-  const petsc::Vector r = petsc::zero_like(layout), y = petsc::zero_like(layout);
-  std::vector<double> unit(m, 0.0);
-  for (std::size_t j = 0; j < m; ++j) {
+  for (int first = 0; first < pairs.count(); first += block) {
     if (stop_requested(petsc::comm(layout)))
       throw Interrupted();
-    check(VecZeroEntries(r));
-    unit[j] = 1;
-    N_.add(1, unit, r);
-    unit[j] = 0;
-    D.solve(r, y);
-    N_.normal_components(y, std::span(&S_[j * m], m));
-    if (keep)
-      columns_.push_back(petsc::copy(y));
+    const int count = std::min(block, pairs.count() - first);
+    const petsc::Matrix X = D.solve_sparse(transposed_columns(pairs, first, count, layout));
+    for (int j = 0; j < count; ++j) {
+      const petsc::Column y(X, j);
+      N_.normal_components(y, std::span(&S_[static_cast<std::size_t>(first + j) * m], m));
+      if (keep)
+        columns_.push_back(petsc::copy(y));
+    }
   }
   for (std::size_t i = 0; i < m; ++i) // rounding of the solves is the only asymmetry
     for (std::size_t j = 0; j < i; ++j)

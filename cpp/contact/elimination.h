@@ -49,13 +49,13 @@ private:
   std::vector<double> L_; ///< corner of the factor (c × c)
 };
 
-/// Works with any solver of D. The columns of D⁻¹N are stored if they fit into `memory` (bytes, on all
-/// ranks); if not, a step with contact takes a second solve.
+/// Works on any number of ranks. The columns of D⁻¹N, solved for in blocks, are stored if they fit into
+/// `memory` (bytes, on all ranks); if not, a step with contact takes a second solve.
 class StoredColumnsElimination final : public Elimination {
 public:
-  /// Makes one solve per candidate; `layout` is a vector of V. Collective. The references must outlive this
-  /// object. Throws Interrupted, SolverFailure.
-  StoredColumnsElimination(const ContactPairs& pairs, const LinearSolver& D, Vec layout, double memory);
+  /// Solves with D for each candidate; `layout` is a vector of V. Collective. The references must outlive
+  /// this object. Throws Interrupted, SolverFailure.
+  StoredColumnsElimination(const ContactPairs& pairs, const MumpsSolver& D, Vec layout, double memory);
 
   [[nodiscard]] Prediction prediction() const override;
   void predict(Vec r, Prediction& prediction, std::span<double> normal) const override;
@@ -66,7 +66,7 @@ public:
 private:
   const ContactPairs& pairs_;
   const NormalOperator N_;
-  const LinearSolver& D_;
+  const MumpsSolver& D_;
   std::vector<double> S_;
   petsc::Vector layout_;
   petsc::Series columns_; ///< D⁻¹N; empty where they do not fit

@@ -238,14 +238,16 @@ Control ControlSpace::dual(const Control& u) const {
   return dual;
 }
 
-std::vector<double> ControlSpace::pairings(const Control& dual,
+std::vector<double> ControlSpace::pairings(std::span<const Control> duals,
                                            std::span<const std::shared_ptr<const Control>> w) const {
-  std::vector<double> sums(w.size());
-  const std::span<const double> values = dual.values();
-  for (std::size_t first = 0; first < values.size(); first += block) {
-    const std::size_t size = std::min(block, values.size() - first);
-    for (std::size_t i = 0; i < w.size(); ++i)
-      sums[i] += dot(values.subspan(first, size), w[i]->values().subspan(first, size));
+  std::vector<double> sums(duals.size() * w.size());
+  const std::size_t values = size_ * static_cast<std::size_t>(count());
+  for (std::size_t first = 0; first < values; first += block) {
+    const std::size_t size = std::min(block, values - first);
+    for (std::size_t j = 0; j < w.size(); ++j)
+      for (std::size_t i = 0; i < duals.size(); ++i)
+        sums[i * w.size() + j] +=
+            dot(duals[i].values().subspan(first, size), w[j]->values().subspan(first, size));
   }
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, space_.comm());
   scale(duration(), sums);

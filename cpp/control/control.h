@@ -88,8 +88,8 @@ public:
   [[nodiscard]] double inner(const Control& u, const Control& w) const;
   /// The functional inner(u, ·), as the values that pairings() multiplies with those of w.
   [[nodiscard]] Control dual(const Control& u) const;
-  /// inner(u, w_i) for each w_i from the dual of u, in one pass over it.
-  [[nodiscard]] std::vector<double> pairings(const Control& dual,
+  /// inner(u_i, w_j) from the duals of u_i (duals × w), in one pass over the w_j and one reduction.
+  [[nodiscard]] std::vector<double> pairings(std::span<const Control> duals,
                                              std::span<const std::shared_ptr<const Control>> w) const;
   /// Converts the Riesz representative of a functional in product() to that in inner(), in place.
   void to_inner(Control& gradient) const;

@@ -69,10 +69,11 @@ public:
 
   [[nodiscard]] double inner(const Control& u, const Control& w) const { return controls_.inner(u, w); }
   [[nodiscard]] Control dual(const Control& u) const { return controls_.dual(u); }
-  [[nodiscard]] std::vector<double> pairings(const Control& dual,
+  [[nodiscard]] std::vector<double> pairings(std::span<const Control> duals,
                                              std::span<const std::shared_ptr<const Control>> w) const {
-    return controls_.pairings(dual, w);
+    return controls_.pairings(duals, w);
   }
+  [[nodiscard]] bool bounded() const { return controls_.bounded(); }
   void project(Control& u) const { controls_.project(u); }
   void zero_blocked(Control& w, const Control& u, const Control& d) const { controls_.zero_blocked(w, u, d); }
 

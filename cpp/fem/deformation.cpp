@@ -24,8 +24,9 @@ double determinant(Entry&& f) {
          f(0, 2) * (f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0));
 }
 
-/// The largest modulus of an eigenvalue of the symmetric part, by the trigonometric formula.
-double principal_strain(const Gradient& G) {
+/// The largest modulus of an eigenvalue of the symmetric part, by the trigonometric formula; 0 if it is less
+/// than `least` for sure.
+double principal_strain(const Gradient& G, double least) {
   const auto e = [&](int i, int j) { return (G[i][j] + G[j][i]) / 2; };
   const double mean = (e(0, 0) + e(1, 1) + e(2, 2)) / 3;
   double square = 0; // of the deviator
@@ -35,6 +36,8 @@ double principal_strain(const Gradient& G) {
   const double p = std::sqrt(square / 6);
   if (p == 0)
     return std::abs(mean);
+  if (std::abs(mean) + 2 * p < least)
+    return 0;
   const double third = determinant([&](int i, int j) { return (e(i, j) - (i == j ? mean : 0)) / p; });
   const double angle = std::acos(std::clamp(third / 2, -1.0, 1.0)) / 3;
   const double high = mean + 2 * p * std::cos(angle),
@@ -52,23 +55,19 @@ double volume_ratio(const Gradient& G) {
   return determinant([&](int i, int j) { return G[i][j] + (i == j); });
 }
 
-/// A quantity at one place.
-struct Sample {
-  Simplex::Point at;
-  double value;
-};
-
-/// The largest of them over all ranks. Collective.
-Largest largest(MPI_Comm comm, const std::vector<Sample>& samples) {
+/// The largest of values over all ranks; `at(i)` is the place of the i-th. Collective.
+template <class At>
+Largest largest(MPI_Comm comm, const std::vector<double>& values, At&& at) {
   Largest found;
-  for (const Sample& sample : samples)
-    if (sample.value > found.value) // false for NaN
-      found.value = sample.value;
+  for (const double value : values)
+    if (value > found.value) // false for NaN
+      found.value = value;
   MPI_Allreduce(MPI_IN_PLACE, &found.value, 1, MPI_DOUBLE, MPI_MAX, comm);
   std::vector<Simplex::Point> first;
-  for (const Sample& sample : samples)
-    if (sample.value >= (1 - tie) * found.value && (first.empty() || sample.at < first.front()))
-      first = {sample.at};
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (values[i] >= (1 - tie) * found.value)
+      if (const Simplex::Point place = at(i); first.empty() || place < first.front())
+        first = {place};
   first = gather(comm, first);
   if (!first.empty())
     found.at = *std::ranges::min_element(first);
@@ -78,13 +77,12 @@ Largest largest(MPI_Comm comm, const std::vector<Sample>& samples) {
 /// The middle of a cell, to the last bit the same however its vertices are numbered.
 template <class Vertex>
 Simplex::Point middle(int dim, Vertex&& vertex) {
-  std::array<Simplex::Point, 4> corners{};
-  const std::span used = std::span(corners).first(static_cast<std::size_t>(dim) + 1);
+  std::vector<Simplex::Point> corners(static_cast<std::size_t>(dim) + 1);
   for (int i = 0; i <= dim; ++i)
-    std::copy_n(vertex(i), 3, used[static_cast<std::size_t>(i)].begin());
-  std::ranges::sort(used);
+    std::copy_n(vertex(i), 3, corners[static_cast<std::size_t>(i)].begin());
+  std::ranges::sort(corners);
   Simplex::Point at{};
-  for (const Simplex::Point& corner : used)
+  for (const Simplex::Point& corner : corners)
     for (std::size_t k = 0; k < 3; ++k)
       at[k] += corner[k] / (dim + 1);
   return at;
@@ -151,8 +149,11 @@ Deformation deformation(const Space& space, Vec y) {
   const std::vector<std::vector<int>> edges = basix::cell::topology(cell_type)[1];
   const Corners corners(space);
   Deformation found;
-  std::vector<Sample> strains, rotations;
-  for (std::int32_t cell : space.mesh().owned_cells()) {
+  const std::size_t samples = space.degree() == 1 ? 1 : vertices; // of a cell; constant for degree 1
+  const std::vector<std::int32_t> cells = space.mesh().owned_cells();
+  std::vector<double> strains, rotations;
+  double most = 0;
+  for (const std::int32_t cell : cells) {
     const auto vertex = corners.of(cell);
     const Simplex simplex(dim, vertex);
     std::array<Simplex::Point, 4> slope{}; // of the barycentric coordinates
@@ -160,19 +161,24 @@ Deformation deformation(const Space& space, Vec y) {
       slope[i] = simplex.gradient(i);
     const auto dofs = dofmap->cell_dofs(cell);
     bool inverted = false;
-    for (std::size_t v = 0; v < (space.degree() == 1 ? 1 : vertices); ++v) { // constant for degree 1
+    for (std::size_t v = 0; v < samples; ++v) {
       const Gradient G = gradient(space, dofs, at_dofs, slope, edges, v);
-      const double* place = vertex(static_cast<int>(v));
-      const Simplex::Point at =
-          space.degree() == 1 ? middle(dim, vertex) : Simplex::Point{place[0], place[1], place[2]};
-      strains.push_back({at, principal_strain(G)});
-      rotations.push_back({at, rotation(G)});
+      strains.push_back(principal_strain(G, (1 - tie) * most));
+      most = std::max(most, strains.back());
+      rotations.push_back(rotation(G));
       inverted = inverted || !(volume_ratio(G) > 0);
     }
     found.inverted += inverted;
   }
-  found.strain = largest(space.comm(), strains);
-  found.rotation = largest(space.comm(), rotations);
+  const auto at = [&](std::size_t i) {
+    const auto vertex = corners.of(cells[i / samples]);
+    if (space.degree() == 1)
+      return middle(dim, vertex);
+    const double* place = vertex(static_cast<int>(i % samples));
+    return Simplex::Point{place[0], place[1], place[2]};
+  };
+  found.strain = largest(space.comm(), strains, at);
+  found.rotation = largest(space.comm(), rotations, at);
   MPI_Allreduce(MPI_IN_PLACE, &found.inverted, 1, MPI_INT64_T, MPI_SUM, space.comm());
   return found;
 }
@@ -196,14 +202,11 @@ double mean_diameter(const Space& space) {
   return sums[0] / sums[1];
 }
 
-Largest largest(const Space& space, std::span<const double> of_cells) {
-  const auto V = cellwise(space.mesh(), {});
+Largest largest(const Space& space, const std::vector<double>& of_cells) {
   const Corners corners(space);
-  std::vector<Sample> samples;
-  for (std::int32_t cell : space.mesh().owned_cells())
-    samples.push_back({middle(space.dim(), corners.of(cell)),
-                       of_cells[static_cast<std::size_t>(V->dofmap()->cell_dofs(cell)[0])]});
-  return largest(space.comm(), samples);
+  const std::vector<std::int32_t> cells = space.mesh().owned_cells();
+  return largest(space.comm(), of_cells,
+                 [&](std::size_t i) { return middle(space.dim(), corners.of(cells[i])); });
 }
 
 } // namespace signorini::fem

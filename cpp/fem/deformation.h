@@ -2,7 +2,7 @@
 #include "fem/space.h"
 #include <array>
 #include <cstdint>
-#include <span>
+#include <vector>
 
 namespace signorini::fem {
 
@@ -24,15 +24,14 @@ struct Deformation {
   std::int64_t inverted = 0; ///< number of cells with det(I + ∇y) ≤ 0 at a vertex
 };
 
-/// Evaluates ∇y at the vertices of all cells, where the strains of degree 1 and 2 are largest. Costs as much
-/// as one or two matrix-vector products. Collective.
+/// Evaluates ∇y at the vertices of all cells, where the strains of degree 1 and 2 are largest. Collective.
 Deformation deformation(const Space& space, Vec y);
 
 /// Mean over the body of the cells' longest edges, m. Collective.
 double mean_diameter(const Space& space);
 
-/// The largest of values of cells (scalars of cellwise(mesh, {}) that this rank owns), at the middle of the
-/// cell. Collective.
-Largest largest(const Space& space, std::span<const double> of_cells);
+/// The largest of values of the cells that this rank owns, in their order, at the middle of the cell.
+/// Collective.
+Largest largest(const Space& space, const std::vector<double>& of_cells);
 
 } // namespace signorini::fem

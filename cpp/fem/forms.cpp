@@ -186,6 +186,7 @@ struct CellFields::Expressions {
   struct Field {
     Function values;
     std::vector<Expression> of_parts;
+    bool current = false; ///< whether the values are those of the last motion set
   };
   std::map<CellField, Field> fields; ///< those that have been asked for
 
@@ -197,11 +198,20 @@ struct CellFields::Expressions {
     const ufcx_expression& code =
         *generated(space.dim(), space.degree()).fields.at(static_cast<std::size_t>(field));
     constexpr double no_tau = 0;
-    Field made{Function(cellwise(space.mesh(), shape(field))), {}};
+    Field made{Function(cellwise(space.mesh(), shape(field))), {}, false};
     for (const Part& part : parts)
       made.of_parts.push_back(dolfinx::fem::create_expression<PetscScalar, double>(
           code, motion, constants(part.material, no_tau)));
     return fields.emplace(field, std::move(made)).first->second;
+  }
+
+  /// Of the last motion set.
+  const Function& now(CellField field) {
+    Field& found = of(field);
+    for (std::size_t i = 0; !found.current && i < found.of_parts.size(); ++i)
+      found.values.interpolate(found.of_parts[i], parts[i].cells);
+    found.current = true;
+    return found.values;
   }
 };
 
@@ -219,15 +229,25 @@ Shape CellFields::shape(CellField field) { return field == CellField::von_mises 
 void CellFields::set(Vec y, Vec v) {
   fem::set(*expressions_->displacement, petsc::ReadArray(y));
   fem::set(*expressions_->velocity, petsc::ReadArray(v));
+  for (auto& [name, field] : expressions_->fields)
+    field.current = false;
 }
 
 std::span<const double> CellFields::operator()(CellField field) {
-  Expressions::Field& found = expressions_->of(field);
-  for (std::size_t i = 0; i < found.of_parts.size(); ++i)
-    found.values.interpolate(found.of_parts[i], expressions_->parts[i].cells);
-  const auto& dofmap = *found.values.function_space()->dofmap();
-  return found.values.x()->array().first(
+  const Function& values = expressions_->now(field);
+  const auto& dofmap = *values.function_space()->dofmap();
+  return values.x()->array().first(
       static_cast<std::size_t>(dofmap.index_map->size_local() * dofmap.index_map_bs()));
+}
+
+Largest CellFields::largest_von_mises() {
+  const Function& values = expressions_->now(CellField::von_mises);
+  std::vector<double> of_cells;
+  for (const std::int32_t cell : expressions_->space.mesh().owned_cells()) {
+    const std::int32_t place = values.function_space()->dofmap()->cell_dofs(cell)[0];
+    of_cells.push_back(values.x()->array()[static_cast<std::size_t>(place)]);
+  }
+  return largest(expressions_->space, of_cells);
 }
 
 } // namespace signorini::fem

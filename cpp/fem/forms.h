@@ -1,5 +1,6 @@
 #pragma once
 #include "base/petsc.h"
+#include "fem/deformation.h"
 #include "fem/material_regions.h"
 #include "fem/space.h"
 #include <memory>
@@ -55,6 +56,9 @@ public:
   /// The field of the last motion set, strain or Pa, as values of cellwise(mesh, shape) that this rank owns;
   /// valid until the next call for it. Collective.
   [[nodiscard]] std::span<const double> operator()(CellField field);
+
+  /// The largest von Mises stress of the last motion set. Collective.
+  [[nodiscard]] Largest largest_von_mises();
 
 private:
   struct Expressions;

@@ -8,20 +8,9 @@ using petsc::dot;
 
 namespace {
 
-/// Component sums of a vector of V over all nodes.
-std::array<double, 3> resultant(const Stepper& stepper, Vec x) {
-  std::array<double, 3> sum{};
-  {
-    const petsc::ReadArray values(x);
-    const auto dim = static_cast<std::size_t>(stepper.space().dim());
-    for (std::size_t i = 0; i < values.size(); ++i)
-      sum[i % dim] += values[i];
-  }
-  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, stepper.space().comm());
-  return sum;
-}
+using Components = std::array<double, 3>;
 
-double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
+double length(const Components& x) { return std::hypot(x[0], x[1], x[2]); }
 
 /// −(2/τ²) Σ λ_i ν_i, the contact forces on the body (N), including components that clamps hold; these act on
 /// the clamps alone.
@@ -34,88 +23,123 @@ void contact_forces(const Stepper& stepper, int k, const contact::ContactState& 
 
 } // namespace
 
-Balance::Balance(const Stepper& stepper, Wanted wanted) : stepper_(stepper) {
-  for (petsc::Vector* x :
-       {&Ay0_, &Ay1_, &Mv0_, &Mv1_, &Bw_, &w_, &jump_, &load_, &force_, &inertia_, &defect_})
+/// What a balance consists of, added up in one pass over the dofs for each product with a matrix, and over
+/// the ranks at once.
+struct Balance::Sums {
+  double kinetic = 0, elastic = 0;   ///< v·Mv and y·Ay
+  double momentum_moduli = 0;        ///< sum of those of Mv
+  double internal_moduli = 0;        ///< sum of those of Ay
+  double viscous = 0;                ///< w·Bw
+  double load = 0, contact = 0;      ///< works
+  double jump = 0, clamped_jump = 0; ///< products of inertia and the jump, on all dofs and the clamped ones
+  double reaction_power = 0;         ///< of the clamps
+  Components momentum{}, rate{}, applied{}, contact_force{}, reaction{};
+
+  void add_up(MPI_Comm comm) {
+    MPI_Allreduce(MPI_IN_PLACE, this, sizeof(Sums) / sizeof(double), MPI_DOUBLE, MPI_SUM, comm);
+  }
+};
+
+Balance::Balance(const Stepper& stepper, Wanted wanted) : stepper_(stepper), reactions_(wanted.reactions) {
+  for (petsc::Vector* x : {&Ay0_, &Ay1_, &Mv0_, &Mv1_, &Bw_, &w_, &load_, &force_, &defect_})
     *x = stepper.space().vector();
-  if (wanted.reactions)
-    reaction_ = stepper.space().vector();
   if (wanted.controlled)
     loads_alone_.emplace(ForceAtStep(stepper.space(), {wanted.loads}));
 }
 
 StepBalance Balance::operator()(const Frame& frame) {
-  const fem::Operators& body = stepper_.operators();
-  const double tau = stepper_.grid().length(frame.k);
+  Sums sums;
   StepBalance now;
   std::swap(Ay0_, Ay1_), std::swap(Mv0_, Mv1_);
-  check(MatMult(body.A, frame.y1, Ay1_));
-  check(MatMult(stepper_.M(), frame.v1, Mv1_));
-  now.kinetic_energy = dot(frame.v1, Mv1_) / 2;
-  now.elastic_energy = dot(frame.y1, Ay1_) / 2;
-  now.momentum = resultant(stepper_, Mv1_);
+  add_state(frame, sums);
+  if (frame.k > 0)
+    now.load_work = add_step(frame, sums);
+  sums.add_up(stepper_.space().comm());
+  now.kinetic_energy = sums.kinetic / 2;
+  now.elastic_energy = sums.elastic / 2;
+  now.momentum = sums.momentum;
   const double before = std::exchange(energy_, now.kinetic_energy + now.elastic_energy);
   if (frame.k == 0)
     return now;
-  check(VecWAXPY(w_, -1, frame.y0, frame.y1)); // w holds y_k − y_{k−1} until it is divided by τ
-  if (loads_alone_) {
-    assemble(loads_alone_->at(frame.k), body, load_);
-    now.load_work = dot(load_, w_);
-  }
-  assemble(frame.load, body, load_);
-  contact_forces(stepper_, frame.k, frame.contact, force_);
-  now.external_work = dot(load_, w_);
+  const double tau = stepper_.grid().length(frame.k);
   if (!loads_alone_)
-    now.load_work = now.external_work;
-  now.contact_work = dot(force_, w_);
-  check(VecScale(w_, 1 / tau));
-  check(VecZeroEntries(Bw_));
-  if (body.B) {
-    check(MatMult(*body.B, w_, Bw_)); // w is (v_{k−1} + v_k)/2 unless there is a jump or a moving clamp
-    now.viscous_dissipation = tau * dot(w_, Bw_);
-  }
-  // Defect of the equation of motion in Crank–Nicolson form: the clamps' reaction on the clamped dofs and
-  // zero elsewhere.
-  check(VecWAXPY(inertia_, -1, Mv0_, Mv1_));
-  check(VecScale(inertia_, 1 / tau));
-  check(VecCopy(inertia_, defect_));
-  check(VecAXPY(defect_, 1, Bw_));
-  check(VecAXPBYPCZ(defect_, 0.5, 0.5, 1, Ay0_, Ay1_));
-  check(VecAXPY(defect_, -1, load_));
-  check(VecAXPY(defect_, -1, force_));
-  add_work_of_jumps(frame, tau, now);
-  const std::array<double, 3> whole = resultant(stepper_, defect_);
-  if (reaction_)
-    check(VecCopy(defect_, reaction_));
-  const double all_work = stepper_.motion() ? tau * dot(defect_, w_) : 0;
-  stepper_.clamped().clear(defect_);
-  if (stepper_.motion()) // work of the reaction
-    now.external_work += all_work - tau * dot(defect_, w_);
+    now.load_work = sums.load;
+  now.viscous_dissipation = tau * sums.viscous;
+  now.external_work = sums.load;
+  now.contact_work = sums.contact;
+  // Where j = y_k − y_{k−1} − τ (v_{k−1} + v_k)/2 is not zero, the kinetic energy changes by −j·M (v_k −
+  // v_{k−1})/τ in addition to the work on y_k − y_{k−1}. On free dofs this is work of contact, since the
+  // predictor's jump moves the body without work; on clamped dofs it is work of the clamps' motion.
+  if (stepper_.predictor())
+    now.contact_work -= sums.jump - sums.clamped_jump;
+  if (stepper_.motion())
+    now.external_work += tau * sums.reaction_power - sums.clamped_jump;
   now.energy_residual = energy_ - before + now.viscous_dissipation - now.external_work - now.contact_work;
-  const std::array<double, 3> free = resultant(stepper_, defect_);
-  const std::array<double, 3> rate = resultant(stepper_, inertia_), applied = resultant(stepper_, load_);
-  now.contact_force = resultant(stepper_, force_);
+  now.contact_force = sums.contact_force;
   for (std::size_t c = 0; c < 3; ++c)
-    now.momentum_residual[c] = rate[c] - applied[c] - now.contact_force[c] - (whole[c] - free[c]);
-  PetscReal internal = 0, momentum = 0;
-  check(VecNorm(Ay1_, NORM_1, &internal)); // the internal forces, whose sum must cancel
-  check(VecNorm(Mv1_, NORM_1, &momentum)); // the rate is a difference of these
-  now.momentum_scale = length(rate) + length(applied) + length(now.contact_force) + internal + momentum / tau;
+    now.momentum_residual[c] = sums.rate[c] - sums.applied[c] - sums.contact_force[c] - sums.reaction[c];
+  // Internal forces must cancel, and the rate is a difference of momenta.
+  now.momentum_scale = length(sums.rate) + length(sums.applied) + length(sums.contact_force) +
+                       sums.internal_moduli + sums.momentum_moduli / tau;
   return now;
 }
 
-void Balance::add_work_of_jumps(const Frame& frame, double tau, StepBalance& now) {
-  if (!stepper_.predictor() && !stepper_.motion())
-    return;
-  check(VecWAXPY(jump_, 1, frame.v0, frame.v1));
-  check(VecAXPBY(jump_, tau, -tau / 2, w_));
-  const double all = dot(jump_, inertia_);
-  stepper_.clamped().clear(jump_);
-  const double free = dot(jump_, inertia_);
-  if (stepper_.predictor())
-    now.contact_work -= free;
-  if (stepper_.motion())
-    now.external_work -= all - free;
+void Balance::add_state(const Frame& frame, Sums& sums) {
+  check(MatMult(stepper_.operators().A, frame.y1, Ay1_));
+  check(MatMult(stepper_.M(), frame.v1, Mv1_));
+  const petsc::ReadArray y(frame.y1), v(frame.v1), Ay(Ay1_), Mv(Mv1_);
+  const auto dim = static_cast<std::size_t>(stepper_.space().dim());
+  for (std::size_t i = 0; i < y.size();)
+    for (std::size_t c = 0; c < dim; ++c, ++i) {
+      sums.kinetic += v[i] * Mv[i];
+      sums.elastic += y[i] * Ay[i];
+      sums.momentum_moduli += std::abs(Mv[i]);
+      sums.internal_moduli += std::abs(Ay[i]);
+      sums.momentum[c] += Mv[i];
+    }
+}
+
+double Balance::add_step(const Frame& frame, Sums& sums) {
+  const fem::Operators& body = stepper_.operators();
+  const double tau = stepper_.grid().length(frame.k);
+  check(VecWAXPY(w_, -1, frame.y0, frame.y1)); // w holds y_k − y_{k−1} until it is divided by τ
+  double load_work = 0;
+  if (loads_alone_) {
+    assemble(loads_alone_->at(frame.k), body, load_);
+    load_work = dot(load_, w_);
+  }
+  check(VecScale(w_, 1 / tau));
+  if (body.B)
+    check(MatMult(*body.B, w_, Bw_)); // w is (v_{k−1} + v_k)/2 unless there is a jump or a moving clamp
+  assemble(frame.load, body, load_);
+  contact_forces(stepper_, frame.k, frame.contact, force_);
+  const petsc::ReadArray y0(frame.y0), y1(frame.y1), v0(frame.v0), v1(frame.v1), w(w_), Ay0(Ay0_), Ay1(Ay1_),
+      Mv0(Mv0_), Mv1(Mv1_), Bw(Bw_), load(load_), force(force_);
+  const petsc::WriteArray defect(defect_);
+  const auto inertia = [&](std::size_t i) { return (Mv1[i] - Mv0[i]) / tau; };
+  const auto jump = [&](std::size_t i) { return tau * (w[i] - (v0[i] + v1[i]) / 2) * inertia(i); };
+  const auto dim = static_cast<std::size_t>(stepper_.space().dim());
+  for (std::size_t i = 0; i < w.size();)
+    for (std::size_t c = 0; c < dim; ++c, ++i) {
+      const double moved = y1[i] - y0[i];
+      sums.viscous += w[i] * Bw[i];
+      sums.load += load[i] * moved;
+      sums.contact += force[i] * moved;
+      sums.jump += jump(i);
+      sums.rate[c] += inertia(i);
+      sums.applied[c] += load[i];
+      sums.contact_force[c] += force[i];
+      // Defect of the equation of motion in Crank–Nicolson form: the clamps' reaction on the clamped dofs and
+      // zero elsewhere.
+      defect[i] = inertia(i) + Bw[i] + (Ay0[i] + Ay1[i]) / 2 - load[i] - force[i];
+    }
+  for (const int dof : stepper_.clamped().dofs()) {
+    const auto i = static_cast<std::size_t>(dof);
+    sums.reaction[i % dim] += defect[i];
+    sums.reaction_power += defect[i] * w[i];
+    sums.clamped_jump += jump(i);
+  }
+  return load_work;
 }
 
 } // namespace signorini::forward

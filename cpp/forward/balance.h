@@ -42,16 +42,18 @@ public:
 
   /// Forces of the clamps on the body in the last frame's step, on the clamped dofs; other entries have no
   /// meaning. Null unless wanted, zero in frame 0.
-  [[nodiscard]] Vec reactions() const { return reaction_; }
+  [[nodiscard]] Vec reactions() const { return reactions_ ? Vec(defect_) : nullptr; }
 
 private:
-  /// Where j = y_k − y_{k−1} − τ (v_{k−1} + v_k)/2 is not zero, the kinetic energy changes by −j·M (v_k −
-  /// v_{k−1})/τ in addition to the work on y_k − y_{k−1}. On free dofs this is work of contact, since the
-  /// predictor's jump moves the body without work; on clamped dofs it is work of the clamps' motion.
-  void add_work_of_jumps(const Frame& frame, double tau, StepBalance& now);
+  struct Sums;
+  /// What the state at the end of the step adds. Collective.
+  void add_state(const Frame& frame, Sums& sums);
+  /// What the step adds. Returns the work of loads_alone_. Collective.
+  double add_step(const Frame& frame, Sums& sums);
 
   const Stepper& stepper_;
-  petsc::Vector Ay0_, Ay1_, Mv0_, Mv1_, Bw_, w_, jump_, load_, force_, inertia_, defect_, reaction_;
+  bool reactions_;
+  petsc::Vector Ay0_, Ay1_, Mv0_, Mv1_, Bw_, w_, load_, force_, defect_;
   std::optional<ForceAtStep> loads_alone_;
   double energy_ = 0; ///< of the last frame
 };

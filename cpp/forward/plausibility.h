@@ -19,7 +19,7 @@ struct Warning {
 /// largest elastic energy, if energies are given.
 class Plausibility {
 public:
-  /// Number of evenly spaced frames checked. A check costs about as much as a product with a matrix.
+  /// Number of evenly spaced frames checked.
   static constexpr int looks = 16;
 
   /// For `steps` steps of a scene. Collective. The references must outlive this object.

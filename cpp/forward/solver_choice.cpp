@@ -75,7 +75,10 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
     settle(std::move(cholesky));
     cholesky_ = iterative_ ? nullptr : kept;
   } else {
-    settle(std::make_unique<MumpsSolver>(D_));
+    auto mumps = std::make_unique<MumpsSolver>(D_);
+    const MumpsSolver* kept = mumps.get();
+    settle(std::move(mumps));
+    mumps_ = iterative_ ? nullptr : kept;
   }
 }
 
@@ -95,7 +98,7 @@ std::unique_ptr<contact::ContactStepSolver> SolverChoice::by_linear(const contac
     elimination = std::make_unique<contact::TrailingBlockElimination>(pairs, *cholesky_);
   else
     elimination = std::make_unique<contact::StoredColumnsElimination>(
-        pairs, *linear_, petsc::vector_of(D_), scene.memory - linear_->bytes() - dense_bytes(&pairs));
+        pairs, *mumps_, petsc::vector_of(D_), scene.memory - linear_->bytes() - dense_bytes(&pairs));
   return std::make_unique<contact::CondensedSolver>(pairs, D_, std::move(elimination));
 }
 

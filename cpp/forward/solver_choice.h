@@ -48,6 +48,7 @@ private:
   petsc::Matrix D_; ///< null once it is factorised
   std::unique_ptr<LinearSolver> linear_;
   const SparseCholesky* cholesky_ = nullptr; ///< linear_, if it is one of these
+  const MumpsSolver* mumps_ = nullptr;
   const ConjugateGradients* iterative_ = nullptr;
   bool full_ = false; ///< whether contact is solved by the VI in all unknowns
   std::unique_ptr<contact::ContactStepSolver> contact_;

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "contact/lcp/primal_dual.h"
 #include "contact/massless.h"
+#include "linalg/threaded_product.h"
 #include <algorithm>
 #include <cmath>
 
@@ -26,6 +27,8 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
     predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_, *pairs_,
                        scene.solver, needs.sliding);
   R_ = fem::shifted(operators.A, D, 2 * Scheme{grid_.tau}.stiffness());
+  thread_products(R_);
+  thread_products(M());
   if (PrescribedMotion::in(scene.clamps))
     motion_.emplace(space, scene.clamps, D, grid_);
   clamped_diagonal_ = clamped_.decouple(D);

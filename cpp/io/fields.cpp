@@ -1,256 +1,141 @@
 #include "io/fields.h"
 #include "base/collective.h"
-#include "base/hdf5.h"
-#include "fem/function.h"
+#include "io/xdmf_index.h"
 #include <H5Epublic.h>
 #include <algorithm>
+#include <array>
 #include <cerrno>
-#include <dolfinx/io/XDMFFile.h>
-#include <dolfinx/mesh/Mesh.h>
 #include <fmt/format.h>
-#include <fstream>
-#include <iterator>
-#include <memory>
-#include <numeric>
-#include <optional>
-#include <pugixml.hpp>
 #include <stdexcept>
 #include <system_error>
 
 namespace signorini::io {
 namespace {
 
-using Values = FieldFile::Values;
-
-bool cellwise(Values values) { return values != Values::nodal && values != Values::nodal_scalar; }
-
-/// The components of a value.
-fem::Shape shape(Values values, int dim) {
-  switch (values) {
-  case Values::nodal:
-  case Values::cellwise:
-    return {static_cast<std::size_t>(dim)};
-  case Values::cellwise_tensor:
-    return {3, 3};
-  default:
-    return {};
-  }
+Opened create_file(const std::filesystem::path& file) {
+  const Opened access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_sieve_buf_size(access, 0); // datasets are written whole
+  return {H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose};
 }
 
-/// A parallel write to a full disk hangs in some MPI libraries: check the free space beforehand.
-void require_room(const fem::Space& space, const OutputFolder& folder, const std::string& name,
-                  std::size_t datasets) {
-  const double values = static_cast<double>( // nodes or cells, whichever are more
-      std::max(space.mesh().dolfinx()->geometry().index_map()->size_global(), space.mesh().cells()));
-  constexpr double overhead = 8192,
-                   mesh_share = 8; // bytes of headers and XML per dataset; mesh in units of a field
-  const double field = 3 * sizeof(double) * values;
-  const double needed = static_cast<double>(datasets) * (field + overhead) + mesh_share * field;
-  on_root(space.comm(), [&] {
-    std::error_code unknown;
-    const auto room = std::filesystem::space(folder.path(), unknown);
-    if (!unknown && static_cast<double>(room.available) < needed)
-      throw UserError(fmt::format(
-          "{}: cannot be written (it needs {:.3g} MB, and the disk has {:.3g} MB left)",
-          (folder.path() / name).string(), needed / 1e6, static_cast<double>(room.available) / 1e6));
-  });
+Opened plain_layout() {
+  Opened list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
+  H5Pset_obj_track_times(list, false); // two equal runs write equal bytes
+  return list;
 }
 
-/// Whether an XDMF file has its end and all times: dolfinx does not check its writes. A lost stream buffer is
-/// longer than the text of one time, so that some of them would be missing.
-bool whole(const std::filesystem::path& file, std::size_t times) {
-  std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  std::size_t found = 0;
-  for (std::size_t at = text.find("<Time "); at != std::string::npos; at = text.find("<Time ", at + 1))
-    ++found;
-  return found == times && text.ends_with("</Xdmf>\n");
-}
-
-/// The datasets of a field in ascending order of time, as the writer calls them.
-struct Order {
-  std::string field;
-  std::vector<std::string> names;
-};
-
-/// The name of a dataset by its number in the order of time.
-std::string numbered(std::size_t number) { return fmt::format("{:08}", number); }
-
-/// Sorts the grids of a field by their times, which are in the order of the grids, and lets them refer to the
-/// datasets by numbers. Returns the datasets' names so far; fewer if the file lacks some.
-std::vector<std::string> number_grids(pugi::xml_node series, const std::vector<double>& times) {
-  std::vector<std::pair<double, pugi::xml_node>> grids;
-  for (pugi::xml_node grid : series.children("Grid"))
-    grids.emplace_back(grids.size() < times.size() ? times[grids.size()] : 0, grid);
-  std::ranges::stable_sort(grids, {}, &std::pair<double, pugi::xml_node>::first);
-  std::vector<std::string> names;
-  for (const auto& [time, grid] : grids) {
-    series.append_move(grid);
-    pugi::xml_text place = grid.child("Attribute").child("DataItem").text(); // state.h5:/Function/y/0_25
-    const std::string path = place.get();
-    const std::size_t name = path.rfind('/') + 1;
-    place.set((path.substr(0, name) + numbered(names.size())).c_str());
-    names.push_back(path.substr(name));
-  }
-  return names;
-}
-
-/// Gives the datasets of all fields their numbers as names, and adds the times. Returns false if that fails.
-bool rename_datasets(const std::filesystem::path& file, const std::vector<Order>& orders,
-                     const std::vector<double>& times) {
-  Opened data(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
-  bool good = static_cast<bool>(data);
-  const auto move = [&](const std::string& from, const std::string& to) {
-    good = good && H5Lmove(data, from.c_str(), data, to.c_str(), H5P_DEFAULT, H5P_DEFAULT) >= 0;
-  };
-  const std::string before = "/unordered"; // no dataset has the name that another one is to have
-  for (const Order& order : orders) {
-    const std::string group = "/Function/" + order.field;
-    move(group, before);
-    good = good && Opened(H5Gcreate(data, group.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
-    for (std::size_t i = 0; i < order.names.size(); ++i)
-      move(before + "/" + order.names[i], group + "/" + numbered(i));
-    good = good && H5Ldelete(data, before.c_str(), H5P_DEFAULT) >= 0;
-  }
-  const hsize_t count = times.size();
-  const Opened space(H5Screate_simple(1, &count, nullptr), H5Sclose);
-  Opened array(good ? H5Dcreate(data, "/times", H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)
-                    : H5I_INVALID_HID,
-               H5Dclose);
-  good = array && H5Dwrite(array, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times.data()) >= 0;
-  good = array.finish() && good;
-  good = good && H5Fflush(data, H5F_SCOPE_GLOBAL) >= 0;
-  return data.finish() && good;
+Opened make_group(hid_t place, const char* name) {
+  return {H5Gcreate(place, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose};
 }
 
 } // namespace
 
-struct FieldFile::Open {
-  dolfinx::io::XDMFFile xdmf;
-
-  /// Functions of one kind of values.
-  struct Kind {
-    fem::Function written;            ///< in the file's space
-    std::optional<fem::Function> own; ///< in the run's, where that is another
-  };
-  std::map<Values, Kind> kinds;
-
-  Kind& of(Values values, const fem::Space& space) {
-    if (const auto found = kinds.find(values); found != kinds.end())
-      return found->second;
-    const fem::Shape components = shape(values, space.dim());
-    if (cellwise(values))
-      return kinds.try_emplace(values, Kind{fem::Function(fem::cellwise(space.mesh(), components)), {}})
-          .first->second;
-    const auto V =
-        values == Values::nodal ? space.dolfinx() : fem::lagrange(space.mesh(), space.degree(), components);
-    Kind made{fem::Function(space.degree() == 1 ? V : fem::lagrange(space.mesh(), 1, components)), {}};
-    if (space.degree() > 1)
-      made.own.emplace(V);
-    return kinds.emplace(values, std::move(made)).first->second;
-  }
-};
-
 FieldFile::FieldFile(const fem::Space& space, const OutputFolder& folder, const std::string& name,
-                     std::size_t fields, Values values)
-    : space_(space), folder_(folder), name_(name), values_(values) {
-  require_room(space, folder, name, fields);
-  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence is reported instead of HDF5's stack
-  guarded([&] {
-    open_.reset(new Open{dolfinx::io::XDMFFile(space.comm(), folder.staged(name), "w"), {}});
-    open_->xdmf.write_mesh(*space.mesh().dolfinx());
-  });
+                     const std::vector<Field>& fields, std::size_t times)
+    : space_(space), folder_(folder), name_(name),
+      data_(std::filesystem::path(name).replace_extension(".h5").string()), layout_(space),
+      file_(H5I_INVALID_HID, H5Fclose), layout_list_(H5I_INVALID_HID, H5Pclose) {
+  for (const Field& field : fields)
+    series_.push_back({field, Opened(H5I_INVALID_HID, H5Gclose)});
+  require_room(times);
+  const std::vector<double> points = layout_.points();
+  const std::vector<std::int64_t> topology = layout_.topology();
+  guarded([&] { return open(points, topology); });
 }
 
-FieldFile::~FieldFile() {
-  if (!open_)
-    return;
-  if (ranks(space_.comm()) > 1) {
-    (void)open_.release();
-    return;
-  }
-  try {
-    open_->xdmf.close();
-  } catch (const std::exception&) { // its destructor would throw again and end the program
-    (void)open_.release();
-  }
+void FieldFile::require_room(std::size_t times) const {
+  constexpr double headers = 1024; // bytes of a dataset's header and of the XDMF text about it
+  double needed = 0;
+  for (const Series& series : series_)
+    needed += headers + sizeof(double) * static_cast<double>(layout_.rows(series.field.values) *
+                                                             stored_components(series.field.values));
+  needed *= static_cast<double>(times);
+  needed += sizeof(double) * static_cast<double>(layout_.nodes() + layout_.cells()) * (space_.dim() + 1);
+  on_root(space_.comm(), [&] {
+    std::error_code unknown;
+    const auto room = std::filesystem::space(folder_.path(), unknown);
+    if (!unknown && static_cast<double>(room.available) < needed)
+      throw UserError(fmt::format(
+          "{}: cannot be written (it needs {:.3g} MB, and the disk has {:.3g} MB left)",
+          (folder_.path() / name_).string(), needed / 1e6, static_cast<double>(room.available) / 1e6));
+  });
 }
 
 template <class Work>
 void FieldFile::guarded(Work&& work) {
-  errno = 0;
-  try {
-    work();
-  } catch (const std::exception& error) {
-    const std::string reason = errno != 0 ? std::generic_category().message(errno) : error.what();
-    (void)open_.release(); // its destructor would throw again and end the program
-    folder_.discard();
-    throw WriteFailure(fmt::format("{}: cannot be written ({})", (folder_.path() / name_).string(), reason));
-  }
-}
-
-void FieldFile::write(const std::string& field, Vec values, double time) {
-  write(field, petsc::ReadArray(values), time, values_);
-}
-
-void FieldFile::write(const std::string& field, std::span<const double> owned, double time, Values values) {
-  guarded([&] {
-    auto& [written, own] = open_->of(values, space_);
-    fem::set(own ? *own : written, owned);
-    if (own) {
-      written.interpolate(*own);
-      written.x()->scatter_fwd();
-    }
-    written.name = field;
-    open_->xdmf.write_function(written, time);
-    times_[field].push_back(time);
+  on_root(space_.comm(), [&] {
+    errno = 0;
+    if (!work())
+      throw UserError(fmt::format("{}: cannot be written ({})", (folder_.path() / data_).string(),
+                                  errno ? std::generic_category().message(errno) : "HDF5 failed"));
   });
+}
+
+bool FieldFile::open(std::span<const double> points, std::span<const std::int64_t> topology) {
+  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence is reported instead of HDF5's stack
+  file_ = create_file(folder_.staged(data_));
+  layout_list_ = plain_layout();
+  const Opened meshes = make_group(file_, "Mesh"), mesh = make_group(meshes, "mesh"),
+               functions = make_group(file_, "Function");
+  const auto dim = static_cast<std::size_t>(space_.dim());
+  bool good =
+      mesh && functions &&
+      put(mesh, "geometry", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, {layout_.nodes(), dim}, points.data()) &&
+      put(mesh, "topology", H5T_STD_I64LE, H5T_NATIVE_INT64, {layout_.cells(), dim + 1}, topology.data());
+  for (Series& series : series_) {
+    series.group = make_group(functions, series.field.name.c_str());
+    good = good && series.group;
+  }
+  return good;
+}
+
+bool FieldFile::put(hid_t place, const char* name, hid_t stored, hid_t given,
+                    const std::vector<hsize_t>& shape, const void* data) const {
+  const Opened space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
+  Opened set(H5Dcreate(place, name, stored, space, H5P_DEFAULT, layout_list_, H5P_DEFAULT), H5Dclose);
+  const bool written = set && H5Dwrite(set, given, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
+  return set.finish() && written;
+}
+
+void FieldFile::write(const std::string& field, std::size_t number, double time, Vec values) {
+  write(field, number, time, petsc::ReadArray(values));
+}
+
+void FieldFile::write(const std::string& field, std::size_t number, double time,
+                      std::span<const double> owned) {
+  const auto series = std::ranges::find(
+      series_, field, [](const Series& one) -> const std::string& { return one.field.name; });
+  if (series == series_.end())
+    throw std::logic_error("a field that the file was not opened for");
+  const Values values = series->field.values;
+  const std::span<const double> rows = layout_.gather(values, owned);
+  guarded([&] {
+    return put(series->group, numbered(number).c_str(), H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE,
+               {layout_.rows(values), stored_components(values)}, rows.data());
+  });
+  ++series->written;
+  times_.resize(std::max(times_.size(), number + 1));
+  times_[number] = time;
 }
 
 void FieldFile::close() {
-  guarded([&] { open_->xdmf.close(); });
-  open_.reset();
-  on_root(space_.comm(), [&] {
-    put_in_order();
-    std::size_t all = 0;
-    for (const auto& [field, times] : times_)
-      all += times.size();
-    if (!whole(folder_.staged(name_), all))
-      throw UserError(
-          fmt::format("{}: cannot be written (a part of it is missing)", (folder_.path() / name_).string()));
+  if (std::ranges::any_of(series_, [&](const Series& one) { return one.written != times_.size(); }))
+    throw std::logic_error("the fields of a file have different times");
+  guarded([&] {
+    bool good = put(file_, "times", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, {times_.size()}, times_.data());
+    for (Series& series : series_)
+      good = series.group.finish() && good;
+    good = H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0 && good;
+    return file_.finish() && good;
   });
-}
-
-void FieldFile::put_in_order() const {
-  const std::filesystem::path file = folder_.staged(name_);
-  const auto fail = [&](const std::string& name, const std::string& why) {
-    throw UserError(fmt::format("{}: cannot be written ({})", (folder_.path() / name).string(), why));
-  };
-  constexpr unsigned everything = pugi::parse_default | pugi::parse_doctype | pugi::parse_declaration;
-  pugi::xml_document document;
-  if (const pugi::xml_parse_result read = document.load_file(file.c_str(), everything); !read)
-    fail(name_, fmt::format("its times cannot be put in order: {}", read.description()));
-  std::vector<double> ascending;
-  std::vector<Order> orders;
-  for (pugi::xml_node series : document.child("Xdmf").child("Domain").children("Grid")) {
-    if (series.attribute("GridType").value() != std::string("Collection"))
-      continue;
-    const std::string field = series.attribute("Name").value();
-    const std::vector<double>& times = times_.at(field);
-    orders.push_back({field, number_grids(series, times)});
-    std::vector<double> sorted = times;
-    std::ranges::sort(sorted);
-    if (orders.size() > 1 && sorted != ascending)
-      throw std::logic_error("the fields of a file have different times");
-    ascending = std::move(sorted);
-  }
-  errno = 0;
-  if (!document.save_file(file.c_str(), "  ")) // as dolfinx does
-    fail(name_, std::generic_category().message(errno));
-  errno = 0;
-  const std::filesystem::path data = std::filesystem::path(name_).replace_extension(".h5");
-  if (!rename_datasets(folder_.staged(data), orders, ascending))
-    fail(data, errno ? std::generic_category().message(errno) : "HDF5 cannot name its datasets");
+  const XdmfIndex index(data_, space_.dim(), layout_.nodes(), layout_.cells());
+  TextFile text(folder_, name_);
+  text.append(index.begin());
+  for (const Series& series : series_)
+    text.append(index.field(series.field.name, series.field.values, times_));
+  text.append(XdmfIndex::end());
+  text.close();
 }
 
 } // namespace signorini::io

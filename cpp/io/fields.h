@@ -1,57 +1,63 @@
 #pragma once
-#include "fem/space.h"
+#include "base/hdf5.h"
+#include "base/petsc.h"
+#include "io/field_layout.h"
 #include "io/output_folder.h"
-#include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
 namespace signorini::io {
 
-/// Fields over time in an XDMF file and the HDF5 file beside it, at the mesh's own nodes (degree 2: their
+/// Fields over time in an HDF5 file and the XDMF file beside it, at the mesh's own nodes (degree 2: their
 /// values at the vertices) or one value for each cell, written one by one during a run. The HDF5 file has the
 /// times in `/times` and the fields in `/Function/<field>/<number>`, numbers in the order of time, with
-/// leading zeros so that names sort.
+/// leading zeros so that names sort. The XDMF file is written at the end, so that a time costs the same
+/// however many came before.
 class FieldFile {
 public:
-  /// Vectors at the nodes or in the cells, and values of other shapes, which readers see as scalars and as
-  /// tensors of 3 × 3.
-  enum class Values { nodal, cellwise, nodal_scalar, cellwise_scalar, cellwise_tensor };
+  struct Field {
+    std::string name;
+    Values values;
+  };
 
-  /// Opens the file `name` (.xdmf), for `values` unless a write says otherwise. `fields`: the most datasets
-  /// to be written, one per field and time; a tensor counts as three. Collective. The references must outlive
-  /// this object. Throws UserError if the disk has no room for them, WriteFailure, on one rank or several, if
-  /// the files cannot be written.
-  FieldFile(const fem::Space& space, const OutputFolder& folder, const std::string& name, std::size_t fields,
-            Values values = Values::nodal);
-  /// Closes an open file on one rank only: on several ranks closing is collective, and the file is left as it
-  /// is.
-  ~FieldFile();
-  FieldFile(const FieldFile&) = delete;
-  FieldFile& operator=(const FieldFile&) = delete;
+  /// Opens the HDF5 file of `name` (.xdmf) for fields at `times` times at most. Collective. The references
+  /// must outlive this object. Throws UserError if the file cannot be written, or the disk has no room for
+  /// all.
+  FieldFile(const fem::Space& space, const OutputFolder& folder, const std::string& name,
+            const std::vector<Field>& fields, std::size_t times);
 
-  /// Writes a field at `time` (s), in any order of times, the same times for all fields: its values that this
-  /// rank owns, at the nodes of V or in the cells. Collective. Throws WriteFailure.
-  void write(const std::string& field, std::span<const double> owned, double time, Values values);
-  void write(const std::string& field, Vec values, double time);
+  /// Writes a field at the `number`-th of the times, `time` (s), from 0 on and in any order: its values that
+  /// this rank owns, at the nodes of V or in the cells. Collective. Throws UserError.
+  void write(const std::string& field, std::size_t number, double time, std::span<const double> owned);
+  void write(const std::string& field, std::size_t number, double time, Vec values);
 
-  /// Closes the file and checks that it is complete. Collective. Throws WriteFailure, UserError.
+  /// Writes the XDMF file; all fields must have been written at the same times, without a gap. Collective.
+  /// Throws UserError.
   void close();
 
 private:
-  struct Open;
-  /// Puts the fields in ascending order of times, as readers expect, under the names of the order, and adds
-  /// the times. Throws UserError. On rank 0.
-  void put_in_order() const;
+  struct Series {
+    Field field;
+    Opened group;
+    std::size_t written = 0; ///< number of times
+  };
+  /// Runs `work` on rank 0; throws UserError on all ranks if it returns false. Collective.
   template <class Work>
   void guarded(Work&& work);
+  bool open(std::span<const double> points, std::span<const std::int64_t> topology);
+  /// Writes a dataset from data of the type `given`; false if that fails.
+  bool put(hid_t place, const char* name, hid_t stored, hid_t given, const std::vector<hsize_t>& shape,
+           const void* data) const;
+  /// Throws UserError if the disk has no room for so many times. Collective.
+  void require_room(std::size_t times) const;
 
   const fem::Space& space_;
   const OutputFolder& folder_;
-  std::string name_;
-  Values values_;
-  std::map<std::string, std::vector<double>> times_; ///< of each field, in the order of writing, s
-  std::unique_ptr<Open> open_;                       ///< null once closed
+  std::string name_, data_; ///< of the two files
+  FieldLayout layout_;
+  Opened file_, layout_list_; ///< on rank 0
+  std::vector<Series> series_;
+  std::vector<double> times_; ///< s
 };
 
 } // namespace signorini::io

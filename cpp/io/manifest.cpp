@@ -1,5 +1,6 @@
 #include "io/manifest.h"
 #include "base/counters.h"
+#include "base/threads.h"
 #include "version.h"
 #include <algorithm>
 #include <chrono>
@@ -167,7 +168,7 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
   json["stop_reason"] = m.stop_reason;
   json["finished"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
   json["versions"] = versions();
-  json["host"] = {{"name", host}, {"ranks", m.ranks}};
+  json["host"] = {{"name", host}, {"ranks", m.ranks}, {"threads", threads()}};
   json["unknowns"] = m.unknowns;
   json["free_unknowns"] = m.free_unknowns;
   json["cells"] = m.cells;

@@ -17,7 +17,7 @@ constexpr double megabyte = 1e6; // the unit of INFOG(17) and INFOG(22)
 constexpr std::array judged_at{1e-3, 1e-6};
 } // namespace
 
-void LinearSolver::count_solve() { ++solves; }
+void LinearSolver::count_solves(long made) { solves += made; }
 
 MumpsSolver::MumpsSolver(Mat matrix) {
   check(MatConvert(matrix, MATAIJ, MAT_INITIAL_MATRIX, matrix_.put()));
@@ -79,7 +79,19 @@ bool MumpsSolver::short_of_space() const {
 
 void MumpsSolver::solve(Vec b, Vec x) const {
   check(MatSolve(factor_, b, x));
-  count_solve();
+  count_solves();
+}
+
+petsc::Matrix MumpsSolver::solve_sparse(Mat transposed) const {
+  PetscInt columns = 0, rows = 0;
+  check(MatGetSize(transposed, &columns, nullptr));
+  check(MatGetLocalSize(factor_, &rows, nullptr));
+  petsc::Matrix X;
+  check(MatCreateDense(petsc::comm(transposed), rows, PETSC_DECIDE, PETSC_DETERMINE, columns, nullptr,
+                       X.put()));
+  check(MatMatTransposeSolve(factor_, transposed, X));
+  count_solves(columns);
+  return X;
 }
 
 double MumpsSolver::bytes() const {
@@ -190,7 +202,7 @@ void ConjugateGradients::run(Vec b, Vec x, Solve& solve) const {
   check(KSPSetConvergenceTest(ksp_, converged, &solve, nullptr));
   solve.scale = std::sqrt(std::abs(petsc::dot(b, x))); // energy norm of the guess: x·b ≈ x·Dx
   check(KSPSolve(ksp_, b, x));
-  count_solve();
+  count_solves();
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   check(KSPGetConvergedReason(ksp_, &reason));
   if (reason >= 0)

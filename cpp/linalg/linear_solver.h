@@ -21,7 +21,7 @@ public:
   [[nodiscard]] virtual double bytes() const = 0;
 
 protected:
-  static void count_solve();
+  static void count_solves(long made = 1);
 };
 
 /// Factorisation by MUMPS on any number of ranks. PETSc options with the prefix `-step_` are honoured.
@@ -40,6 +40,11 @@ public:
   void factorise();
 
   void solve(Vec b, Vec x) const override;
+
+  /// X = matrix⁻¹ B, dense (n × k), for a sparse B, which MUMPS takes from rank 0: `transposed` is Bᵀ (k ×
+  /// n), AIJ with all of its rows and columns there. Collective. Throws SolverFailure.
+  [[nodiscard]] petsc::Matrix solve_sparse(Mat transposed) const;
+
   [[nodiscard]] std::string name() const override { return "MUMPS"; }
   [[nodiscard]] double bytes() const override;
 

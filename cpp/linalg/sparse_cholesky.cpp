@@ -5,6 +5,7 @@
 #include <array>
 #include <cholmod.h>
 #include <fmt/format.h>
+#include <optional>
 
 namespace signorini {
 using petsc::check;
@@ -55,9 +56,9 @@ struct SparseCholesky::Cholmod {
   cholmod_sparse* matrix = nullptr;
   cholmod_factor* factor = nullptr;
   cholmod_dense *work_y = nullptr, *work_e = nullptr;
-  std::vector<double> z, x; ///< scratch of solves (n)
-  std::vector<double> b;    ///< likewise, where the factor is simplicial, else empty
-  std::vector<double> supernodal_work;
+  std::vector<double> z, x;               ///< scratch of solves (n)
+  std::vector<double> b;                  ///< likewise, where the factor is simplicial, else empty
+  std::optional<TriangularSolves> solves; ///< where the factor is supernodal
 
   Cholmod() {
     cholmod_start(&common);
@@ -105,7 +106,7 @@ struct SparseCholesky::Cholmod {
 
   void triangular_solve(int system, std::span<double> solution) {
     if (factor->is_super) {
-      (system == CHOLMOD_L ? supernodal_forward : supernodal_backward)(*factor, solution, supernodal_work);
+      system == CHOLMOD_L ? solves->forward(solution) : solves->backward(solution);
       return;
     }
     cholmod_dense from = dense(b), to = dense(solution), *to_there = &to;
@@ -242,7 +243,8 @@ void SparseCholesky::factorise() {
   c_->z.resize(n);
   c_->x.resize(n);
   c_->b.resize(c_->factor->is_super ? 0 : n);
-  c_->supernodal_work.resize(c_->factor->is_super ? c_->factor->maxesize : 0);
+  if (c_->factor->is_super)
+    c_->solves.emplace(*c_->factor);
 }
 
 std::vector<double> SparseCholesky::corner_factor() const {
@@ -294,7 +296,7 @@ void SparseCholesky::backward(std::span<const double> z, std::span<const double>
   std::ranges::copy(z.first(z.size() - corner.size()), right.begin());
   std::ranges::copy(corner, right.end() - static_cast<std::ptrdiff_t>(corner.size()));
   c_->triangular_solve(CHOLMOD_Lt, c_->x);
-  count_solve();
+  count_solves();
   const petsc::WriteArray values(x);
   for (std::size_t i = 0; i < c_->x.size(); ++i)
     values[static_cast<std::size_t>(permutation[i])] = c_->x[i];
@@ -307,7 +309,8 @@ void SparseCholesky::solve(Vec b, Vec x) const {
 
 double SparseCholesky::bytes() const {
   return static_cast<double>(c_->common.memory_inuse +
-                             (c_->b.size() + c_->z.size() + c_->x.size()) * sizeof(double));
+                             (c_->b.size() + c_->z.size() + c_->x.size()) * sizeof(double) +
+                             (c_->solves ? c_->solves->bytes() : 0));
 }
 
 } // namespace signorini

@@ -61,10 +61,10 @@ public:
             return {.certificate = std::move(certificate)};
           smooth = std::move(certificate);
         }
-      const Direction direction = downhill(problem, at);
+      const auto [direction, d] = downhill(problem, at);
       if (direction.subgradient.length > options.model_part * tolerance &&
           direction.predicted > options_.negligible(at.objective)) {
-        Step step = follow(problem, at, direction);
+        Step step = follow(problem, at, direction, *d);
         if (step.found)
           return step;
       } else {
@@ -97,20 +97,30 @@ private:
   }
 
   struct Point {
-    Vector u, outside; ///< within the bounds, and what was beyond
+    Vector u;                        ///< within the bounds
+    std::optional<Vector> outside{}; ///< what was beyond them
   };
 
-  /// The point at this offset.
-  Point point(const P& problem, const Iterate<P>& at, const Coordinates& offset) const {
+  /// The point at t times an offset.
+  static Point point(const P& problem, const Iterate<P>& at, double t, const Vector& offset) {
     Vector u = at.u;
-    u.add(1, span_.vector(offset, at.u));
+    u.add(t, offset);
+    if (!problem.bounded())
+      return {std::move(u)};
     Vector within = projected(problem, u);
     u.add(-1, within);
-    return {std::move(within), std::move(u)};
+    if (norm(problem, u) > 0)
+      return {std::move(within), std::move(u)};
+    return {std::move(within)};
+  }
+  Point point(const P& problem, const Iterate<P>& at, const Coordinates& offset) const {
+    return point(problem, at, 1, span_.vector(offset, at.u));
   }
 
   /// Length of the part of d that pushes values out of the bounds at u.
   static double outward(const P& problem, const Vector& u, const Vector& d) {
+    if (!problem.bounded())
+      return 0;
     return norm(problem, difference(tangential(problem, u, d), d));
   }
 
@@ -148,13 +158,14 @@ private:
     model_ = BundleModel(options_.bundle, std::move(cuts));
   }
 
-  /// The minimiser of the model; adds Hessian products until its curvature along the direction is accurate.
-  Direction downhill(P& problem, const Iterate<P>& at) {
+  /// The minimiser of the model, also as a vector unless it is zero; adds Hessian products until its
+  /// curvature along the direction is accurate.
+  std::pair<Direction, std::optional<Vector>> downhill(P& problem, const Iterate<P>& at) {
     for (int products = 0;;) {
       Direction direction = model_.minimise(span_.dimension());
       if (direction.subgradient.length == 0)
-        return direction;
-      const Vector d = span_.vector(direction.d, at.u);
+        return {std::move(direction), std::nullopt};
+      Vector d = span_.vector(direction.d, at.u);
       if (outward(problem, at.u, d) > options_.bundle.rounding * norm(direction.d)) {
         block(problem, d); // without a product, so that none is counted
         continue;
@@ -162,21 +173,21 @@ private:
       Coordinates product = coordinates(problem, problem.hessian_product(d));
       ++products;
       if (model_.learn(direction, std::move(product)) || products == options_.bundle.products)
-        return direction;
+        return {std::move(direction), std::move(d)};
     }
   }
 
-  /// Tries the direction at decreasing lengths: the first that leads down makes a serious step, others make
-  /// null steps.
-  Step follow(P& problem, const Iterate<P>& at, const Direction& direction) {
+  /// Tries the direction, whose vector is d, at decreasing lengths: the first that leads down makes a serious
+  /// step, others make null steps.
+  Step follow(P& problem, const Iterate<P>& at, const Direction& direction, const Vector& d) {
     const BundleOptions& options = options_.bundle;
     int null_steps = 0;
     for (double t = 1; t * direction.predicted > options_.negligible(at.objective); t *= options.shorter) {
       const Coordinates s = scaled(direction.d, t), Hs = scaled(direction.Hd, t);
-      auto [u, outside] = point(problem, at, s);
+      auto [u, outside] = point(problem, at, t, d);
       // Also where a bound is met exactly: block() could not hold there what is free at bounds_at_.
-      const bool at_other_bounds = norm(problem, outside) > 0 ||
-                                   outward(problem, u, tangential(problem, at.u, span_.vector(s, at.u))) > 0;
+      const bool at_other_bounds =
+          outside || (problem.bounded() && outward(problem, u, tangential(problem, at.u, d)) > 0);
       const double J = attempt(problem, u).value_or(nan), decrease = at.objective - J;
       if (decrease >= options.sufficient * t * direction.predicted) { // false for NaN
         Vector g = problem.trial_gradient();
@@ -198,8 +209,8 @@ private:
   void gather_around(P& problem, const Iterate<P>& at, const std::vector<double>& weights, double distance) {
     for (Coordinates& offset : model_.drop_distant(weights, distance)) {
       auto [u, outside] = point(problem, at, offset);
-      if (norm(problem, outside) > 0)
-        add(offset, -1, span_.coordinates(problem, std::move(outside)));
+      if (outside)
+        add(offset, -1, span_.coordinates(problem, std::move(*outside)));
       if (const auto there = evaluated(problem, std::move(u)))
         model_.null_step(coordinates(problem, there->g), offset, {}, at.objective - there->objective);
     }

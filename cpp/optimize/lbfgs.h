@@ -1,6 +1,6 @@
 #pragma once
 #include "optimize/descent.h"
-#include <ranges>
+#include <numeric>
 
 namespace signorini::optimize {
 
@@ -8,6 +8,10 @@ namespace signorini::optimize {
 /// values that bounds do not block (Bertsekas 1982): pairs are stored without blocked values, so that once
 /// the blocked set no longer changes the method is that of the reduced problem. The operator applied is a
 /// principal part of a positive definite one, so that J descends along its directions whatever the pairs are.
+///
+/// The recursion works on factors of the stored vectors, by their Gram matrix (Chen, Wang, Zhou 2014): a
+/// direction reads them twice, and a new pair once, where products one by one would apply the mass matrix to
+/// each of them.
 template <Unknowns U>
 class LimitedMemory {
 public:
@@ -18,20 +22,27 @@ public:
   Vector direction(const U& unknowns, const Iterate<U>& at) const {
     const Vector down = negative(at.g);
     Vector d = tangential(unknowns, at.u, down);
-    if (pairs_.empty()) {
+    if (vectors_.empty()) {
       d.scale(length_ / norm(unknowns, d));
       return d;
     }
-    std::vector<double> weights;
-    for (const Pair& pair : pairs_ | std::views::reverse) {
-      weights.push_back(unknowns.inner(*pair.s, d) / pair.sy);
-      d.add(-weights.back(), *pair.y);
+    // The direction is Σ factors_i vectors_i plus `own` times what d is now; `products` are those with that.
+    const std::size_t n = vectors_.size();
+    std::vector<double> factors(n), products = unknowns.pairings(std::vector{unknowns.dual(d)}, vectors_);
+    const auto product = [&](std::size_t i) {
+      return std::inner_product(factors.begin(), factors.end(), &gram_[i * n], products[i]);
+    };
+    for (std::size_t s = n; s > 0;) {
+      s -= 2;
+      factors[s + 1] = -product(s) / gram_[s * n + s + 1];
     }
+    for (std::vector<double>* part : {&factors, &products})
+      for (double& x : *part)
+        x *= scale_;
+    for (std::size_t s = 0; s < n; s += 2)
+      factors[s] = -factors[s + 1] / scale_ - product(s + 1) / gram_[s * n + s + 1];
     d.scale(scale_);
-    for (const Pair& pair : pairs_) {
-      d.add(weights.back() - unknowns.inner(*pair.y, d) / pair.sy, *pair.s);
-      weights.pop_back();
-    }
+    d.add(factors, vectors_);
     unknowns.zero_blocked(d, at.u, down);
     return tangential(unknowns, at.u, d);
   }
@@ -42,20 +53,34 @@ public:
     length_ = norm(unknowns, s);
     unknowns.zero_blocked(s, to.u, down);
     unknowns.zero_blocked(y, to.u, down);
-    const double sy = unknowns.inner(s, y), yy = unknowns.inner(y, y);
+    if (vectors_.size() == 2 * options_.pairs)
+      forget_oldest();
+    const std::size_t n = vectors_.size();
+    const std::vector<Vector> duals{unknowns.dual(s), unknowns.dual(y)};
+    std::vector<Shared<Vector>> all = vectors_;
+    all.push_back(share(std::move(s)));
+    all.push_back(share(std::move(y)));
+    const std::vector<double> products = unknowns.pairings(duals, all); // 2 × (n + 2)
+    const double ss = products[n], sy = products[n + 1], yy = products[2 * n + 3];
     if (!(sy > options_.least_cosine * length_ * std::sqrt(yy)))
       return;
     // Between the largest and the smallest inverse curvature seen (Dai, Al-Baali, Yang 2015): the curvatures
     // of J spread widely, from alpha up.
-    scale_ = std::sqrt(unknowns.inner(s, s) / yy);
-    pairs_.push_back({share(std::move(s)), share(std::move(y)), sy});
-    if (pairs_.size() > options_.pairs)
-      pairs_.erase(pairs_.begin());
+    scale_ = std::sqrt(ss / yy);
+    std::vector<double> gram;
+    for (std::size_t i = 0; i < n; ++i) {
+      gram.insert(gram.end(), &gram_[i * n], &gram_[i * n] + n);
+      gram.insert(gram.end(), {products[i], products[n + 2 + i]});
+    }
+    gram.insert(gram.end(), products.begin(), products.end());
+    gram_ = std::move(gram);
+    vectors_ = std::move(all);
   }
 
   bool restart() {
-    const bool had = !pairs_.empty();
-    pairs_.clear();
+    const bool had = !vectors_.empty();
+    vectors_.clear();
+    gram_.clear();
     return had;
   }
 
@@ -63,20 +88,24 @@ public:
   void serialize(Archive& archive) {
     archive("lbfgs/scale", scale_);
     archive("lbfgs/length", length_);
-    serialize_list(archive, "lbfgs/pairs", pairs_, [&](Pair& pair, const std::string& name) {
-      archive(name + "/s", pair.s);
-      archive(name + "/y", pair.y);
-      archive(name + "/sy", pair.sy);
-    });
+    serialize_list(archive, "lbfgs/vectors", vectors_,
+                   [&](Shared<Vector>& v, const std::string& name) { archive(name, v); });
+    archive("lbfgs/gram", gram_);
   }
 
 private:
-  struct Pair {
-    Shared<Vector> s, y;
-    double sy = 0;
-  };
+  void forget_oldest() {
+    const std::size_t n = vectors_.size();
+    std::vector<double> gram;
+    for (std::size_t i = 2; i < n; ++i)
+      gram.insert(gram.end(), &gram_[i * n + 2], &gram_[i * n] + n);
+    gram_ = std::move(gram);
+    vectors_.erase(vectors_.begin(), vectors_.begin() + 2);
+  }
+
   LbfgsOptions options_;
-  std::vector<Pair> pairs_;
+  std::vector<Shared<Vector>> vectors_; ///< s and y of each pair, the oldest first
+  std::vector<double> gram_;            ///< their products (vectors × vectors)
   double scale_ = 1;
   double length_ = 1; ///< of the last step, at first Cauchy's, the unit of length
 };

@@ -65,12 +65,14 @@ public:
     return problem_.inner(u, w) / squared_length();
   }
   [[nodiscard]] Vector dual(const Vector& u) const { return problem_.dual(u); }
-  [[nodiscard]] std::vector<double> pairings(const Vector& dual, std::span<const Shared<Vector>> w) const {
-    std::vector<double> products = problem_.pairings(dual, w);
+  [[nodiscard]] std::vector<double> pairings(std::span<const Vector> duals,
+                                             std::span<const Shared<Vector>> w) const {
+    std::vector<double> products = problem_.pairings(duals, w);
     for (double& product : products)
       product /= squared_length();
     return products;
   }
+  [[nodiscard]] bool bounded() const { return problem_.bounded(); }
   void project(Vector& u) const { problem_.project(u); }
   void zero_blocked(Vector& w, const Vector& u, const Vector& d) const { problem_.zero_blocked(w, u, d); }
 

@@ -24,6 +24,7 @@ template <class U>
 concept Unknowns =
     std::copyable<typename U::Vector> &&
     requires(const U& unknowns, const typename U::Vector& u, typename U::Vector& w,
+             const std::vector<typename U::Vector>& duals,
              const std::vector<Shared<typename U::Vector>>& list, const std::vector<double>& factors) {
       { w.add(1.0, u) };        // w += 1.0 u
       { w.add(factors, list) }; // w += Σ factors_i list_i
@@ -32,8 +33,11 @@ concept Unknowns =
       { unknowns.inner(u, u) } -> std::convertible_to<double>;
       // The functional inner(u, ·), in a form of pairings()' choice: the inverse of the Riesz map.
       { unknowns.dual(u) } -> std::same_as<typename U::Vector>;
-      // (dual(v), w): inner(v, w_i) for all w_i in one pass, since bases are long.
-      { unknowns.pairings(u, list) } -> std::same_as<std::vector<double>>;
+      // (dual(v_i), w): inner(v_i, w_j) (duals × list) in one pass over the w_j, since lists of them are
+      // long.
+      { unknowns.pairings(duals, list) } -> std::same_as<std::vector<double>>;
+      // Whether there are bounds; without them what follows changes nothing.
+      { unknowns.bounded() } -> std::convertible_to<bool>;
       // Onto the bounds, the nearest point by inner().
       { unknowns.project(w) };
       // (w, u, d): w = 0 where u is at a bound and d points out of it; an orthogonal projection by inner().
@@ -67,6 +71,8 @@ typename U::Vector projected(const U& unknowns, typename U::Vector u) {
 /// Norm of u − P(u − g), which is zero exactly at stationary points.
 template <Unknowns U>
 double stationarity(const U& unknowns, const typename U::Vector& u, const typename U::Vector& g) {
+  if (!unknowns.bounded())
+    return norm(unknowns, g);
   return norm(unknowns, difference(projected(unknowns, difference(u, g)), u));
 }
 

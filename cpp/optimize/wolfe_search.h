@@ -30,7 +30,10 @@ template <Differentiable P>
     const std::optional<double> value = attempt(problem, trial);
     search.solver_failed = !value;
     const double decrease = from.objective - value.value_or(nan);
-    if (decrease > 0 && decrease >= -sufficient * problem.inner(from.g, difference(trial, from.u))) {
+    const auto tangent = [&] { // the decrease of J's tangent
+      return problem.bounded() ? -problem.inner(from.g, difference(trial, from.u)) : -slope * t;
+    };
+    if (decrease > 0 && decrease >= sufficient * tangent()) {
       typename P::Vector g = problem.trial_gradient();
       const bool steep = problem.inner(g, tangential(problem, trial, d)) < flatter * slope; // false for NaN
       if (!steep || collapsed) {

@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_DISC, SIGNORINI, SOURCE, signorini, table  # noqa: E402
+from harness import HALF_DISC, SIGNORINI, SOURCE, grids, signorini, table  # noqa: E402
 
 import h5py  # noqa: E402
 
@@ -67,6 +67,8 @@ def simulate_is_complete(folder: Path, ranks: int) -> None:
     assert 0 < done < run["steps"]["asked"] and steps["step"][-1] == done
     with h5py.File(out / "state.h5") as file:
         assert len(file["Function/displacement"]) == len(file["Function/velocity"]) == done // 1000 + 1 + (done % 1000 > 0)
+    index = grids(out / "state.xdmf")  # which is written at the end, this one too
+    assert set(index) == {"displacement", "velocity"} and all(abs(times[-1] - steps["time"][-1]) < 1e-9 for times in index.values())
     print(f"simulate on {ranks} ranks: stopped after step {done}, {len(SIMULATE_FILES)} whole files")
 
 

@@ -1,6 +1,7 @@
 """What a run leaves in its folder is what the documentation promises."""
 
 import json
+import re
 import shutil
 import sys
 import tempfile
@@ -9,7 +10,7 @@ import xml.etree.ElementTree as xml
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_BALL, HALF_DISC, SIGNORINI, SOURCE, attempt, captured, signorini, table  # noqa: E402
+from harness import HALF_BALL, HALF_DISC, SIGNORINI, SOURCE, attempt, captured, grids, signorini, table  # noqa: E402
 
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
@@ -26,24 +27,6 @@ HISTORY = ("iteration,objective,tracking,terminal,control_cost,gradient_norm,ste
 
 def header(file: Path) -> str:
     return file.read_text().splitlines()[0]
-
-
-def grids(file: Path) -> dict[str, list[float]]:
-    """Field name → times, with every dataset that the XDMF file refers to present in the HDF5 file."""
-    found: dict[str, list[float]] = {}
-    with h5py.File(file.with_suffix(".h5")) as h5:
-        for item in xml.parse(file).iter("DataItem"):
-            name, path = item.text.split(":")
-            assert name == file.with_suffix(".h5").name, "the XDMF file points to another folder"
-            assert list(h5[path].shape) == [int(n) for n in item.get("Dimensions").split()]
-    for collection in xml.parse(file).iter("Grid"):
-        if collection.get("GridType") == "Collection":
-            times = found[collection.get("Name")] = [float(t.get("Value")) for t in collection.iter("Time")]
-            names = [item.text.split("/")[-1] for item in collection.iter("DataItem") if "/Function/" in item.text]
-            with h5py.File(file.with_suffix(".h5")) as h5:
-                assert np.array_equal(h5["times"][:], times) and times == sorted(times)
-                assert names == list(h5["Function"][collection.get("Name")]) == sorted(names), "names in the order of time"
-    return found
 
 
 def optimize_folder(out: Path) -> None:
@@ -124,6 +107,30 @@ def nodal_force_is_the_resultant(out: Path) -> None:
     total = np.bincount(contact["step"].astype(int), contact["force"])
     assert total.max() > 0 and np.allclose(total, steps["contact_force_y"], rtol=1e-12)
     print("nodal contact forces sum to the resultant")
+
+
+def index_of_many_times(folder: Path) -> None:
+    """The index of a long run says of each time what that of a short one says, and the values are the same."""
+    for ranks in (1, 2):
+        runs, texts, fields = {1: {}, 75: {}}, {}, {}
+        for every in runs:
+            out = folder / f"index-{ranks}-{every}"
+            signorini("simulate", HALF_DISC, out, ranks, mesh__size=3, control__initial=["0", "-1"], output__every=every,
+                      output__fields=["displacement", "velocity", "stress", "von_mises", "pressure"])  # fmt: skip
+            runs[every] = grids(out / "state.xdmf")
+            texts[every] = (out / "state.xdmf").read_text()
+            with h5py.File(out / "state.h5") as file:
+                fields[every] = {name: [values[:] for values in group.values()] for name, group in file["Function"].items()}
+        assert {len(times) for times in runs[1].values()} == {151} and {len(times) for times in runs[75].values()} == {3}
+        assert set(runs[1]) == set(runs[75]) == set(fields[75]) and len(runs[1]) == 5
+        for name, values in fields[75].items():
+            assert runs[1][name][::75] == runs[75][name] and abs(values[-1]).max() > 0, name
+            rounding = 0 if ranks == 1 else 1e-10 * abs(values[-1]).max()  # MUMPS adds in the order in which messages come
+            assert all(np.abs(a - b).max() <= rounding for a, b in zip(fields[1][name][::75], values)), name
+        head, *every_time = re.split(r"(?=      <Grid )", re.sub(r"/\d{8}<", "<", texts[1]))
+        head_of_few, *few_times = re.split(r"(?=      <Grid )", re.sub(r"/\d{8}<", "<", texts[75]))
+        assert head == head_of_few and len(every_time) == 5 * 151 and set(few_times) <= set(every_time)
+    print("the index of 151 times says of three what that of three does, on one rank and two")
 
 
 def degree_two(folder: Path) -> None:
@@ -235,6 +242,7 @@ def main() -> int:
         simulate_replaces_optimize(out)
         nodal_force_is_the_resultant(out)
         no_old_page_stays(folder)
+        index_of_many_times(folder)
         degree_two(folder)
         half_ball(folder)
         only_what_is_asked_for(folder)

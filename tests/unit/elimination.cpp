@@ -1,7 +1,9 @@
 #include "contact/elimination.h"
 #include "base/collective.h"
 #include "base/error.h"
+#include "base/threads.h"
 #include "contact_parts.h"
+#include "linalg/threaded_product.h"
 #include <catch2/catch_test_macros.hpp>
 #include <fmt/format.h>
 #include <functional>
@@ -40,6 +42,78 @@ TEST_CASE("the condensed matrix is what D says", "[contact]") {
       CHECK(std::abs(product / slip[i] - 1) < 1e-12);
     }
   }
+}
+
+TEST_CASE("solves are the same to the last bit on any number of threads", "[contact]") {
+  if (ranks(MPI_COMM_WORLD) > 1)
+    return; // CHOLMOD factorises on one rank
+  const int before = threads();
+  const Parts parts({"mesh.size=0.01", "contact.on=boundary", "contact.obstacle.point=[0, -9]"});
+  std::vector<int> corner;
+  for (PetscInt dof : parts.pairs.first_dofs())
+    corner.push_back(static_cast<int>(dof / 2));
+  const petsc::Vector r = parts.pressing(1);
+  std::vector<double> first;
+  for (int n : {1, 2, 3, 7}) {
+    use_threads(MPI_COMM_WORLD, n);
+    SparseCholesky cholesky(parts.D, corner);
+    cholesky.factorise();
+    petsc::Vector y = parts.space.vector(), residual = parts.space.vector();
+    cholesky.solve(r, y);
+    check(MatMult(parts.D, y, residual));
+    CHECK(test::difference(residual, r) < 1e-11 * test::largest(r));
+    const petsc::ReadArray values(y);
+    const std::vector<double> now(std::span<const double>(values).begin(),
+                                  std::span<const double>(values).end());
+    if (n == 1)
+      first = now;
+    CHECK(now == first);
+  }
+  use_threads(MPI_COMM_WORLD, before);
+}
+
+TEST_CASE("products are PETSc's, and the same to the last bit on any number of threads", "[contact]") {
+  if (ranks(MPI_COMM_WORLD) > 1)
+    return;
+  const int before = threads();
+  for (const auto& [file, settings] :
+       {std::pair{"tests/data/block.toml", std::vector<std::string>{"mesh.size=0.01"}},
+        {"tests/data/two-materials.toml", {"mesh.size=0.012"}},
+        {"tests/data/cube.toml", {"mesh.size=0.06"}}}) {
+    const scene::Scene scene = test::parse(test::source(file), settings);
+    const mesh::Mesh mesh(MPI_COMM_WORLD, scene.mesh);
+    const fem::Space space(mesh, scene.mesh.degree);
+    const fem::Operators threaded = fem::assemble_operators(space, scene.materials, true),
+                         plain = fem::assemble_operators(space, scene.materials, true);
+    petsc::Vector x = space.vector(), z = space.vector(), y = space.vector(), expected = space.vector(),
+                  first = space.vector();
+    check(VecSetRandom(x, nullptr));
+    check(VecSetRandom(z, nullptr));
+    for (const auto& [mine, theirs] :
+         {std::pair{Mat(threaded.A), Mat(plain.A)}, {Mat(threaded.M), Mat(plain.M)}}) {
+      thread_products(mine);
+      for (const bool added : {false, true})
+        for (int n : {1, 2, 3, 5}) {
+          use_threads(MPI_COMM_WORLD, n);
+          if (added) {
+            check(MatMultAdd(theirs, x, z, expected));
+            check(VecCopy(z, y));
+            check(MatMultAdd(mine, x, y, y)); // in place
+          } else {
+            check(MatMult(theirs, x, expected));
+            check(MatMult(mine, x, y));
+          }
+          CHECK(test::difference(y, expected) < 1e-13 * test::largest(expected));
+          if (n == 1)
+            check(VecCopy(y, first));
+          CHECK(test::difference(y, first) == 0);
+        }
+      PetscObject own = nullptr;
+      check(PetscObjectQuery(reinterpret_cast<PetscObject>(mine), "signorini_threaded_product", &own));
+      CHECK(own); // large enough for threads
+    }
+  }
+  use_threads(MPI_COMM_WORLD, before);
 }
 
 TEST_CASE("contact in the corner of the factor is contact everywhere", "[contact]") {

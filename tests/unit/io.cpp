@@ -115,9 +115,9 @@ TEST_CASE("a field that was stored is read as it was, linear between its times, 
     const fem::Space& space = ready.problem.space;
     io::OutputFolder output(space.comm(), folder.path);
     const std::vector<double> times{0, 0.3, 1.0 / 3, 1};
-    io::FieldFile file(space, output, "state.xdmf", times.size());
-    for (std::size_t i = 0; i < times.size(); ++i)
-      file.write("displacement", test::smooth(space, static_cast<int>(i) + 1), times[i]);
+    io::FieldFile file(space, output, "state.xdmf", {{"displacement", io::Values::nodal}}, times.size());
+    for (const std::size_t i : {2U, 0U, 3U, 1U})
+      file.write("displacement", i, times[i], test::smooth(space, static_cast<int>(i) + 1));
     file.close();
     MPI_Barrier(space.comm());
     const fs::path stored = output.staged("state.h5");
@@ -148,6 +148,52 @@ TEST_CASE("a field that was stored is read as it was, linear between its times, 
                         ContainsSubstring("key: ") && ContainsSubstring("state.h5: "));
     }
   }
+}
+
+namespace {
+
+/// Bytes that this process has written so far.
+double bytes_written() {
+  std::ifstream in("/proc/self/io");
+  for (std::string name, value; in >> name >> value;)
+    if (name == "wchar:")
+      return std::stod(value);
+  throw std::runtime_error("no count of bytes written");
+}
+
+} // namespace
+
+TEST_CASE("a stored time costs the same however many came before, and the index comes once", "[io]") {
+  const Folder folder;
+  const test::Ready ready("tests/data/block.toml");
+  const fem::Space& space = ready.problem.space;
+  const petsc::Vector values = test::smooth(space, 1);
+  std::vector<double> cost, stored;
+  for (const std::size_t times : {100U, 200U, 400U}) {
+    io::OutputFolder output(space.comm(), folder.path);
+    const double before = bytes_written();
+    io::FieldFile file(space, output, "state.xdmf",
+                       {{"displacement", io::Values::nodal}, {"velocity", io::Values::nodal}}, times);
+    for (std::size_t i = 0; i < times; ++i)
+      for (const char* field : {"displacement", "velocity"})
+        file.write(field, i, 0.125 * static_cast<double>(i), values);
+    if (rank(space.comm()) == 0) // who writes it at once when all are through
+      CHECK(!fs::exists(output.staged("state.xdmf")));
+    file.close();
+    MPI_Barrier(space.comm());
+    cost.push_back(bytes_written() - before);
+    stored.push_back(static_cast<double>(fs::file_size(output.staged("state.h5"))));
+    const std::string index = content(output.staged("state.xdmf"));
+    REQUIRE(static_cast<double>(index.size()) > 400 * static_cast<double>(times)); // what would be quadratic
+    CHECK(index.ends_with("</Xdmf>\n"));
+    if (rank(space.comm()) == 0)
+      CHECK(cost.back() < 1.3 * (stored.back() + static_cast<double>(index.size())));
+    MPI_Barrier(space.comm());
+  }
+  if (rank(space.comm()) == 0)
+    CHECK(cost[2] - cost[1] < 1.2 * 2 * (cost[1] - cost[0]));
+  const double data = 2 * 100 * 8 * static_cast<double>(space.dofs() / space.dim() * 3);
+  CHECK((stored[2] - stored[1]) / 2 - data < 2 * 100 * 600); // headers and names
 }
 
 TEST_CASE("tables have a cell for each column and numbers to the last digit", "[io]") {

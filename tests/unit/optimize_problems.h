@@ -47,12 +47,14 @@ struct Bounded {
       u.x[i] *= w[i];
     return u;
   }
-  static std::vector<double> pairings(const Point& a, std::span<const optimize::Shared<Point>> b) {
+  static std::vector<double> pairings(std::span<const Point> a, std::span<const optimize::Shared<Point>> b) {
     std::vector<double> products;
-    for (const optimize::Shared<Point>& point : b)
-      products.push_back(std::inner_product(a.x.begin(), a.x.end(), point->x.begin(), 0.0));
+    for (const Point& dual : a)
+      for (const optimize::Shared<Point>& point : b)
+        products.push_back(std::inner_product(dual.x.begin(), dual.x.end(), point->x.begin(), 0.0));
     return products;
   }
+  bool bounded() const { return lower > -1e300 || upper < 1e300; }
   void project(Point& u) const {
     for (double& x : u.x)
       x = std::clamp(x, lower, upper);

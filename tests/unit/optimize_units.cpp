@@ -30,9 +30,10 @@ struct InOtherUnits {
   }
   double inner(const Point& a, const Point& b) const { return given.inner(a, b); }
   Point dual(const Point& u) const { return given.dual(u); }
-  static std::vector<double> pairings(const Point& a, std::span<const optimize::Shared<Point>> b) {
+  static std::vector<double> pairings(std::span<const Point> a, std::span<const optimize::Shared<Point>> b) {
     return P::pairings(a, b);
   }
+  bool bounded() const { return given.bounded(); }
   void project(Point& u) const { bounds().project(u); }
   void zero_blocked(Point& v, const Point& u, const Point& d) const { bounds().zero_blocked(v, u, d); }
   [[nodiscard]] Bounded bounds() const { return {{}, c * given.lower, c * given.upper, {}, {}}; }

@@ -1,0 +1,84 @@
+"""What it costs to store a motion: seconds of output a stored time, however many there are, beside those of the steps.
+
+usage: ./dev bench output [--sizes H …] [--frames N …] [--ranks N …] [--json FILE]
+
+The half disc under the constant force that its control problem desires. Each size runs with every step stored, for each number of
+frames, and last with the default of output.every (up to 300 frames). `output` is all that run.json calls so: fields, tables, and what is
+summed up and monitored of every step. The largest run of the default takes 3 GB on disk and a minute or two.
+"""
+
+import argparse
+import json
+import subprocess
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+SCENE = """
+[mesh]
+file = "{meshes}/half-disc.geo"
+size = {size!r}
+[time]
+end = {end!r}
+step = 5e-5
+[material]
+density = 1.0
+young = 1e8
+poisson = 0.3
+viscosity = {{ bulk = 1e4, shear = 1e4 }}
+[[clamp]]
+on = "top"
+[load]
+body = ["0", "-1e6"]
+[contact]
+on = "contact"
+obstacle = {{ shape = "half-space", point = [0, -15.75], normal = [0, 1] }}
+"""
+
+
+def row(folder: Path, size: float, frames: int, ranks: int, every: int | None) -> dict:
+    scene, out = folder / "output.toml", folder / "out"
+    scene.write_text(SCENE.format(meshes=ROOT / "meshes", size=size, end=frames * 5e-5))
+    command = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
+    command += ["signorini", "simulate", str(scene), "--out", str(out), "--quiet"]
+    done = subprocess.run([*command, *(["--set", f"output.every={every}"] if every else [])], capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(f"signorini ended with {done.returncode}:\n{done.stderr}")
+    run = json.loads((out / "run.json").read_text())
+    assert run["counters"]["VIs solved"] > 0, "no contact occurred"
+    seconds = {phase: run["timings"][phase]["seconds"] for phase in ("forward", "output")}
+    steps = run["steps"]["done"]
+    stored = (out / "state.xdmf").read_text().count("<Time ") // 2
+    return {"size": size, "ranks": ranks, "unknowns": run["unknowns"], "steps": steps, "frames": stored, "seconds": seconds,
+            "bytes": {path.name: path.stat().st_size for path in out.iterdir()}}  # fmt: skip
+
+
+def show(r: dict) -> None:
+    s, steps = r["seconds"], r["steps"]
+    print(f"{r['size']:6g}  {r['unknowns']:8d}  {r['ranks']:5d}  {steps:6d}  {r['frames']:6d}  {1e6 * s['forward'] / steps:10.1f}"
+          f"  {1e6 * s['output'] / steps:12.1f}  {s['output'] / s['forward']:12.3f}  {sum(r['bytes'].values()) / 1e6:7.1f}"
+          f"  {r['bytes']['state.xdmf'] / 1e6:7.2f}", flush=True)  # fmt: skip
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="./dev bench output", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--sizes", nargs="+", type=float, default=[1, 0.5, 0.25], metavar="H", help="element sizes, m")
+    parser.add_argument("--frames", nargs="+", type=int, default=[1000, 10000], metavar="N")
+    parser.add_argument("--ranks", nargs="+", type=int, default=[1], metavar="N")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="where the figures go too")
+    given = parser.parse_args()
+    print("  size  unknowns  ranks   steps  frames   us a step  output, us a step  output/steps       MB  of index")
+    rows = []
+    with tempfile.TemporaryDirectory() as name:
+        for size in given.sizes:
+            for ranks in given.ranks:
+                for frames, every in [*((frames, 1) for frames in given.frames), (min(given.frames), None)]:
+                    rows.append(row(Path(name), size, frames, ranks, every))
+                    show(rows[-1])
+    if given.json:
+        given.json.write_text(json.dumps(rows, indent=2) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
