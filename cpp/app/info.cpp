@@ -1,4 +1,5 @@
 #include "app/info.h"
+#include "app/optimize.h"
 #include "app/run_manifest.h"
 #include "base/collective.h"
 #include "base/memory.h"
@@ -107,9 +108,10 @@ std::map<std::string, Cost> costs(const Problem& problem) {
         controls.cellwise()
             ? 0
             : controls.control_bytes() / (scene.control->constant_in_time ? 1 : problem.steps());
+  const optimize::Options options = search_options(controls, scene.optimizer);
   if (scene.optimizer.method == scene::OptimizerMethod::lbfgs)
     costs["control"].bytes +=
-        2 * static_cast<double>(optimize::Options().lbfgs.pairs) * controls.control_bytes();
+        static_cast<double>(std::min(2 * options.lbfgs.pairs, options.vectors)) * controls.control_bytes();
   costs["objective"] = {scene.objective->on ? "L2 of what is observed" : "W", motions_bytes(problem),
                         "a gradient: an adjoint step, with one solve" + again(problem)};
   return costs;

@@ -10,7 +10,6 @@
 #include "optimize/projected_gradient.h"
 #include <algorithm>
 #include <fmt/format.h>
-#include <map>
 
 namespace signorini {
 namespace {
@@ -87,8 +86,7 @@ static_assert(optimize::TwiceDifferentiable<control::ReducedProblem>);
 using Result = optimize::Result<control::Control>;
 
 Result minimise(ControlProblem& problem, const scene::Scene& scene, OptimizerLog& record) {
-  const optimize::Options options{.max_iterations = scene.optimizer.max_iterations,
-                                  .tolerance = scene.optimizer.tolerance};
+  const optimize::Options options = search_options(problem.controls, scene.optimizer);
   control::Control guess = problem.first_guess(scene);
   const scene::OptimizerMethod method = scene.optimizer.method;
   using namespace optimize;
@@ -99,43 +97,8 @@ Result minimise(ControlProblem& problem, const scene::Scene& scene, OptimizerLog
   return minimize<ProjectedGradient>(problem.reduced, std::move(guess), options, record, record);
 }
 
-/// Weak contact at a kink: the candidates, by step, that are active at some points of a certificate and open
-/// at others. Its sweeps are not counted. An interruption sets `interrupted`; the list is then incomplete.
-std::vector<io::WeakContact> weak_contact(control::ReducedProblem& reduced,
-                                          const std::vector<control::Control>& points, bool& interrupted) {
-  const auto sweeps = reduced.sweeps();
-  std::map<std::pair<int, int>, std::size_t> closed; // number of points where it is active
-  std::size_t seen = 0;
-  for (const control::Control& point : points) {
-    try {
-      reduced.simulate(point);
-    } catch (const Interrupted&) { // the search has ended; its result is still written
-      interrupted = true;
-      break;
-    }
-    ++seen;
-    const auto& contact = reduced.trial_trajectory().contact();
-    for (std::size_t k = 1; k < contact.size(); ++k)
-      for (int i : contact[k].active)
-        ++closed[{static_cast<int>(k), i}];
-  }
-  reduced.count_from(sweeps);
-  std::vector<io::WeakContact> weak;
-  for (const auto& [where, times] : closed)
-    if (times < seen) {
-      const auto& [k, i] = where;
-      const double* x = &reduced.stepper().pairs()->points()[3 * static_cast<std::size_t>(i)];
-      weak.push_back({k, reduced.stepper().grid().time(k), i, {x, x + reduced.stepper().space().dim()}});
-    }
-  return weak;
-}
-
-/// Describes the kink at which a search ended, on the console too. Collective.
-io::Kink describe(control::ReducedProblem& reduced,
-                  const optimize::Certificate<control::Control>& certificate, double first_norm,
-                  bool& interrupted, const Console& console) {
-  io::Kink kink{certificate.length, certificate.radius, static_cast<int>(certificate.points.size()),
-                weak_contact(reduced, certificate.points, interrupted)};
+/// Describes the kink at which a search ended on the console.
+void show(const io::Kink& kink, double first_norm, const Console& console) {
   std::string text = fmt::format(
       "no direction lowers J: {} gradients within {:.1e} of the control have a combination of length "
       "{:.2e}, {:.1e} of the first gradient's; ",
@@ -145,8 +108,7 @@ io::Kink describe(control::ReducedProblem& reduced,
           ? std::string(
                 "the same candidates are closed at all of them: J changes its piece nearer to the control, "
                 "as where contact chatters")
-          : fmt::format("contact is weak at {}{} candidates and steps:", interrupted ? "at least " : "",
-                        kink.weak.size());
+          : fmt::format("contact is weak at {} candidates and steps:", kink.weak.size());
   console.line(text);
   constexpr std::size_t most_lines = 8;
   for (std::size_t i = 0; i < std::min(most_lines, kink.weak.size()); ++i)
@@ -154,7 +116,6 @@ io::Kink describe(control::ReducedProblem& reduced,
                              kink.weak[i].time, fmt::join(kink.weak[i].x, ", ")));
   if (kink.weak.size() > most_lines)
     console.line(fmt::format("  and {} more: run.json has them all", kink.weak.size() - most_lines));
-  return kink;
 }
 
 /// Warns if a search ended without a minimum where candidates open and close from step to step, which breaks
@@ -192,6 +153,20 @@ void require_control_problem(MPI_Comm comm, const scene::Scene& scene, const std
 
 } // namespace
 
+optimize::Options search_options(const control::ControlSpace& controls, const scene::Optimizer& scene) {
+  constexpr double usual_bytes = 1e8, usual_controls = 128, least_controls = 16;
+  const double each = controls.control_bytes(), usual = std::max(usual_bytes, usual_controls * each),
+               memory = scene.memory > 0 ? scene.memory : usual;
+  if (memory < least_controls * each)
+    throw UserError(
+        fmt::format("optimizer.memory: found {:.10g} bytes, allowed is the room of {} controls at "
+                    "least, here {:.10g} bytes",
+                    memory, least_controls, least_controls * each));
+  return {.max_iterations = scene.max_iterations,
+          .tolerance = scene.tolerance,
+          .vectors = static_cast<std::size_t>(memory / each)};
+}
+
 int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,
                    const Console& console) {
   require_control_problem(comm, scene, out);
@@ -224,9 +199,10 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   m.iterations = rows.back().iteration;
   m.forward_sweeps = reduced.sweeps().forward;
   m.adjoint_sweeps = reduced.sweeps().adjoint;
-  bool interrupted = ending.stop == optimize::Stop::interrupted;
-  if (ending.certificate)
-    m.kink = describe(reduced, *ending.certificate, first_norm, interrupted, console);
+  if (ending.stop == optimize::Stop::kink) {
+    m.kink = record.kink().value();
+    show(*m.kink, first_norm, console);
+  }
   m.files = folder.files();
   folder.write("run.json", io::to_json(m, scene, timers));
   console.line(fmt::format(
@@ -239,7 +215,7 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   console.line(storage_line(problem, control_problem));
   finish(folder, console);
   return ending.stop == optimize::Stop::solver_failed ? exit_status::solver_failed
-         : interrupted                                ? exit_status::interrupted
+         : ending.stop == optimize::Stop::interrupted ? exit_status::interrupted
                                                       : exit_status::done;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 #include "base/progress.h"
+#include "control/control.h"
+#include "optimize/options.h"
 #include "scene/scene.h"
 #include <filesystem>
 #include <mpi.h>
@@ -11,5 +13,9 @@ namespace signorini {
 /// Collective. Throws UserError, SolverFailure, WriteFailure, Interrupted.
 int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,
                    const Console& console);
+
+/// What the scene asks of a search for these controls. Collective. Throws UserError if optimizer.memory is
+/// too little.
+optimize::Options search_options(const control::ControlSpace& controls, const scene::Optimizer& scene);
 
 } // namespace signorini

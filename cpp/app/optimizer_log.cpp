@@ -106,6 +106,9 @@ void OptimizerLog::write(io::CheckpointWriter& out) const {
   out("scene", scene::echo(problem_.scene, problem_.space.dim()));
   out("history", flat(rows_));
   out("seconds", seconds());
+  out("sweeps",
+      std::vector<double>{static_cast<double>(marked_.forward), static_cast<double>(marked_.adjoint)});
+  out("kink", kink_ ? numbers(*kink_) : std::vector<double>());
 }
 
 void OptimizerLog::read(io::CheckpointReader& in) {
@@ -127,6 +130,17 @@ void OptimizerLog::read(io::CheckpointReader& in) {
   if (rows_.empty() || history.size() % columns != 0)
     in.fail("\"history\" is damaged; allowed is a whole checkpoint");
   in("seconds", earlier_);
+  std::vector<double> sweeps, kink;
+  in("sweeps", sweeps);
+  if (sweeps.size() != 2)
+    in.fail("\"sweeps\" is damaged; allowed is a whole checkpoint");
+  marked_ = {static_cast<int>(sweeps[0]), static_cast<int>(sweeps[1])};
+  in("kink", kink);
+  if (!kink.empty()) {
+    kink_ = kink_of(kink, problem_.space.dim());
+    if (!kink_)
+      in.fail("\"kink\" is damaged; allowed is a whole checkpoint");
+  }
 }
 
 void OptimizerLog::restored(double stored, double found) {
@@ -137,8 +151,7 @@ void OptimizerLog::restored(double stored, double found) {
         "mesh of the run that was interrupted",
         file_.string(), found, stored));
   evaluated_ = true;
-  // Sweeps of an interrupted iteration are not counted: it is made again.
-  control_problem_.reduced.count_from({rows_.back().forward_sweeps, rows_.back().adjoint_sweeps});
+  control_problem_.reduced.count_from(marked_); // those since are made again
   stored_at_ = rows_.back().iteration;
   start_ = Clock::now();
   progress_.emplace(console_, "iterations", static_cast<std::size_t>(problem_.scene.optimizer.max_iterations),

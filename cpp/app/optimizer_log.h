@@ -1,4 +1,5 @@
 #pragma once
+#include "app/kink.h"
 #include "app/problem.h"
 #include "io/checkpoint.h"
 #include "io/csv_tables.h"
@@ -42,6 +43,16 @@ public:
   [[nodiscard]] bool due(const optimize::Iteration& iteration) const {
     return every_ > 0 && iteration.number % every_ == 0 && iteration.number != stored_at_;
   }
+
+  /// What is stored before the next mark is of now.
+  void mark() { marked_ = control_problem_.reduced.sweeps(); }
+
+  /// Takes what a certificate tells of the kink at which the search ends. Throws Interrupted.
+  void certified(const optimize::Certificate<control::Control>& certificate) {
+    kink_ = describe(control_problem_.reduced, certificate);
+  }
+  /// The kink, if there was a certificate here or in the checkpoint.
+  [[nodiscard]] const std::optional<io::Kink>& kink() const { return kink_; }
 
   /// Writes a checkpoint. A failure is reported and the search goes on: the last checkpoint stays.
   template <class State>
@@ -90,6 +101,8 @@ private:
   double reference_norm_ = 0;
   double earlier_ = 0; ///< seconds of the search before it was resumed
   std::vector<io::HistoryRow> rows_;
+  control::ReducedProblem::Sweeps marked_;
+  std::optional<io::Kink> kink_;
   std::ofstream history_; ///< on rank 0
 };
 

@@ -15,10 +15,14 @@ long& spaces = count("control spaces");
 
 /// Entries in a block of a level-2 operation, so that the block of the common vector stays in the cache.
 constexpr std::size_t block = 4096;
+/// Blocks read by such an operation, about 3 µs each, from which on it is divided among threads.
+constexpr std::size_t worth_threads = 64;
 
 void Control::add(std::span<const double> a, std::span<const std::shared_ptr<const Control>> x) {
-  for (std::size_t first = 0; first < values_.size(); first += block) {
-    const std::size_t size = std::min(block, values_.size() - first);
+  const std::size_t blocks = (values_.size() + block - 1) / block;
+#pragma omp parallel for schedule(static) if (blocks * x.size() >= worth_threads)
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const std::size_t first = b * block, size = std::min(block, values_.size() - first);
     for (std::size_t i = 0; i < x.size(); ++i)
       axpy(a[i], x[i]->values().subspan(first, size), values().subspan(first, size));
   }
@@ -240,15 +244,20 @@ Control ControlSpace::dual(const Control& u) const {
 
 std::vector<double> ControlSpace::pairings(std::span<const Control> duals,
                                            std::span<const std::shared_ptr<const Control>> w) const {
-  std::vector<double> sums(duals.size() * w.size());
-  const std::size_t values = size_ * static_cast<std::size_t>(count());
-  for (std::size_t first = 0; first < values; first += block) {
-    const std::size_t size = std::min(block, values - first);
+  const std::size_t values = size_ * static_cast<std::size_t>(count()), blocks = (values + block - 1) / block,
+                    each = duals.size() * w.size();
+  std::vector<double> parts(blocks * each); // added in their order, whatever the number of threads
+#pragma omp parallel for schedule(static) if (blocks * each >= worth_threads)
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const std::size_t first = b * block, size = std::min(block, values - first);
     for (std::size_t j = 0; j < w.size(); ++j)
       for (std::size_t i = 0; i < duals.size(); ++i)
-        sums[i * w.size() + j] +=
+        parts[b * each + i * w.size() + j] =
             dot(duals[i].values().subspan(first, size), w[j]->values().subspan(first, size));
   }
+  std::vector<double> sums(each);
+  for (std::size_t b = 0; b < blocks; ++b)
+    axpy(1, std::span(parts).subspan(b * each, each), sums);
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, space_.comm());
   scale(duration(), sums);
   return sums;

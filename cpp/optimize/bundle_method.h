@@ -7,7 +7,8 @@ namespace signorini::optimize {
 
 /// Descent among kinks by a bundle method (Lemaréchal 1978): where J at the minimiser of its model is too
 /// high, the gradient there becomes another cut (null step), until the model leads down (serious step);
-/// finally the steps are Newton's along the edge of the pieces of J, and a certificate ends them.
+/// finally the steps are Newton's along the edge of the pieces of J, and a certificate ends them. A step is
+/// made round by round, between which it can be stored and vectors given up.
 template <TwiceDifferentiable P>
 class BundleMethod {
 public:
@@ -31,58 +32,76 @@ public:
                    [&](Shared<Vector>& d, const std::string& name) { archive(name, d); });
     span_.serialize(archive, "bundle/span");
     model_.serialize(archive);
+    archive("bundle/rounds", rounds_);
+    archive("bundle/unconfirmed", unconfirmed_);
+    archive("bundle/distance", distance_);
+    bool smooth = smooth_.has_value();
+    archive("bundle/is_smooth", smooth);
+    if (smooth && !smooth_)
+      smooth_.emplace();
+    if (smooth_)
+      smooth_->serialize(archive, "bundle/smooth");
   }
 
-  /// Result of a step: a new iterate, a certificate of stationarity, or neither.
+  /// Result of a round: a new iterate by a serious step, a certificate of stationarity, or neither.
   struct Step {
     std::optional<Iterate<P>> found{}; ///< the new iterate, the problem's trial
     bool at_other_bounds = false;      ///< the new iterate is at further bounds than the blocked ones
     std::optional<Certificate<Vector>> certificate{};
+    bool over = false; ///< without any of these, and further rounds would not find one
   };
 
-  /// One serious step from `at`, where the method started or the last step ended. A certificate is at most as
-  /// long as `tolerance`.
-  Step step(P& problem, const Iterate<P>& at, double tolerance) {
+  /// One round of a step from `at`, where the method started or the last serious step ended. A certificate is
+  /// at most as long as `tolerance`.
+  Step round(P& problem, const Iterate<P>& at, double tolerance) {
     const BundleOptions& options = options_.bundle;
-    int unconfirmed = 0;
-    double distance = 0;
-    std::optional<Certificate<Vector>> smooth; // valid, but J may still descend on one smooth piece
-    for (int round = 0; round < options.rounds && !full(); ++round) {
-      if (!smooth)
-        if (const Combination shortest = minimum_norm_subgradient(model_.cuts(), ball_);
-            shortest.length <= tolerance) {
-          auto certificate = confirmed(problem, at, shortest.weights, tolerance);
-          if (!certificate) {
-            if (++unconfirmed == options.unconfirmed)
-              break;
-            continue;
-          }
-          if (!stationary_between(problem, *certificate, tolerance))
-            return {.certificate = std::move(certificate)};
-          smooth = std::move(certificate);
-        }
-      const auto [direction, d] = downhill(problem, at);
-      if (direction.subgradient.length > options.model_part * tolerance &&
-          direction.predicted > options_.negligible(at.objective)) {
-        Step step = follow(problem, at, direction, *d);
-        if (step.found)
-          return step;
-      } else {
-        const double first = options.gathered_part * tolerance / model_.curvature().largest();
-        distance =
-            distance > 0 ? options.farther * distance : std::clamp(first, options.nearest * ball_, ball_);
-        if (distance > ball_)
-          break;
-        gather_around(problem, at, direction.subgradient.weights, distance);
+    if (rounds_++ == options.rounds)
+      return over();
+    if (!smooth_)
+      if (const Combination shortest = minimum_norm_subgradient(model_.cuts(), ball_);
+          shortest.length <= tolerance) {
+        auto certificate = confirmed(problem, at, shortest.weights, tolerance);
+        if (!certificate)
+          return ++unconfirmed_ == options.unconfirmed ? over() : Step();
+        if (!stationary_between(problem, *certificate, tolerance))
+          return {.certificate = std::move(certificate)};
+        smooth_ = std::move(certificate);
       }
+    const auto [direction, d] = downhill(problem, at);
+    if (direction.subgradient.length > options.model_part * tolerance &&
+        direction.predicted > options_.negligible(at.objective)) {
+      Step step = follow(problem, at, direction, *d);
+      if (step.found) {
+        rounds_ = unconfirmed_ = 0;
+        distance_ = 0;
+        smooth_.reset();
+      }
+      return step;
     }
-    return {.certificate = std::move(smooth)};
+    const double first = options.gathered_part * tolerance / model_.curvature().largest();
+    distance_ =
+        distance_ > 0 ? options.farther * distance_ : std::clamp(first, options.nearest * ball_, ball_);
+    if (distance_ > ball_)
+      return over();
+    gather_around(problem, at, direction.subgradient.weights, distance_);
+    return {};
   }
 
-  /// Whether the subspace is so large that the method should start anew.
-  [[nodiscard]] bool full() const { return span_.dimension() > options_.bundle.dimension; }
+  /// Restricts the subspace where it has almost as many vectors as may be stored.
+  void make_room() {
+    const BundleOptions& options = options_.bundle;
+    const std::size_t most = std::min(options.dimension, options_.vectors);
+    const auto part = [&](double of) { return static_cast<std::size_t>(of * static_cast<double>(most)); };
+    if (span_.dimension() > part(options.crowded))
+      span_.restrict(model_.restrict(part(options.restricted), part(options.carried), ball_));
+  }
+
+  [[nodiscard]] std::size_t dimension() const { return span_.dimension(); }
 
 private:
+  /// The end of the rounds.
+  Step over() { return {.certificate = std::move(smooth_), .over = true}; }
+
   /// Coordinates of the values of a gradient that are not blocked.
   Coordinates coordinates(const P& problem, Vector g) {
     for (const Shared<Vector>& d : held_)
@@ -128,18 +147,24 @@ private:
   /// they become the cuts of a new model, with only those values blocked that they push out of the bounds.
   std::optional<Certificate<Vector>> confirmed(P& problem, const Iterate<P>& at,
                                                const std::vector<double>& weights, double tolerance) {
-    GatheredGradients<P> gathered = gather(problem, at, weights, [&](std::size_t i) {
-      return point(problem, at, model_.cuts()[i].offset).u; // projected for rounding
-    });
+    std::vector<Cut> gathered_anew; // in full, whatever is blocked
+    GatheredGradients<P> gathered = gather(
+        problem, at, weights,
+        [&](std::size_t i) {
+          return point(problem, at, model_.cuts()[i].offset).u;
+        }, // projected for rounding
+        [&](std::size_t i, Vector g) {
+          gathered_anew.push_back({span_.coordinates(problem, std::move(g)), {}, model_.cuts()[i].offset, 0});
+        });
     if (gathered.complete && gathered.certificate.length <= tolerance &&
         gathered.certificate.radius <= (1 + options_.bundle.rounding) * ball_)
       return std::move(gathered.certificate);
     held_ = {share(negative(std::move(gathered.sum)))};
-    span_ = Span<P>(options_.bundle.dependent);
+    const Span<P> before = std::exchange(span_, Span<P>(options_.bundle.dependent));
     std::vector<Cut> cuts{cut(problem, at.g)};
-    for (const auto& [offset, g] : gathered.others) {
-      cuts.push_back(cut(problem, g));
-      cuts.back().offset = span_.coordinates(problem, offset);
+    for (const Cut& anew : gathered_anew) {
+      cuts.push_back(cut(problem, before.vector(anew.gathered, at.g)));
+      cuts.back().offset = span_.coordinates(problem, before.vector(anew.offset, at.g));
     }
     model_ = BundleModel(options_.bundle, std::move(cuts));
     return std::nullopt;
@@ -222,6 +247,9 @@ private:
   std::vector<Shared<Vector>> held_; ///< directions that push the blocked values out of the bounds there
   Span<P> span_;
   BundleModel model_;
+  int rounds_ = 0, unconfirmed_ = 0;            ///< of the step so far
+  double distance_ = 0;                         ///< at which gradients were last gathered, if they were
+  std::optional<Certificate<Vector>> smooth_{}; ///< valid, but J may still descend on one smooth piece
 };
 
 } // namespace signorini::optimize

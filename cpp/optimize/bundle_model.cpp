@@ -1,5 +1,8 @@
 #include "optimize/bundle_model.h"
 #include "base/error.h"
+#include <algorithm>
+#include <functional>
+#include <numeric>
 #include <ranges>
 
 namespace signorini::optimize {
@@ -66,11 +69,53 @@ std::vector<Coordinates> BundleModel::drop_distant(const std::vector<double>& we
   return offsets;
 }
 
+std::vector<Coordinates> BundleModel::restrict(std::size_t dimension, std::size_t carried, double radius) {
+  Orthonormal basis(options_.dependent);
+  std::vector<Cut> kept, others;
+  const auto take = [&](Cut& cut, std::size_t most) {
+    if (!basis.take({&cut.gathered, &cut.here, &cut.offset}, most))
+      return false;
+    kept.push_back(std::move(cut));
+    return true;
+  };
+  std::vector<double> weights = minimum_norm_subgradient(cuts_, radius).weights;
+  weights.front() = 1; // that of the current point stays
+  std::vector<std::size_t> order(cuts_.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) { return weights[i]; });
+  for (std::size_t i : order)
+    if (!(weights[i] > options_.carrying && take(cuts_[i], carried)))
+      others.push_back(std::move(cuts_[i]));
+  std::ranges::stable_sort(others, std::greater(), [this](const Cut& cut) { return at_minimiser(cut); });
+  std::vector<std::pair<Coordinates, Coordinates>> pairs;
+  const auto& known = curvature_.pairs();
+  for (std::size_t i = 0; i < std::max(others.size(), known.size()); ++i) { // by turns
+    if (i < known.size()) {
+      const auto& [d, y] = known[known.size() - 1 - i];
+      if (basis.take({&d, &y}, dimension))
+        pairs.emplace(pairs.begin(), basis.of(d), basis.of(y));
+    }
+    if (i < others.size())
+      take(others[i], dimension);
+  }
+  for (Cut& cut : kept)
+    cut = {basis.of(cut.gathered), basis.of(cut.here), basis.of(cut.offset), cut.linearisation_error};
+  for (auto& [d, y] : pairs) // the first of them were found when the basis was shorter
+    d.resize(basis.vectors().size()), y.resize(basis.vectors().size());
+  cuts_ = std::move(kept);
+  curvature_.set_pairs(std::move(pairs));
+  last_minimiser_ = basis.of(last_minimiser_);
+  return basis.vectors();
+}
+
+double BundleModel::at_minimiser(const Cut& cut) const {
+  return dot(cut.here, last_minimiser_) - cut.linearisation_error;
+}
+
 void BundleModel::make_room() {
   if (cuts_.size() == options_.cuts)
-    cuts_.erase(std::ranges::min_element(cuts_.begin() + 1, cuts_.end(), {}, [this](const Cut& cut) {
-      return dot(cut.here, last_minimiser_) - cut.linearisation_error;
-    }));
+    cuts_.erase(std::ranges::min_element(cuts_.begin() + 1, cuts_.end(), {},
+                                         [this](const Cut& cut) { return at_minimiser(cut); }));
 }
 
 } // namespace signorini::optimize

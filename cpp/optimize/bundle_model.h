@@ -40,6 +40,12 @@ public:
   /// that length at which each of them is the highest.
   std::vector<Coordinates> drop_distant(const std::vector<double>& weights, double distance);
 
+  /// Restricts the model to a subspace of at most `carried` dimensions for the cuts that carry the
+  /// minimum-norm subgradient of this radius, and `dimension` in all if they need less. There follow the
+  /// latest curvature and the cuts that are highest at the last minimiser; what has no room is dropped.
+  /// Returns an orthonormal basis of the subspace, by which coordinates are from now on.
+  std::vector<Coordinates> restrict(std::size_t dimension, std::size_t carried, double radius);
+
   template <class Archive>
   void serialize(Archive& archive) {
     curvature_.serialize(archive, "bundle/curvature");
@@ -56,6 +62,8 @@ private:
   /// Drops the cut that is lowest at the last minimiser, if there are as many as the model keeps. That of the
   /// current point stays: without it the model would not interpolate J there.
   void make_room();
+  /// g·d − e at the last minimiser d.
+  [[nodiscard]] double at_minimiser(const Cut& cut) const;
 
   BundleOptions options_;
   Curvature curvature_;

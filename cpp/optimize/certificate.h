@@ -1,4 +1,5 @@
 #pragma once
+#include "optimize/archive.h"
 #include "optimize/problem.h"
 #include <algorithm>
 
@@ -8,37 +9,42 @@ namespace signorini::optimize {
 /// gradients gathered within a ball (Goldstein 1977).
 template <class Vector>
 struct Certificate {
-  double length = 0;          ///< of the combination
-  double radius = 0;          ///< of the ball around the current point
-  std::vector<Vector> points; ///< where the gradients were gathered
+  double length = 0;                  ///< of the combination
+  double radius = 0;                  ///< of the ball around the current point
+  std::vector<Shared<Vector>> points; ///< where the gradients were gathered
   std::vector<double> weights;
+
+  template <class Archive>
+  void serialize(Archive& archive, const std::string& name) {
+    archive(name + "/length", length);
+    archive(name + "/radius", radius);
+    serialize_list(archive, name + "/points", points,
+                   [&](Shared<Vector>& u, const std::string& number) { archive(number, u); });
+    archive(name + "/weights", weights);
+  }
 };
 
 /// What certifies that a point is stationary, if it is short and near enough.
 template <Differentiable P>
 struct GatheredGradients {
   using Vector = typename P::Vector;
-  struct Gradient {
-    Vector offset, g;
-  };
 
   Certificate<Vector> certificate{};
-  Vector sum;                     ///< the combination
-  std::vector<Gradient> others{}; ///< than that of the current point
-  bool complete = true;           ///< J could be evaluated at all points
+  Vector sum;           ///< the combination
+  bool complete = true; ///< J could be evaluated at all points
 };
 
 /// Evaluates the gradients of a convex combination anew: that of the current point, of the first weight, and
-/// those at `point(i)` of the further weights that are positive. The length is the stationarity measure of
-/// their combination, blocked values included; it does not depend on a model.
-template <Differentiable P, class PointOf>
+/// those at `point(i)` of the further weights that are positive, which `each(i, g)` is shown. The length is
+/// the stationarity measure of their combination, blocked values included; it does not depend on a model.
+template <Differentiable P, class PointOf, class Each>
 GatheredGradients<P> gather(P& problem, const Iterate<P>& at, const std::vector<double>& weights,
-                            PointOf&& point) {
+                            PointOf&& point, Each&& each) {
   GatheredGradients<P> all{.sum = at.g};
   auto& [length, radius, points, positive] = all.certificate;
   all.sum.scale(weights.front());
   if (weights.front() > 0) {
-    points.push_back(at.u);
+    points.push_back(share(at.u));
     positive.push_back(weights.front());
   }
   for (std::size_t i = 1; i < weights.size(); ++i) {
@@ -49,10 +55,10 @@ GatheredGradients<P> gather(P& problem, const Iterate<P>& at, const std::vector<
     if (!there)
       continue;
     all.sum.add(weights[i], there->g);
-    all.others.push_back({difference(there->u, at.u), std::move(there->g)});
-    radius = std::max(radius, norm(problem, all.others.back().offset));
-    points.push_back(std::move(there->u));
+    radius = std::max(radius, norm(problem, difference(there->u, at.u)));
+    points.push_back(share(std::move(there->u)));
     positive.push_back(weights[i]);
+    each(i, std::move(there->g));
   }
   length = stationarity(problem, at.u, all.sum);
   return all;
@@ -62,10 +68,10 @@ GatheredGradients<P> gather(P& problem, const Iterate<P>& at, const std::vector<
 /// gradient there is the combination of theirs: there is no kink between them.
 template <Differentiable P>
 bool stationary_between(P& problem, const Certificate<typename P::Vector>& certificate, double tolerance) {
-  typename P::Vector u = certificate.points.front();
+  typename P::Vector u = *certificate.points.front();
   u.scale(certificate.weights.front());
   for (std::size_t i = 1; i < certificate.points.size(); ++i)
-    u.add(certificate.weights[i], certificate.points[i]);
+    u.add(certificate.weights[i], *certificate.points[i]);
   const auto there = evaluated(problem, projected(problem, std::move(u))); // projected for rounding
   return there && stationarity(problem, there->u, there->g) <= tolerance;
 }

@@ -20,6 +20,11 @@ public:
   [[nodiscard]] bool empty() const { return known_.empty(); }
   void forget_oldest() { known_.erase(known_.begin()); }
 
+  /// The pairs, the oldest first.
+  [[nodiscard]] const std::vector<std::pair<Coordinates, Coordinates>>& pairs() const { return known_; }
+  /// Replaces the pairs; what is known of least and largest curvature stays.
+  void set_pairs(std::vector<std::pair<Coordinates, Coordinates>> pairs) { known_ = std::move(pairs); }
+
   /// B (n × n); none if DᵀD or DᵀY is not positive definite.
   [[nodiscard]] std::optional<std::vector<double>> matrix(std::size_t n) const;
 

@@ -11,7 +11,7 @@ namespace signorini::optimize {
 ///
 /// `Method` provides direction(problem, at), tangential and as long as the first trial step; learn(problem,
 /// from, to, t), called after the step t along it; restart(), false if the last direction was steepest
-/// descent; serialize(archive).
+/// descent; store_at_most(vectors); serialize(archive).
 template <TwiceDifferentiable P, class Method>
 class Descent {
 public:
@@ -19,28 +19,12 @@ public:
 
   explicit Descent(const Options& options) : options_(options), method_(options) {}
 
-  /// One iteration, as minimize() defines it.
+  /// An iteration or, among kinks, a round of one, as minimize() defines it.
   std::optional<Result<Vector>> advance(P& problem, State<P, Descent>& state) {
     Iterate<P>& current = state.current;
-    const double tolerance = options_.tolerance * state.first_norm;
     std::optional<Iterate<P>> next;
     double t = 1;
-    while (!next) {
-      if (bundle_) {
-        Step step = bundle_->step(problem, current, tolerance);
-        if (step.certificate)
-          return Result<Vector>{Stop::kink, std::move(step.certificate)};
-        if (!step.found) {
-          if (fresh_)
-            return Result<Vector>{Stop::no_decrease};
-          take_over(problem, current);
-        }
-        fresh_ = fresh_ && !step.found;
-        if (step.at_other_bounds)
-          bundle_.reset();
-        next = std::move(step.found);
-        continue;
-      }
+    if (!bundle_) {
       Search<P> search;
       do
         search = weak_wolfe_search(problem, current, method_.direction(problem, current), options_);
@@ -54,6 +38,22 @@ public:
       t = search.length;
       next = std::move(search.found);
     }
+    if (!next) {
+      Step step = bundle_->round(problem, current, options_.tolerance * state.first_norm);
+      if (step.certificate)
+        return Result<Vector>{Stop::kink, std::move(step.certificate)};
+      if (step.over) {
+        if (fresh_)
+          return Result<Vector>{Stop::no_decrease};
+        take_over(problem, current);
+      }
+      if (!step.found)
+        return std::nullopt;
+      fresh_ = false;
+      if (step.at_other_bounds)
+        bundle_.reset();
+      next = std::move(step.found);
+    }
     problem.accept();
     const double length = norm(problem, difference(next->u, current.u));
     longest_ = std::max(longest_, length);
@@ -61,9 +61,17 @@ public:
     current = std::move(*next);
     state.iteration = {state.iteration.number + 1, current.objective,
                        stationarity(problem, current.u, current.g), t};
-    if (bundle_ ? bundle_->full() : short_steps_ >= options_.bundle.short_steps)
+    if (!bundle_ && short_steps_ >= options_.bundle.short_steps)
       take_over(problem, current);
     return std::nullopt;
+  }
+
+  /// Gives up vectors where almost as many are stored as may be.
+  void make_room() {
+    if (!bundle_)
+      return;
+    bundle_->make_room();
+    method_.store_at_most(options_.vectors - std::min(options_.vectors, bundle_->dimension()));
   }
 
   template <class Archive>
@@ -86,6 +94,8 @@ private:
   void take_over(const P& problem, const Iterate<P>& at) {
     bundle_.emplace(options_, problem, at, longest_);
     fresh_ = true;
+    if (!problem.bounded()) // the bundle method does not end at other bounds, and goes on to the end
+      method_.restart();
   }
 
   Options options_;

@@ -1,5 +1,6 @@
 #pragma once
 #include "optimize/descent.h"
+#include <algorithm>
 #include <numeric>
 
 namespace signorini::optimize {
@@ -17,7 +18,9 @@ class LimitedMemory {
 public:
   using Vector = typename U::Vector;
 
-  explicit LimitedMemory(const Options& options) : options_(options.lbfgs) {}
+  explicit LimitedMemory(const Options& options) : options_(options.lbfgs) {
+    options_.pairs = std::max<std::size_t>(1, std::min(options_.pairs, options.vectors / 2));
+  }
 
   Vector direction(const U& unknowns, const Iterate<U>& at) const {
     const Vector down = negative(at.g);
@@ -53,8 +56,6 @@ public:
     length_ = norm(unknowns, s);
     unknowns.zero_blocked(s, to.u, down);
     unknowns.zero_blocked(y, to.u, down);
-    if (vectors_.size() == 2 * options_.pairs)
-      forget_oldest();
     const std::size_t n = vectors_.size();
     const std::vector<Vector> duals{unknowns.dual(s), unknowns.dual(y)};
     std::vector<Shared<Vector>> all = vectors_;
@@ -75,6 +76,7 @@ public:
     gram.insert(gram.end(), products.begin(), products.end());
     gram_ = std::move(gram);
     vectors_ = std::move(all);
+    store_at_most(2 * options_.pairs);
   }
 
   bool restart() {
@@ -82,6 +84,12 @@ public:
     vectors_.clear();
     gram_.clear();
     return had;
+  }
+
+  /// Forgets the oldest pairs beyond that.
+  void store_at_most(std::size_t vectors) {
+    while (vectors_.size() > vectors)
+      forget_oldest();
   }
 
   template <class Archive>

@@ -14,6 +14,8 @@ struct State {
   Iteration iteration;
   double first_norm; ///< ‖u − P(u − g)‖ at the first guess
   Memory memory;     ///< of the method
+  /// Length of the certificate with which the search ended, if it did.
+  double certified = std::numeric_limits<double>::infinity();
 
   /// Omits J and its gradient at u, which are evaluated anew.
   template <class Archive>
@@ -24,6 +26,7 @@ struct State {
     units.serialize(archive);
     iteration.serialize(archive);
     archive("first_norm", first_norm);
+    archive("certified", certified);
     memory.serialize(archive);
   }
 };
@@ -36,9 +39,13 @@ inline void require_finite(const Iteration& iteration) {
 }
 
 /// The stopping reason at this iterate, if there is one.
-inline std::optional<Stop> ended(const Iteration& iteration, double first_norm, const Options& options) {
-  if (!(iteration.gradient_norm > options.tolerance * first_norm))
+template <Unknowns U, class Memory>
+std::optional<Stop> ended(const State<U, Memory>& state, const Options& options) {
+  const Iteration& iteration = state.iteration;
+  if (!(iteration.gradient_norm > options.tolerance * state.first_norm))
     return Stop::gradient_tolerance;
+  if (state.certified <= options.tolerance * state.first_norm)
+    return Stop::kink;
   if (iteration.number >= options.max_iterations)
     return Stop::iteration_limit;
   return std::nullopt;
@@ -70,13 +77,17 @@ double start(P& given, Dimensionless<P>& problem, State<Dimensionless<P>, Memory
 /// stopping reason. The method works on the dimensionless problem and thus does not depend on the units of u
 /// and J; `report`, keeper.restored() and the result are in the units given.
 ///
-/// Method(options).advance(problem, state) makes one iteration: it moves state.current, state.iteration and
-/// the problem's current point, or returns how the search ends. `report(iteration)` is called for the first
-/// guess and for each iterate that this call accepts. keeper.restore(state) reads a state and returns whether
-/// there was one; keeper.restored(stored, found) receives J there, as stored and as evaluated;
-/// keeper.store(state) is called where keeper.due(iteration) asks for it and when the search ends.
-/// Interrupted from the problem ends the search with the last accepted iterate. Throws SolverFailure if the
-/// objective or its gradient is not finite. Collective if the problem is.
+/// Method(options).advance(problem, state) makes one iteration, or a round of one: it moves state.current,
+/// state.iteration and the problem's current point, or returns how the search ends; between two calls
+/// make_room() may give up what it stores. `report(iteration)` is called for the first guess and for each
+/// iterate that this call accepts. keeper.restore(state) reads a state and returns whether there was one;
+/// keeper.restored(stored, found) receives J there, as stored and as evaluated; keeper.mark() tells that a
+/// state stored before the next mark is that of now; keeper.store(state) is called where
+/// keeper.due(iteration) asks for it and when the search ends. A certificate is shown by
+/// keeper.certified(certificate); what is stored then has no more memory of the search, and a search restored
+/// from it ends at once, without a certificate, unless it asks for a shorter one. Interrupted from the
+/// problem ends the search with the last accepted iterate. Throws SolverFailure if the objective or its
+/// gradient is not finite. Collective if the problem is.
 template <template <TwiceDifferentiable> class Method, TwiceDifferentiable P, class Report,
           class Checkpointer>
 [[nodiscard]] Result<typename P::Vector> minimize(P& given, typename P::Vector guess, const Options& options,
@@ -102,30 +113,44 @@ template <template <TwiceDifferentiable> class Method, TwiceDifferentiable P, cl
     return {Stop::interrupted};
   }
   for (;;) {
-    if (const auto end = ended(state.iteration, state.first_norm, options)) {
+    keeper.mark();
+    if (const auto end = ended(state, options)) {
       keeper.store(state);
       return {*end};
     }
     if (keeper.due(state.iteration))
       keeper.store(state);
+    state.memory.make_room();
     Memory before = state.memory;
+    const int number = state.iteration.number;
     std::optional<Result<typename P::Vector>> end;
     try {
       end = state.memory.advance(problem, state);
     } catch (const Interrupted&) {
       end.emplace(Stop::interrupted);
     }
-    if (end) {
-      state.memory = std::move(before);
-      keeper.store(state);
-      if (end->certificate) {
-        end->certificate->length *= state.units.gradient();
-        end->certificate->radius *= state.units.length;
+    if (!end) {
+      if (state.iteration.number != number) {
+        require_finite(state.iteration);
+        tell();
       }
-      return std::move(*end);
+      continue;
     }
-    require_finite(state.iteration);
-    tell();
+    if (auto& certificate = end->certificate) {
+      const double length = certificate->length;
+      certificate->length *= state.units.gradient();
+      certificate->radius *= state.units.length;
+      try {
+        keeper.certified(*certificate);
+        state.certified = length;
+        before = Memory(options);
+      } catch (const Interrupted&) {
+        end.emplace(Stop::interrupted);
+      }
+    }
+    state.memory = std::move(before);
+    keeper.store(state);
+    return std::move(*end);
   }
 }
 

@@ -70,6 +70,9 @@ public:
       radius_ = std::max(radius_, options_.change * length);
   }
 
+  /// Stores none.
+  void store_at_most(std::size_t) {}
+
   bool restart() { return !std::exchange(steepest_, true); }
 
   template <class Archive>

@@ -62,6 +62,10 @@ struct BundleOptions {
   /// Largest dimension of the subspace, each a control in memory: for each cut a gradient, a Hessian product
   /// and an offset.
   std::size_t dimension = 3 * cuts;
+  /// Part of that, or of Options::vectors where these are fewer, above which the subspace is restricted, for
+  /// a round adds vectors; the part to which it is, for a restriction reads all of them several times; and
+  /// the part that may be left to what carries the minimum-norm subgradient.
+  double crowded = 0.75, restricted = 0.5, carried = 0.625;
   /// Rounds of a step, each one or more pairs of sweeps, and unconfirmed certificates in it: end a search
   /// that J's rounding, or pieces thinner than the ball, keep from making progress.
   int rounds = 100, unconfirmed = 10;
@@ -97,6 +101,8 @@ struct BundleOptions {
 struct Options {
   int max_iterations = 1000;
   double tolerance = 1e-6; ///< of the stationarity measure, relative to the first
+  /// Vectors that a method may store for longer than an evaluation takes.
+  std::size_t vectors = std::numeric_limits<std::size_t>::max();
   /// Relative rounding error of J: the difference of two values, each with half an ε from its own rounding
   /// and some more from its sums.
   double rounding = 4 * std::numeric_limits<double>::epsilon();

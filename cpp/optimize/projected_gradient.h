@@ -47,6 +47,9 @@ public:
     }
   }
 
+  /// Stores no vectors.
+  void make_room() {}
+
   template <class Archive>
   void serialize(Archive& archive) {
     archive("omega", omega_);

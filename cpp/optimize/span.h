@@ -19,13 +19,9 @@ public:
 
   /// Coordinates of v, which the subspace contains from now on.
   Coordinates coordinates(const U& unknowns, Vector v) {
-    // Where less of v is new, what is in the subspace is taken out of v first: the difference of squares
-    // would not be accurate, and with many such vectors VᵀV would be singular.
-    constexpr double accurate = 0.5;
     Coordinates x(vectors_.size());
     const auto last = std::make_shared<Vector>(std::move(v));
-    double length = -1;
-    for (;;) {
+    for (double length = -1;;) {
       const std::vector<Vector> dual{unknowns.dual(*last)};
       vectors_.push_back(last);
       Coordinates part = unknowns.pairings(dual, vectors_);
@@ -34,22 +30,20 @@ public:
       if (length < 0)
         length = std::sqrt(squared);
       to_basis(part);
-      const double rest = squared - dot(part, part);
+      add(x, 1, part);
       if (!(squared > dependent_ * dependent_ * length * length)) { // rounding is left
         vectors_.pop_back();
-        add(x, 1, part);
         return x;
       }
-      if (rest > accurate * squared) {
-        add(x, 1, part);
+      Coordinates factors = to_vectors(part);
+      if (const double rest = squared - dot(part, part); well_conditioned(factors, squared, rest)) {
         x.push_back(std::sqrt(rest));
         part.push_back(x.back());
         factor_.push_back(std::move(part));
         return x;
       }
       vectors_.pop_back();
-      add(x, 1, part);
-      last->add(scaled(to_vectors(std::move(part)), -1), vectors_);
+      last->add(scaled(std::move(factors), -1), vectors_);
     }
   }
 
@@ -59,6 +53,50 @@ public:
     v.scale(0);
     v.add(to_vectors(x), std::span(vectors_).first(x.size()));
     return v;
+  }
+
+  /// Restricts the subspace to that of an orthonormal basis, by which coordinates are from now on. Instead of
+  /// V T, with T = R⁻¹ basis, V L is stored, of the factors T = L U (rows exchanged): it can be made vector
+  /// by vector in place, so that no second set is needed.
+  void restrict(const std::vector<Coordinates>& basis) {
+    const std::size_t n = dimension(), m = basis.size();
+    std::vector<Coordinates> T; // columns
+    for (Coordinates x : basis) {
+      x.resize(n);
+      T.push_back(to_vectors(std::move(x)));
+    }
+    for (std::size_t j = 0; j < m; ++j) {
+      std::size_t pivot = j;
+      for (std::size_t i = j + 1; i < n; ++i)
+        if (std::abs(T[j][i]) > std::abs(T[j][pivot]))
+          pivot = i;
+      std::swap(vectors_[j], vectors_[pivot]);
+      for (Coordinates& column : T)
+        std::swap(column[j], column[pivot]);
+      for (std::size_t i = j + 1; i < n; ++i) {
+        T[j][i] /= T[j][j];
+        for (std::size_t k = j + 1; k < m; ++k)
+          T[k][i] -= T[j][i] * T[k][j];
+      }
+    }
+    for (std::size_t j = 0; j < m; ++j) {
+      Vector v = *vectors_[j];
+      const auto below = std::span(T[j]).subspan(j + 1);
+      v.add(Coordinates(below.begin(), below.end()), std::span(vectors_).subspan(j + 1));
+      vectors_[j] = share(std::move(v));
+    }
+    vectors_.resize(m);
+    factor_.assign(m, {}); // the basis is V L U: R = U⁻¹
+    for (std::size_t k = 0; k < m; ++k) {
+      Coordinates column(k + 1);
+      for (std::size_t j = k + 1; j-- > 0;) {
+        column[j] = j == k ? 1 : 0;
+        for (std::size_t i = j + 1; i <= k; ++i)
+          column[j] -= T[i][j] * column[i];
+        column[j] /= T[j][j];
+      }
+      factor_[k] = std::move(column);
+    }
   }
 
   template <class Archive>
@@ -89,6 +127,17 @@ private:
         x[i] -= factor_[j][i] * x[j];
     }
     return x;
+  }
+
+  /// Whether V stays well conditioned with a vector of this squared length, of which these factors of V are
+  /// in the subspace and `rest` is the squared length of what is not. Otherwise that is to be stored alone.
+  /// By ratios of length, the inverse of R gets a column of at most this length.
+  [[nodiscard]] bool well_conditioned(const Coordinates& factors, double squared, double rest) const {
+    constexpr double most = 1e3; // of which rounding then leaves 13 digits of coordinates
+    double sum = squared;
+    for (std::size_t i = 0; i < factors.size(); ++i)
+      sum += factors[i] * factors[i] * dot(factor_[i], factor_[i]);
+    return sum <= most * most * rest;
   }
 
   std::vector<Shared<Vector>> vectors_;

@@ -187,6 +187,7 @@ struct Optimizer {
   int max_iterations = 1000;
   double tolerance = 1e-6; ///< of the norm of the gradient, relative to that at the first guess
   int checkpoint = 10;     ///< iterations between checkpoints; 0: none
+  double memory = 0;       ///< of the controls that a method stores, bytes; 0: the usual
 };
 
 /// Table [solver]; docs/method.md section 5.

@@ -311,7 +311,10 @@ Keys<Optimizer> keys_of(Of<Optimizer>) {
           value("tolerance", &Optimizer::tolerance, Number{{.least = 0, .greatest = 1, .unit = "no unit"}},
                 "of the gradient norm, relative to the first guess's"),
           value("checkpoint", &Optimizer::checkpoint, Whole{0, 1'000'000},
-                "iterations from one to the next; 0: none", "see Long runs")};
+                "iterations from one to the next; 0: none", "see Long runs"),
+          value("memory", &Optimizer::memory, Number{not_negative}, "bytes",
+                "of the controls and gradients that a search stores, on all ranks (see Long runs)",
+                {.otherwise = "`1e8`, at least the room of 128 controls"})};
 }
 
 Keys<Trajectory> keys_of(Of<Trajectory>) {

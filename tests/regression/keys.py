@@ -615,6 +615,19 @@ def checkpoint() -> None:
         assert (done.folder / "checkpoint.h5").exists() == (written > 0)
 
 
+@key("optimizer.memory")
+def optimizer_memory() -> None:
+    """With room for 16 controls a search goes on by the last eight pairs of steps and gradients: as with twenty until
+    there are nine, then another way, and its checkpoint is that much smaller."""
+    control = 8 * plain_run().manifest["unknowns"] * len(plain_run().steps["step"][1:])  # bytes, of the whole body
+    usual, little = (optimize(iterations=16, objective__alpha=1e-6, **more) for more in ({}, {"optimizer__memory": 16 * control}))
+    assert usual.manifest["optimizer"]["iterations"] == 16  # and it does not end before
+    differences = abs(little.history["objective"] / usual.history["objective"] - 1)
+    assert differences[:10].max() == 0 and differences[10:].max() > 1e-6, differences
+    sizes = [(run.folder / "checkpoint.h5").stat().st_size for run in (usual, little)]
+    assert sizes[0] - sizes[1] > 12 * control, sizes
+
+
 # --- Solver, check and output -------------------------------------------------------------------------------------------
 
 

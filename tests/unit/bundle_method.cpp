@@ -26,14 +26,14 @@ void require_certified(Pieces& problem, const optimize::Result<Point>& ending, c
   sum.scale(0);
   double whole = 0;
   for (std::size_t i = 0; i < certificate.points.size(); ++i) {
-    Point offset = certificate.points[i], inside = offset;
+    Point offset = *certificate.points[i], inside = offset;
     offset.add(-1, u);
     problem.project(inside);
-    CHECK(inside.x == certificate.points[i].x);
+    CHECK(inside.x == certificate.points[i]->x);
     CHECK(std::sqrt(problem.inner(offset, offset)) <= certificate.radius * (1 + 1e-9));
     CHECK(certificate.weights[i] > 0);
     whole += certificate.weights[i];
-    sum.add(certificate.weights[i], optimize::evaluated(problem, certificate.points[i])->g);
+    sum.add(certificate.weights[i], optimize::evaluated(problem, *certificate.points[i])->g);
   }
   CHECK(std::abs(whole - 1) < 1e-12);
   if (problem.lower < -1e299)
@@ -287,6 +287,78 @@ TEST_CASE("a subspace that grows holds what it was given, in orthonormal coordin
   }
 }
 
+TEST_CASE("a subspace restricted to a part of it holds that part, and grows again", "[optimize]") {
+  using optimize::Coordinates;
+  const Coupled problem;
+  optimize::Span<Coupled> span(optimize::BundleOptions().dependent);
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  const auto any = [&](const Point* near) {
+    Point v{std::vector<double>(Coupled::n)};
+    for (double& x : v.x)
+      x = normal(random);
+    if (near) {
+      v.scale(0.1);
+      v.add(1, *near);
+    }
+    return v;
+  };
+  std::vector<Point> given;
+  std::vector<Coordinates> found;
+  for (int k = 0; k < 12; ++k) {
+    given.push_back(any(k % 3 == 0 ? nullptr : &given.back()));
+    found.push_back(span.coordinates(problem, given.back()));
+  }
+  REQUIRE(span.dimension() == 12);
+  optimize::Orthonormal part(optimize::BundleOptions().dependent);
+  REQUIRE(part.take({&found[7], &found[2]}, 5));
+  REQUIRE(part.take({&found[11], &found[2], &found[4]}, 5));
+  REQUIRE(part.vectors().size() == 4); // one was there
+  CHECK_FALSE(part.take({&found[0], &found[1]}, 5));
+  CHECK(part.vectors().size() == 4); // all or nothing
+  span.restrict(part.vectors());
+  REQUIRE(span.dimension() == 4);
+  const auto require_held = [&](const Coordinates& x, const Point& v) {
+    Point back = span.vector(x, v);
+    back.add(-1, v);
+    CHECK(optimize::norm(problem, back) < 1e-12 * optimize::norm(problem, v));
+    CHECK(std::abs(optimize::norm(x) - optimize::norm(problem, v)) < 1e-12 * optimize::norm(problem, v));
+  };
+  for (const std::size_t k : {2u, 4u, 7u, 11u})
+    require_held(part.of(found[k]), given[k]);
+  const Point again = given[7], further = given[5];
+  require_held(span.coordinates(problem, again), again);
+  CHECK(span.dimension() == 4);
+  require_held(span.coordinates(problem, further), further);
+  CHECK(span.dimension() == 5);
+}
+
+TEST_CASE("with room for few vectors a search ends with a certificate too", "[optimize]") {
+  int otherwise = 0;
+  for (Method method : {Method::lbfgs, Method::newton_cg})
+    for (const bool bounded : {false, true})
+      for (unsigned seed = 1; seed <= 3; ++seed) {
+        INFO("method " << static_cast<int>(method) << ", seed " << seed << (bounded ? ", bounds" : ""));
+        const optimize::Options usual{.max_iterations = 500, .tolerance = 1e-7};
+        optimize::Options little = usual;
+        little.vectors = 16;
+        std::vector<std::size_t> iterations;
+        std::vector<double> values;
+        for (const optimize::Options& options : {usual, little}) {
+          Pieces problem(seed, bounded ? 0.35 : 1e300);
+          Record record;
+          const auto ending =
+              search(method, problem, Point{std::vector<double>(problem.n, 0.3)}, options, record);
+          require_certified(problem, ending, record, options.tolerance);
+          iterations.push_back(record.rows.size());
+          values.push_back(record.rows.back().objective);
+        }
+        otherwise += iterations[0] != iterations[1];
+        CHECK(std::abs(values[1] - values[0]) < 1e-6); // both are the minimum
+      }
+  CHECK(otherwise > 0); // room was what it lacked
+}
+
 TEST_CASE("a direction takes as many Hessian products as it may, however often values are blocked",
           "[optimize]") {
   // The Hessian of each product is eight times that of the last, so that no product tells the curvature. That
@@ -311,11 +383,10 @@ TEST_CASE("a direction takes as many Hessian products as it may, however often v
     const Point corner{{-1, 0}};
     optimize::Options options;
     options.bundle.products = most;
-    options.bundle.rounds = 1;
     optimize::BundleMethod<Stiffening> bundle(
         options, problem, {corner, problem.value(corner), Stiffening::trial_gradient()}, 1);
     CHECK_FALSE(
-        bundle.step(problem, {corner, problem.value(corner), Stiffening::trial_gradient()}, 1e-6).found);
+        bundle.round(problem, {corner, problem.value(corner), Stiffening::trial_gradient()}, 1e-6).found);
     REQUIRE(problem.directions.size() == static_cast<std::size_t>(most));
     for (std::size_t i = 0; i < problem.directions.size(); ++i)
       CHECK((problem.directions[i].x[0] == 0) == (i > 0));
@@ -344,7 +415,7 @@ TEST_CASE("a step of the bundle method that ends exactly on a bound says so", "[
   problem.accept();
   const optimize::Iterate<OntoBound> at{from, J, problem.trial_gradient()};
   optimize::BundleMethod<OntoBound> bundle(optimize::Options(), problem, at, 1);
-  const auto step = bundle.step(problem, at, 1e-6);
+  const auto step = bundle.round(problem, at, 1e-6);
   REQUIRE(step.found);
   REQUIRE(step.found->u.x[0] == 1);
   CHECK(step.at_other_bounds);

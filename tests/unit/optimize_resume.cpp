@@ -56,6 +56,8 @@ struct StoredAt {
   static void restored(double stored, double found) {
     CHECK(std::abs(stored / found - 1) < 1e-15);
   } // in other units
+  static void mark() {}
+  static void certified(const auto&) {}
 };
 
 } // namespace
