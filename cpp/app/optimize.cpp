@@ -1,4 +1,5 @@
 #include "app/optimize.h"
+#include "app/coarse_start.h"
 #include "app/optimizer_log.h"
 #include "app/run_manifest.h"
 #include "base/collective.h"
@@ -85,16 +86,30 @@ static_assert(optimize::Unknowns<control::ControlSpace>);
 static_assert(optimize::TwiceDifferentiable<control::ReducedProblem>);
 using Result = optimize::Result<control::Control>;
 
-Result minimise(ControlProblem& problem, const scene::Scene& scene, OptimizerLog& record) {
-  const optimize::Options options = search_options(problem.controls, scene.optimizer);
-  control::Control guess = problem.first_guess(scene);
-  const scene::OptimizerMethod method = scene.optimizer.method;
+/// Searches by a method, from where the checkpoint, coarse meshes or the first guess let it.
+template <template <optimize::TwiceDifferentiable> class Method>
+Result search(const Problem& problem, ControlProblem& control_problem, OptimizerLog& record,
+              const Console& console, std::vector<io::CoarseLevel>& levels) {
+  const optimize::Options options = search_options(control_problem.controls, problem.scene.optimizer);
+  SearchStart<Method> start = record.resumes()
+                                  ? SearchStart<Method>{control_problem.controls.zero()}
+                                  : search_start<Method>(problem, control_problem, options, console, levels);
+  return optimize::minimize<Method>(control_problem.reduced, std::move(start.guess), options, record, record,
+                                    std::move(start.inherited));
+}
+
+Result minimise(const Problem& problem, ControlProblem& control_problem, OptimizerLog& record,
+                const Console& console, std::vector<io::CoarseLevel>& levels) {
   using namespace optimize;
-  if (method == scene::OptimizerMethod::lbfgs)
-    return minimize<Lbfgs>(problem.reduced, std::move(guess), options, record, record);
-  if (method == scene::OptimizerMethod::newton_cg)
-    return minimize<NewtonCg>(problem.reduced, std::move(guess), options, record, record);
-  return minimize<ProjectedGradient>(problem.reduced, std::move(guess), options, record, record);
+  switch (problem.scene.optimizer.method) {
+  case scene::OptimizerMethod::lbfgs:
+    return search<Lbfgs>(problem, control_problem, record, console, levels);
+  case scene::OptimizerMethod::newton_cg:
+    return search<NewtonCg>(problem, control_problem, record, console, levels);
+  case scene::OptimizerMethod::projected_gradient:
+    break;
+  }
+  return search<ProjectedGradient>(problem, control_problem, record, console, levels);
 }
 
 /// Describes the kink at which a search ended on the console.
@@ -178,7 +193,8 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   control::ReducedProblem& reduced = control_problem.reduced;
 
   OptimizerLog record(control_problem, problem, folder, resume, console);
-  const Result ending = minimise(control_problem, scene, record);
+  std::vector<io::CoarseLevel> levels;
+  const Result ending = minimise(problem, control_problem, record, console, levels);
   record.end();
   if (!record.evaluated()) // rows of a checkpoint alone are no result
     throw Interrupted();
@@ -189,7 +205,7 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   MotionWriter recorder(problem, folder, &reduced.objective(), true);
   write_motion(problem, reduced, recorder);
   write_control(folder, problem, reduced);
-  const double first_norm = rows.front().gradient_norm;
+  const double first_norm = ending.first_norm;
   console.line("stopped: " + optimize::name(ending.stop) + going_on(ending.stop, scene.optimizer));
   io::Manifest m = manifest(problem, "optimize", optimize::name(ending.stop), reduced.trajectory().steps());
   add_watched(m, recorder, scene.run, console);
@@ -199,6 +215,7 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   m.iterations = rows.back().iteration;
   m.forward_sweeps = reduced.sweeps().forward;
   m.adjoint_sweeps = reduced.sweeps().adjoint;
+  m.coarse_levels = std::move(levels);
   if (ending.stop == optimize::Stop::kink) {
     m.kink = record.kink().value();
     show(*m.kink, first_norm, console);

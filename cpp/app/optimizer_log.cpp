@@ -41,7 +41,8 @@ std::vector<io::HistoryRow> rows_of(const std::vector<double>& numbers) {
 OptimizerLog::OptimizerLog(ControlProblem& control_problem, const Problem& problem,
                            const io::OutputFolder& folder, bool resume, const Console& console)
     : control_problem_(control_problem), problem_(problem), folder_(folder), console_(console),
-      file_(folder.path() / checkpoint), every_(problem.scene.optimizer.checkpoint), resume_(resume) {
+      file_(folder.path() / checkpoint), every_(problem.scene.optimizer.checkpoint),
+      resumes_(resume && found()) {
   progress_.emplace(console, "iterations", static_cast<std::size_t>(problem.scene.optimizer.max_iterations));
   if (control_problem.reference)
     reference_norm_ = control_problem.controls.norm(*control_problem.reference);

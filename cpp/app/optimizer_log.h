@@ -23,11 +23,14 @@ public:
   /// Records an iterate, the problem's current point.
   void operator()(const optimize::Iteration& iteration);
 
+  /// Whether the search continues from a checkpoint.
+  [[nodiscard]] bool resumes() const { return resumes_; }
+
   /// Restores the state of the search; false if there is no checkpoint. Throws UserError if it is damaged or
   /// of another problem.
   template <class State>
   bool restore(State& state) {
-    if (!resume_ || !found())
+    if (!resumes_)
       return false;
     io::CheckpointReader in(control_problem_.controls, file_);
     read(in);
@@ -95,7 +98,7 @@ private:
   const Console& console_;
   std::filesystem::path file_;
   int every_, stored_at_ = -1;
-  bool resume_, evaluated_ = false;
+  bool resumes_, evaluated_ = false;
   std::optional<Progress> progress_;
   Clock::time_point start_ = Clock::now();
   double reference_norm_ = 0;

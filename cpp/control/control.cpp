@@ -67,7 +67,7 @@ ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operat
                            int steps, const scene::Control& scene)
     : space_(space), grid_(grid), steps_(steps), scale_(scene.scale),
       constant_in_time_(scene.constant_in_time), cellwise_(scene.space == scene::ControlValues::cellwise),
-      whole_(!scene.on), components_(ascending(fem::component_numbers(scene.components, space.dim()))),
+      on_(scene.on), components_(ascending(fem::component_numbers(scene.components, space.dim()))),
       lower_(per_component(scene.lower, space.dim(), components_)),
       upper_(per_component(scene.upper, space.dim(), components_)) {
   ++spaces;

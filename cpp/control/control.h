@@ -107,6 +107,8 @@ public:
 
   [[nodiscard]] int steps() const { return steps_; }
   [[nodiscard]] const fem::Space& space() const { return space_; }
+  /// The group where the control acts, absent: the body.
+  [[nodiscard]] const std::optional<std::string>& on() const { return on_; }
   /// Whether a control has one value for each cell.
   [[nodiscard]] bool cellwise() const { return cellwise_; }
   /// Where the owned values are: nodes or midpoints of cells (places × 3), m.
@@ -117,7 +119,7 @@ public:
   [[nodiscard]] const std::vector<int>& components() const { return components_; }
 
   /// Whether the control acts by a force density, else by forces on the nodes (forward::NodalForce).
-  [[nodiscard]] bool acts_by_density() const { return whole_ && !cellwise_; }
+  [[nodiscard]] bool acts_by_density() const { return !on_ && !cellwise_; }
   /// Adds the force s u, for the values u of a step.
   void add_force(std::span<const double> u, forward::NodalForce sum) const;
 
@@ -158,7 +160,8 @@ private:
   forward::TimeGrid grid_;
   int steps_;
   double scale_;
-  bool constant_in_time_, cellwise_, whole_;
+  bool constant_in_time_, cellwise_;
+  std::optional<std::string> on_;
   std::vector<int> components_;
   std::vector<int> places_; ///< owned nodes or cells where the control acts, ascending local numbers
   bool everywhere_ = false; ///< at all places and components of all ranks: values are a field

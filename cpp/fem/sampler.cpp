@@ -27,30 +27,38 @@ Simplex simplex(const dolfinx::mesh::Mesh<double>& mesh, std::int32_t cell) {
           }};
 }
 
-/// For each point (n × 3) the owned cell that contains it, else the nearest one, with the squared distance,
-/// m²; cell −1 on ranks without cells.
-std::vector<std::pair<double, std::int32_t>> nearest_cells(const mesh::Mesh& body,
-                                                           const std::vector<double>& points) {
-  const auto& mesh = *body.dolfinx();
-  std::vector<std::pair<double, std::int32_t>> found(points.size() / 3,
-                                                     {std::numeric_limits<double>::infinity(), -1});
-  const std::vector<std::int32_t> cells = body.owned_cells();
-  if (cells.empty())
+/// An entity near a point: a cell that contains it, else the nearest one.
+struct Near {
+  double squared = std::numeric_limits<double>::infinity(); ///< distance, m²
+  std::int32_t entity = -1;                                 ///< −1 on ranks without entities
+};
+
+/// For each point (n × 3) the nearest of these entities, cells or facets.
+std::vector<Near> nearest(const dolfinx::mesh::Mesh<double>& mesh, int dim,
+                          const std::vector<std::int32_t>& entities, const std::vector<double>& points) {
+  std::vector<Near> found(points.size() / 3);
+  if (entities.empty())
     return found;
-  const int dim = mesh.topology()->dim();
-  const dolfinx::geometry::BoundingBoxTree<double> tree(mesh, dim, cells);
-  const auto midpoints = dolfinx::geometry::create_midpoint_tree(mesh, dim, cells);
-  const auto candidates = dolfinx::geometry::compute_collisions<double>(tree, points);
-  const auto holding = dolfinx::geometry::compute_colliding_cells<double>(mesh, candidates, points);
+  const dolfinx::geometry::BoundingBoxTree<double> tree(mesh, dim, entities);
+  const auto midpoints = dolfinx::geometry::create_midpoint_tree(mesh, dim, entities);
   std::vector<double> outside;
   std::vector<std::size_t> numbers;
-  for (std::size_t i = 0; i < found.size(); ++i)
-    if (const auto links = holding.links(static_cast<std::int32_t>(i)); !links.empty()) {
-      found[i] = {0, *std::ranges::min_element(links)};
-    } else {
-      numbers.push_back(i);
-      outside.insert(outside.end(), &points[3 * i], &points[3 * i] + 3);
-    }
+  const auto look_outside = [&](std::size_t i) {
+    numbers.push_back(i);
+    outside.insert(outside.end(), &points[3 * i], &points[3 * i] + 3);
+  };
+  if (dim == mesh.topology()->dim()) {
+    const auto candidates = dolfinx::geometry::compute_collisions<double>(tree, points);
+    const auto holding = dolfinx::geometry::compute_colliding_cells<double>(mesh, candidates, points);
+    for (std::size_t i = 0; i < found.size(); ++i)
+      if (const auto links = holding.links(static_cast<std::int32_t>(i)); !links.empty())
+        found[i] = {0, *std::ranges::min_element(links)};
+      else
+        look_outside(i);
+  } else {
+    for (std::size_t i = 0; i < found.size(); ++i)
+      look_outside(i);
+  }
   if (outside.empty())
     return found;
   const std::vector<std::int32_t> near =
@@ -59,6 +67,27 @@ std::vector<std::pair<double, std::int32_t>> nearest_cells(const mesh::Mesh& bod
   for (std::size_t j = 0; j < numbers.size(); ++j)
     found[numbers[j]] = {distance[j], near[j]};
   return found;
+}
+
+/// The first cell of a facet.
+std::int32_t cell_of(const dolfinx::mesh::Topology& topology, std::int32_t facet) {
+  return topology.connectivity(topology.dim() - 1, topology.dim())->links(facet).front();
+}
+
+/// The projection of x (3) onto the plane of a facet of a cell, along which the barycentric coordinate of the
+/// opposite vertex is zero.
+Simplex::Point onto_facet(const dolfinx::mesh::Mesh<double>& mesh, std::int32_t facet, std::int32_t cell,
+                          const double* x) {
+  const auto& topology = *mesh.topology();
+  const int dim = topology.dim();
+  const auto facets = topology.connectivity(dim, dim - 1)->links(cell);
+  const int opposite = static_cast<int>(std::ranges::find(facets, facet) - facets.begin());
+  const Simplex here = simplex(mesh, cell);
+  const Simplex::Point xi = here.reference(x), g = here.gradient(opposite);
+  const double coordinate = opposite > 0 ? xi[opposite - 1] : 1 - xi[0] - xi[1] - (dim == 3 ? xi[2] : 0),
+               squared = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+  return {x[0] - coordinate / squared * g[0], x[1] - coordinate / squared * g[1],
+          x[2] - coordinate / squared * g[2]};
 }
 
 /// Values of the scalar basis functions at ξ.
@@ -97,27 +126,46 @@ Quadrature quadrature(const mesh::Mesh& mesh) {
   return result;
 }
 
+Sampler::Entities Sampler::entities(const Space& space, const std::optional<std::string>& on,
+                                    const std::string& key) {
+  const mesh::Mesh& mesh = space.mesh();
+  if (!on)
+    return {mesh.dim(), mesh.owned_cells()};
+  const int dim = mesh.group_dimension(*on, key);
+  return {dim, dim == mesh.dim() ? mesh.cells(*on, key) : mesh.facets(*on, key)};
+}
+
 Sampler::Sampler(const Space& space, const std::vector<double>& points)
+    : Sampler(space, points, std::nullopt, "", false) {}
+
+Sampler::Sampler(const Space& space, const std::vector<double>& points, const std::optional<std::string>& on,
+                 const std::string& key, bool cellwise)
+    : Sampler(space, points, entities(space, on, key), cellwise) {}
+
+Sampler::Sampler(const Space& space, const std::vector<double>& points, const Entities& among, bool cellwise)
     : dim_(space.dim()), comm_(space.comm()), count_(points.size() / 3) {
   const auto& mesh = *space.mesh().dolfinx();
-  const auto found = nearest_cells(space.mesh(), points);
-  // Each point is evaluated by the rank with the nearest cell; of several, by the lowest.
+  const bool facets = among.dim < dim_;
+  const std::vector<Near> found = nearest(mesh, among.dim, among.numbers, points);
+  // Each point is evaluated by the rank with the nearest entity; of several, by the lowest.
   std::vector<double> least(count_);
-  std::ranges::transform(found, least.begin(), [](const auto& cell) { return cell.first; });
+  std::ranges::transform(found, least.begin(), &Near::squared);
   MPI_Allreduce(MPI_IN_PLACE, least.data(), static_cast<int>(count_), MPI_DOUBLE, MPI_MIN, comm_);
   distances_.resize(count_);
   std::ranges::transform(least, distances_.begin(), [](double square) { return std::sqrt(square); });
   std::vector<int> owner(count_);
   for (std::size_t i = 0; i < count_; ++i)
-    owner[i] = found[i].second >= 0 && found[i].first <= least[i] ? rank(comm_) : ranks(comm_);
+    owner[i] = found[i].entity >= 0 && found[i].squared <= least[i] ? rank(comm_) : ranks(comm_);
   MPI_Allreduce(MPI_IN_PLACE, owner.data(), static_cast<int>(count_), MPI_INT, MPI_MIN, comm_);
   for (std::size_t i = 0; i < count_; ++i)
     if (owner[i] == rank(comm_))
       mine_.push_back(i);
 
+  const auto topology = mesh.topology();
   petsc::Matrix one;
   check(MatCreate(comm_, one.put()));
-  check(MatSetSizes(one, static_cast<PetscInt>(mine_.size()), space.owned_nodes(), PETSC_DETERMINE,
+  check(MatSetSizes(one, static_cast<PetscInt>(mine_.size()),
+                    cellwise ? topology->index_map(dim_)->size_local() : space.owned_nodes(), PETSC_DETERMINE,
                     PETSC_DETERMINE));
   check(MatSetType(one, MATAIJ));
   check(MatSetUp(one));
@@ -126,11 +174,16 @@ Sampler::Sampler(const Space& space, const std::vector<double>& points)
   const auto dofmap = space.dolfinx()->dofmap();
   const auto element = space.dolfinx()->element();
   for (std::size_t i : mine_) {
-    const auto nodes = dofmap->cell_dofs(found[i].second);
+    const std::int32_t entity = found[i].entity, cell = facets ? cell_of(*topology, entity) : entity;
+    const std::vector<std::int32_t> own{cell};
+    const auto nodes = cellwise ? std::span<const std::int32_t>(own) : dofmap->cell_dofs(cell);
     std::vector<std::int64_t> columns(nodes.size());
-    dofmap->index_map->local_to_global(nodes, columns);
+    (cellwise ? topology->index_map(dim_) : dofmap->index_map)->local_to_global(nodes, columns);
+    const double* point = &points[3 * i];
+    const Simplex::Point on_facet = facets ? onto_facet(mesh, entity, cell, point) : Simplex::Point{};
     const std::vector<double> phi =
-        basis(*element, simplex(mesh, found[i].second).reference(&points[3 * i]), dim_);
+        cellwise ? std::vector{1.0}
+                 : basis(*element, simplex(mesh, cell).reference(facets ? on_facet.data() : point), dim_);
     for (std::size_t j = 0; j < columns.size(); ++j)
       check(MatSetValue(one, row, static_cast<PetscInt>(columns[j]), phi[j], INSERT_VALUES));
     ++row;

@@ -226,6 +226,15 @@ void CheckpointReader::match_places() {
                        [this](const std::string& problem) { fail(problem); });
 }
 
+bool CheckpointReader::matches_places() {
+  try {
+    match_places();
+    return true;
+  } catch (const UserError&) {
+    return false;
+  }
+}
+
 void CheckpointReader::operator()(const std::string& name, std::shared_ptr<const control::Control>& u) {
   const int count = controls_.count();
   const auto same = [&](int k, int rows) {

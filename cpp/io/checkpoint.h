@@ -61,6 +61,8 @@ public:
   /// Matches the places of the controls with those of the file by coordinates; to be called before the first
   /// control is read. Throws UserError if they differ.
   void match_places();
+  /// The same; false if they differ, or are damaged.
+  [[nodiscard]] bool matches_places();
 
   /// Throws UserError with the file's name and `problem`.
   [[noreturn]] void fail(const std::string& problem) const;

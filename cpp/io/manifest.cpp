@@ -137,11 +137,25 @@ ordered_json energy_json(const forward::EnergyAccount& energy) {
 
 /// What a search adds.
 void add_search(ordered_json& json, const Manifest& m, const scene::Scene& scene) {
-  if (m.iterations)
+  if (m.iterations) {
+    ordered_json levels = ordered_json::array();
+    for (const CoarseLevel& level : m.coarse_levels)
+      levels.push_back({{"size", level.size},
+                        {"step", level.step},
+                        {"steps", level.steps},
+                        {"free_unknowns", level.free_unknowns},
+                        {"iterations", level.iterations},
+                        {"forward_sweeps", level.forward_sweeps},
+                        {"adjoint_sweeps", level.adjoint_sweeps},
+                        {"seconds", level.seconds},
+                        {"objective", level.objective},
+                        {"stop_reason", level.stop_reason}});
     json["optimizer"] = {{"iterations", *m.iterations},
                          {"forward_sweeps", m.forward_sweeps.value_or(0)},
                          {"adjoint_sweeps", m.adjoint_sweeps.value_or(0)},
-                         {"metric", scene.control->lower || scene.control->upper ? "lumped L2" : "L2"}};
+                         {"metric", scene.control->lower || scene.control->upper ? "lumped L2" : "L2"},
+                         {"coarse_levels", levels}};
+  }
   if (m.kink) {
     ordered_json weak = ordered_json::array();
     for (const WeakContact& contact : m.kink->weak)

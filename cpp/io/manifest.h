@@ -35,6 +35,17 @@ struct LargestStress {
   double time = 0;      ///< s
 };
 
+/// A search on a coarse mesh before that of the scene's.
+struct CoarseLevel {
+  double size = 0, step = 0; ///< m, s
+  int steps = 0;
+  long free_unknowns = 0;
+  int iterations = 0, forward_sweeps = 0, adjoint_sweeps = 0;
+  double seconds = 0; ///< meshing and factorisation included
+  double objective = 0;
+  std::string stop_reason{};
+};
+
 /// The contents of run.json.
 struct Manifest {
   std::string verb;
@@ -55,6 +66,7 @@ struct Manifest {
   std::vector<forward::Invariants::Defect> invariants; ///< of the motion stored; empty if not monitored
   std::vector<forward::Warning> warnings;              ///< of the motion stored
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
+  std::vector<CoarseLevel> coarse_levels; ///< the coarsest first
   std::optional<Kink> kink;
   std::vector<std::string> files; ///< of the run
 };

@@ -1,5 +1,6 @@
 #include "io/stored_control.h"
 #include "base/collective.h"
+#include "control/interpolation.h"
 #include "io/checkpoint.h"
 #include "io/stored_field.h"
 #include "scene/compatibility.h"
@@ -47,22 +48,73 @@ double step_of(const std::string& scene, const std::string& key, const fs::path&
   return *step;
 }
 
-/// Of checkpoint.h5, whose rows are steps of length `step`.
-control::Control as_it_was(CheckpointReader& in, const control::ControlSpace& controls, double step) {
-  in.match_places();
+/// Fails unless a stored control of so many rows, steps of length `step`, can be one of `controls`.
+void require_fitting_time(const CheckpointReader& in, const control::ControlSpace& controls, int rows,
+                          double step) {
   const double end = controls.grid().time(controls.steps());
+  if (rows == 1)
+    return;
+  if (controls.count() == 1)
+    in.fail(
+        "found a control that changes in time, allowed is one that is constant (control.constant_in_time)");
+  if (rows * step < (1 - rounding) * end)
+    in.fail(fmt::format(
+        "found a control from 0 to {:.6g} s, allowed is one that covers this run, from 0 to {:.6g} s",
+        rows * step, end));
+}
+
+/// Of checkpoint.h5 of the same places, whose rows are steps of length `step`.
+control::Control as_it_was(CheckpointReader& in, const control::ControlSpace& controls, double step) {
   return in.control("u", [&](int k, int rows) {
-    if (rows == 1)
-      return 0;
-    if (controls.count() == 1)
-      in.fail(
-          "found a control that changes in time, allowed is one that is constant (control.constant_in_time)");
-    if (rows * step < (1 - rounding) * end)
-      in.fail(fmt::format(
-          "found a control from 0 to {:.6g} s, allowed is one that covers this run, from 0 to {:.6g} s",
-          rows * step, end));
-    return std::min(rows - 1, static_cast<int>(std::floor(controls.grid().load_time(k) / step)));
+    require_fitting_time(in, controls, rows, step);
+    return rows == 1 ? 0
+                     : std::min(rows - 1, static_cast<int>(std::floor(controls.grid().load_time(k) / step)));
   });
+}
+
+/// The control space of an earlier run, made again from its resolved scene.
+struct EarlierRun {
+  EarlierRun(MPI_Comm comm, const scene::Scene& scene)
+      : mesh(comm, scene.mesh), space(mesh, scene.mesh.degree),
+        operators(fem::assemble_operators(space, scene.materials, true)),
+        controls(space, operators, {scene.time.step}, scene.time.steps, *scene.control) {}
+
+  mesh::Mesh mesh;
+  fem::Space space;
+  fem::Operators operators;
+  control::ControlSpace controls;
+};
+
+/// Dimension of the set on which a control acts.
+int dimension(const control::ControlSpace& controls) {
+  const mesh::Mesh& mesh = controls.space().mesh();
+  return controls.on() ? mesh.group_dimension(*controls.on(), "control.on") : mesh.dim();
+}
+
+/// Of checkpoint.h5 of a run on another mesh, which is made again from its scene.
+control::Control interpolated(const CheckpointReader& known, const control::ControlSpace& controls,
+                              const std::string& text, const fs::path& file, const std::string& key) {
+  std::optional<EarlierRun> run;
+  try {
+    run.emplace(controls.space().comm(), scene::parse(text, file.parent_path() / "scene.toml"));
+  } catch (const UserError& error) {
+    known.fail(fmt::format("found a control on another mesh, which cannot be made again: {}", error.what()));
+  }
+  CheckpointReader in(run->controls, file, key);
+  if (!in.matches_places())
+    known.fail(
+        "found a control on another mesh, whose file has changed since; allowed is the file as it was, or "
+        "the mesh of that run");
+  const int here = dimension(controls), there = dimension(run->controls);
+  if (run->mesh.dim() != controls.space().dim() || there != here)
+    known.fail(fmt::format("found a control on a set of {} dimensions, allowed are {} as in this scene",
+                           there, here));
+  const auto row = [&](int k, int rows) {
+    require_fitting_time(in, controls, rows, run->controls.grid().tau);
+    return std::min(k, rows) - 1;
+  };
+  const control::Control u = in.control("u", row);
+  return control::Interpolation(run->controls, controls)(u);
 }
 
 /// Of control.h5, where the value of a step stands at its end.
@@ -114,6 +166,8 @@ control::Control stored_control(const control::ControlSpace& controls, const fs:
     if (is_of_the_run(in, folder, comm)) {
       std::string scene;
       in("scene", scene);
+      if (!in.matches_places())
+        return interpolated(in, controls, scene, file, key);
       return as_it_was(in, controls, step_of(scene, key, file));
     }
   }

@@ -222,6 +222,8 @@ private:
       if (at_other_bounds || !std::isfinite(J))
         continue;
       const Coordinates g = coordinates(problem, problem.trial_gradient());
+      if (!std::isfinite(norm(g))) // so far away leads a model that has lost its curvature to rounding
+        return {.over = true};
       // A cut above J at the current point is invalid there: a shorter step meets the piece in between.
       if (model_.null_step(g, s, Hs, decrease) <= 0 || ++null_steps == options.null_steps)
         break;

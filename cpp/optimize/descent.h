@@ -24,6 +24,8 @@ public:
     Iterate<P>& current = state.current;
     std::optional<Iterate<P>> next;
     double t = 1;
+    if (!options_.through_kinks && short_steps_ >= options_.bundle.short_steps)
+      return Result<Vector>{Stop::short_steps};
     if (!bundle_) {
       Search<P> search;
       do
@@ -33,8 +35,10 @@ public:
         method_.learn(problem, current, *search.found, search.length);
       else if (search.solver_failed)
         return Result<Vector>{Stop::solver_failed};
-      else
+      else if (options_.through_kinks)
         take_over(problem, current);
+      else
+        return Result<Vector>{Stop::short_steps};
       t = search.length;
       next = std::move(search.found);
     }
@@ -61,9 +65,17 @@ public:
     current = std::move(*next);
     state.iteration = {state.iteration.number + 1, current.objective,
                        stationarity(problem, current.u, current.g), t};
-    if (!bundle_ && short_steps_ >= options_.bundle.short_steps)
+    if (!bundle_ && options_.through_kinks && short_steps_ >= options_.bundle.short_steps)
       take_over(problem, current);
     return std::nullopt;
+  }
+
+  /// Goes on, on this problem, from what a search by the same method on another learned, whose vectors
+  /// `interpolate` takes to this one. Both are measured in the same units.
+  template <class Interpolate>
+  void inherit(const Descent& other, const P& problem, const Interpolate& interpolate) {
+    longest_ = other.longest_;
+    method_.inherit(other.method_, problem, interpolate);
   }
 
   /// Gives up vectors where almost as many are stored as may be.

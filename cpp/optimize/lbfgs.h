@@ -56,27 +56,20 @@ public:
     length_ = norm(unknowns, s);
     unknowns.zero_blocked(s, to.u, down);
     unknowns.zero_blocked(y, to.u, down);
-    const std::size_t n = vectors_.size();
-    const std::vector<Vector> duals{unknowns.dual(s), unknowns.dual(y)};
-    std::vector<Shared<Vector>> all = vectors_;
-    all.push_back(share(std::move(s)));
-    all.push_back(share(std::move(y)));
-    const std::vector<double> products = unknowns.pairings(duals, all); // 2 × (n + 2)
-    const double ss = products[n], sy = products[n + 1], yy = products[2 * n + 3];
-    if (!(sy > options_.least_cosine * length_ * std::sqrt(yy)))
-      return;
-    // Between the largest and the smallest inverse curvature seen (Dai, Al-Baali, Yang 2015): the curvatures
-    // of J spread widely, from alpha up.
-    scale_ = std::sqrt(ss / yy);
-    std::vector<double> gram;
-    for (std::size_t i = 0; i < n; ++i) {
-      gram.insert(gram.end(), &gram_[i * n], &gram_[i * n] + n);
-      gram.insert(gram.end(), {products[i], products[n + 2 + i]});
+    take(unknowns, std::move(s), std::move(y), length_);
+  }
+
+  /// Takes the pairs of a search on another problem, whose vectors `interpolate` takes to this one, but for
+  /// those that lose their positive curvature by that.
+  template <class Interpolate>
+  void inherit(const LimitedMemory& other, const U& unknowns, const Interpolate& interpolate) {
+    length_ = other.length_;
+    const std::size_t pairs = other.vectors_.size() / 2;
+    for (std::size_t i = pairs - std::min(pairs, options_.pairs); i < pairs; ++i) {
+      Vector s = interpolate(*other.vectors_[2 * i]), y = interpolate(*other.vectors_[2 * i + 1]);
+      const double length = norm(unknowns, s);
+      take(unknowns, std::move(s), std::move(y), length);
     }
-    gram.insert(gram.end(), products.begin(), products.end());
-    gram_ = std::move(gram);
-    vectors_ = std::move(all);
-    store_at_most(2 * options_.pairs);
   }
 
   bool restart() {
@@ -102,6 +95,32 @@ public:
   }
 
 private:
+  /// Stores a pair, unless rounding decides the sign of its curvature. `length`: of the whole step, blocked
+  /// values included.
+  void take(const U& unknowns, Vector s, Vector y, double length) {
+    const std::size_t n = vectors_.size();
+    const std::vector<Vector> duals{unknowns.dual(s), unknowns.dual(y)};
+    std::vector<Shared<Vector>> all = vectors_;
+    all.push_back(share(std::move(s)));
+    all.push_back(share(std::move(y)));
+    const std::vector<double> products = unknowns.pairings(duals, all); // 2 × (n + 2)
+    const double ss = products[n], sy = products[n + 1], yy = products[2 * n + 3];
+    if (!(sy > options_.least_cosine * length * std::sqrt(yy)))
+      return;
+    // Between the largest and the smallest inverse curvature seen (Dai, Al-Baali, Yang 2015): the curvatures
+    // of J spread widely, from alpha up.
+    scale_ = std::sqrt(ss / yy);
+    std::vector<double> gram;
+    for (std::size_t i = 0; i < n; ++i) {
+      gram.insert(gram.end(), &gram_[i * n], &gram_[i * n] + n);
+      gram.insert(gram.end(), {products[i], products[n + 2 + i]});
+    }
+    gram.insert(gram.end(), products.begin(), products.end());
+    gram_ = std::move(gram);
+    vectors_ = std::move(all);
+    store_at_most(2 * options_.pairs);
+  }
+
   void forget_oldest() {
     const std::size_t n = vectors_.size();
     std::vector<double> gram;

@@ -31,6 +31,15 @@ struct State {
   }
 };
 
+/// What a search hands to one of the same unknowns on another problem, as on a finer mesh: it goes on in the
+/// same units and to a tolerance of the same first norm, so that nothing in it depends on where it starts.
+template <class Memory>
+struct Inheritance {
+  Units units;
+  double first_norm;
+  Memory memory;
+};
+
 /// Throws SolverFailure if J or its gradient is not finite.
 inline void require_finite(const Iteration& iteration) {
   if (!std::isfinite(iteration.objective) || !std::isfinite(iteration.gradient_norm))
@@ -51,24 +60,27 @@ std::optional<Stop> ended(const State<U, Memory>& state, const Options& options)
   return std::nullopt;
 }
 
-/// Evaluates J at the state's point, where the search starts or, with `restored`, goes on. Returns J in the
-/// units given. Throws SolverFailure, Interrupted.
+/// Evaluates J at the state's point, where the search starts or, with `restored`, goes on; `inherited`:
+/// the state has its units and first norm from another search. Returns J in the units given. Throws
+/// SolverFailure, Interrupted.
 template <TwiceDifferentiable P, class Memory>
-double start(P& given, Dimensionless<P>& problem, State<Dimensionless<P>, Memory>& state, bool restored) {
+double start(P& given, Dimensionless<P>& problem, State<Dimensionless<P>, Memory>& state, bool restored,
+             bool inherited) {
   auto& current = state.current;
   const double value = given.value(current.u);
   typename P::Vector g = given.trial_gradient();
   given.accept();
-  if (!restored) {
+  if (!restored)
     require_finite({0, value, norm(given, g), 0});
+  if (!restored && !inherited)
     state.units = measured(given, current.u, value, g);
-  }
   problem.measure_in(state.units);
   current.objective = value / state.units.objective();
   current.g = problem.stepped(std::move(g));
   if (!restored) {
-    state.first_norm = stationarity(problem, current.u, current.g);
-    state.iteration = {0, current.objective, state.first_norm, 0};
+    state.iteration = {0, current.objective, stationarity(problem, current.u, current.g), 0};
+    if (!inherited)
+      state.first_norm = state.iteration.gradient_norm;
   }
   return value;
 }
@@ -85,26 +97,34 @@ double start(P& given, Dimensionless<P>& problem, State<Dimensionless<P>, Memory
 /// state stored before the next mark is that of now; keeper.store(state) is called where
 /// keeper.due(iteration) asks for it and when the search ends. A certificate is shown by
 /// keeper.certified(certificate); what is stored then has no more memory of the search, and a search restored
-/// from it ends at once, without a certificate, unless it asks for a shorter one. Interrupted from the
-/// problem ends the search with the last accepted iterate. Throws SolverFailure if the objective or its
-/// gradient is not finite. Collective if the problem is.
+/// from it ends at once, without a certificate, unless it asks for a shorter one. Without a checkpoint the
+/// search goes on from `inherited`, if given, where another one ended. Interrupted from the problem ends the
+/// search with the last accepted iterate. Throws SolverFailure if the objective or its gradient is not
+/// finite. Collective if the problem is.
 template <template <TwiceDifferentiable> class Method, TwiceDifferentiable P, class Report,
           class Checkpointer>
-[[nodiscard]] Result<typename P::Vector> minimize(P& given, typename P::Vector guess, const Options& options,
-                                                  Report&& report, Checkpointer&& keeper) {
+[[nodiscard]] Result<typename P::Vector>
+minimize(P& given, typename P::Vector guess, const Options& options, Report&& report, Checkpointer&& keeper,
+         std::optional<Inheritance<Method<Dimensionless<P>>>> inherited = std::nullopt) {
   using Memory = Method<Dimensionless<P>>;
   given.project(guess);
   Dimensionless<P> problem(given);
   State<Dimensionless<P>, Memory> state{{guess, 0, std::move(guess)}, {}, {}, 0, Memory(options)};
+  if (inherited) {
+    state.units = inherited->units;
+    state.first_norm = inherited->first_norm;
+    state.memory = std::move(inherited->memory);
+  }
   const auto tell = [&] {
     Iteration told = state.iteration;
     told.objective *= state.units.objective();
     told.gradient_norm *= state.units.gradient();
     report(told);
   };
+  const auto first_norm = [&] { return state.first_norm * state.units.gradient(); };
   try {
     const bool restored = keeper.restore(state);
-    const double value = start(given, problem, state, restored);
+    const double value = start(given, problem, state, restored, inherited.has_value());
     if (restored)
       keeper.restored(state.iteration.objective * state.units.objective(), value);
     else
@@ -116,7 +136,7 @@ template <template <TwiceDifferentiable> class Method, TwiceDifferentiable P, cl
     keeper.mark();
     if (const auto end = ended(state, options)) {
       keeper.store(state);
-      return {*end};
+      return {.stop = *end, .first_norm = first_norm()};
     }
     if (keeper.due(state.iteration))
       keeper.store(state);
@@ -150,6 +170,7 @@ template <template <TwiceDifferentiable> class Method, TwiceDifferentiable P, cl
     }
     state.memory = std::move(before);
     keeper.store(state);
+    end->first_norm = first_norm();
     return std::move(*end);
   }
 }

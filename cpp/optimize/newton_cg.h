@@ -73,6 +73,12 @@ public:
   /// Stores none.
   void store_at_most(std::size_t) {}
 
+  /// Goes on with the trust region of a search on another problem.
+  void inherit(const TruncatedNewton& other, const P&, const auto&) {
+    radius_ = other.radius_;
+    first_ = other.first_;
+  }
+
   bool restart() { return !std::exchange(steepest_, true); }
 
   template <class Archive>

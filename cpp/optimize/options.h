@@ -101,6 +101,8 @@ struct BundleOptions {
 struct Options {
   int max_iterations = 1000;
   double tolerance = 1e-6; ///< of the stationarity measure, relative to the first
+  /// Whether the bundle method takes over where steps become short or a search fails; else the search ends.
+  bool through_kinks = true;
   /// Vectors that a method may store for longer than an evaluation takes.
   std::size_t vectors = std::numeric_limits<std::size_t>::max();
   /// Relative rounding error of J: the difference of two values, each with half an ε from its own rounding

@@ -50,6 +50,9 @@ public:
   /// Stores no vectors.
   void make_room() {}
 
+  /// Goes on with the regularisation of a search on another problem.
+  void inherit(const ProjectedGradient& other, const auto&, const auto&) { omega_ = other.omega_; }
+
   template <class Archive>
   void serialize(Archive& archive) {
     archive("omega", omega_);

@@ -5,7 +5,15 @@
 namespace signorini::optimize {
 
 /// Stopping reasons of a search.
-enum class Stop { gradient_tolerance, kink, iteration_limit, no_decrease, solver_failed, interrupted };
+enum class Stop {
+  gradient_tolerance,
+  kink,
+  iteration_limit,
+  no_decrease,
+  solver_failed,
+  interrupted,
+  short_steps
+};
 
 inline std::string name(Stop stop) {
   switch (stop) {
@@ -21,6 +29,8 @@ inline std::string name(Stop stop) {
     return "solver failed in every trial step";
   case Stop::interrupted:
     return "interrupted";
+  case Stop::short_steps:
+    return "short steps, as among kinks";
   }
   return "unknown";
 }
@@ -30,6 +40,7 @@ template <class Vector>
 struct Result {
   Stop stop;
   std::optional<Certificate<Vector>> certificate = std::nullopt; ///< at a kink
+  double first_norm = 0; ///< the gradient norm of which Options::tolerance is a part
 };
 
 /// The record of one iteration.

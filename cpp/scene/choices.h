@@ -49,6 +49,10 @@ constexpr Names<2> names(ControlValues) { return {"P1", "P0"}; }
 enum class OptimizerMethod { lbfgs, newton_cg, projected_gradient };
 constexpr Names<3> names(OptimizerMethod) { return {"lbfgs", "newton-cg", "projected-gradient"}; }
 
+/// Where a search starts: at the optimum of coarser meshes and longer steps, or at the first guess.
+enum class SearchStart { coarse, guess };
+constexpr Names<2> names(SearchStart) { return {"coarse", "guess"}; }
+
 /// Solver of the variational inequalities: in the candidates alone, or PETSc's on all unknowns.
 enum class ViMethod { condensed, full };
 constexpr Names<2> names(ViMethod) { return {"condensed", "full"}; }

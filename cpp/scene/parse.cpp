@@ -102,4 +102,21 @@ bool rests(const Control& control) {
          all(control.upper, [](double x) { return x >= 0; });
 }
 
+std::string no_coarse_start(const Scene& scene) {
+  if (scene.mesh.file.extension() != ".geo")
+    return "with a .msh, which is meshed already, allowed with a .geo and mesh.size, or \"guess\"";
+  if (!scene.mesh.size)
+    return "without mesh.size, allowed with it, since coarse meshes are multiples of it, or \"guess\"";
+  if (std::holds_alternative<DesiredRun>(scene.objective->desired))
+    return "with objective.desired.run, whose motion is known on this mesh alone, allowed is \"guess\"";
+  return {};
+}
+
+Scene resized(Scene scene, double size, int steps) {
+  (scene.mesh.size ? *scene.mesh.size : scene.mesh.scale) = size;
+  scene.time.steps = steps;
+  scene.time.step = scene.time.end / steps;
+  return scene;
+}
+
 } // namespace signorini::scene

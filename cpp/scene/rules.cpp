@@ -86,6 +86,13 @@ void require_rules(Reader& in, const Objective& objective, const Scene&) {
             "found 0 where gamma is 0 too, allowed is one of them above: nothing would be desired");
 }
 
+void require_rules(Reader& in, const Optimizer& optimizer, const Scene& scene) {
+  if (!scene.objective || optimizer.start != SearchStart::coarse)
+    return;
+  if (const std::string reason = no_coarse_start(scene); !reason.empty())
+    in.fail("start", fmt::format("found \"coarse\" {}", reason));
+}
+
 void require_rules(Reader& in, const Trajectory& trajectory, const Scene&) {
   if (in.has("budget") && trajectory.storage != Storage::checkpoints)
     in.fail("budget",
@@ -163,11 +170,27 @@ void require_rules(Reader& in, const Exact&, const Scene& scene) {
       in.fail(key, "has no meaning without contact; allowed with a table [contact]");
 }
 
-void require_rules(Reader& in, const Scene& scene, const Scene&) {
+namespace {
+
+/// Where a search starts of itself. Where the user has a control from an earlier run, that is better than
+/// what coarse meshes find; gradient steps are those of the paper from its first guess.
+SearchStart usual_start(const Scene& scene) {
+  return no_coarse_start(scene).empty() && !scene.control->stored &&
+                 scene.optimizer.method != OptimizerMethod::projected_gradient
+             ? SearchStart::coarse
+             : SearchStart::guess;
+}
+
+} // namespace
+
+void require_rules(Reader& in, Scene& scene, const Scene&) {
   if (in.has("objective") && !scene.control)
     in.fail("objective", "needs a control to act on; add a table [control] or leave the objective out");
-  if (scene.objective)
+  if (scene.objective) {
+    if (!scene.optimizer.start)
+      scene.optimizer.start = usual_start(scene);
     return;
+  }
   if (in.has("optimizer"))
     in.fail("optimizer", "has no effect without an objective; add [control] and [objective] or leave it out");
   if (in.has("trajectory"))

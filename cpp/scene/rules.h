@@ -13,12 +13,14 @@ void require_rules(Reader& in, const Cylinder& obstacle, const Scene& scene);
 void require_rules(Reader& in, const Contact& contact, const Scene& scene);
 void require_rules(Reader& in, const Control& control, const Scene& scene);
 void require_rules(Reader& in, const Objective& objective, const Scene& scene);
+void require_rules(Reader& in, const Optimizer& optimizer, const Scene& scene);
 void require_rules(Reader& in, const Trajectory& trajectory, const Scene& scene);
 void require_rules(Reader& in, const Exact& exact, const Scene& scene);
 /// Sets a name that is not given.
 void require_rules(Reader& in, Probe& probe, const Scene& scene);
 void require_rules(Reader& in, const Output& output, const Scene& scene);
-void require_rules(Reader& in, const Scene& read, const Scene& scene);
+/// Sets where a search starts if that is not given.
+void require_rules(Reader& in, Scene& read, const Scene& scene);
 /// The name of the obstacle whose table is read, the last of the scene's so far; a default one where none is
 /// given.
 std::string obstacle_name(Reader& in, const Scene& scene);

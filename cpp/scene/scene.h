@@ -184,6 +184,7 @@ struct Objective {
 /// Table [optimizer]; docs/method.md section 6.
 struct Optimizer {
   OptimizerMethod method = OptimizerMethod::lbfgs;
+  std::optional<SearchStart> start; ///< set in every scene with an objective
   int max_iterations = 1000;
   double tolerance = 1e-6; ///< of the norm of the gradient, relative to that at the first guess
   int checkpoint = 10;     ///< iterations between checkpoints; 0: none
@@ -302,6 +303,14 @@ bool moves(const Obstacle& obstacle);
 /// Whether the first guess of a control is zero, which is no load: absent or written as zero, and within the
 /// bounds.
 bool rests(const Control& control);
+
+/// Why a search of this scene cannot start on coarser meshes, in words that end "…, allowed is …"; empty if
+/// it can.
+std::string no_coarse_start(const Scene& scene);
+
+/// The scene with another element size, m (without mesh.size: another scale of the .geo's own), and another
+/// number of steps to time.end.
+Scene resized(Scene scene, double size, int steps);
 
 /// Throws UserError unless every vector of the scene has `dim` components and names no others.
 void require_dimension(const Scene& scene, int dim);

@@ -189,8 +189,8 @@ Keys<Initial> keys_of(Of<Initial>) {
 Keys<StoredControl> keys_of(Of<StoredControl>) {
   return {required(
       "run", &StoredControl::folder, Path{}, "",
-      "in place of expressions: the folder of an earlier `optimize`, relative to the scene file, on the "
-      "same mesh with controls of the same kind; its steps may be others",
+      "in place of expressions: the folder of an earlier `optimize`, relative to the scene file, of the same "
+      "body on any mesh with any steps; interpolated where they are others",
       {.part = Part::none})};
 }
 
@@ -304,17 +304,24 @@ Keys<Objective> keys_of(Of<Objective>) {
 }
 
 Keys<Optimizer> keys_of(Of<Optimizer>) {
-  return {value("method", &Optimizer::method, Choice<OptimizerMethod>{}, "", "see The optimizers",
-                {.part = Part::search}),
-          value("max_iterations", &Optimizer::max_iterations, Whole{0, 1'000'000}, "",
-                "0: the first guess alone"),
-          value("tolerance", &Optimizer::tolerance, Number{{.least = 0, .greatest = 1, .unit = "no unit"}},
-                "of the gradient norm, relative to the first guess's"),
-          value("checkpoint", &Optimizer::checkpoint, Whole{0, 1'000'000},
-                "iterations from one to the next; 0: none", "see Long runs"),
-          value("memory", &Optimizer::memory, Number{not_negative}, "bytes",
-                "of the controls and gradients that a search stores, on all ranks (see Long runs)",
-                {.otherwise = "`1e8`, at least the room of 128 controls"})};
+  return {
+      value("method", &Optimizer::method, Choice<OptimizerMethod>{}, "", "see The optimizers",
+            {.part = Part::search}),
+      value(
+          "start", &Optimizer::start, Choice<SearchStart>{}, "",
+          "`\"coarse\"`: the search begins on meshes of 4 and 2 times `mesh.size`, with steps as many times "
+          "as long, and goes on from there; `\"guess\"`: at `control.initial` (see From coarse to fine)",
+          {.otherwise = "`\"coarse\"` for a .geo with `mesh.size`; `\"guess\"` with a .msh, "
+                        "`control.initial.run`, `objective.desired.run` or `\"projected-gradient\"`"}),
+      value("max_iterations", &Optimizer::max_iterations, Whole{0, 1'000'000}, "",
+            "0: the first guess alone"),
+      value("tolerance", &Optimizer::tolerance, Number{{.least = 0, .greatest = 1, .unit = "no unit"}},
+            "of the gradient norm, relative to the first guess's"),
+      value("checkpoint", &Optimizer::checkpoint, Whole{0, 1'000'000},
+            "iterations from one to the next; 0: none", "see Long runs"),
+      value("memory", &Optimizer::memory, Number{not_negative}, "bytes",
+            "of the controls and gradients that a search stores, on all ranks (see Long runs)",
+            {.otherwise = "`1e8`, at least the room of 128 controls"})};
 }
 
 Keys<Trajectory> keys_of(Of<Trajectory>) {

@@ -589,6 +589,18 @@ def optimizer_method() -> None:
     near(usual.history["objective"], named.history["objective"], 0)
 
 
+@key("optimizer.start")
+def optimizer_start() -> None:
+    """From coarse meshes a search is near the optimum before its first step; the usual start of a .geo with a size."""
+    def first(**start: object) -> tuple[float, int]:
+        done = optimize(iterations=3, mesh__size=0.06, time__step=0.03, **start)
+        return done.history["objective"][0] / optimize(mesh__size=0.06, time__step=0.03).history["objective"][0], len(
+            done.manifest["optimizer"]["coarse_levels"])  # fmt: skip
+
+    assert first() == first(optimizer__start="coarse") and first()[0] < 0.9 and first()[1] == 1
+    assert first(optimizer__start="guess") == (1, 0)
+
+
 @key("optimizer.max_iterations")
 def max_iterations() -> None:
     for most in (0, 1, 3):

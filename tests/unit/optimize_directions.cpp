@@ -169,3 +169,33 @@ TEST_CASE("what is held takes no part in the memory of L-BFGS", "[optimize]") {
     CHECK(d.x[2] == 0);
   }
 }
+
+TEST_CASE("the memory of L-BFGS goes on in another problem", "[optimize]") {
+  const Quadratic problem;
+  using Memory = optimize::LimitedMemory<Quadratic>;
+  const auto iterate = [](double x, double y) { // J = (x² + 4 y²)/2 in these two
+    return optimize::Iterate<Quadratic>{Point{{x, y, 0, 0}}, 0.0, Point{{x, 4 * y, 0, 0}}};
+  };
+  const std::vector path{iterate(0.9, 0.8), iterate(0.5, 0.6), iterate(0.4, -0.2), iterate(0.1, 0.1)};
+  Memory before{optimize::Options()};
+  for (std::size_t k = 0; k + 1 < path.size(); ++k)
+    before.learn(problem, path[k], path[k + 1], 1);
+  const auto directions_differ = [&](const Memory& a, const Memory& b) {
+    const Point d = a.direction(problem, path.back()), e = b.direction(problem, path.back());
+    return std::hypot(d.x[0] - e.x[0], d.x[1] - e.x[1]);
+  };
+  Memory same{optimize::Options()}, lost{optimize::Options()}, none{optimize::Options()};
+  same.inherit(before, problem, [](const Point& v) { return v; });
+  CHECK(directions_differ(before, same) < 1e-15);
+  // What interpolation turns round has no curvature that could be used: every second vector is a y.
+  int count = 0;
+  lost.inherit(before, problem, [&](Point v) {
+    v.scale(count++ % 2 ? -1 : 1);
+    return v;
+  });
+  CHECK(count == 6);
+  none.inherit(Memory{optimize::Options()}, problem, [](const Point& v) { return v; });
+  CHECK(directions_differ(lost, none) > 0.01); // the length of the last step is kept
+  CHECK(!lost.restart());
+  CHECK(same.restart());
+}

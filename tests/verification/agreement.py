@@ -126,7 +126,8 @@ def compare_ranks(folder: Path, scene: Path, iterations: int = 3, **overrides: o
     histories = []
     for ranks in (1, 2, 3):
         out = folder / f"ranks-{ranks}"
-        signorini("optimize", scene, out, ranks, optimizer__max_iterations=iterations, output__fields=[], **overrides)
+        signorini("optimize", scene, out, ranks, optimizer__max_iterations=iterations, optimizer__start="guess", output__fields=[],
+                  **overrides)
         histories.append(table(out / "history.csv"))
         print("{} ranks: J = {:.15e}, |g| = {:.15e}; after {} iterations {:.15e}, {:.15e}".format(
             ranks, *(histories[-1][key][0] for key in ("objective", "gradient_norm")), iterations,

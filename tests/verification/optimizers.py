@@ -28,7 +28,8 @@ HELD = {"objective__desired": {"control": ["0", "-2"]}, "objective__alpha": 0.1,
 
 def optimize(out: Path, method: str, fields: list[str], **overrides: object) -> tuple[dict, dict]:
     """history.csv and run.json."""
-    signorini("optimize", HALF_DISC, out, mesh__size=1, optimizer__method=method, output__fields=fields, **overrides)
+    signorini("optimize", HALF_DISC, out, mesh__size=1, optimizer__method=method, optimizer__start="guess", output__fields=fields,
+              **overrides)
     return table(out / "history.csv"), json.loads((out / "run.json").read_text())
 
 
@@ -103,7 +104,7 @@ def certificate(out: Path, figures: Figures) -> None:
 def mesh_independence(out: Path, figures: Figures, sizes: tuple[float, ...]) -> None:
     needed = []
     for size in sizes:
-        signorini("optimize", HALF_DISC, out, mesh__size=size, output__fields=[], optimizer__max_iterations=38)
+        signorini("optimize", HALF_DISC, out, mesh__size=size, optimizer__start="guess", output__fields=[], optimizer__max_iterations=38)
         history = table(out / "history.csv")
         small = history["gradient_norm"] <= 1e-3 * history["gradient_norm"][0]
         assert small.any(), f"size {size}: {history['gradient_norm'][-1]}"

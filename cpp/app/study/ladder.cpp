@@ -92,11 +92,8 @@ std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
 }
 
 scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
-  scene::Scene changed = scene;
-  (scene.mesh.size ? *changed.mesh.size : changed.mesh.scale) = rung.size;
+  scene::Scene changed = scene::resized(scene, rung.size, rung.steps);
   changed.mesh.degree = rung.degree;
-  changed.time.steps = rung.steps;
-  changed.time.step = scene.time.end / rung.steps;
   changed.time.scheme = time_scheme(rung.scheme);
   if (rung.scheme != Scheme::mixed)
     for (scene::Contact& contact : changed.contacts)

@@ -483,6 +483,16 @@ def later_cases() -> list[Case]:
                    "trajectory.budget: found 500 bytes", "576 or more", verb="optimize", ranks=2),
         overridden("disk full of states", 'trajectory.storage="disk"', "the states of a motion", "cannot be written",
                    re.compile("File too large|HDF5 failed"), "TMPDIR", verb="optimize", largest_file=1000),
+        edited("misspelt start", "[optimizer]", '[optimizer]\nstart = "corse"', "optimizer.start: ", '"corse"', 'mean "coarse"?', "coarse, guess",
+               at="start ="),
+        edited("coarse start on a .msh", "[optimizer]", '[optimizer]\nstart = "coarse"', 'optimizer.start: found "coarse" with a .msh',
+               "allowed with a .geo and mesh.size", at="start ="),
+        Case("coarse start without a size", ('optimizer.start: found "coarse" without mesh.size', "allowed with it"), mesh=GEO, mesh_file="square.geo",
+             edits=(('file = "square.msh"', 'file = "square.geo"'), ("[optimizer]", '[optimizer]\nstart = "coarse"')), at="start ="),
+        Case("coarse start to a run's motion", ('optimizer.start: found "coarse" with objective.desired.run', 'allowed is "guess"'), mesh=GEO,
+             mesh_file="square.geo", at="start =", edits=(
+                 ('file = "square.msh"', 'file = "square.geo"\nsize = 0.5'), ("[optimizer]", '[optimizer]\nstart = "coarse"'),
+                 ('desired = { control = ["0", "-1"] }', 'desired = { run = "earlier" }'))),  # fmt: skip
         edited("misspelt optimizer", "[optimizer]", '[optimizer]\nmethod = "lbgfs"', "optimizer.method: ", '"lbgfs"',
                'mean "lbfgs"?', "lbfgs, newton-cg, projected-gradient", at="method ="),
         Case("study of a quantity that the scene has not", ("--quantity: found \"heat\"", "displacement"), verb="study",

@@ -1,0 +1,182 @@
+#include "app/coarse_start.h"
+#include "app/optimize.h"
+#include "base/error.h"
+#include "control/interpolation.h"
+#include "optimize/lbfgs.h"
+#include "optimize/newton_cg.h"
+#include "optimize/projected_gradient.h"
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace signorini {
+namespace {
+
+/// Multiples of the element size and the time step, the coarsest first.
+constexpr int multiples[] = {4, 2};
+
+/// Fewer make a level that tells little of the next, whose search takes no time either: the half disc of 200
+/// cells still saves half of the sweeps on 800.
+constexpr double least_cells = 100;
+constexpr int least_steps = 10;
+
+/// The gradient norm to which a level is solved, of the first guess's. What is left is below the error of the
+/// discretisation: with ten times as much the next mesh takes twice the sweeps, with a third as much no fewer
+/// (half disc, 57, 29 and 37 at 0.5 m).
+constexpr double coarse_tolerance = 1e-3;
+/// Where more are needed a level is searched no further: a cold search needs about half of them.
+constexpr int most_iterations = 60;
+
+/// Keeps the state in which a search ends.
+template <class State>
+struct LastState {
+  std::optional<State> state;
+
+  static bool restore(State&) { return false; }
+  static bool due(const optimize::Iteration&) { return false; }
+  void store(const State& last) { state = last; }
+  static void restored(double, double) {}
+  static void mark() {}
+  static void certified(const auto&) {}
+};
+
+/// A problem with coarser mesh and steps, and its search.
+template <template <optimize::TwiceDifferentiable> class Method>
+class Level {
+public:
+  using Unknowns = optimize::Dimensionless<control::ReducedProblem>;
+  using State = optimize::State<Unknowns, Method<Unknowns>>;
+  using Inheritance = typename SearchStart<Method>::Inheritance;
+
+  Level(MPI_Comm comm, scene::Scene scene)
+      : scene_(std::move(scene)), problem_(comm, scene_, {.sliding = true}, timers_),
+        control_problem_(problem_, Console(false, false)) {}
+
+  [[nodiscard]] const Problem& problem() const { return problem_; }
+  [[nodiscard]] control::Control first_guess() const { return control_problem_.first_guess(scene_); }
+  [[nodiscard]] ControlProblem& control_problem() { return control_problem_; }
+
+  /// Searches from `start`. Throws SolverFailure, Interrupted.
+  void search(SearchStart<Method> start, const optimize::Options& options, io::CoarseLevel& level) {
+    LastState<State> last;
+    const auto count = [&](const optimize::Iteration& iteration) { level.iterations = iteration.number; };
+    const auto end = optimize::minimize<Method>(control_problem_.reduced, std::move(start.guess), options,
+                                                count, last, std::move(start.inherited));
+    if (end.stop == optimize::Stop::interrupted)
+      throw Interrupted();
+    last_ = std::move(last.state);
+    const control::ReducedProblem& reduced = control_problem_.reduced;
+    level.forward_sweeps = reduced.sweeps().forward;
+    level.adjoint_sweeps = reduced.sweeps().adjoint;
+    level.objective = reduced.value().total();
+    level.stop_reason = optimize::name(end.stop);
+  }
+
+  /// What the search found, on a finer mesh.
+  [[nodiscard]] SearchStart<Method> on(ControlProblem& finer, const optimize::Options& options) const {
+    const control::Interpolation interpolate(control_problem_.controls, finer.controls);
+    Unknowns unknowns(finer.reduced);
+    unknowns.measure_in(last_->units);
+    Inheritance inherited{last_->units, last_->first_norm, Method<Unknowns>(options)};
+    inherited.memory.inherit(last_->memory, unknowns, interpolate);
+    return {interpolate(last_->current.u), std::move(inherited)};
+  }
+
+private:
+  scene::Scene scene_;
+  Timers timers_;
+  Problem problem_;
+  ControlProblem control_problem_;
+  std::optional<State> last_;
+};
+
+/// The scene of a level, without what only results need.
+scene::Scene coarser(const scene::Scene& scene, int multiple) {
+  scene::Scene coarse =
+      scene::resized(scene, *scene.mesh.size * multiple, (scene.time.steps + multiple - 1) / multiple);
+  coarse.output.fields.clear();
+  coarse.output.tables.clear();
+  coarse.output.probes.clear();
+  return coarse;
+}
+
+/// Whether a level has cells and steps enough, by what the fine mesh has.
+bool worth(const Problem& problem, const scene::Scene& coarse, int multiple) {
+  const double cells = static_cast<double>(problem.mesh.cells()) / std::pow(multiple, problem.mesh.dim());
+  return cells >= least_cells && coarse.time.steps >= least_steps;
+}
+
+/// Throws UserError unless the mesh of a level has fewer cells than the fine one: a .geo may set sizes
+/// itself.
+void require_fewer_cells(const Problem& coarse, const Problem& fine) {
+  if (2 * coarse.mesh.cells() > fine.mesh.cells())
+    throw UserError(fmt::format("found a mesh of {} cells, where that of this scene has {}",
+                                coarse.mesh.cells(), fine.mesh.cells()));
+}
+
+std::string words(const io::CoarseLevel& level) {
+  return fmt::format(
+      "coarse mesh of size {:.4g} m, {} free unknowns, {} steps of {:.4g} s: {} iterations, {} "
+      "forward and {} adjoint sweeps in {:.1f} s, J = {:.6e}: {}",
+      level.size, level.free_unknowns, level.steps, level.step, level.iterations, level.forward_sweeps,
+      level.adjoint_sweeps, level.seconds, level.objective, level.stop_reason);
+}
+
+} // namespace
+
+template <template <optimize::TwiceDifferentiable> class Method>
+SearchStart<Method> search_start(const Problem& problem, ControlProblem& control_problem,
+                                 const optimize::Options& options, const Console& console,
+                                 std::vector<io::CoarseLevel>& levels) {
+  using Clock = std::chrono::steady_clock;
+  const scene::Scene& scene = problem.scene;
+  std::unique_ptr<Level<Method>> last;
+  if (scene.optimizer.start == scene::SearchStart::coarse && options.max_iterations > 0) {
+    const auto timer = problem.timers.time("coarse meshes");
+    for (const int multiple : multiples) {
+      const scene::Scene coarse = coarser(scene, multiple);
+      if (!worth(problem, coarse, multiple))
+        continue;
+      const auto start = Clock::now();
+      try {
+        auto level = std::make_unique<Level<Method>>(problem.space.comm(), coarse);
+        require_fewer_cells(level->problem(), problem);
+        optimize::Options loose = search_options(level->control_problem().controls, scene.optimizer);
+        loose.max_iterations = most_iterations; // whatever the scene's, which may change on --resume
+        loose.tolerance = std::max(loose.tolerance, coarse_tolerance);
+        loose.through_kinks = false;
+        io::CoarseLevel record{.size = *coarse.mesh.size,
+                               .step = coarse.time.step,
+                               .steps = coarse.time.steps,
+                               .free_unknowns = level->problem().free_dofs()};
+        level->search(last ? last->on(level->control_problem(), loose)
+                           : SearchStart<Method>{level->first_guess()},
+                      loose, record);
+        last = std::move(level);
+        record.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+        console.line(words(record));
+        levels.push_back(std::move(record));
+      } catch (const UserError& error) {
+        console.line(
+            fmt::format("the coarse mesh of size {:.4g} m is left out: {}", *coarse.mesh.size, error.what()));
+      } catch (const SolverFailure& error) {
+        console.line(
+            fmt::format("the coarse mesh of size {:.4g} m is left out: {}", *coarse.mesh.size, error.what()));
+      }
+    }
+    if (last)
+      return last->on(control_problem, options);
+  }
+  return {control_problem.first_guess(scene)};
+}
+
+template SearchStart<optimize::Lbfgs> search_start(const Problem&, ControlProblem&, const optimize::Options&,
+                                                   const Console&, std::vector<io::CoarseLevel>&);
+template SearchStart<optimize::NewtonCg> search_start(const Problem&, ControlProblem&,
+                                                      const optimize::Options&, const Console&,
+                                                      std::vector<io::CoarseLevel>&);
+template SearchStart<optimize::ProjectedGradient> search_start(const Problem&, ControlProblem&,
+                                                               const optimize::Options&, const Console&,
+                                                               std::vector<io::CoarseLevel>&);
+
+} // namespace signorini

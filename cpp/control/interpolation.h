@@ -1,0 +1,29 @@
+#pragma once
+#include "control/control.h"
+#include "fem/sampler.h"
+
+namespace signorini::control {
+
+/// Takes controls of one space to another, on another mesh of the same body or with another degree, kind of
+/// values or time step, on any number of ranks. In space it is finite-element interpolation: at each place
+/// the function there is evaluated, at a place just outside of its mesh by the polynomial of the nearest
+/// cell, on a surface at the nearest point of that. In time each step has the mean over its duration. That is
+/// the L2 projection, repeats values where steps are whole parts of longer ones, and so keeps products of
+/// controls there.
+class Interpolation {
+public:
+  /// The spaces must outlive this object. Throws UserError if one of them acts by a force on a surface and
+  /// the other in the body. Collective.
+  Interpolation(const ControlSpace& from, const ControlSpace& to);
+
+  /// Collective.
+  [[nodiscard]] Control operator()(const Control& u) const;
+
+private:
+  const ControlSpace& from_;
+  const ControlSpace& to_;
+  std::size_t first_ = 0; ///< place of this rank among the points of all ranks
+  fem::Sampler sampler_;
+};
+
+} // namespace signorini::control
