@@ -111,7 +111,7 @@ std::map<std::string, Cost> costs(const Problem& problem) {
   const optimize::Options options = search_options(controls, scene.optimizer);
   if (scene.optimizer.method == scene::OptimizerMethod::lbfgs)
     costs["control"].bytes +=
-        static_cast<double>(std::min(2 * options.lbfgs.pairs, options.vectors)) * controls.control_bytes();
+        static_cast<double>(std::min(2 * options.lbfgs.pairs, options.vectors)) * controls.compact_bytes();
   costs["objective"] = {scene.objective->on ? "L2 of what is observed" : "W", motions_bytes(problem),
                         "a gradient: an adjoint step, with one solve" + again(problem)};
   return costs;

@@ -11,6 +11,7 @@
 #include "optimize/projected_gradient.h"
 #include <algorithm>
 #include <fmt/format.h>
+#include <limits>
 
 namespace signorini {
 namespace {
@@ -170,16 +171,18 @@ void require_control_problem(MPI_Comm comm, const scene::Scene& scene, const std
 
 optimize::Options search_options(const control::ControlSpace& controls, const scene::Optimizer& scene) {
   constexpr double usual_bytes = 1e8, usual_controls = 128, least_controls = 16;
-  const double each = controls.control_bytes(), usual = std::max(usual_bytes, usual_controls * each),
+  const double each = controls.compact_bytes(), usual = std::max(usual_bytes, usual_controls * each),
                memory = scene.memory > 0 ? scene.memory : usual;
   if (memory < least_controls * each)
     throw UserError(
-        fmt::format("optimizer.memory: found {:.10g} bytes, allowed is the room of {} controls at "
-                    "least, here {:.10g} bytes",
+        fmt::format("optimizer.memory: found {:.10g} bytes, allowed is the room of {} controls in "
+                    "single precision at least, here {:.10g} bytes",
                     memory, least_controls, least_controls * each));
-  return {.max_iterations = scene.max_iterations,
-          .tolerance = scene.tolerance,
-          .vectors = static_cast<std::size_t>(memory / each)};
+  optimize::Options options{.max_iterations = scene.max_iterations,
+                            .tolerance = scene.tolerance,
+                            .vectors = static_cast<std::size_t>(memory / each)};
+  options.bundle.dependent = 10 * std::numeric_limits<float>::epsilon(); // of vectors in single precision
+  return options;
 }
 
 int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,

@@ -18,13 +18,45 @@ constexpr std::size_t block = 4096;
 /// Blocks read by such an operation, about 3 µs each, from which on it is divided among threads.
 constexpr std::size_t worth_threads = 64;
 
-void Control::add(std::span<const double> a, std::span<const std::shared_ptr<const Control>> x) {
+CompactControl::CompactControl(const Control& u) : count_(u.count()), steps_(u.steps()) {
+  double largest = 0;
+  for (double x : u.values())
+    largest = std::max(largest, std::abs(x));
+  scale_ = largest > 0 && std::isfinite(largest) ? std::ldexp(1, std::ilogb(largest) + 1) : 1;
+  values_.reserve(u.values().size());
+  for (double x : u.values())
+    values_.push_back(static_cast<float>(x / scale_));
+}
+
+Control::Control(const CompactControl& u)
+    : values_(u.values().begin(), u.values().end()),
+      size_(u.values().size() / static_cast<std::size_t>(u.count())), count_(u.count()), steps_(u.steps()) {
+  scale(u.scale());
+}
+
+namespace {
+
+using Compacts = std::span<const std::shared_ptr<const CompactControl>>;
+
+/// Where the values of each begin.
+std::vector<const float*> beginnings(Compacts x, std::size_t first) {
+  std::vector<const float*> all;
+  for (const auto& one : x)
+    all.push_back(one->values().data() + first);
+  return all;
+}
+
+} // namespace
+
+void Control::add(std::span<const double> a, Compacts x) {
+  std::vector<double> factors(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i)
+    factors[i] = a[i] * x[i]->scale();
   const std::size_t blocks = (values_.size() + block - 1) / block;
 #pragma omp parallel for schedule(static) if (blocks * x.size() >= worth_threads)
   for (std::size_t b = 0; b < blocks; ++b) {
     const std::size_t first = b * block, size = std::min(block, values_.size() - first);
-    for (std::size_t i = 0; i < x.size(); ++i)
-      axpy(a[i], x[i]->values().subspan(first, size), values().subspan(first, size));
+    signorini::add(factors, beginnings(x, first), values().subspan(first, size));
   }
 }
 
@@ -242,22 +274,23 @@ Control ControlSpace::dual(const Control& u) const {
   return dual;
 }
 
-std::vector<double> ControlSpace::pairings(std::span<const Control> duals,
-                                           std::span<const std::shared_ptr<const Control>> w) const {
+std::vector<double> ControlSpace::pairings(std::span<const Control> duals, Compacts w) const {
   const std::size_t values = size_ * static_cast<std::size_t>(count()), blocks = (values + block - 1) / block,
                     each = duals.size() * w.size();
   std::vector<double> parts(blocks * each); // added in their order, whatever the number of threads
 #pragma omp parallel for schedule(static) if (blocks * each >= worth_threads)
   for (std::size_t b = 0; b < blocks; ++b) {
     const std::size_t first = b * block, size = std::min(block, values - first);
-    for (std::size_t j = 0; j < w.size(); ++j)
-      for (std::size_t i = 0; i < duals.size(); ++i)
-        parts[b * each + i * w.size() + j] =
-            dot(duals[i].values().subspan(first, size), w[j]->values().subspan(first, size));
+    const std::vector<const float*> arrays = beginnings(w, first);
+    for (std::size_t i = 0; i < duals.size(); ++i)
+      dots(arrays, duals[i].values().subspan(first, size),
+           std::span(parts).subspan(b * each + i * w.size(), w.size()));
   }
   std::vector<double> sums(each);
   for (std::size_t b = 0; b < blocks; ++b)
     axpy(1, std::span(parts).subspan(b * each, each), sums);
+  for (std::size_t i = 0; i < each; ++i)
+    sums[i] *= w[i % w.size()]->scale(); // of this rank
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, space_.comm());
   scale(duration(), sums);
   return sums;

@@ -10,10 +10,15 @@
 
 namespace signorini::control {
 
+class CompactControl;
+
 /// A control u, constant on (t_{k−1}, t_k): the values of this rank in one array, step by step
 /// (count × values); count is N, or 1 for a control that is constant in time.
 class Control {
 public:
+  /// The same rounded control.
+  explicit Control(const CompactControl& u);
+
   /// Zero. `size`: values of a step on this rank. `count`: steps whose values differ, 1 or N.
   Control(std::size_t size, int count, int steps)
       : values_(size * static_cast<std::size_t>(count)), size_(size), count_(count), steps_(steps) {}
@@ -32,7 +37,7 @@ public:
   /// this += a x.
   void add(double a, const Control& x) { axpy(a, x.values_, values_); }
   /// this += Σ_i a_i x_i, in one pass over this.
-  void add(std::span<const double> a, std::span<const std::shared_ptr<const Control>> x);
+  void add(std::span<const double> a, std::span<const std::shared_ptr<const CompactControl>> x);
   void scale(double a) { signorini::scale(a, values_); }
 
 private:
@@ -42,6 +47,25 @@ private:
 
   std::vector<double> values_;
   std::size_t size_;
+  int count_, steps_;
+};
+
+/// A control rounded to single precision, in half of its room: a search stores many, of which it takes
+/// combinations in double precision. The values are those in values() times scale(), a power of two, so that
+/// controls in any units fit.
+class CompactControl {
+public:
+  explicit CompactControl(const Control& u);
+
+  /// As those of a control (count × values), none larger than one in modulus.
+  [[nodiscard]] std::span<const float> values() const { return values_; }
+  [[nodiscard]] double scale() const { return scale_; }
+  [[nodiscard]] int steps() const { return steps_; }
+  [[nodiscard]] int count() const { return count_; }
+
+private:
+  std::vector<float> values_;
+  double scale_;
   int count_, steps_;
 };
 
@@ -60,6 +84,7 @@ private:
 class ControlSpace {
 public:
   using Vector = Control;
+  using Compact = CompactControl;
 
   /// The references must outlive this object. Throws UserError.
   ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::TimeGrid grid, int steps,
@@ -90,7 +115,7 @@ public:
   [[nodiscard]] Control dual(const Control& u) const;
   /// inner(u_i, w_j) from the duals of u_i (duals × w), in one pass over the w_j and one reduction.
   [[nodiscard]] std::vector<double> pairings(std::span<const Control> duals,
-                                             std::span<const std::shared_ptr<const Control>> w) const;
+                                             std::span<const std::shared_ptr<const Compact>> w) const;
   /// Converts the Riesz representative of a functional in product() to that in inner(), in place.
   void to_inner(Control& gradient) const;
 
@@ -102,6 +127,8 @@ public:
 
   /// Memory of one control, bytes. Collective.
   [[nodiscard]] double control_bytes() const;
+  /// The same in single precision.
+  [[nodiscard]] double compact_bytes() const { return control_bytes() * sizeof(float) / sizeof(double); }
   /// Memory of the matrix assembled for the control alone, bytes; 0 where W serves. Collective.
   [[nodiscard]] double matrix_bytes() const { return own_ ? petsc::bytes(own_) : 0; }
 

@@ -102,14 +102,23 @@ void CheckpointWriter::operator()(const std::string& name, const std::string& te
 }
 
 void CheckpointWriter::operator()(const std::string& name, const std::shared_ptr<const control::Control>& u) {
+  write(name, *u);
+}
+
+void CheckpointWriter::operator()(const std::string& name,
+                                  const std::shared_ptr<const control::CompactControl>& u) {
+  write(name, control::Control(*u));
+}
+
+void CheckpointWriter::write(const std::string& name, const control::Control& u) {
   const MPI_Comm comm = controls_.space().comm();
   const auto columns = static_cast<hsize_t>(starts_.back() + counts_.back());
   Opened table(H5I_INVALID_HID, H5Dclose);
   if (out_ && failure_.empty())
-    table = make_table(out_, name, H5T_IEEE_F64LE, static_cast<hsize_t>(u->count()), columns, sizeof(double));
+    table = make_table(out_, name, H5T_IEEE_F64LE, static_cast<hsize_t>(u.count()), columns, sizeof(double));
   std::vector<double> row(rank(comm) == 0 ? columns : 0); // collective, even if rank 0 cannot write
-  for (int k = 1; k <= u->count(); ++k) {
-    const std::span<const double> values = u->at(k);
+  for (int k = 1; k <= u.count(); ++k) {
+    const std::span<const double> values = u.at(k);
     MPI_Gatherv(values.data(), static_cast<int>(values.size()), MPI_DOUBLE, row.data(), counts_.data(),
                 starts_.data(), MPI_DOUBLE, 0, comm);
     if (!out_ || !failure_.empty())
@@ -235,14 +244,21 @@ bool CheckpointReader::matches_places() {
   }
 }
 
-void CheckpointReader::operator()(const std::string& name, std::shared_ptr<const control::Control>& u) {
-  const int count = controls_.count();
-  const auto same = [&](int k, int rows) {
-    if (rows != count)
+control::Control CheckpointReader::control(const std::string& name) {
+  return control(name, [&](int k, int rows) {
+    if (rows != controls_.count())
       damaged(name);
     return k - 1;
-  };
-  u = std::make_shared<const control::Control>(control(name, same));
+  });
+}
+
+void CheckpointReader::operator()(const std::string& name, std::shared_ptr<const control::Control>& u) {
+  u = std::make_shared<const control::Control>(control(name));
+}
+
+void CheckpointReader::operator()(const std::string& name,
+                                  std::shared_ptr<const control::CompactControl>& u) {
+  u = std::make_shared<const control::CompactControl>(control(name));
 }
 
 control::Control CheckpointReader::control(const std::string& name,

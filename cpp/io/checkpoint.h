@@ -25,12 +25,14 @@ public:
   void operator()(const std::string& name, const std::vector<double>& values) { numbers(name, values); }
   void operator()(const std::string& name, const std::string& text);
   void operator()(const std::string& name, const std::shared_ptr<const control::Control>& u);
+  void operator()(const std::string& name, const std::shared_ptr<const control::CompactControl>& u);
 
   /// Puts the file in place. Returns the reason of a failure, empty without one.
   [[nodiscard]] std::string commit();
 
 private:
   void numbers(const std::string& name, std::span<const double> values);
+  void write(const std::string& name, const control::Control& u);
 
   const control::ControlSpace& controls_;
   std::filesystem::path part_, file_;
@@ -53,6 +55,7 @@ public:
   void operator()(const std::string& name, std::vector<double>& values);
   void operator()(const std::string& name, std::string& text);
   void operator()(const std::string& name, std::shared_ptr<const control::Control>& u);
+  void operator()(const std::string& name, std::shared_ptr<const control::CompactControl>& u);
 
   /// A control of another number of steps: in step k the values of the row `row(k, rows)` of `rows`.
   [[nodiscard]] control::Control control(const std::string& name,
@@ -68,6 +71,8 @@ public:
   [[noreturn]] void fail(const std::string& problem) const;
 
 private:
+  /// With as many rows as the controls have.
+  control::Control control(const std::string& name);
   [[noreturn]] void damaged(const std::string& name) const;
   template <class Sequence>
   void read(const std::string& name, hid_t type, Sequence& values);

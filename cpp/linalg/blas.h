@@ -14,4 +14,10 @@ void scale(double a, std::span<double> x);
 /// x·y.
 double dot(std::span<const double> x, std::span<const double> y);
 
+/// y += Σ a_i x_i, for arrays x_i of the length of y.
+void add(std::span<const double> a, std::span<const float* const> x, std::span<double> y);
+
+/// x_i·y (arrays), for arrays x_i of the length of y.
+void dots(std::span<const float* const> x, std::span<const double> y, std::span<double> products);
+
 } // namespace signorini

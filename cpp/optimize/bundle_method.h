@@ -159,6 +159,15 @@ private:
     if (gathered.complete && gathered.certificate.length <= tolerance &&
         gathered.certificate.radius <= (1 + options_.bundle.rounding) * ball_)
       return std::move(gathered.certificate);
+    if (!problem.bounded()) { // nothing was blocked: the subspace stays
+      std::vector<Cut> cuts{model_.cuts().front()};
+      for (Cut& anew : gathered_anew) {
+        anew.here = anew.gathered;
+        cuts.push_back(std::move(anew));
+      }
+      model_ = BundleModel(options_.bundle, std::move(cuts));
+      return std::nullopt;
+    }
     held_ = {share(negative(std::move(gathered.sum)))};
     const Span<P> before = std::exchange(span_, Span<P>(options_.bundle.dependent));
     std::vector<Cut> cuts{cut(problem, at.g)};

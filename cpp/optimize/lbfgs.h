@@ -17,6 +17,7 @@ template <Unknowns U>
 class LimitedMemory {
 public:
   using Vector = typename U::Vector;
+  using Compact = typename U::Compact;
 
   explicit LimitedMemory(const Options& options) : options_(options.lbfgs) {
     options_.pairs = std::max<std::size_t>(1, std::min(options_.pairs, options.vectors / 2));
@@ -56,7 +57,7 @@ public:
     length_ = norm(unknowns, s);
     unknowns.zero_blocked(s, to.u, down);
     unknowns.zero_blocked(y, to.u, down);
-    take(unknowns, std::move(s), std::move(y), length_);
+    take(unknowns, s, y, length_);
   }
 
   /// Takes the pairs of a search on another problem, whose vectors `interpolate` takes to this one, but for
@@ -66,9 +67,9 @@ public:
     length_ = other.length_;
     const std::size_t pairs = other.vectors_.size() / 2;
     for (std::size_t i = pairs - std::min(pairs, options_.pairs); i < pairs; ++i) {
-      Vector s = interpolate(*other.vectors_[2 * i]), y = interpolate(*other.vectors_[2 * i + 1]);
-      const double length = norm(unknowns, s);
-      take(unknowns, std::move(s), std::move(y), length);
+      const Vector s = interpolate(Vector(*other.vectors_[2 * i])),
+                   y = interpolate(Vector(*other.vectors_[2 * i + 1]));
+      take(unknowns, s, y, norm(unknowns, s));
     }
   }
 
@@ -90,19 +91,19 @@ public:
     archive("lbfgs/scale", scale_);
     archive("lbfgs/length", length_);
     serialize_list(archive, "lbfgs/vectors", vectors_,
-                   [&](Shared<Vector>& v, const std::string& name) { archive(name, v); });
+                   [&](Shared<Compact>& v, const std::string& name) { archive(name, v); });
     archive("lbfgs/gram", gram_);
   }
 
 private:
   /// Stores a pair, unless rounding decides the sign of its curvature. `length`: of the whole step, blocked
   /// values included.
-  void take(const U& unknowns, Vector s, Vector y, double length) {
+  void take(const U& unknowns, const Vector& s, const Vector& y, double length) {
     const std::size_t n = vectors_.size();
     const std::vector<Vector> duals{unknowns.dual(s), unknowns.dual(y)};
-    std::vector<Shared<Vector>> all = vectors_;
-    all.push_back(share(std::move(s)));
-    all.push_back(share(std::move(y)));
+    std::vector<Shared<Compact>> all = vectors_;
+    all.push_back(share(Compact(s)));
+    all.push_back(share(Compact(y)));
     const std::vector<double> products = unknowns.pairings(duals, all); // 2 × (n + 2)
     const double ss = products[n], sy = products[n + 1], yy = products[2 * n + 3];
     if (!(sy > options_.least_cosine * length * std::sqrt(yy)))
@@ -131,8 +132,8 @@ private:
   }
 
   LbfgsOptions options_;
-  std::vector<Shared<Vector>> vectors_; ///< s and y of each pair, the oldest first
-  std::vector<double> gram_;            ///< their products (vectors × vectors)
+  std::vector<Shared<Compact>> vectors_; ///< s and y of each pair, the oldest first
+  std::vector<double> gram_;             ///< their products (vectors × vectors)
   double scale_ = 1;
   double length_ = 1; ///< of the last step, at first Cauchy's, the unit of length
 };

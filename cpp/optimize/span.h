@@ -13,6 +13,7 @@ template <Unknowns U>
 class Span {
 public:
   using Vector = typename U::Vector;
+  using Compact = typename U::Compact;
 
   /// A vector belongs to the subspace if what is out of it is at most `dependent` times as long.
   explicit Span(double dependent) : dependent_(dependent) {}
@@ -20,11 +21,10 @@ public:
   /// Coordinates of v, which the subspace contains from now on.
   Coordinates coordinates(const U& unknowns, Vector v) {
     Coordinates x(vectors_.size());
-    const auto last = std::make_shared<Vector>(std::move(v));
     for (double length = -1;;) {
-      const std::vector<Vector> dual{unknowns.dual(*last)};
-      vectors_.push_back(last);
-      Coordinates part = unknowns.pairings(dual, vectors_);
+      vectors_.push_back(share(Compact(v)));
+      v = Vector(*vectors_.back()); // VᵀV is that of what is stored
+      Coordinates part = unknowns.pairings(std::vector{unknowns.dual(v)}, vectors_);
       const double squared = part.back();
       part.pop_back();
       if (length < 0)
@@ -43,7 +43,7 @@ public:
         return x;
       }
       vectors_.pop_back();
-      last->add(scaled(std::move(factors), -1), vectors_);
+      v.add(scaled(std::move(factors), -1), vectors_);
     }
   }
 
@@ -80,10 +80,10 @@ public:
       }
     }
     for (std::size_t j = 0; j < m; ++j) {
-      Vector v = *vectors_[j];
+      Vector v(*vectors_[j]);
       const auto below = std::span(T[j]).subspan(j + 1);
       v.add(Coordinates(below.begin(), below.end()), std::span(vectors_).subspan(j + 1));
-      vectors_[j] = share(std::move(v));
+      vectors_[j] = share(Compact(v));
     }
     vectors_.resize(m);
     factor_.assign(m, {}); // the basis is V L U: R = U⁻¹
@@ -102,7 +102,7 @@ public:
   template <class Archive>
   void serialize(Archive& archive, const std::string& name) {
     serialize_list(archive, name, vectors_,
-                   [&](Shared<Vector>& v, const std::string& number) { archive(number, v); });
+                   [&](Shared<Compact>& v, const std::string& number) { archive(number, v); });
     serialize_list(archive, name + "/factor", factor_,
                    [&](Coordinates& column, const std::string& number) { archive(number, column); });
   }
@@ -133,14 +133,14 @@ private:
   /// in the subspace and `rest` is the squared length of what is not. Otherwise that is to be stored alone.
   /// By ratios of length, the inverse of R gets a column of at most this length.
   [[nodiscard]] bool well_conditioned(const Coordinates& factors, double squared, double rest) const {
-    constexpr double most = 1e3; // of which rounding then leaves 13 digits of coordinates
+    constexpr double most = 1e5; // rounding then leaves 11 digits of coordinates
     double sum = squared;
     for (std::size_t i = 0; i < factors.size(); ++i)
       sum += factors[i] * factors[i] * dot(factor_[i], factor_[i]);
     return sum <= most * most * rest;
   }
 
-  std::vector<Shared<Vector>> vectors_;
+  std::vector<Shared<Compact>> vectors_;
   std::vector<Coordinates> factor_; ///< columns of R, of one entry more each
   double dependent_;
 };

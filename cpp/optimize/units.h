@@ -51,6 +51,7 @@ template <TwiceDifferentiable P>
 class Dimensionless {
 public:
   using Vector = typename P::Vector;
+  using Compact = typename P::Compact;
 
   explicit Dimensionless(P& problem) : problem_(problem) {}
 
@@ -66,7 +67,7 @@ public:
   }
   [[nodiscard]] Vector dual(const Vector& u) const { return problem_.dual(u); }
   [[nodiscard]] std::vector<double> pairings(std::span<const Vector> duals,
-                                             std::span<const Shared<Vector>> w) const {
+                                             std::span<const Shared<Compact>> w) const {
     std::vector<double> products = problem_.pairings(duals, w);
     for (double& product : products)
       product /= squared_length();

@@ -23,9 +23,12 @@ Shared<Vector> share(Vector v) {
 template <class U>
 concept Unknowns =
     std::copyable<typename U::Vector> &&
+    // A vector as many are stored, perhaps rounded; what is computed with them is a Vector.
+    std::constructible_from<typename U::Compact, const typename U::Vector&> &&
+    std::constructible_from<typename U::Vector, const typename U::Compact&> &&
     requires(const U& unknowns, const typename U::Vector& u, typename U::Vector& w,
              const std::vector<typename U::Vector>& duals,
-             const std::vector<Shared<typename U::Vector>>& list, const std::vector<double>& factors) {
+             const std::vector<Shared<typename U::Compact>>& list, const std::vector<double>& factors) {
       { w.add(1.0, u) };        // w += 1.0 u
       { w.add(factors, list) }; // w += Σ factors_i list_i
       { w.scale(1.0) };

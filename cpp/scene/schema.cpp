@@ -320,7 +320,8 @@ Keys<Optimizer> keys_of(Of<Optimizer>) {
       value("checkpoint", &Optimizer::checkpoint, Whole{0, 1'000'000},
             "iterations from one to the next; 0: none", "see Long runs"),
       value("memory", &Optimizer::memory, Number{not_negative}, "bytes",
-            "of the controls and gradients that a search stores, on all ranks (see Long runs)",
+            "of the controls and gradients that a search stores, in single precision, on all ranks (see Long "
+            "runs)",
             {.otherwise = "`1e8`, at least the room of 128 controls"})};
 }
 

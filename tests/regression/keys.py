@@ -632,7 +632,7 @@ def optimizer_memory() -> None:
     """With room for 16 controls a search goes on by the last eight pairs of steps and gradients: as with twenty until
     there are nine, then another way, and its checkpoint is that much smaller."""
     control = 8 * plain_run().manifest["unknowns"] * len(plain_run().steps["step"][1:])  # bytes, of the whole body
-    usual, little = (optimize(iterations=16, objective__alpha=1e-6, **more) for more in ({}, {"optimizer__memory": 16 * control}))
+    usual, little = (optimize(iterations=16, objective__alpha=1e-6, **more) for more in ({}, {"optimizer__memory": 16 * control / 2}))
     assert usual.manifest["optimizer"]["iterations"] == 16  # and it does not end before
     differences = abs(little.history["objective"] / usual.history["objective"] - 1)
     assert differences[:10].max() == 0 and differences[10:].max() > 1e-6, differences

@@ -267,3 +267,42 @@ TEST_CASE("what pushes out of a bound is held there, each component by its own",
   CHECK(test::total(outside) == 0);
   CHECK(test::total(moved) > 100);
 }
+
+TEST_CASE("a search stores controls in single precision, whatever their units", "[control]") {
+  const test::Ready ready("tests/data/block.toml");
+  const ControlProblem problem(ready.problem, test::silent());
+  const control::ControlSpace& controls = problem.controls;
+  constexpr double rounding = 1.2e-7; // 2^-23: of half a unit in the last place of each value
+  for (const double unit : {1e-60, 1.0, 1e60}) {
+    INFO("in units of " << unit);
+    std::vector<std::shared_ptr<const control::CompactControl>> stored;
+    std::vector<control::Control> given, widened;
+    for (int i = 0; i < 7; ++i) { // not a multiple of what one pass takes
+      given.push_back(some(controls, i));
+      given.back().scale(unit);
+      stored.push_back(std::make_shared<const control::CompactControl>(given.back()));
+      widened.emplace_back(*stored.back());
+      control::Control difference = widened.back();
+      difference.add(-1, given.back());
+      const double size = controls.norm(given.back());
+      REQUIRE(size > 0);
+      CHECK(controls.norm(difference) <= rounding * size);
+      CHECK(controls.norm(difference) > 0); // it was rounded
+      CHECK(std::ranges::equal(control::Control(control::CompactControl(widened.back())).values(),
+                               widened.back().values())); // once
+    }
+    const std::vector<double> factors{1, -2, 3, 0, 0.5, -1, 2};
+    control::Control sum = given.front(), expected = given.front();
+    sum.add(factors, stored);
+    for (std::size_t i = 0; i < stored.size(); ++i)
+      expected.add(factors[i], widened[i]);
+    sum.add(-1, expected);
+    CHECK(controls.norm(sum) <= 1e-14 * controls.norm(expected));
+    const std::vector<control::Control> duals{controls.dual(given[1]), controls.dual(given[2])};
+    const std::vector<double> products = controls.pairings(duals, stored);
+    for (std::size_t i = 0; i < duals.size(); ++i)
+      for (std::size_t j = 0; j < stored.size(); ++j)
+        CHECK(std::abs(products[i * stored.size() + j] - controls.inner(given[i + 1], widened[j])) <=
+              1e-13 * controls.norm(given[i + 1]) * controls.norm(widened[j]));
+  }
+}

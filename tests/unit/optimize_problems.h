@@ -31,6 +31,7 @@ struct Point {
 /// What the test problems share: the metric Σ w_i x_i y_i, bounds, and the points.
 struct Bounded {
   using Vector = Point;
+  using Compact = Point;
   std::vector<double> w;
   double lower = -1, upper = 1;
   Point current, trial;

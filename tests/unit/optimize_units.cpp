@@ -10,6 +10,7 @@ namespace {
 template <class P>
 struct InOtherUnits {
   using Vector = Point;
+  using Compact = Point;
   P given;
   double c, k;
   Point current{}, trial{};

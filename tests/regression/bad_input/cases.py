@@ -142,7 +142,7 @@ def range_cases() -> list[Case]:
                "from 0 to"),
         edited("negative checkpoints", "max_iterations = 1", "max_iterations = 1\ncheckpoint = -1", "optimizer.checkpoint: found -1",
                at="checkpoint ="),
-        overridden("search without room", "optimizer.memory=100", "optimizer.memory: found 100 bytes", "16 controls", verb="optimize"),
+        overridden("search without room", "optimizer.memory=100", "optimizer.memory: found 100 bytes", "16 controls in single", verb="optimize"),
         edited("negative memory of a search", "max_iterations = 1", "max_iterations = 1\nmemory = -1.0", "optimizer.memory: found -1",
                "bytes", at="memory ="),
         edited("tolerance of 2", "tolerance = 1e-6", "tolerance = 2", "optimizer.tolerance: found 2", "at most 1"),
