@@ -18,14 +18,56 @@ constexpr std::size_t block = 4096;
 /// Blocks read by such an operation, about 3 µs each, from which on it is divided among threads.
 constexpr std::size_t worth_threads = 64;
 
+namespace {
+
+/// The least power of two above `largest`, or 1 where there is none.
+double power_above(double largest) {
+  return largest > 0 && std::isfinite(largest) ? std::ldexp(1, std::ilogb(largest) + 1) : 1;
+}
+
+} // namespace
+
 CompactControl::CompactControl(const Control& u) : count_(u.count()), steps_(u.steps()) {
   double largest = 0;
   for (double x : u.values())
     largest = std::max(largest, std::abs(x));
-  scale_ = largest > 0 && std::isfinite(largest) ? std::ldexp(1, std::ilogb(largest) + 1) : 1;
-  values_.reserve(u.values().size());
+  scale_ = power_above(largest);
+  values_->reserve(u.values().size());
   for (double x : u.values())
-    values_.push_back(static_cast<float>(x / scale_));
+    values_->push_back(static_cast<float>(x / scale_));
+}
+
+void CompactControl::combine(std::vector<CompactControl>& x,
+                             const std::vector<std::vector<double>>& factors) {
+  const std::size_t n = x.size(), m = factors.size();
+  std::vector<double> scales, scaled(n * m); // column by column
+  for (std::size_t j = 0; j < m; ++j) {
+    double largest = 0; // of what the values can be
+    for (std::size_t i = 0; i < n; ++i)
+      largest += std::abs(factors[j][i]) * x[i].scale_;
+    scales.push_back(power_above(largest));
+    for (std::size_t i = 0; i < n; ++i)
+      scaled[j * n + i] = factors[j][i] * x[i].scale_ / scales[j];
+  }
+  for (std::size_t j = 0; j < m; ++j) {
+    if (x[j].values_.use_count() > 1)
+      x[j].values_ = std::make_shared<std::vector<float>>(*x[j].values_);
+    x[j].scale_ = scales[j];
+  }
+  constexpr std::size_t rows = 512; // some of all controls, in double precision, fit into the cache
+  const std::size_t values = x.empty() ? 0 : x.front().values().size(), parts = (values + rows - 1) / rows;
+#pragma omp parallel for schedule(static) if (parts * n >= worth_threads)
+  for (std::size_t part = 0; part < parts; ++part) {
+    const std::size_t first = part * rows, size = std::min(rows, values - first);
+    std::vector<double> before, after(size * m);
+    before.reserve(size * n);
+    for (const CompactControl& one : x)
+      before.insert(before.end(), &one.values()[first], &one.values()[first] + size);
+    multiply(before, scaled, after, n);
+    for (std::size_t j = 0; j < m; ++j)
+      std::copy_n(&after[j * size], size, x[j].values_->begin() + static_cast<std::ptrdiff_t>(first));
+  }
+  x.resize(m);
 }
 
 Control::Control(const CompactControl& u)
@@ -36,22 +78,20 @@ Control::Control(const CompactControl& u)
 
 namespace {
 
-using Compacts = std::span<const std::shared_ptr<const CompactControl>>;
-
 /// Where the values of each begin.
-std::vector<const float*> beginnings(Compacts x, std::size_t first) {
+std::vector<const float*> beginnings(std::span<const CompactControl> x, std::size_t first) {
   std::vector<const float*> all;
-  for (const auto& one : x)
-    all.push_back(one->values().data() + first);
+  for (const CompactControl& one : x)
+    all.push_back(one.values().data() + first);
   return all;
 }
 
 } // namespace
 
-void Control::add(std::span<const double> a, Compacts x) {
+void Control::add(std::span<const double> a, std::span<const CompactControl> x) {
   std::vector<double> factors(x.size());
   for (std::size_t i = 0; i < x.size(); ++i)
-    factors[i] = a[i] * x[i]->scale();
+    factors[i] = a[i] * x[i].scale();
   const std::size_t blocks = (values_.size() + block - 1) / block;
 #pragma omp parallel for schedule(static) if (blocks * x.size() >= worth_threads)
   for (std::size_t b = 0; b < blocks; ++b) {
@@ -274,7 +314,7 @@ Control ControlSpace::dual(const Control& u) const {
   return dual;
 }
 
-std::vector<double> ControlSpace::pairings(std::span<const Control> duals, Compacts w) const {
+std::vector<double> ControlSpace::pairings(std::span<const Control> duals, std::span<const Compact> w) const {
   const std::size_t values = size_ * static_cast<std::size_t>(count()), blocks = (values + block - 1) / block,
                     each = duals.size() * w.size();
   std::vector<double> parts(blocks * each); // added in their order, whatever the number of threads
@@ -290,7 +330,7 @@ std::vector<double> ControlSpace::pairings(std::span<const Control> duals, Compa
   for (std::size_t b = 0; b < blocks; ++b)
     axpy(1, std::span(parts).subspan(b * each, each), sums);
   for (std::size_t i = 0; i < each; ++i)
-    sums[i] *= w[i % w.size()]->scale(); // of this rank
+    sums[i] *= w[i % w.size()].scale(); // of this rank
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, space_.comm());
   scale(duration(), sums);
   return sums;

@@ -37,7 +37,7 @@ public:
   /// this += a x.
   void add(double a, const Control& x) { axpy(a, x.values_, values_); }
   /// this += Σ_i a_i x_i, in one pass over this.
-  void add(std::span<const double> a, std::span<const std::shared_ptr<const CompactControl>> x);
+  void add(std::span<const double> a, std::span<const CompactControl> x);
   void scale(double a) { signorini::scale(a, values_); }
 
 private:
@@ -52,21 +52,27 @@ private:
 
 /// A control rounded to single precision, in half of its room: a search stores many, of which it takes
 /// combinations in double precision. The values are those in values() times scale(), a power of two, so that
-/// controls in any units fit.
+/// controls in any units fit. Copies share the values, so that the state of a search is cheap to copy.
 class CompactControl {
 public:
+  /// Of no value.
+  CompactControl() = default;
   explicit CompactControl(const Control& u);
 
+  /// x_j = Σ_i factors_ji x_i (j < factors.size() <= x.size()), in place: the others are removed. One pass
+  /// over all of them, whose results are rounded once.
+  static void combine(std::vector<CompactControl>& x, const std::vector<std::vector<double>>& factors);
+
   /// As those of a control (count × values), none larger than one in modulus.
-  [[nodiscard]] std::span<const float> values() const { return values_; }
+  [[nodiscard]] std::span<const float> values() const { return *values_; }
   [[nodiscard]] double scale() const { return scale_; }
   [[nodiscard]] int steps() const { return steps_; }
   [[nodiscard]] int count() const { return count_; }
 
 private:
-  std::vector<float> values_;
-  double scale_;
-  int count_, steps_;
+  std::shared_ptr<std::vector<float>> values_ = std::make_shared<std::vector<float>>(); ///< copied on write
+  double scale_ = 1;
+  int count_ = 1, steps_ = 1;
 };
 
 /// The space of controls: where they act, their products, their bounds, and how they enter the equation of
@@ -115,7 +121,7 @@ public:
   [[nodiscard]] Control dual(const Control& u) const;
   /// inner(u_i, w_j) from the duals of u_i (duals × w), in one pass over the w_j and one reduction.
   [[nodiscard]] std::vector<double> pairings(std::span<const Control> duals,
-                                             std::span<const std::shared_ptr<const Compact>> w) const;
+                                             std::span<const Compact> w) const;
   /// Converts the Riesz representative of a functional in product() to that in inner(), in place.
   void to_inner(Control& gradient) const;
 

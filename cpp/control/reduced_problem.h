@@ -71,7 +71,7 @@ public:
   [[nodiscard]] double inner(const Control& u, const Control& w) const { return controls_.inner(u, w); }
   [[nodiscard]] Control dual(const Control& u) const { return controls_.dual(u); }
   [[nodiscard]] std::vector<double> pairings(std::span<const Control> duals,
-                                             std::span<const std::shared_ptr<const Compact>> w) const {
+                                             std::span<const Compact> w) const {
     return controls_.pairings(duals, w);
   }
   [[nodiscard]] bool bounded() const { return controls_.bounded(); }

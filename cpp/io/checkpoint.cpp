@@ -105,9 +105,8 @@ void CheckpointWriter::operator()(const std::string& name, const std::shared_ptr
   write(name, *u);
 }
 
-void CheckpointWriter::operator()(const std::string& name,
-                                  const std::shared_ptr<const control::CompactControl>& u) {
-  write(name, control::Control(*u));
+void CheckpointWriter::operator()(const std::string& name, const control::CompactControl& u) {
+  write(name, control::Control(u));
 }
 
 void CheckpointWriter::write(const std::string& name, const control::Control& u) {
@@ -256,9 +255,8 @@ void CheckpointReader::operator()(const std::string& name, std::shared_ptr<const
   u = std::make_shared<const control::Control>(control(name));
 }
 
-void CheckpointReader::operator()(const std::string& name,
-                                  std::shared_ptr<const control::CompactControl>& u) {
-  u = std::make_shared<const control::CompactControl>(control(name));
+void CheckpointReader::operator()(const std::string& name, control::CompactControl& u) {
+  u = control::CompactControl(control(name));
 }
 
 control::Control CheckpointReader::control(const std::string& name,

@@ -25,7 +25,7 @@ public:
   void operator()(const std::string& name, const std::vector<double>& values) { numbers(name, values); }
   void operator()(const std::string& name, const std::string& text);
   void operator()(const std::string& name, const std::shared_ptr<const control::Control>& u);
-  void operator()(const std::string& name, const std::shared_ptr<const control::CompactControl>& u);
+  void operator()(const std::string& name, const control::CompactControl& u);
 
   /// Puts the file in place. Returns the reason of a failure, empty without one.
   [[nodiscard]] std::string commit();
@@ -55,7 +55,7 @@ public:
   void operator()(const std::string& name, std::vector<double>& values);
   void operator()(const std::string& name, std::string& text);
   void operator()(const std::string& name, std::shared_ptr<const control::Control>& u);
-  void operator()(const std::string& name, std::shared_ptr<const control::CompactControl>& u);
+  void operator()(const std::string& name, control::CompactControl& u);
 
   /// A control of another number of steps: in step k the values of the row `row(k, rows)` of `rows`.
   [[nodiscard]] control::Control control(const std::string& name,

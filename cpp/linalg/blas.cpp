@@ -83,4 +83,12 @@ void dots(std::span<const float* const> x, std::span<const double> y, std::span<
   }
 }
 
+void multiply(std::span<const double> A, std::span<const double> B, std::span<double> C, std::size_t n) {
+  const auto inner = static_cast<PetscBLASInt>(n), rows = static_cast<PetscBLASInt>(A.size() / n),
+             columns = static_cast<PetscBLASInt>(B.size() / n);
+  const double one = 1, zero = 0;
+  BLASgemm_("N", "N", &rows, &columns, &inner, &one, A.data(), &rows, B.data(), &inner, &zero, C.data(),
+            &rows);
+}
+
 } // namespace signorini

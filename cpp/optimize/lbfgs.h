@@ -67,8 +67,8 @@ public:
     length_ = other.length_;
     const std::size_t pairs = other.vectors_.size() / 2;
     for (std::size_t i = pairs - std::min(pairs, options_.pairs); i < pairs; ++i) {
-      const Vector s = interpolate(Vector(*other.vectors_[2 * i])),
-                   y = interpolate(Vector(*other.vectors_[2 * i + 1]));
+      const Vector s = interpolate(Vector(other.vectors_[2 * i])),
+                   y = interpolate(Vector(other.vectors_[2 * i + 1]));
       take(unknowns, s, y, norm(unknowns, s));
     }
   }
@@ -91,7 +91,7 @@ public:
     archive("lbfgs/scale", scale_);
     archive("lbfgs/length", length_);
     serialize_list(archive, "lbfgs/vectors", vectors_,
-                   [&](Shared<Compact>& v, const std::string& name) { archive(name, v); });
+                   [&](Compact& v, const std::string& name) { archive(name, v); });
     archive("lbfgs/gram", gram_);
   }
 
@@ -101,9 +101,9 @@ private:
   void take(const U& unknowns, const Vector& s, const Vector& y, double length) {
     const std::size_t n = vectors_.size();
     const std::vector<Vector> duals{unknowns.dual(s), unknowns.dual(y)};
-    std::vector<Shared<Compact>> all = vectors_;
-    all.push_back(share(Compact(s)));
-    all.push_back(share(Compact(y)));
+    std::vector<Compact> all = vectors_;
+    all.emplace_back(s);
+    all.emplace_back(y);
     const std::vector<double> products = unknowns.pairings(duals, all); // 2 × (n + 2)
     const double ss = products[n], sy = products[n + 1], yy = products[2 * n + 3];
     if (!(sy > options_.least_cosine * length * std::sqrt(yy)))
@@ -132,8 +132,8 @@ private:
   }
 
   LbfgsOptions options_;
-  std::vector<Shared<Compact>> vectors_; ///< s and y of each pair, the oldest first
-  std::vector<double> gram_;             ///< their products (vectors × vectors)
+  std::vector<Compact> vectors_; ///< s and y of each pair, the oldest first
+  std::vector<double> gram_;     ///< their products (vectors × vectors)
   double scale_ = 1;
   double length_ = 1; ///< of the last step, at first Cauchy's, the unit of length
 };

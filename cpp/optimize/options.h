@@ -63,7 +63,7 @@ struct BundleOptions {
   /// and an offset.
   std::size_t dimension = 3 * cuts;
   /// Part of that, or of Options::vectors where these are fewer, above which the subspace is restricted, for
-  /// a round adds vectors; the part to which it is, for a restriction reads all of them several times; and
+  /// a round adds vectors; the part to which it is, for a restriction reads and writes all of them; and
   /// the part that may be left to what carries the minimum-norm subgradient.
   double crowded = 0.75, restricted = 0.5, carried = 0.625;
   /// Rounds of a step, each one or more pairs of sweeps, and unconfirmed certificates in it: end a search

@@ -22,8 +22,8 @@ public:
   Coordinates coordinates(const U& unknowns, Vector v) {
     Coordinates x(vectors_.size());
     for (double length = -1;;) {
-      vectors_.push_back(share(Compact(v)));
-      v = Vector(*vectors_.back()); // VᵀV is that of what is stored
+      vectors_.emplace_back(v);
+      v = Vector(vectors_.back()); // VᵀV is that of what is stored
       Coordinates part = unknowns.pairings(std::vector{unknowns.dual(v)}, vectors_);
       const double squared = part.back();
       part.pop_back();
@@ -55,54 +55,26 @@ public:
     return v;
   }
 
-  /// Restricts the subspace to that of an orthonormal basis, by which coordinates are from now on. Instead of
-  /// V T, with T = R⁻¹ basis, V L is stored, of the factors T = L U (rows exchanged): it can be made vector
-  /// by vector in place, so that no second set is needed.
+  /// Restricts the subspace to that of an orthonormal basis, by which coordinates are from now on. It is that
+  /// basis itself that is stored: rounding of vectors far from orthogonal would turn the subspace.
   void restrict(const std::vector<Coordinates>& basis) {
-    const std::size_t n = dimension(), m = basis.size();
-    std::vector<Coordinates> T; // columns
+    std::vector<Coordinates> factors;
     for (Coordinates x : basis) {
-      x.resize(n);
-      T.push_back(to_vectors(std::move(x)));
+      x.resize(dimension());
+      factors.push_back(to_vectors(std::move(x)));
     }
-    for (std::size_t j = 0; j < m; ++j) {
-      std::size_t pivot = j;
-      for (std::size_t i = j + 1; i < n; ++i)
-        if (std::abs(T[j][i]) > std::abs(T[j][pivot]))
-          pivot = i;
-      std::swap(vectors_[j], vectors_[pivot]);
-      for (Coordinates& column : T)
-        std::swap(column[j], column[pivot]);
-      for (std::size_t i = j + 1; i < n; ++i) {
-        T[j][i] /= T[j][j];
-        for (std::size_t k = j + 1; k < m; ++k)
-          T[k][i] -= T[j][i] * T[k][j];
-      }
-    }
-    for (std::size_t j = 0; j < m; ++j) {
-      Vector v(*vectors_[j]);
-      const auto below = std::span(T[j]).subspan(j + 1);
-      v.add(Coordinates(below.begin(), below.end()), std::span(vectors_).subspan(j + 1));
-      vectors_[j] = share(Compact(v));
-    }
-    vectors_.resize(m);
-    factor_.assign(m, {}); // the basis is V L U: R = U⁻¹
-    for (std::size_t k = 0; k < m; ++k) {
-      Coordinates column(k + 1);
-      for (std::size_t j = k + 1; j-- > 0;) {
-        column[j] = j == k ? 1 : 0;
-        for (std::size_t i = j + 1; i <= k; ++i)
-          column[j] -= T[i][j] * column[i];
-        column[j] /= T[j][j];
-      }
-      factor_[k] = std::move(column);
+    Compact::combine(vectors_, factors);
+    factor_.clear();
+    while (dimension() < basis.size()) {
+      factor_.emplace_back(dimension());
+      factor_.back().push_back(1);
     }
   }
 
   template <class Archive>
   void serialize(Archive& archive, const std::string& name) {
     serialize_list(archive, name, vectors_,
-                   [&](Shared<Compact>& v, const std::string& number) { archive(number, v); });
+                   [&](Compact& v, const std::string& number) { archive(number, v); });
     serialize_list(archive, name + "/factor", factor_,
                    [&](Coordinates& column, const std::string& number) { archive(number, column); });
   }
@@ -140,7 +112,7 @@ private:
     return sum <= most * most * rest;
   }
 
-  std::vector<Shared<Compact>> vectors_;
+  std::vector<Compact> vectors_;
   std::vector<Coordinates> factor_; ///< columns of R, of one entry more each
   double dependent_;
 };

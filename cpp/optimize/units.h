@@ -67,7 +67,7 @@ public:
   }
   [[nodiscard]] Vector dual(const Vector& u) const { return problem_.dual(u); }
   [[nodiscard]] std::vector<double> pairings(std::span<const Vector> duals,
-                                             std::span<const Shared<Compact>> w) const {
+                                             std::span<const Compact> w) const {
     std::vector<double> products = problem_.pairings(duals, w);
     for (double& product : products)
       product /= squared_length();

@@ -22,16 +22,18 @@ Shared<Vector> share(Vector v) {
 /// What is unknown: vectors of a Hilbert space with simple bounds. A control is one case (ControlSpace).
 template <class U>
 concept Unknowns =
-    std::copyable<typename U::Vector> &&
-    // A vector as many are stored, perhaps rounded; what is computed with them is a Vector.
+    std::copyable<typename U::Vector> && std::semiregular<typename U::Compact> &&
+    // A vector as many are stored, perhaps rounded, cheap to copy; what is computed with them is a Vector.
     std::constructible_from<typename U::Compact, const typename U::Vector&> &&
     std::constructible_from<typename U::Vector, const typename U::Compact&> &&
     requires(const U& unknowns, const typename U::Vector& u, typename U::Vector& w,
-             const std::vector<typename U::Vector>& duals,
-             const std::vector<Shared<typename U::Compact>>& list, const std::vector<double>& factors) {
+             const std::vector<typename U::Vector>& duals, std::vector<typename U::Compact>& list,
+             const std::vector<double>& factors, const std::vector<std::vector<double>>& columns) {
       { w.add(1.0, u) };        // w += 1.0 u
       { w.add(factors, list) }; // w += Σ factors_i list_i
       { w.scale(1.0) };
+      // list_j = Σ_i columns_ji list_i, each rounded once; the list is then as long as the columns.
+      { U::Compact::combine(list, columns) };
       // By this product gradients are Riesz representatives and lengths are measured.
       { unknowns.inner(u, u) } -> std::convertible_to<double>;
       // The functional inner(u, ·), in a form of pairings()' choice: the inverse of the Riesz map.

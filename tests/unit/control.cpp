@@ -1,11 +1,14 @@
 #include "app/check/check.h"
 #include "fixtures.h"
+#include "optimize/span.h"
 #include <algorithm>
 #include <array>
 #include <catch2/catch_test_macros.hpp>
 #include <fmt/format.h>
 #include <functional>
+#include <limits>
 #include <numeric>
+#include <random>
 
 using namespace signorini;
 
@@ -275,13 +278,13 @@ TEST_CASE("a search stores controls in single precision, whatever their units", 
   constexpr double rounding = 1.2e-7; // 2^-23: of half a unit in the last place of each value
   for (const double unit : {1e-60, 1.0, 1e60}) {
     INFO("in units of " << unit);
-    std::vector<std::shared_ptr<const control::CompactControl>> stored;
+    std::vector<control::CompactControl> stored;
     std::vector<control::Control> given, widened;
     for (int i = 0; i < 7; ++i) { // not a multiple of what one pass takes
       given.push_back(some(controls, i));
       given.back().scale(unit);
-      stored.push_back(std::make_shared<const control::CompactControl>(given.back()));
-      widened.emplace_back(*stored.back());
+      stored.emplace_back(given.back());
+      widened.emplace_back(stored.back());
       control::Control difference = widened.back();
       difference.add(-1, given.back());
       const double size = controls.norm(given.back());
@@ -304,5 +307,49 @@ TEST_CASE("a search stores controls in single precision, whatever their units", 
       for (std::size_t j = 0; j < stored.size(); ++j)
         CHECK(std::abs(products[i * stored.size() + j] - controls.inner(given[i + 1], widened[j])) <=
               1e-13 * controls.norm(given[i + 1]) * controls.norm(widened[j]));
+  }
+}
+
+TEST_CASE("a subspace of controls in single precision is that of what was given, however often restricted",
+          "[control][optimize]") {
+  const test::Ready ready("tests/data/block.toml");
+  const ControlProblem problem(ready.problem, test::silent());
+  const control::ControlSpace& controls = problem.controls;
+  optimize::Span<control::ControlSpace> span(10 * std::numeric_limits<float>::epsilon());
+  std::mt19937 random(5);
+  const auto any = [&] {
+    control::Control v = controls.zero();
+    std::ranges::generate(v.values(), [&] { return std::normal_distribution()(random); });
+    return v;
+  };
+  const control::Control given = any();
+  optimize::Coordinates held = span.coordinates(controls, given);
+  for (int time = 0; time < 30; ++time) {
+    const control::Control factors = any();
+    control::Control v = any();
+    std::vector<optimize::Coordinates> found;
+    for (int i = 0; i < 24; ++i) { // as by products with a Hessian: V is ill conditioned
+      control::Control unlike = v; // in length
+      unlike.scale(std::pow(10, -i % 7));
+      found.push_back(span.coordinates(controls, unlike));
+      std::ranges::transform(v.values(), factors.values(), v.values().begin(),
+                             [](double x, double y) { return x * (1 + 0.3 * y); });
+    }
+    REQUIRE(span.dimension() > 12);
+    optimize::Orthonormal part(1e-12);
+    REQUIRE(part.take({&held}, 1));
+    for (const optimize::Coordinates& x : found)
+      part.take({&x}, 12);
+    span.restrict(part.vectors());
+    REQUIRE(span.dimension() == 12);
+    held = part.of(held);
+    control::Control back = span.vector(held, given);
+    back.add(-1, given);
+    CHECK(controls.norm(back) <= 1e-6 * controls.norm(given)); // 2^-24 each time
+    for (std::size_t i = 0; i < span.dimension(); ++i) {
+      optimize::Coordinates unit(i + 1);
+      unit[i] = 1;
+      CHECK(std::abs(controls.norm(span.vector(unit, given)) - 1) <= 1e-5);
+    }
   }
 }

@@ -14,9 +14,9 @@ namespace signorini::test {
 
 struct Point {
   std::vector<double> x;
-  void add(std::span<const double> a, std::span<const optimize::Shared<Point>> others) {
+  void add(std::span<const double> a, std::span<const Point> others) {
     for (std::size_t i = 0; i < others.size(); ++i)
-      add(a[i], *others[i]);
+      add(a[i], others[i]);
   }
   void add(double a, const Point& other) {
     for (std::size_t i = 0; i < x.size(); ++i)
@@ -25,6 +25,14 @@ struct Point {
   void scale(double a) {
     for (double& value : x)
       value *= a;
+  }
+  static void combine(std::vector<Point>& points, const std::vector<std::vector<double>>& factors) {
+    std::vector<Point> sums(factors.size(), points.front());
+    for (std::size_t j = 0; j < factors.size(); ++j) {
+      sums[j].scale(0);
+      sums[j].add(factors[j], points);
+    }
+    points = std::move(sums);
   }
 };
 
@@ -48,11 +56,11 @@ struct Bounded {
       u.x[i] *= w[i];
     return u;
   }
-  static std::vector<double> pairings(std::span<const Point> a, std::span<const optimize::Shared<Point>> b) {
+  static std::vector<double> pairings(std::span<const Point> a, std::span<const Point> b) {
     std::vector<double> products;
     for (const Point& dual : a)
-      for (const optimize::Shared<Point>& point : b)
-        products.push_back(std::inner_product(dual.x.begin(), dual.x.end(), point->x.begin(), 0.0));
+      for (const Point& point : b)
+        products.push_back(std::inner_product(dual.x.begin(), dual.x.end(), point.x.begin(), 0.0));
     return products;
   }
   bool bounded() const { return lower > -1e300 || upper < 1e300; }

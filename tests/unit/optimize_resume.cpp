@@ -11,7 +11,7 @@ namespace {
 /// What a search stored: numbers, lists of numbers and vectors by name.
 struct Archive {
   std::map<std::string, std::vector<double>> numbers;
-  std::map<std::string, optimize::Shared<Point>> vectors;
+  std::map<std::string, Point> vectors;
 };
 
 struct Writer {
@@ -20,7 +20,8 @@ struct Writer {
   void operator()(const std::string& name, const std::vector<double>& values) {
     archive.numbers[name] = values;
   }
-  void operator()(const std::string& name, const optimize::Shared<Point>& u) { archive.vectors[name] = u; }
+  void operator()(const std::string& name, const optimize::Shared<Point>& u) { archive.vectors[name] = *u; }
+  void operator()(const std::string& name, const Point& u) { archive.vectors[name] = u; }
 };
 
 struct Reader {
@@ -31,7 +32,10 @@ struct Reader {
     value = static_cast<Number>(archive.numbers.at(name).at(0));
   }
   void operator()(const std::string& name, std::vector<double>& values) { values = archive.numbers.at(name); }
-  void operator()(const std::string& name, optimize::Shared<Point>& u) { u = archive.vectors.at(name); }
+  void operator()(const std::string& name, optimize::Shared<Point>& u) {
+    u = optimize::share(archive.vectors.at(name));
+  }
+  void operator()(const std::string& name, Point& u) { u = archive.vectors.at(name); }
 };
 
 /// Stores a search at one iteration, or goes on from where one was stored.

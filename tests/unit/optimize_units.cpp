@@ -31,7 +31,7 @@ struct InOtherUnits {
   }
   double inner(const Point& a, const Point& b) const { return given.inner(a, b); }
   Point dual(const Point& u) const { return given.dual(u); }
-  static std::vector<double> pairings(std::span<const Point> a, std::span<const optimize::Shared<Point>> b) {
+  static std::vector<double> pairings(std::span<const Point> a, std::span<const Point> b) {
     return P::pairings(a, b);
   }
   bool bounded() const { return given.bounded(); }
