@@ -133,6 +133,10 @@ SearchStart<Method> search_start(const Problem& problem, ControlProblem& control
   std::unique_ptr<Level<Method>> last;
   if (scene.optimizer.start == scene::SearchStart::coarse && options.max_iterations > 0) {
     const auto timer = problem.timers.time("coarse meshes");
+    const auto left_out = [&](const scene::Scene& coarse, const std::exception& error) {
+      console.line(
+          fmt::format("the coarse mesh of size {:.4g} m is left out: {}", *coarse.mesh.size, error.what()));
+    };
     for (const int multiple : multiples) {
       const scene::Scene coarse = coarser(scene, multiple);
       if (!worth(problem, coarse, multiple))
@@ -157,11 +161,9 @@ SearchStart<Method> search_start(const Problem& problem, ControlProblem& control
         console.line(words(record));
         levels.push_back(std::move(record));
       } catch (const UserError& error) {
-        console.line(
-            fmt::format("the coarse mesh of size {:.4g} m is left out: {}", *coarse.mesh.size, error.what()));
+        left_out(coarse, error);
       } catch (const SolverFailure& error) {
-        console.line(
-            fmt::format("the coarse mesh of size {:.4g} m is left out: {}", *coarse.mesh.size, error.what()));
+        left_out(coarse, error);
       }
     }
     if (last)

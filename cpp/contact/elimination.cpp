@@ -19,7 +19,7 @@ void triangular(const std::vector<double>& L, const char* transposed, std::span<
 }
 
 /// Columns of N solved at a time: enough for MUMPS to work by dense products, few enough for the block to
-/// take little memory beside the factor (`./dev bench choice`).
+/// take little memory beside the factor.
 constexpr int block = 64;
 
 /// `count` columns of N, transposed, on rank 0.

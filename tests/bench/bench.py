@@ -15,11 +15,12 @@ least counts. Times are noisy where others use the machine; the ratios are of ne
 import argparse
 import json
 import math
-import subprocess
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+import program
+from program import ROOT
+
 DISC, BALL = ROOT / "scenes" / "half-disc.toml", ROOT / "scenes" / "half-ball.toml"
 
 
@@ -40,13 +41,7 @@ SUITES = {"c0": [0.5, 0.25, 0.125, 0.0625], "scaling": [2.0**-k for k in range(6
 
 def measure(suite: str, size: float, ranks: int, repeats: int) -> dict:
     scene, settings = overrides(suite, size)
-    command = ["signorini-bench", str(scene), str(repeats), f"mesh.size={size!r}", *settings]
-    if ranks > 1:
-        command = ["mpirun", "-n", str(ranks), *command]
-    done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode:
-        raise SystemExit(f"signorini-bench ended with {done.returncode}:\n{done.stderr}")
-    return json.loads(done.stdout)
+    return json.loads(program.output("signorini-bench", scene, str(repeats), f"mesh.size={size!r}", *settings, ranks=ranks))
 
 
 # The half disc, thrown down from its clamp; each effect adds to those before it, or takes the place of its name.
@@ -89,10 +84,7 @@ def effects(size: float, repeats: int) -> list[dict]:
         for name, added in EFFECTS.items():
             tables |= added
             scene.write_text("".join(tables.values()).replace("{meshes}", str(ROOT / "meshes")).replace("{size!r}", repr(size)))
-            done = subprocess.run(["signorini-bench-effects", str(scene), str(repeats)], capture_output=True, text=True)
-            if done.returncode:
-                raise SystemExit(f"signorini-bench-effects ended with {done.returncode}:\n{done.stderr}")
-            rows.append({"effect": name, "size": size} | json.loads(done.stdout))
+            rows.append({"effect": name, "size": size} | json.loads(program.output("signorini-bench-effects", scene, str(repeats))))
     return rows
 
 
@@ -180,8 +172,7 @@ def main() -> int:
         print_steps(rows)
         print_costs(rows)
         print_growth(rows)
-    if given.json:
-        given.json.write_text(json.dumps(rows, indent=2) + "\n")
+    program.write(given.json, rows)
     return 0
 
 

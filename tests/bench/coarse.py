@@ -10,11 +10,12 @@ factor, the desired motion, the coarse meshes with theirs, the search. Runs take
 import argparse
 import csv
 import json
-import subprocess
 import tempfile
 from pathlib import Path
 
-SCENE = Path(__file__).parents[2] / "scenes" / "half-disc.toml"
+import program
+
+SCENE = program.ROOT / "scenes" / "half-disc.toml"
 NEAR = 1e-6  # of J*, about a ten thousandth of it
 SET_UP = ("mesh", "assembly", "solver", "desired state")
 
@@ -22,13 +23,9 @@ SET_UP = ("mesh", "assembly", "solver", "desired state")
 def run(folder: Path, size: float, start: str, iterations: int) -> dict:
     """The history of a search and its coarse levels."""
     out = folder / f"{size}-{start}"
-    sets = {"mesh.size": size, "optimizer.start": f'"{start}"', "optimizer.max_iterations": iterations, "optimizer.checkpoint": 0,
+    values = {"mesh.size": size, "optimizer.start": f'"{start}"', "optimizer.max_iterations": iterations, "optimizer.checkpoint": 0,
             "output.fields": "[]"}  # fmt: skip
-    command = ["signorini", "optimize", str(SCENE), "--out", str(out), "--quiet",
-               *(word for key, value in sets.items() for word in ("--set", f"{key}={value}"))]  # fmt: skip
-    done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode:
-        raise SystemExit(f"signorini ended with {done.returncode}:\n{done.stderr}")
+    program.output("signorini", "optimize", SCENE, "--out", out, "--quiet", *program.sets(values))
     manifest = json.loads((out / "run.json").read_text())
     with open(out / "history.csv") as rows:
         history = [{key: float(text) for key, text in row.items()} for row in csv.DictReader(rows) if row]
@@ -84,8 +81,7 @@ def main() -> int:
         for size in given.sizes:
             rows.append(measured(Path(folder), size, given.iterations, given.repeats))
             show(rows[-1])
-    if given.json:
-        given.json.write_text(json.dumps(rows, indent=2) + "\n")
+    program.write(given.json, rows)
     return 0
 
 

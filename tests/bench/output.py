@@ -9,11 +9,12 @@ summed up and monitored of every step. The largest run of the default takes 3 GB
 
 import argparse
 import json
-import subprocess
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+import program
+from program import ROOT
+
 SCENE = """
 [mesh]
 file = "{meshes}/half-disc.geo"
@@ -39,11 +40,8 @@ obstacle = {{ shape = "half-space", point = [0, -15.75], normal = [0, 1] }}
 def row(folder: Path, size: float, frames: int, ranks: int, every: int | None) -> dict:
     scene, out = folder / "output.toml", folder / "out"
     scene.write_text(SCENE.format(meshes=ROOT / "meshes", size=size, end=frames * 5e-5))
-    command = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
-    command += ["signorini", "simulate", str(scene), "--out", str(out), "--quiet"]
-    done = subprocess.run([*command, *(["--set", f"output.every={every}"] if every else [])], capture_output=True, text=True)
-    if done.returncode:
-        raise SystemExit(f"signorini ended with {done.returncode}:\n{done.stderr}")
+    program.output("signorini", "simulate", scene, "--out", out, "--quiet",
+                   *program.sets({"output.every": every} if every else {}), ranks=ranks)  # fmt: skip
     run = json.loads((out / "run.json").read_text())
     assert run["counters"]["VIs solved"] > 0, "no contact occurred"
     seconds = {phase: run["timings"][phase]["seconds"] for phase in ("forward", "output")}
@@ -75,8 +73,7 @@ def main() -> int:
                 for frames, every in [*((frames, 1) for frames in given.frames), (min(given.frames), None)]:
                     rows.append(row(Path(name), size, frames, ranks, every))
                     show(rows[-1])
-    if given.json:
-        given.json.write_text(json.dumps(rows, indent=2) + "\n")
+    program.write(given.json, rows)
     return 0
 
 

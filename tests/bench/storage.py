@@ -10,11 +10,12 @@ do. A run with 0.2 million unknowns and 2,000 steps: --sizes 0.0625 --iterations
 
 import argparse
 import json
-import subprocess
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+import program
+from program import ROOT
+
 SCENE = """
 [mesh]
 file = "{meshes}/half-disc.geo"
@@ -59,9 +60,7 @@ def storages(unknowns: int, steps: int) -> dict[str, str]:
 def run(folder: Path, size: float, steps: int, iterations: int, trajectory: str) -> dict:
     scene = folder / "storage.toml"
     scene.write_text(SCENE.format(meshes=ROOT / "meshes", size=size, step=7.5e-3 / steps, iterations=iterations, trajectory=trajectory))
-    done = subprocess.run(["signorini", "optimize", str(scene), "--out", str(folder / "out"), "--quiet"], capture_output=True, text=True)
-    if done.returncode:
-        raise SystemExit(f"signorini ended with {done.returncode}:\n{done.stderr}")
+    program.output("signorini", "optimize", scene, "--out", folder / "out", "--quiet")
     found = json.loads((folder / "out/run.json").read_text())
     found["history"] = [line.split(",")[:9] for line in (folder / "out/history.csv").read_text().splitlines()]
     assert found["counters"]["VIs solved"] > 0, "no contact occurred"
@@ -115,8 +114,7 @@ def main() -> int:
                 first = first or rows[-1]
                 show(rows[-1], first)
     print("The searches are the same to the last bit.")
-    if given.json:
-        given.json.write_text(json.dumps(rows, indent=2) + "\n")
+    program.write(given.json, rows)
     return 0
 
 

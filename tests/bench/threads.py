@@ -8,11 +8,11 @@ by CHOLMOD. About five minutes.
 
 import argparse
 import json
-import os
-import subprocess
 from pathlib import Path
 
-SCENES = Path(__file__).parents[2] / "scenes"
+import program
+
+SCENES = program.ROOT / "scenes"
 CASES = (
     ("half-disc", ["mesh.size=0.125", "time.step=1.25e-5", "time.end=5e-4", 'control.initial=["0", "-0.9"]', "contact.obstacle.point=[0, -15]"]),
     ("half-disc", ["mesh.size=0.0625", "time.step=6.25e-6", "time.end=2.5e-4", 'control.initial=["0", "-0.9"]', "contact.obstacle.point=[0, -15]"]),
@@ -23,11 +23,7 @@ CASES = (
 
 def gradient(scene: str, settings: list[str], threads: int) -> tuple[float, int]:
     """Seconds a step, and unknowns."""
-    done = subprocess.run(["signorini-bench", str(SCENES / f"{scene}.toml"), "1", *settings], capture_output=True, text=True,
-                          env={**os.environ, "OMP_NUM_THREADS": str(threads)})  # fmt: skip
-    if done.returncode:
-        raise SystemExit(f"signorini-bench ended with {done.returncode}:\n{done.stderr}")
-    found = json.loads(done.stdout)
+    found = json.loads(program.output("signorini-bench", SCENES / f"{scene}.toml", "1", *settings, OMP_NUM_THREADS=threads))
     return found["seconds"]["forward_step"] + found["seconds"]["adjoint_step"], found["free_unknowns"]
 
 
@@ -49,8 +45,7 @@ def main() -> None:
         print(f"{scene:10s} {unknowns:8d} unknowns: " + ", ".join(
             f"{number} thread{'s' if number > 1 else ''} {1e3 * least[number]:.2f} ms (median {1e3 * sorted(seconds[number])[len(seconds[number]) // 2]:.2f}),"
             f" {least[options.threads[0]] / least[number]:.2f} times as fast" for number in options.threads), flush=True)  # fmt: skip
-    if options.json:
-        options.json.write_text(json.dumps(rows, indent=2) + "\n")
+    program.write(options.json, rows)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,28 @@
+"""What the benchmarks share: running a program, and where the figures go too."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+
+def output(*command: str | Path, ranks: int = 1, **environment: object) -> str:
+    """Standard output of a program, on several ranks by mpirun; ends this one with its status and messages if it fails."""
+    words = [*(["mpirun", "-n", str(ranks)] if ranks > 1 else []), *map(str, command)]
+    done = subprocess.run(words, capture_output=True, text=True, env={**os.environ, **{k: str(v) for k, v in environment.items()}})
+    if done.returncode:
+        raise SystemExit(f"{command[0]} ended with {done.returncode}:\n{done.stderr}")
+    return done.stdout
+
+
+def sets(values: dict[str, object]) -> list[str]:
+    """Scene keys as options of signorini."""
+    return [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
+
+
+def write(file: Path | None, rows: list[dict]) -> None:
+    """The figures as JSON, if they are to be kept."""
+    if file:
+        file.write_text(json.dumps(rows, indent=2) + "\n")
