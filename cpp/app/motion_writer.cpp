@@ -68,13 +68,16 @@ void MotionWriter::open_state(const io::OutputFolder& folder) {
 }
 
 void MotionWriter::operator()(const forward::Frame& frame) {
-  const auto timer = problem_.timers.time("output");
-  forces_.observe(frame);
-  resolution_.observe(frame, forces_);
   forward::StepBalance balance;
-  if (balance_)
-    weigh(frame, balance);
-  plausibility_.observe(frame, balance_ ? &balance : nullptr);
+  {
+    const auto timer = problem_.timers.time("balances");
+    forces_.observe(frame);
+    resolution_.observe(frame, forces_);
+    if (balance_)
+      weigh(frame, balance);
+    plausibility_.observe(frame, balance_ ? &balance : nullptr);
+  }
+  const auto timer = problem_.timers.time("output");
   add_rows(frame, balance);
   if (stored(frame.k, problem_.scene.output.every, frame.last))
     store(frame);

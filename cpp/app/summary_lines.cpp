@@ -119,8 +119,9 @@ std::string cost_line(const io::Manifest& manifest, const scene::Scene& scene, c
   };
   const bool fields = scene.output.field(scene::StoredField::displacement) ||
                       scene.output.field(scene::StoredField::velocity);
-  std::string text = fmt::format("{} steps in {:.2g} s, output in {:.2g} s: {:.3g} MB", manifest.steps_done,
-                                 seconds("forward"), seconds("output"), bytes / 1e6);
+  std::string text = fmt::format(
+      "{} steps in {:.2g} s, their balances in {:.2g} s, output in {:.2g} s: {:.3g} MB", manifest.steps_done,
+      seconds("forward"), seconds("balances"), seconds("output"), bytes / 1e6);
   if (fields || scene.output.table(scene::StoredTable::contact))
     text += fmt::format(", fields and contact of {} (output.every = {})",
                         scene.output.every == 1 ? "every step"

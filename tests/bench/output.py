@@ -3,8 +3,8 @@
 usage: ./dev bench output [--sizes H …] [--frames N …] [--ranks N …] [--json FILE]
 
 The half disc under the constant force that its control problem desires. Each size runs with every step stored, for each number of
-frames, and last with the default of output.every (up to 300 frames). `output` is all that run.json calls so: fields, tables, and what is
-summed up and monitored of every step. The largest run of the default takes 3 GB on disk and a minute or two.
+frames, and last with the default of output.every (up to 300 frames). Of the phases of run.json, `balances` is what is
+summed up and monitored of every step, `output` fields and tables. The largest run of the default takes 3 GB on disk and a minute or two.
 """
 
 import argparse
@@ -44,7 +44,7 @@ def row(folder: Path, size: float, frames: int, ranks: int, every: int | None) -
                    *program.sets({"output.every": every} if every else {}), ranks=ranks)  # fmt: skip
     run = json.loads((out / "run.json").read_text())
     assert run["counters"]["VIs solved"] > 0, "no contact occurred"
-    seconds = {phase: run["timings"][phase]["seconds"] for phase in ("forward", "output")}
+    seconds = {phase: run["timings"][phase]["seconds"] for phase in ("forward", "balances", "output")}
     steps = run["steps"]["done"]
     stored = (out / "state.xdmf").read_text().count("<Time ") // 2
     return {"size": size, "ranks": ranks, "unknowns": run["unknowns"], "steps": steps, "frames": stored, "seconds": seconds,
@@ -54,7 +54,7 @@ def row(folder: Path, size: float, frames: int, ranks: int, every: int | None) -
 def show(r: dict) -> None:
     s, steps = r["seconds"], r["steps"]
     print(f"{r['size']:6g}  {r['unknowns']:8d}  {r['ranks']:5d}  {steps:6d}  {r['frames']:6d}  {1e6 * s['forward'] / steps:10.1f}"
-          f"  {1e6 * s['output'] / steps:12.1f}  {s['output'] / s['forward']:12.3f}  {sum(r['bytes'].values()) / 1e6:7.1f}"
+          f"  {1e6 * s['balances'] / steps:8.1f}  {1e6 * s['output'] / steps:17.1f}  {1e6 * s['output'] / r['frames']:10.1f}  {s['output'] / s['forward']:12.3f}  {sum(r['bytes'].values()) / 1e6:7.1f}"
           f"  {r['bytes']['state.xdmf'] / 1e6:7.2f}", flush=True)  # fmt: skip
 
 
@@ -65,7 +65,7 @@ def main() -> int:
     parser.add_argument("--ranks", nargs="+", type=int, default=[1], metavar="N")
     parser.add_argument("--json", type=Path, metavar="FILE", help="where the figures go too")
     given = parser.parse_args()
-    print("  size  unknowns  ranks   steps  frames   us a step  output, us a step  output/steps       MB  of index")
+    print("  size  unknowns  ranks   steps  frames   us a step  balances  output, us a step  us a frame  output/steps       MB  of index")
     rows = []
     with tempfile.TemporaryDirectory() as name:
         for size in given.sizes:
