@@ -167,6 +167,20 @@ void require_control_problem(MPI_Comm comm, const scene::Scene& scene, const std
     });
 }
 
+/// A search that goes on does so with the solver that it had: its estimated times would differ.
+forward::Stepper::Needs needs(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
+                              bool resume) {
+  forward::Stepper::Needs needs = search_needs(scene);
+  const std::string before =
+      resume ? io::checkpoint_text(comm, out / OptimizerLog::checkpoint, OptimizerLog::solver) : "";
+  if (!before.empty()) {
+    needs.passes = 0;
+    needs.iterative =
+        scene.solver.linear == scene::LinearMethod::automatic && before == OptimizerLog::iterative;
+  }
+  return needs;
+}
+
 } // namespace
 
 optimize::Options search_options(const control::ControlSpace& controls, const scene::Optimizer& scene) {
@@ -190,7 +204,7 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   require_control_problem(comm, scene, out);
   io::OutputFolder folder(comm, out, resume ? OptimizerLog::checkpoint : "");
   Timers timers;
-  const Problem problem(comm, scene, {.sliding = true}, timers);
+  const Problem problem(comm, scene, needs(comm, scene, out, resume), timers);
   console.line(headline(problem));
   ControlProblem control_problem(problem, console);
   control::ReducedProblem& reduced = control_problem.reduced;

@@ -105,6 +105,7 @@ void OptimizerLog::write(io::CheckpointWriter& out) const {
   out("format", format);
   out("program", std::string("signorini ") + SIGNORINI_VERSION);
   out("scene", scene::echo(problem_.scene, problem_.space.dim()));
+  out(solver, std::string(problem_.stepper.solver().iterates() ? iterative : "direct"));
   out("history", flat(rows_));
   out("seconds", seconds());
   out("sweeps",

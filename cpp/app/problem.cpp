@@ -163,6 +163,27 @@ std::optional<control::Control> reference_control(const Problem& problem,
 
 } // namespace
 
+forward::Stepper::Needs simulation_needs(const scene::Scene& scene) {
+  const bool two = scene.objective && std::holds_alternative<scene::DesiredControl>(scene.objective->desired);
+  return {.passes = two ? 2.0 : 1.0};
+}
+
+forward::Stepper::Needs study_needs(const scene::Scene& scene) {
+  constexpr double motion = 1, gradient = 3; // the desired motion's pass included
+  return {.sliding = scene.objective.has_value(), .passes = scene.objective ? gradient : motion};
+}
+
+forward::Stepper::Needs check_needs(const scene::Scene& scene) {
+  constexpr double few = 10;
+  return {.sliding = scene.objective.has_value(), .passes = few};
+}
+
+forward::Stepper::Needs search_needs(const scene::Scene& scene) {
+  constexpr int usual = 50;    // iterations until most of what can be had is had
+  constexpr double sweeps = 2; // forward and adjoint
+  return {.sliding = true, .passes = sweeps * (1 + std::min(usual, scene.optimizer.max_iterations))};
+}
+
 Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs needs, Timers& t)
     : scene(s), timers(t), mesh(timed(t, "mesh", [&] { return read_mesh(comm, s); })),
       space(mesh, s.mesh.degree),

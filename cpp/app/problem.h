@@ -35,6 +35,12 @@ struct Problem {
   [[nodiscard]] long free_dofs() const;
 };
 
+/// What each verb needs of the solvers, as far as that is known before it starts.
+[[nodiscard]] forward::Stepper::Needs simulation_needs(const scene::Scene& scene);
+[[nodiscard]] forward::Stepper::Needs study_needs(const scene::Scene& scene); ///< of a rung
+[[nodiscard]] forward::Stepper::Needs check_needs(const scene::Scene& scene);
+[[nodiscard]] forward::Stepper::Needs search_needs(const scene::Scene& scene);
+
 /// Stores of the states of motions, those of controls or of the desired one: where the latter is computed,
 /// each kind may use half of the scene's budget.
 [[nodiscard]] forward::StateStoreFactory state_stores(const Problem& problem);

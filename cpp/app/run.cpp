@@ -40,7 +40,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   if (!replace)
     folder.require_no_search(out);
   Timers timers;
-  const Problem problem(world(), scene, {.sliding = false}, timers);
+  const Problem problem(world(), scene, simulation_needs(scene), timers);
   console.line(headline(problem));
 
   const GivenControl given(problem);
@@ -87,7 +87,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
 
 int check(const scene::Scene& scene, const Console& console) {
   Timers timers;
-  const Problem problem(world(), scene, {.sliding = scene.objective.has_value()}, timers);
+  const Problem problem(world(), scene, check_needs(scene), timers);
   console.line(headline(problem));
   return check_scene(problem, console) ? exit_status::done : exit_status::check_failed;
 }
@@ -174,7 +174,7 @@ int run(const Request& request, const Console& console) {
     return request.suggest ? study::suggest(world(), scene, *request.suggest, request.study, console)
                            : study::run_study(world(), scene, out, request.study, console);
   Timers timers;
-  const Problem problem(world(), scene, {.sliding = scene.objective.has_value()}, timers);
+  const Problem problem(world(), scene, study_needs(scene), timers);
   print_info(problem, request.timed_steps, console);
   return exit_status::done;
 }

@@ -44,6 +44,7 @@ using Matrix = Handle<Mat, MatDestroy>;
 using LinearSolver = Handle<KSP, KSPDestroy>;
 using Preconditioner = Handle<PC, PCDestroy>;
 using NonlinearSolver = Handle<SNES, SNESDestroy>;
+using NullSpace = Handle<MatNullSpace, MatNullSpaceDestroy>;
 using IndexSet = Handle<IS, ISDestroy>;
 
 /// A vector of the same layout, entries zero. Collective.

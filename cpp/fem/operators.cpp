@@ -202,6 +202,20 @@ petsc::Matrix columns(Mat matrix, const std::vector<int>& columns) {
   return some;
 }
 
+void attach_rigid_motions(Mat matrix, const Space& space) {
+  const petsc::Vector points = space.vector();
+  const auto dim = static_cast<std::size_t>(space.dim());
+  {
+    const petsc::WriteArray values(points);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = space.points()[3 * (i / dim) + i % dim];
+  }
+  petsc::NullSpace motions;
+  check(VecSetBlockSize(points, space.dim()));
+  check(MatNullSpaceCreateRigidBody(points, motions.put()));
+  check(MatSetNearNullSpace(matrix, motions));
+}
+
 petsc::Matrix assemble_step_operator(const Space& space, const std::vector<scene::Material>& materials,
                                      double tau) {
   return assemble(space, Form::d, parts(space.mesh(), materials), tau, MATBAIJ);

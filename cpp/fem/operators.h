@@ -61,6 +61,9 @@ petsc::Matrix assemble_L2(const Space& space, const std::string& group, const st
 /// number of components (MAIJ). Collective.
 petsc::Matrix among_nodes(Mat L2, const std::vector<int>& nodes, int components);
 
+/// Tells multigrid what a matrix of V hardly resists: the rigid motions. Collective.
+void attach_rigid_motions(Mat matrix, const Space& space);
+
 /// The submatrix of all rows and of some columns (owned, ascending local numbers). Collective.
 petsc::Matrix columns(Mat matrix, const std::vector<int>& columns);
 

@@ -15,9 +15,11 @@ petsc::Matrix decoupled(petsc::Matrix M, const fem::DirichletDofs& clamped) {
 } // namespace
 
 Predictor::Predictor(petsc::Matrix blocks, Mat M, const fem::DirichletDofs& clamped,
-                     const contact::ContactPairs& pairs, const scene::Solver& scene, bool sliding)
+                     const contact::ContactPairs& pairs, const scene::Solver& scene, bool sliding,
+                     double solves)
     : M_(M), clamped_(clamped), pairs_(pairs),
-      solver_(decoupled(std::move(blocks), clamped), &pairs, scene, sliding), zero_(petsc::vector_of(M)) {}
+      solver_(decoupled(std::move(blocks), clamped), &pairs, scene, sliding, solves),
+      zero_(petsc::vector_of(M)) {}
 
 Predictor::Workspace Predictor::workspace() const {
   return {.r = petsc::zero_like(zero_),

@@ -11,9 +11,10 @@ namespace signorini::forward {
 class Predictor {
 public:
   /// Factorises M, which is also given in `blocks` (BAIJ). `sliding`: linearised or transposed steps are
-  /// wanted. Collective. The references must outlive this object. Throws SolverFailure.
+  /// wanted; `solves` as of SolverChoice. Collective. The references must outlive this object. Throws
+  /// SolverFailure.
   Predictor(petsc::Matrix blocks, Mat M, const fem::DirichletDofs& clamped,
-            const contact::ContactPairs& pairs, const scene::Solver& scene, bool sliding);
+            const contact::ContactPairs& pairs, const scene::Solver& scene, bool sliding, double solves);
 
   /// Storage of jumps.
   struct Workspace {

@@ -31,15 +31,18 @@ double dense_bytes(const contact::ContactPairs* pairs) {
 } // namespace
 
 SolverChoice::SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene,
-                           bool sliding)
+                           bool sliding, double solves)
     : D_(std::move(D)), full_(pairs && scene.vi == scene::ViMethod::full) {
   std::unique_ptr<contact::FullSolver> full;
   if (full_)
     full = std::make_unique<contact::FullSolver>(*pairs, D_);
-  if (scene.linear == scene::LinearMethod::iterative)
-    iterate();
-  else
-    factorise(pairs, scene);
+  if (scene.linear == scene::LinearMethod::iterative) {
+    auto solver = std::make_unique<ConjugateGradients>(D_, solves);
+    const std::string name = solver->name();
+    iterate(std::move(solver), name);
+  } else {
+    factorise(pairs, scene, solves);
+  }
   if (pairs && (!full_ || sliding))
     contact_ = by_linear(*pairs, scene);
   if (full_) {
@@ -50,42 +53,75 @@ SolverChoice::SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, 
     D_ = {};
 }
 
-void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::Solver& scene) {
+void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::Solver& scene, double solves) {
   constexpr double gigabyte = 1e9;
-  const auto settle = [&](auto solver) {
+  const bool automatic = scene.linear == scene::LinearMethod::automatic;
+  const auto settle = [&](auto solver, double corner) -> decltype(solver.get()) {
     const double needed = solver->estimate() + dense_bytes(pairs);
     const bool possible = solver->possible();
-    const std::string compared =
+    std::string compared =
         possible
             ? fmt::format("a factor needs {:.2g} GB, {:.2g} GB are allowed", needed / gigabyte,
                           scene.memory / gigabyte)
             : fmt::format("a factor of {:.2g} GB has more entries than can be numbered", needed / gigabyte);
-    if (scene.linear == scene::LinearMethod::automatic && (needed > scene.memory || !possible)) {
-      iterate();
-      choice_ = fmt::format("{} ({} by {})", linear_->name(), compared, solver->name());
-      return;
+    if (automatic && (needed > scene.memory || !possible)) {
+      auto other = std::make_unique<ConjugateGradients>(D_, solves);
+      const std::string why = fmt::format("{} ({} by {})", other->name(), compared, solver->name());
+      iterate(std::move(other), why);
+      return nullptr;
+    }
+    if (automatic && solves > 0 && !full_) {
+      const DirectWork work(solver->work(), pairs ? pairs->count() : 0, corner);
+      std::string times;
+      if (!work.small() && iterate_if_quicker(work, solver->name(), solves, times))
+        return nullptr;
+      compared += times;
     }
     solver->factorise();
     choice_ = fmt::format("{} ({})", solver->name(), compared);
+    const auto kept = solver.get();
     linear_ = std::move(solver);
+    return kept;
   };
   if (ranks(petsc::comm(D_)) == 1) {
-    auto cholesky = std::make_unique<SparseCholesky>(D_, candidate_nodes(pairs));
-    const SparseCholesky* kept = cholesky.get();
-    settle(std::move(cholesky));
-    cholesky_ = iterative_ ? nullptr : kept;
+    auto solver = std::make_unique<SparseCholesky>(D_, candidate_nodes(pairs));
+    const double corner = solver->corner_size();
+    cholesky_ = settle(std::move(solver), corner);
   } else {
-    auto mumps = std::make_unique<MumpsSolver>(D_);
-    const MumpsSolver* kept = mumps.get();
-    settle(std::move(mumps));
-    mumps_ = iterative_ ? nullptr : kept;
+    mumps_ = settle(std::make_unique<MumpsSolver>(D_), 0);
   }
 }
 
-void SolverChoice::iterate() {
-  auto solver = std::make_unique<ConjugateGradients>(D_);
+bool SolverChoice::iterate_if_quicker(const DirectWork& work, const std::string& direct, double solves,
+                                      std::string& times) {
+  const MPI_Comm comm = petsc::comm(D_);
+  const Price factor = price(comm, work);
+  const double most = affordable(factor, solves);
+  std::unique_ptr<ConjugateGradients> solver;
+  double seconds = 0;
+  try {
+    solver = std::make_unique<ConjugateGradients>(D_, solves);
+    seconds = solver->trial(most);
+  } catch (const SolverFailure&) { // no preconditioner
+    return false;
+  }
+  int quicker = seconds <= most;
+  MPI_Bcast(&quicker, 1, MPI_INT, 0, comm);
+  const std::string compared = fmt::format(
+      "for {:.0f} solves {:.2g} s by {}, {} by {}", solves, factor.total(solves), direct,
+      quicker ? fmt::format("{:.2g} s", iterative_price(seconds).total(solves)) : "more", solver->name());
+  if (quicker) {
+    const std::string why = fmt::format("{} (estimated {})", solver->name(), compared);
+    iterate(std::move(solver), why);
+  } else {
+    times = "; estimated " + compared;
+  }
+  return quicker != 0;
+}
+
+void SolverChoice::iterate(std::unique_ptr<ConjugateGradients> solver, const std::string& why) {
   iterative_ = solver.get();
-  choice_ = solver->name();
+  choice_ = why;
   linear_ = std::move(solver);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include "contact/pairs.h"
 #include "contact/solver/contact_step_solver.h"
+#include "forward/solver_prices.h"
 #include "linalg/sparse_cholesky.h"
 #include <memory>
 #include <string>
@@ -9,14 +10,18 @@ namespace signorini::forward {
 
 /// The solvers of a run's steps, as the scene's [solver] asks: a factorisation (CHOLMOD on one rank, MUMPS on
 /// several) with contact condensed to the candidates, or conjugate gradients where the factor would not fit
-/// the memory allowed.
+/// the memory allowed or would take clearly longer.
 class SolverChoice {
 public:
-  /// Estimates the factor's memory, chooses a solver and factorises. `pairs` is null without contact;
-  /// `sliding`: linearised or transposed steps are wanted. Collective. The references must outlive this
-  /// object. Throws SolverFailure.
-  SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene, bool sliding);
+  /// Estimates the factor's memory and time, chooses a solver and factorises. `pairs` is null without
+  /// contact; `sliding`: linearised or transposed steps are wanted; `solves`: expected, by which times are
+  /// compared, 0 to choose by memory alone. Collective, with the same choice on every rank. The references
+  /// must outlive this object. Throws SolverFailure.
+  SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene, bool sliding,
+               double solves = 0);
 
+  /// Whether D is not factorised.
+  [[nodiscard]] bool iterates() const { return iterative_ != nullptr; }
   /// Solves with D, for steps without contact.
   [[nodiscard]] const LinearSolver& linear() const { return *linear_; }
   /// Null without contact.
@@ -39,8 +44,11 @@ public:
   [[nodiscard]] Memory memory() const;
 
 private:
-  void factorise(const contact::ContactPairs* pairs, const scene::Solver& scene);
-  void iterate();
+  void factorise(const contact::ContactPairs* pairs, const scene::Solver& scene, double solves);
+  /// Compares times; where the solver named `direct` is kept, `times` says why.
+  bool iterate_if_quicker(const DirectWork& work, const std::string& direct, double solves,
+                          std::string& times);
+  void iterate(std::unique_ptr<ConjugateGradients> solver, const std::string& why);
   /// The solver that has D condensed or projected, as the linear solver allows.
   [[nodiscard]] std::unique_ptr<contact::ContactStepSolver> by_linear(const contact::ContactPairs& pairs,
                                                                       const scene::Solver& scene) const;

@@ -21,18 +21,23 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
   if (!scene.contacts.empty())
     pairs_.emplace(space, clamped_, scene.contacts, scene.time);
   petsc::Matrix D = fem::assemble_step_operator(space, scene.materials, grid_.tau);
+  scene::Solver solver = scene.solver;
+  if (needs.iterative)
+    solver.linear = scene::LinearMethod::iterative;
+  const double solves = needs.passes * scene.time.steps;
   if (std::ranges::any_of(scene.contacts, &scene::Contact::massless))
     move_mass(scene, D);
   if (pairs_ && scene.time.stabilized())
-    predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_, *pairs_,
-                       scene.solver, needs.sliding);
+    predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_, *pairs_, solver,
+                       needs.sliding, solves);
   R_ = fem::shifted(operators.A, D, 2 * Scheme{grid_.tau}.stiffness());
   thread_products(R_);
   thread_products(M());
   if (PrescribedMotion::in(scene.clamps))
     motion_.emplace(space, scene.clamps, D, grid_);
   clamped_diagonal_ = clamped_.decouple(D);
-  solver_.emplace(std::move(D), pairs(), scene.solver, needs.sliding);
+  fem::attach_rigid_motions(D, space);
+  solver_.emplace(std::move(D), pairs(), solver, needs.sliding, solves);
 }
 
 void Stepper::move_mass(const scene::Scene& scene, Mat D) {

@@ -53,9 +53,11 @@ struct AdjointStep {
 /// depends on its arguments alone; all scratch is in the workspace.
 class Stepper {
 public:
-  /// Which contact objects a run needs.
+  /// What a run needs, by which solvers are chosen.
   struct Needs {
-    bool sliding = false; ///< linearised or transposed steps
+    bool sliding = false;   ///< linearised or transposed steps
+    double passes = 0;      ///< over all steps, expected; 0: the solver is chosen by memory alone
+    bool iterative = false; ///< as the run did that this one goes on with
   };
 
   /// Assembles and factorises. Collective. The references must outlive this object. Throws UserError,

@@ -150,6 +150,19 @@ std::string CheckpointWriter::commit() {
   return broadcast(comm, failure_);
 }
 
+std::string checkpoint_text(MPI_Comm comm, const std::filesystem::path& file, const std::string& name) {
+  std::string text;
+  if (rank(comm) == 0) {
+    H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
+    const Opened in(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    const Opened table(in ? H5Dopen(in, name.c_str(), H5P_DEFAULT) : H5I_INVALID_HID, H5Dclose);
+    text.resize(table ? shape(table)[1] : 0);
+    if (!text.empty() && H5Dread(table, H5T_NATIVE_UCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0)
+      text.clear();
+  }
+  return broadcast(comm, text);
+}
+
 CheckpointReader::CheckpointReader(const control::ControlSpace& controls, const std::filesystem::path& file,
                                    std::string reason)
     : controls_(controls), file_(file), reason_(std::move(reason)), in_(H5I_INVALID_HID, H5Fclose) {

@@ -41,6 +41,10 @@ private:
   std::string failure_;              ///< on rank 0
 };
 
+/// A text of a checkpoint, empty where there is no such file or text. Collective.
+[[nodiscard]] std::string checkpoint_text(MPI_Comm comm, const std::filesystem::path& file,
+                                          const std::string& name);
+
 /// Reads what CheckpointWriter wrote, on any number of ranks. All members collective; all throw UserError
 /// where the file is missing or damaged.
 class CheckpointReader {

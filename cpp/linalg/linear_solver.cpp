@@ -5,12 +5,14 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 namespace signorini {
 using petsc::check;
 
 namespace {
 long& solves = count("solves with D");
+long& iterations_made = count("iterations of conjugate gradients");
 constexpr const char* prefix = "step_";
 constexpr double megabyte = 1e6; // the unit of INFOG(17) and INFOG(22)
 /// Relative residuals at which the judge is called: early, where most changes already show, and once more.
@@ -37,6 +39,17 @@ double MumpsSolver::estimate() const {
   PetscInt megabytes = 0;
   check(MatMumpsGetInfog(factor_, 17, &megabytes));
   return megabyte * static_cast<double>(megabytes);
+}
+
+FactorWork MumpsSolver::work() const {
+  constexpr double million =
+      1e6; // in which MUMPS counts what an integer has no room for, as a negative number
+  FactorWork work;
+  PetscInt entries = 0;
+  check(MatMumpsGetRinfog(factor_, 1, &work.flops));
+  check(MatMumpsGetInfog(factor_, 20, &entries));
+  work.entries = entries < 0 ? -million * static_cast<double>(entries) : static_cast<double>(entries);
+  return work;
 }
 
 void MumpsSolver::factorise() {
@@ -100,7 +113,7 @@ double MumpsSolver::bytes() const {
   return megabyte * static_cast<double>(megabytes);
 }
 
-ConjugateGradients::ConjugateGradients(Mat matrix) {
+ConjugateGradients::ConjugateGradients(Mat matrix, double solves) {
   check(KSPCreate(petsc::comm(matrix), ksp_.put()));
   check(KSPSetOperators(ksp_, matrix, matrix));
   check(KSPSetType(ksp_, KSPCG));
@@ -119,21 +132,38 @@ ConjugateGradients::ConjugateGradients(Mat matrix) {
   check(KSPGetTolerances(ksp_, &tolerance_, nullptr, nullptr, nullptr));
 
   projected_ = petsc::vector_of(matrix);
-  check(PCCreate(petsc::comm(matrix), preconditioner_.put()));
-  check(PCSetOperators(preconditioner_, matrix, matrix));
-  check(PCSetType(preconditioner_, PCPBJACOBI));
-  check(PCSetOptionsPrefix(preconditioner_, prefix));
-  check(PCSetFromOptions(preconditioner_));
-  check(PCSetUp(preconditioner_));
-  check(PCSetUpOnBlocks(preconditioner_));
-  PCFailedReason failed = PC_NOERROR;
-  check(PCGetFailedReason(preconditioner_, &failed));
-  if (failed != PC_NOERROR)
-    throw SolverFailure(fmt::format("the preconditioner of the step operator D could not be set up: {}",
-                                    PCFailedReasons[failed]));
-  PCType type = nullptr;
-  check(PCGetType(preconditioner_, &type));
-  name_ = fmt::format("CG with {}", type);
+  choose_preconditioner(matrix, solves);
+}
+
+void ConjugateGradients::choose_preconditioner(Mat matrix, double solves) {
+  // In iterations by block Jacobi, from the long steps of `./dev bench long-steps`: an iteration by
+  // multigrid, and its set-up.
+  constexpr double cycle = 12, setup = 600;
+  constexpr PetscInt few = 60; // multigrid takes five at least
+  preconditioner_ = std::make_unique<Preconditioner>(matrix, Preconditioner::Kind::block_jacobi);
+  if (Preconditioner::given_by_options())
+    return;
+  const PetscInt before = try_out({.solver = *this}).first;
+  if (before <= few || solves * static_cast<double>(before) < setup)
+    return;
+  auto multigrid = std::make_unique<Preconditioner>(matrix, Preconditioner::Kind::multigrid);
+  std::swap(preconditioner_, multigrid);
+  const auto [iterations, converged] = try_out({.solver = *this});
+  if (!converged ||
+      setup + solves * cycle * static_cast<double>(iterations) > solves * static_cast<double>(before))
+    std::swap(preconditioner_, multigrid);
+}
+
+std::pair<PetscInt, bool> ConjugateGradients::try_out(Solve solve) const {
+  const petsc::Vector x = petsc::zero_like(projected_), b = petsc::zero_like(projected_);
+  check(VecSet(b, 1));
+  solve.trial = true;
+  run(b, x, solve);
+  PetscInt iterations = 0;
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  check(KSPGetIterationNumber(ksp_, &iterations));
+  check(KSPGetConvergedReason(ksp_, &reason));
+  return {iterations, reason >= 0};
 }
 
 PetscErrorCode ConjugateGradients::precondition(PC shell, Vec x, Vec y) {
@@ -143,13 +173,13 @@ PetscErrorCode ConjugateGradients::precondition(PC shell, Vec x, Vec y) {
   const Solve& now = *static_cast<const Solve*>(context);
   const ConjugateGradients& self = now.solver;
   if (!now.project) {
-    PetscCall(PCApply(self.preconditioner_, x, y));
+    PetscCall(self.preconditioner_->apply(x, y));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   try {
     PetscCall(VecCopy(x, self.projected_));
     (*now.project)(self.projected_);
-    PetscCall(PCApply(self.preconditioner_, self.projected_, y));
+    PetscCall(self.preconditioner_->apply(self.projected_, y));
     (*now.project)(y);
   } catch (...) { // no exception may propagate through PETSc's C code
     PetscFunctionReturn(PETSC_ERR_LIB);
@@ -165,10 +195,15 @@ PetscErrorCode ConjugateGradients::converged(KSP ksp, PetscInt iteration, PetscR
   if (iteration == 0) // for a zero guess the residual measures the solution
     now.scale = std::max(now.scale, residual);
   const auto due = std::ranges::count_if(judged_at, [&](double at) { return residual <= at * now.scale; });
+  int late = now.until && Clock::now() > *now.until;
+  if (now.until)
+    MPI_Bcast(&late, 1, MPI_INT, 0, PetscObjectComm(reinterpret_cast<PetscObject>(ksp)));
   if (!std::isfinite(residual)) {
     *reason = KSP_DIVERGED_NANORINF;
   } else if (residual <= now.solver.tolerance_ * now.scale) {
     *reason = KSP_CONVERGED_RTOL;
+  } else if (late) {
+    *reason = KSP_DIVERGED_ITS;
   } else if (now.judge && due > now.asked) {
     now.asked = due;
     Vec x = nullptr;
@@ -195,6 +230,18 @@ bool ConjugateGradients::solve(Vec b, Vec x, const Projector& project, const Jud
   return !solve.stopped;
 }
 
+double ConjugateGradients::trial(double most) const {
+  check(KSPSetUp(ksp_));
+  const Clock::time_point start = Clock::now();
+  Solve solve{.solver = *this};
+  solve.until = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(most));
+  if (!try_out(solve).second)
+    return std::numeric_limits<double>::infinity();
+  double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  MPI_Bcast(&seconds, 1, MPI_DOUBLE, 0, petsc::comm(projected_));
+  return seconds;
+}
+
 void ConjugateGradients::run(Vec b, Vec x, Solve& solve) const {
   PC shell = nullptr;
   check(KSPGetPC(ksp_, &shell));
@@ -202,30 +249,22 @@ void ConjugateGradients::run(Vec b, Vec x, Solve& solve) const {
   check(KSPSetConvergenceTest(ksp_, converged, &solve, nullptr));
   solve.scale = std::sqrt(std::abs(petsc::dot(b, x))); // energy norm of the guess: x·b ≈ x·Dx
   check(KSPSolve(ksp_, b, x));
+  if (solve.trial)
+    return;
   count_solves();
+  PetscInt iterations = 0;
+  check(KSPGetIterationNumber(ksp_, &iterations));
+  iterations_made += iterations;
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   check(KSPGetConvergedReason(ksp_, &reason));
   if (reason >= 0)
     return;
-  PetscInt iterations = 0;
   PetscReal residual = 0;
-  check(KSPGetIterationNumber(ksp_, &iterations));
   check(KSPGetResidualNorm(ksp_, &residual));
   throw SolverFailure(
       fmt::format("the solve with the step operator D by {} failed: {}, residual {:.3e} of {:.3e} after {} "
                   "iterations",
-                  name_, KSPConvergedReasons[reason], residual, solve.scale, static_cast<int>(iterations)));
-}
-
-double ConjugateGradients::bytes() const {
-  // Block Jacobi stores one block per node; PETSc does not report the memory of preconditioners that options
-  // may choose instead.
-  Mat matrix = nullptr;
-  PetscInt rows = 0, block = 1;
-  check(KSPGetOperators(ksp_, &matrix, nullptr));
-  check(MatGetSize(matrix, &rows, nullptr));
-  check(MatGetBlockSize(matrix, &block));
-  return sizeof(PetscScalar) * static_cast<double>(rows) * static_cast<double>(block);
+                  name(), KSPConvergedReasons[reason], residual, solve.scale, static_cast<int>(iterations)));
 }
 
 } // namespace signorini

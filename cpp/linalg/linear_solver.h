@@ -1,7 +1,11 @@
 #pragma once
-#include "base/petsc.h"
+#include "linalg/preconditioner.h"
+#include <chrono>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 namespace signorini {
 
@@ -24,6 +28,12 @@ protected:
   static void count_solves(long made = 1);
 };
 
+/// What a factorisation takes, as its analysis says.
+struct FactorWork {
+  double flops = 0;   ///< of the factorisation
+  double entries = 0; ///< of the factor
+};
+
 /// Factorisation by MUMPS on any number of ranks. PETSc options with the prefix `-step_` are honoured.
 class MumpsSolver final : public LinearSolver {
 public:
@@ -35,6 +45,9 @@ public:
 
   /// Memory of the factorisation on all ranks as estimated by the analysis, bytes. Collective.
   [[nodiscard]] double estimate() const;
+
+  /// Collective.
+  [[nodiscard]] FactorWork work() const;
 
   /// Computes the factor; to be called once before solve(). Collective. Throws SolverFailure.
   void factorise();
@@ -54,10 +67,11 @@ private:
   petsc::Matrix matrix_, factor_;
 };
 
-/// Preconditioned conjugate gradients; the preconditioner, set up once, is block Jacobi with one block per
-/// node, which does not depend on the number of ranks. PETSc options with the prefix `-step_` are honoured,
-/// except for the convergence test: the residual in the norm of the preconditioner (natural norm), about the
-/// energy norm of the error, must fall below tolerance() times the energy norm of the solution.
+/// Preconditioned conjugate gradients; the preconditioner, set up once, is block Jacobi, or multigrid where a
+/// trial takes so many fewer iterations by it that so many solves take less work. PETSc options with the
+/// prefix `-step_` are honoured, except for the convergence test: the residual in the norm of the
+/// preconditioner (natural norm), about the energy norm of the error, must fall below tolerance() times the
+/// energy norm of the solution.
 class ConjugateGradients final : public LinearSolver {
 public:
   /// Orthogonal projector onto a subspace of vectors, in place.
@@ -65,8 +79,8 @@ public:
   /// Inspects an iterate and returns whether to continue.
   using Judge = std::function<bool(Vec)>;
 
-  /// `matrix` must outlive this object unchanged. Collective. Throws SolverFailure.
-  explicit ConjugateGradients(Mat matrix);
+  /// `matrix` must outlive this object unchanged; `solves`: expected. Collective. Throws SolverFailure.
+  explicit ConjugateGradients(Mat matrix, double solves = 1);
   ConjugateGradients(const ConjugateGradients&) = delete; // PETSc holds its address
   ConjugateGradients& operator=(const ConjugateGradients&) = delete;
 
@@ -77,33 +91,43 @@ public:
   /// Collective. Throws SolverFailure.
   bool solve(Vec b, Vec x, const Projector& project, const Judge& judge) const;
 
+  /// Seconds of a solve for equal forces in all unknowns from zero, infinity if it does not end within `most`
+  /// seconds; by the clock of rank 0, the same on every rank. Collective.
+  [[nodiscard]] double trial(double most) const;
+
   /// Relative tolerance of a solve (-step_ksp_rtol).
   [[nodiscard]] double tolerance() const { return tolerance_; }
 
-  [[nodiscard]] std::string name() const override { return name_; }
-  [[nodiscard]] double bytes() const override;
+  [[nodiscard]] std::string name() const override { return "CG with " + preconditioner_->name(); }
+  [[nodiscard]] double bytes() const override { return preconditioner_->bytes(); }
 
 private:
+  using Clock = std::chrono::steady_clock;
+
   /// State of one solve.
   struct Solve {
     const ConjugateGradients& solver;
     const Projector* project = nullptr;
     const Judge* judge = nullptr;
-    std::ptrdiff_t asked = 0; ///< residuals of judged_at passed at the last call of the judge
-    bool stopped = false;     ///< by the judge
-    double scale = 0;         ///< norm of the solution to which residuals are relative
+    std::ptrdiff_t asked = 0;                 ///< residuals of judged_at passed at the last call of the judge
+    bool stopped = false;                     ///< by the judge
+    double scale = 0;                         ///< norm of the solution to which residuals are relative
+    std::optional<Clock::time_point> until{}; ///< end of a trial
+    bool trial = false; ///< neither counted, nor is it a failure if it ends without a solution
   };
 
   static PetscErrorCode precondition(PC shell, Vec x, Vec y);
   static PetscErrorCode converged(KSP ksp, PetscInt iteration, PetscReal residual, KSPConvergedReason* reason,
                                   void* context);
+  void choose_preconditioner(Mat matrix, double solves);
+  /// A solve for equal forces in all unknowns from zero. Returns the iterations, and whether it converged.
+  std::pair<PetscInt, bool> try_out(Solve solve) const;
   void run(Vec b, Vec x, Solve& solve) const;
 
   petsc::LinearSolver ksp_;
-  petsc::Preconditioner preconditioner_;
+  std::unique_ptr<Preconditioner> preconditioner_;
   petsc::Vector projected_;
   double tolerance_ = 0;
-  std::string name_;
 };
 
 } // namespace signorini

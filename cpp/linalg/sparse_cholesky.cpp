@@ -230,6 +230,11 @@ double SparseCholesky::estimate() const {
          (L.is_super ? static_cast<double>(L.xsize + L.maxcsize) * entry : c_->common.lnz * (entry + index));
 }
 
+FactorWork SparseCholesky::work() const {
+  const cholmod_factor& L = *c_->factor;
+  return {.flops = c_->common.fl, .entries = L.is_super ? static_cast<double>(L.xsize) : c_->common.lnz};
+}
+
 void SparseCholesky::factorise() {
   if (!possible_)
     throw SolverFailure(

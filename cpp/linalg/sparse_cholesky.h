@@ -25,6 +25,9 @@ public:
   /// Memory of the factorisation by the count of its entries, bytes; a lower bound if it is not possible().
   [[nodiscard]] double estimate() const;
 
+  /// Of a factorisation that is possible().
+  [[nodiscard]] FactorWork work() const;
+
   /// Computes the factor; to be called once before solves. Throws SolverFailure.
   void factorise();
 

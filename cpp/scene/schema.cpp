@@ -362,8 +362,10 @@ Keys<Solver> keys_of(Of<Solver>) {
       value("vi", &Solver::vi, Choice<ViMethod>{}, "",
             "inequalities in the m candidates; or `\"full\"`: by PETSc's VI solver on all unknowns, the "
             "reference"),
-      value("linear", &Solver::linear, Choice<LinearMethod>{}, "",
-            "conjugate gradients are `\"iterative\"`; `\"auto\"`: direct if the factor of D fits `memory`"),
+      value(
+          "linear", &Solver::linear, Choice<LinearMethod>{}, "",
+          "conjugate gradients are `\"iterative\"`; `\"auto\"`: direct if the factor of D fits `memory` and "
+          "conjugate gradients are not estimated to take clearly less time"),
       value("memory", &Solver::memory, Number{not_negative}, "bytes",
             "for the factor of D and the matrices of contact",
             {.otherwise = "half of the machine's", .part = Part::measurement})};

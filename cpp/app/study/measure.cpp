@@ -237,7 +237,7 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& sample
   const double before = resident_memory(); // such as the samples of other rungs
   Measured measured;
   Timers timers;
-  const Problem problem(comm, scene, {.sliding = scene.objective.has_value()}, timers);
+  const Problem problem(comm, scene, study_needs(scene), timers);
   measured.unknowns = problem.free_dofs();
   Watch watch(problem, samples, wanted);
   const auto peak = [&] {

@@ -1,0 +1,70 @@
+#include "forward/solver_prices.h"
+#include "base/collective.h"
+#include "contact_parts.h"
+#include "linalg/machine_rates.h"
+#include <catch2/catch_test_macros.hpp>
+#include <cmath>
+
+using namespace signorini;
+using test::Parts;
+
+TEST_CASE("rates of the machine are positive and the same on every rank", "[forward]") {
+  const MachineRates rates = measure_rates(MPI_COMM_WORLD, 1e7);
+  for (double rate : {rates.flops, rates.bytes}) {
+    CHECK(rate > 0);
+    for (double other : gather(MPI_COMM_WORLD, std::vector<double>{rate}))
+      CHECK(other == rate);
+  }
+}
+
+TEST_CASE("two packages agree on the work of a factorisation", "[forward]") {
+  if (ranks(MPI_COMM_WORLD) > 1)
+    return; // CHOLMOD factorises on one rank
+  const Parts parts({"mesh.size=0.01"});
+  const FactorWork mumps = MumpsSolver(parts.D).work(), cholmod = SparseCholesky(parts.D, {}).work();
+  REQUIRE(cholmod.entries > 1e5);
+  // They order the unknowns each in its own way, and MUMPS stores and works on whole fronts.
+  CHECK(std::abs(std::log(mumps.entries / cholmod.entries)) < std::log(3));
+  CHECK(std::abs(std::log(mumps.flops / cholmod.flops)) < std::log(3));
+}
+
+TEST_CASE("a trial of conjugate gradients ends in time, and counts no solve", "[forward]") {
+  const Parts parts({"mesh.size=0.05"});
+  const ConjugateGradients D(parts.D);
+  const double seconds = D.trial(1e9);
+  CHECK(seconds > 0);
+  CHECK(std::isfinite(seconds));
+  for (double other : gather(MPI_COMM_WORLD, std::vector<double>{seconds}))
+    CHECK(other == seconds);
+  CHECK(std::isinf(D.trial(0)));
+  const petsc::Vector r = parts.pressing(0); // and the next solve is none
+  petsc::Vector x = parts.space.vector(), back = parts.space.vector();
+  D.solve(r, x);
+  petsc::check(MatMult(parts.D, x, back));
+  CHECK(test::difference(back, r) < 1e-9 * test::largest(r));
+}
+
+TEST_CASE("the more solves, the less may one of conjugate gradients take", "[forward]") {
+  const forward::Price direct{.setup = 30, .solve = 0.1};
+  double before = forward::affordable(direct, 1);
+  for (double solves : {10., 100., 1e3, 1e4, 1e6}) {
+    const double most = forward::affordable(direct, solves);
+    CHECK(most < before);
+    // At that price they are clearly quicker on the whole, and in the end in each solve.
+    CHECK(forward::iterative_price(most).total(solves) < direct.total(solves) / 1.1);
+    before = most;
+  }
+  CHECK(before < direct.solve);
+}
+
+TEST_CASE("a small factorisation is not compared by the clock", "[forward]") {
+  const Parts parts({"mesh.size=0.02"});
+  const FactorWork work = MumpsSolver(parts.D).work();
+  CHECK(forward::DirectWork(work, parts.pairs.count(), 0).small());
+  CHECK(forward::DirectWork(work, parts.pairs.count(), 2.0 * parts.pairs.count()).small());
+  CHECK_FALSE(forward::DirectWork(work, 1e4, 0).small()); // for its candidates
+  CHECK_FALSE(forward::DirectWork(work, 1e4, 2e4).small());
+  const forward::SolverChoice solver(Parts::copy(parts.D), &parts.pairs, parts.scene.solver, true, 1e6);
+  CHECK_FALSE(solver.iterates());
+  CHECK(solver.choice() == parts.solver.choice());
+}
