@@ -32,9 +32,11 @@ CompactControl::CompactControl(const Control& u) : count_(u.count()), steps_(u.s
   for (double x : u.values())
     largest = std::max(largest, std::abs(x));
   scale_ = power_above(largest);
-  values_->reserve(u.values().size());
+  std::vector<float> values;
+  values.reserve(u.values().size());
   for (double x : u.values())
-    values_->push_back(static_cast<float>(x / scale_));
+    values.push_back(static_cast<float>(x / scale_));
+  values_ = SharedArray(std::move(values));
 }
 
 void CompactControl::combine(std::vector<CompactControl>& x,
@@ -49,9 +51,9 @@ void CompactControl::combine(std::vector<CompactControl>& x,
     for (std::size_t i = 0; i < n; ++i)
       scaled[j * n + i] = factors[j][i] * x[i].scale_ / scales[j];
   }
+  std::vector<std::span<float>> results;
   for (std::size_t j = 0; j < m; ++j) {
-    if (x[j].values_.use_count() > 1)
-      x[j].values_ = std::make_shared<std::vector<float>>(*x[j].values_);
+    results.push_back(x[j].values_.write());
     x[j].scale_ = scales[j];
   }
   constexpr std::size_t rows = 512; // some of all controls, in double precision, fit into the cache
@@ -65,13 +67,13 @@ void CompactControl::combine(std::vector<CompactControl>& x,
       before.insert(before.end(), &one.values()[first], &one.values()[first] + size);
     multiply(before, scaled, after, n);
     for (std::size_t j = 0; j < m; ++j)
-      std::copy_n(&after[j * size], size, x[j].values_->begin() + static_cast<std::ptrdiff_t>(first));
+      std::copy_n(&after[j * size], size, results[j].begin() + static_cast<std::ptrdiff_t>(first));
   }
   x.resize(m);
 }
 
 Control::Control(const CompactControl& u)
-    : values_(u.values().begin(), u.values().end()),
+    : values_(std::vector<double>(u.values().begin(), u.values().end())),
       size_(u.values().size() / static_cast<std::size_t>(u.count())), count_(u.count()), steps_(u.steps()) {
   scale(u.scale());
 }
@@ -92,11 +94,12 @@ void Control::add(std::span<const double> a, std::span<const CompactControl> x) 
   std::vector<double> factors(x.size());
   for (std::size_t i = 0; i < x.size(); ++i)
     factors[i] = a[i] * x[i].scale();
-  const std::size_t blocks = (values_.size() + block - 1) / block;
+  const std::span<double> sum = values();
+  const std::size_t blocks = (sum.size() + block - 1) / block;
 #pragma omp parallel for schedule(static) if (blocks * x.size() >= worth_threads)
   for (std::size_t b = 0; b < blocks; ++b) {
-    const std::size_t first = b * block, size = std::min(block, values_.size() - first);
-    signorini::add(factors, beginnings(x, first), values().subspan(first, size));
+    const std::size_t first = b * block, size = std::min(block, sum.size() - first);
+    signorini::add(factors, beginnings(x, first), sum.subspan(first, size));
   }
 }
 

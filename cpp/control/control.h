@@ -1,4 +1,5 @@
 #pragma once
+#include "base/shared_array.h"
 #include "fem/operators.h"
 #include "forward/load.h"
 #include "linalg/blas.h"
@@ -13,7 +14,8 @@ namespace signorini::control {
 class CompactControl;
 
 /// A control u, constant on (t_{k−1}, t_k): the values of this rank in one array, step by step
-/// (count × values); count is N, or 1 for a control that is constant in time.
+/// (count × values); count is N, or 1 for a control that is constant in time. Copies share the values until
+/// one is changed: a search, its problem and their callers hold the same controls.
 class Control {
 public:
   /// The same rounded control.
@@ -21,38 +23,39 @@ public:
 
   /// Zero. `size`: values of a step on this rank. `count`: steps whose values differ, 1 or N.
   Control(std::size_t size, int count, int steps)
-      : values_(size * static_cast<std::size_t>(count)), size_(size), count_(count), steps_(steps) {}
+      : values_(std::vector<double>(size * static_cast<std::size_t>(count))), size_(size), count_(count),
+        steps_(steps) {}
 
   /// u_k (values), k = 1…N.
-  [[nodiscard]] std::span<const double> at(int k) const { return {values_.data() + begin(k), size_}; }
-  [[nodiscard]] std::span<double> at(int k) { return {values_.data() + begin(k), size_}; }
+  [[nodiscard]] std::span<const double> at(int k) const { return values().subspan(begin(k), size_); }
+  [[nodiscard]] std::span<double> at(int k) { return values().subspan(begin(k), size_); }
   /// All of them (count × values).
-  [[nodiscard]] std::span<const double> values() const { return values_; }
-  [[nodiscard]] std::span<double> values() { return values_; }
+  [[nodiscard]] std::span<const double> values() const { return values_.read(); }
+  [[nodiscard]] std::span<double> values() { return values_.write(); }
   /// N.
   [[nodiscard]] int steps() const { return steps_; }
   /// Steps whose values differ: 1 or N.
   [[nodiscard]] int count() const { return count_; }
 
   /// this += a x.
-  void add(double a, const Control& x) { axpy(a, x.values_, values_); }
+  void add(double a, const Control& x) { axpy(a, x.values(), values()); }
   /// this += Σ_i a_i x_i, in one pass over this.
   void add(std::span<const double> a, std::span<const CompactControl> x);
-  void scale(double a) { signorini::scale(a, values_); }
+  void scale(double a) { signorini::scale(a, values()); }
 
 private:
   [[nodiscard]] std::size_t begin(int k) const {
     return count_ == 1 ? 0 : size_ * (static_cast<std::size_t>(k) - 1);
   }
 
-  std::vector<double> values_;
+  SharedArray<double> values_;
   std::size_t size_;
   int count_, steps_;
 };
 
 /// A control rounded to single precision, in half of its room: a search stores many, of which it takes
 /// combinations in double precision. The values are those in values() times scale(), a power of two, so that
-/// controls in any units fit. Copies share the values, so that the state of a search is cheap to copy.
+/// controls in any units fit. Copies share the values too.
 class CompactControl {
 public:
   /// Of no value.
@@ -64,13 +67,13 @@ public:
   static void combine(std::vector<CompactControl>& x, const std::vector<std::vector<double>>& factors);
 
   /// As those of a control (count × values), none larger than one in modulus.
-  [[nodiscard]] std::span<const float> values() const { return *values_; }
+  [[nodiscard]] std::span<const float> values() const { return values_.read(); }
   [[nodiscard]] double scale() const { return scale_; }
   [[nodiscard]] int steps() const { return steps_; }
   [[nodiscard]] int count() const { return count_; }
 
 private:
-  std::shared_ptr<std::vector<float>> values_ = std::make_shared<std::vector<float>>(); ///< copied on write
+  SharedArray<float> values_;
   double scale_ = 1;
   int count_ = 1, steps_ = 1;
 };

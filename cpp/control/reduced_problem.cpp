@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/signals.h"
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace signorini::control {
@@ -29,6 +30,7 @@ ReducedProblem::ReducedProblem(const forward::Stepper& stepper, const ControlSpa
                                Timers& timers)
     : stepper_(stepper), controls_(controls), objective_(objective), initial_(initial), load_(load),
       storage_(storage), timers_(timers), work_(stepper.workspace()), current_(point()), trial_(point()) {
+  trial_->u = current_->u; // shared
   ++problems;
 }
 
@@ -174,7 +176,7 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
 }
 
 Control ReducedProblem::l2_hessian_product(const Control& d) {
-  Control h = controls_.zero();
+  std::optional<Control> h;
   integrate_linearised(d, [&](forward::TimeIntegrator& integrator) {
     const std::unique_ptr<forward::StateStore> dy = storage_.place(integrator);
     make_linearised_steps(integrator, [&](const forward::State& state) { dy->keep(state); });
@@ -182,7 +184,7 @@ Control ReducedProblem::l2_hessian_product(const Control& d) {
     const SecondDerivative second(objective_, linearised);
     h = riesz(current_->trajectory.contact(), {stepper_.space(), second}, objective_.alpha(), d);
   });
-  return h;
+  return *std::move(h);
 }
 
 Control ReducedProblem::hessian_product(const Control& d) {

@@ -136,7 +136,7 @@ ConjugateGradients::ConjugateGradients(Mat matrix, double solves) {
 }
 
 void ConjugateGradients::choose_preconditioner(Mat matrix, double solves) {
-  // In iterations by block Jacobi, from the long steps of `./dev bench long-steps`: an iteration by
+  // In iterations by block Jacobi, from the long steps of `./dev bench courant`: an iteration by
   // multigrid, and its set-up.
   constexpr double cycle = 12, setup = 600;
   constexpr PetscInt few = 60; // multigrid takes five at least

@@ -86,12 +86,17 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   Timers timers;
   const Problem problem(MPI_COMM_WORLD, scene, {.sliding = true}, timers);
   const int steps = problem.steps();
-  const double setup_peak = total(peak_memory());
+  const double setup_peak = total(peak_memory()), setup_resident = total(resident_memory());
   ControlProblem control_problem(problem, Console(false, false));
   control::ReducedProblem& reduced = control_problem.reduced;
   const control::Control u = control_problem.first_guess(scene);
   const control::ControlForce force(control_problem.controls, u);
   const forward::ForceAtStep load = problem.load(&force), floor_load = problem.load(&force);
+
+  reduced.simulate(u); // first, while nothing else takes memory
+  reduced.accept();
+  control::Control gradient = reduced.l2_gradient();
+  const double gradient_peak = total(peak_memory());
 
   const test::Recorded motion(problem, load);
   Least forward(steps), adjoint(steps), solve(steps), products(steps), adjoint_floor(steps);
@@ -110,7 +115,6 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
       watch.lap();
     });
   }
-  control::Control gradient = control_problem.controls.zero();
   const test::Displacements states(motion.y);
   const control::Derivative derivative(control_problem.objective, states);
   forward::Stepper::Workspace work = problem.stepper.workspace();
@@ -186,7 +190,9 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
                   {"operators", operators},
                   {"condensation", memory.condensation},
                   {"trajectory", trajectory_bytes},
+                  {"resident_after_setup", setup_resident},
                   {"peak_after_setup", setup_peak},
+                  {"peak_of_gradient", gradient_peak},
                   {"peak", peak}};
   return out;
 }

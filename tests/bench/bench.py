@@ -118,17 +118,17 @@ def print_steps(rows: list[dict]) -> None:
 
 
 def print_costs(rows: list[dict]) -> None:
-    print("\n    size  unknowns  ranks   ms per step: forward  adjoint   setup s: mesh  assembly  solver   MB: factor  operators"
-          "  condensation  trajectory    rest    peak")  # fmt: skip
+    print("\n    size  unknowns  ranks   ms per step: forward  adjoint   setup s: mesh  assembly  solver   MB of a gradient: factor"
+          "  operators  condensation  mesh and program  six motions    peak  rest, %")  # fmt: skip
     for r in rows:
         s, t, b = r["seconds"], r["setup_seconds"], r["bytes"]
-        parts = ("factor", "operators", "condensation", "trajectory")
-        megabytes = [b[k] / 1e6 for k in parts]
-        megabytes += [b["peak"] / 1e6 - sum(megabytes), b["peak"] / 1e6]
+        solver = [b[k] / 1e6 for k in ("factor", "operators", "condensation")]
+        mesh, motions = b["resident_after_setup"] / 1e6 - sum(solver), 6 * b["trajectory"] / 1e6
+        peak = b["peak_of_gradient"] / 1e6
+        rest = 100 * (peak - sum(solver) - mesh - motions) / peak
         print(f"{r['size']:8g}  {r['free_unknowns']:8d}  {r['ranks']:5d}  {1e3 * s['forward_step']:21.3f}"
               f"  {1e3 * s['adjoint_step']:7.3f}  {t['mesh']:14.2f}  {t['assembly']:8.2f}  {t['solver']:6.2f}"
-              f"  {megabytes[0]:11.1f}  {megabytes[1]:9.1f}  {megabytes[2]:12.1f}  {megabytes[3]:10.1f}  {megabytes[4]:6.0f}"
-              f"  {megabytes[5]:6.0f}")  # fmt: skip
+              f"  {solver[0]:24.1f}  {solver[1]:9.1f}  {solver[2]:12.1f}  {mesh:16.0f}  {motions:11.0f}  {peak:6.0f}  {rest:7.1f}")  # fmt: skip
 
 
 def print_growth(rows: list[dict]) -> None:

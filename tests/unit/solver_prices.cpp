@@ -68,3 +68,21 @@ TEST_CASE("a small factorisation is not compared by the clock", "[forward]") {
   CHECK_FALSE(solver.iterates());
   CHECK(solver.choice() == parts.solver.choice());
 }
+
+TEST_CASE("conjugate gradients take multigrid for long steps alone, and find the same", "[forward]") {
+  for (const bool is_long : {false, true}) {
+    INFO("long steps: " << is_long);
+    const Parts parts({"mesh.size=0.02", is_long ? "time.step=20" : "time.step=0.002",
+                       is_long ? "time.end=200" : "time.end=0.02"});
+    fem::attach_rigid_motions(parts.D, parts.space);
+    constexpr double solves = 100;
+    const ConjugateGradients D(parts.D, solves);
+    CHECK(D.name() == (is_long ? "CG with gamg" : "CG with pbjacobi"));
+    CHECK(D.bytes() > 0);
+    const petsc::Vector y = test::smooth(parts.space, 1);
+    petsc::Vector r = petsc::zero_like(y), x = petsc::zero_like(y);
+    petsc::check(MatMult(parts.D, y, r));
+    D.solve(r, x);
+    CHECK(test::difference(x, y) < 1e-8 * test::largest(y)); // 1e-12 of the energy norm, by the condition
+  }
+}

@@ -1,0 +1,31 @@
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace signorini {
+
+/// An array whose copies share the values until one of them is written, so that copies cost nothing. A span
+/// for writing is good until the array is next copied. Not for writing from several threads.
+template <class T>
+class SharedArray {
+public:
+  /// Without values.
+  SharedArray() : SharedArray(std::vector<T>()) {}
+  explicit SharedArray(std::vector<T> values)
+      : values_(std::make_shared<std::vector<T>>(std::move(values))) {}
+
+  [[nodiscard]] std::span<const T> read() const { return *values_; }
+  [[nodiscard]] std::span<T> write() {
+    if (values_.use_count() > 1)
+      values_ = std::make_shared<std::vector<T>>(*values_);
+    return *values_;
+  }
+
+private:
+  std::shared_ptr<std::vector<T>> values_;
+};
+
+} // namespace signorini
