@@ -173,11 +173,10 @@ forward::Stepper::Needs needs(MPI_Comm comm, const scene::Scene& scene, const st
   forward::Stepper::Needs needs = search_needs(scene);
   const std::string before =
       resume ? io::checkpoint_text(comm, out / OptimizerLog::checkpoint, OptimizerLog::solver) : "";
-  if (!before.empty()) {
+  needs.iterative =
+      scene.solver.linear == scene::LinearMethod::automatic && before == OptimizerLog::iterative;
+  if (!before.empty() && !needs.iterative)
     needs.passes = 0;
-    needs.iterative =
-        scene.solver.linear == scene::LinearMethod::automatic && before == OptimizerLog::iterative;
-  }
   return needs;
 }
 
