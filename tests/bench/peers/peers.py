@@ -1,4 +1,4 @@
-"""Milliseconds per forward step of the half disc, of signorini and of its peers, on the same mesh and one thread.
+"""Milliseconds per forward step of the half disc, of signorini and of its peers, on the same mesh, nothing stored between steps.
 
 usage: ./dev bench peers [SIZE …] [--repeats N] [--only PROGRAM[@SIZE] …] [--json FILE]    (sizes in m, default 0.5 0.25)
 
@@ -11,6 +11,8 @@ import csv
 import json
 import os
 import re
+import shutil
+import statistics
 import subprocess
 import tempfile
 import tomllib
@@ -85,8 +87,9 @@ def run(command: list[object], **environment: str) -> str:
 class Bench:
     """One mesh and what the programs need to run on it."""
 
-    def __init__(self, size: float, folder: Path) -> None:
+    def __init__(self, size: float, folder: Path, threads: int) -> None:
         self.folder = folder
+        self.threads = {"OMP_NUM_THREADS": str(threads), "OPENBLAS_NUM_THREADS": str(threads)}
         self.mesh = folder / "half-disc.msh"
         run(["gmsh", "-2", GEOMETRY, "-setnumber", "Mesh.MeshSizeMin", size, "-setnumber", "Mesh.MeshSizeMax", size,
              "-format", "msh22", "-o", self.mesh])  # fmt: skip
@@ -104,18 +107,26 @@ class Bench:
         file = self.folder / program
         if program in FREEFEM:
             out = run(["FreeFem++-nw", "-nw", "-v", 0, HERE / "half_disc.edp", self.mesh, file, *self.groups, FREEFEM[program]],
-                      FF_LOADPATH="/usr/lib/freefem++")  # fmt: skip
+                      FF_LOADPATH="/usr/lib/freefem++", **self.threads)  # fmt: skip
             return float(re.search(r"^(\S+) \d+$", out, re.MULTILINE)[1])  # plugins print too
         if program == "getfem":
-            out = run(["python3", HERE / "half_disc_getfem.py", self.mesh, file, *self.groups])
+            out = run(["python3", HERE / "half_disc_getfem.py", self.mesh, file, *self.groups], **self.threads)
             return float(out.split()[-2])
-        run(["signorini", "simulate", self.scene, "--quiet", "--out", file, "--set", f'mesh.file="{self.mesh}"',
-             "--set", 'control.initial=["0", "-1"]', "--set", f'solver.vi="{program}"', "--set", "output.every=1"])  # fmt: skip
+        return self.simulate(program, "output.fields=[]", "output.tables=[]", 'run.invariants="off"')
+
+    def simulate(self, program: str, *settings: str) -> float:
+        """Seconds of all steps of signorini."""
+        file = self.folder / program
+        shutil.rmtree(file, ignore_errors=True)
+        keys = [f'mesh.file="{self.mesh}"', 'control.initial=["0", "-1"]', f'solver.vi="{program}"', *settings]
+        run(["signorini", "simulate", self.scene, "--quiet", "--out", file, *(w for key in keys for w in ("--set", key))], **self.threads)
         return json.loads((file / "run.json").read_text())["timings"]["forward"]["seconds"]
 
     def motion(self, program: str) -> Motion:
-        """Of the last run."""
+        """Of the last run; of signorini, of one more that stores it."""
         file = self.folder / program
+        if program not in FREEFEM and program != "getfem":
+            self.simulate(program, "output.every=1")
         if program in FREEFEM:
             length = int(np.fromfile(file, np.int64, 1)[0])  # stands before every row
             return Motion.of_rows(np.fromfile(file).reshape(-1, length + 1)[:, 1:])
@@ -135,17 +146,18 @@ class Bench:
         return Contact(table[0, :, :2], table[:, :, 2] > 0)
 
 
-def measure(size: float, programs: list[str], repeats: int) -> list[dict]:
-    """One row of results per program, the reference first."""
+def measure(size: float, programs: list[str], repeats: int, threads: int) -> list[dict]:
+    """One row of results per program, the reference first; their runs take turns."""
     rows = []
     with tempfile.TemporaryDirectory() as folder:
-        bench = Bench(size, Path(folder))
-        for program in programs:
-            milliseconds = 1e3 / bench.steps * min(bench.seconds(program) for _ in range(repeats))
+        bench = Bench(size, Path(folder), threads)
+        turns = [[1e3 / bench.steps * bench.seconds(program) for program in programs] for _ in range(repeats)]
+        for program, times in zip(programs, zip(*turns)):
+            milliseconds = min(times)
             motion = bench.motion(program)
             if program == REFERENCE:
                 first, reference, contact = milliseconds, motion, bench.contact()
-            rows.append({"size": size, "nodes": len(motion.points), "program": TITLES[program], "ms_per_step": milliseconds,
+            rows.append({"size": size, "nodes": len(motion.points), "program": TITLES[program], "ms_per_step": milliseconds, "median": statistics.median(times),
                          "ratio": milliseconds / first, "relative_difference": motion.difference(reference),
                          "same_active_sets": contact.same(motion, bench.plane)})  # fmt: skip
             print(line(rows[-1]), flush=True)
@@ -153,14 +165,15 @@ def measure(size: float, programs: list[str], repeats: int) -> list[dict]:
 
 
 def line(row: dict) -> str:
-    return (f"{row['size']:6g}  {row['nodes']:7d}  {row['program']:22s}  {row['ms_per_step']:9.3f}  {row['ratio']:6.2f}"
+    return (f"{row['size']:6g}  {row['nodes']:7d}  {row['program']:22s}  {row['ms_per_step']:9.3f}  {row['median']:9.3f}  {row['ratio']:6.2f}"
             f"  {row['relative_difference']:10.1e}  {'same' if row['same_active_sets'] else 'differ'}")  # fmt: skip
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="./dev bench peers", description=__doc__.split("\n")[0])
     parser.add_argument("sizes", nargs="*", type=float, default=[0.5, 0.25], metavar="SIZE", help="element size, m")
-    parser.add_argument("--repeats", type=int, default=3, metavar="N", help="runs of each program, of which the best counts")
+    parser.add_argument("--repeats", type=int, default=3, metavar="N", help="runs of each program, in turn, of which the best counts")
+    parser.add_argument("--threads", type=int, default=1, metavar="N")
     parser.add_argument("--only", nargs="+", metavar="PROGRAM[@SIZE]", help=f"of {', '.join(TITLES)}; {REFERENCE} always runs")
     parser.add_argument("--json", type=Path, metavar="FILE", help="where the table goes too")
     given = parser.parse_args()
@@ -171,8 +184,8 @@ def main() -> int:
     def wanted(program: str, size: float) -> bool:
         return given.only is None or program == REFERENCE or bool({program, f"{program}@{size:g}"} & set(given.only))
 
-    print("  size    nodes  program                   ms/step   ratio  difference  active sets")
-    rows = [row for size in given.sizes for row in measure(size, [p for p in TITLES if wanted(p, size)], given.repeats)]
+    print("  size    nodes  program                   ms/step     median   ratio  difference  active sets")
+    rows = [row for size in given.sizes for row in measure(size, [p for p in TITLES if wanted(p, size)], given.repeats, given.threads)]
     if given.json:
         given.json.write_text(json.dumps(rows, indent=2) + "\n")
     return 0
