@@ -1,10 +1,10 @@
 #include "linalg/machine_rates.h"
 #include "base/collective.h"
+#include "linalg/blas.h"
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <limits>
-#include <petscblaslapack.h>
 #include <vector>
 
 namespace signorini {
@@ -24,13 +24,12 @@ double least_seconds(int repetitions, Work&& work) {
 }
 
 double measure_flops() {
-  constexpr PetscBLASInt n =
+  constexpr std::size_t n =
       192; // about the width of the fronts in which a factor of a body in space has its work
-  constexpr double one = 1, zero = 0;
-  std::vector<double> a(n * n, one), b(n * n, one), c(n * n);
-  const double seconds = least_seconds(
-      8, [&] { BLASgemm_("N", "T", &n, &n, &n, &one, a.data(), &n, b.data(), &n, &zero, c.data(), &n); });
-  return 2.0 * n * n * n / seconds;
+  const std::vector<double> a(n * n, 1.0), b(n * n, 1.0);
+  std::vector<double> c(n * n);
+  constexpr double flops = 2.0 * n * n * n;
+  return flops / least_seconds(8, [&] { multiply(a, b, c, n); });
 }
 
 double measure_bytes(double wanted) {

@@ -12,7 +12,6 @@ floor: one solve with D and the products with R and M, timed between the steps. 
 least counts. Times are noisy where others use the machine; the ratios are of neighbours in time.
 """
 
-import argparse
 import json
 import math
 import tempfile
@@ -151,12 +150,11 @@ def print_growth(rows: list[dict]) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="./dev bench", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser = program.options("bench", __doc__)
     parser.add_argument("suite", nargs="?", default="c0", choices=[*SUITES, "effects"])
     parser.add_argument("--sizes", nargs="+", type=float, metavar="H", help="element sizes, m")
     parser.add_argument("--ranks", nargs="+", type=int, default=[1], metavar="N")
     parser.add_argument("--repeats", type=int, metavar="N", help="default 5; in space 1")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="where the figures go too")
     given = parser.parse_args()
     repeats = given.repeats or (1 if given.suite == "space" else 5)
     rows = []

@@ -7,7 +7,6 @@ so many sweeps over them (of L-BFGS). Set-up of the solver and the steps count, 
 of the repeats the quickest counts.. About half an hour.
 """
 
-import argparse
 import json
 import tempfile
 from pathlib import Path
@@ -80,14 +79,13 @@ def measure(case: str, verb: str, ranks: int, steps: int, sweeps: int, linear: s
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="./dev bench choice", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser = program.options("bench choice", __doc__)
     parser.add_argument("--cases", nargs="+", default=[*CASES], choices=[*CASES], metavar="NAME", help=", ".join(CASES))
     parser.add_argument("--verbs", nargs="+", default=["simulate", "optimize"], choices=["simulate", "optimize"])
     parser.add_argument("--ranks", nargs="+", type=int, default=[1, 2], metavar="N")
     parser.add_argument("--steps", type=int, default=50, metavar="N")
     parser.add_argument("--sweeps", type=int, default=50, metavar="N")
     parser.add_argument("--repeats", type=int, default=1, metavar="N")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="where the figures go too")
     given = parser.parse_args()
     rows = []
     print("case       unknowns  verb      ranks  sweeps   seconds (set-up): auto               direct            iterative"

@@ -7,7 +7,6 @@ mesh finds, of N iterations from the first guess and N/2 from coarse meshes; wha
 factor, the desired motion, the coarse meshes with theirs, the search. Runs take turns, and the least times count. About ten minutes.
 """
 
-import argparse
 import csv
 import json
 import tempfile
@@ -68,11 +67,10 @@ def show(r: dict) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="./dev bench coarse", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser = program.options("bench coarse", __doc__)
     parser.add_argument("--sizes", nargs="+", type=float, default=[0.5, 0.25, 0.125], metavar="H", help="element sizes, m")
     parser.add_argument("--iterations", type=int, default=42, metavar="N")
     parser.add_argument("--repeats", type=int, default=1, metavar="N")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="where the figures go too")
     given = parser.parse_args()
     print("                                            sweeps to J* + 1e-6             seconds          of coarse\n"
           "  size  unknowns  J*          J_0 - J*      guess       coarse     guess    coarse    meshes   ratio  of J")  # fmt: skip

@@ -8,7 +8,6 @@ solver's set-up, which has the trials, and of a step; by the preconditioner that
 What that leaves unsolved after 2,000 iterations is shown as such. About twenty minutes, most of it for a million unknowns.
 """
 
-import argparse
 import json
 import tempfile
 from pathlib import Path
@@ -65,12 +64,11 @@ def measure(folder: Path, size: float, courant: float, ranks: int, options: list
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="./dev bench courant", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser = program.options("bench courant", __doc__)
     parser.add_argument("--sizes", nargs="+", type=float, default=[0.79, 0.52, 0.36, 0.242], metavar="H", help="element sizes, m")
     parser.add_argument("--courant", nargs="+", type=float, default=[1, 100, 1e4], metavar="C")
     parser.add_argument("--ranks", nargs="+", type=int, default=[2], metavar="N")
     parser.add_argument("--block-jacobi", action="store_true", help="by block Jacobi too")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="where the figures go too")
     given = parser.parse_args()
     print("unknowns  ranks  Courant   as chosen: iterations a solve  set-up s  s a step  by"
           + "            block Jacobi: iterations  set-up s  s a step" * given.block_jacobi)  # fmt: skip

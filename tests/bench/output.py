@@ -7,7 +7,6 @@ frames, and last with the default of output.every (up to 300 frames). Of the pha
 summed up and monitored of every step, `output` fields and tables. The largest run of the default takes 3 GB on disk and a minute or two.
 """
 
-import argparse
 import json
 import tempfile
 from pathlib import Path
@@ -59,11 +58,10 @@ def show(r: dict) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="./dev bench output", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser = program.options("bench output", __doc__)
     parser.add_argument("--sizes", nargs="+", type=float, default=[1, 0.5, 0.25], metavar="H", help="element sizes, m")
     parser.add_argument("--frames", nargs="+", type=int, default=[1000, 10000], metavar="N")
     parser.add_argument("--ranks", nargs="+", type=int, default=[1], metavar="N")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="where the figures go too")
     given = parser.parse_args()
     print("  size  unknowns  ranks   steps  frames   us a step  balances  output, us a step  us a frame  output/steps       MB  of index")
     rows = []

@@ -1,5 +1,6 @@
-"""What the benchmarks share: running a program, and where the figures go too."""
+"""What the benchmarks share: their options, running a program, and where the figures go too."""
 
+import argparse
 import json
 import os
 import subprocess
@@ -8,12 +9,19 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 
 
-def output(*command: str | Path, ranks: int = 1, **environment: object) -> str:
+def options(name: str, description: str) -> argparse.ArgumentParser:
+    """Of a benchmark `./dev name`, with the file for write()."""
+    parser = argparse.ArgumentParser(prog=f"./dev {name}", description=description, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--json", type=Path, metavar="FILE", help="where the figures go too")
+    return parser
+
+
+def output(*command: object, ranks: int = 1, **environment: object) -> str:
     """Standard output of a program, on several ranks by mpirun; ends this one with its status and messages if it fails."""
     words = [*(["mpirun", "-n", str(ranks)] if ranks > 1 else []), *map(str, command)]
     done = subprocess.run(words, capture_output=True, text=True, env={**os.environ, **{k: str(v) for k, v in environment.items()}})
     if done.returncode:
-        raise SystemExit(f"{command[0]} ended with {done.returncode}:\n{done.stderr}")
+        raise SystemExit(f"{command[0]} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
     return done.stdout
 
 

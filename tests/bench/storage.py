@@ -8,7 +8,6 @@ value and one gradient; of the repeats the quickest counts. Checkpoints take a s
 do. A run with 0.2 million unknowns and 2,000 steps: --sizes 0.0625 --iterations 1 --repeats 1 (about an hour, 8 GB in memory; all fields are stored, 20 GB on disk).
 """
 
-import argparse
 import json
 import tempfile
 from pathlib import Path
@@ -91,12 +90,11 @@ def show(r: dict, first: dict) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="./dev bench storage", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser = program.options("bench storage", __doc__)
     parser.add_argument("--sizes", nargs="+", type=float, default=[0.5, 0.25], metavar="H", help="element sizes, m")
     parser.add_argument("--steps", type=int, default=2000, metavar="N")
     parser.add_argument("--iterations", type=int, default=0, metavar="N")
     parser.add_argument("--repeats", type=int, default=3, metavar="N")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="where the figures go too")
     given = parser.parse_args()
     print(" unknowns  steps  storage             peak GB  forward  adjoint  seconds  / memory  written    read  made anew"
           "  steps anew / step")  # fmt: skip

@@ -6,7 +6,6 @@ A gradient is a forward and an adjoint step in contact, least times of `signorin
 by CHOLMOD. About five minutes.
 """
 
-import argparse
 import json
 from pathlib import Path
 
@@ -28,10 +27,9 @@ def gradient(scene: str, settings: list[str], threads: int) -> tuple[float, int]
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = program.options("bench threads", __doc__)
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--json", type=Path)
     options = parser.parse_args()
     rows = []
     for scene, settings in CASES:

@@ -9,11 +9,10 @@ others count wall time: on a busy machine this is in favour of FreeFem++.
 import argparse
 import csv
 import json
-import os
 import re
 import shutil
 import statistics
-import subprocess
+import sys
 import tempfile
 import tomllib
 from dataclasses import dataclass
@@ -21,6 +20,9 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from program import output  # noqa: E402
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[2]
@@ -77,13 +79,6 @@ def by_place(points: np.ndarray) -> np.ndarray:
     return np.lexsort(points.round(6).T)
 
 
-def run(command: list[object], **environment: str) -> str:
-    done = subprocess.run([str(c) for c in command], capture_output=True, text=True, env=os.environ | environment)
-    if done.returncode:
-        raise SystemExit(f"{Path(str(command[0])).name} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
-    return done.stdout
-
-
 class Bench:
     """One mesh and what the programs need to run on it."""
 
@@ -91,8 +86,8 @@ class Bench:
         self.folder = folder
         self.threads = {"OMP_NUM_THREADS": str(threads), "OPENBLAS_NUM_THREADS": str(threads)}
         self.mesh = folder / "half-disc.msh"
-        run(["gmsh", "-2", GEOMETRY, "-setnumber", "Mesh.MeshSizeMin", size, "-setnumber", "Mesh.MeshSizeMax", size,
-             "-format", "msh22", "-o", self.mesh])  # fmt: skip
+        output("gmsh", "-2", GEOMETRY, "-setnumber", "Mesh.MeshSizeMin", size, "-setnumber", "Mesh.MeshSizeMax", size,
+               "-format", "msh22", "-o", self.mesh)  # fmt: skip
         groups = {name: int(tag) for tag, name in re.findall(r'^1 (\d+) "(.*)"$', self.mesh.read_text(), re.MULTILINE)}
         self.groups = [groups["top"], groups["contact"]]
         # A .msh takes no element size.
@@ -106,11 +101,11 @@ class Bench:
         """Of all steps, in one run."""
         file = self.folder / program
         if program in FREEFEM:
-            out = run(["FreeFem++-nw", "-nw", "-v", 0, HERE / "half_disc.edp", self.mesh, file, *self.groups, FREEFEM[program]],
-                      FF_LOADPATH="/usr/lib/freefem++", **self.threads)  # fmt: skip
+            out = output("FreeFem++-nw", "-nw", "-v", 0, HERE / "half_disc.edp", self.mesh, file, *self.groups, FREEFEM[program],
+                         FF_LOADPATH="/usr/lib/freefem++", **self.threads)  # fmt: skip
             return float(re.search(r"^(\S+) \d+$", out, re.MULTILINE)[1])  # plugins print too
         if program == "getfem":
-            out = run(["python3", HERE / "half_disc_getfem.py", self.mesh, file, *self.groups], **self.threads)
+            out = output("python3", HERE / "half_disc_getfem.py", self.mesh, file, *self.groups, **self.threads)
             return float(out.split()[-2])
         return self.simulate(program, "output.fields=[]", "output.tables=[]", 'run.invariants="off"')
 
@@ -119,7 +114,7 @@ class Bench:
         file = self.folder / program
         shutil.rmtree(file, ignore_errors=True)
         keys = [f'mesh.file="{self.mesh}"', 'control.initial=["0", "-1"]', f'solver.vi="{program}"', *settings]
-        run(["signorini", "simulate", self.scene, "--quiet", "--out", file, *(w for key in keys for w in ("--set", key))], **self.threads)
+        output("signorini", "simulate", self.scene, "--quiet", "--out", file, *(w for key in keys for w in ("--set", key)), **self.threads)
         return json.loads((file / "run.json").read_text())["timings"]["forward"]["seconds"]
 
     def motion(self, program: str) -> Motion:
