@@ -5,9 +5,11 @@
 #include "optimize/lbfgs.h"
 #include "optimize/newton_cg.h"
 #include "optimize/projected_gradient.h"
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
+#include <iterator>
 
 namespace signorini {
 namespace {
@@ -101,9 +103,9 @@ scene::Scene coarser(const scene::Scene& scene, int multiple) {
 }
 
 /// Whether a level has cells and steps enough, by what the fine mesh has.
-bool worth(const Problem& problem, const scene::Scene& coarse, int multiple) {
+bool worth(const Problem& problem, int multiple) {
   const double cells = static_cast<double>(problem.mesh.cells()) / std::pow(multiple, problem.mesh.dim());
-  return cells >= least_cells && coarse.time.steps >= least_steps;
+  return cells >= least_cells && coarser(problem.scene, multiple).time.steps >= least_steps;
 }
 
 /// Throws UserError unless the mesh of a level has fewer cells than the fine one: a .geo may set sizes
@@ -124,23 +126,31 @@ std::string words(const io::CoarseLevel& level) {
 
 } // namespace
 
+std::vector<int> coarse_multiples(const Problem& problem) {
+  const scene::Optimizer& search = problem.scene.optimizer;
+  std::vector<int> worthwhile;
+  if (problem.scene.objective && search.start == scene::SearchStart::coarse && search.max_iterations > 0)
+    std::ranges::copy_if(multiples, std::back_inserter(worthwhile),
+                         [&](int multiple) { return worth(problem, multiple); });
+  return worthwhile;
+}
+
 template <template <optimize::TwiceDifferentiable> class Method>
 SearchStart<Method> search_start(const Problem& problem, ControlProblem& control_problem,
                                  const optimize::Options& options, const Console& console,
                                  std::vector<io::CoarseLevel>& levels) {
   using Clock = std::chrono::steady_clock;
   const scene::Scene& scene = problem.scene;
+  const std::vector<int> levels_worth = coarse_multiples(problem);
   std::unique_ptr<Level<Method>> last;
-  if (scene.optimizer.start == scene::SearchStart::coarse && options.max_iterations > 0) {
+  if (!levels_worth.empty()) {
     const auto timer = problem.timers.time("coarse meshes");
     const auto left_out = [&](const scene::Scene& coarse, const std::exception& error) {
       console.line(
           fmt::format("the coarse mesh of size {:.4g} m is left out: {}", *coarse.mesh.size, error.what()));
     };
-    for (const int multiple : multiples) {
+    for (const int multiple : levels_worth) {
       const scene::Scene coarse = coarser(scene, multiple);
-      if (!worth(problem, coarse, multiple))
-        continue;
       const auto start = Clock::now();
       try {
         auto level = std::make_unique<Level<Method>>(problem.space.comm(), coarse);

@@ -14,6 +14,9 @@ struct SearchStart {
   std::optional<Inheritance> inherited{};
 };
 
+/// Multiples of the element size and the time step at which search_start() searches first, the coarsest first.
+std::vector<int> coarse_multiples(const Problem& problem);
+
 /// From coarse to fine (docs/method.md section 6): where optimizer.start is "coarse" the problem is solved,
 /// to about the error of its discretisation, with 4 times and then 2 times the element size and the time
 /// step, each search starting from the result of the last, interpolated with all that the method has learned.

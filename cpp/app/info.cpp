@@ -1,4 +1,5 @@
 #include "app/info.h"
+#include "app/coarse_start.h"
 #include "app/optimize.h"
 #include "app/run_manifest.h"
 #include "base/collective.h"
@@ -174,6 +175,26 @@ std::string estimate(const Problem& problem, int timed_steps) {
   return text;
 }
 
+/// Peak memory of the ranks, in words. Collective.
+std::string memory_of_ranks(MPI_Comm comm) {
+  double least = peak_memory(), most = least, all = least;
+  MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_DOUBLE, MPI_MIN, comm);
+  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
+  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_DOUBLE, MPI_SUM, comm);
+  if (ranks(comm) == 1)
+    return megabytes(all);
+  return fmt::format("{} in all, {} to {} on each of {} ranks", megabytes(all), megabytes(least),
+                     megabytes(most), ranks(comm));
+}
+
+/// The coarse meshes that optimize begins with, in words; empty if there are none.
+std::string coarse_levels(const Problem& problem) {
+  std::string sizes;
+  for (const int multiple : coarse_multiples(problem))
+    sizes += fmt::format("{}{:.4g} m", sizes.empty() ? "" : ", then ", *problem.scene.mesh.size * multiple);
+  return sizes;
+}
+
 } // namespace
 
 void print_info(const Problem& problem, int timed_steps, const Console& console) {
@@ -207,9 +228,9 @@ void print_info(const Problem& problem, int timed_steps, const Console& console)
   double setup = 0;
   for (const auto& [phase, entry] : problem.timers.entries())
     setup += entry.seconds;
-  double memory = peak_memory();
-  MPI_Allreduce(MPI_IN_PLACE, &memory, 1, MPI_DOUBLE, MPI_SUM, problem.space.comm());
-  console.line(fmt::format("\nset-up took {:.2g} s and {} in all", setup, megabytes(memory)));
+  if (const std::string levels = coarse_levels(problem); !levels.empty())
+    console.line(fmt::format("optimize starts on coarser meshes, of size {}", levels));
+  console.line(fmt::format("\nset-up took {:.2g} s and {}", setup, memory_of_ranks(problem.space.comm())));
   console.line(timed_steps > 0 ? estimate(problem, timed_steps) : "for an estimate of the time: --time 20");
 }
 

@@ -98,13 +98,12 @@ bool SolverChoice::iterate_if_quicker(const DirectWork& work, const std::string&
   const Price factor = price(comm, work);
   const double most = affordable(factor, solves);
   std::unique_ptr<ConjugateGradients> solver;
-  double seconds = 0;
   try {
-    solver = std::make_unique<ConjugateGradients>(D_, solves);
-    seconds = solver->trial(most);
+    solver = std::make_unique<ConjugateGradients>(D_, solves, most);
   } catch (const SolverFailure&) { // no preconditioner
     return false;
   }
+  const double seconds = solver->trial_seconds();
   int quicker = seconds <= most;
   MPI_Bcast(&quicker, 1, MPI_INT, 0, comm);
   const std::string compared = fmt::format(

@@ -113,15 +113,15 @@ double MumpsSolver::bytes() const {
   return megabyte * static_cast<double>(megabytes);
 }
 
-ConjugateGradients::ConjugateGradients(Mat matrix, double solves) {
+ConjugateGradients::ConjugateGradients(Mat matrix, double solves, double most) {
   check(KSPCreate(petsc::comm(matrix), ksp_.put()));
   check(KSPSetOperators(ksp_, matrix, matrix));
   check(KSPSetType(ksp_, KSPCG));
   check(KSPSetNormType(ksp_, KSP_NORM_NATURAL));
   check(KSPSetInitialGuessNonzero(ksp_, PETSC_TRUE));
   constexpr double tolerance = 1e-12; // the gradient of J is accurate to about this
-  constexpr PetscInt most = 2000;
-  check(KSPSetTolerances(ksp_, tolerance, 0, PETSC_CURRENT, most));
+  constexpr PetscInt iterations = 2000;
+  check(KSPSetTolerances(ksp_, tolerance, 0, PETSC_CURRENT, iterations));
   check(KSPSetOptionsPrefix(ksp_, prefix));
   PC shell = nullptr;
   check(KSPGetPC(ksp_, &shell));
@@ -132,38 +132,46 @@ ConjugateGradients::ConjugateGradients(Mat matrix, double solves) {
   check(KSPGetTolerances(ksp_, &tolerance_, nullptr, nullptr, nullptr));
 
   projected_ = petsc::vector_of(matrix);
-  choose_preconditioner(matrix, solves);
+  choose_preconditioner(matrix, solves, most);
 }
 
-void ConjugateGradients::choose_preconditioner(Mat matrix, double solves) {
+void ConjugateGradients::choose_preconditioner(Mat matrix, double solves, double most) {
   // In iterations by block Jacobi, from the long steps of `./dev bench courant`: an iteration by
   // multigrid, and its set-up.
   constexpr double cycle = 12, setup = 600;
   constexpr PetscInt few = 60; // multigrid takes five at least
   preconditioner_ = std::make_unique<Preconditioner>(matrix, Preconditioner::Kind::block_jacobi);
-  if (Preconditioner::given_by_options())
-    return;
-  const PetscInt before = try_out({.solver = *this}).first;
-  if (before <= few || solves * static_cast<double>(before) < setup)
+  trial_ = try_out(most);
+  const auto before = static_cast<double>(trial_.iterations);
+  if (Preconditioner::given_by_options() || before <= few || solves * before < setup)
     return;
   auto multigrid = std::make_unique<Preconditioner>(matrix, Preconditioner::Kind::multigrid);
   std::swap(preconditioner_, multigrid);
-  const auto [iterations, converged] = try_out({.solver = *this});
-  if (!converged ||
-      setup + solves * cycle * static_cast<double>(iterations) > solves * static_cast<double>(before))
+  const Trial trial = try_out(most);
+  if (std::isfinite(trial.seconds) &&
+      setup + solves * cycle * static_cast<double>(trial.iterations) <= solves * before)
+    trial_ = trial;
+  else
     std::swap(preconditioner_, multigrid);
 }
 
-std::pair<PetscInt, bool> ConjugateGradients::try_out(Solve solve) const {
+ConjugateGradients::Trial ConjugateGradients::try_out(double most) const {
   const petsc::Vector x = petsc::zero_like(projected_), b = petsc::zero_like(projected_);
   check(VecSet(b, 1));
-  solve.trial = true;
+  check(KSPSetUp(ksp_));
+  const Clock::time_point start = Clock::now();
+  Solve solve{.solver = *this, .trial = true};
+  if (std::isfinite(most))
+    solve.until = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(most));
   run(b, x, solve);
-  PetscInt iterations = 0;
+  Trial trial{.seconds = std::chrono::duration<double>(Clock::now() - start).count()};
+  MPI_Bcast(&trial.seconds, 1, MPI_DOUBLE, 0, petsc::comm(projected_));
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
-  check(KSPGetIterationNumber(ksp_, &iterations));
+  check(KSPGetIterationNumber(ksp_, &trial.iterations));
   check(KSPGetConvergedReason(ksp_, &reason));
-  return {iterations, reason >= 0};
+  if (reason < 0)
+    trial.seconds = std::numeric_limits<double>::infinity();
+  return trial;
 }
 
 PetscErrorCode ConjugateGradients::precondition(PC shell, Vec x, Vec y) {
@@ -228,18 +236,6 @@ bool ConjugateGradients::solve(Vec b, Vec x, const Projector& project, const Jud
   Solve solve{.solver = *this, .project = &project, .judge = judge ? &judge : nullptr};
   run(b, x, solve);
   return !solve.stopped;
-}
-
-double ConjugateGradients::trial(double most) const {
-  check(KSPSetUp(ksp_));
-  const Clock::time_point start = Clock::now();
-  Solve solve{.solver = *this};
-  solve.until = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(most));
-  if (!try_out(solve).second)
-    return std::numeric_limits<double>::infinity();
-  double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  MPI_Bcast(&seconds, 1, MPI_DOUBLE, 0, petsc::comm(projected_));
-  return seconds;
 }
 
 void ConjugateGradients::run(Vec b, Vec x, Solve& solve) const {

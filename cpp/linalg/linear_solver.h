@@ -2,10 +2,10 @@
 #include "linalg/preconditioner.h"
 #include <chrono>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 
 namespace signorini {
 
@@ -79,8 +79,10 @@ public:
   /// Inspects an iterate and returns whether to continue.
   using Judge = std::function<bool(Vec)>;
 
-  /// `matrix` must outlive this object unchanged; `solves`: expected. Collective. Throws SolverFailure.
-  explicit ConjugateGradients(Mat matrix, double solves = 1);
+  /// `matrix` must outlive this object unchanged; `solves`: expected; `most`: seconds after which a trial
+  /// solve is given up. Collective. Throws SolverFailure.
+  explicit ConjugateGradients(Mat matrix, double solves = 1,
+                              double most = std::numeric_limits<double>::infinity());
   ConjugateGradients(const ConjugateGradients&) = delete; // PETSc holds its address
   ConjugateGradients& operator=(const ConjugateGradients&) = delete;
 
@@ -91,9 +93,9 @@ public:
   /// Collective. Throws SolverFailure.
   bool solve(Vec b, Vec x, const Projector& project, const Judge& judge) const;
 
-  /// Seconds of a solve for equal forces in all unknowns from zero, infinity if it does not end within `most`
-  /// seconds; by the clock of rank 0, the same on every rank. Collective.
-  [[nodiscard]] double trial(double most) const;
+  /// Seconds of a trial solve for equal forces in all unknowns from zero, infinity if it was given up; by the
+  /// clock of rank 0, the same on every rank.
+  [[nodiscard]] double trial_seconds() const { return trial_.seconds; }
 
   /// Relative tolerance of a solve (-step_ksp_rtol).
   [[nodiscard]] double tolerance() const { return tolerance_; }
@@ -119,15 +121,20 @@ private:
   static PetscErrorCode precondition(PC shell, Vec x, Vec y);
   static PetscErrorCode converged(KSP ksp, PetscInt iteration, PetscReal residual, KSPConvergedReason* reason,
                                   void* context);
-  void choose_preconditioner(Mat matrix, double solves);
-  /// A solve for equal forces in all unknowns from zero. Returns the iterations, and whether it converged.
-  std::pair<PetscInt, bool> try_out(Solve solve) const;
+  struct Trial {
+    PetscInt iterations = 0;
+    double seconds = 0; ///< infinity if it was given up or failed
+  };
+
+  void choose_preconditioner(Mat matrix, double solves, double most);
+  [[nodiscard]] Trial try_out(double most) const;
   void run(Vec b, Vec x, Solve& solve) const;
 
   petsc::LinearSolver ksp_;
   std::unique_ptr<Preconditioner> preconditioner_;
   petsc::Vector projected_;
   double tolerance_ = 0;
+  Trial trial_; ///< by the preconditioner chosen
 };
 
 } // namespace signorini
