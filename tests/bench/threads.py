@@ -15,7 +15,7 @@ SCENES = program.ROOT / "scenes"
 CASES = (
     ("half-disc", ["mesh.size=0.125", "time.step=1.25e-5", "time.end=5e-4", 'control.initial=["0", "-0.9"]', "contact.obstacle.point=[0, -15]"]),
     ("half-disc", ["mesh.size=0.0625", "time.step=6.25e-6", "time.end=2.5e-4", 'control.initial=["0", "-0.9"]', "contact.obstacle.point=[0, -15]"]),
-    *(("half-ball", [f"mesh.size={size}", f"time.step={1e-4 * size:.2g}", f"time.end={2e-3 * size:.2g}", 'control.initial=["0", "0", "-0.9"]',
+    *(("half-ball", [f"mesh.size={size}", f"time.step={1e-4 * size:.4g}", f"time.end={2e-3 * size:.4g}", 'control.initial=["0", "0", "-0.9"]',
                      "contact.obstacle.point=[0, 0, -15]", "solver.linear=direct"]) for size in (0.72, 0.472)),
 )  # fmt: skip
 
