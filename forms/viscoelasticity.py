@@ -12,6 +12,7 @@ out-of-plane component, the tensors below are its in-plane parts.
     d = m + tau/2 b + tau^2/4 a      the symmetric, coercive operator of a step  D
     d_elastic = m + tau^2/4 a        the same for a body without viscosity
     L2_cellwise(u, phi) = int u . phi   for u constant on each cell, _surface likewise
+    m_rho, a_young, a_poisson, b_kappa, b_eta   the derivatives of m, a, b by these constants, for fits
 
 Fields of a displacement and a velocity, constants on a cell: their values at its midpoint, which are the means over
 the cell for both degrees (strains of degree 2 are linear in it). They are tensors of three dimensions in the plane
@@ -50,8 +51,9 @@ def forms(cell: str, degree: int) -> dict[str, object]:
 
     dx, ds = ufl.dx(1), ufl.ds(1)  # the cells and the facets that are given at assembly
 
-    lmbda = young * poisson / ((1 + poisson) * (1 - 2 * poisson))
-    mu = young / (2 * (1 + poisson))
+    density, E, nu, bulk, shear = (ufl.variable(constant) for constant in (rho, young, poisson, kappa, eta))
+    lmbda = E * nu / ((1 + nu) * (1 - 2 * nu))
+    mu = E / (2 * (1 + nu))
 
     def eps(w):
         return ufl.sym(ufl.grad(w))
@@ -63,11 +65,16 @@ def forms(cell: str, degree: int) -> dict[str, object]:
     L2_surface = ufl.inner(y, phi) * ds
     L2_cellwise = ufl.inner(u, phi) * dx
     L2_cellwise_surface = ufl.inner(u, phi) * ds
-    m = rho * ufl.inner(y, phi) * dx
-    a = ufl.inner(isotropic(lmbda, mu, eps(y)), eps(phi)) * dx
-    b = ufl.inner(isotropic(kappa - 2 * eta / 3, eta, eps(y)), eps(phi)) * dx
+    inertia = density * ufl.inner(y, phi)
+    elasticity = ufl.inner(isotropic(lmbda, mu, eps(y)), eps(phi))
+    viscosity = ufl.inner(isotropic(bulk - 2 * shear / 3, shear, eps(y)), eps(phi))
+    m, a, b = inertia * dx, elasticity * dx, viscosity * dx
     d_elastic = m + tau**2 / 4 * a
     d = d_elastic + tau / 2 * b
+
+    m_rho = ufl.diff(inertia, density) * dx
+    a_young, a_poisson = ufl.diff(elasticity, E) * dx, ufl.diff(elasticity, nu) * dx
+    b_kappa, b_eta = ufl.diff(viscosity, bulk) * dx, ufl.diff(viscosity, shear) * dx
 
     displacement, velocity = ufl.Coefficient(V), ufl.Coefficient(V)
 
@@ -75,13 +82,15 @@ def forms(cell: str, degree: int) -> dict[str, object]:
         return ufl.as_tensor([[e[i, j] if max(i, j) < dim else 0 for j in range(3)] for i in range(3)])
 
     strain = in_space(eps(displacement))
-    stress = isotropic(lmbda, mu, strain) + isotropic(kappa - 2 * eta / 3, eta, in_space(eps(velocity)))
+    stress = isotropic(lmbda, mu, strain) + isotropic(bulk - 2 * shear / 3, shear, in_space(eps(velocity)))
     von_mises = ufl.sqrt(1.5 * ufl.inner(ufl.dev(stress), ufl.dev(stress)))
     midpoint = basix.geometry(basix.CellType[cell]).mean(axis=0, keepdims=True)
 
     return dict(rho=rho, young=young, poisson=poisson, kappa=kappa, eta=eta, tau=tau,
                 L2=L2, L2_surface=L2_surface, L2_cellwise=L2_cellwise,
                 L2_cellwise_surface=L2_cellwise_surface, m=m, a=a, b=b, d=d, d_elastic=d_elastic,
-                forms=[L2, L2_surface, L2_cellwise, L2_cellwise_surface, m, a, b, d, d_elastic],
+                m_rho=m_rho, a_young=a_young, a_poisson=a_poisson, b_kappa=b_kappa, b_eta=b_eta,
+                forms=[L2, L2_surface, L2_cellwise, L2_cellwise_surface, m, a, b, d, d_elastic,
+                       m_rho, a_young, a_poisson, b_kappa, b_eta],
                 displacement=displacement, velocity=velocity, strain=strain, stress=stress, von_mises=von_mises,
                 expressions=[(field, midpoint) for field in (strain, stress, von_mises)])  # fmt: skip

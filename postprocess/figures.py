@@ -13,6 +13,7 @@ import control_history
 import control_magnitude
 import distance_to_reference
 import energy
+import measurements
 import objective
 import tracking_error
 from command_line import arguments, complain
@@ -32,6 +33,7 @@ def figures(time: float | None) -> dict[str, Callable[[RunFolder], list[Path]]]:
         "contact_force_history": contact_force_history.draw,
         "contact_pressure": contact_pressure.draw,
         "energy": energy.draw,
+        "measurements": measurements.draw,
         "animation": animation.draw,
     }
 
@@ -41,7 +43,7 @@ def draw_all(run: RunFolder, time: float | None) -> int:
     status = 0
     for name, draw in figures(time).items():
         # A figure of an earlier run in the same folder must not pass for one of this run.
-        for old in (run.path / "figures").glob(f"{name}.*"):
+        for old in (run.path / "figures").glob(f"{name}[.-]*"):
             old.unlink()
         try:
             for path in draw(run):

@@ -4,6 +4,7 @@ import numpy as np
 
 import report_contact
 import report_control
+import report_fit
 import report_motion
 import report_probes
 import style
@@ -30,11 +31,13 @@ def sections_of(run: RunFolder, gather: Gathering) -> list[Section]:
                *gather("contact along the surface", report_contact.contact_surface, run)]  # fmt: skip
     control = gather("resultant of the control", report_control.resultant, run) if "control" in run.scene else []
     energy = [*gather("energies", energies, run), *gather("residuals", residuals, run)]
-    convergence = [*gather("objective", objective, run), *gather("gradient norm", gradient_norm, run),
-                   *gather("distance to the reference control", distance, run),
-                   *gather("distance to the desired state", tracking_error, run)]  # fmt: skip
+    convergence = [] if run.is_fit else [
+        *gather("objective", objective, run), *gather("gradient norm", gradient_norm, run),
+        *gather("distance to the reference control", distance, run),
+        *gather("distance to the desired state", tracking_error, run)]  # fmt: skip
     tables = [*energy_account(run), *gather("worst residuals", invariants, run)]
     return [
+        *report_fit.sections(run, gather),
         Section("motion", "The body in motion", motions=motion),
         Section("contact", "Contact", contact, impact(run)),
         Section("control", "Control", [*control, *report_control.boundary(run)]),
@@ -54,6 +57,7 @@ def facts(run: RunFolder) -> list[tuple[str, str]]:
     if "objective" in given:
         parts = [f"{name.replace('_', ' ')} {value:.4g}" for name, value in given["objective"].items() if name != "value"]
         found.append(("Objective", f"{given['objective']['value']:.6g} {objective_unit(run)} = {' + '.join(parts)}"))
+    found += report_fit.facts(run)
     found.append(("Ended by", str(given["stop_reason"])))
     found += [("Warning", str(warning["message"])) for warning in given.get("warnings", [])]
     if "optimizer" in given:

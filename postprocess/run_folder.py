@@ -86,6 +86,11 @@ class RunFolder:
         return self._read("run.json", lambda file: json.loads(whole_text(file)))
 
     @property
+    def is_fit(self) -> bool:
+        """Whether unknowns were fitted to measurements."""
+        return (self.path / "run.json").is_file() and "unknowns_fitted" in self.manifest
+
+    @property
     def verb(self) -> str:
         """What was run: simulate or optimize."""
         return str(self.manifest.get("verb", "run"))

@@ -14,7 +14,8 @@ struct SearchStart {
   std::optional<Inheritance> inherited{};
 };
 
-/// Multiples of the element size and the time step at which search_start() searches first, the coarsest first.
+/// Multiples of the element size and the time step at which search_start() searches first, the coarsest
+/// first.
 std::vector<int> coarse_multiples(const Problem& problem);
 
 /// From coarse to fine (docs/method.md section 6): where optimizer.start is "coarse" the problem is solved,

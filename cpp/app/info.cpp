@@ -8,6 +8,7 @@
 #include "forward/state_store.h"
 #include "io/manifest.h"
 #include "optimize/options.h"
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
@@ -97,6 +98,17 @@ std::map<std::string, Cost> costs(const Problem& problem) {
       costs["traction"] = {"L2 of the surface", problem.scene_load->surface_bytes() + 3 * vector,
                            "a vector added" + evaluated};
   }
+  if (!scene.unknowns.empty()) {
+    const auto of_material = std::ranges::count_if(scene.unknowns, [](const scene::Unknown& unknown) {
+      return unknown.of <= scene::Parameter::density;
+    });
+    costs["unknowns"] = {"derivatives",
+                         static_cast<double>(of_material) * petsc::bytes(body.A) +
+                             static_cast<double>(scene.unknowns.size()) * 2 * vector,
+                         fmt::format("in a fit, {} linearised step{}", scene.unknowns.size(),
+                                     scene.unknowns.size() == 1 ? "" : "s")};
+  }
+  costs["measurements"].step = "in a fit, a few values";
   if (!scene.objective)
     return costs;
   const control::ControlSpace controls(problem.space, body, stepper.grid(), problem.steps(), *scene.control);

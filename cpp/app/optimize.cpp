@@ -108,6 +108,7 @@ Result minimise(const Problem& problem, ControlProblem& control_problem, Optimiz
   case scene::OptimizerMethod::newton_cg:
     return search<NewtonCg>(problem, control_problem, record, console, levels);
   case scene::OptimizerMethod::projected_gradient:
+  case scene::OptimizerMethod::gauss_newton: // of fits alone
     break;
   }
   return search<ProjectedGradient>(problem, control_problem, record, console, levels);

@@ -184,9 +184,16 @@ forward::Stepper::Needs search_needs(const scene::Scene& scene) {
   return {.sliding = true, .passes = sweeps * (1 + std::min(usual, scene.optimizer.max_iterations))};
 }
 
-Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs needs, Timers& t)
-    : scene(s), timers(t), mesh(timed(t, "mesh", [&] { return read_mesh(comm, s); })),
-      space(mesh, s.mesh.degree),
+forward::Stepper::Needs fit_needs(const scene::Scene& scene) {
+  return {.sliding = true, .passes = 1 + static_cast<double>(scene.unknowns.size())};
+}
+
+Discretisation::Discretisation(MPI_Comm comm, const scene::Scene& scene, Timers& timers)
+    : mesh(timed(timers, "mesh", [&] { return read_mesh(comm, scene); })), space(mesh, scene.mesh.degree) {}
+
+Problem::Problem(std::shared_ptr<const Discretisation> shared, const scene::Scene& s,
+                 forward::Stepper::Needs needs, Timers& t)
+    : scene(s), timers(t), body(std::move(shared)), mesh(body->mesh), space(body->space),
       operators(timed(t, "assembly",
                       [&] {
                         return fem::assemble_operators(
@@ -194,7 +201,7 @@ Problem::Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs n
                       })),
       stepper(timed(t, "solver", [&] { return forward::Stepper(space, operators, s, needs); })),
       initial(stepper, s.initial) {
-  if (stop_requested(comm))
+  if (stop_requested(space.comm()))
     throw Interrupted();
   if (s.load)
     scene_load.emplace(space, stepper.M(), *s.load, stepper.grid());

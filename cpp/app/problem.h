@@ -6,17 +6,31 @@
 
 namespace signorini {
 
+/// The mesh of a scene and the functions on it, on which no unknown depends.
+struct Discretisation {
+  /// Collective. Throws UserError.
+  Discretisation(MPI_Comm comm, const scene::Scene& scene, Timers& timers);
+
+  mesh::Mesh mesh;
+  fem::Space space;
+};
+
 /// A scene set up for simulation: the modules by value, in the order of their dependence.
 struct Problem {
   /// Collective. Throws UserError, SolverFailure.
-  Problem(MPI_Comm comm, const scene::Scene& scene, forward::Stepper::Needs needs, Timers& timers);
+  Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs needs, Timers& t)
+      : Problem(std::make_shared<const Discretisation>(comm, s, t), s, needs, t) {}
+  /// With a body that several problems share.
+  Problem(std::shared_ptr<const Discretisation> shared, const scene::Scene& s, forward::Stepper::Needs needs,
+          Timers& t);
   Problem(const Problem&) = delete;
   Problem& operator=(const Problem&) = delete;
 
   const scene::Scene& scene;
   Timers& timers;
-  mesh::Mesh mesh;
-  fem::Space space;
+  std::shared_ptr<const Discretisation> body; ///< which others may share
+  const mesh::Mesh& mesh;
+  const fem::Space& space;
   fem::Operators operators;
   forward::Stepper stepper;
   forward::Initial initial;
@@ -40,6 +54,7 @@ struct Problem {
 [[nodiscard]] forward::Stepper::Needs study_needs(const scene::Scene& scene); ///< of a rung
 [[nodiscard]] forward::Stepper::Needs check_needs(const scene::Scene& scene);
 [[nodiscard]] forward::Stepper::Needs search_needs(const scene::Scene& scene);
+[[nodiscard]] forward::Stepper::Needs fit_needs(const scene::Scene& scene); ///< of one evaluation
 
 /// Stores of the states of motions, those of controls or of the desired one: where the latter is computed,
 /// each kind may use half of the scene's budget.

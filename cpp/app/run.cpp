@@ -1,5 +1,7 @@
 #include "app/run.h"
 #include "app/check/check.h"
+#include "app/fit/fit.h"
+#include "app/fit/synthetic_data.h"
 #include "app/info.h"
 #include "app/motion_writer.h"
 #include "app/optimize.h"
@@ -34,11 +36,13 @@ std::string start_objective(const Problem& problem, const GivenControl& given,
   return {};
 }
 
-int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, bool replace,
+int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, const Request& request,
                    const Console& console) {
   io::OutputFolder folder(world(), out);
-  if (!replace)
+  if (!request.replace)
     folder.require_no_search(out);
+  if (request.measure)
+    require_measurable(world(), scene, request.replace);
   Timers timers;
   const Problem problem(world(), scene, simulation_needs(scene), timers);
   console.line(headline(problem));
@@ -48,6 +52,9 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   std::optional<RunObjective> objective;
   const std::string unknown = start_objective(problem, given, objective);
   MotionWriter recorder(problem, folder, nullptr, given.acts());
+  std::optional<SyntheticData> data;
+  if (request.measure)
+    data.emplace(problem.stepper, scene);
   int steps = 0;
   {
     const auto timer = timers.time("forward");
@@ -57,6 +64,8 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
                                  recorder(frame);
                                  if (objective)
                                    objective->observe(frame);
+                                 if (data)
+                                   data->observe(frame);
                                  progress.update(static_cast<std::size_t>(frame.k));
                                });
   }
@@ -82,6 +91,9 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   console.line(
       fmt::format("{}{}", complete ? "" : "interrupted after ", cost_line(m, scene, timers, folder.bytes())));
   finish(folder, console);
+  if (data && complete)
+    for (const std::string& line : data->write(request.seed))
+      console.line(line);
   return complete ? exit_status::done : exit_status::interrupted;
 }
 
@@ -165,7 +177,9 @@ int run(const Request& request, const Console& console) {
       require_not_the_guess(scene, out);
     });
   if (request.verb == "simulate")
-    return simulate_scene(scene, out, request.replace, console);
+    return simulate_scene(scene, out, request, console);
+  if (request.verb == "optimize" && !scene.unknowns.empty())
+    return fit_scene(world(), scene, out, request.resume, console);
   if (request.verb == "optimize")
     return optimize_scene(world(), scene, out, request.resume, console);
   if (request.verb == "check")

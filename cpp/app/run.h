@@ -15,6 +15,8 @@ struct Request {
   std::vector<std::string> overrides;
   bool resume = false;        ///< continue optimize from its checkpoint
   bool replace = false;       ///< simulate may remove what a search left in its folder
+  bool measure = false;       ///< simulate writes the files of the scene's measurements
+  int seed = 1;               ///< of their noise; 0: none
   int timed_steps = 0;        ///< number of steps that info makes and times
   std::optional<int> threads; ///< of each rank; absent: use_threads() chooses
   study::Options study;

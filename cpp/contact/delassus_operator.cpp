@@ -9,6 +9,10 @@
 
 namespace signorini::contact {
 
+namespace {
+constexpr double to_rounding = 10; ///< in units of the last place
+}
+
 DelassusOperator::DelassusOperator(const ContactPairs& pairs, std::unique_ptr<const Elimination> elimination)
     : pairs_(pairs), N_(pairs), elimination_(std::move(elimination)), S_(elimination_->condensed()),
       zero_(static_cast<std::size_t>(pairs.count()), 0.0) {}
@@ -58,7 +62,7 @@ std::vector<double> DelassusOperator::inverse() const {
 }
 
 void DelassusOperator::finish(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
-                              std::span<double> normal, Vec y, Workspace& work) const {
+                              std::span<double> normal, Vec y, Workspace& work, double digits) const {
   // Iterative refinement. Where rigid motions dominate S (a stiff body without a clamp), it is
   // ill-conditioned and one pass leaves gaps on the set; each pass gains as many digits as the factor of S_AA
   // is accurate to. For a well-conditioned S one pass suffices.
@@ -74,7 +78,7 @@ void DelassusOperator::finish(const ActiveSet& set, std::span<const double> psi,
       work.b.push_back(normal[static_cast<std::size_t>(i)] - psi[static_cast<std::size_t>(i)]);
       defect = std::max(defect, std::abs(work.b.back()));
     }
-    if (defect <= 10 * std::numeric_limits<double>::epsilon() * size || pass + 1 == most)
+    if (defect <= digits * std::numeric_limits<double>::epsilon() * size || pass + 1 == most)
       return;
     solve_active(set, work.b, work);
     for (std::size_t i = 0; i < set.size(); ++i)
@@ -92,17 +96,22 @@ void DelassusOperator::predict_gap(Vec r, std::span<const double> psi, std::span
 void DelassusOperator::finish_closed(const ActiveSet& set, std::span<const double> psi,
                                      std::span<double> lambda, std::span<double> gap, Vec y,
                                      Workspace& work) const {
-  finish(set, psi, lambda, gap, y, work);
+  finish(set, psi, lambda, gap, y, work, to_rounding);
   for (std::size_t i = 0; i < gap.size(); ++i)
     gap[i] = psi[i] - gap[i];
 }
 
-void DelassusOperator::solve_sliding(Vec r, const ActiveSet& active, Vec p, Workspace& work) const {
+void DelassusOperator::solve_guided(Vec r, const ActiveSet& active, std::span<const double> value, Vec p,
+                                    Workspace& work) const {
   elimination_->predict(r, work.prediction, work.normal);
+  std::ranges::fill(work.mu, 0);
   if (active.empty()) {
     elimination_->finish(work.prediction, zero_, p);
     return;
   }
+  const bool prescribed = !value.empty();
+  if (!prescribed)
+    value = zero_;
   if (pairs_.dependent()) {
     work.independent = active;
     drop_dependent(pairs_, work.independent);
@@ -110,12 +119,13 @@ void DelassusOperator::solve_sliding(Vec r, const ActiveSet& active, Vec p, Work
   const ActiveSet& set = pairs_.dependent() ? work.independent : active;
   work.b.clear();
   for (int i : set)
-    work.b.push_back(work.normal[static_cast<std::size_t>(i)]);
+    work.b.push_back(work.normal[static_cast<std::size_t>(i)] - value[static_cast<std::size_t>(i)]);
   solve_active(set, work.b, work);
-  std::ranges::fill(work.mu, 0);
   for (std::size_t i = 0; i < set.size(); ++i)
     work.mu[static_cast<std::size_t>(set[i])] = work.b[i];
-  finish(set, zero_, work.mu, work.normal, p, work);
+  // Prescribed motions are data of derivatives, which no law of energy watches: a pass for their last digits
+  // would cost half a solve.
+  finish(set, value, work.mu, work.normal, p, work, prescribed ? 1e4 : to_rounding);
 }
 
 double DelassusOperator::bytes() const {

@@ -32,8 +32,8 @@ public:
   void finish_closed(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
                      std::span<double> gap, Vec y, Workspace& work) const;
 
-  /// As ContactStepSolver::solve_sliding().
-  void solve_sliding(Vec r, const ActiveSet& set, Vec p, Workspace& work) const;
+  /// As ContactStepSolver::solve_guided().
+  void solve_guided(Vec r, const ActiveSet& set, std::span<const double> value, Vec p, Workspace& work) const;
 
   /// Memory on all ranks, bytes. Collective.
   [[nodiscard]] double bytes() const;
@@ -41,9 +41,10 @@ public:
 private:
   /// solve_active() on this rank alone.
   void solve_here(const ActiveSet& set, std::span<double> b, Workspace& work) const;
-  /// finish_closed(), returning ν_i·y (m) in `normal` instead of gaps.
+  /// finish_closed(), returning ν_i·y (m) in `normal` instead of gaps; `digits`: how far these may be off on
+  /// the set, in units of the last place of the largest.
   void finish(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
-              std::span<double> normal, Vec y, Workspace& work) const;
+              std::span<double> normal, Vec y, Workspace& work, double digits) const;
 
   const ContactPairs& pairs_;
   const NormalOperator N_;

@@ -11,12 +11,17 @@ NormalOperator::NormalOperator(const ContactPairs& pairs)
       directions_(pairs.directions()) {}
 
 void NormalOperator::normal_components(Vec x, std::span<double> out) const {
+  components_along(normals_, x, out);
+}
+
+void NormalOperator::components_along(const std::vector<double>& directions, Vec x,
+                                      std::span<double> out) const {
   std::ranges::fill(out, 0);
   {
     const petsc::ReadArray values(x);
     for (int i = 0; i < pairs_.count(); ++i)
       for (int c = 0; local_[i] >= 0 && c < dim_; ++c)
-        out[i] += normals_[i * dim_ + c] * values[local_[i] + c];
+        out[i] += directions[i * dim_ + c] * values[local_[i] + c];
   }
   // Every entry comes from one rank alone, so the sum is exact and the same on every rank.
   MPI_Allreduce(MPI_IN_PLACE, out.data(), pairs_.count(), MPI_DOUBLE, MPI_SUM, pairs_.comm());
@@ -29,15 +34,15 @@ void NormalOperator::gap(std::span<const double> psi, Vec y, std::span<double> o
 }
 
 void NormalOperator::add(double scale, std::span<const double> lambda, Vec x) const {
-  add(scale, lambda, pairs_.directions(), x);
+  add_along(scale, lambda, pairs_.directions(), x);
 }
 
 void NormalOperator::add_whole(double scale, std::span<const double> lambda, Vec x) const {
-  add(scale, lambda, pairs_.normals(), x);
+  add_along(scale, lambda, pairs_.normals(), x);
 }
 
-void NormalOperator::add(double scale, std::span<const double> lambda, const std::vector<double>& directions,
-                         Vec x) const {
+void NormalOperator::add_along(double scale, std::span<const double> lambda,
+                               const std::vector<double>& directions, Vec x) const {
   const petsc::WriteArray values(x);
   for (int i = 0; i < pairs_.count(); ++i)
     for (int c = 0; local_[i] >= 0 && c < dim_; ++c)

@@ -22,6 +22,11 @@ public:
   /// x += scale · Σ_i λ_i ν_i, for λ (m), including components that clamps hold.
   void add_whole(double scale, std::span<const double> lambda, Vec x) const;
 
+  /// x += scale · Σ_i λ_i n_i for directions n (m × dim), and n_i·x (m). The latter is collective.
+  void add_along(double scale, std::span<const double> lambda, const std::vector<double>& directions,
+                 Vec x) const;
+  void components_along(const std::vector<double>& directions, Vec x, std::span<double> out) const;
+
   /// λ (m) with Nλ = x at the nodes of `set` and zero elsewhere, for an x in the range of the set's columns
   /// of N; of candidates of a node that are linearly dependent, the first ones carry the force. Collective.
   void forces(const ActiveSet& set, Vec x, std::span<double> lambda) const;
@@ -39,9 +44,6 @@ public:
   [[nodiscard]] double held_normal(int i, std::span<const double> y) const;
 
 private:
-  /// x += scale · Σ_i λ_i n_i for directions n (m × dim).
-  void add(double scale, std::span<const double> lambda, const std::vector<double>& directions, Vec x) const;
-
   const ContactPairs& pairs_;
   int dim_;
   const std::vector<int>& local_;

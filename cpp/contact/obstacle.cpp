@@ -75,6 +75,20 @@ Obstacle::Plane Obstacle::at(const double* x, const Place& place) const {
   return {direction_, dot(direction_, from(place.point, x))};
 }
 
+Obstacle::Plane Obstacle::derivative(const double* x, const Place& place,
+                                     const scene::ObstacleRate& rate) const {
+  if (!radius_)
+    return {rate.normal, dot(rate.normal, from(place.point, x)) - dot(direction_, rate.point)};
+  const Point r = from_middle(x, place);
+  const double distance = length(r), sign = inside_ ? -1 : 1;
+  const Point drift = from(rate.point, scaled(dot(direction_, rate.point), direction_).data());
+  const double away = dot(r, drift) / distance; // of the distance
+  Point turn{};
+  for (std::size_t c = 0; c < 3; ++c)
+    turn[c] = sign / distance * (drift[c] - away / distance * r[c]);
+  return {turn, sign * (away - rate.radius)};
+}
+
 double Obstacle::level(const double* x, const Place& place) const {
   if (distance_) {
     double value = 0;

@@ -1,6 +1,6 @@
 #pragma once
 #include "scene/expression.h"
-#include "scene/scene.h"
+#include "scene/parameters.h"
 #include <array>
 #include <limits>
 #include <optional>
@@ -36,6 +36,9 @@ public:
   [[nodiscard]] Plane at(const double* x, const Place& place) const;
   /// The same at t = 0.
   [[nodiscard]] Plane at(const double* x) const { return at(x, start_); }
+
+  /// The derivative of at() by a parameter of a half-space, ball or cylinder.
+  [[nodiscard]] Plane derivative(const double* x, const Place& place, const scene::ObstacleRate& rate) const;
 
   /// A function of the point `x` (3) that is positive outside of the obstacle, negative inside and the
   /// greater the farther: of a signed distance in its own unit, else the height.

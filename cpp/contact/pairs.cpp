@@ -144,6 +144,7 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
     psi_.push_back(meeting[number] == 0 ? plane.height : shape.at(node.x.data()).height);
     first_dofs_.push_back(static_cast<PetscInt>(node.first_dof));
     obstacles_.push_back(node.obstacle);
+    free_components_.push_back(node.free_components);
     ++candidates[obstacle];
   }
   for (std::vector<PetscInt>& dofs : clamped_dofs_)
@@ -171,6 +172,40 @@ void ContactPairs::group_by_node() {
     per_node_.push_back(node);
     i = node.last;
   }
+}
+
+ContactPairs::Rates ContactPairs::rates(int obstacle, const scene::ObstacleRate& rate) const {
+  const auto m = static_cast<std::size_t>(count()), dim = static_cast<std::size_t>(dim_);
+  Rates rates{.psi = std::vector<double>(m),
+              .normals = std::vector<double>(m * dim),
+              .directions = std::vector<double>(m * dim)};
+  const Obstacle& shape = shapes_[static_cast<std::size_t>(obstacle)];
+  const Obstacle::Place place = shape.place(0);
+  bool turns = false;
+  for (std::size_t i = 0; i < m; ++i) {
+    if (obstacles_[i] != obstacle)
+      continue;
+    const Obstacle::Plane change = shape.derivative(&points_[3 * i], place, rate);
+    rates.psi[i] = change.height;
+    for (std::size_t c = 0; c < dim; ++c) {
+      rates.normals[i * dim + c] = -change.normal[c];
+      rates.directions[i * dim + c] = free_components_[i] & (1 << c) ? -change.normal[c] : 0;
+      turns |= change.normal[c] != 0;
+    }
+  }
+  if (!turns)
+    rates.normals.clear(), rates.directions.clear();
+  return rates;
+}
+
+void ContactPairs::set_time(int obstacle, const scene::ObstacleRate& rate, double t, Rates& rates) const {
+  const Obstacle& shape = shapes_[static_cast<std::size_t>(obstacle)];
+  if (!shape.moves())
+    return;
+  const Obstacle::Place place = shape.place(t);
+  for (std::size_t i = 0; i < rates.psi.size(); ++i)
+    if (obstacles_[i] == obstacle)
+      rates.psi[i] = shape.derivative(&points_[3 * i], place, rate).height;
 }
 
 std::span<const double> ContactPairs::psi(double t, Gaps& gaps) const {

@@ -59,6 +59,15 @@ public:
   /// ψ_i at time t (m), in metres; evaluated, in `gaps`, only where obstacles move. Throws UserError if no
   /// position of a node satisfies the constraints of all its obstacles. Collective.
   [[nodiscard]] std::span<const double> psi(double t, Gaps& gaps) const;
+  /// Derivatives of the pairs by a parameter of an obstacle; zero for those of others.
+  struct Rates {
+    std::vector<double> psi;                 ///< at t = 0 (m)
+    std::vector<double> normals, directions; ///< (m × dim); empty if the normals do not change
+  };
+  [[nodiscard]] Rates rates(int obstacle, const scene::ObstacleRate& rate) const;
+  /// Sets the derivatives of ψ, of obstacles that move, to those at time t.
+  void set_time(int obstacle, const scene::ObstacleRate& rate, double t, Rates& rates) const;
+
   /// Whether any obstacle moves.
   [[nodiscard]] bool moving() const { return !moving_.empty(); }
 
@@ -146,6 +155,7 @@ private:
   std::vector<double> points_, normals_, directions_, psi_;
   std::vector<PetscInt> first_dofs_;
   std::vector<int> nodes_, obstacles_, local_;
+  std::vector<int> free_components_; ///< that no clamp holds, a bit each (m)
   std::vector<Node> per_node_;
   bool dependent_ = false, held_ = false;
 };

@@ -19,11 +19,12 @@ namespace {
 
 /// Generated code of every form, in the order of enum Form, and of every field, in that of enum CellField.
 struct Generated {
-  std::array<const ufcx_form*, 9> forms;
+  std::array<const ufcx_form*, 14> forms;
   std::array<const ufcx_expression*, 3> fields;
 };
-constexpr std::array names{"L2", "L2_surface", "L2_cellwise", "L2_cellwise_surface", "m", "a",
-                           "b",  "d",          "d_elastic"};
+constexpr std::array names{
+    "L2",        "L2_surface", "L2_cellwise", "L2_cellwise_surface", "m",       "a",    "b", "d",
+    "d_elastic", "m_rho",      "a_young",     "a_poisson",           "b_kappa", "b_eta"};
 
 #define SIGNORINI_GENERATED(cell, degree)                                                                    \
   Generated {                                                                                                \
@@ -35,7 +36,12 @@ constexpr std::array names{"L2", "L2_surface", "L2_cellwise", "L2_cellwise_surfa
      form_viscoelasticity_##cell##_##degree##_a,                                                             \
      form_viscoelasticity_##cell##_##degree##_b,                                                             \
      form_viscoelasticity_##cell##_##degree##_d,                                                             \
-     form_viscoelasticity_##cell##_##degree##_d_elastic},                                                    \
+     form_viscoelasticity_##cell##_##degree##_d_elastic,                                                     \
+     form_viscoelasticity_##cell##_##degree##_m_rho,                                                         \
+     form_viscoelasticity_##cell##_##degree##_a_young,                                                       \
+     form_viscoelasticity_##cell##_##degree##_a_poisson,                                                     \
+     form_viscoelasticity_##cell##_##degree##_b_kappa,                                                       \
+     form_viscoelasticity_##cell##_##degree##_b_eta},                                                        \
     {                                                                                                        \
       expression_viscoelasticity_##cell##_##degree##_strain,                                                 \
           expression_viscoelasticity_##cell##_##degree##_stress,                                             \
@@ -99,6 +105,16 @@ void finish(Mat matrix) {
   petsc::check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
 }
 
+/// A matrix with the pattern of a form over all parts. Collective.
+petsc::Matrix empty(const Space& space, Form form, const std::vector<Part>& parts, double tau,
+                    const char* type) {
+  std::vector<std::int32_t> all;
+  for (const Part& part : parts)
+    all.insert(all.end(), part.cells.begin(), part.cells.end());
+  std::ranges::sort(all);
+  return petsc::Matrix(dolfinx::fem::petsc::create_matrix(compile(space, form, {}, tau, all), type));
+}
+
 petsc::Matrix symmetric(petsc::Matrix matrix) {
   petsc::check(MatSetOption(matrix, MAT_SYMMETRIC, PETSC_TRUE));
   petsc::check(MatSetOption(matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
@@ -153,15 +169,31 @@ std::string signature(int dim, int degree) {
 
 petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& parts, double tau,
                        const char* type) {
-  std::vector<std::int32_t> all;
-  for (const Part& part : parts)
-    all.insert(all.end(), part.cells.begin(), part.cells.end());
-  std::ranges::sort(all);
-  petsc::Matrix matrix(dolfinx::fem::petsc::create_matrix(compile(space, form, {}, tau, all), type));
+  petsc::Matrix matrix = empty(space, form, parts, tau, type);
   for (const Part& part : parts) {
     const bool elastic = !part.material.viscosity;
     add(space, form == Form::d && elastic ? Form::d_elastic : form, part.material, tau, part.cells, matrix);
   }
+  finish(matrix);
+  return symmetric(std::move(matrix));
+}
+
+petsc::Matrix assemble_one(const Space& space, Form form, const std::vector<Part>& parts, std::size_t part,
+                           const char* type) {
+  constexpr double no_tau = 0;
+  petsc::Matrix matrix = empty(space, form, parts, no_tau, type);
+  auto insert = dolfinx::la::petsc::Matrix::set_block_fn(matrix, ADD_VALUES);
+  std::vector<PetscScalar> zeros;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (i != part)
+      dolfinx::fem::assemble_matrix(
+          [&](std::span<const std::int32_t> rows, std::span<const std::int32_t> columns,
+              std::span<const PetscScalar> values) {
+            zeros.assign(values.size(), 0);
+            return insert(rows, columns, std::span<const PetscScalar>(zeros));
+          },
+          compile(space, form, parts[i].material, no_tau, parts[i].cells), {});
+  add(space, form, parts[part].material, no_tau, parts[part].cells, matrix);
   finish(matrix);
   return symmetric(std::move(matrix));
 }

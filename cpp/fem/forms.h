@@ -9,7 +9,22 @@
 namespace signorini::fem {
 
 /// The bilinear forms of forms/viscoelasticity.py, by their names there; docs/method.md section 1.
-enum class Form { L2, L2_surface, L2_cellwise, L2_cellwise_surface, m, a, b, d, d_elastic };
+enum class Form {
+  L2,
+  L2_surface,
+  L2_cellwise,
+  L2_cellwise_surface,
+  m,
+  a,
+  b,
+  d,
+  d_elastic,
+  m_rho,
+  a_young,
+  a_poisson,
+  b_kappa,
+  b_eta
+};
 
 /// Digest of the forms as compiled for simplices of dimension `dim` and functions of degree `degree`; it
 /// changes if a form is edited. Throws std::logic_error if none were compiled. Not collective.
@@ -22,6 +37,10 @@ std::string signature(int dim, int degree);
 /// provide, or is not over dx(1).
 petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& parts, double tau,
                        const char* type);
+
+/// The same over the part of this number alone, with the pattern of all parts, zeros elsewhere.
+petsc::Matrix assemble_one(const Space& space, Form form, const std::vector<Part>& parts, std::size_t part,
+                           const char* type);
 
 /// Assembles the L2 product over a group of cells or facets (AIJ); only rows of nodes of the group's cells or
 /// facets have entries other than zero. Collective. Throws UserError, naming the scene's `key`, as

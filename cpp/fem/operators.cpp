@@ -226,6 +226,11 @@ petsc::Matrix assemble_mass(const Space& space, const std::vector<scene::Materia
   return assemble(space, Form::m, parts(space.mesh(), materials), no_tau, MATBAIJ);
 }
 
+petsc::Matrix assemble_rate(const Space& space, const std::vector<scene::Material>& materials,
+                            std::size_t material, Form form) {
+  return assemble_one(space, form, parts(space.mesh(), materials), material, MATBAIJ);
+}
+
 petsc::Matrix shifted(Mat A, Mat D, double c) {
   // In full blocks, since MatAXPY of MPISBAIJ is wrong on several ranks in PETSc 3.22.
   petsc::Matrix blocks, sum;

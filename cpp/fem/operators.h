@@ -72,6 +72,11 @@ petsc::Matrix columns(Mat matrix, const std::vector<int>& columns);
 petsc::Matrix assemble_step_operator(const Space& space, const std::vector<scene::Material>& materials,
                                      double tau);
 
+/// Assembles the derivative of M, A or B by a constant of one material, by its number, from one of the forms
+/// m_rho … b_eta, in blocks (BAIJ). Collective. Throws as assemble_operators does.
+petsc::Matrix assemble_rate(const Space& space, const std::vector<scene::Material>& materials,
+                            std::size_t material, Form form);
+
 /// Assembles the mass matrix M alone, in blocks (BAIJ). Collective. Throws as assemble_operators does.
 petsc::Matrix assemble_mass(const Space& space, const std::vector<scene::Material>& materials);
 

@@ -194,6 +194,20 @@ Sampler::Sampler(const Space& space, const std::vector<double>& points, const En
   check(MatCreateVecs(at_points_, nullptr, values_.put()));
 }
 
+petsc::Vector Sampler::functional(std::size_t point, int component) const {
+  petsc::Vector result;
+  check(MatCreateVecs(at_points_, result.put(), nullptr));
+  check(VecZeroEntries(values_));
+  {
+    const petsc::WriteArray values(values_);
+    for (std::size_t j = 0; j < mine_.size(); ++j)
+      if (mine_[j] == point)
+        values[j * static_cast<std::size_t>(dim_) + static_cast<std::size_t>(component)] = 1;
+  }
+  check(MatMultTranspose(at_points_, values_, result));
+  return result;
+}
+
 std::vector<double> Sampler::operator()(Vec y) const {
   check(MatMult(at_points_, y, values_));
   std::vector<double> all(count_ * static_cast<std::size_t>(dim_));

@@ -32,6 +32,9 @@ public:
   /// Distances of the points from this mesh (n), m, zero inside.
   [[nodiscard]] const std::vector<double>& distances() const { return distances_; }
 
+  /// The functional of one component of functions of V at a point, by its number. Collective.
+  [[nodiscard]] petsc::Vector functional(std::size_t point, int component) const;
+
   /// Values of y at the points (n × dim), on every rank. Collective.
   [[nodiscard]] std::vector<double> operator()(Vec y) const;
 

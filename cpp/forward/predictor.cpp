@@ -41,13 +41,17 @@ Vec Predictor::jump(std::span<const double> psi, Vec x, const contact::ActiveSet
   return work.jump;
 }
 
-Vec Predictor::linearised_jump(const contact::ActiveSet& set, Vec x, Workspace& work) const {
+Vec Predictor::linearised_jump(const contact::ActiveSet& set, Vec x, Workspace& work,
+                               const Guide* guide) const {
   if (set.empty())
     return nullptr;
   check(MatMult(M_, x, work.r));
+  if (guide && guide->force)
+    check(VecAXPY(work.r, 1, guide->force));
   clamped_.clear(work.r);
   check(VecCopy(x, work.jump));
-  solver_.contact()->solve_sliding(work.r, set, work.jump, work.solver);
+  solver_.contact()->solve_guided(work.r, set, guide ? guide->motion : std::span<const double>(), work.jump,
+                                  work.solver);
   check(VecAXPY(work.jump, -1, x));
   return work.jump;
 }

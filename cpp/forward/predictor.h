@@ -33,8 +33,14 @@ public:
                          contact::ActiveSet& set, Workspace& work) const;
 
   /// Πx − x with Π the projection linearised on the set Z, null where Z is empty, in `work`. Π is
-  /// self-adjoint in the product of M. Collective.
-  [[nodiscard]] Vec linearised_jump(const contact::ActiveSet& set, Vec x, Workspace& work) const;
+  /// self-adjoint in the product of M. With `guide`, z − x for the solution of M z + N ζ = M x + force with
+  /// z·ν = motion (m) on Z, ζ then being in work.solver.mu. Collective.
+  struct Guide {
+    Vec force = nullptr;            ///< a functional; null: zero
+    std::span<const double> motion; ///< m
+  };
+  [[nodiscard]] Vec linearised_jump(const contact::ActiveSet& set, Vec x, Workspace& work,
+                                    const Guide* guide = nullptr) const;
 
   /// Memory on all ranks, bytes. Collective.
   [[nodiscard]] double bytes() const;

@@ -150,9 +150,10 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
   ++steps;
 }
 
-void Stepper::solve_sliding(const contact::ActiveSet& active, Vec p, Workspace& work) const {
+void Stepper::solve_sliding(const contact::ActiveSet& active, std::span<const double> normal, Vec p,
+                            Workspace& work) const {
   if (const contact::ContactStepSolver* solver = solver_->contact())
-    solver->solve_sliding(work.r, active, p, *work.contact);
+    solver->solve_guided(work.r, active, normal, p, *work.contact);
   else
     solver_->linear().solve(work.r, p);
 }
@@ -165,7 +166,7 @@ void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactSets& contac
   contact::ActiveSet &closed = contact.active, next, wrong;
   const petsc::Vector residual = petsc::zero_like(p);
   for (contact::BlockPivoting pivoting(*pairs_);; pivoting.advance(closed, next, wrong)) {
-    solve_sliding(closed, p, work);
+    solve_sliding(closed, {}, p, work);
     check(MatMult(R_, p, residual)); // D p = R p + 2 stiffness() A p
     check(MatMult(operators_.A, p, work.work));
     check(VecAXPBYPCZ(residual, 1, -2 * scheme.stiffness(), -1, work.r, work.work));
@@ -192,10 +193,10 @@ void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactSets& contac
 Vec Stepper::linearised_right_hand_side(const LinearisedStep& step, const contact::ContactSets& contact,
                                         Workspace& work) const {
   const Scheme scheme = grid_.scheme(step.k);
-  const Vec jump = predictor_
-                       ? predictor_->linearised_jump(contact.predictor,
-                                                     predicted(scheme, step.from, work.work), *work.predictor)
-                       : nullptr;
+  const Vec jump =
+      predictor_ ? predictor_->linearised_jump(contact.predictor, predicted(scheme, step.from, work.work),
+                                               *work.predictor, step.predictor)
+                 : nullptr;
   right_hand_side(step.from.y, scheme.momentum(),
                   with_jump(step.from.v, scheme.jump_rate(), jump, work.moved), scheme.impulse(), step.load,
                   work);
@@ -205,7 +206,7 @@ Vec Stepper::linearised_right_hand_side(const LinearisedStep& step, const contac
 void Stepper::linearised_step(const LinearisedStep& step, const contact::ContactSets& contact,
                               Workspace& work) const {
   const Vec jump = linearised_right_hand_side(step, contact, work);
-  solve_sliding(contact.active, step.to.y, work);
+  solve_sliding(contact.active, step.normal, step.to.y, work);
   set_velocity(grid_.scheme(step.k), step.from, jump, step.to);
   ++linearised_steps;
 }
@@ -216,19 +217,19 @@ void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactSets& c
   if (!contact.weak.empty())
     solve_one_sided(grid_.scheme(step.k), contact, step.to.y, work);
   else
-    solve_sliding(contact.active, step.to.y, work);
+    solve_sliding(contact.active, step.normal, step.to.y, work);
   set_velocity(grid_.scheme(step.k), step.from, jump, step.to);
   ++linearised_steps;
 }
 
 void Stepper::adjoint_step(const AdjointStep& step, Workspace& work) const {
   const Scheme scheme = grid_.scheme(step.k);
-  const Vec jump = predictor_ && step.next
-                       ? predictor_->linearised_jump(step.next->predictor, step.q, *work.predictor)
-                       : nullptr;
+  const Vec jump = predictor_ && step.next ? predictor_->linearised_jump(step.next->predictor, step.q,
+                                                                         *work.predictor, step.predictor)
+                                           : nullptr;
   right_hand_side(step.p_next, -scheme.momentum(), with_jump(step.q, Scheme::dual_jump(), jump, work.moved),
                   1, step.derivative, work);
-  solve_sliding(step.contact.active, step.p, work);
+  solve_sliding(step.contact.active, step.normal, step.p, work);
   const double rate = scheme.rate();
   {
     const petsc::ReadArray later(step.p_next), now(step.p);

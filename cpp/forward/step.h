@@ -34,18 +34,22 @@ struct LinearisedStep {
   int k;
   Motion from;
   NodalForce load;
-  Motion to; ///< as in StepOutput
+  Motion to;                              ///< as in StepOutput
+  std::span<const double> normal{};       ///< δy·ν on the active set (m), zero if empty
+  const Predictor::Guide* predictor = {}; ///< of δz, null: none
 };
 
 /// A transposed step, from step k + 1 to k.
 struct AdjointStep {
   int k;
-  const contact::ContactSets& contact; ///< of step k
-  const contact::ContactSets* next;    ///< of step k + 1, null at N
-  StateDual derivative;                ///< ∂J/∂y_k
-  Vec p_next;                          ///< p_{k+1}
-  Vec q;                               ///< q_{k+1} on entry, q_k on return
-  Vec p;                               ///< p_k on return, a guess on entry
+  const contact::ContactSets& contact;    ///< of step k
+  const contact::ContactSets* next;       ///< of step k + 1, null at N
+  StateDual derivative;                   ///< ∂J/∂y_k
+  Vec p_next;                             ///< p_{k+1}
+  Vec q;                                  ///< q_{k+1} on entry, q_k on return
+  Vec p;                                  ///< p_k on return, a guess on entry
+  std::span<const double> normal{};       ///< p_k·ν = ∂J/∂λ_k on the active set (m), zero if empty
+  const Predictor::Guide* predictor = {}; ///< of the projection of q_{k+1}, null: none
 };
 
 /// Makes time steps and their derivatives (docs/method.md sections 2 and 4), and holds what no step changes:
@@ -126,8 +130,9 @@ private:
   /// work.r of a linearised step; returns the predictor's jump, null without one.
   Vec linearised_right_hand_side(const LinearisedStep& step, const contact::ContactSets& contact,
                                  Workspace& work) const;
-  /// Solves with work.r on an active set.
-  void solve_sliding(const contact::ActiveSet& active, Vec p, Workspace& work) const;
+  /// Solves with work.r on an active set, with p·ν = `normal` (m) there, zero if empty.
+  void solve_sliding(const contact::ActiveSet& active, std::span<const double> normal, Vec p,
+                     Workspace& work) const;
   /// solve_sliding() where weakly active candidates may open: min ½ p·Dp − r·p over p·ν = 0 on S, p·ν ≤ 0 on
   /// W. The set that stays closed becomes the active one.
   void solve_one_sided(const Scheme& scheme, contact::ContactSets& contact, Vec p, Workspace& work) const;

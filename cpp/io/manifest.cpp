@@ -4,6 +4,7 @@
 #include "version.h"
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <gmsh.h>
@@ -43,7 +44,9 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
           {"control cost", objective && objective->alpha > 0},
           {"stored fields", !scene.output.fields.empty()},
           {"tables", !scene.output.tables.empty()},
-          {"probes", !scene.output.probes.empty()}};
+          {"probes", !scene.output.probes.empty()},
+          {"unknowns", !scene.unknowns.empty()},
+          {"measurements", !scene.measurements.empty()}};
 }
 
 nlohmann::ordered_json versions() {
@@ -153,8 +156,9 @@ void add_search(ordered_json& json, const Manifest& m, const scene::Scene& scene
     json["optimizer"] = {{"iterations", *m.iterations},
                          {"forward_sweeps", m.forward_sweeps.value_or(0)},
                          {"adjoint_sweeps", m.adjoint_sweeps.value_or(0)},
-                         {"metric", scene.control->lower || scene.control->upper ? "lumped L2" : "L2"},
                          {"coarse_levels", levels}};
+    if (!m.fit)
+      json["optimizer"]["metric"] = scene.control->lower || scene.control->upper ? "lumped L2" : "L2";
   }
   if (m.kink) {
     ordered_json weak = ordered_json::array();
@@ -168,6 +172,41 @@ void add_search(ordered_json& json, const Manifest& m, const scene::Scene& scene
                     {"gradients", m.kink->gradients},
                     {"weak_contact", weak}};
   }
+}
+
+/// JSON knows no infinity: null is none.
+ordered_json finite(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(); }
+
+void add_fit(ordered_json& json, const Fit& fit) {
+  json["unknowns_fitted"] = ordered_json::array();
+  for (const FittedUnknown& one : fit.unknowns)
+    json["unknowns_fitted"].push_back({{"name", one.name},
+                                       {"of", one.of},
+                                       {"unit", one.unit},
+                                       {"scale", one.scale},
+                                       {"value", one.value},
+                                       {"standard_deviation", finite(one.deviation)},
+                                       {"start", one.start},
+                                       {"lower", finite(one.lower)},
+                                       {"upper", finite(one.upper)},
+                                       {"at_bound", one.at_bound},
+                                       {"gradient", one.gradient}});
+  const std::size_t n = fit.unknowns.size();
+  ordered_json correlations = ordered_json::array(), measurements = ordered_json::array(),
+               times = ordered_json::array();
+  for (std::size_t i = 0; i < n; ++i)
+    correlations.push_back(std::vector<double>(&fit.correlations[i * n], &fit.correlations[i * n] + n));
+  for (const Comparison& one : fit.measurements)
+    measurements.push_back({{"name", one.name}, {"values", one.times.size()}});
+  for (const ComparedTime& one : fit.times)
+    times.push_back({{"name", one.name},
+                     {"value", one.value},
+                     {"deviation", one.deviation},
+                     {"simulated", finite(one.simulated)}});
+  json["fit"] = {
+      {"objective", fit.value},     {"values", fit.data},           {"misfit", fit.misfit},
+      {"decrement", fit.decrement}, {"correlations", correlations}, {"singular_values", fit.singular_values},
+      {"not_told", fit.untold},     {"measurements", measurements}, {"contact_times", times}};
 }
 
 } // namespace
@@ -205,6 +244,8 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
                          {"terminal", m.objective->terminal},
                          {"control_cost", m.objective->control_cost}};
   add_search(json, m, scene);
+  if (m.fit)
+    add_fit(json, *m.fit);
   if (m.impact)
     json["impact"] = impact_json(*m.impact, m.dim);
   if (m.von_mises)

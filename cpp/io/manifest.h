@@ -6,6 +6,7 @@
 #include "forward/invariants.h"
 #include "forward/motion_summary.h"
 #include "forward/plausibility.h"
+#include "io/fit_tables.h"
 #include "scene/scene.h"
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -68,6 +69,7 @@ struct Manifest {
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
   std::vector<CoarseLevel> coarse_levels; ///< the coarsest first
   std::optional<Kink> kink;
+  std::optional<Fit> fit;
   std::vector<std::string> files; ///< of the run
 };
 

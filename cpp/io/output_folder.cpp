@@ -11,9 +11,10 @@ namespace fs = std::filesystem;
 namespace {
 
 /// The fixed names of a run's files, data before the files that refer to them.
-constexpr std::array file_names{"state.h5",     "control.h5", "adjoint.h5",  "state.xdmf",    "control.xdmf",
-                                "adjoint.xdmf", "steps.csv",  "contact.csv", "obstacles.csv", "probes.csv",
-                                "history.csv",  "scene.toml", "run.json"};
+constexpr std::array file_names{"state.h5",         "control.h5",   "adjoint.h5",  "state.xdmf",
+                                "control.xdmf",     "adjoint.xdmf", "steps.csv",   "contact.csv",
+                                "obstacles.csv",    "probes.csv",   "history.csv", "parameters.csv",
+                                "measurements.csv", "scene.toml",   "run.json"};
 
 constexpr const char *manifest = file_names.back(), *unfinished = ".unfinished-";
 
@@ -24,7 +25,8 @@ constexpr const char* checkpoint = "checkpoint.h5";
 const FolderLock::Names early_names{"history.csv", checkpoint};
 
 /// Files that only a search leaves.
-constexpr std::array of_search{"history.csv", "control.h5", "control.xdmf", "adjoint.h5", "adjoint.xdmf"};
+constexpr std::array of_search{"history.csv",  "parameters.csv", "measurements.csv", "control.h5",
+                               "control.xdmf", "adjoint.h5",     "adjoint.xdmf"};
 
 /// Whether postprocess/ made a file: it says so near its beginning, a page in
 /// <meta name="generator" content="signorini report">, a picture in its comment.

@@ -1,4 +1,5 @@
 #include "linalg/dense.h"
+#include <algorithm>
 #include <cmath>
 #include <petscblaslapack.h>
 
@@ -29,6 +30,15 @@ int invert_factorised(std::span<double> factor, std::size_t n) {
     for (std::size_t i = j + 1; i < n; ++i)
       factor[i * n + j] = factor[j * n + i];
   return static_cast<int>(info);
+}
+
+std::vector<double> symmetric_eigenvalues(std::span<double> K, std::size_t n) {
+  std::vector<double> values(n), work(std::max<std::size_t>(1, 3 * n));
+  const auto size = static_cast<PetscBLASInt>(n), length = static_cast<PetscBLASInt>(work.size());
+  PetscBLASInt info = 0;
+  if (n > 0)
+    LAPACKsyev_("V", "L", &size, K.data(), &size, values.data(), work.data(), &length, &info);
+  return values;
 }
 
 bool solve_dense(std::vector<double> K, std::span<double> b) {

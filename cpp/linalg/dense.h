@@ -14,6 +14,9 @@ void solve_factorised(std::span<const double> factor, std::size_t n, std::span<d
 /// Replaces that factor by K⁻¹, both triangles. Returns 0, or the number, from 1, of a pivot that is zero.
 int invert_factorised(std::span<double> factor, std::size_t n);
 
+/// Eigenvalues of a symmetric K (n × n), ascending, by LAPACK; K becomes the eigenvectors, one after another.
+std::vector<double> symmetric_eigenvalues(std::span<double> K, std::size_t n);
+
 /// Solves K x = b in place for a symmetric positive definite K (n × n), for each column of b (n × columns,
 /// column by column). Returns false, with b as it was, if K is not positive definite.
 [[nodiscard]] bool solve_dense(std::vector<double> K, std::span<double> b);

@@ -45,9 +45,43 @@ constexpr Names<2> names(Side) { return {"outside", "inside"}; }
 enum class ControlValues { nodal, cellwise };
 constexpr Names<2> names(ControlValues) { return {"P1", "P0"}; }
 
+/// What may be unknown of a scene; docs/method.md section 9.
+enum class Parameter {
+  young,
+  poisson,
+  bulk,
+  shear,
+  density,
+  displacement,
+  velocity,
+  position,
+  angle,
+  center,
+  radius,
+  body,
+  gravity,
+  traction
+};
+constexpr Names<14> names(Parameter) {
+  return {"young",    "poisson", "bulk",   "shear",  "density",   "initial.displacement", "initial.velocity",
+          "position", "angle",   "center", "radius", "load.body", "load.gravity",         "load.traction"};
+}
+
+/// On which scale an unknown is sought, and its uncertainty given.
+enum class ParameterScale { linear, logarithmic };
+constexpr Names<2> names(ParameterScale) { return {"linear", "log"}; }
+
+/// What is measured; docs/method.md section 10.
+enum class Quantity { displacement, velocity, force, impulse, contact_start, contact_time };
+constexpr Names<6> names(Quantity) {
+  return {"displacement", "velocity", "force", "impulse", "contact-start", "contact-time"};
+}
+
 /// docs/method.md section 6.
-enum class OptimizerMethod { lbfgs, newton_cg, projected_gradient };
-constexpr Names<3> names(OptimizerMethod) { return {"lbfgs", "newton-cg", "projected-gradient"}; }
+enum class OptimizerMethod { lbfgs, newton_cg, projected_gradient, gauss_newton };
+constexpr Names<4> names(OptimizerMethod) {
+  return {"lbfgs", "newton-cg", "projected-gradient", "gauss-newton"};
+}
 
 /// Where a search starts: at the optimum of coarser meshes and longer steps, or at the first guess.
 enum class SearchStart { coarse, guess };
@@ -74,8 +108,10 @@ constexpr Names<8> names(StoredField) {
   return {"displacement", "velocity", "control", "adjoint", "strain", "stress", "von_mises", "pressure"};
 }
 
-enum class StoredTable { steps, contact, obstacles, probes, history };
-constexpr Names<5> names(StoredTable) { return {"steps", "contact", "obstacles", "probes", "history"}; }
+enum class StoredTable { steps, contact, obstacles, probes, history, parameters, measurements };
+constexpr Names<7> names(StoredTable) {
+  return {"steps", "contact", "obstacles", "probes", "history", "parameters", "measurements"};
+}
 
 /// The name of a choice.
 template <class E>

@@ -51,7 +51,7 @@ Field::Field(Components components, const std::string& key, bool time) : impl_(s
   impl_->text = std::move(components);
   impl_->key = key;
   impl_->parsers.reserve(impl_->text.size());
-  for (const auto& [text, series] : impl_->text) {
+  for (const auto& [text, series, factor, shift] : impl_->text) {
     mu::Parser& parser = impl_->parsers.emplace_back();
     if (series) {
       impl_->depends_on_time = true;
@@ -96,7 +96,9 @@ bool Field::depends_on_place() const { return impl_->depends_on_place; }
 void Field::evaluate(const double* x, double t, double* values) const {
   impl_->variables = {x[0], x[1], x[2], t};
   for (std::size_t i = 0; i < impl_->parsers.size(); ++i) {
-    values[i] = impl_->text[i].series ? (*impl_->text[i].series)(t) : impl_->parsers[i].Eval();
+    const Expression& expression = impl_->text[i];
+    values[i] = expression.shift +
+                expression.factor * (expression.series ? (*expression.series)(t) : impl_->parsers[i].Eval());
     if (!std::isfinite(values[i]))
       throw UserError(
           fmt::format("{}: the expression \"{}\" is {} at x = {}, y = {}, z = {}, t = {}; it must "
@@ -106,8 +108,9 @@ void Field::evaluate(const double* x, double t, double* values) const {
 }
 
 std::optional<double> Field::slope(std::size_t component, double t, bool after) const {
-  const auto& series = impl_->text[component].series;
-  return series ? std::optional(series->slope(t, after)) : std::nullopt;
+  const Expression& expression = impl_->text[component];
+  return expression.series ? std::optional(expression.factor * expression.series->slope(t, after))
+                           : std::nullopt;
 }
 
 } // namespace signorini::scene

@@ -68,6 +68,9 @@ std::string clamp_key(const std::vector<Clamp>& clamps, std::size_t i) {
   return clamps.size() == 1 ? "clamp" : fmt::format("clamp[{}]", i);
 }
 
+std::string unknown_key(std::size_t i) { return fmt::format("unknown[{}]", i); }
+std::string measurement_key(std::size_t i) { return fmt::format("measurement[{}]", i); }
+
 std::vector<Component> components(int dim) {
   std::vector<Component> all{Component::x, Component::y, Component::z};
   all.resize(static_cast<std::size_t>(dim));
@@ -76,7 +79,7 @@ std::vector<Component> components(int dim) {
 
 bool vanishes(const Components& components) {
   return std::ranges::all_of(components, [](const Expression& expression) {
-    return expression.text == "0" || expression.text == "0.0";
+    return expression.shift == 0 && (expression.text == "0" || expression.text == "0.0");
   });
 }
 

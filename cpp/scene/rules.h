@@ -16,7 +16,10 @@ void require_rules(Reader& in, const Objective& objective, const Scene& scene);
 void require_rules(Reader& in, const Optimizer& optimizer, const Scene& scene);
 void require_rules(Reader& in, const Trajectory& trajectory, const Scene& scene);
 void require_rules(Reader& in, const Exact& exact, const Scene& scene);
+/// Sets name, start, bounds and scale that are not given.
+void require_rules(Reader& in, Unknown& unknown, const Scene& scene);
 /// Sets a name that is not given.
+void require_rules(Reader& in, Measurement& measurement, const Scene& scene);
 void require_rules(Reader& in, Probe& probe, const Scene& scene);
 void require_rules(Reader& in, const Output& output, const Scene& scene);
 /// Sets where a search starts if that is not given.

@@ -20,6 +20,7 @@ namespace signorini::scene {
 struct Expression {
   std::string text;                         ///< of a time series the table in TOML that names it
   std::shared_ptr<const TimeSeries> series; ///< null: an expression
+  double factor = 1, shift = 0;             ///< the value is factor · (text or series) + shift; of no file
 
   Expression(std::string expression) : text(std::move(expression)) {}
   Expression(const char* expression) : text(expression) {}
@@ -29,7 +30,9 @@ struct Expression {
   Expression(std::string table, TimeSeries given)
       : text(std::move(table)), series(std::make_shared<const TimeSeries>(std::move(given))) {}
 
-  friend bool operator==(const Expression& a, const Expression& b) { return a.text == b.text; }
+  friend bool operator==(const Expression& a, const Expression& b) {
+    return a.text == b.text && a.factor == b.factor && a.shift == b.shift;
+  }
 
 private:
   static std::string written(double value);
@@ -181,6 +184,43 @@ struct Objective {
   double gamma = 0;              ///< γ, weight of the terminal term, s
 };
 
+/// What is known of an unknown before anything is measured: a normal distribution, on a logarithmic scale of
+/// the logarithm, whose deviation is then relative.
+struct Prior {
+  double mean = 0, deviation = 0;
+};
+
+/// One table [[unknown]]: a number of the scene that is sought; docs/method.md section 9.
+struct Unknown {
+  Parameter of = Parameter::young;
+  std::optional<std::string> on;       ///< group of a material or traction, where the scene has several
+  std::optional<std::string> obstacle; ///< name of an obstacle, where the scene has several
+  std::optional<Component> component;  ///< of an initial field or a centre; axis of an angle in space
+  std::string name;                    ///< in tables; no two have the same
+  double start = 0;
+  std::optional<double> lower, upper;
+  ParameterScale scale = ParameterScale::linear;
+  std::optional<Prior> prior;
+};
+
+/// One table [[measurement]]: what is known of the motion; docs/method.md section 10.
+struct Measurement {
+  Quantity of = Quantity::displacement;
+  std::string name;                          ///< in tables; no two have the same
+  std::optional<std::vector<double>> point;  ///< of the undeformed body, m
+  std::optional<std::string> on;             ///< in place of a point: mean over this physical group
+  std::optional<std::string> obstacle;       ///< of a force; absent: all obstacles together
+  std::optional<Component> component;        ///< set for every quantity but contact times
+  std::optional<std::filesystem::path> file; ///< CSV of times and values, absolute; of contact times none
+  std::string column = "value";
+  std::optional<double> value;     ///< of a contact time, s
+  std::optional<double> deviation; ///< standard; absent: the file's column "deviation" tells it
+  std::optional<double> noise;     ///< likewise, relative to the largest value
+
+  /// Whether the misfit counts in J; contact times are compared alone.
+  [[nodiscard]] bool fitted() const { return of != Quantity::contact_start && of != Quantity::contact_time; }
+};
+
 /// Table [optimizer]; docs/method.md section 6.
 struct Optimizer {
   OptimizerMethod method = OptimizerMethod::lbfgs;
@@ -241,8 +281,9 @@ struct Output {
   int every = 0; ///< steps between stored fields; 0 until automatic() sets it
   std::vector<StoredField> fields{StoredField::displacement, StoredField::velocity, StoredField::control,
                                   StoredField::adjoint}; ///< stored where a run has them
-  std::vector<StoredTable> tables{StoredTable::steps, StoredTable::contact, StoredTable::obstacles,
-                                  StoredTable::probes, StoredTable::history}; ///< likewise
+  std::vector<StoredTable> tables{StoredTable::steps,       StoredTable::contact, StoredTable::obstacles,
+                                  StoredTable::probes,      StoredTable::history, StoredTable::parameters,
+                                  StoredTable::measurements}; ///< likewise
   std::vector<Probe> probes;
 
   static constexpr int most_frames = 300; ///< stored after the first where `every` is not given
@@ -266,6 +307,8 @@ struct Scene {
   Initial initial;
   std::optional<Control> control;
   std::optional<Objective> objective;
+  std::vector<Unknown> unknowns;
+  std::vector<Measurement> measurements;
   Optimizer optimizer;
   Solver solver;
   Trajectory trajectory;
@@ -307,6 +350,10 @@ bool rests(const Control& control);
 /// Why a search of this scene cannot start on coarser meshes, in words that end "…, allowed is …"; empty if
 /// it can.
 std::string no_coarse_start(const Scene& scene);
+
+/// The name of an unknown's or measurement's table in messages.
+std::string unknown_key(std::size_t i);
+std::string measurement_key(std::size_t i);
 
 /// The scene with another element size, m (without mesh.size: another scale of the .geo's own), and another
 /// number of steps to time.end.

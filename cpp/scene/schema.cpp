@@ -303,6 +303,66 @@ Keys<Objective> keys_of(Of<Objective>) {
                 "weight of the end state", {.effect = "terminal term"})};
 }
 
+Keys<Prior> keys_of(Of<Prior>) {
+  return {required("mean", &Prior::mean, Number{}, "",
+                   "what is known of it before, a normal distribution; in the unknown's unit"),
+          required("deviation", &Prior::deviation, Number{above_zero}, "",
+                   "standard; of an unknown on a logarithmic scale relative, such as 0.1")};
+}
+
+Keys<Unknown> keys_of(Of<Unknown>) {
+  return {
+      required(
+          "of", &Unknown::of, Choice<Parameter>{}, "",
+          "what is sought, in a table `[[unknown]]`: of a material; of the initial fields, a component's "
+          "value in all of the body or, without `component`, a factor; of an obstacle, a plane's shift "
+          "along its normal (m) and angle (rad), a ball's or cylinder's `center` and `radius`; a factor "
+          "of a load"),
+      value("name", &Unknown::name, Text{"text"}, "", "in tables",
+            {.otherwise = "by `of`, such as `\"young\"`"}),
+      value("on", &Unknown::on, Text{}, "", "whose material or traction, where there are several",
+            {.otherwise = "the only one"}),
+      value("obstacle", &Unknown::obstacle, Text{"name of an obstacle"}, "", "whose, where there are several",
+            {.otherwise = "the only one"}),
+      value("component", &Unknown::component, Choice<Component>{}, "",
+            "of an initial field or a centre; in space, the axis about which a plane's `angle` turns",
+            {.otherwise = "none"}),
+      value("start", &Unknown::start, Number{}, "", "first guess", {.otherwise = "the scene's own value"}),
+      value("lower", &Unknown::lower, Number{}, "", "bound", {.otherwise = "none"}),
+      value("upper", &Unknown::upper, Number{}, "", "bound", {.otherwise = "none"}),
+      value("scale", &Unknown::scale, Choice<ParameterScale>{}, "",
+            "on which it is sought and its deviation given, relative for `\"log\"`",
+            {.otherwise = "`\"log\"` for moduli, viscosities, densities"}),
+      inline_table("prior", &Unknown::prior, {})};
+}
+
+Keys<Measurement> keys_of(Of<Measurement>) {
+  return {
+      required("of", &Measurement::of, Choice<Quantity>{}, "",
+               "in a table `[[measurement]]`: of a point or group; of what an obstacle does to the body, its "
+               "resultant force (with the contact-implicit scheme the mean of two steps) and impulse so far; "
+               "contact times are compared, not fitted"),
+      value("name", &Measurement::name, Text{"text"}, "", "in tables",
+            {.otherwise = "by order, `\"measurement 1\"` …"}),
+      value("point", &Measurement::point, Numbers{}, "m", "of the undeformed body", {.otherwise = "none"}),
+      value("on", &Measurement::on, Text{}, "", "in place of `point`: the mean over it",
+            {.otherwise = "none"}),
+      value("obstacle", &Measurement::obstacle, Text{"name of an obstacle"}, "", "of a force or an impulse",
+            {.otherwise = "all together"}),
+      value("component", &Measurement::component, Choice<Component>{}, "", "of the quantity",
+            {.otherwise = "required but for times"}),
+      value("file", &Measurement::file, Path{}, "",
+            "CSV of its own times and values, relative to the scene file; `simulate --measure` writes it",
+            {.otherwise = "required but for times", .part = Part::none}),
+      value("column", &Measurement::column, Text{"text"}, "", "of the values in the file"),
+      value("value", &Measurement::value, Number{above_zero}, "s", "of a contact time",
+            {.otherwise = "none"}),
+      value("deviation", &Measurement::deviation, Number{above_zero}, "",
+            "standard, of each value, in its unit", {.otherwise = "the file's column `deviation`"}),
+      value("noise", &Measurement::noise, Number{above_zero}, "",
+            "in place of `deviation`: relative to the largest value", {.otherwise = "none"})};
+}
+
 Keys<Optimizer> keys_of(Of<Optimizer>) {
   return {
       value("method", &Optimizer::method, Choice<OptimizerMethod>{}, "", "see The optimizers",
@@ -409,7 +469,9 @@ Keys<Output> keys_of(Of<Output>) {
 }
 
 Keys<Scene> keys_of(Of<Scene>) {
-  const auto has_objective = [](const Scene& scene) { return scene.objective.has_value(); };
+  const auto searches = [](const Scene& scene) {
+    return scene.objective.has_value() || !scene.unknowns.empty();
+  };
   return {section("mesh", &Scene::mesh, {.required = true}),
           section("time", &Scene::time, {.required = true}),
           sections("material", &Scene::materials, {.required = true},
@@ -421,8 +483,10 @@ Keys<Scene> keys_of(Of<Scene>) {
           section("initial", &Scene::initial, {}),
           section("control", &Scene::control, {.effect = "control"}),
           section("objective", &Scene::objective, {.effect = "objective"}),
-          section("optimizer", &Scene::optimizer, {.part = Part::none}, has_objective),
-          section("trajectory", &Scene::trajectory, {.part = Part::measurement}, has_objective),
+          sections("unknown", &Scene::unknowns, {.effect = "unknowns"}),
+          sections("measurement", &Scene::measurements, {.effect = "measurements"}),
+          section("optimizer", &Scene::optimizer, {.part = Part::none}, searches),
+          section("trajectory", &Scene::trajectory, {.part = Part::measurement}, searches),
           section("check", &Scene::check, {.part = Part::measurement},
                   [](const Scene& scene) { return scene.check.control.has_value(); }),
           section("exact", &Scene::exact, {.part = Part::none}),

@@ -116,6 +116,16 @@ TimeSeries::TimeSeries(const std::string& text, const std::string& column) {
                                 times_.size(), times_.size() == 1 ? "" : "s"));
 }
 
+bool TimeSeries::has_column(const std::string& text, const std::string& column) {
+  for (std::string_view left = text; !left.empty();) {
+    const std::string_view line = left.substr(0, left.find('\n'));
+    left.remove_prefix(std::min(line.size() + 1, left.size()));
+    if (!bare(line).empty() && !line.starts_with('#'))
+      return std::ranges::count(cells(line, separator(line)), column) > 0;
+  }
+  return false;
+}
+
 void TimeSeries::add(double time, double value, int line) {
   if (!times_.empty() && !(time > times_.back()))
     throw UserError(fmt::format("line {}: found the time {} s behind {} s, allowed are times that ascend",

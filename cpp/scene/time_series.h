@@ -23,9 +23,15 @@ public:
   [[nodiscard]] double operator()(double t) const;
   /// Its slope at t, per second: where two lines meet, that of the one before t, or, with `after`, behind it.
   [[nodiscard]] double slope(double t, bool after) const;
+  /// Its times, s, and values there.
+  [[nodiscard]] const std::vector<double>& times() const { return times_; }
+  [[nodiscard]] const std::vector<double>& values() const { return values_; }
   /// Its first and its last time, s.
   [[nodiscard]] double begin() const { return times_.front(); }
   [[nodiscard]] double end() const { return times_.back(); }
+
+  /// Whether a file's line of names has a column.
+  [[nodiscard]] static bool has_column(const std::string& text, const std::string& column);
 
 private:
   void add(double time, double value, int line);

@@ -788,6 +788,115 @@ def exact_pressure() -> None:
     assert abs(large - 1).max() < 1e-6 and min(small) > 0 and abs(small - 1).max() > 1e-3
 
 
+# --- Fits ---------------------------------------------------------------------------------------------------------------
+
+CORE = SOURCE / "scenes" / "two-materials.toml"
+COARSE = {"mesh__size": 0.02, "time__end": 5e-3}
+PROBES = [{"name": "top", "point": [0, 0.1]}, {"name": "sides", "on": "surface"}, {"name": "floor", "obstacle": "floor"}]
+STIFF = {"of": "young", "on": "inclusion", "start": 3e7}
+
+
+@functools.cache
+def followed() -> Path:
+    """What the core's scene gives, as data: columns by probe and quantity."""
+    return simulate(CORE, **COARSE, output__probe=PROBES).folder / "probes.csv"
+
+
+def measured(of: str, column: str, **more: object) -> dict:
+    return {"of": of, "component": "y", "file": str(followed()), "column": column} | ({} if "noise" in more else {"deviation": 1.0}) | more
+
+
+TOP = {"point": [0, 0.1]}
+
+
+def fit(unknown: list[dict] | None = None, measurement: list[dict] | None = None, iterations: int = 0, **overrides: object) -> Run:
+    given = {"unknown": unknown or [STIFF], "measurement": measurement or [measured("displacement", "top.displacement_y", **TOP)]}
+    return optimize(CORE, iterations, **COARSE, **given, **overrides)
+
+
+def parameters(done: Run) -> dict[str, np.ndarray]:
+    return table(done.folder / "parameters.csv")
+
+
+def residuals(done: Run) -> np.ndarray:
+    return table(done.folder / "measurements.csv")["residual"]
+
+
+@key("measurement.of", "measurement.point", "measurement.on", "measurement.component", "measurement.file", "measurement.column")
+def measured_as_probes() -> None:
+    """At the true values data that are a probe's leave nothing."""
+    true = [STIFF | {"start": 2e7}]
+    for of, column, where in (("displacement", "top.displacement_y", TOP), ("velocity", "top.velocity_x", TOP | {"component": "x"}),
+                              ("displacement", "sides.displacement_y", {"on": "surface"}), ("velocity", "sides.velocity_y", {"on": "surface"}),
+                              ("impulse", "floor.impulse_y", {})):  # fmt: skip
+        scale = abs(table(followed())[column]).max()
+        assert abs(residuals(fit(true, [measured(of, column, **where)]))).max() < 1e-9 * scale, column
+    assert abs(residuals(fit(true, [measured("displacement", "top.displacement_x", **TOP)]))).max() > 1e-4
+
+
+@key("measurement.obstacle")
+def measured_obstacle() -> None:
+    """Of two obstacles one is never touched."""
+    wall = {"on": "surface", "obstacle": {"name": "wall", "shape": "half-space", "point": [9, 0], "normal": [-1, 0]}}
+    floor = {"on": "bottom", "obstacle": {"name": "floor", "shape": "half-space", "point": [0, -0.001], "normal": [0, 1]}}
+    forces = [table(fit(measurement=[measured("force", "floor.force_y", obstacle=name)], contact=[floor, wall]).folder / "measurements.csv")
+              for name in ("floor", "wall")]  # fmt: skip
+    assert abs(forces[0]["simulated"]).max() > 100 and not forces[1]["simulated"].any()
+
+
+@key("measurement.name", "measurement.deviation", "measurement.noise")
+def measured_noise() -> None:
+    top = ("displacement", "top.displacement_y")
+    known = fit(measurement=[measured(*top, deviation=0.5, name="crown", **TOP)])
+    assert set(table(known.folder / "measurements.csv")["measurement"]) == {"crown"}
+    near(residuals(known), 2 * residuals(fit(measurement=[measured(*top, **TOP)])))
+    largest = abs(table(followed())["top.displacement_y"]).max()
+    deviation = table(fit(measurement=[measured(*top, noise=0.1, **TOP)]).folder / "measurements.csv")["deviation"]
+    near(deviation, np.full_like(deviation, 0.1 * largest))
+
+
+@key("measurement.value")
+def compared_time() -> None:
+    done = fit(measurement=[measured("displacement", "top.displacement_y", **TOP), {"of": "contact-start", "value": 1e-3, "deviation": 1e-4}])
+    found = done.manifest["fit"]["contact_times"][0]
+    assert found["value"] == 1e-3 and abs(found["simulated"] - 1e-3) < 1e-4 and "measured 0.001 s" in done.stdout
+
+
+@key("unknown.of", "unknown.on", "unknown.name", "unknown.start")
+def unknown() -> None:
+    done = fit([STIFF, {"of": "young", "on": "matrix"}, {"of": "density", "on": "matrix", "name": "rubber's", "start": 1200}])
+    found = parameters(done)
+    assert list(found["name"]) == ["young of inclusion", "young of matrix", "rubber's"]
+    near(found["value"], found["start"])
+    assert list(found["start"]) == [3e7, 2e6, 1200] and len(set(found["gradient"])) == 3
+
+
+@key("unknown.lower", "unknown.upper")
+def bounds_of_unknowns() -> None:
+    for bound, value in (("lower", 2.5e7), ("upper", 1.5e7)):
+        found = parameters(fit([STIFF | {"start": value, bound: value}], iterations=20))
+        near(np.array([found["value"][0], found[bound][0]]), np.full(2, value))
+        assert found["at_bound"][0] == 1
+    assert abs(parameters(fit(iterations=20))["value"][0] / 2e7 - 1) < 1e-4
+
+
+@key("unknown.scale", "unknown.prior.mean", "unknown.prior.deviation")
+def priors() -> None:
+    """A prior adds half the square of its distance in deviations, on the unknown's scale."""
+    without = fit().history["objective"][0]
+    prior = {"mean": 1e7, "deviation": 0.1}
+    near(fit([STIFF | {"prior": prior}]).history["objective"][0] - without, (np.log(3) / 0.1) ** 2 / 2, 1e-9)
+    linear = STIFF | {"scale": "linear", "prior": {"mean": 1e7, "deviation": 1e7}}
+    near(fit([linear]).history["objective"][0] - without, 2.0, 1e-9)
+
+
+@key("unknown.component", "unknown.obstacle")
+def unknown_of_a_part() -> None:
+    found = parameters(fit([{"of": "initial.velocity", "component": "y"}, {"of": "position", "obstacle": "floor"}]))
+    assert list(found["name"]) == ["initial.velocity y", "position of floor"] and list(found["value"]) == [-1, 0]
+    assert parameters(fit([{"of": "initial.velocity"}]))["value"][0] == 1
+
+
 # --- All keys -----------------------------------------------------------------------------------------------------------
 
 EXACT = {"displacement": ["0", "0"], "pressure": "1", "impulse": 1, "peak_force": 1, "contact_start": 1, "contact_time": 1}
@@ -808,6 +917,14 @@ FULL = (
     (DATA / "two-materials.toml", {"objective__desired": {"displacement": ["0", "0"]}, "trajectory__storage": "checkpoints"}),
     (BLOCK, {"objective__desired": {"run": "somewhere"}, "control__initial": {"run": str(FOLDER / "first")}}),
     (SOURCE / "scenes" / "hertz-press.toml", {"time__end": 0.05, "mesh__scale": 8, "exact": EXACT}),
+    (CORE, COARSE | {
+        "unknown": [STIFF | {"lower": 1e6, "upper": 1e9, "prior": {"mean": 2e7, "deviation": 1.0}},
+                    {"of": "initial.velocity", "component": "y"}, {"of": "position", "obstacle": "floor"}],
+        "measurement": [{"of": "force", "component": "y", "obstacle": "floor", "file": "a.csv", "noise": 0.1},
+                        {"of": "displacement", "point": [0, 0.1], "component": "y", "file": "b.csv", "deviation": 1.0},
+                        {"of": "velocity", "on": "surface", "component": "x", "file": "b.csv", "deviation": 1.0},
+                        {"of": "contact-time", "value": 0.01}],
+    }),
     (DATA / "cube.toml", {"contact__obstacle": {"shape": "cylinder", "point": [0, 0, -2], "axis": [1, 0, 0], "radius": 1}}),
 )  # fmt: skip
 
@@ -883,14 +1000,15 @@ def keys_of_the_readme() -> set[str]:
     rows = re.findall(r"(?m)^\| `([a-z_]+\.[a-z_.]+)` \| (.*?) \| (.*?) \| .* \|$", table)
     assert len({name for name, _, _ in rows}) == len(rows), "the table has a key twice"
     default = simulate(edited("default.toml", ("(max_iterations|alpha|gamma).*", "")), clamp=[{"on": "left"}], initial__velocity=["0", "0"],
-                       contact__obstacle={"shape": "ball", "center": [0, -2], "radius": 1})  # fmt: skip
+                       contact__obstacle={"shape": "ball", "center": [0, -2], "radius": 1},
+                       measurement=[{"of": "force", "component": "y", "file": "none.csv"}])  # fmt: skip
     for name, names in choices(default):
         value = next((value for key, value, _ in rows if key == name), "")
         assert all(f'"{choice}"' in value for choice in names), f"the table's {name} is not all of {names}"
     confirmed = 0
     for name, _, value in rows:
         if re.fullmatch("`[^`]*`", value):
-            echoed = get(default.echo, name.replace("clamp", "clamp.0").split("."))
+            echoed = get(default.echo, re.sub("^(clamp|measurement)", r"\1.0", name).split("."))
             assert echoed == tomllib.loads(f"value = {value[1:-1]}")["value"], f"the table's default of {name} is {value}, not {echoed}"
             confirmed += 1
     assert confirmed > 20

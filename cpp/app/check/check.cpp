@@ -1,6 +1,7 @@
 #include "app/check/check.h"
 #include "app/check/derivative_check.h"
 #include "app/check/evaluation_point.h"
+#include "app/check/fit_check.h"
 #include "base/error.h"
 #include "forward/invariants.h"
 #include <algorithm>
@@ -95,7 +96,14 @@ bool check_scene(const Problem& problem, const Console& console) {
   std::string advice;
   if (scene.contacts.empty())
     console.line("The scene has no contact: what follows checks a linear problem.");
-  if (scene.objective) {
+  if (!scene.unknowns.empty()) {
+    const FitProblem fit(problem.body, scene, problem.timers);
+    check_fit(fit, problem.stepper.solver().tolerance(), console, rows);
+    const scene::Scene start = fit.scene_at(fit.start());
+    const Problem started(problem.body, start, check_needs(scene), problem.timers);
+    const GivenControl given(started);
+    invariants(started, given.load(), rows);
+  } else if (scene.objective) {
     ControlProblem control_problem(problem, console);
     std::string where;
     const control::Control u = evaluation_point(problem, control_problem, where);

@@ -26,13 +26,7 @@ int apart(const contact::ActiveSet& a, const contact::ActiveSet& b) {
   return static_cast<int>(difference.size());
 }
 
-/// Changes of candidates between active and open from one motion to another, those of projected predictors
-/// included.
-struct Switches {
-  int steps = 0, candidates = 0;
-};
-
-using Contact = std::vector<contact::ContactSets>;
+} // namespace
 
 Switches switches(const Contact& a, const Contact& b) {
   Switches sum;
@@ -43,6 +37,8 @@ Switches switches(const Contact& a, const Contact& b) {
   }
   return sum;
 }
+
+namespace {
 
 /// Smooth duals of the states, not proportional to a derivative of J.
 class Waves final : public forward::StateDuals {

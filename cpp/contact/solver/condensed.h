@@ -22,8 +22,9 @@ public:
   [[nodiscard]] Workspace workspace() const override;
   void solve(Vec r, std::span<const double> psi, const ActiveSet& previous, ContactState& state, Vec y,
              Workspace& work) const override;
-  void solve_sliding(Vec r, const ActiveSet& set, Vec p, Workspace& work) const override {
-    delassus_.solve_sliding(r, set, p, work);
+  void solve_guided(Vec r, const ActiveSet& set, std::span<const double> value, Vec p,
+                    Workspace& work) const override {
+    delassus_.solve_guided(r, set, value, p, work);
   }
   [[nodiscard]] double bytes() const override { return delassus_.bytes(); }
 

@@ -24,7 +24,15 @@ public:
   /// set and normal forces μ there. The solution operator r ↦ p is symmetric. Solves for `p`, which holds a
   /// guess on entry that direct solvers ignore; `r` and `p` must be different vectors. Of linearly dependent
   /// candidates the first ones carry the force. Throws SolverFailure.
-  virtual void solve_sliding(Vec r, const ActiveSet& set, Vec p, Workspace& work) const = 0;
+  void solve_sliding(Vec r, const ActiveSet& set, Vec p, Workspace& work) const {
+    solve_guided(r, set, {}, p, work);
+  }
+
+  /// The same with p·ν = `value` (m) on the set, zero if empty: D p + N μ = r. On return work.mu (m) holds
+  /// the forces μ, zero off the set; with conjugate gradients only if `value` is given. Collective. Throws
+  /// SolverFailure.
+  virtual void solve_guided(Vec r, const ActiveSet& set, std::span<const double> value, Vec p,
+                            Workspace& work) const = 0;
 
   /// Memory beyond that of D's factor on all ranks, bytes.
   [[nodiscard]] virtual double bytes() const = 0;

@@ -23,8 +23,9 @@ public:
   void solve(Vec r, std::span<const double> psi, const ActiveSet& previous, ContactState& state, Vec y,
              Workspace& work) const override;
   /// To be called only after slide_by().
-  void solve_sliding(Vec r, const ActiveSet& set, Vec p, Workspace& work) const override {
-    sliding_->solve_sliding(r, set, p, work);
+  void solve_guided(Vec r, const ActiveSet& set, std::span<const double> value, Vec p,
+                    Workspace& work) const override {
+    sliding_->solve_guided(r, set, value, p, work);
   }
   /// Of the solver of linearised steps; that of PETSc's solver is not known.
   [[nodiscard]] double bytes() const override { return sliding_ ? sliding_->bytes() : 0; }

@@ -54,10 +54,16 @@ void ProjectedSolver::solve(Vec r, std::span<const double> psi, const ActiveSet&
   complementarity_.classify(state, y, D_.tolerance());
 }
 
-void ProjectedSolver::solve_sliding(Vec r, const ActiveSet& set, Vec p, Workspace&) const {
+void ProjectedSolver::solve_guided(Vec r, const ActiveSet& set, std::span<const double> value, Vec p,
+                                   Workspace& work) const {
   const ConjugateGradients::Projector project = [&](Vec x) { N_.set_normal(set, zero_, x); };
-  N_.set_normal(set, zero_, p);
+  N_.set_normal(set, value.empty() ? std::span<const double>(zero_) : value, p);
   D_.solve(r, p, project, {});
+  if (value.empty())
+    return;
+  check(MatMult(matrix_, p, residual_));
+  check(VecAYPX(residual_, -1, r));
+  N_.forces(set, residual_, work.mu); // Nμ = r − D p
 }
 
 } // namespace signorini::contact

@@ -17,7 +17,8 @@ public:
   [[nodiscard]] Workspace workspace() const override { return Workspace(pairs_.count()); }
   void solve(Vec r, std::span<const double> psi, const ActiveSet& previous, ContactState& state, Vec y,
              Workspace& work) const override;
-  void solve_sliding(Vec r, const ActiveSet& set, Vec p, Workspace& work) const override;
+  void solve_guided(Vec r, const ActiveSet& set, std::span<const double> value, Vec p,
+                    Workspace& work) const override;
   [[nodiscard]] double bytes() const override { return 0; }
 
 private:

@@ -1,0 +1,198 @@
+#include "adjoint/parameter_sweep.h"
+#include "base/counters.h"
+#include "base/error.h"
+#include "forward/extrapolation.h"
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace signorini::adjoint {
+using petsc::check;
+
+namespace {
+
+long& sweeps = count("adjoint sweeps");
+
+/// A backward sweep. The dual of v_k is M (τ/2 p_k + τ²/4 q_k) + e_k: what J depends on velocities by enters
+/// through e_k, so that no system with M is solved.
+class Sweep {
+public:
+  Sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work, const forward::Trajectory& motion,
+        const std::function<std::span<const double>(int k)>& lambda, const MotionDuals& duals,
+        forward::ParameterRates& rates)
+      : stepper_(stepper), work_(work), motion_(motion), lambda_(lambda), duals_(duals), rates_(rates),
+        extrapolation_(stepper), normal_(static_cast<std::size_t>(forward::candidates(stepper))),
+        zero_(normal_.size()), c_(normal_.size()), e_(duals.velocities()), e_next_(e_.size()),
+        factors_(e_.size()), gradient_(rates.count()) {
+    for (petsc::Vector* one : {&p_, &p_next_, &q_, &q_next_, &w_, &force_, &y0_, &v0_, &y1_, &v1_})
+      *one = stepper.space().vector();
+  }
+
+  std::vector<double> run() {
+    ++sweeps;
+    const int steps = motion_.steps();
+    load(steps, y1_, v1_);
+    for (int k = steps; k >= 1; --k) {
+      collect(k);
+      try {
+        step(k);
+      } catch (const SolverFailure& failure) {
+        throw SolverFailure(fmt::format("adjoint step {}: {}", k, failure.what()));
+      }
+      load(k - 1, y0_, v0_);
+      add_step(k);
+      std::swap(p_, p_next_);
+      std::swap(y0_, y1_);
+      std::swap(v0_, v1_);
+    }
+    collect(0);
+    start();
+    return std::move(gradient_);
+  }
+
+private:
+  [[nodiscard]] const contact::ContactSets& contact(int k) const {
+    return motion_.contact()[static_cast<std::size_t>(k)];
+  }
+  /// Whether the predictor of step k is projected.
+  [[nodiscard]] bool projected(int k) const {
+    return stepper_.predictor() && k <= motion_.steps() && !contact(k).predictor.empty();
+  }
+
+  void load(int k, Vec y, Vec v) {
+    const auto [at_y, at_v] = motion_.at(k);
+    check(VecCopy(at_y, y));
+    check(VecCopy(at_v, v));
+  }
+
+  /// e_k from e_{k+1}, and w_ = ∂J/∂y_k with what velocities add to it.
+  void collect(int k) {
+    check(VecZeroEntries(w_));
+    duals_.add_displacement(k, w_);
+    if (e_.empty())
+      return;
+    std::swap(e_, e_next_);
+    duals_.velocity_factors(k, e_);
+    const bool moved = projected(k + 1);
+    const double rate = stepper_.grid().scheme(std::max(k, 1)).rate();
+    for (std::size_t i = 0; i < e_.size(); ++i) {
+      e_[i] += moved ? e_next_[i] : -e_next_[i];
+      factors_[i] = rate * (e_[i] - (moved ? 0 : e_next_[i]));
+    }
+    duals_.add_velocities(factors_, w_);
+  }
+
+  /// The force e_{k+1} that the transposed projection sees beside M q_{k+1}.
+  const forward::Predictor::Guide& guide(int k) {
+    guide_ = {nullptr, zero_};
+    if (e_.empty())
+      return guide_;
+    const double rate = stepper_.grid().scheme(k + 1).rate();
+    for (std::size_t i = 0; i < e_.size(); ++i)
+      factors_[i] = rate * rate * e_next_[i];
+    check(VecZeroEntries(force_));
+    duals_.add_velocities(factors_, force_);
+    guide_.force = force_;
+    return guide_;
+  }
+
+  void step(int k) {
+    if (duals_.of_forces())
+      duals_.forces(k, normal_);
+    check(VecCopy(q_, q_next_));
+    extrapolation_.guess(p_);
+    stepper_.adjoint_step({k,
+                           contact(k),
+                           k < motion_.steps() ? &contact(k + 1) : nullptr,
+                           {{.vector = w_}},
+                           p_next_,
+                           q_,
+                           p_,
+                           normal_,
+                           projected(k + 1) ? &guide(k) : nullptr},
+                          work_);
+    extrapolation_.remember(p_);
+    if (projected(k + 1))
+      add_predictor(work_.predictor->jump, contact(k + 1).predictor);
+  }
+
+  /// Of the step that rates_ refer to: −τ/2 (z·r_j + ω·e_j), z = q + jump.
+  void add_predictor(Vec jump, const contact::ActiveSet& set) {
+    const double factor = -stepper_.grid().tau / 2;
+    check(VecAXPY(q_next_, 1, jump));
+    const std::vector<double>& omega = work_.predictor->solver.mu;
+    for (std::size_t j = 0; j < gradient_.size(); ++j) {
+      if (!rates_.predictor(j, force_, c_))
+        continue;
+      gradient_[j] += factor * petsc::dot(q_next_, force_);
+      for (int i : set)
+        gradient_[j] += factor * omega[static_cast<std::size_t>(i)] * c_[static_cast<std::size_t>(i)];
+    }
+  }
+
+  void add_step(int k) {
+    const std::span<const double> lambda = rates_.turn() ? lambda_(k) : std::span<const double>();
+    rates_.set({k, {y0_, v0_}, {y1_, v1_}, contact(k), lambda});
+    for (std::size_t j = 0; j < gradient_.size(); ++j) {
+      gradient_[j] += rates_.pairing(j, p_);
+      if (rates_.constraint(j, c_))
+        for (int i : contact(k).active)
+          gradient_[j] += work_.contact->mu[static_cast<std::size_t>(i)] * c_[static_cast<std::size_t>(i)];
+      if (const std::vector<double>* normals = rates_.normals(j); normals && duals_.of_forces())
+        gradient_[j] += duals_.by_normals(k, lambda, *normals);
+    }
+  }
+
+  /// The duals of the initial state, of which p_next_, q_ and e_next_ are now those of step 1.
+  void start() {
+    const forward::Scheme scheme = stepper_.grid().scheme(1);
+    const petsc::Vector V = stepper_.space().vector(), momentum = stepper_.space().vector();
+    check(VecAXPBYPCZ(V, scheme.tau / 2, -scheme.stiffness(), 0, p_next_, q_)); // v_0 has the dual M V + e_0
+    check(VecCopy(q_, momentum));
+    if (projected(1)) {
+      check(VecCopy(q_, q_next_));
+      const Vec jump =
+          stepper_.predictor()->linearised_jump(contact(1).predictor, q_, *work_.predictor, &guide(0));
+      check(VecAXPY(V, -scheme.impulse(), jump));
+      check(VecAXPY(momentum, forward::Scheme::dual_jump(), jump));
+      add_predictor(jump, contact(1).predictor);
+    }
+    petsc::Vector dual = petsc::zero_like(V), y_dual = petsc::zero_like(V);
+    check(MatMult(stepper_.M(), V, dual));
+    check(MatMult(stepper_.R(), p_next_, y_dual));
+    check(MatMult(stepper_.M(), momentum, V));
+    check(VecAXPY(y_dual, -scheme.momentum(), V));
+    check(VecAXPY(y_dual, 1, w_));
+    duals_.add_velocities(e_, dual);
+    check(VecAXPY(y_dual, -scheme.rate(), dual));
+    for (std::size_t j = 0; j < gradient_.size(); ++j) {
+      if (const Vec v = rates_.velocity(j))
+        gradient_[j] += petsc::dot(dual, v);
+      if (const Vec y = rates_.displacement(j))
+        gradient_[j] += petsc::dot(y_dual, y);
+    }
+  }
+
+  const forward::Stepper& stepper_;
+  forward::Stepper::Workspace& work_;
+  const forward::Trajectory& motion_;
+  const std::function<std::span<const double>(int k)>& lambda_;
+  const MotionDuals& duals_;
+  forward::ParameterRates& rates_;
+  forward::Extrapolation extrapolation_;
+  petsc::Vector p_, p_next_, q_, q_next_, w_, force_, y0_, v0_, y1_, v1_;
+  std::vector<double> normal_, zero_, c_;    ///< ∂J/∂λ_k; zeros; of one unknown (m)
+  std::vector<double> e_, e_next_, factors_; ///< of the functionals of velocities
+  forward::Predictor::Guide guide_;
+  std::vector<double> gradient_;
+};
+
+} // namespace
+
+std::vector<double> parameter_gradient(const forward::Stepper& stepper, forward::Stepper::Workspace& work,
+                                       const forward::Trajectory& motion,
+                                       const std::function<std::span<const double>(int k)>& lambda,
+                                       const MotionDuals& duals, forward::ParameterRates& rates) {
+  return Sweep(stepper, work, motion, lambda, duals, rates).run();
+}
+
+} // namespace signorini::adjoint

@@ -1,0 +1,38 @@
+#pragma once
+#include "forward/parameter_rates.h"
+#include "forward/trajectory.h"
+#include <functional>
+#include <vector>
+
+namespace signorini::adjoint {
+
+/// Derivatives of a function J of a motion by its states and contact forces, the unknowns held fixed. All
+/// members collective.
+class MotionDuals {
+public:
+  virtual ~MotionDuals() = default;
+  /// sum += ∂J/∂y_k, a functional, k = 0…N.
+  virtual void add_displacement(int k, Vec sum) const = 0;
+  /// ∂J/∂v_k as factors of a few functionals, the same for all k, into `factors`; and sum += Σ factors ·
+  /// these.
+  [[nodiscard]] virtual std::size_t velocities() const = 0;
+  virtual void velocity_factors(int k, std::span<double> factors) const = 0;
+  virtual void add_velocities(std::span<const double> factors, Vec sum) const = 0;
+  /// Whether any ∂J/∂λ_k is not zero.
+  [[nodiscard]] virtual bool of_forces() const = 0;
+  /// Sets ∂J/∂λ_k (m), k = 1…N.
+  virtual void forces(int k, std::span<double> dual) const = 0;
+  /// What J changes by if the normals change by `rate` (m × dim), for λ_k (m).
+  [[nodiscard]] virtual double by_normals(int k, std::span<const double> lambda,
+                                          const std::vector<double>& rate) const = 0;
+};
+
+/// dJ/dθ by one backward sweep for all unknowns θ (docs/method.md section 9), along a motion that has its
+/// velocities, with λ_k (m), of which only candidates in contact are read, and only if normals turn.
+/// Collective. Throws SolverFailure naming the step.
+std::vector<double> parameter_gradient(const forward::Stepper& stepper, forward::Stepper::Workspace& work,
+                                       const forward::Trajectory& motion,
+                                       const std::function<std::span<const double>(int k)>& lambda,
+                                       const MotionDuals& duals, forward::ParameterRates& rates);
+
+} // namespace signorini::adjoint

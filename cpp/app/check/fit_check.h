@@ -1,0 +1,13 @@
+#pragma once
+#include "app/check/derivative_check.h"
+#include "app/fit/fit_problem.h"
+
+namespace signorini {
+
+/// Compares the derivatives of a fit's J at the start with each other and, by each unknown, with differences
+/// of J; adds rows to the table, and says what the data do not tell. `solver_tolerance` is the relative error
+/// of a step's solve. Collective. Throws SolverFailure, Interrupted.
+void check_fit(const FitProblem& problem, double solver_tolerance, const Console& console,
+               std::vector<CheckRow>& rows);
+
+} // namespace signorini

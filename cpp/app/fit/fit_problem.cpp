@@ -1,0 +1,199 @@
+#include "app/fit/fit_problem.h"
+#include "base/signals.h"
+#include "io/fit_tables.h"
+#include <cmath>
+#include <limits>
+
+namespace signorini {
+namespace {
+
+bool logarithmic(const scene::Unknown& unknown) {
+  return unknown.scale == scene::ParameterScale::logarithmic;
+}
+
+double on_scale(const scene::Unknown& unknown, double value) {
+  return logarithmic(unknown) ? std::log(value) : value;
+}
+
+/// Bounds that a parameter has by its nature, but for rounding.
+double natural_lower(const scene::Unknown& unknown) {
+  using enum scene::Parameter;
+  constexpr double nearly = 1e-6;
+  switch (unknown.of) {
+  case poisson:
+    return -1 + nearly;
+  case bulk:
+  case shear:
+    return 0;
+  case young:
+  case density:
+  case radius:
+    return std::numeric_limits<double>::min();
+  default:
+    return -std::numeric_limits<double>::infinity();
+  }
+}
+
+double natural_upper(const scene::Unknown& unknown) {
+  constexpr double nearly = 1e-6;
+  return unknown.of == scene::Parameter::poisson ? 0.5 - nearly : std::numeric_limits<double>::infinity();
+}
+
+} // namespace
+
+FitProblem::FitProblem(std::shared_ptr<const Discretisation> body, const scene::Scene& scene, Timers& timers)
+    : scene_(scene), timers_(timers), body_(std::move(body)),
+      data_(io::read_data(body_->space.comm(), scene)) {
+  for (const control::Data& one : data_)
+    count_ += one.times.size();
+  for (const scene::Unknown& unknown : scene.unknowns) {
+    const double infinity = std::numeric_limits<double>::infinity();
+    const double lower = unknown.lower.value_or(natural_lower(unknown)),
+                 upper = unknown.upper.value_or(natural_upper(unknown));
+    box_.lower.push_back(logarithmic(unknown) && !(unknown.lower) ? -infinity : on_scale(unknown, lower));
+    box_.upper.push_back(on_scale(unknown, upper));
+  }
+}
+
+std::vector<double> FitProblem::values(std::span<const double> x) const {
+  std::vector<double> theta;
+  for (std::size_t j = 0; j < x.size(); ++j)
+    theta.push_back(logarithmic(scene_.unknowns[j]) ? std::exp(x[j]) : x[j]);
+  return theta;
+}
+
+std::vector<double> FitProblem::on_scales(std::span<const double> values) const {
+  std::vector<double> x;
+  for (std::size_t j = 0; j < values.size(); ++j)
+    x.push_back(on_scale(scene_.unknowns[j], values[j]));
+  return x;
+}
+
+std::vector<double> FitProblem::slopes(std::span<const double> x) const {
+  std::vector<double> slopes = values(x);
+  for (std::size_t j = 0; j < x.size(); ++j)
+    if (!logarithmic(scene_.unknowns[j]))
+      slopes[j] = 1;
+  return slopes;
+}
+
+std::vector<std::vector<double>> FitProblem::times() const {
+  std::vector<std::vector<double>> times;
+  for (const control::Data& one : data_)
+    times.push_back(one.times);
+  return times;
+}
+
+std::vector<double> FitProblem::residuals(const std::vector<double>& simulated,
+                                          std::span<const double> x) const {
+  std::vector<double> r;
+  for (const control::Data& one : data_)
+    for (std::size_t k = 0; k < one.times.size(); ++k)
+      r.push_back((simulated[r.size()] - one.values[k]) / one.deviations[k]);
+  for (std::size_t j = 0; j < x.size(); ++j)
+    if (const auto& prior = scene_.unknowns[j].prior)
+      r.push_back((x[j] - on_scale(scene_.unknowns[j], prior->mean)) / prior->deviation);
+  return r;
+}
+
+/// The problem at x, with what its motion needs.
+struct FitProblem::Setup {
+  Setup(const FitProblem& fit, std::span<const double> x, std::size_t columns)
+      : theta(fit.values(x)), scene(scene::with_values(fit.scene_, theta)),
+        problem(fit.body_, scene, fit_needs(fit.scene_), fit.timers_), given(problem),
+        measurements(problem.stepper, scene, fit.times(), columns),
+        rates(problem.stepper, fit.scene_, theta) {}
+
+  std::vector<double> theta;
+  scene::Scene scene;
+  Problem problem;
+  GivenControl given;
+  control::Measurements measurements;
+  forward::ParameterRates rates;
+};
+
+optimize::LeastSquares FitProblem::evaluate(std::span<const double> x) const {
+  Setup setup(*this, x, 1 + x.size());
+  forward::Tangents tangents(setup.problem.stepper, setup.rates);
+  {
+    const auto timer = timers_.time("forward");
+    const int steps = forward::integrate(setup.problem.stepper, setup.problem.initial, setup.given.load(),
+                                         setup.problem.steps(), [&](const forward::Frame& frame) {
+                                           const auto linearised = timers_.time("linearised");
+                                           tangents.observe(frame);
+                                           setup.measurements.observe(frame, tangents, setup.rates);
+                                         });
+    if (steps < setup.problem.steps())
+      throw Interrupted();
+  }
+  sweeps_ += 1 + static_cast<int>(x.size());
+  optimize::LeastSquares found{.residuals = residuals(setup.measurements.values(), x), .jacobian = {}};
+  const std::vector<double> slope = slopes(x);
+  for (std::size_t j = 0; j < x.size(); ++j) {
+    std::vector<double> column = setup.measurements.values(j + 1);
+    std::size_t i = 0;
+    for (const control::Data& one : data_)
+      for (const double deviation : one.deviations)
+        column[i++] *= slope[j] / deviation;
+    for (std::size_t p = 0; p < x.size(); ++p)
+      if (const auto& prior = scene_.unknowns[p].prior)
+        column.push_back(p == j ? 1 / prior->deviation : 0);
+    found.jacobian.insert(found.jacobian.end(), column.begin(), column.end());
+  }
+  return found;
+}
+
+FitProblem::Gradient FitProblem::swept(std::span<const double> x, bool adjoint) const {
+  Setup setup(*this, x, 1);
+  const forward::StateStoreFactory storage(setup.problem.stepper, scene_.trajectory, setup.problem.steps(), 1,
+                                           timers_);
+  forward::Trajectory motion(setup.problem.stepper, setup.problem.initial, setup.problem.steps(), storage,
+                             true);
+  std::vector<std::vector<double>> lambda(static_cast<std::size_t>(setup.problem.steps()) + 1);
+  {
+    const auto timer = timers_.time("forward");
+    motion.run(setup.given.load(), [&](const forward::Frame& frame) {
+      setup.measurements.observe(frame);
+      if (setup.rates.turn())
+        lambda[static_cast<std::size_t>(frame.k)] = frame.contact.lambda;
+    });
+  }
+  if (motion.steps() < setup.problem.steps())
+    throw Interrupted();
+  ++sweeps_;
+  const std::vector<double> r = residuals(setup.measurements.values(), x);
+  Gradient found{.value = optimize::LeastSquares{r, {}}.value(),
+                 .residuals = r,
+                 .by_x = {},
+                 .contact = motion.contact()};
+  for (const contact::ContactSets& sets : found.contact)
+    found.weak += static_cast<long>(sets.weak.size());
+  if (!adjoint)
+    return found;
+  std::vector<double> by_values;
+  for (const control::Data& one : data_)
+    for (const double deviation : one.deviations)
+      by_values.push_back(r[by_values.size()] / deviation);
+  setup.measurements.set_derivative(by_values);
+  forward::Stepper::Workspace work = setup.problem.stepper.workspace();
+  {
+    const auto timer = timers_.time("adjoint");
+    found.by_x = adjoint::parameter_gradient(
+        setup.problem.stepper, work, motion,
+        [&](int k) { return std::span<const double>(lambda[static_cast<std::size_t>(k)]); },
+        setup.measurements, setup.rates);
+  }
+  const std::vector<double> slope = slopes(x);
+  std::size_t next = count_;
+  for (std::size_t j = 0; j < x.size(); ++j) {
+    found.by_x[j] *= slope[j];
+    if (const auto& prior = scene_.unknowns[j].prior)
+      found.by_x[j] += r[next++] / prior->deviation;
+  }
+  return found;
+}
+
+FitProblem::Gradient FitProblem::gradient(std::span<const double> x) const { return swept(x, true); }
+FitProblem::Gradient FitProblem::value(std::span<const double> x) const { return swept(x, false); }
+
+} // namespace signorini

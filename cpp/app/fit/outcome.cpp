@@ -1,0 +1,145 @@
+#include "app/fit/outcome.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <limits>
+#include <numeric>
+
+namespace signorini {
+namespace {
+
+bool logarithmic(const scene::Unknown& unknown) {
+  return unknown.scale == scene::ParameterScale::logarithmic;
+}
+
+std::string power(const std::string& name, double exponent) {
+  return std::abs(exponent - 1) < 1e-3 ? name : fmt::format("{}^{:.3g}", name, exponent);
+}
+
+/// Two numbers on logarithmic scales, of which a product of powers is known alone.
+std::string pair_of_logs(const std::string& a, const std::string& b, double slope) {
+  constexpr double alike = 1e-3;
+  if (std::abs(slope - 1) < alike)
+    return fmt::format("The data tell {} and {} only as their ratio.", a, b);
+  if (std::abs(slope + 1) < alike)
+    return fmt::format("The data tell {} and {} only as their product.", a, b);
+  return fmt::format("The data tell {} and {} only as {} {} {}.", a, b, power(b, 1),
+                     slope > 0 ? "/" : "times", power(a, std::abs(slope)));
+}
+
+/// dJ/dθ and the standard deviations of θ.
+void take_deviations(const FitProblem& problem, const optimize::GaussNewtonIterate& last,
+                     const optimize::Identified& known, io::Fit& fit) {
+  const std::vector<double> slope = problem.slopes(last.x), g = last.at.gradient();
+  for (std::size_t j = 0; j < fit.unknowns.size(); ++j) {
+    fit.unknowns[j].deviation = known.deviations[j] * slope[j];
+    fit.unknowns[j].gradient = g[j] / slope[j];
+  }
+}
+
+/// What is told so poorly that it may as well not be.
+void add_hardly_told(const std::vector<scene::Unknown>& unknowns, const optimize::Identified& known,
+                     io::Fit& fit) {
+  for (std::size_t j = 0; j < unknowns.size(); ++j)
+    if (const double deviation = known.deviations[j];
+        logarithmic(unknowns[j]) && std::isfinite(deviation) && deviation > std::log(2))
+      fit.untold.push_back(fmt::format("The data hardly tell {}: a standard deviation is a factor of {:.3g}.",
+                                       unknowns[j].name, std::exp(std::min(deviation, 700.0))));
+}
+
+} // namespace
+
+std::string untold(const std::vector<scene::Unknown>& unknowns, const std::vector<double>& direction) {
+  std::vector<std::size_t> which;
+  for (std::size_t j = 0; j < direction.size(); ++j)
+    if (direction[j] != 0)
+      which.push_back(j);
+  if (which.size() == 1)
+    return fmt::format("The data do not tell {}.", unknowns[which.front()].name);
+  const auto name = [&](std::size_t i) { return unknowns[which[i]].name; };
+  if (which.size() == 2 && logarithmic(unknowns[which[0]]) && logarithmic(unknowns[which[1]]))
+    return pair_of_logs(name(0), name(1), direction[which[1]] / direction[which[0]]);
+  std::vector<std::string> names, changes;
+  for (const std::size_t j : which) {
+    names.push_back(unknowns[j].name);
+    changes.push_back(fmt::format("{} by {:+.3g}{}", unknowns[j].name, direction[j],
+                                  logarithmic(unknowns[j]) ? " of itself" : ""));
+  }
+  return fmt::format(
+      "The data do not tell {} apart: changes in the proportion of {} leave all values as they "
+      "are.",
+      fmt::join(names, ", "), fmt::join(changes, ", "));
+}
+
+io::Fit outcome(const FitProblem& problem, const optimize::GaussNewtonIterate& last,
+                const std::vector<double>& simulated) {
+  const scene::Scene& scene = problem.scene();
+  const std::vector<double> theta = problem.values(last.x), lower = problem.values(problem.box().lower),
+                            upper = problem.values(problem.box().upper);
+  io::Fit fit;
+  for (std::size_t j = 0; j < scene.unknowns.size(); ++j) {
+    const scene::Unknown& unknown = scene.unknowns[j];
+    fit.unknowns.push_back(
+        {.name = unknown.name,
+         .of = scene::name(unknown.of),
+         .unit = scene::unit(unknown),
+         .scale = scene::name(unknown.scale),
+         .value = theta[j],
+         .start = unknown.start,
+         .lower = lower[j],
+         .upper = upper[j],
+         .at_bound = last.x[j] <= problem.box().lower[j] || last.x[j] >= problem.box().upper[j]});
+  }
+  const optimize::Identified known = optimize::identified(last.at.normal_matrix(), scene.unknowns.size());
+  take_deviations(problem, last, known, fit);
+  fit.correlations = known.correlations;
+  fit.singular_values = known.singular_values;
+  for (const std::vector<double>& direction : known.untold)
+    fit.untold.push_back(untold(scene.unknowns, direction));
+  add_hardly_told(scene.unknowns, known, fit);
+  std::size_t at = 0;
+  double squares = 0;
+  for (std::size_t i = 0; i < scene.measurements.size(); ++i) {
+    const control::Data& data = problem.data()[i];
+    if (data.times.empty())
+      continue;
+    io::Comparison& one = fit.measurements.emplace_back();
+    one = {scene.measurements[i].name, data.times, data.values, data.deviations, {}};
+    for (std::size_t k = 0; k < data.times.size(); ++k) {
+      one.simulated.push_back(simulated[at++]);
+      squares += std::pow((one.simulated[k] - data.values[k]) / data.deviations[k], 2);
+    }
+  }
+  fit.data = static_cast<long>(at);
+  fit.misfit = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(at, 1)));
+  fit.value = last.at.value();
+  fit.decrement = last.decrement;
+  return fit;
+}
+
+std::vector<std::string> outcome_lines(const io::Fit& fit) {
+  std::size_t width = 7;
+  for (const io::FittedUnknown& one : fit.unknowns)
+    width = std::max(width, one.name.size());
+  std::vector<std::string> lines{
+      fmt::format("{:<{}}  {:>14}  {:>12}  {:>12}", "unknown", width, "value", "deviation", "start")};
+  for (const io::FittedUnknown& one : fit.unknowns)
+    lines.push_back(
+        fmt::format("{:<{}}  {:>14.8g}  {:>12}  {:>12.6g}  {}{}", one.name, width, one.value,
+                    std::isfinite(one.deviation) ? fmt::format("{:.3g}", one.deviation) : "not told",
+                    one.start, one.unit, one.at_bound ? " (at its bound)" : ""));
+  for (const std::string& sentence : fit.untold)
+    lines.push_back(sentence);
+  for (const io::ComparedTime& one : fit.times)
+    lines.push_back(fmt::format("{}: measured {:.6g} s, simulated {:.6g} s{}", one.name, one.value,
+                                one.simulated,
+                                one.deviation > 0 ? fmt::format(", {:+.2f} standard deviations",
+                                                                (one.simulated - one.value) / one.deviation)
+                                                  : ""));
+  lines.push_back(fmt::format("misfit of {} values: {:.3g} standard deviations (root mean square)", fit.data,
+                              fit.misfit));
+  return lines;
+}
+
+} // namespace signorini

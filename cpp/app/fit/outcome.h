@@ -1,0 +1,17 @@
+#pragma once
+#include "app/fit/fit_problem.h"
+#include "io/fit_tables.h"
+
+namespace signorini {
+
+/// The outcome of a fit that ended at an iterate; `simulated` are the values there.
+io::Fit outcome(const FitProblem& problem, const optimize::GaussNewtonIterate& last,
+                const std::vector<double>& simulated);
+
+/// A sentence on a direction along which nothing changes (optimize::Identified::untold).
+std::string untold(const std::vector<scene::Unknown>& unknowns, const std::vector<double>& direction);
+
+/// The outcome as a table for the console, and what the data do not tell.
+std::vector<std::string> outcome_lines(const io::Fit& fit);
+
+} // namespace signorini

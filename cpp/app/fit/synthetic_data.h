@@ -1,0 +1,33 @@
+#pragma once
+#include "control/measurements.h"
+#include <string>
+#include <vector>
+
+namespace signorini {
+
+/// Throws UserError unless the files of a scene's measurements can be made by a simulation: each measurement
+/// has a deviation, and no file is there yet unless it may be replaced. Collective.
+void require_measurable(MPI_Comm comm, const scene::Scene& scene, bool replace);
+
+/// Data for a fit from a simulation: what the scene's measurements are at the ends of all steps. All members
+/// collective.
+class SyntheticData {
+public:
+  /// The references must outlive this object. Throws UserError.
+  SyntheticData(const forward::Stepper& stepper, const scene::Scene& scene);
+
+  /// Takes the frame after the last one, from frame 0 on.
+  void observe(const forward::Frame& frame) { measurements_.observe(frame); }
+
+  /// Writes the files with normal noise of the deviations that the scene says, by a seed; 0: none. Returns
+  /// what was written, in words. Throws UserError.
+  [[nodiscard]] std::vector<std::string> write(int seed) const;
+
+private:
+  MPI_Comm comm_;
+  const scene::Scene& scene_;
+  std::vector<double> times_;
+  control::Measurements measurements_;
+};
+
+} // namespace signorini

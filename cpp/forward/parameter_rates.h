@@ -1,0 +1,82 @@
+#pragma once
+#include "forward/step.h"
+#include "scene/parameters.h"
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace signorini::forward {
+
+/// A step that was made, as its derivatives by parameters need it.
+struct StepMade {
+  int k;
+  Motion from, to;
+  const contact::ContactSets& contact;
+  std::span<const double> lambda; ///< λ_k (m); read only where a parameter turns normals
+};
+
+/// How the equations of steps change with the unknowns of a scene, with the states held fixed
+/// (docs/method.md section 9): per unit of the unknown j
+///     D δy_k + N δλ_k = R δy_{k−1} + … + s_kj,   ν·δy_k = c_kj on A_k,   δy_0, δv_0
+/// and, in contact-stabilized stepping, for the projected predictor
+///     M δz + N δζ = M δx + r_kj,   ν·δz = e_kj on Z_k.
+/// All members collective.
+class ParameterRates {
+public:
+  /// `scene` as read, `values` of its unknowns, for which `stepper` was made and which must outlive this
+  /// object. Throws UserError.
+  ParameterRates(const Stepper& stepper, const scene::Scene& scene, std::span<const double> values);
+  ~ParameterRates();
+
+  [[nodiscard]] std::size_t count() const { return rates_.size(); }
+  /// Whether λ_k is needed: normals turn.
+  [[nodiscard]] bool turn() const;
+  /// Whether any c_kj or e_kj is not zero.
+  [[nodiscard]] bool move() const;
+  /// Takes the step that all others refer to; valid until the next, as long as its vectors do not change.
+  void set(const StepMade& step);
+
+  /// sum += s_kj.
+  void add_source(std::size_t j, Vec sum) const;
+  /// p·s_kj.
+  [[nodiscard]] double pairing(std::size_t j, Vec p) const;
+  /// Sets c_kj (m); false if it is zero, then c is left as it was.
+  bool constraint(std::size_t j, std::span<double> c) const;
+
+  /// Sets r_kj, and e_kj (m); false where Z_k is empty or both are zero.
+  bool predictor(std::size_t j, Vec r, std::span<double> e) const;
+
+  /// δν (m × dim); null where zero.
+  [[nodiscard]] const std::vector<double>* normals(std::size_t j) const;
+
+  /// δy_0 and δv_0; null where zero.
+  [[nodiscard]] Vec displacement(std::size_t j) const;
+  [[nodiscard]] Vec velocity(std::size_t j) const;
+
+private:
+  struct Rate;
+  void add_material(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
+  void add_obstacle(const scene::Scene& scene, std::span<const double> values, std::size_t j,
+                    Rate& rate) const;
+  void add_initial(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
+  void add_load(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
+  template <class Add>
+  void for_each_product(const Rate& rate, const Scheme& scheme, Add&& add) const;
+  /// The weight of rate.M.
+  void add_gravity(const scene::Scene& scene, Rate& rate) const;
+  /// ∂M of massless contact by an obstacle's parameter.
+  [[nodiscard]] petsc::Matrix massless_rate(const scene::Scene& scene, std::span<const double> values,
+                                            std::size_t j) const;
+
+  const Stepper& stepper_;
+  std::vector<std::unique_ptr<Rate>> rates_;
+  std::optional<StepMade> made_;
+  petsc::Vector sum_, difference_, inertia_, jump_; ///< y + y⁻, y − y⁻, τ momentum − (y − y⁻), z − x
+  bool jumps_ = false;                              ///< whether Z_k is not empty
+  std::vector<double> zeta_;                        ///< of the predictor (m), where normals turn
+  mutable petsc::Vector work_;
+  mutable std::vector<double> components_;
+  mutable std::optional<PrescribedMotion::At> motion_;
+};
+
+} // namespace signorini::forward

@@ -1,0 +1,37 @@
+#pragma once
+#include "forward/integrate.h"
+#include "forward/parameter_rates.h"
+
+namespace signorini::forward {
+
+/// The derivatives of a motion by the unknowns of a scene, on its active sets (docs/method.md section 9): one
+/// linearised step for each beside every step that is made. All members collective.
+class Tangents {
+public:
+  /// The references must outlive this object.
+  Tangents(const Stepper& stepper, ParameterRates& rates);
+
+  /// Takes the frame after the last one, from frame 0 on. Throws SolverFailure.
+  void observe(const Frame& frame);
+
+  [[nodiscard]] std::size_t count() const { return motions_.size(); }
+  /// δy_k, δv_k, δλ_k (m), of the frame taken last, per unit of the unknown j.
+  [[nodiscard]] Vec y(std::size_t j) const { return motions_[j].y; }
+  [[nodiscard]] Vec v(std::size_t j) const { return motions_[j].v; }
+  [[nodiscard]] std::span<const double> lambda(std::size_t j) const { return motions_[j].lambda; }
+
+private:
+  struct Derivative {
+    petsc::Vector y, v;
+    std::vector<double> lambda;
+  };
+
+  const Stepper& stepper_;
+  ParameterRates& rates_;
+  Stepper::Workspace work_;
+  petsc::Vector y_, v_, source_, force_;
+  std::vector<double> normal_, predictor_normal_;
+  std::vector<Derivative> motions_;
+};
+
+} // namespace signorini::forward

@@ -1,0 +1,60 @@
+#pragma once
+#include "control/measurements.h"
+#include "scene/scene.h"
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace signorini::io {
+
+/// What was measured, read from the files of a scene's measurements: empty for contact times. Collective;
+/// rank 0 reads. Throws UserError naming key, file and line if a file cannot be read, has times outside of
+/// the motion, or tells no deviation where the scene does not.
+std::vector<control::Data> read_data(MPI_Comm comm, const scene::Scene& scene);
+
+/// The text of a measurement's file: columns of times and of the values named, those of several measurements
+/// at the same times.
+std::string data_table(const std::vector<double>& times, const std::vector<std::string>& names,
+                       const std::vector<std::vector<double>>& columns);
+
+/// What is known of an unknown after a fit.
+struct FittedUnknown {
+  std::string name, of, unit, scale;
+  double value = 0, deviation = 0; ///< standard; ∞ where the data do not tell it
+  double start = 0, lower = 0, upper = 0;
+  bool at_bound = false;
+  double gradient = 0; ///< dJ/dθ
+};
+
+/// A measurement beside what the fitted scene gives.
+struct Comparison {
+  std::string name;
+  std::vector<double> times, data, deviations, simulated;
+};
+
+/// A contact time beside the simulated one, which is not fitted.
+struct ComparedTime {
+  std::string name;
+  double value, deviation, simulated; ///< s; deviation 0: not given, simulated nan: no contact
+};
+
+/// The outcome of a fit.
+struct Fit {
+  std::vector<FittedUnknown> unknowns;
+  std::vector<double> correlations; ///< (unknowns × unknowns)
+  std::vector<double> singular_values;
+  std::vector<std::string> untold; ///< sentences: what the data do not tell
+  std::vector<Comparison> measurements;
+  std::vector<ComparedTime> times;
+  double value = 0;     ///< J
+  double misfit = 0;    ///< root mean square of the residuals of the data, in standard deviations
+  long data = 0;        ///< values
+  double decrement = 0; ///< √(gᵀH⁻¹g) at the end, in standard deviations
+};
+
+/// parameters.csv and measurements.csv.
+std::string parameters_table(const Fit& fit);
+std::string measurements_table(const Fit& fit);
+
+} // namespace signorini::io

@@ -1,0 +1,72 @@
+#pragma once
+#include "optimize/report.h"
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+/// Nonlinear least squares of few unknowns: Gauss-Newton steps, damped after Levenberg and Marquardt, within
+/// bounds. min ½ |r(x)|² over lower ≤ x ≤ upper.
+namespace signorini::optimize {
+
+/// r (m) and its derivatives (m × n, column by column) at a point.
+struct LeastSquares {
+  std::vector<double> residuals, jacobian;
+
+  [[nodiscard]] double value() const;
+  /// Number of unknowns n.
+  [[nodiscard]] std::size_t columns() const {
+    return residuals.empty() ? 0 : jacobian.size() / residuals.size();
+  }
+  /// Jᵀr (n) and JᵀJ (n × n).
+  [[nodiscard]] std::vector<double> gradient() const;
+  [[nodiscard]] std::vector<double> normal_matrix() const;
+};
+
+/// Bounds, ±∞ where there is none.
+struct Box {
+  std::vector<double> lower, upper;
+
+  /// Whether x_i is at a bound beyond which −g_i points.
+  [[nodiscard]] bool blocks(std::size_t i, double x, double g) const {
+    return (x <= lower[i] && g > 0) || (x >= upper[i] && g < 0);
+  }
+};
+
+struct GaussNewtonOptions {
+  int max_iterations = 100;
+  double tolerance = 1e-6; ///< of the decrement √(gᵀ(JᵀJ)⁻¹g), which is in units of the residuals
+};
+
+/// The point reached after an iteration, 0 being the start.
+struct GaussNewtonIterate {
+  int number = 0;
+  std::vector<double> x;
+  LeastSquares at;
+  double decrement = 0, damping = 0;
+};
+
+struct GaussNewtonResult {
+  Stop stop;
+  GaussNewtonIterate last;
+};
+
+/// Searches from `start`, or goes on from it. `evaluate` returns nothing where a solver fails, which counts
+/// as too long a step; at the start it must not. `report` sees every iterate and returns whether to go on.
+GaussNewtonResult
+gauss_newton(const std::function<std::optional<LeastSquares>(std::span<const double> x)>& evaluate,
+             GaussNewtonIterate start, const Box& box, const GaussNewtonOptions& options,
+             const std::function<bool(const GaussNewtonIterate&)>& report);
+
+/// What data tell of the unknowns: JᵀJ as the inverse of a covariance matrix.
+struct Identified {
+  std::vector<double> deviations;      ///< standard, of each unknown; ∞ where nothing tells it
+  std::vector<double> correlations;    ///< (n × n)
+  std::vector<double> singular_values; ///< of J with columns of length one, descending
+  /// Directions x(t) = x + t d that change the residuals by rounding alone; entries that matter little are
+  /// zero, the largest is one.
+  std::vector<std::vector<double>> untold;
+};
+Identified identified(const std::vector<double>& normal_matrix, std::size_t n);
+
+} // namespace signorini::optimize

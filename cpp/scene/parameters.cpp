@@ -1,0 +1,265 @@
+#include "scene/parameters.h"
+#include "scene/expression.h"
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace signorini::scene {
+namespace {
+
+using Vector = std::array<double, 3>;
+
+Vector unit_vector(const std::vector<double>& x) {
+  Vector u{};
+  double length = 0;
+  for (double c : x)
+    length = std::hypot(length, c);
+  for (std::size_t c = 0; c < x.size(); ++c)
+    u[c] = x[c] / length;
+  return u;
+}
+
+/// About this axis an angle turns; the plane's is out of it.
+Vector axis(const Unknown& unknown) {
+  Vector a{};
+  a[static_cast<std::size_t>(unknown.component.value_or(Component::z))] = 1;
+  return a;
+}
+
+Vector cross(const Vector& a, const Vector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// Turned about an axis, a unit vector, by an angle (Rodrigues).
+Vector turned(const Vector& x, const Vector& about, double angle) {
+  const Vector across = cross(about, x);
+  const double along = about[0] * x[0] + about[1] * x[1] + about[2] * x[2];
+  Vector y{};
+  for (std::size_t c = 0; c < 3; ++c)
+    y[c] = std::cos(angle) * x[c] + std::sin(angle) * across[c] + (1 - std::cos(angle)) * along * about[c];
+  return y;
+}
+
+std::optional<double> constant(const Expression& expression) {
+  const Field field({expression}, "unknown", true);
+  if (field.depends_on_time() || field.depends_on_place())
+    return std::nullopt;
+  const Vector origin{};
+  double value = 0;
+  field.evaluate(origin.data(), 0, &value);
+  return value;
+}
+
+/// The initial field that an unknown is of.
+std::optional<Components>& initial_field(Initial& initial, const Unknown& unknown) {
+  return unknown.of == Parameter::velocity ? initial.velocity : initial.displacement;
+}
+
+std::size_t component(const Unknown& unknown) { return static_cast<std::size_t>(unknown.component.value()); }
+
+/// Centre of a ball or point of a cylinder's axis.
+Components& middle(Obstacle& shape) {
+  if (auto* ball = std::get_if<Ball>(&shape))
+    return ball->center;
+  return std::get<Cylinder>(shape).point;
+}
+
+Expression& radius(Obstacle& shape) {
+  if (auto* ball = std::get_if<Ball>(&shape))
+    return ball->radius;
+  return std::get<Cylinder>(shape).radius;
+}
+
+void multiply(Components& components, double factor) {
+  for (Expression& expression : components) {
+    expression.factor *= factor;
+    expression.shift *= factor;
+  }
+}
+
+void set(Scene& scene, const Unknown& unknown, double value) {
+  switch (unknown.of) {
+  case Parameter::young:
+    scene.materials[material_of(scene, unknown)].young = value;
+    return;
+  case Parameter::poisson:
+    scene.materials[material_of(scene, unknown)].poisson = value;
+    return;
+  case Parameter::bulk:
+    scene.materials[material_of(scene, unknown)].viscosity.value().bulk = value;
+    return;
+  case Parameter::shear:
+    scene.materials[material_of(scene, unknown)].viscosity.value().shear = value;
+    return;
+  case Parameter::density:
+    scene.materials[material_of(scene, unknown)].density = value;
+    return;
+  case Parameter::displacement:
+  case Parameter::velocity: {
+    Components& field = initial_field(scene.initial, unknown).value();
+    if (unknown.component)
+      field.at(component(unknown)) = Expression(value);
+    else
+      multiply(field, value);
+    return;
+  }
+  case Parameter::position: {
+    auto& plane = std::get<HalfSpace>(scene.contacts[contact_of(scene, unknown)].obstacle);
+    const Vector out = unit_vector(plane.normal);
+    for (std::size_t c = 0; c < plane.point.size(); ++c)
+      plane.point[c].shift += value * out[c];
+    return;
+  }
+  case Parameter::angle: {
+    auto& plane = std::get<HalfSpace>(scene.contacts[contact_of(scene, unknown)].obstacle);
+    const Vector normal = turned(unit_vector(plane.normal), axis(unknown), value);
+    plane.normal.assign(normal.begin(), normal.begin() + static_cast<std::ptrdiff_t>(plane.normal.size()));
+    return;
+  }
+  case Parameter::center:
+    middle(scene.contacts[contact_of(scene, unknown)].obstacle).at(component(unknown)) = Expression(value);
+    return;
+  case Parameter::radius:
+    radius(scene.contacts[contact_of(scene, unknown)].obstacle) = Expression(value);
+    return;
+  case Parameter::body:
+    multiply(scene.load.value().body.value(), value);
+    return;
+  case Parameter::gravity:
+    multiply(scene.load.value().gravity.value(), value);
+    return;
+  case Parameter::traction:
+    multiply(scene.load.value().tractions[traction_of(scene, unknown)].value, value);
+  }
+}
+
+} // namespace
+
+std::string unit(const Unknown& unknown) {
+  switch (unknown.of) {
+  case Parameter::young:
+    return "Pa";
+  case Parameter::bulk:
+  case Parameter::shear:
+    return "Pa s";
+  case Parameter::density:
+    return "kg/m³";
+  case Parameter::displacement:
+    return unknown.component ? "m" : "";
+  case Parameter::velocity:
+    return unknown.component ? "m/s" : "";
+  case Parameter::position:
+  case Parameter::center:
+  case Parameter::radius:
+    return "m";
+  case Parameter::angle:
+    return "rad";
+  case Parameter::poisson:
+  case Parameter::body:
+  case Parameter::gravity:
+  case Parameter::traction:
+    break;
+  }
+  return "";
+}
+
+std::size_t material_of(const Scene& scene, const Unknown& unknown) {
+  for (std::size_t i = 0; i < scene.materials.size(); ++i)
+    if (scene.materials.size() == 1 || scene.materials[i].on == unknown.on)
+      return i;
+  throw std::out_of_range("an unknown of no material");
+}
+
+std::size_t contact_of(const Scene& scene, const Unknown& unknown) {
+  for (std::size_t i = 0; i < scene.contacts.size(); ++i)
+    if (scene.contacts.size() == 1 || scene.contacts[i].name == unknown.obstacle)
+      return i;
+  throw std::out_of_range("an unknown of no obstacle");
+}
+
+std::size_t traction_of(const Scene& scene, const Unknown& unknown) {
+  const std::vector<Traction>& tractions = scene.load.value().tractions;
+  for (std::size_t i = 0; i < tractions.size(); ++i)
+    if (tractions.size() == 1 || tractions[i].on == unknown.on)
+      return i;
+  throw std::out_of_range("an unknown of no traction");
+}
+
+std::optional<double> own_value(const Scene& scene, const Unknown& unknown) {
+  switch (unknown.of) {
+  case Parameter::young:
+    return scene.materials[material_of(scene, unknown)].young;
+  case Parameter::poisson:
+    return scene.materials[material_of(scene, unknown)].poisson;
+  case Parameter::bulk:
+    return scene.materials[material_of(scene, unknown)].viscosity.value().bulk;
+  case Parameter::shear:
+    return scene.materials[material_of(scene, unknown)].viscosity.value().shear;
+  case Parameter::density:
+    return scene.materials[material_of(scene, unknown)].density;
+  case Parameter::displacement:
+  case Parameter::velocity: {
+    Initial initial = scene.initial;
+    return unknown.component ? constant(initial_field(initial, unknown).value().at(component(unknown))) : 1;
+  }
+  case Parameter::position:
+  case Parameter::angle:
+    return 0;
+  case Parameter::center: {
+    Obstacle shape = scene.contacts[contact_of(scene, unknown)].obstacle;
+    return constant(middle(shape).at(component(unknown)));
+  }
+  case Parameter::radius: {
+    Obstacle shape = scene.contacts[contact_of(scene, unknown)].obstacle;
+    return constant(radius(shape));
+  }
+  case Parameter::body:
+  case Parameter::gravity:
+  case Parameter::traction:
+    break;
+  }
+  return 1;
+}
+
+std::vector<double> start_values(const Scene& scene) {
+  std::vector<double> values;
+  for (const Unknown& unknown : scene.unknowns)
+    values.push_back(unknown.start);
+  return values;
+}
+
+Scene with_values(Scene scene, std::span<const double> values) {
+  const std::vector<Unknown> unknowns = scene.unknowns;
+  // Positions are along the normals that the scene has, before any of them turns.
+  for (const bool turns : {false, true})
+    for (std::size_t i = 0; i < unknowns.size(); ++i)
+      if ((unknowns[i].of == Parameter::angle) == turns)
+        set(scene, unknowns[i], values[i]);
+  return scene;
+}
+
+ObstacleRate obstacle_rate(const Scene& scene, std::span<const double> values, std::size_t number) {
+  const Unknown& unknown = scene.unknowns.at(number);
+  const std::size_t contact = contact_of(scene, unknown);
+  ObstacleRate rate;
+  if (unknown.of == Parameter::center)
+    rate.point[component(unknown)] = 1;
+  if (unknown.of == Parameter::radius)
+    rate.radius = 1;
+  const auto* plane = std::get_if<HalfSpace>(&scene.contacts[contact].obstacle);
+  if (!plane)
+    return rate;
+  Vector normal = unit_vector(plane->normal);
+  if (unknown.of == Parameter::position)
+    rate.point = normal;
+  for (std::size_t i = 0; i < scene.unknowns.size(); ++i) { // in the order in which they turn it
+    const Unknown& other = scene.unknowns[i];
+    if (other.of != Parameter::angle || contact_of(scene, other) != contact)
+      continue;
+    normal = turned(normal, axis(other), values[i]);
+    rate.normal = i == number ? cross(axis(other), normal) : turned(rate.normal, axis(other), values[i]);
+  }
+  return rate;
+}
+
+} // namespace signorini::scene

@@ -1,0 +1,161 @@
+"""The parts of a run's page about a fit: what was fitted, how well, and what the data did not tell."""
+
+import csv
+import io
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+import style
+from files import NotInRun, whole_text
+from report_parts import GREY, Chart, Gathering, Section, Table, dots, figure, line, packed, time_axis
+from run_folder import RunFolder
+
+ELLIPSES = {"39 %: one deviation along each axis": 1.0, "95 %": 5.991**0.5}  # of two unknowns; radii in standard deviations
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One measurement of measurements.csv, in SI."""
+
+    time: np.ndarray
+    value: np.ndarray
+    deviation: np.ndarray
+    simulated: np.ndarray
+
+
+def measurements(run: RunFolder) -> dict[str, Measured]:
+    """By name. Raises NotInRun without measurements.csv."""
+    file = run.path / "measurements.csv"
+    if not file.is_file():
+        raise NotInRun(f"there is no measurements.csv in {run.path}")
+    rows: dict[str, list[list[float]]] = {}
+    for row in csv.DictReader(io.StringIO(whole_text(file))):
+        rows.setdefault(row["measurement"], []).append([float(row[name]) for name in ("time", "value", "deviation", "simulated")])
+    return {name: Measured(*np.array(values).T) for name, values in rows.items()}
+
+
+def sections(run: RunFolder, gather: Gathering) -> list[Section]:
+    """None for a run that fitted nothing."""
+    if not run.is_fit:
+        return []
+    fit = run.manifest["fit"]
+    charts = [*gather("measured and simulated", compared, run), *gather("residuals", residuals, run),
+              *gather("confidence", confidence, run), *gather("the fit's history", course, run)]  # fmt: skip
+    return [Section("fit", "What was fitted", charts, [unknowns(run), *correlations(run), *times(run)], texts=list(fit["not_told"]))]
+
+
+def facts(run: RunFolder) -> list[tuple[str, str]]:
+    """How well the data were met."""
+    if not run.is_fit:
+        return []
+    fit = run.manifest["fit"]
+    told = "" if fit["not_told"] else " All unknowns are told by the data."
+    return [("Misfit", f"{fit['misfit']:.3g} standard deviations (root mean square of {fit['values']} values): about 1 where the model "
+                       f"explains the data but for their noise.{told}")]  # fmt: skip
+
+
+def unit_of(run: RunFolder, name: str) -> str:
+    """Of a measurement's values, SI."""
+    of = next(one["of"] for one in run.scene["measurement"] if one["name"] == name)
+    return {"displacement": "m", "velocity": "m/s"}.get(of) or style.per_depth({"force": "N", "impulse": "N s"}[of], run.dim)
+
+
+def shown(value: float | None, digits: int) -> str:
+    return "not told" if value is None else f"{value:.{digits}g}"
+
+
+def unknowns(run: RunFolder) -> Table:
+    """What parameters.csv has."""
+    rows = []
+    for one in run.manifest["unknowns_fitted"]:
+        bounds = [f"{one[side]:.4g}" if one[side] is not None else "none" for side in ("lower", "upper")]
+        rows.append([one["name"], shown(one["value"], 6), shown(one["standard_deviation"], 3), one["unit"], shown(one["start"], 4),
+                     " … ".join(bounds) + (", at one" if one["at_bound"] else "")])  # fmt: skip
+    return Table("Values with their standard deviations, by the noise of the data",
+                 ["Unknown", "Value", "Deviation", "Unit", "Start", "Bounds"], rows)  # fmt: skip
+
+
+def correlations(run: RunFolder) -> list[Table]:
+    names = [one["name"] for one in run.manifest["unknowns_fitted"]]
+    if len(names) < 2:
+        return []
+    rows = [[name, *(f"{value:+.2f}" for value in row)] for name, row in zip(names, run.manifest["fit"]["correlations"])]
+    values = ", ".join(f"{value:.3g}" for value in run.manifest["fit"]["singular_values"])
+    return [Table(f"Correlations: near ±1 the data tell two unknowns together, not each. Singular values of the scaled derivatives: {values}",
+                  ["", *names], rows)]  # fmt: skip
+
+
+def times(run: RunFolder) -> list[Table]:
+    compared = run.manifest["fit"]["contact_times"]
+    rows = [[one["name"], f"{one['value']:.5g}", shown(one["simulated"], 5)] for one in compared]
+    return [Table("Contact times, which were not fitted", ["Time", "Measured (s)", "Simulated (s)"], rows)] if rows else []
+
+
+def band(x: np.ndarray, low: np.ndarray, high: np.ndarray, name: str) -> dict:
+    """The area between two curves."""
+    return {"type": "scatter", "mode": "lines", "name": name, "x": packed(np.concatenate([x, x[::-1]])),
+            "y": packed(np.concatenate([high, low[::-1]])), "fill": "toself", "fillcolor": "rgba(213, 94, 0, 0.18)",
+            "line": {"width": 0}, "hoverinfo": "skip"}  # fmt: skip
+
+
+def compared(run: RunFolder) -> Chart:
+    """Data and simulation over time, a view for each measurement."""
+    views = {}
+    for name, one in measurements(run).items():
+        time, title = time_axis(one.time)
+        views[name] = figure([band(time, one.simulated - 2 * one.deviation, one.simulated + 2 * one.deviation, "±2 deviations"),
+                              dots("measured", time, one.value, GREY, size=4),
+                              line("simulated", time, one.simulated, style.VERMILLION)], title, f"{name} ({unit_of(run, name)})")  # fmt: skip
+    return Chart("measured", "Measured and simulated", views, "The band is the noise around the simulation: about 95 % of the data lie in it.")
+
+
+def residuals(run: RunFolder) -> Chart:
+    """In standard deviations."""
+    views = {}
+    for name, one in measurements(run).items():
+        time, title = time_axis(one.time)
+        views[name] = figure([dots("residual", time, (one.simulated - one.value) / one.deviation, style.BLUE, size=4)], title,
+                             "residual (deviations)")  # fmt: skip
+    return Chart("residuals-of-data", "Residuals", views, "Simulated less measured, in standard deviations: without a pattern where the model explains the data.")
+
+
+def confidence(run: RunFolder) -> Chart:
+    """Where pairs of unknowns lie, a view for each pair."""
+    given, matrix = run.manifest["unknowns_fitted"], run.manifest["fit"]["correlations"]
+    angle = np.linspace(0, 2 * np.pi, 181)
+    views = {}
+    for i, j in combinations(range(len(given)), 2):
+        a, b = given[i], given[j]
+        if a["standard_deviation"] is None or b["standard_deviation"] is None:
+            continue
+        correlation = matrix[i][j]
+        curves = []
+        for (name, radius), dash in zip(ELLIPSES.items(), ("solid", "dash")):
+            # Points of the unit circle through the Cholesky factor of the correlations.
+            x = radius * np.cos(angle)
+            y = correlation * x + radius * np.sqrt(max(1 - correlation**2, 0)) * np.sin(angle)
+            curves.append(line(name, a["value"] + a["standard_deviation"] * x, b["value"] + b["standard_deviation"] * y, style.BLUE, dash))
+        curves.append(dots("fitted", np.array([a["value"]]), np.array([b["value"]]), style.VERMILLION, size=9))
+        views[f"{a['name']} and {b['name']}"] = figure(curves, axis_title(a), axis_title(b))
+    if not views:
+        raise NotInRun("there are no two unknowns that the data tell")
+    return Chart("confidence", "Confidence", views, "Of 100 such measurements so many have the true values within, to first order.")
+
+
+def axis_title(unknown: dict) -> str:
+    return f"{unknown['name']} ({unknown['unit']})" if unknown["unit"] else unknown["name"]
+
+
+def course(run: RunFolder) -> Chart:
+    """J and the unknowns over the iterations."""
+    history = run.history
+    iteration, objective = history["iteration"], history["objective"]
+    logarithmic = {"type": "log", "exponentformat": "power"}
+    views = {"J": figure([line("J", iteration, np.where(objective > 0, objective, np.nan), "black")], "iteration", "J", yaxis=logarithmic),
+             "decrement": figure([line("decrement", iteration, np.where(history["decrement"] > 0, history["decrement"], np.nan), style.BLUE)],
+                                 "iteration", "decrement (standard deviations)", yaxis=logarithmic)}  # fmt: skip
+    for one in run.manifest["unknowns_fitted"]:
+        views[one["name"]] = figure([line(one["name"], iteration, history[one["name"]], style.BLUE)], "iteration", axis_title(one))
+    return Chart("course", "The course of the fit", views)

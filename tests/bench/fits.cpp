@@ -1,0 +1,82 @@
+// Seconds of a gradient by a scene's unknowns over those of one by a control alone, on the same motion: a
+// forward run whose states are kept, and the backward sweep. Factors are made before.
+//
+// usage: signorini-bench-fits SCENE REPEATS [key.path=value …]    prints one JSON object
+#include "adjoint/parameter_sweep.h"
+#include "bench.h"
+#include "control/measurements.h"
+
+using namespace signorini;
+
+namespace {
+
+/// Dual of the displacements: something that every step has.
+class Pull final : public forward::StateDuals {
+public:
+  explicit Pull(Vec dual) : dual_(dual) {}
+  [[nodiscard]] bool has_density() const override { return false; }
+  [[nodiscard]] bool has_vector() const override { return true; }
+  void add(int, forward::StateDual sum) const override { petsc::check(VecAXPY(sum.vector, 1, dual_)); }
+
+private:
+  Vec dual_;
+};
+
+nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
+  Timers timers;
+  const Problem problem(MPI_COMM_WORLD, scene, {.sliding = true}, timers);
+  const int steps = problem.steps();
+  const GivenControl given(problem);
+  const forward::StateStoreFactory storage(problem.stepper, scene.trajectory, steps, 1, timers);
+  const petsc::Vector dual = problem.space.vector();
+  petsc::check(VecSet(dual, 1));
+  const Pull pull(dual);
+  const forward::DualAtStep derivative(problem.space, pull);
+  const std::vector<double> values = scene::start_values(scene);
+  forward::ParameterRates rates(problem.stepper, scene, values);
+  std::vector<double> times;
+  for (int k = 1; k <= steps; ++k)
+    times.push_back(problem.stepper.grid().time(k));
+  control::Measurements measurements(problem.stepper, scene, std::vector(scene.measurements.size(), times));
+  forward::Stepper::Workspace work = problem.stepper.workspace();
+  const double infinity = std::numeric_limits<double>::infinity();
+  double control_alone = infinity, unknowns = infinity;
+  int touching = 0;
+  std::vector<double> gradient;
+  Watch watch;
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    {
+      forward::Trajectory motion(problem.stepper, problem.initial, steps, storage);
+      watch.lap();
+      motion.run(given.load());
+      adjoint::sweep(problem.stepper, work, motion.contact(), derivative, [](int, Vec) {});
+      control_alone = std::min(control_alone, watch.lap());
+    }
+    forward::Trajectory motion(problem.stepper, problem.initial, steps, storage, true);
+    std::vector<std::vector<double>> lambda(static_cast<std::size_t>(steps) + 1);
+    watch.lap();
+    motion.run(given.load(), [&](const forward::Frame& frame) {
+      measurements.observe(frame);
+      if (rates.turn())
+        lambda[static_cast<std::size_t>(frame.k)] = frame.contact.lambda;
+    });
+    measurements.set_derivative(std::vector<double>(measurements.count(), 1.0));
+    gradient = adjoint::parameter_gradient(
+        problem.stepper, work, motion,
+        [&](int k) { return std::span<const double>(lambda[static_cast<std::size_t>(k)]); }, measurements,
+        rates);
+    unknowns = std::min(unknowns, watch.lap());
+    touching = static_cast<int>(
+        std::ranges::count_if(motion.contact(), [](const auto& sets) { return !sets.active.empty(); }));
+  }
+  return {{"free_unknowns", problem.free_dofs()},
+          {"steps", steps},
+          {"contact_steps", touching},
+          {"parameters", gradient.size()},
+          {"seconds", {{"control_alone", control_alone}, {"parameters", unknowns}}},
+          {"ratio", unknowns / control_alone}};
+}
+
+} // namespace
+
+int main(int argc, char** argv) { return bench::run("signorini-bench-fits", argc, argv, measure); }
