@@ -18,11 +18,12 @@ class Sweep {
 public:
   Sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work, const forward::Trajectory& motion,
         const std::function<std::span<const double>(int k)>& lambda, const MotionDuals& duals,
-        forward::ParameterRates& rates)
+        forward::ParameterRates& rates, const std::function<void(int k, Vec p)>& visit)
       : stepper_(stepper), work_(work), motion_(motion), lambda_(lambda), duals_(duals), rates_(rates),
-        extrapolation_(stepper), normal_(static_cast<std::size_t>(forward::candidates(stepper))),
-        zero_(normal_.size()), c_(normal_.size()), e_(duals.velocities()), e_next_(e_.size()),
-        factors_(e_.size()), gradient_(rates.count()) {
+        visit_(visit), extrapolation_(stepper),
+        normal_(static_cast<std::size_t>(forward::candidates(stepper))), zero_(normal_.size()),
+        c_(normal_.size()), e_(duals.velocities()), e_next_(e_.size()), factors_(e_.size()),
+        gradient_(rates.count()) {
     for (petsc::Vector* one : {&p_, &p_next_, &q_, &q_next_, &w_, &force_, &y0_, &v0_, &y1_, &v1_})
       *one = stepper.space().vector();
   }
@@ -38,6 +39,8 @@ public:
       } catch (const SolverFailure& failure) {
         throw SolverFailure(fmt::format("adjoint step {}: {}", k, failure.what()));
       }
+      if (visit_)
+        visit_(k, p_);
       load(k - 1, y0_, v0_);
       add_step(k);
       std::swap(p_, p_next_);
@@ -178,6 +181,7 @@ private:
   const std::function<std::span<const double>(int k)>& lambda_;
   const MotionDuals& duals_;
   forward::ParameterRates& rates_;
+  const std::function<void(int k, Vec p)>& visit_;
   forward::Extrapolation extrapolation_;
   petsc::Vector p_, p_next_, q_, q_next_, w_, force_, y0_, v0_, y1_, v1_;
   std::vector<double> normal_, zero_, c_;    ///< ∂J/∂λ_k; zeros; of one unknown (m)
@@ -191,8 +195,9 @@ private:
 std::vector<double> parameter_gradient(const forward::Stepper& stepper, forward::Stepper::Workspace& work,
                                        const forward::Trajectory& motion,
                                        const std::function<std::span<const double>(int k)>& lambda,
-                                       const MotionDuals& duals, forward::ParameterRates& rates) {
-  return Sweep(stepper, work, motion, lambda, duals, rates).run();
+                                       const MotionDuals& duals, forward::ParameterRates& rates,
+                                       const std::function<void(int k, Vec p)>& visit) {
+  return Sweep(stepper, work, motion, lambda, duals, rates, visit).run();
 }
 
 } // namespace signorini::adjoint

@@ -28,11 +28,13 @@ public:
 };
 
 /// dJ/dθ by one backward sweep for all unknowns θ (docs/method.md section 9), along a motion that has its
-/// velocities, with λ_k (m), of which only candidates in contact are read, and only if normals turn.
-/// Collective. Throws SolverFailure naming the step.
+/// velocities, with λ_k (m), of which only candidates in contact are read, and only if normals turn;
+/// `visit(k, p_k)`, if given, receives the adjoint states, each valid during the call. Collective. Throws
+/// SolverFailure naming the step.
 std::vector<double> parameter_gradient(const forward::Stepper& stepper, forward::Stepper::Workspace& work,
                                        const forward::Trajectory& motion,
                                        const std::function<std::span<const double>(int k)>& lambda,
-                                       const MotionDuals& duals, forward::ParameterRates& rates);
+                                       const MotionDuals& duals, forward::ParameterRates& rates,
+                                       const std::function<void(int k, Vec p)>& visit = {});
 
 } // namespace signorini::adjoint

@@ -1,5 +1,6 @@
 #include "app/optimize.h"
 #include "app/coarse_start.h"
+#include "app/control_files.h"
 #include "app/optimizer_log.h"
 #include "app/run_manifest.h"
 #include "base/collective.h"
@@ -22,36 +23,6 @@ void write_motion(const Problem& problem, const control::ReducedProblem& reduced
   forward::integrate(problem.stepper, problem.initial, reduced.load(), problem.steps(), std::ref(recorder),
                      forward::Stops::ignored);
   recorder.finish();
-}
-
-/// control.xdmf and adjoint.xdmf.
-void write_control(const io::OutputFolder& folder, const Problem& problem, control::ReducedProblem& reduced) {
-  const auto timer = problem.timers.time("output");
-  const scene::Output& output = problem.scene.output;
-  std::vector<int> steps;
-  for (int k = 1; k <= problem.steps(); ++k)
-    if (stored(k, output.every, k == problem.steps()))
-      steps.push_back(k);
-  using enum io::Values;
-  const auto write = [&](scene::StoredField field, io::Values values, auto&& at) {
-    if (!output.field(field))
-      return;
-    const std::string name = scene::name(field);
-    io::FieldFile file(problem.space, folder, name + ".xdmf", {{name, values}}, steps.size());
-    at([&](int k, Vec x) {
-      if (const auto found = std::ranges::lower_bound(steps, k); found != steps.end() && *found == k)
-        file.write(name, static_cast<std::size_t>(found - steps.begin()), problem.stepper.grid().time(k), x);
-    });
-    file.close();
-  };
-  write(scene::StoredField::control, reduced.controls().cellwise() ? cellwise : nodal, [&](auto&& store) {
-    const petsc::Vector field = reduced.controls().field();
-    for (int k : steps) {
-      reduced.controls().extend(reduced.control().at(k), field);
-      store(k, field);
-    }
-  });
-  write(scene::StoredField::adjoint, nodal, [&](auto&& store) { reduced.adjoint_states(store); });
 }
 
 /// How the states of motions were stored, and its cost, in words.
@@ -221,7 +192,8 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
   MotionWriter recorder(problem, folder, &reduced.objective(), true);
   write_motion(problem, reduced, recorder);
-  write_control(folder, problem, reduced);
+  write_control(folder, problem, reduced.controls(), reduced.control(),
+                [&](const auto& store) { reduced.adjoint_states(store); });
   const double first_norm = ending.first_norm;
   console.line("stopped: " + optimize::name(ending.stop) + going_on(ending.stop, scene.optimizer));
   io::Manifest m = manifest(problem, "optimize", optimize::name(ending.stop), reduced.trajectory().steps());

@@ -193,7 +193,8 @@ Discretisation::Discretisation(MPI_Comm comm, const scene::Scene& scene, Timers&
 
 Problem::Problem(std::shared_ptr<const Discretisation> shared, const scene::Scene& s,
                  forward::Stepper::Needs needs, Timers& t)
-    : scene(s), timers(t), body(std::move(shared)), mesh(body->mesh), space(body->space),
+    : scene(s), timers(t), discretisation(std::move(shared)), mesh(discretisation->mesh),
+      space(discretisation->space),
       operators(timed(t, "assembly",
                       [&] {
                         return fem::assemble_operators(

@@ -20,7 +20,7 @@ struct Problem {
   /// Collective. Throws UserError, SolverFailure.
   Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs needs, Timers& t)
       : Problem(std::make_shared<const Discretisation>(comm, s, t), s, needs, t) {}
-  /// With a body that several problems share.
+  /// With a discretisation that several problems share.
   Problem(std::shared_ptr<const Discretisation> shared, const scene::Scene& s, forward::Stepper::Needs needs,
           Timers& t);
   Problem(const Problem&) = delete;
@@ -28,7 +28,7 @@ struct Problem {
 
   const scene::Scene& scene;
   Timers& timers;
-  std::shared_ptr<const Discretisation> body; ///< which others may share
+  std::shared_ptr<const Discretisation> discretisation; ///< which others may share
   const mesh::Mesh& mesh;
   const fem::Space& space;
   fem::Operators operators;

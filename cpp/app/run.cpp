@@ -1,6 +1,7 @@
 #include "app/run.h"
 #include "app/check/check.h"
 #include "app/fit/fit.h"
+#include "app/fit/joint_search.h"
 #include "app/fit/synthetic_data.h"
 #include "app/info.h"
 #include "app/motion_writer.h"
@@ -179,7 +180,7 @@ int run(const Request& request, const Console& console) {
   if (request.verb == "simulate")
     return simulate_scene(scene, out, request, console);
   if (request.verb == "optimize" && !scene.unknowns.empty())
-    return fit_scene(world(), scene, out, request.resume, console);
+    return (scene.objective ? search_jointly : fit_scene)(world(), scene, out, request.resume, console);
   if (request.verb == "optimize")
     return optimize_scene(world(), scene, out, request.resume, console);
   if (request.verb == "check")

@@ -106,6 +106,8 @@ bool rests(const Control& control) {
 }
 
 std::string no_coarse_start(const Scene& scene) {
+  if (!scene.unknowns.empty())
+    return "with tables [[unknown]], allowed is \"guess\"";
   if (scene.mesh.file.extension() != ".geo")
     return "with a .msh, which is meshed already, allowed with a .geo and mesh.size, or \"guess\"";
   if (!scene.mesh.size)

@@ -373,15 +373,13 @@ void require_rules(Reader& in, Scene& scene, const Scene&) {
   if (in.has("objective") && !scene.control)
     in.fail("objective", "needs a control to act on; add a table [control] or leave the objective out");
   if (!scene.unknowns.empty()) {
-    if (scene.objective)
-      in.fail("unknown", "found beside [objective], allowed is one of them: a fit seeks the unknowns alone, "
-                         "under the given control");
-    if (in.has("optimizer") && in.table("optimizer").has("method") &&
-        scene.optimizer.method != OptimizerMethod::gauss_newton)
-      in.fail("optimizer.method",
-              fmt::format("found \"{}\" with tables [[unknown]], allowed is \"{}\"",
-                          name(scene.optimizer.method), name(OptimizerMethod::gauss_newton)));
-    scene.optimizer.method = OptimizerMethod::gauss_newton;
+    // With a control they are sought together, by lbfgs.
+    const OptimizerMethod method = scene.objective ? OptimizerMethod::lbfgs : OptimizerMethod::gauss_newton;
+    if (in.has("optimizer") && in.table("optimizer").has("method") && scene.optimizer.method != method)
+      in.fail("optimizer.method", fmt::format("found \"{}\" with tables [[unknown]]{}, allowed is \"{}\"",
+                                              name(scene.optimizer.method),
+                                              scene.objective ? " and a control" : "", name(method)));
+    scene.optimizer.method = method;
   } else if (scene.optimizer.method == OptimizerMethod::gauss_newton) {
     in.fail("optimizer.method", "found \"gauss-newton\" without unknowns, allowed with tables [[unknown]]");
   }

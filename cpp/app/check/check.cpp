@@ -97,12 +97,17 @@ bool check_scene(const Problem& problem, const Console& console) {
   if (scene.contacts.empty())
     console.line("The scene has no contact: what follows checks a linear problem.");
   if (!scene.unknowns.empty()) {
-    const FitProblem fit(problem.body, scene, problem.timers);
+    const FitProblem fit(problem.discretisation, scene, problem.timers);
     check_fit(fit, problem.stepper.solver().tolerance(), console, rows);
     const scene::Scene start = fit.scene_at(fit.start());
-    const Problem started(problem.body, start, check_needs(scene), problem.timers);
+    const Problem started(problem.discretisation, start, check_needs(scene), problem.timers);
     const GivenControl given(started);
     invariants(started, given.load(), rows);
+    if (scene.objective) {
+      const ControlProblem control(problem, console);
+      JointProblem joint(fit, control, {control.first_guess(scene), fit.start()}, problem.timers);
+      check_joint(joint, problem.stepper.solver().tolerance(), rows);
+    }
   } else if (scene.objective) {
     ControlProblem control_problem(problem, console);
     std::string where;

@@ -149,6 +149,37 @@ private:
 
 } // namespace
 
+void check_joint(JointProblem& problem, double solver_tolerance, std::vector<CheckRow>& rows) {
+  const JointVector v = problem.vector();
+  const double here = problem.value(v);
+  JointVector d = problem.trial_gradient();
+  problem.accept();
+  const Contact contact = problem.trajectory().contact();
+  const double squared = problem.inner(d, d), curvature = problem.inner(d, problem.hessian_product(d)),
+               floor = 200 * (1000 * std::numeric_limits<double>::epsilon() + 10 * solver_tolerance) * here;
+  d.scale(-squared / std::max(std::abs(curvature), std::numeric_limits<double>::min())); // Cauchy's step
+  const double slope = -squared * squared / std::abs(curvature);
+  std::vector<std::pair<double, double>> usable;
+  for (int i = 0; i < 14; ++i) {
+    const double epsilon = std::pow(10, -1 - 0.5 * i);
+    JointVector beside = v;
+    beside.add(epsilon, d);
+    const double remainder = std::abs(problem.value(beside) - here - epsilon * slope);
+    if (switches(contact, problem.trial_trajectory().contact()).steps == 0 && remainder > floor)
+      usable.emplace_back(epsilon, remainder);
+  }
+  constexpr std::size_t enough = 3;
+  if (usable.size() < enough) {
+    rows.push_back(
+        {"Taylor order by control and unknowns", "too few sizes keep the active sets", "three", false});
+    return;
+  }
+  usable.erase(usable.begin(), usable.end() - enough);
+  const double p = log_log_slope(usable);
+  rows.push_back({"Taylor order by control and unknowns", fmt::format("{:.3f}", p), "2.00 +- 0.05",
+                  std::abs(p - 2) <= 0.05});
+}
+
 void check_fit(const FitProblem& problem, double solver_tolerance, const Console& console,
                std::vector<CheckRow>& rows) {
   FitCheck(problem, solver_tolerance, console).run(rows);

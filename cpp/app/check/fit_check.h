@@ -1,6 +1,6 @@
 #pragma once
 #include "app/check/derivative_check.h"
-#include "app/fit/fit_problem.h"
+#include "app/fit/joint_problem.h"
 
 namespace signorini {
 
@@ -9,5 +9,8 @@ namespace signorini {
 /// of a step's solve. Collective. Throws SolverFailure, Interrupted.
 void check_fit(const FitProblem& problem, double solver_tolerance, const Console& console,
                std::vector<CheckRow>& rows);
+
+/// Likewise of the J of a control and the unknowns together, at the first guess along the steepest descent.
+void check_joint(JointProblem& problem, double solver_tolerance, std::vector<CheckRow>& rows);
 
 } // namespace signorini

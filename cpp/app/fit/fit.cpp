@@ -278,7 +278,7 @@ int fit_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   const optimize::GaussNewtonResult end = search.run(resume);
 
   const scene::Scene fitted = fit.scene_at(end.last.x);
-  const Problem problem(fit.body(), fitted, fit_needs(scene), timers);
+  const Problem problem(fit.discretisation(), fitted, fit_needs(scene), timers);
   MotionWriter recorder(problem, folder, nullptr, true);
   Motion motion = write_motion(problem, fit, recorder);
   io::Fit result = outcome(fit, end.last, motion.values);

@@ -41,9 +41,10 @@ double natural_upper(const scene::Unknown& unknown) {
 
 } // namespace
 
-FitProblem::FitProblem(std::shared_ptr<const Discretisation> body, const scene::Scene& scene, Timers& timers)
-    : scene_(scene), timers_(timers), body_(std::move(body)),
-      data_(io::read_data(body_->space.comm(), scene)) {
+FitProblem::FitProblem(std::shared_ptr<const Discretisation> discretisation, const scene::Scene& scene,
+                       Timers& timers)
+    : scene_(scene), timers_(timers), discretisation_(std::move(discretisation)),
+      data_(io::read_data(discretisation_->space.comm(), scene)) {
   for (const control::Data& one : data_)
     count_ += one.times.size();
   for (const scene::Unknown& unknown : scene.unknowns) {
@@ -96,11 +97,32 @@ std::vector<double> FitProblem::residuals(const std::vector<double>& simulated,
   return r;
 }
 
+std::vector<double> FitProblem::by_values(const std::vector<double>& residuals) const {
+  std::vector<double> derivative;
+  for (const control::Data& one : data_)
+    for (const double deviation : one.deviations)
+      derivative.push_back(residuals[derivative.size()] / deviation);
+  return derivative;
+}
+
+std::vector<double> FitProblem::on_scale_gradient(std::vector<double> by_theta,
+                                                  const std::vector<double>& residuals,
+                                                  std::span<const double> x) const {
+  const std::vector<double> slope = slopes(x);
+  std::size_t next = count_;
+  for (std::size_t j = 0; j < x.size(); ++j) {
+    by_theta[j] *= slope[j];
+    if (const auto& prior = scene_.unknowns[j].prior)
+      by_theta[j] += residuals[next++] / prior->deviation;
+  }
+  return by_theta;
+}
+
 /// The problem at x, with what its motion needs.
 struct FitProblem::Setup {
   Setup(const FitProblem& fit, std::span<const double> x, std::size_t columns)
       : theta(fit.values(x)), scene(scene::with_values(fit.scene_, theta)),
-        problem(fit.body_, scene, fit_needs(fit.scene_), fit.timers_), given(problem),
+        problem(fit.discretisation_, scene, fit_needs(fit.scene_), fit.timers_), given(problem),
         measurements(problem.stepper, scene, fit.times(), columns),
         rates(problem.stepper, fit.scene_, theta) {}
 
@@ -112,12 +134,13 @@ struct FitProblem::Setup {
   forward::ParameterRates rates;
 };
 
-optimize::LeastSquares FitProblem::evaluate(std::span<const double> x) const {
+optimize::LeastSquares FitProblem::evaluate(std::span<const double> x, const forward::Load* control) const {
   Setup setup(*this, x, 1 + x.size());
   forward::Tangents tangents(setup.problem.stepper, setup.rates);
   {
     const auto timer = timers_.time("forward");
-    const int steps = forward::integrate(setup.problem.stepper, setup.problem.initial, setup.given.load(),
+    const int steps = forward::integrate(setup.problem.stepper, setup.problem.initial,
+                                         control ? setup.problem.load(control) : setup.given.load(),
                                          setup.problem.steps(), [&](const forward::Frame& frame) {
                                            const auto linearised = timers_.time("linearised");
                                            tangents.observe(frame);
@@ -170,11 +193,7 @@ FitProblem::Gradient FitProblem::swept(std::span<const double> x, bool adjoint) 
     found.weak += static_cast<long>(sets.weak.size());
   if (!adjoint)
     return found;
-  std::vector<double> by_values;
-  for (const control::Data& one : data_)
-    for (const double deviation : one.deviations)
-      by_values.push_back(r[by_values.size()] / deviation);
-  setup.measurements.set_derivative(by_values);
+  setup.measurements.set_derivative(by_values(r));
   forward::Stepper::Workspace work = setup.problem.stepper.workspace();
   {
     const auto timer = timers_.time("adjoint");
@@ -183,13 +202,7 @@ FitProblem::Gradient FitProblem::swept(std::span<const double> x, bool adjoint) 
         [&](int k) { return std::span<const double>(lambda[static_cast<std::size_t>(k)]); },
         setup.measurements, setup.rates);
   }
-  const std::vector<double> slope = slopes(x);
-  std::size_t next = count_;
-  for (std::size_t j = 0; j < x.size(); ++j) {
-    found.by_x[j] *= slope[j];
-    if (const auto& prior = scene_.unknowns[j].prior)
-      found.by_x[j] += r[next++] / prior->deviation;
-  }
+  found.by_x = on_scale_gradient(std::move(found.by_x), r, x);
   return found;
 }
 

@@ -15,7 +15,7 @@ namespace signorini {
 class FitProblem {
 public:
   /// Reads the data. The references must outlive this object. Throws UserError.
-  FitProblem(std::shared_ptr<const Discretisation> body, const scene::Scene& scene, Timers& timers);
+  FitProblem(std::shared_ptr<const Discretisation> discretisation, const scene::Scene& scene, Timers& timers);
 
   [[nodiscard]] std::vector<double> start() const { return on_scales(scene::start_values(scene_)); }
   [[nodiscard]] const optimize::Box& box() const { return box_; }
@@ -31,9 +31,10 @@ public:
     return scene::with_values(scene_, values(x));
   }
 
-  /// A motion with as many linearised ones beside it as there are unknowns. Throws UserError where the scene
-  /// at x is none, SolverFailure, Interrupted.
-  [[nodiscard]] optimize::LeastSquares evaluate(std::span<const double> x) const;
+  /// A motion with as many linearised ones beside it as there are unknowns, under the scene's given control
+  /// or another's force. Throws UserError where the scene at x is none, SolverFailure, Interrupted.
+  [[nodiscard]] optimize::LeastSquares evaluate(std::span<const double> x,
+                                                const forward::Load* control = nullptr) const;
 
   /// J and its gradient by x, by one motion and one adjoint sweep. Throws as evaluate() does.
   struct Gradient {
@@ -50,7 +51,11 @@ public:
   [[nodiscard]] const std::vector<control::Data>& data() const { return data_; }
   /// Values of all measurements.
   [[nodiscard]] std::size_t count() const { return count_; }
-  [[nodiscard]] const std::shared_ptr<const Discretisation>& body() const { return body_; }
+  /// Times at which each measurement has values, s.
+  [[nodiscard]] std::vector<std::vector<double>> times() const;
+  [[nodiscard]] const std::shared_ptr<const Discretisation>& discretisation() const {
+    return discretisation_;
+  }
   [[nodiscard]] const scene::Scene& scene() const { return scene_; }
   /// Forward sweeps so far; a linearised one counts as one.
   [[nodiscard]] int sweeps() const { return sweeps_; }
@@ -59,15 +64,20 @@ public:
   /// Residuals of values that were simulated, and of the priors.
   [[nodiscard]] std::vector<double> residuals(const std::vector<double>& simulated,
                                               std::span<const double> x) const;
+  /// ∂J/∂ values of the measurements, from the residuals.
+  [[nodiscard]] std::vector<double> by_values(const std::vector<double>& residuals) const;
+  /// dJ/dx from dJ/dθ of the data, with the priors'.
+  [[nodiscard]] std::vector<double> on_scale_gradient(std::vector<double> by_theta,
+                                                      const std::vector<double>& residuals,
+                                                      std::span<const double> x) const;
 
 private:
   struct Setup;
   [[nodiscard]] Gradient swept(std::span<const double> x, bool adjoint) const;
-  [[nodiscard]] std::vector<std::vector<double>> times() const;
 
   const scene::Scene& scene_;
   Timers& timers_;
-  std::shared_ptr<const Discretisation> body_;
+  std::shared_ptr<const Discretisation> discretisation_;
   std::vector<control::Data> data_;
   std::size_t count_ = 0;
   optimize::Box box_;

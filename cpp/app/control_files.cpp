@@ -1,0 +1,39 @@
+#include "app/control_files.h"
+#include "app/motion_writer.h"
+#include "io/fields.h"
+#include <algorithm>
+
+namespace signorini {
+
+void write_control(const io::OutputFolder& folder, const Problem& problem,
+                   const control::ControlSpace& controls, const control::Control& u,
+                   const AdjointStates& adjoint_states) {
+  const auto timer = problem.timers.time("output");
+  const scene::Output& output = problem.scene.output;
+  std::vector<int> steps;
+  for (int k = 1; k <= problem.steps(); ++k)
+    if (stored(k, output.every, k == problem.steps()))
+      steps.push_back(k);
+  using enum io::Values;
+  const auto write = [&](scene::StoredField field, io::Values values, auto&& at) {
+    if (!output.field(field))
+      return;
+    const std::string name = scene::name(field);
+    io::FieldFile file(problem.space, folder, name + ".xdmf", {{name, values}}, steps.size());
+    at([&](int k, Vec x) {
+      if (const auto found = std::ranges::lower_bound(steps, k); found != steps.end() && *found == k)
+        file.write(name, static_cast<std::size_t>(found - steps.begin()), problem.stepper.grid().time(k), x);
+    });
+    file.close();
+  };
+  write(scene::StoredField::control, controls.cellwise() ? cellwise : nodal, [&](auto&& store) {
+    const petsc::Vector field = controls.field();
+    for (int k : steps) {
+      controls.extend(u.at(k), field);
+      store(k, field);
+    }
+  });
+  write(scene::StoredField::adjoint, nodal, [&](auto&& store) { adjoint_states(store); });
+}
+
+} // namespace signorini

@@ -1,0 +1,245 @@
+#include "app/fit/joint_search.h"
+#include "app/control_files.h"
+#include "app/fit/joint_problem.h"
+#include "app/fit/outcome.h"
+#include "app/motion_writer.h"
+#include "app/optimize.h"
+#include "app/run_manifest.h"
+#include "base/error.h"
+#include "io/checkpoint.h"
+#include "optimize/lbfgs.h"
+#include "optimize/minimize.h"
+#include <chrono>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace signorini {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr const char* checkpoint = "checkpoint.h5";
+
+static_assert(optimize::TwiceDifferentiable<JointProblem>);
+
+/// Stores and restores joint vectors as a control and numbers, anything else as it is.
+template <class Archive>
+class JointArchive {
+public:
+  explicit JointArchive(Archive& archive) : archive_(archive) {}
+
+  template <class T>
+  void operator()(const std::string& name, T& value) {
+    archive_(name, value);
+  }
+  void operator()(const std::string& name, optimize::Shared<JointVector>& v) {
+    optimize::Shared<control::Control> u = optimize::share(v->u);
+    std::vector<double> x = v->x;
+    archive_(name + "/control", u);
+    archive_(name + "/unknowns", x);
+    v = optimize::share(JointVector(*u, std::move(x)));
+  }
+  void operator()(const std::string& name, CompactJointVector& v) {
+    archive_(name + "/control", v.u);
+    archive_(name + "/unknowns", v.x);
+  }
+
+private:
+  Archive& archive_;
+};
+
+/// What a joint search leaves while it runs: lines, history.csv at its end, checkpoints.
+class Log {
+public:
+  Log(JointProblem& problem, const FitProblem& fit, const io::OutputFolder& folder, bool resume,
+      const Console& console)
+      : problem_(problem), fit_(fit), folder_(folder), console_(console), file_(folder.path() / checkpoint),
+        every_(fit.scene().optimizer.checkpoint), resumes_(resume) {
+    head_ =
+        "iteration,objective,tracking,terminal,control_cost,misfit,gradient_norm,step_length,forward_sweeps,"
+        "adjoint_sweeps,seconds";
+    for (const scene::Unknown& unknown : fit.scene().unknowns)
+      head_ += "," + unknown.name;
+    head_ += "\n";
+  }
+
+  void operator()(const optimize::Iteration& iteration) {
+    const JointProblem::Value& value = problem_.value();
+    const std::vector<double> theta = fit_.values(problem_.vector().x);
+    rows_ +=
+        fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{},{},{:.3f},{:.17g}\n",
+                    iteration.number, value.total(), value.control.tracking, value.control.terminal,
+                    value.control.control_cost, value.misfit, iteration.gradient_norm, iteration.step_length,
+                    problem_.sweeps().forward, problem_.sweeps().adjoint, seconds(), fmt::join(theta, ","));
+    console_.line(fmt::format("{:4d}  J = {:.6e}, misfit {:.3e}, |g| = {:.2e}; {:.6g}", iteration.number,
+                              value.total(), value.misfit, iteration.gradient_norm, fmt::join(theta, ", ")));
+    last_ = iteration.number;
+  }
+
+  template <class State>
+  bool restore(State& state) {
+    if (!resumes_)
+      return false;
+    io::CheckpointReader in(problem_.controls(), file_);
+    std::string scene;
+    in("scene", scene);
+    if (scene != echoed())
+      in.fail("found another scene, allowed is the one that was interrupted");
+    in.match_places();
+    in("rows", rows_);
+    in("seconds", earlier_);
+    std::vector<double> sweeps;
+    in("sweeps", sweeps);
+    if (sweeps.size() != 2)
+      in.fail("\"sweeps\" is damaged; allowed is a whole checkpoint");
+    marked_ = {static_cast<int>(sweeps[0]), static_cast<int>(sweeps[1])};
+    JointArchive archive(in);
+    state.serialize(archive);
+    last_ = stored_at_ = state.iteration.number;
+    return true;
+  }
+
+  void restored(double stored, double found) {
+    constexpr double other_ranks = 1e-6;
+    if (!(std::abs(found - stored) <= other_ranks * std::abs(stored)))
+      throw UserError(
+          fmt::format("--resume: {}: found J = {:.10g} where it was {:.10g}, allowed are the forms, "
+                      "mesh and data of the run that was interrupted",
+                      file_.string(), found, stored));
+    problem_.count_from(marked_);
+    console_.line(fmt::format("resumed after iteration {}", last_));
+  }
+
+  [[nodiscard]] bool due(const optimize::Iteration& iteration) const {
+    return every_ > 0 && iteration.number % every_ == 0 && iteration.number != stored_at_;
+  }
+  void mark() { marked_ = problem_.sweeps(); }
+  void certified(const optimize::Certificate<JointVector>& certificate) {
+    kink_ = io::Kink{.length = certificate.length,
+                     .radius = certificate.radius,
+                     .gradients = static_cast<int>(certificate.points.size()),
+                     .weak = {}};
+  }
+  [[nodiscard]] const std::optional<io::Kink>& kink() const { return kink_; }
+
+  template <class State>
+  void store(State& state) {
+    if (every_ == 0)
+      return;
+    io::CheckpointWriter out(problem_.controls(), folder_.staged(checkpoint), file_);
+    out("scene", echoed());
+    out("rows", rows_);
+    out("seconds", seconds());
+    out("sweeps",
+        std::vector<double>{static_cast<double>(marked_.forward), static_cast<double>(marked_.adjoint)});
+    JointArchive archive(out);
+    state.serialize(archive);
+    stored_at_ = state.iteration.number;
+    if (const std::string failure = out.commit(); !failure.empty())
+      console_.line(
+          fmt::format("warning: {} was not written ({}); the run goes on", file_.string(), failure));
+  }
+
+  [[nodiscard]] std::string history() const { return head_ + rows_; }
+  [[nodiscard]] int iterations() const { return last_; }
+  [[nodiscard]] double seconds() const {
+    return earlier_ + std::chrono::duration<double>(Clock::now() - start_).count();
+  }
+
+private:
+  /// The scene but for how long to search.
+  [[nodiscard]] std::string echoed() const {
+    scene::Scene scene = fit_.scene();
+    scene.optimizer.max_iterations = 0;
+    return scene::echo(scene, problem_.controls().space().dim());
+  }
+
+  JointProblem& problem_;
+  const FitProblem& fit_;
+  const io::OutputFolder& folder_;
+  const Console& console_;
+  std::filesystem::path file_;
+  int every_, stored_at_ = -1, last_ = 0;
+  bool resumes_;
+  std::string head_, rows_;
+  double earlier_ = 0;
+  Clock::time_point start_ = Clock::now();
+  control::ReducedProblem::Sweeps marked_;
+  std::optional<io::Kink> kink_;
+};
+
+/// Writes the motion at the end and returns what is measured of it.
+std::vector<double> write_motion(const JointProblem& joint, const FitProblem& fit, MotionWriter& recorder) {
+  const Problem& problem = joint.problem();
+  const auto timer = problem.timers.time("replay");
+  control::Measurements measurements(problem.stepper, problem.scene, fit.times());
+  forward::integrate(
+      problem.stepper, problem.initial, joint.load(), problem.steps(),
+      [&](const forward::Frame& frame) {
+        recorder(frame);
+        measurements.observe(frame);
+      },
+      forward::Stops::ignored);
+  recorder.finish();
+  return measurements.values();
+}
+
+} // namespace
+
+int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,
+                   const Console& console) {
+  io::OutputFolder folder(comm, out, resume ? checkpoint : "");
+  const bool found = resume && !io::checkpoint_text(comm, folder.path() / checkpoint, "scene").empty();
+  if (resume && !found)
+    console.line(fmt::format("no checkpoint in {}: starting from the first guess", folder.path().string()));
+  Timers timers;
+  const Problem base(comm, scene, search_needs(scene), timers);
+  console.line(headline(base));
+  const ControlProblem control(base, console);
+  const FitProblem fit(base.discretisation, scene, timers);
+  JointVector guess(control.first_guess(scene), fit.start());
+  control.controls.project(guess.u);
+  JointProblem joint(fit, control, guess, timers);
+  Log log(joint, fit, folder, found, console);
+  const optimize::Options options = search_options(control.controls, scene.optimizer);
+  const auto end = optimize::minimize<optimize::Lbfgs>(joint, std::move(guess), options, log, log);
+
+  if (scene.output.table(scene::StoredTable::history))
+    folder.write("history.csv", log.history());
+  folder.write("scene.toml", scene::echo(scene, base.space.dim()));
+  MotionWriter recorder(joint.problem(), folder, &control.objective, true);
+  const std::vector<double> simulated = write_motion(joint, fit, recorder);
+  write_control(folder, joint.problem(), control.controls, joint.vector().u,
+                [&](const auto& store) { joint.adjoint_states(store); });
+  const std::vector<double>& x = joint.vector().x;
+  io::Fit result =
+      outcome(fit, {.number = log.iterations(), .x = x, .at = fit.evaluate(x, &joint.force())}, simulated);
+  if (scene.output.table(scene::StoredTable::parameters))
+    folder.write("parameters.csv", io::parameters_table(result));
+  if (scene.output.table(scene::StoredTable::measurements))
+    folder.write("measurements.csv", io::measurements_table(result));
+  console.line("stopped: " + optimize::name(end.stop));
+  for (const std::string& line : outcome_lines(result))
+    console.line(line);
+  io::Manifest m = manifest(joint.problem(), "optimize", optimize::name(end.stop), joint.problem().steps());
+  add_watched(m, recorder, scene.run, console);
+  m.objective = joint.value().control;
+  m.iterations = log.iterations();
+  m.forward_sweeps = joint.sweeps().forward;
+  m.adjoint_sweeps = joint.sweeps().adjoint;
+  m.kink = log.kink();
+  m.fit = std::move(result);
+  m.files = folder.files();
+  folder.write("run.json", io::to_json(m, scene, timers));
+  console.line(fmt::format("J {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e}, misfit {:.3e}): {} "
+                           "iterations, {} forward and {} adjoint sweeps in {:.1f} s",
+                           joint.value().total(), joint.value().control.tracking,
+                           joint.value().control.terminal, joint.value().control.control_cost,
+                           joint.value().misfit, log.iterations(), joint.sweeps().forward,
+                           joint.sweeps().adjoint, log.seconds()));
+  finish(folder, console);
+  return end.stop == optimize::Stop::solver_failed ? exit_status::solver_failed
+         : end.stop == optimize::Stop::interrupted ? exit_status::interrupted
+                                                   : exit_status::done;
+}
+
+} // namespace signorini
