@@ -153,9 +153,11 @@ def course(run: RunFolder) -> Chart:
     history = run.history
     iteration, objective = history["iteration"], history["objective"]
     logarithmic = {"type": "log", "exponentformat": "power"}
-    views = {"J": figure([line("J", iteration, np.where(objective > 0, objective, np.nan), "black")], "iteration", "J", yaxis=logarithmic),
-             "decrement": figure([line("decrement", iteration, np.where(history["decrement"] > 0, history["decrement"], np.nan), style.BLUE)],
-                                 "iteration", "decrement (standard deviations)", yaxis=logarithmic)}  # fmt: skip
+    views = {"J": figure([line("J", iteration, np.where(objective > 0, objective, np.nan), "black")], "iteration", "J", yaxis=logarithmic)}
+    for column, title in (("decrement", "decrement (standard deviations)"), ("gradient_norm", "gradient norm")):
+        if column in history:  # the latter with a control
+            values = np.where(history[column] > 0, history[column], np.nan)
+            views[column] = figure([line(column, iteration, values, style.BLUE)], "iteration", title, yaxis=logarithmic)
     for one in run.manifest["unknowns_fitted"]:
         views[one["name"]] = figure([line(one["name"], iteration, history[one["name"]], style.BLUE)], "iteration", axis_title(one))
     return Chart("course", "The course of the fit", views)
