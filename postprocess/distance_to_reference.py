@@ -14,7 +14,7 @@ from run_folder import RunFolder
 def draw(run: RunFolder) -> list[Path]:
     """Draws |u - u_ref| / |u_ref| in the norm of L2(0, T; L2), with its smallest value marked."""
     if run.is_fit:
-        raise NotInRun("a fit has no control")
+        raise NotInRun("a fit has no reference control")
     iteration, distance = run.history["iteration"], run.history["relative_distance_to_reference"]
     if not np.isfinite(distance).any():
         raise NotInRun("the desired state was not given by a reference control")
