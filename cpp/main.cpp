@@ -139,10 +139,12 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
                     "go on from the checkpoint in the folder, where there is one");
     if (name == "simulate") {
       sub->add_flag("--replace", request.replace, "even if the folder holds an optimum, or files hold data");
-      sub->add_flag("--measure", request.measure,
-                    "write the files of the scene's measurements: what it gives, with noise");
+      CLI::Option* const measure =
+          sub->add_flag("--measure", request.measure,
+                        "write the files of the scene's measurements: what it gives, with noise");
       sub->add_option("--seed", request.seed, "of the noise (default 1); 0: no noise")
-          ->check(CLI::Range(0, std::numeric_limits<int>::max()));
+          ->check(CLI::Range(0, std::numeric_limits<int>::max()))
+          ->needs(measure);
     }
     if (name == "info")
       sub->add_option("--time", request.timed_steps, "time this many steps, for an estimate of the whole")

@@ -3,6 +3,7 @@
 Lengths in m, times in s, points n × dim. Heights are distances from the obstacle, positive outside of it.
 """
 
+import copy
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -45,7 +46,8 @@ def of_time(given: object) -> tuple[Callable[[float], float], bool]:
         expression, origin = Expression(given), np.zeros((1, 3))
         return lambda time: float(expression(origin, time)[0]), expression.moves
     if isinstance(given, dict):
-        return TimeSeries(Path(given["file"]), given["column"]), True
+        series, shift = TimeSeries(Path(given["file"]), given["column"]), given.get("shift", 0.0)
+        return lambda time: series(time) + shift, True
     return lambda time: float(given), False
 
 
@@ -171,6 +173,42 @@ def normals(shape: Shape, x: np.ndarray, time: float, spacing: float) -> np.ndar
 def read_obstacles(scene: dict, size: float) -> list[Obstacle]:
     """Those of a scene, in its order; size of the body. Raises NotInRun for a shape that is not drawn."""
     return [Obstacle(name, shape_of(table["obstacle"], size)) for name, table in zip(names(scene), contact_tables(scene))]
+
+
+def with_fitted_obstacles(scene: dict, values: list[float]) -> dict:
+    """A scene whose obstacles are where its unknowns have these values."""
+    scene = copy.deepcopy(scene)
+    # Positions are along the normals that the scene has, before any of them turns.
+    for one, value in sorted(zip(scene["unknown"], values), key=lambda pair: pair[0]["of"] == "angle"):
+        if one["of"] not in ("position", "angle", "center", "radius"):
+            continue
+        tables = contact_tables(scene)
+        given = next(table["obstacle"] for table in tables if len(tables) == 1 or table["obstacle"].get("name") == one.get("obstacle"))
+        if one["of"] == "position":
+            given["point"] = [moved(part, value * n) for part, n in zip(given["point"], unit(given["normal"]))]
+        elif one["of"] == "angle":
+            given["normal"] = turned(unit(given["normal"]), one.get("component", "z"), value)
+        elif one["of"] == "radius":
+            given["radius"] = value
+        else:
+            middle = "center" if given["shape"] == "ball" else "point"
+            given[middle] = [value if axis == one["component"] else part for axis, part in zip("xyz", given[middle])]
+    return scene
+
+
+def moved(given: object, shift: float) -> object:
+    """A coordinate elsewhere: a number, an expression or a time series."""
+    if isinstance(given, dict):
+        return given | {"shift": shift}
+    return f"({given}) + ({float(shift)!r})" if isinstance(given, str) else given + shift
+
+
+def turned(normal: np.ndarray, axis: str, angle: float) -> list[float]:
+    """A unit vector turned about an axis (rad); in the plane about z."""
+    x, about = np.zeros(3), np.eye(3)["xyz".index(axis)]
+    x[: len(normal)] = normal
+    x = np.cos(angle) * x + np.sin(angle) * np.cross(about, x) + (1 - np.cos(angle)) * (about @ x) * about
+    return [float(part) for part in x[: len(normal)]]
 
 
 def contact_tables(scene: dict) -> list[dict]:

@@ -17,7 +17,7 @@ import numpy as np
 
 from files import NotInRun, Table, Unreadable, read_csv, read_dataset, whole_text
 from mesh import Mesh, Series
-from obstacles import HalfSpace, Obstacle, names, read_obstacles
+from obstacles import HalfSpace, Obstacle, names, read_obstacles, with_fitted_obstacles
 
 SEED_TIME = 1.75e-3  # s, the time of the figures in Müller and Schiela (2017), in the middle of the first contact
 
@@ -90,6 +90,13 @@ class RunFolder:
         """Whether unknowns were fitted to measurements."""
         return (self.path / "run.json").is_file() and "unknowns_fitted" in self.manifest
 
+    @cached_property
+    def fitted_scene(self) -> dict:
+        """The scene with its obstacles where a fit found them."""
+        if not self.is_fit:
+            return self.scene
+        return self.told(lambda: with_fitted_obstacles(self.scene, [one["value"] for one in self.manifest["unknowns_fitted"]]))
+
     @property
     def verb(self) -> str:
         """What was run: simulate or optimize."""
@@ -139,14 +146,14 @@ class RunFolder:
             size = self.field("state.xdmf", "displacement").mesh.size
         except NotInRun:
             size = float(np.ptp(self.contact.points, axis=0).max())
-        return self.told(lambda: read_obstacles(self.scene, size))
+        return self.told(lambda: read_obstacles(self.fitted_scene, size))
 
     @property
     def half_space(self) -> HalfSpace | None:
         """The one obstacle of a scene, where that is a half-space."""
         contact = self.scene.get("contact")
         if isinstance(contact, dict) and contact["obstacle"]["shape"] == "half-space":
-            return self.told(lambda: read_obstacles(self.scene, 1.0)[0].shape)
+            return self.told(lambda: read_obstacles(self.fitted_scene, 1.0)[0].shape)
         return None
 
     @cached_property

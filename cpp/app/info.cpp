@@ -8,6 +8,7 @@
 #include "forward/state_store.h"
 #include "io/manifest.h"
 #include "optimize/options.h"
+#include "scene/parameters.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -99,9 +100,8 @@ std::map<std::string, Cost> costs(const Problem& problem) {
                            "a vector added" + evaluated};
   }
   if (!scene.unknowns.empty()) {
-    const auto of_material = std::ranges::count_if(scene.unknowns, [](const scene::Unknown& unknown) {
-      return unknown.of <= scene::Parameter::density;
-    });
+    const auto of_material = std::ranges::count_if(
+        scene.unknowns, [](const scene::Unknown& unknown) { return scene::of_material(unknown.of); });
     costs["unknowns"] = {"derivatives",
                          static_cast<double>(of_material) * petsc::bytes(body.A) +
                              static_cast<double>(scene.unknowns.size()) * 2 * vector,

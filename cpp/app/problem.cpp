@@ -192,7 +192,7 @@ Discretisation::Discretisation(MPI_Comm comm, const scene::Scene& scene, Timers&
     : mesh(timed(timers, "mesh", [&] { return read_mesh(comm, scene); })), space(mesh, scene.mesh.degree) {}
 
 Problem::Problem(std::shared_ptr<const Discretisation> shared, const scene::Scene& s,
-                 forward::Stepper::Needs needs, Timers& t)
+                 forward::Stepper::Needs needs, Timers& t, forward::Stops stops)
     : scene(s), timers(t), discretisation(std::move(shared)), mesh(discretisation->mesh),
       space(discretisation->space),
       operators(timed(t, "assembly",
@@ -202,7 +202,7 @@ Problem::Problem(std::shared_ptr<const Discretisation> shared, const scene::Scen
                       })),
       stepper(timed(t, "solver", [&] { return forward::Stepper(space, operators, s, needs); })),
       initial(stepper, s.initial) {
-  if (stop_requested(space.comm()))
+  if (stops == forward::Stops::obeyed && stop_requested(space.comm()))
     throw Interrupted();
   if (s.load)
     scene_load.emplace(space, stepper.M(), *s.load, stepper.grid());

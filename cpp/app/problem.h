@@ -17,12 +17,12 @@ struct Discretisation {
 
 /// A scene set up for simulation: the modules by value, in the order of their dependence.
 struct Problem {
-  /// Collective. Throws UserError, SolverFailure.
+  /// Collective. Throws UserError, SolverFailure, Interrupted.
   Problem(MPI_Comm comm, const scene::Scene& s, forward::Stepper::Needs needs, Timers& t)
       : Problem(std::make_shared<const Discretisation>(comm, s, t), s, needs, t) {}
   /// With a discretisation that several problems share.
   Problem(std::shared_ptr<const Discretisation> shared, const scene::Scene& s, forward::Stepper::Needs needs,
-          Timers& t);
+          Timers& t, forward::Stops stops = forward::Stops::obeyed);
   Problem(const Problem&) = delete;
   Problem& operator=(const Problem&) = delete;
 

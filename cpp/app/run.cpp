@@ -91,10 +91,10 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
     console.line("J is not known: " + unknown);
   console.line(
       fmt::format("{}{}", complete ? "" : "interrupted after ", cost_line(m, scene, timers, folder.bytes())));
-  finish(folder, console);
-  if (data && complete)
+  if (data && complete) // before the results are in place: they stand for data that are written
     for (const std::string& line : data->write(request.seed))
       console.line(line);
+  finish(folder, console);
   return complete ? exit_status::done : exit_status::interrupted;
 }
 

@@ -223,6 +223,13 @@ Combination combination(PetscInt node, const Surroundings& here, const Bases& ba
 
 } // namespace
 
+std::vector<bool> massless_obstacles(const std::vector<scene::Contact>& contacts) {
+  std::vector<bool> massless;
+  for (const scene::Contact& contact : contacts)
+    massless.push_back(contact.massless());
+  return massless;
+}
+
 petsc::Matrix massless(const fem::Space& space, const ContactPairs& pairs, const std::vector<bool>& massless,
                        Mat M) {
   const int dim = space.dim();

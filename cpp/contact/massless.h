@@ -3,6 +3,9 @@
 
 namespace signorini::contact {
 
+/// Which of a scene's obstacles take the mass from their candidates.
+std::vector<bool> massless_obstacles(const std::vector<scene::Contact>& contacts);
+
 /// The mass matrix EᵀME of massless contact (docs/method.md section 2; Khenous, Laborde, Renard 2008). E
 /// replaces the velocity of each contact node in the directions of its constraints by the extrapolation from
 /// nodes within the body, so that contact nodes carry no mass in these directions. E preserves velocity

@@ -22,13 +22,6 @@ struct ParameterRates::Rate {
 
 namespace {
 
-std::vector<bool> massless_obstacles(const scene::Scene& scene) {
-  std::vector<bool> massless;
-  for (const scene::Contact& contact : scene.contacts)
-    massless.push_back(contact.massless());
-  return massless;
-}
-
 bool any_massless(const scene::Scene& scene) {
   return std::ranges::any_of(scene.contacts, &scene::Contact::massless);
 }
@@ -89,7 +82,8 @@ void ParameterRates::add_material(const scene::Scene& scene, const scene::Unknow
   else {
     petsc::Matrix M = assembled(fem::Form::m_rho);
     if (any_massless(scene))
-      M = contact::massless(stepper_.space(), *stepper_.pairs(), massless_obstacles(scene), M);
+      M = contact::massless(stepper_.space(), *stepper_.pairs(), contact::massless_obstacles(scene.contacts),
+                            M);
     rate.M = fem::symmetric_half(M);
     add_gravity(scene, rate);
   }
@@ -123,7 +117,8 @@ petsc::Matrix ParameterRates::massless_rate(const scene::Scene& scene, std::span
       beside[j] += side * static_cast<double>(i + 1) * h;
       const contact::ContactPairs pairs(stepper_.space(), stepper_.clamped(),
                                         scene::with_values(scene, beside).contacts, scene.time);
-      const petsc::Matrix moved = contact::massless(stepper_.space(), pairs, massless_obstacles(scene), M);
+      const petsc::Matrix moved =
+          contact::massless(stepper_.space(), pairs, contact::massless_obstacles(scene.contacts), M);
       check(MatAXPY(rate, side * weights[i] / h, moved, DIFFERENT_NONZERO_PATTERN));
     }
   return fem::symmetric_half(rate);
@@ -166,10 +161,6 @@ void ParameterRates::add_load(const scene::Scene& scene, const scene::Unknown& u
 
 bool ParameterRates::turn() const {
   return std::ranges::any_of(rates_, [](const auto& rate) { return rate->turns(); });
-}
-
-bool ParameterRates::move() const {
-  return std::ranges::any_of(rates_, [](const auto& rate) { return rate->pairs.has_value(); });
 }
 
 void ParameterRates::set(const StepMade& step) {

@@ -31,8 +31,6 @@ public:
   [[nodiscard]] std::size_t count() const { return rates_.size(); }
   /// Whether λ_k is needed: normals turn.
   [[nodiscard]] bool turn() const;
-  /// Whether any c_kj or e_kj is not zero.
-  [[nodiscard]] bool move() const;
   /// Takes the step that all others refer to; valid until the next, as long as its vectors do not change.
   void set(const StepMade& step);
 

@@ -41,11 +41,9 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
 }
 
 void Stepper::move_mass(const scene::Scene& scene, Mat D) {
-  std::vector<bool> massless;
-  for (const scene::Contact& contact : scene.contacts)
-    massless.push_back(contact.massless());
   const petsc::Matrix M = fem::assemble_mass(space_, scene.materials);
-  const petsc::Matrix moved = contact::massless(space_, *pairs_, massless, M);
+  const petsc::Matrix moved =
+      contact::massless(space_, *pairs_, contact::massless_obstacles(scene.contacts), M);
   check(MatAXPY(D, -1, M, SUBSET_NONZERO_PATTERN));
   check(MatAXPY(D, 1, moved, DIFFERENT_NONZERO_PATTERN));
   massless_ = fem::symmetric_half(moved);

@@ -1,4 +1,5 @@
 #include "linalg/dense.h"
+#include "base/error.h"
 #include <algorithm>
 #include <cmath>
 #include <petscblaslapack.h>
@@ -38,6 +39,8 @@ std::vector<double> symmetric_eigenvalues(std::span<double> K, std::size_t n) {
   PetscBLASInt info = 0;
   if (n > 0)
     LAPACKsyev_("V", "L", &size, K.data(), &size, values.data(), work.data(), &length, &info);
+  if (info != 0)
+    throw SolverFailure("the eigenvalues of a dense matrix did not converge");
   return values;
 }
 

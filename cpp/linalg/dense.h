@@ -15,6 +15,7 @@ void solve_factorised(std::span<const double> factor, std::size_t n, std::span<d
 int invert_factorised(std::span<double> factor, std::size_t n);
 
 /// Eigenvalues of a symmetric K (n × n), ascending, by LAPACK; K becomes the eigenvectors, one after another.
+/// Throws SolverFailure.
 std::vector<double> symmetric_eigenvalues(std::span<double> K, std::size_t n);
 
 /// Solves K x = b in place for a symmetric positive definite K (n × n), for each column of b (n × columns,

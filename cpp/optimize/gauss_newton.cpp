@@ -43,17 +43,21 @@ struct Model {
           b[a] -= H[which[a] * n + j] * d[j];
       for (std::size_t c = 0; c < which.size(); ++c)
         K[a * which.size() + c] = H[which[a] * n + which[c]];
-      // What is left of the diagonal keeps directions that nothing tells where they are.
-      constexpr double rounding = 1e-14;
-      K[a * which.size() + a] *= 1 + damping + rounding;
     }
     for (std::size_t i = 0; i < n; ++i)
       if (free[i])
         d[i] = 0;
-    if (which.empty() || !solve_dense(K, b))
-      return;
+    // Where directions are told by rounding alone, more of the diagonal is added until there is a factor.
+    constexpr double least_slack = 1e-14, most_slack = 1e-2, growth = 100;
+    bool solved = which.empty();
+    for (double slack = least_slack; !solved && slack < most_slack; slack *= growth) {
+      std::vector<double> enlarged = K;
+      for (std::size_t a = 0; a < which.size(); ++a)
+        enlarged[a * which.size() + a] *= 1 + damping + slack;
+      solved = solve_dense(enlarged, b);
+    }
     for (std::size_t a = 0; a < which.size(); ++a)
-      d[which[a]] = b[a];
+      d[which[a]] = solved ? b[a] : std::numeric_limits<double>::quiet_NaN();
   }
 
   /// The step within the bounds: unknowns that would leave them stay at them, one after another.
@@ -84,7 +88,8 @@ struct Model {
     for (std::size_t i = 0; i < n; ++i)
       free[i] = !box.blocks(i, x[i], g[i]);
     minimise(free, 0, d);
-    return std::sqrt(std::max(0.0, -dot(g, d)));
+    const double squared = -dot(g, d); // NaN stays one
+    return squared < 0 ? 0 : std::sqrt(squared);
   }
 };
 
@@ -119,18 +124,26 @@ gauss_newton(const std::function<std::optional<LeastSquares>(std::span<const dou
   if (now.damping == 0)
     now.damping = first_damping;
   double growth = 2;
+  std::optional<double> stuck; // the decrement before a step that promised no more than rounding
   for (;; ++now.number) {
     const Model model(now.at);
     now.decrement = model.decrement(now.x, box);
+    options.agree({&now.decrement, 1});
     if (!report(now))
       return {Stop::interrupted, std::move(now)};
+    if (!std::isfinite(now.decrement))
+      return {Stop::solver_failed, std::move(now)};
+    if (stuck && now.decrement >= *stuck) // no better than before: rounding
+      return {Stop::no_decrease, std::move(now)};
+    stuck.reset();
     if (now.decrement <= options.tolerance)
       return {Stop::gradient_tolerance, std::move(now)};
     if (now.number >= options.max_iterations)
       return {Stop::iteration_limit, std::move(now)};
     bool failed = false;
     for (;;) {
-      const std::vector<double> d = model.step(now.x, box, now.damping);
+      std::vector<double> d = model.step(now.x, box, now.damping);
+      options.agree(d);
       std::vector<double> x = now.x;
       for (std::size_t i = 0; i < x.size(); ++i)
         x[i] = std::clamp(x[i] + d[i], box.lower[i], box.upper[i]);
@@ -147,11 +160,8 @@ gauss_newton(const std::function<std::optional<LeastSquares>(std::span<const dou
         growth = 2;
         now.x = std::move(x);
         now.at = *std::move(found);
-        if (below_rounding) {
-          const double decrement = Model(now.at).decrement(now.x, box);
-          if (decrement >= now.decrement) // no better than before: rounding
-            return {Stop::no_decrease, std::move(now)};
-        }
+        if (below_rounding)
+          stuck = now.decrement;
         break;
       }
       now.damping *= growth;

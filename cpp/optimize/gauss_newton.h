@@ -36,6 +36,8 @@ struct Box {
 struct GaussNewtonOptions {
   int max_iterations = 100;
   double tolerance = 1e-6; ///< of the decrement √(gᵀ(JᵀJ)⁻¹g), which is in units of the residuals
+  /// Makes numbers the same on every rank: last digits of LAPACK's may differ between processors.
+  std::function<void(std::span<double>)> agree = [](std::span<double>) {};
 };
 
 /// The point reached after an iteration, 0 being the start.

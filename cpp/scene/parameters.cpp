@@ -77,22 +77,31 @@ void multiply(Components& components, double factor) {
   }
 }
 
+/// The number of a material.
+double& material_number(Scene& scene, const Unknown& unknown) {
+  Material& material = scene.materials[material_of(scene, unknown)];
+  switch (unknown.of) {
+  case Parameter::young:
+    return material.young;
+  case Parameter::poisson:
+    return material.poisson;
+  case Parameter::bulk:
+    return material.viscosity.value().bulk;
+  case Parameter::shear:
+    return material.viscosity.value().shear;
+  default:
+    return material.density;
+  }
+}
+
 void set(Scene& scene, const Unknown& unknown, double value) {
   switch (unknown.of) {
   case Parameter::young:
-    scene.materials[material_of(scene, unknown)].young = value;
-    return;
   case Parameter::poisson:
-    scene.materials[material_of(scene, unknown)].poisson = value;
-    return;
   case Parameter::bulk:
-    scene.materials[material_of(scene, unknown)].viscosity.value().bulk = value;
-    return;
   case Parameter::shear:
-    scene.materials[material_of(scene, unknown)].viscosity.value().shear = value;
-    return;
   case Parameter::density:
-    scene.materials[material_of(scene, unknown)].density = value;
+    material_number(scene, unknown) = value;
     return;
   case Parameter::displacement:
   case Parameter::velocity: {
@@ -185,30 +194,49 @@ std::size_t traction_of(const Scene& scene, const Unknown& unknown) {
   throw std::out_of_range("an unknown of no traction");
 }
 
+NaturalLimits natural_limits(Parameter of) {
+  switch (of) {
+  case Parameter::young:
+  case Parameter::density:
+  case Parameter::radius:
+    return {.least = 0, .open = true};
+  case Parameter::bulk:
+  case Parameter::shear:
+    return {.least = 0};
+  case Parameter::poisson:
+    return {.least = -1, .greatest = 0.5, .open = true};
+  default:
+    return {};
+  }
+}
+
+Components components_of(const Scene& scene, const Unknown& unknown) {
+  if (unknown.of == Parameter::center) {
+    Obstacle shape = scene.contacts[contact_of(scene, unknown)].obstacle;
+    return middle(shape);
+  }
+  Initial initial = scene.initial;
+  return initial_field(initial, unknown).value();
+}
+
 std::optional<double> own_value(const Scene& scene, const Unknown& unknown) {
   switch (unknown.of) {
   case Parameter::young:
-    return scene.materials[material_of(scene, unknown)].young;
   case Parameter::poisson:
-    return scene.materials[material_of(scene, unknown)].poisson;
   case Parameter::bulk:
-    return scene.materials[material_of(scene, unknown)].viscosity.value().bulk;
   case Parameter::shear:
-    return scene.materials[material_of(scene, unknown)].viscosity.value().shear;
-  case Parameter::density:
-    return scene.materials[material_of(scene, unknown)].density;
-  case Parameter::displacement:
-  case Parameter::velocity: {
-    Initial initial = scene.initial;
-    return unknown.component ? constant(initial_field(initial, unknown).value().at(component(unknown))) : 1;
+  case Parameter::density: {
+    Scene copy = scene;
+    return material_number(copy, unknown);
   }
+  case Parameter::displacement:
+  case Parameter::velocity:
+    return unknown.component ? constant(components_of(scene, unknown).at(component(unknown))) : 1;
   case Parameter::position:
   case Parameter::angle:
     return 0;
-  case Parameter::center: {
-    Obstacle shape = scene.contacts[contact_of(scene, unknown)].obstacle;
-    return constant(middle(shape).at(component(unknown)));
-  }
+  case Parameter::center:
+    return constant(components_of(scene, unknown).at(component(unknown)));
   case Parameter::radius: {
     Obstacle shape = scene.contacts[contact_of(scene, unknown)].obstacle;
     return constant(radius(shape));

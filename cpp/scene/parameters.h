@@ -1,6 +1,7 @@
 #pragma once
 #include "scene/scene.h"
 #include <array>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +11,19 @@ namespace signorini::scene {
 
 /// Unit of an unknown in SI; empty for a plain number.
 std::string unit(const Unknown& unknown);
+
+/// The limits that a parameter has by its nature; `open`: excluded.
+struct NaturalLimits {
+  double least = -std::numeric_limits<double>::infinity(), greatest = std::numeric_limits<double>::infinity();
+  bool open = false;
+};
+NaturalLimits natural_limits(Parameter of);
+
+constexpr bool of_material(Parameter of) { return of <= Parameter::density; }
+constexpr bool of_obstacle(Parameter of) { return of >= Parameter::position && of <= Parameter::radius; }
+
+/// The vector of which an unknown is a component or a multiple: an initial field, a centre.
+Components components_of(const Scene& scene, const Unknown& unknown);
 
 /// Numbers of the material, obstacle and traction that an unknown is of. Throw std::out_of_range if the scene
 /// has none such, which reading it excludes.

@@ -1,5 +1,6 @@
 #pragma once
 #include "scene/reader.h"
+#include <utility>
 
 /// What a table must hold that no key of it says alone. Each throws UserError; `scene` is what has been read
 /// so far.
@@ -24,6 +25,14 @@ void require_rules(Reader& in, Probe& probe, const Scene& scene);
 void require_rules(Reader& in, const Output& output, const Scene& scene);
 /// Sets where a search starts if that is not given.
 void require_rules(Reader& in, Scene& read, const Scene& scene);
+/// The name of one of several things, for columns and rows of tables: `otherwise` where the table gives none.
+/// `others` has the names of those before it, and their keys.
+std::string unique_name(Reader& in, const std::string& otherwise,
+                        const std::vector<std::pair<std::string, std::string>>& others);
+/// Throws UserError unless the scene has an obstacle of that name, under the key `obstacle`.
+void require_obstacle(const Reader& in, const std::string& obstacle, const Scene& scene);
+/// What unknowns ask of the rest of a scene; sets the method that seeks them.
+void require_fit_rules(Reader& in, Scene& scene);
 /// The name of the obstacle whose table is read, the last of the scene's so far; a default one where none is
 /// given.
 std::string obstacle_name(Reader& in, const Scene& scene);

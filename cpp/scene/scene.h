@@ -201,6 +201,8 @@ struct Unknown {
   std::optional<double> lower, upper;
   ParameterScale scale = ParameterScale::linear;
   std::optional<Prior> prior;
+
+  [[nodiscard]] bool logarithmic() const { return scale == ParameterScale::logarithmic; }
 };
 
 /// One table [[measurement]]: what is known of the motion; docs/method.md section 10.
@@ -226,9 +228,10 @@ struct Optimizer {
   OptimizerMethod method = OptimizerMethod::lbfgs;
   std::optional<SearchStart> start; ///< set in every scene with an objective
   int max_iterations = 1000;
-  double tolerance = 1e-6; ///< of the norm of the gradient, relative to that at the first guess
-  int checkpoint = 10;     ///< iterations between checkpoints; 0: none
-  double memory = 0;       ///< of the controls that a method stores, bytes; 0: the usual
+  double tolerance =
+      1e-6;            ///< of the norm of the gradient, relative to the first guess's; of a fit's decrement
+  int checkpoint = 10; ///< iterations between checkpoints; 0: none
+  double memory = 0;   ///< of the controls that a method stores, bytes; 0: the usual
 };
 
 /// Table [solver]; docs/method.md section 5.

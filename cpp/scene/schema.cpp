@@ -364,6 +364,9 @@ Keys<Measurement> keys_of(Of<Measurement>) {
 }
 
 Keys<Optimizer> keys_of(Of<Optimizer>) {
+  const auto with_controls = [](const Optimizer& optimizer) {
+    return optimizer.method != OptimizerMethod::gauss_newton;
+  };
   return {
       value("method", &Optimizer::method, Choice<OptimizerMethod>{}, "", "see The optimizers",
             {.part = Part::search}),
@@ -378,11 +381,11 @@ Keys<Optimizer> keys_of(Of<Optimizer>) {
       value("tolerance", &Optimizer::tolerance, Number{{.least = 0, .greatest = 1, .unit = "no unit"}},
             "of the gradient norm, relative to the first guess's"),
       value("checkpoint", &Optimizer::checkpoint, Whole{0, 1'000'000},
-            "iterations from one to the next; 0: none", "see Long runs"),
+            "iterations from one to the next; 0: none", "see Long runs", {}, with_controls),
       value("memory", &Optimizer::memory, Number{not_negative}, "bytes",
             "of the controls and gradients that a search stores, in single precision, on all ranks (see Long "
             "runs)",
-            {.otherwise = "`1e8`, at least the room of 128 controls"})};
+            {.otherwise = "`1e8`, at least the room of 128 controls"}, with_controls)};
 }
 
 Keys<Trajectory> keys_of(Of<Trajectory>) {

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import SOURCE, attempt, captured, signorini, table, toml  # noqa: E402
+from harness import SIGNORINI, SOURCE, attempt, captured, signorini, table, toml  # noqa: E402
 
 HALF_DISC, HALF_BALL = SOURCE / "meshes" / "half-disc.geo", SOURCE / "meshes" / "half-ball.geo"
 MADE = ("drop-test", "find-the-wall", "two-materials")  # scenes whose data a simulation made
@@ -144,19 +144,17 @@ def together(folder: Path) -> None:
 
 def captured_run(file: Path, folder: Path, overrides: dict) -> None:
     """Makes the data of a scene, without noise."""
-    from harness import SIGNORINI
-
-    settings = [word for key, value in overrides.items() for word in ("--set", f"{key.replace('__', '.')}={toml(value)}")]
     done = captured([str(SIGNORINI), "simulate", str(file), "--out", str(folder / "made"), "--measure", "--seed", "0", "--replace", "--quiet",
-                     *settings])  # fmt: skip
+                     *settings(overrides)])  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def resumed(file: Path, out: Path, overrides: dict, after: int = 2) -> None:
-    from harness import SIGNORINI
+def settings(overrides: dict) -> list[str]:
+    return [word for key, value in overrides.items() for word in ("--set", f"{key.replace('__', '.')}={toml(value)}")]
 
-    settings = [word for key, value in overrides.items() for word in ("--set", f"{key.replace('__', '.')}={toml(value)}")]
-    done = captured([str(SIGNORINI), "optimize", str(file), "--out", str(out), "--resume", *settings])
+
+def resumed(file: Path, out: Path, overrides: dict, after: int = 2) -> None:
+    done = captured([str(SIGNORINI), "optimize", str(file), "--out", str(out), "--resume", *settings(overrides)])
     assert done.returncode == 0 and f"resumed after iteration {after}" in done.stdout, done.stdout + done.stderr
 
 
@@ -177,6 +175,7 @@ def error(name: str, value: float) -> float:
 
 def recovery(folder: Path) -> None:
     """Without noise the parameters come back to 1e-6, on one rank and on two; from the data at hand, within their deviations."""
+    drawn_where_found(folder)
     for name in MADE:
         file = SOURCE / "scenes" / f"{name}.toml"
         captured_run(file, folder, data_in(folder, name))
@@ -201,6 +200,22 @@ def recovery(folder: Path) -> None:
             assert abs(value - TRUE[key]) <= 3 * deviation
 
 
+def drawn_where_found(folder: Path) -> None:
+    """Pages and films show obstacles where the fit found them."""
+    sys.path.insert(0, str(SOURCE / "postprocess"))
+    from obstacles import with_fitted_obstacles  # noqa: PLC0415
+
+    planes = [{"of": "angle"}, {"of": "position"}]
+    given = {"contact": {"obstacle": {"shape": "half-space", "point": [1.0, "2*t"], "normal": [0.0, 2.0]}}, "unknown": planes}
+    found = with_fitted_obstacles(given, [np.pi / 6, 0.5])["contact"]["obstacle"]
+    assert found["point"] == [1.0, "(2*t) + (0.5)"] and np.allclose(found["normal"], [-0.5, np.sqrt(0.75)])
+    balls = [{"of": "radius", "obstacle": "b"}, {"of": "center", "component": "y", "obstacle": "b"}]
+    ball = {"shape": "ball", "name": "b", "center": [0, 0], "radius": 1}
+    given = {"contact": [{"obstacle": ball | {"name": "a"}}, {"obstacle": ball}], "unknown": balls}
+    found = with_fitted_obstacles(given, [2.0, 3.0])["contact"]
+    assert found[0]["obstacle"]["radius"] == 1 and found[1]["obstacle"] == ball | {"center": [0, 3.0], "radius": 2.0}
+
+
 def exact(folder: Path) -> None:
     """From the exact solution of a bar's impact E and the speed come back with the error of the discretisation, which falls with it."""
     file, errors = SOURCE / "scenes" / "bar-speed.toml", []
@@ -218,16 +233,14 @@ def exact(folder: Path) -> None:
 
 def noise(folder: Path) -> None:
     """With noise, over 40 seeds, the true value lies within two reported standard deviations in 33 to 40 of them."""
-    from harness import SIGNORINI
-
     seeds = 40
     for name in MADE:
         file = SOURCE / "scenes" / f"{name}.toml"
         within: dict[str, int] = {}
-        settings = [word for key, value in data_in(folder, name).items() for word in ("--set", f"{key.replace('__', '.')}={toml(value)}")]
         for seed in range(1, seeds + 1):
             for verb, more in (("simulate", ["--measure", "--seed", str(seed), "--replace"]), ("optimize", [])):
-                done = captured([str(SIGNORINI), verb, str(file), "--out", str(folder / verb), "--quiet", "--set", "output.fields=[]", *settings,
+                done = captured([str(SIGNORINI), verb, str(file), "--out", str(folder / verb), "--quiet", "--set", "output.fields=[]",
+                                 *settings(data_in(folder, name)),
                                  *more])  # fmt: skip
                 assert done.returncode == 0, done.stdout + done.stderr
             for key, (value, deviation) in fitted(folder / "optimize").items():

@@ -28,7 +28,7 @@ int apart(const contact::ActiveSet& a, const contact::ActiveSet& b) {
 
 } // namespace
 
-Switches switches(const Contact& a, const Contact& b) {
+Switches switches(const ContactHistory& a, const ContactHistory& b) {
   Switches sum;
   for (std::size_t k = 1; k < std::min(a.size(), b.size()); ++k) {
     const int here = apart(a[k].active, b[k].active) + apart(a[k].predictor, b[k].predictor);
@@ -255,7 +255,7 @@ private:
             : std::string("Verdict: no kink along d."));
   }
 
-  bool same_sets_at(double epsilon, const Contact& contact) {
+  bool same_sets_at(double epsilon, const ContactHistory& contact) {
     problem_.simulate(moved(epsilon));
     return switches(contact, problem_.trial_trajectory().contact()).steps == 0;
   }
@@ -269,7 +269,7 @@ private:
 
   /// The largest of `from` · 10^(−j/2), j = 0, 1, …, at which the active sets are these, on the sides
   /// compared; 0 if there is none above rounding.
-  double invariance_radius(Side side, const Contact& contact, double from) {
+  double invariance_radius(Side side, const ContactHistory& contact, double from) {
     constexpr double rounding = 1e-12;
     for (double epsilon = from; epsilon > rounding; epsilon /= std::sqrt(10))
       if ((side == Side::minus || same_sets_at(epsilon, contact)) &&

@@ -15,14 +15,14 @@ struct CheckRow {
 /// A row that holds where `value` is at most `limit`.
 CheckRow below(const std::string& name, double value, double limit);
 
-using Contact = std::vector<contact::ContactSets>;
+using ContactHistory = std::vector<contact::ContactSets>;
 
 /// Changes of candidates between active and open from one motion to another, those of projected predictors
 /// included.
 struct Switches {
   int steps = 0, candidates = 0;
 };
-Switches switches(const Contact& a, const Contact& b);
+Switches switches(const ContactHistory& a, const ContactHistory& b);
 
 /// Compares the derivatives of J at u with differences of J, prints how far they can be trusted, and adds
 /// rows to the table. `solver_tolerance` is the relative error of a step's solve. Returns what to change

@@ -54,9 +54,8 @@ private:
 
   /// The size of a change of an unknown: that by which the values change about as much as they are off.
   [[nodiscard]] double unit(std::size_t j) const {
-    const double moves = lengths_[j] > 0 ? std::sqrt(2 * here_.value) / lengths_[j] : 1;
-    return problem_.scene().unknowns[j].scale == scene::ParameterScale::logarithmic ? std::min(moves, 1.0)
-                                                                                    : moves;
+    const double moves = lengths_[j] > 0 ? std::max(std::sqrt(2 * here_.value), 1.0) / lengths_[j] : 1;
+    return problem_.scene().unknowns[j].logarithmic() ? std::min(moves, 1.0) : moves;
   }
 
   struct Trial {
@@ -64,14 +63,18 @@ private:
     std::vector<double> residuals;
     bool kept; ///< the active sets
   };
-  /// None where the scene is none, as with a node inside an obstacle.
+  /// None beyond the bounds and where the scene is none, as with a node inside an obstacle.
   [[nodiscard]] std::optional<Trial> at(std::size_t j, double change) const {
     std::vector<double> x = x_;
     x[j] += change;
+    if (x[j] < problem_.box().lower[j] || x[j] > problem_.box().upper[j])
+      return std::nullopt;
     try {
       const FitProblem::Gradient found = problem_.value(x);
       return Trial{found.value, found.residuals, switches(here_.contact, found.contact).steps == 0};
     } catch (const UserError&) {
+      return std::nullopt;
+    } catch (const SolverFailure&) {
       return std::nullopt;
     }
   }
@@ -90,6 +93,8 @@ private:
       for (std::size_t k = 0; k < column.size(); ++k)
         off = std::hypot(off, (above->residuals[k] - below_it->residuals[k]) / (2 * epsilon) - column[k]);
       least = std::min(least, lengths_[j] > 0 ? off / lengths_[j] : off);
+      if (constexpr double clear = 1e-7; least < clear)
+        break;
     }
     constexpr double differences = 1e-6; // of second order, and rounding over the size
     rows.push_back(std::isfinite(least)
@@ -100,7 +105,7 @@ private:
   void taylor(std::size_t j, std::vector<CheckRow>& rows) const {
     constexpr double clear = 200; // J's rounding is more than an evaluation's: each has a factor of its own
     const std::string& name = problem_.scene().unknowns[j].name;
-    const double floor = clear * rounding_ * here_.value;
+    const double floor = clear * rounding_ * std::max(here_.value, 1e-6);
     std::vector<std::pair<double, double>> usable;
     double widest = 0;
     for (int i = 0; i < 14; ++i) {
@@ -110,8 +115,9 @@ private:
         continue;
       widest = std::max(widest, epsilon);
       const double remainder = std::abs(trial->value - here_.value - epsilon * here_.by_x[j]);
-      if (remainder > floor)
-        usable.emplace_back(epsilon, remainder);
+      if (!(remainder > floor)) // those of smaller sizes are rounding too
+        break;
+      usable.emplace_back(epsilon, remainder);
     }
     if (usable.size() >= 3) {
       // Towards small sizes, where higher orders no longer show.
@@ -154,7 +160,7 @@ void check_joint(JointProblem& problem, double solver_tolerance, std::vector<Che
   const double here = problem.value(v);
   JointVector d = problem.trial_gradient();
   problem.accept();
-  const Contact contact = problem.trajectory().contact();
+  const ContactHistory contact = problem.trajectory().contact();
   const double squared = problem.inner(d, d), curvature = problem.inner(d, problem.hessian_product(d)),
                floor = 200 * (1000 * std::numeric_limits<double>::epsilon() + 10 * solver_tolerance) * here;
   d.scale(-squared / std::max(std::abs(curvature), std::numeric_limits<double>::min())); // Cauchy's step

@@ -1,11 +1,11 @@
 #include "app/fit/fit.h"
 #include "app/fit/outcome.h"
+#include "app/fit/simulated.h"
 #include "app/motion_writer.h"
 #include "app/run_manifest.h"
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/signals.h"
-#include "forward/contact_times.h"
 #include "scene/time_series.h"
 #include <charconv>
 #include <chrono>
@@ -14,7 +14,6 @@
 #include <fmt/ranges.h>
 #include <fstream>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 namespace signorini {
@@ -22,8 +21,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// history.csv of a fit, a row for each iterate, in place as soon as it is made. From its last row a search
-/// goes on.
+/// history.csv of a fit, a row for each iterate, in place as soon as it is made, whether or not it stays at
+/// the end. From its last row a search goes on.
 class History {
 public:
   History(const scene::Scene& scene, const io::OutputFolder& folder)
@@ -43,7 +42,7 @@ public:
   void add(const Row& row) {
     text_ += fmt::format("{},{:.17g},{:.17g},{:.17g},{},{:.3f},{:.17g}\n", row.number, row.objective,
                          row.decrement, row.damping, row.sweeps, row.seconds, fmt::join(row.values, ","));
-    if (rank(folder_.comm()) != 0 || !scene_.output.table(scene::StoredTable::history))
+    if (rank(folder_.comm()) != 0)
       return;
     const std::filesystem::path part = folder_.staged("history.csv.part");
     std::ofstream(part, std::ios::binary) << text_ << std::flush;
@@ -107,78 +106,6 @@ private:
   std::string text_;
 };
 
-/// The motion of the fitted scene: its files, the values that were measured, and contact times.
-struct Motion {
-  std::vector<double> values;
-  std::vector<io::ComparedTime> times;
-};
-
-/// Contact times of the measurements that ask for them, of a motion that is looked at frame by frame.
-class TimesCompared {
-public:
-  TimesCompared(const forward::Stepper& stepper, const scene::Scene& scene) {
-    for (const scene::Measurement& measurement : scene.measurements) {
-      if (measurement.fitted())
-        continue;
-      const contact::ContactPairs& pairs = *stepper.pairs();
-      std::vector<int> candidates;
-      for (int i = 0; i < pairs.count(); ++i)
-        if (const auto obstacle = static_cast<std::size_t>(pairs.obstacles()[static_cast<std::size_t>(i)]);
-            !measurement.obstacle || scene.contacts[obstacle].name == *measurement.obstacle)
-          candidates.push_back(i);
-      watched_.push_back({measurement, forward::ContactTimes(stepper.grid(), candidates)});
-    }
-  }
-
-  void observe(const forward::Frame& frame) {
-    for (auto& [measurement, times] : watched_)
-      times.observe(frame.k, frame.contact);
-  }
-
-  [[nodiscard]] std::vector<io::ComparedTime> compared() const {
-    std::vector<io::ComparedTime> all;
-    for (const auto& [measurement, times] : watched_) {
-      const auto intervals = times.intervals();
-      double simulated = std::numeric_limits<double>::quiet_NaN();
-      if (!intervals.empty())
-        simulated =
-            measurement.of == scene::Quantity::contact_start
-                ? intervals.front().start
-                : std::accumulate(intervals.begin(), intervals.end(), 0.0,
-                                  [](double sum, const auto& one) { return sum + one.end - one.start; });
-      all.push_back({measurement.name, *measurement.value, measurement.deviation.value_or(0), simulated});
-    }
-    return all;
-  }
-
-private:
-  struct Watched {
-    const scene::Measurement& measurement;
-    forward::ContactTimes times;
-  };
-  std::vector<Watched> watched_;
-};
-
-Motion write_motion(const Problem& problem, const FitProblem& fit, MotionWriter& recorder) {
-  const auto timer = problem.timers.time("replay");
-  const GivenControl given(problem);
-  std::vector<std::vector<double>> times;
-  for (const control::Data& one : fit.data())
-    times.push_back(one.times);
-  control::Measurements measurements(problem.stepper, problem.scene, times);
-  TimesCompared compared(problem.stepper, problem.scene);
-  forward::integrate(
-      problem.stepper, problem.initial, given.load(), problem.steps(),
-      [&](const forward::Frame& frame) {
-        recorder(frame);
-        measurements.observe(frame);
-        compared.observe(frame);
-      },
-      forward::Stops::ignored);
-  recorder.finish();
-  return {measurements.values(), compared.compared()};
-}
-
 /// The search, from the start or where another stopped. Throws UserError, SolverFailure, Interrupted.
 class Search {
 public:
@@ -188,11 +115,24 @@ public:
   optimize::GaussNewtonResult run(bool resume) {
     optimize::GaussNewtonIterate start = first(resume);
     const scene::Optimizer& options = problem_.scene().optimizer;
-    return optimize::gauss_newton([&](std::span<const double> x) { return attempt(x); }, std::move(start),
-                                  problem_.box(),
-                                  {.max_iterations = options.max_iterations, .tolerance = options.tolerance},
-                                  [&](const optimize::GaussNewtonIterate& now) { return take(now); });
+    const MPI_Comm comm = folder_.comm();
+    const auto agree = [comm](std::span<double> numbers) {
+      MPI_Bcast(numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, 0, comm);
+    };
+    try {
+      return optimize::gauss_newton(
+          [&](std::span<const double> x) { return attempt(x); }, std::move(start), problem_.box(),
+          {.max_iterations = options.max_iterations, .tolerance = options.tolerance, .agree = agree},
+          [&](const optimize::GaussNewtonIterate& now) { return take(now); });
+    } catch (const Interrupted&) {
+      if (!last_)
+        throw;
+      return {optimize::Stop::interrupted, *std::move(last_)};
+    }
   }
+
+  /// Why the last trial that failed did; empty if none has.
+  [[nodiscard]] const std::string& failure() const { return failure_; }
 
   [[nodiscard]] const std::string& history() const { return history_.text(); }
   [[nodiscard]] double seconds() const {
@@ -211,7 +151,9 @@ private:
     if (!row)
       return start;
     constexpr double other_ranks = 1e-6;
-    if (!(std::abs(start.at.value() - row->objective) <= other_ranks * row->objective))
+    // Of data without noise J itself is rounding.
+    const double size = std::max(row->objective, static_cast<double>(problem_.count()));
+    if (!(std::abs(start.at.value() - row->objective) <= other_ranks * size))
       throw UserError(
           fmt::format("--resume: {}: found J = {:.10g} where it was {:.10g}, allowed are the scene, "
                       "mesh and data of the run that was interrupted",
@@ -229,13 +171,16 @@ private:
   std::optional<optimize::LeastSquares> attempt(std::span<const double> x) {
     try {
       return problem_.evaluate(x);
-    } catch (const UserError&) {
-    } catch (const SolverFailure&) {
+    } catch (const UserError& error) {
+      failure_ = error.what();
+    } catch (const SolverFailure& error) {
+      failure_ = error.what();
     }
     return std::nullopt;
   }
 
   bool take(const optimize::GaussNewtonIterate& now) {
+    last_ = now;
     if (!std::exchange(restored_, false)) {
       const std::vector<double> theta = problem_.values(now.x);
       history_.add({.number = now.number,
@@ -258,6 +203,8 @@ private:
   Clock::time_point start_ = Clock::now();
   double earlier_ = 0;
   bool restored_ = false;
+  std::optional<optimize::GaussNewtonIterate> last_;
+  std::string failure_;
 };
 
 std::string stop_words(optimize::Stop stop) {
@@ -278,11 +225,12 @@ int fit_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   const optimize::GaussNewtonResult end = search.run(resume);
 
   const scene::Scene fitted = fit.scene_at(end.last.x);
-  const Problem problem(fit.discretisation(), fitted, fit_needs(scene), timers);
+  const Problem problem(fit.discretisation(), fitted, fit.needs(), timers, forward::Stops::ignored);
   MotionWriter recorder(problem, folder, nullptr, true);
-  Motion motion = write_motion(problem, fit, recorder);
-  io::Fit result = outcome(fit, end.last, motion.values);
-  result.times = std::move(motion.times);
+  const GivenControl given(problem);
+  Simulated simulated = simulate_measured(problem, fit, given.load(), recorder);
+  io::Fit result = outcome(fit, end.last, simulated.values);
+  result.times = std::move(simulated.times);
   if (scene.output.table(scene::StoredTable::history))
     folder.write("history.csv", search.history());
   if (scene.output.table(scene::StoredTable::parameters))
@@ -291,6 +239,9 @@ int fit_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
     folder.write("measurements.csv", io::measurements_table(result));
   folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
   console.line("stopped: " + stop_words(end.stop));
+  if (end.stop == optimize::Stop::solver_failed || end.stop == optimize::Stop::no_decrease)
+    if (!search.failure().empty())
+      console.line("the last trial that failed: " + search.failure());
   for (const std::string& line : outcome_lines(result))
     console.line(line);
   io::Manifest m = manifest(problem, "optimize", stop_words(end.stop), problem.steps());

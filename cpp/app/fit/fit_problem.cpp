@@ -7,36 +7,23 @@
 namespace signorini {
 namespace {
 
-bool logarithmic(const scene::Unknown& unknown) {
-  return unknown.scale == scene::ParameterScale::logarithmic;
-}
-
 double on_scale(const scene::Unknown& unknown, double value) {
-  return logarithmic(unknown) ? std::log(value) : value;
+  return unknown.logarithmic() ? std::log(value) : value;
 }
 
-/// Bounds that a parameter has by its nature, but for rounding.
-double natural_lower(const scene::Unknown& unknown) {
-  using enum scene::Parameter;
-  constexpr double nearly = 1e-6;
-  switch (unknown.of) {
-  case poisson:
-    return -1 + nearly;
-  case bulk:
-  case shear:
-    return 0;
-  case young:
-  case density:
-  case radius:
-    return std::numeric_limits<double>::min();
-  default:
-    return -std::numeric_limits<double>::infinity();
-  }
-}
-
-double natural_upper(const scene::Unknown& unknown) {
-  constexpr double nearly = 1e-6;
-  return unknown.of == scene::Parameter::poisson ? 0.5 - nearly : std::numeric_limits<double>::infinity();
+/// The bounds of an unknown on its scale, those of its nature within them.
+std::pair<double, double> bounds_of(const scene::Unknown& unknown) {
+  constexpr double nearly = 1e-6; // of limits that are excluded
+  const scene::NaturalLimits natural = scene::natural_limits(unknown.of);
+  const double inside = natural.open ? nearly : 0;
+  double lower = natural.least + inside, upper = natural.greatest - inside;
+  if (natural.open && natural.least == 0)
+    lower = std::numeric_limits<double>::min(); // in whatever unit
+  lower = unknown.lower.value_or(std::min(lower, unknown.start));
+  upper = unknown.upper.value_or(std::max(upper, unknown.start));
+  if (unknown.logarithmic() && !unknown.lower)
+    return {-std::numeric_limits<double>::infinity(), on_scale(unknown, upper)};
+  return {on_scale(unknown, lower), on_scale(unknown, upper)};
 }
 
 } // namespace
@@ -48,18 +35,16 @@ FitProblem::FitProblem(std::shared_ptr<const Discretisation> discretisation, con
   for (const control::Data& one : data_)
     count_ += one.times.size();
   for (const scene::Unknown& unknown : scene.unknowns) {
-    const double infinity = std::numeric_limits<double>::infinity();
-    const double lower = unknown.lower.value_or(natural_lower(unknown)),
-                 upper = unknown.upper.value_or(natural_upper(unknown));
-    box_.lower.push_back(logarithmic(unknown) && !(unknown.lower) ? -infinity : on_scale(unknown, lower));
-    box_.upper.push_back(on_scale(unknown, upper));
+    const auto [lower, upper] = bounds_of(unknown);
+    box_.lower.push_back(lower);
+    box_.upper.push_back(upper);
   }
 }
 
 std::vector<double> FitProblem::values(std::span<const double> x) const {
   std::vector<double> theta;
   for (std::size_t j = 0; j < x.size(); ++j)
-    theta.push_back(logarithmic(scene_.unknowns[j]) ? std::exp(x[j]) : x[j]);
+    theta.push_back(scene_.unknowns[j].logarithmic() ? std::exp(x[j]) : x[j]);
   return theta;
 }
 
@@ -73,7 +58,7 @@ std::vector<double> FitProblem::on_scales(std::span<const double> values) const 
 std::vector<double> FitProblem::slopes(std::span<const double> x) const {
   std::vector<double> slopes = values(x);
   for (std::size_t j = 0; j < x.size(); ++j)
-    if (!logarithmic(scene_.unknowns[j]))
+    if (!scene_.unknowns[j].logarithmic())
       slopes[j] = 1;
   return slopes;
 }
@@ -95,6 +80,20 @@ std::vector<double> FitProblem::residuals(const std::vector<double>& simulated,
     if (const auto& prior = scene_.unknowns[j].prior)
       r.push_back((x[j] - on_scale(scene_.unknowns[j], prior->mean)) / prior->deviation);
   return r;
+}
+
+forward::Stepper::Needs FitProblem::needs() const {
+  forward::Stepper::Needs needs = fit_needs(scene_);
+  if (iterative_) { // as it was decided, by the clock, for the first values
+    needs.passes = 0;
+    needs.iterative = *iterative_ && scene_.solver.linear == scene::LinearMethod::automatic;
+  }
+  return needs;
+}
+
+void FitProblem::decide(bool iterates) const {
+  if (!iterative_)
+    iterative_ = iterates;
 }
 
 std::vector<double> FitProblem::by_values(const std::vector<double>& residuals) const {
@@ -120,11 +119,14 @@ std::vector<double> FitProblem::on_scale_gradient(std::vector<double> by_theta,
 
 /// The problem at x, with what its motion needs.
 struct FitProblem::Setup {
-  Setup(const FitProblem& fit, std::span<const double> x, std::size_t columns)
+  Setup(const FitProblem& fit, std::span<const double> x, std::size_t columns,
+        forward::Stops stops = forward::Stops::obeyed)
       : theta(fit.values(x)), scene(scene::with_values(fit.scene_, theta)),
-        problem(fit.discretisation_, scene, fit_needs(fit.scene_), fit.timers_), given(problem),
+        problem(fit.discretisation_, scene, fit.needs(), fit.timers_, stops), given(problem),
         measurements(problem.stepper, scene, fit.times(), columns),
-        rates(problem.stepper, fit.scene_, theta) {}
+        rates(problem.stepper, fit.scene_, theta) {
+    fit.decide(problem.stepper.solver().iterates());
+  }
 
   std::vector<double> theta;
   scene::Scene scene;
@@ -134,18 +136,21 @@ struct FitProblem::Setup {
   forward::ParameterRates rates;
 };
 
-optimize::LeastSquares FitProblem::evaluate(std::span<const double> x, const forward::Load* control) const {
-  Setup setup(*this, x, 1 + x.size());
+optimize::LeastSquares FitProblem::evaluate(std::span<const double> x, const forward::Load* control,
+                                            forward::Stops stops) const {
+  Setup setup(*this, x, 1 + x.size(), stops);
   forward::Tangents tangents(setup.problem.stepper, setup.rates);
   {
     const auto timer = timers_.time("forward");
-    const int steps = forward::integrate(setup.problem.stepper, setup.problem.initial,
-                                         control ? setup.problem.load(control) : setup.given.load(),
-                                         setup.problem.steps(), [&](const forward::Frame& frame) {
-                                           const auto linearised = timers_.time("linearised");
-                                           tangents.observe(frame);
-                                           setup.measurements.observe(frame, tangents, setup.rates);
-                                         });
+    const int steps = forward::integrate(
+        setup.problem.stepper, setup.problem.initial,
+        control ? setup.problem.load(control) : setup.given.load(), setup.problem.steps(),
+        [&](const forward::Frame& frame) {
+          const auto linearised = timers_.time("linearised");
+          tangents.observe(frame);
+          setup.measurements.observe(frame, tangents, setup.rates);
+        },
+        stops);
     if (steps < setup.problem.steps())
       throw Interrupted();
   }

@@ -34,7 +34,11 @@ public:
   /// A motion with as many linearised ones beside it as there are unknowns, under the scene's given control
   /// or another's force. Throws UserError where the scene at x is none, SolverFailure, Interrupted.
   [[nodiscard]] optimize::LeastSquares evaluate(std::span<const double> x,
-                                                const forward::Load* control = nullptr) const;
+                                                const forward::Load* control = nullptr,
+                                                forward::Stops stops = forward::Stops::obeyed) const;
+
+  /// What the problem at any x needs of its solvers: which they are is decided once.
+  [[nodiscard]] forward::Stepper::Needs needs() const;
 
   /// J and its gradient by x, by one motion and one adjoint sweep. Throws as evaluate() does.
   struct Gradient {
@@ -81,7 +85,9 @@ private:
   std::vector<control::Data> data_;
   std::size_t count_ = 0;
   optimize::Box box_;
+  void decide(bool iterates) const;
   mutable int sweeps_ = 0;
+  mutable std::optional<bool> iterative_; ///< whether D is not factorised, once that is decided
 };
 
 } // namespace signorini

@@ -39,7 +39,7 @@ void CompactJointVector::combine(std::vector<CompactJointVector>& v,
 struct JointProblem::Point {
   Point(const FitProblem& fit, const control::ControlSpace& controls, Vector at, Timers& timers)
       : v(std::move(at)), theta(fit.values(v.x)), scene(scene::with_values(fit.scene(), theta)),
-        problem(fit.discretisation(), scene, search_needs(fit.scene()), timers), force(controls, v.u),
+        problem(fit.discretisation(), scene, fit.needs(), timers), force(controls, v.u),
         measurements(problem.stepper, scene, fit.times()), rates(problem.stepper, fit.scene(), theta),
         storage(problem.stepper, scene.trajectory, problem.steps(), 1, timers),
         motion(problem.stepper, problem.initial, problem.steps(), storage, true),

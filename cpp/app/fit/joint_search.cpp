@@ -2,7 +2,7 @@
 #include "app/control_files.h"
 #include "app/fit/joint_problem.h"
 #include "app/fit/outcome.h"
-#include "app/motion_writer.h"
+#include "app/fit/simulated.h"
 #include "app/optimize.h"
 #include "app/run_manifest.h"
 #include "base/error.h"
@@ -167,22 +167,6 @@ private:
   std::optional<io::Kink> kink_;
 };
 
-/// Writes the motion at the end and returns what is measured of it.
-std::vector<double> write_motion(const JointProblem& joint, const FitProblem& fit, MotionWriter& recorder) {
-  const Problem& problem = joint.problem();
-  const auto timer = problem.timers.time("replay");
-  control::Measurements measurements(problem.stepper, problem.scene, fit.times());
-  forward::integrate(
-      problem.stepper, problem.initial, joint.load(), problem.steps(),
-      [&](const forward::Frame& frame) {
-        recorder(frame);
-        measurements.observe(frame);
-      },
-      forward::Stops::ignored);
-  recorder.finish();
-  return measurements.values();
-}
-
 } // namespace
 
 int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,
@@ -207,12 +191,15 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
     folder.write("history.csv", log.history());
   folder.write("scene.toml", scene::echo(scene, base.space.dim()));
   MotionWriter recorder(joint.problem(), folder, &control.objective, true);
-  const std::vector<double> simulated = write_motion(joint, fit, recorder);
+  Simulated simulated = simulate_measured(joint.problem(), fit, joint.load(), recorder);
   write_control(folder, joint.problem(), control.controls, joint.vector().u,
                 [&](const auto& store) { joint.adjoint_states(store); });
   const std::vector<double>& x = joint.vector().x;
-  io::Fit result =
-      outcome(fit, {.number = log.iterations(), .x = x, .at = fit.evaluate(x, &joint.force())}, simulated);
+  io::Fit result = outcome(
+      fit,
+      {.number = log.iterations(), .x = x, .at = fit.evaluate(x, &joint.force(), forward::Stops::ignored)},
+      simulated.values);
+  result.times = std::move(simulated.times);
   if (scene.output.table(scene::StoredTable::parameters))
     folder.write("parameters.csv", io::parameters_table(result));
   if (scene.output.table(scene::StoredTable::measurements))

@@ -9,10 +9,6 @@
 namespace signorini {
 namespace {
 
-bool logarithmic(const scene::Unknown& unknown) {
-  return unknown.scale == scene::ParameterScale::logarithmic;
-}
-
 std::string power(const std::string& name, double exponent) {
   return std::abs(exponent - 1) < 1e-3 ? name : fmt::format("{}^{:.3g}", name, exponent);
 }
@@ -26,6 +22,16 @@ std::string pair_of_logs(const std::string& a, const std::string& b, double slop
     return fmt::format("The data tell {} and {} only as their product.", a, b);
   return fmt::format("The data tell {} and {} only as {} {} {}.", a, b, power(b, 1),
                      slope > 0 ? "/" : "times", power(a, std::abs(slope)));
+}
+
+/// A contact time that was compared, in words.
+std::string simulated(const io::ComparedTime& one) {
+  if (std::isnan(one.simulated))
+    return "no contact";
+  const std::string deviations = one.deviation > 0 ? fmt::format(", {:+.2f} standard deviations",
+                                                                 (one.simulated - one.value) / one.deviation)
+                                                   : "";
+  return fmt::format("{:.6g} s{}", one.simulated, deviations);
 }
 
 /// dJ/dθ and the standard deviations of θ.
@@ -43,7 +49,7 @@ void add_hardly_told(const std::vector<scene::Unknown>& unknowns, const optimize
                      io::Fit& fit) {
   for (std::size_t j = 0; j < unknowns.size(); ++j)
     if (const double deviation = known.deviations[j];
-        logarithmic(unknowns[j]) && std::isfinite(deviation) && deviation > std::log(2))
+        unknowns[j].logarithmic() && std::isfinite(deviation) && deviation > std::log(2))
       fit.untold.push_back(fmt::format("The data hardly tell {}: a standard deviation is a factor of {:.3g}.",
                                        unknowns[j].name, std::exp(std::min(deviation, 700.0))));
 }
@@ -58,13 +64,13 @@ std::string untold(const std::vector<scene::Unknown>& unknowns, const std::vecto
   if (which.size() == 1)
     return fmt::format("The data do not tell {}.", unknowns[which.front()].name);
   const auto name = [&](std::size_t i) { return unknowns[which[i]].name; };
-  if (which.size() == 2 && logarithmic(unknowns[which[0]]) && logarithmic(unknowns[which[1]]))
+  if (which.size() == 2 && unknowns[which[0]].logarithmic() && unknowns[which[1]].logarithmic())
     return pair_of_logs(name(0), name(1), direction[which[1]] / direction[which[0]]);
   std::vector<std::string> names, changes;
   for (const std::size_t j : which) {
     names.push_back(unknowns[j].name);
     changes.push_back(fmt::format("{} by {:+.3g}{}", unknowns[j].name, direction[j],
-                                  logarithmic(unknowns[j]) ? " of itself" : ""));
+                                  unknowns[j].logarithmic() ? " of itself" : ""));
   }
   return fmt::format(
       "The data do not tell {} apart: changes in the proportion of {} leave all values as they "
@@ -73,7 +79,7 @@ std::string untold(const std::vector<scene::Unknown>& unknowns, const std::vecto
 }
 
 io::Fit outcome(const FitProblem& problem, const optimize::GaussNewtonIterate& last,
-                const std::vector<double>& simulated) {
+                const std::vector<double>& values) {
   const scene::Scene& scene = problem.scene();
   const std::vector<double> theta = problem.values(last.x), lower = problem.values(problem.box().lower),
                             upper = problem.values(problem.box().upper);
@@ -107,7 +113,7 @@ io::Fit outcome(const FitProblem& problem, const optimize::GaussNewtonIterate& l
     io::Comparison& one = fit.measurements.emplace_back();
     one = {scene.measurements[i].name, data.times, data.values, data.deviations, {}};
     for (std::size_t k = 0; k < data.times.size(); ++k) {
-      one.simulated.push_back(simulated[at++]);
+      one.simulated.push_back(values[at++]);
       squares += std::pow((one.simulated[k] - data.values[k]) / data.deviations[k], 2);
     }
   }
@@ -132,11 +138,7 @@ std::vector<std::string> outcome_lines(const io::Fit& fit) {
   for (const std::string& sentence : fit.untold)
     lines.push_back(sentence);
   for (const io::ComparedTime& one : fit.times)
-    lines.push_back(fmt::format("{}: measured {:.6g} s, simulated {:.6g} s{}", one.name, one.value,
-                                one.simulated,
-                                one.deviation > 0 ? fmt::format(", {:+.2f} standard deviations",
-                                                                (one.simulated - one.value) / one.deviation)
-                                                  : ""));
+    lines.push_back(fmt::format("{}: measured {:.6g} s, simulated {}", one.name, one.value, simulated(one)));
   lines.push_back(fmt::format("misfit of {} values: {:.3g} standard deviations (root mean square)", fit.data,
                               fit.misfit));
   return lines;

@@ -19,22 +19,25 @@ std::vector<double> ends_of_steps(const scene::Time& time) {
   return times;
 }
 
-/// Writes a text file whole or not at all. Throws UserError.
-void write_file(const std::filesystem::path& file, const std::string& text) {
-  const std::filesystem::path part = file.string() + ".part";
+/// Writes files, all of them or none but for a failure between two renames. Throws UserError.
+void write_files(const std::map<std::filesystem::path, std::string>& files) {
+  const auto part = [](const std::filesystem::path& file) {
+    return std::filesystem::path(file.string() + ".part");
+  };
   std::error_code error;
-  std::filesystem::create_directories(file.parent_path(), error);
-  std::ofstream out(part, std::ios::binary);
-  out << text << std::flush;
-  const bool written = static_cast<bool>(out);
-  out.close();
-  if (written)
-    std::filesystem::rename(part, file, error);
-  if (written && !error)
-    return;
-  std::filesystem::remove(part, error);
-  throw UserError(fmt::format("{}: the data cannot be written there, allowed is a folder that can be written",
-                              file.string()));
+  for (const auto& [file, text] : files) {
+    std::filesystem::create_directories(file.parent_path(), error);
+    std::ofstream out(part(file), std::ios::binary);
+    out << text << std::flush;
+    if (out)
+      continue;
+    for (const auto& [other, ignored] : files)
+      std::filesystem::remove(part(other), error);
+    throw UserError(fmt::format(
+        "{}: the data cannot be written there, allowed is a folder that can be written", file.string()));
+  }
+  for (const auto& [file, text] : files)
+    std::filesystem::rename(part(file), file);
 }
 
 } // namespace
@@ -92,13 +95,15 @@ std::vector<std::string> SyntheticData::write(int seed) const {
     table.names.push_back(one.column);
     table.columns.push_back(std::move(values));
   }
+  std::map<std::filesystem::path, std::string> texts;
   std::vector<std::string> lines;
   for (const auto& [file, table] : tables) {
-    on_root(comm_, [&] { write_file(file, io::data_table(times_, table.names, table.columns)); });
+    texts[file] = io::data_table(times_, table.names, table.columns);
     lines.push_back(fmt::format("measured: {} ({} values{})", file.string(),
                                 times_.size() * table.names.size(),
                                 seed > 0 ? fmt::format(", noise by seed {}", seed) : ", without noise"));
   }
+  on_root(comm_, [&] { write_files(texts); });
   return lines;
 }
 

@@ -864,6 +864,12 @@ def fit_cases() -> list[Case]:
         unknown("prior with a text for a mean", 'of = "young"\nprior = { mean = "a", deviation = 0.1 }', 'unknown[0].prior.mean: found "a"'),
         unknown("prior as sharp as a point", 'of = "young"\nprior = { mean = 1e8, deviation = 0 }', "unknown[0].prior.deviation: found 0"),
         unknown("weight of a scene without any", 'of = "load.gravity"', 'unknown[0].of: found "load.gravity"', "without"),
+        unknown("unknown twice", 'of = "young"\n[[unknown]]\nof = "young"\nname = "E"', 'unknown[1].of: found "young"', "unknown[0] seeks too"),
+        unknown("factor and component of one field", 'of = "initial.velocity"\n[[unknown]]\nof = "initial.velocity"\ncomponent = "y"',
+                'unknown[1].of: found "initial.velocity"', "unknown[0] seeks too"),
+        unknown("unknown along z in the plane", 'of = "initial.velocity"\ncomponent = "z"', 'unknown[0].component: found "z"', "2 components"),
+        unknown("unknown called like a column", 'of = "young"\nname = "damping"', 'unknown[0].name: found "damping"', "history.csv"),
+        fit("memory of a fit", 'of = "young"', force, "optimizer.memory: has no effect on a fit", edits=(("max_iterations = 1", "memory = 1e8"),)),
         fit("unknown without data", 'of = "young"', "", "unknown: needs data that tell it", "[[measurement]]"),
         fit("lbfgs for a fit", 'of = "young"', force, 'optimizer.method: found "lbfgs"', "gauss-newton",
             edits=(("max_iterations = 1", 'method = "lbfgs"\nmax_iterations = 1'),)),
@@ -895,6 +901,7 @@ def fit_cases() -> list[Case]:
         data("data that are all zero", "time,value\n0,0\n1e-4,0\n", "zeros alone", "deviation"),
         measurement("measuring without a deviation", 'of = "force"\ncomponent = "y"\nfile = "force.csv"', "--measure: measurement[0] has neither",
                     verb="simulate", options=("--measure",)),
+        typed("seed of nothing", "simulate scene.toml --seed 3", "--seed requires --measure"),
         typed("measuring nothing", "simulate scene.toml --measure", "--measure: found a scene without measurements"),
     ]
 

@@ -1,0 +1,19 @@
+#pragma once
+#include "app/fit/fit_problem.h"
+#include "app/motion_writer.h"
+#include "io/fit_tables.h"
+
+namespace signorini {
+
+/// What a motion gives of what was measured.
+struct Simulated {
+  std::vector<double> values;
+  std::vector<io::ComparedTime> times;
+};
+
+/// Makes the motion once more, for its files and for this. A request to stop is ignored. Collective. Throws
+/// UserError, SolverFailure, WriteFailure.
+Simulated simulate_measured(const Problem& problem, const FitProblem& fit, const forward::ForceAtStep& load,
+                            MotionWriter& recorder);
+
+} // namespace signorini

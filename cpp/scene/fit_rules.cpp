@@ -1,0 +1,241 @@
+#include "base/error.h"
+#include "scene/parameters.h"
+#include "scene/rules.h"
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+#include <optional>
+
+namespace signorini::scene {
+
+namespace {
+
+/// Throws UserError unless a key is given exactly where it tells something.
+void require_where(Reader& in, const char* key, bool needed, bool allowed, const std::string& otherwise) {
+  if (needed)
+    in.require(key);
+  else if (!allowed && in.has(key))
+    in.fail(key, otherwise);
+}
+
+/// Throws UserError unless an unknown of an obstacle is one that this has.
+void require_obstacle_parameter(Reader& in, const Unknown& unknown, const Scene& scene) {
+  const std::string of = name(unknown.of);
+  if (scene.contacts.empty())
+    in.fail("of", fmt::format("found \"{}\" in a scene without [contact], allowed with an obstacle", of));
+  require_where(in, "obstacle", scene.contacts.size() > 1, true, "");
+  if (unknown.obstacle)
+    require_obstacle(in, *unknown.obstacle, scene);
+  const Contact& contact = scene.contacts[contact_of(scene, unknown)];
+  const bool plane = std::holds_alternative<HalfSpace>(contact.obstacle),
+             round = std::holds_alternative<Ball>(contact.obstacle) ||
+                     std::holds_alternative<Cylinder>(contact.obstacle),
+             of_plane = unknown.of == Parameter::position || unknown.of == Parameter::angle;
+  if (of_plane ? !plane : !round)
+    in.fail("of", fmt::format("found \"{}\" of an obstacle of the shape \"{}\", allowed: {}", of,
+                              name(static_cast<Shape>(contact.obstacle.index())),
+                              plane   ? "position, angle"
+                              : round ? "center, radius"
+                                      : "other shapes"));
+  if (round && moves(contact.obstacle))
+    in.fail("of", fmt::format("found \"{}\" of a round obstacle that moves, allowed is one at rest", of));
+  if (contact.initial == ContactStart::project)
+    in.fail("of", fmt::format("found \"{}\" of an obstacle with initial = \"project\", allowed is "
+                              "\"outside\": where nodes start would depend on it",
+                              of));
+}
+
+/// Throws UserError unless the scene has what the unknown is of.
+void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
+  const std::string of = name(unknown.of);
+  const auto absent = [&](const char* what) {
+    in.fail("of", fmt::format("found \"{}\" in a scene without {}, allowed is what the scene has", of, what));
+  };
+  const auto one_of = [&](const std::vector<std::string>& groups) {
+    require_where(in, "on", groups.size() > 1, groups.size() > 1, "has no effect: there is only one");
+    if (unknown.on && std::ranges::find(groups, *unknown.on) == groups.end())
+      in.fail("on", fmt::format("found \"{}\", allowed: {}", *unknown.on, list(groups)));
+  };
+  if (of_material(unknown.of)) {
+    std::vector<std::string> groups;
+    for (const Material& material : scene.materials)
+      groups.push_back(material.on.value_or(""));
+    one_of(groups);
+    if ((unknown.of == Parameter::bulk || unknown.of == Parameter::shear) &&
+        !scene.materials[material_of(scene, unknown)].viscosity)
+      in.fail("of", fmt::format("found \"{}\" of an elastic material, allowed with a viscosity", of));
+  } else if (of_obstacle(unknown.of)) {
+    require_obstacle_parameter(in, unknown, scene);
+  } else if (unknown.of == Parameter::velocity || unknown.of == Parameter::displacement) {
+    const bool velocity = unknown.of == Parameter::velocity;
+    if (velocity ? !scene.initial.velocity : !scene.initial.displacement)
+      absent(velocity ? "initial.velocity" : "initial.displacement");
+    const auto moved = [](const Contact& contact) { return contact.initial == ContactStart::project; };
+    if (!velocity && std::ranges::any_of(scene.contacts, moved))
+      in.fail("of", fmt::format("found \"{}\" with an obstacle that has initial = \"project\", allowed is "
+                                "\"outside\": where nodes start would not follow it",
+                                of));
+  } else if (!scene.load) {
+    absent("[load]");
+  } else if (unknown.of == Parameter::traction) {
+    std::vector<std::string> groups;
+    for (const Traction& traction : scene.load->tractions)
+      groups.push_back(traction.on);
+    if (groups.empty())
+      absent("load.traction");
+    one_of(groups);
+  } else if (unknown.of == Parameter::body ? !scene.load->body : !scene.load->gravity) {
+    absent(of.c_str());
+  }
+}
+
+/// Throws UserError unless a number of the table lies within the parameter's natural limits, and above zero
+/// on a logarithmic scale.
+void require_natural(const Reader& in, const char* key, double value, const Unknown& unknown) {
+  const NaturalLimits natural = natural_limits(unknown.of);
+  Limits limits{.least = natural.least, .greatest = natural.greatest, .open = natural.open};
+  if (unknown.logarithmic() && !(limits.least > 0)) {
+    limits.least = 0;
+    limits.open = true;
+  }
+  if (!limits.contain(value))
+    in.fail(key, fmt::format("found {:.10g}, allowed are numbers{}", value, limits.range()));
+}
+
+/// The number of the material, obstacle or traction that an unknown is of; 0 for others.
+std::size_t target_of(const Scene& scene, const Unknown& unknown) {
+  return of_material(unknown.of)             ? material_of(scene, unknown)
+         : of_obstacle(unknown.of)           ? contact_of(scene, unknown)
+         : unknown.of == Parameter::traction ? traction_of(scene, unknown)
+                                             : 0;
+}
+
+/// Throws UserError if an unknown before it is of the same number: a component of a field and a factor of it
+/// are.
+void require_another(const Reader& in, const Unknown& unknown, const Scene& scene) {
+  for (std::size_t i = 0; i + 1 < scene.unknowns.size(); ++i) {
+    const Unknown& other = scene.unknowns[i];
+    const bool apart = unknown.component && other.component && *unknown.component != *other.component;
+    if (other.of == unknown.of && !apart && target_of(scene, other) == target_of(scene, unknown))
+      in.fail("of", fmt::format("found \"{}\", which {} seeks too, allowed is what no other one changes",
+                                name(unknown.of), unknown_key(i)));
+  }
+}
+
+/// Throws UserError unless the component is one of the vector that it is of, as far as the scene tells.
+void require_component(const Reader& in, const Unknown& unknown, const Scene& scene) {
+  if (!unknown.component || unknown.of == Parameter::angle)
+    return;
+  const std::size_t size = components_of(scene, unknown).size();
+  if (static_cast<std::size_t>(*unknown.component) >= size)
+    in.fail("component", fmt::format("found \"{}\" of a vector of {} components, allowed is one of these",
+                                     name(*unknown.component), size));
+}
+
+/// Columns of history.csv that unknowns may not be called.
+void require_free_name(const Reader& in, const std::string& name) {
+  constexpr std::array columns{"iteration",      "objective",     "decrement",  "damping",  "forward_sweeps",
+                               "adjoint_sweeps", "seconds",       "tracking",   "terminal", "control_cost",
+                               "misfit",         "gradient_norm", "step_length"};
+  if (std::ranges::find(columns, name) != columns.end())
+    in.fail("name", fmt::format("found \"{}\", a column of history.csv, allowed is another", name));
+}
+
+} // namespace
+
+void require_rules(Reader& in, Unknown& unknown, const Scene& scene) {
+  require_target(in, unknown, scene);
+  const bool in_place = unknown.of == Parameter::displacement || unknown.of == Parameter::velocity ||
+                        unknown.of == Parameter::angle;
+  require_where(in, "component", unknown.of == Parameter::center, in_place || unknown.of == Parameter::center,
+                "has no effect on a number without direction");
+  if (!of_material(unknown.of) && unknown.of != Parameter::traction && in.has("on"))
+    in.fail("on", "has no effect but on materials and tractions");
+  if (!of_obstacle(unknown.of) && in.has("obstacle"))
+    in.fail("obstacle", "has no effect but on the parameters of obstacles");
+  std::vector<std::pair<std::string, std::string>> others;
+  for (std::size_t i = 0; i + 1 < scene.unknowns.size(); ++i)
+    others.emplace_back(scene.unknowns[i].name, unknown_key(i));
+  std::string usual = name(unknown.of);
+  if (unknown.component)
+    usual += " " + name(*unknown.component);
+  if (unknown.on || unknown.obstacle)
+    usual += " of " + unknown.on.value_or(unknown.obstacle.value_or(""));
+  unknown.name = unique_name(in, usual, others);
+  require_free_name(in, unknown.name);
+  require_another(in, unknown, scene);
+  if (!in.has("scale"))
+    unknown.scale = of_material(unknown.of) && unknown.of != Parameter::poisson ? ParameterScale::logarithmic
+                                                                                : ParameterScale::linear;
+  require_component(in, unknown, scene);
+  if (!in.has("start")) {
+    const std::optional<double> own = own_value(scene, unknown);
+    if (!own)
+      in.require("start");
+    unknown.start = *own;
+  }
+  require_natural(in, "start", unknown.start, unknown);
+  if (unknown.lower)
+    require_natural(in, "lower", *unknown.lower, unknown);
+  if (unknown.upper)
+    require_natural(in, "upper", *unknown.upper, unknown);
+  if ((unknown.lower && !(*unknown.lower <= unknown.start)) ||
+      (unknown.upper && !(unknown.start <= *unknown.upper)))
+    in.fail("start", fmt::format("found {:.10g}, allowed are numbers within the bounds", unknown.start));
+  if (unknown.prior)
+    require_natural(in, "prior", unknown.prior->mean, unknown);
+}
+
+void require_rules(Reader& in, Measurement& measurement, const Scene& scene) {
+  std::vector<std::pair<std::string, std::string>> others;
+  for (std::size_t i = 0; i + 1 < scene.measurements.size(); ++i)
+    others.emplace_back(scene.measurements[i].name, measurement_key(i));
+  measurement.name = unique_name(in, fmt::format("measurement {}", scene.measurements.size()), others);
+  const bool motion = measurement.of == Quantity::displacement || measurement.of == Quantity::velocity;
+  const std::string of = name(measurement.of);
+  if (motion) {
+    if (in.has("point") == in.has("on"))
+      in.fail("", fmt::format("found {}, allowed is one of point, on", in.has("on") ? "both" : "neither"));
+    if (in.has("obstacle"))
+      in.fail("obstacle", fmt::format("has no effect on a {}", of));
+  } else {
+    if (scene.contacts.empty())
+      in.fail("of", fmt::format("found \"{}\" in a scene without [contact], allowed with an obstacle", of));
+    for (const char* key : {"point", "on"})
+      if (in.has(key))
+        in.fail(key, "has no effect on what contact does; allowed with a displacement or a velocity");
+    if (measurement.obstacle)
+      require_obstacle(in, *measurement.obstacle, scene);
+  }
+  require_where(in, "component", measurement.fitted(), measurement.fitted(), "has no effect on a time");
+  require_where(in, "file", measurement.fitted(), measurement.fitted(),
+                "has no effect on a time, which is compared by value");
+  require_where(in, "value", !measurement.fitted(), !measurement.fitted(), "has no effect beside a file");
+  require_where(in, "column", false, measurement.fitted(), "has no effect without a file");
+  require_where(in, "noise", false, measurement.fitted(), "has no effect on a time; allowed is deviation");
+  if (measurement.deviation && measurement.noise)
+    in.fail("noise", "found beside deviation, allowed is one of them");
+}
+
+void require_fit_rules(Reader& in, Scene& scene) {
+  if (!scene.unknowns.empty()) {
+    // With a control they are sought together, by lbfgs.
+    const OptimizerMethod method = scene.objective ? OptimizerMethod::lbfgs : OptimizerMethod::gauss_newton;
+    if (in.has("optimizer") && in.table("optimizer").has("method") && scene.optimizer.method != method)
+      in.fail("optimizer.method", fmt::format("found \"{}\" with tables [[unknown]]{}, allowed is \"{}\"",
+                                              name(scene.optimizer.method),
+                                              scene.objective ? " and a control" : "", name(method)));
+    scene.optimizer.method = method;
+    if (!scene.objective && in.has("optimizer"))
+      for (const char* key : {"start", "checkpoint", "memory"})
+        if (Reader optimizer = in.table("optimizer"); optimizer.has(key))
+          optimizer.fail(key, "has no effect on a fit without a control, which goes on from history.csv");
+  } else if (scene.optimizer.method == OptimizerMethod::gauss_newton) {
+    in.fail("optimizer.method", "found \"gauss-newton\" without unknowns, allowed with tables [[unknown]]");
+  }
+  if (!scene.unknowns.empty() && std::ranges::none_of(scene.measurements, &Measurement::fitted))
+    in.fail("unknown", "needs data that tell it; add a table [[measurement]] of another kind than contact "
+                       "times, or leave the unknowns out");
+}
+
+} // namespace signorini::scene
