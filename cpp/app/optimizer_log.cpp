@@ -11,7 +11,7 @@ namespace signorini {
 namespace {
 
 /// The version of the layout of checkpoint.h5.
-constexpr int format = 4;
+constexpr int format = 5;
 
 /// Numbers in a row of the history, as stored.
 constexpr std::size_t columns = 11;

@@ -3,6 +3,7 @@
 #include "optimize/coordinates.h"
 #include "optimize/unknowns.h"
 #include <span>
+#include <utility>
 
 namespace signorini::optimize {
 
@@ -20,6 +21,8 @@ public:
 
   /// Coordinates of v, which the subspace contains from now on.
   Coordinates coordinates(const U& unknowns, Vector v) {
+    if (std::exchange(rounded_, false))
+      factorise(unknowns);
     Coordinates x(vectors_.size());
     for (double length = -1;;) {
       vectors_.emplace_back(v);
@@ -56,7 +59,9 @@ public:
   }
 
   /// Restricts the subspace to that of an orthonormal basis, by which coordinates are from now on. It is that
-  /// basis itself that is stored: rounding of vectors far from orthogonal would turn the subspace.
+  /// basis itself that is stored: rounding of vectors far from orthogonal would turn the subspace. Rounded
+  /// it is orthonormal to some seven digits alone, and what a new vector has out of the subspace may be less:
+  /// the factor is that of what is stored.
   void restrict(const std::vector<Coordinates>& basis) {
     std::vector<Coordinates> factors;
     for (Coordinates x : basis) {
@@ -69,6 +74,7 @@ public:
       factor_.emplace_back(dimension());
       factor_.back().push_back(1);
     }
+    rounded_ = true;
   }
 
   template <class Archive>
@@ -77,11 +83,31 @@ public:
                    [&](Compact& v, const std::string& number) { archive(number, v); });
     serialize_list(archive, name + "/factor", factor_,
                    [&](Coordinates& column, const std::string& number) { archive(number, column); });
+    archive(name + "/rounded", rounded_);
   }
 
   [[nodiscard]] std::size_t dimension() const { return factor_.size(); }
 
 private:
+  /// Computes R anew from the vectors stored, which are nearly orthonormal.
+  void factorise(const U& unknowns) {
+    constexpr std::size_t at_once = 8; // products are then bound by reading the vectors
+    factor_.clear();
+    for (std::size_t i = 0; i < vectors_.size();) {
+      std::vector<Vector> duals;
+      while (duals.size() < std::min(at_once, vectors_.size() - i))
+        duals.push_back(unknowns.dual(Vector(vectors_[i + duals.size()])));
+      const std::vector<double> products = unknowns.pairings(duals, vectors_);
+      for (std::size_t d = 0; d < duals.size(); ++d, ++i) {
+        const double* row = &products[d * vectors_.size()];
+        Coordinates column(row, row + i);
+        to_basis(column);
+        column.push_back(std::sqrt(row[i] - dot(column, column)));
+        factor_.push_back(std::move(column));
+      }
+    }
+  }
+
   /// c = R⁻ᵀ c, of products with the vectors: coordinates.
   void to_basis(Coordinates& c) const {
     for (std::size_t j = 0; j < c.size(); ++j) {
@@ -114,6 +140,7 @@ private:
 
   std::vector<Compact> vectors_;
   std::vector<Coordinates> factor_; ///< columns of R, of one entry more each
+  bool rounded_ = false;            ///< since R was computed
   double dependent_;
 };
 

@@ -353,3 +353,47 @@ TEST_CASE("a subspace of controls in single precision is that of what was given,
     }
   }
 }
+
+TEST_CASE("a vector that is hardly out of a restricted subspace adds a direction at right angles to it",
+          "[control]") {
+  const test::Ready ready("tests/data/block.toml");
+  const ControlProblem problem(ready.problem, test::silent());
+  const control::ControlSpace& controls = problem.controls;
+  const double single = std::numeric_limits<float>::epsilon();
+  optimize::Span<control::ControlSpace> span(10 * single);
+  std::mt19937 random(6);
+  const auto any = [&] {
+    control::Control v = controls.zero();
+    std::ranges::generate(v.values(), [&] { return std::normal_distribution()(random); });
+    return v;
+  };
+  const control::Control like = any();
+  std::vector<optimize::Coordinates> found;
+  for (int i = 0; i < 12; ++i)
+    found.push_back(span.coordinates(controls, any()));
+  optimize::Orthonormal part(1e-12);
+  for (int i = 0; i < 8; ++i)
+    part.take({&found[static_cast<std::size_t>(i)]}, 8);
+  span.restrict(part.vectors());
+  REQUIRE(span.dimension() == 8);
+  control::Control v = span.vector(optimize::Coordinates(8, 1.0), like);
+  for (int i = 0; i < 8; ++i) { // each is out of what there is by twenty times what single precision leaves
+    control::Control beside = any();
+    beside.scale(20 * single * controls.norm(v) / controls.norm(beside));
+    v.add(1, beside);
+    const optimize::Coordinates x = span.coordinates(controls, v);
+    control::Control back = span.vector(x, like);
+    back.add(-1, v);
+    CHECK(controls.norm(back) <= 20 * single * controls.norm(v));
+    CHECK(std::abs(optimize::norm(x) / controls.norm(v) - 1) <= 1e-6);
+  }
+  REQUIRE(span.dimension() > 12);
+  std::vector<control::Control> basis;
+  for (std::size_t i = 0; i < span.dimension(); ++i) {
+    optimize::Coordinates unit(i + 1);
+    unit[i] = 1;
+    basis.push_back(span.vector(unit, like));
+    for (std::size_t j = 0; j <= i; ++j)
+      CHECK(std::abs(controls.inner(basis[i], basis[j]) - (i == j)) <= 1e-4);
+  }
+}
