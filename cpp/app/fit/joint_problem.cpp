@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace signorini {
 using petsc::check;
@@ -118,15 +119,14 @@ JointProblem::JointProblem(const FitProblem& fit, const ControlProblem& control,
 
 JointProblem::~JointProblem() = default;
 
-double JointProblem::value(const Vector& v) {
-  trial_.reset();
-  gradient_.reset();
+std::unique_ptr<JointProblem::Point> JointProblem::made(const Vector& v) {
+  std::unique_ptr<Point> point;
   try {
-    trial_ = std::make_unique<Point>(fit_, control_.controls, v, timers_);
+    point = std::make_unique<Point>(fit_, control_.controls, v, timers_);
   } catch (const UserError& error) {
     throw SolverFailure(error.what());
   }
-  Point& at = *trial_;
+  Point& at = *point;
   {
     const auto timer = timers_.time("forward");
     at.motion.run(at.problem.load(&at.force), [&](const forward::Frame& frame) {
@@ -142,7 +142,13 @@ double JointProblem::value(const Vector& v) {
   at.residuals = fit_.residuals(at.measurements.values(), at.v.x);
   at.value = {control_.objective.value(at.squared_distances, at.v.u),
               optimize::LeastSquares{at.residuals, {}}.value()};
-  return at.value.total();
+  return point;
+}
+
+double JointProblem::value(const Vector& v) {
+  trial_gradient_.reset();
+  trial_ = made(v);
+  return trial_->value.total();
 }
 
 JointProblem::Vector JointProblem::gradient(Point& at, const std::function<void(int k, Vec p)>& visit) {
@@ -169,27 +175,30 @@ JointProblem::Vector JointProblem::gradient(Point& at, const std::function<void(
 }
 
 JointProblem::Vector JointProblem::trial_gradient() {
-  gradient_ = gradient(*trial_, {});
-  return *gradient_;
+  trial_gradient_ = gradient(*trial_, {});
+  return *trial_gradient_;
 }
 
-void JointProblem::accept() { current_ = std::move(trial_); }
+void JointProblem::accept() {
+  current_ = std::move(trial_);
+  gradient_ = std::exchange(trial_gradient_, std::nullopt);
+}
 
 void JointProblem::adjoint_states(const std::function<void(int k, Vec p)>& visit) {
   (void)gradient(*current_, visit);
 }
 
 JointProblem::Vector JointProblem::hessian_product(const Vector& d) {
-  const Vector g = *gradient_;
+  if (!gradient_)
+    gradient_ = gradient(*current_, {});
   const double length = std::sqrt(inner(d, d)), size = std::sqrt(inner(current_->v, current_->v));
   constexpr double part = 1e-5;
   const double epsilon = part * (size > 0 ? size : 1) / length;
   Vector beside = current_->v;
   beside.add(epsilon, d);
-  (void)value(beside);
-  Vector h = gradient(*trial_, {});
-  gradient_ = g;
-  h.add(-1, g);
+  const std::unique_ptr<Point> point = made(beside);
+  Vector h = gradient(*point, {});
+  h.add(-1, *gradient_);
   h.scale(1 / epsilon);
   return h;
 }

@@ -27,7 +27,8 @@ public:
   Vector trial_gradient();
   /// The trial becomes the current point.
   void accept();
-  /// By a difference of gradients; for units alone.
+  /// By a difference of gradients: to five digits or so, where no active set changes within 1e-5 of the
+  /// point.
   Vector hessian_product(const Vector& d);
 
   [[nodiscard]] double inner(const Vector& v, const Vector& w) const;
@@ -61,6 +62,8 @@ public:
 
 private:
   struct Point;
+  /// A point with its motion and J. Throws as value() does.
+  [[nodiscard]] std::unique_ptr<Point> made(const Vector& v);
   [[nodiscard]] Vector gradient(Point& at, const std::function<void(int k, Vec p)>& visit);
 
   const FitProblem& fit_;
@@ -68,7 +71,7 @@ private:
   Timers& timers_;
   std::vector<double> weights_; ///< of the unknowns in inner()
   std::unique_ptr<Point> current_, trial_;
-  std::optional<Vector> gradient_; ///< of the trial, then of the current point
+  std::optional<Vector> gradient_, trial_gradient_; ///< where they have been asked for
   control::ReducedProblem::Sweeps sweeps_;
 };
 
