@@ -13,9 +13,9 @@ Duals::Duals(const forward::Stepper& stepper) : stepper_(stepper), work_(stepper
     predictor_ = stepper.predictor()->workspace();
 }
 
-void Duals::move(Vec p_k, const contact::ContactSets* later) {
-  const double tau = stepper_.grid().tau;
+void Duals::move(int k, Vec p_k, const contact::ContactSets* later) {
   Vec jump = nullptr;
+  const double tau = later ? stepper_.grid().length(k + 1) : 0;
   if (const forward::Predictor* predictor = stepper_.predictor(); predictor && later) {
     check(VecWAXPY(work_, -2 / tau, velocity, p));
     jump = predictor->linearised_jump(later->predictor, work_, *predictor_);

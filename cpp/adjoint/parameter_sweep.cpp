@@ -12,8 +12,8 @@ namespace {
 
 long& sweeps = count("adjoint sweeps");
 
-/// A backward sweep. The dual of v_k is M (τ/2 p_k + τ²/4 q_k) + e_k: what J depends on velocities by enters
-/// through e_k, so that no system with M is solved.
+/// A backward sweep. The dual of v_k is M ω_k + e_k: what J depends on velocities by enters through e_k, so
+/// that no system with M is solved.
 class Sweep {
 public:
   Sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work, const forward::Trajectory& motion,
@@ -24,7 +24,7 @@ public:
         normal_(static_cast<std::size_t>(forward::candidates(stepper))), zero_(normal_.size()),
         c_(normal_.size()), e_(duals.velocities()), e_next_(e_.size()), factors_(e_.size()),
         gradient_(rates.count()) {
-    for (petsc::Vector* one : {&p_, &p_next_, &q_, &q_next_, &w_, &force_, &y0_, &v0_, &y1_, &v1_})
+    for (petsc::Vector* one : {&p_, &p_next_, &omega_, &s_, &w_, &force_, &y0_, &v0_, &y1_, &v1_})
       *one = stepper.space().vector();
   }
 
@@ -75,23 +75,24 @@ private:
       return;
     std::swap(e_, e_next_);
     duals_.velocity_factors(k, e_);
-    const bool moved = projected(k + 1);
-    const double rate = stepper_.grid().scheme(std::max(k, 1)).rate();
+    const bool moved = projected(k + 1), last = k == motion_.steps();
+    const double rate = k > 0 ? stepper_.grid().scheme(k).rate() : 0,
+                 later = last || moved ? 0 : stepper_.grid().scheme(k + 1).rate();
     for (std::size_t i = 0; i < e_.size(); ++i) {
       e_[i] += moved ? e_next_[i] : -e_next_[i];
-      factors_[i] = rate * (e_[i] - (moved ? 0 : e_next_[i]));
+      factors_[i] = rate * e_[i] - later * e_next_[i];
     }
     duals_.add_velocities(factors_, w_);
   }
 
-  /// The force e_{k+1} that the transposed projection sees beside M q_{k+1}.
+  /// The force −rate() e_{k+1} that the transposed projection sees beside M s_{k+1}.
   const forward::Predictor::Guide& guide(int k) {
     guide_ = {nullptr, zero_};
     if (e_.empty())
       return guide_;
     const double rate = stepper_.grid().scheme(k + 1).rate();
     for (std::size_t i = 0; i < e_.size(); ++i)
-      factors_[i] = rate * rate * e_next_[i];
+      factors_[i] = -rate * e_next_[i];
     check(VecZeroEntries(force_));
     duals_.add_velocities(factors_, force_);
     guide_.force = force_;
@@ -101,34 +102,39 @@ private:
   void step(int k) {
     if (duals_.of_forces())
       duals_.forces(k, normal_);
-    check(VecCopy(q_, q_next_));
-    extrapolation_.guess(p_);
-    stepper_.adjoint_step({k,
-                           contact(k),
-                           k < motion_.steps() ? &contact(k + 1) : nullptr,
-                           {{.vector = w_}},
-                           p_next_,
-                           q_,
-                           p_,
-                           normal_,
-                           projected(k + 1) ? &guide(k) : nullptr},
-                          work_);
-    extrapolation_.remember(p_);
-    if (projected(k + 1))
-      add_predictor(work_.predictor->jump, contact(k + 1).predictor);
+    prepare(k);
+    extrapolation_.guess(stepper_.grid().time(k), p_);
+    const Vec jump = stepper_.adjoint_step({k,
+                                            contact(k),
+                                            k < motion_.steps() ? &contact(k + 1) : nullptr,
+                                            {{.vector = w_}},
+                                            p_next_,
+                                            omega_,
+                                            p_,
+                                            normal_,
+                                            projected(k + 1) ? &guide(k) : nullptr},
+                                           work_);
+    extrapolation_.remember(stepper_.grid().time(k), p_);
+    if (jump)
+      add_predictor(jump, contact(k + 1).predictor);
   }
 
-  /// Of the step that rates_ refer to: −τ/2 (z·r_j + ω·e_j), z = q + jump.
+  /// s_{k+1}, of which the transposed projection of step k + 1 is made.
+  void prepare(int k) {
+    if (projected(k + 1))
+      check(VecWAXPY(s_, -stepper_.grid().scheme(k + 1).rate(), omega_, p_next_));
+  }
+
+  /// Of the step that rates_ refer to: z·r_j + ζ·e_j, z = s + jump.
   void add_predictor(Vec jump, const contact::ActiveSet& set) {
-    const double factor = -stepper_.grid().tau / 2;
-    check(VecAXPY(q_next_, 1, jump));
-    const std::vector<double>& omega = work_.predictor->solver.mu;
+    check(VecAXPY(s_, 1, jump));
+    const std::vector<double>& zeta = work_.predictor->solver.mu;
     for (std::size_t j = 0; j < gradient_.size(); ++j) {
       if (!rates_.predictor(j, force_, c_))
         continue;
-      gradient_[j] += factor * petsc::dot(q_next_, force_);
+      gradient_[j] += petsc::dot(s_, force_);
       for (int i : set)
-        gradient_[j] += factor * omega[static_cast<std::size_t>(i)] * c_[static_cast<std::size_t>(i)];
+        gradient_[j] += zeta[static_cast<std::size_t>(i)] * c_[static_cast<std::size_t>(i)];
     }
   }
 
@@ -145,28 +151,24 @@ private:
     }
   }
 
-  /// The duals of the initial state, of which p_next_, q_ and e_next_ are now those of step 1.
+  /// The duals of the initial state, of which p_next_, omega_ and e_next_ are now those of step 1.
   void start() {
-    const forward::Scheme scheme = stepper_.grid().scheme(1);
-    const petsc::Vector V = stepper_.space().vector(), momentum = stepper_.space().vector();
-    check(VecAXPBYPCZ(V, scheme.tau / 2, -scheme.stiffness(), 0, p_next_, q_)); // v_0 has the dual M V + e_0
-    check(VecCopy(q_, momentum));
-    if (projected(1)) {
-      check(VecCopy(q_, q_next_));
-      const Vec jump =
-          stepper_.predictor()->linearised_jump(contact(1).predictor, q_, *work_.predictor, &guide(0));
-      check(VecAXPY(V, -scheme.impulse(), jump));
-      check(VecAXPY(momentum, forward::Scheme::dual_jump(), jump));
+    const petsc::Vector y_dual = stepper_.space().vector(), dual = stepper_.space().vector();
+    prepare(0);
+    const Vec jump = stepper_.adjoint_start({0,
+                                             contact(0),
+                                             &contact(1),
+                                             {{.vector = w_}},
+                                             p_next_,
+                                             omega_,
+                                             y_dual,
+                                             {},
+                                             projected(1) ? &guide(0) : nullptr},
+                                            work_);
+    if (jump)
       add_predictor(jump, contact(1).predictor);
-    }
-    petsc::Vector dual = petsc::zero_like(V), y_dual = petsc::zero_like(V);
-    check(MatMult(stepper_.M(), V, dual));
-    check(MatMult(stepper_.R(), p_next_, y_dual));
-    check(MatMult(stepper_.M(), momentum, V));
-    check(VecAXPY(y_dual, -scheme.momentum(), V));
-    check(VecAXPY(y_dual, 1, w_));
+    check(MatMult(stepper_.M(), omega_, dual));
     duals_.add_velocities(e_, dual);
-    check(VecAXPY(y_dual, -scheme.rate(), dual));
     for (std::size_t j = 0; j < gradient_.size(); ++j) {
       if (const Vec v = rates_.velocity(j))
         gradient_[j] += petsc::dot(dual, v);
@@ -183,7 +185,7 @@ private:
   forward::ParameterRates& rates_;
   const std::function<void(int k, Vec p)>& visit_;
   forward::Extrapolation extrapolation_;
-  petsc::Vector p_, p_next_, q_, q_next_, w_, force_, y0_, v0_, y1_, v1_;
+  petsc::Vector p_, p_next_, omega_, s_, w_, force_, y0_, v0_, y1_, v1_;
   std::vector<double> normal_, zero_, c_;    ///< ∂J/∂λ_k; zeros; of one unknown (m)
   std::vector<double> e_, e_next_, factors_; ///< of the functionals of velocities
   forward::Predictor::Guide guide_;

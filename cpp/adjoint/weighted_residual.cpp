@@ -76,7 +76,7 @@ private:
 class TimePart {
 public:
   TimePart(const forward::Stepper& stepper, const Window& motion, int steps, const forward::ForceAtStep& load)
-      : stepper_(stepper), motion_(motion), steps_(steps), load_(load), tau_(stepper.grid().tau),
+      : stepper_(stepper), motion_(motion), steps_(steps), load_(load), tau_(stepper.grid().length(1)),
         rate_(stepper.space().vector()), later_(stepper.space().vector()), force_(stepper.space().vector()),
         force_later_(stepper.space().vector()), moves_(stepper.space().vector()),
         product_(stepper.space().vector()) {}
@@ -156,7 +156,7 @@ public:
   /// Takes p_k after p_{k+1}.
   void take(int k, Vec p) {
     const auto i = static_cast<std::size_t>(k);
-    duals_.move(p, k < steps_ ? &contact_[i + 1] : nullptr);
+    duals_.move(k, p, k < steps_ ? &contact_[i + 1] : nullptr);
     const Vec r = residual_(k);
     body_.embed(p, dual_);
     space_ += scheme_.impulse() * dot(dual_, r);
@@ -175,7 +175,7 @@ public:
   /// The part of initial data; to be called after take(1, p_1).
   double initial() {
     check(VecZeroEntries(coarse_));
-    duals_.move(coarse_, &contact_[1]); // now p_later is p_1, and the velocities ω_0, ω_1
+    duals_.move(0, coarse_, &contact_[1]); // now p_later is p_1, and the velocities ω_0, ω_1
     const auto& [dy, dv] = body_.initial_error();
     const fem::Operators& operators = body_.operators();
     double value = 0;

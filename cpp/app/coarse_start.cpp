@@ -52,7 +52,7 @@ public:
 
   Level(MPI_Comm comm, scene::Scene scene)
       : scene_(std::move(scene)), problem_(comm, scene_, {.sliding = true}, timers_),
-        control_problem_(problem_, Console(false, false)) {}
+        control_problem_(with_steps(problem_), Console(false, false)) {}
 
   [[nodiscard]] const Problem& problem() const { return problem_; }
   [[nodiscard]] control::Control first_guess() const { return control_problem_.first_guess(scene_); }
@@ -85,6 +85,11 @@ public:
   }
 
 private:
+  static const Problem& with_steps(const Problem& problem) {
+    choose_steps(problem, Console(false, false));
+    return problem;
+  }
+
   scene::Scene scene_;
   Timers timers_;
   Problem problem_;
@@ -105,7 +110,8 @@ scene::Scene coarser(const scene::Scene& scene, int multiple) {
 /// Whether a level has cells and steps enough, by what the fine mesh has.
 bool worth(const Problem& problem, int multiple) {
   const double cells = static_cast<double>(problem.mesh.cells()) / std::pow(multiple, problem.mesh.dim());
-  return cells >= least_cells && coarser(problem.scene, multiple).time.steps >= least_steps;
+  const scene::Time time = coarser(problem.scene, multiple).time;
+  return cells >= least_cells && (time.automatic() || time.steps >= least_steps);
 }
 
 /// Throws UserError unless the mesh of a level has fewer cells than the fine one: a .geo may set sizes
@@ -160,8 +166,8 @@ SearchStart<Method> search_start(const Problem& problem, ControlProblem& control
         loose.tolerance = std::max(loose.tolerance, coarse_tolerance);
         loose.through_kinks = false;
         io::CoarseLevel record{.size = *coarse.mesh.size,
-                               .step = coarse.time.step,
-                               .steps = coarse.time.steps,
+                               .step = coarse.time.end / level->problem().steps(),
+                               .steps = level->problem().steps(),
                                .free_unknowns = level->problem().free_dofs()};
         level->search(last ? last->on(level->control_problem(), loose)
                            : SearchStart<Method>{level->first_guess()},

@@ -29,7 +29,7 @@ void write_control(const io::OutputFolder& folder, const Problem& problem,
   write(scene::StoredField::control, controls.cellwise() ? cellwise : nodal, [&](auto&& store) {
     const petsc::Vector field = controls.field();
     for (int k : steps) {
-      controls.extend(u.at(k), field);
+      controls.extend(u.at(controls.interval(k)), field);
       store(k, field);
     }
   });

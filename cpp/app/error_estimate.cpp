@@ -11,8 +11,8 @@ class EnrichedLoads {
 public:
   EnrichedLoads(const adjoint::EnrichedBody& body, const Problem& problem,
                 const control::ControlSpace& controls)
-      : body_(body), coarse_(controls), controls_(body.space(), body.operators(), problem.stepper.grid(),
-                                                  problem.steps(), *problem.scene.control),
+      : body_(body), coarse_(controls),
+        controls_(body.space(), body.operators(), problem.stepper.grid(), *problem.scene.control),
         coarse_field_(controls.field()), field_(controls_.field()), values_(controls_.size()) {
     if (problem.scene.load)
       load_.emplace(body.space(), body.operators().M, *problem.scene.load, problem.stepper.grid());

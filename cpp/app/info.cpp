@@ -73,7 +73,9 @@ std::map<std::string, Cost> costs(const Problem& problem) {
   if (body.B)
     costs["viscosity"] = {"B", petsc::bytes(*body.B), "nothing: it is in D and R"};
   if (stepper.motion())
-    costs["moving clamp"] = {"D before the clamps", stepper.motion()->bytes(), "a product"};
+    costs["moving clamp"] = {"D before the clamps",
+                             petsc::bytes(stepper.of_length(stepper.grid().first_length()).whole_D),
+                             "a product"};
   if (const contact::ContactPairs* pairs = stepper.pairs()) {
     costs["contact"] = {fmt::format("of the {} candidates", pairs->count()),
                         stepper.solver().memory().condensation,
@@ -111,7 +113,7 @@ std::map<std::string, Cost> costs(const Problem& problem) {
   costs["measurements"].step = "in a fit, a few values";
   if (!scene.objective)
     return costs;
-  const control::ControlSpace controls(problem.space, body, stepper.grid(), problem.steps(), *scene.control);
+  const control::ControlSpace controls(problem.space, body, stepper.grid(), *scene.control);
   const bool own = controls.matrix_bytes() > 0;
   costs["control"] = {own ? "its L2" : "W",
                       (own ? controls.matrix_bytes() : petsc::bytes(*body.W)) + 5 * controls.control_bytes(),
@@ -144,7 +146,9 @@ StepTimes time_steps(const Problem& problem, int steps) {
   StepTimes times;
   const GivenControl given(problem);
   forward::Stepper::Workspace work = problem.stepper.workspace();
-  const petsc::Vector p_next = problem.space.vector(), q = problem.space.vector(), p = problem.space.vector();
+  const petsc::Vector p_next = problem.space.vector(), omega = problem.space.vector(),
+                      p = problem.space.vector();
+  const int last = std::max(1, problem.steps() - 1); // with a step after it
   auto start = Clock::now();
   forward::integrate(problem.stepper, problem.initial, given.load(), steps, [&](const forward::Frame& frame) {
     const double seconds = seconds_since(start);
@@ -157,7 +161,8 @@ StepTimes time_steps(const Problem& problem, int steps) {
       petsc::check(VecCopy(frame.y1, p_next));
       start = Clock::now();
       for (int k = 0; k < steps; ++k)
-        problem.stepper.adjoint_step({k + 1, frame.contact, &frame.contact, {}, p_next, q, p}, work);
+        problem.stepper.adjoint_step(
+            {std::clamp(k + 1, 1, last), frame.contact, &frame.contact, {}, p_next, omega, p}, work);
       times.adjoint = seconds_since(start) / steps;
     }
     start = Clock::now();
@@ -210,18 +215,22 @@ std::string coarse_levels(const Problem& problem) {
 } // namespace
 
 void print_info(const Problem& problem, int timed_steps, const Console& console) {
+  choose_steps(problem, console);
   const fem::Operators& body = problem.operators;
   const forward::Stepper& stepper = problem.stepper;
-  console.line(fmt::format(
-      "{}: unknowns: {} ({} free), cells: {}, candidates: {}, steps: {} of {} s\nsolver: {}",
-      problem.scene.name, problem.space.dofs(), problem.free_dofs(), problem.mesh.cells(),
-      forward::candidates(stepper), problem.steps(), problem.scene.time.step, stepper.solver().choice()));
+  console.line(
+      fmt::format("{}: unknowns: {} ({} free), cells: {}, candidates: {}, steps: {} of {}\nsolver: {}",
+                  problem.scene.name, problem.space.dofs(), problem.free_dofs(), problem.mesh.cells(),
+                  forward::candidates(stepper), problem.steps(),
+                  stepper.grid().equal() ? fmt::format("{} s", problem.scene.time.step) : "varying length",
+                  stepper.solver().choice()));
   console.line(body_lines(problem));
-  console.line(fmt::format(
-      "always: M {}, A {}, R {}, {} {}; a step: one solve with D, products with R and M\n",
-      megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)), megabytes(petsc::bytes(stepper.R())),
-      stepper.solver().tolerance() > 0 ? "D and its preconditioner" : "the factor of D",
-      megabytes(stepper.solver().memory().factor)));
+  console.line(
+      fmt::format("always: M {}, A {}, R {}, {} {}; a step: one solve with D, products with R and M\n",
+                  megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)),
+                  megabytes(petsc::bytes(stepper.of_length(stepper.grid().first_length()).R)),
+                  stepper.solver().tolerance() > 0 ? "D and its preconditioner" : "the factor of D",
+                  megabytes(stepper.solver().memory().factor)));
   constexpr const char* row = "{:<22}{:<24}{:>10}   {}";
   console.line(fmt::format(row, "effects", "adds matrices", "memory", "and in a step"));
   std::map<std::string, Cost> all = costs(problem);

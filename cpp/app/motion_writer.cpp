@@ -9,9 +9,8 @@ using Field = scene::StoredField;
 
 MotionWriter::MotionWriter(const Problem& problem, const io::OutputFolder& folder,
                            const control::Objective* objective, bool controlled)
-    : problem_(problem), objective_(objective),
-      plausibility_(problem.stepper, problem.scene, problem.steps()), forces_(problem.stepper),
-      resolution_(problem.stepper, problem.scene) {
+    : problem_(problem), objective_(objective), plausibility_(problem.stepper, problem.scene),
+      forces_(problem.stepper), resolution_(problem.stepper, problem.scene) {
   const auto timer = problem.timers.time("output");
   const scene::Output& output = problem.scene.output;
   const bool probed = problem.probes && output.table(scene::StoredTable::probes);
@@ -60,7 +59,10 @@ void MotionWriter::open_state(const io::OutputFolder& folder) {
                                       {Field::pressure, nodal_scalar}})
     if (output.field(field))
       fields.push_back({scene::name(field), values});
-  const auto times = static_cast<std::size_t>((problem_.steps() - 1) / output.every + 2);
+  // Steps of varying length are not known yet; the disk is asked for what so many take.
+  constexpr int usual_steps = 1000;
+  const int steps = problem_.stepper.grid().complete() ? problem_.steps() : usual_steps;
+  const auto times = static_cast<std::size_t>((steps - 1) / output.every + 2);
   if (!fields.empty())
     state_.emplace(problem_.space, folder, "state.xdmf", fields, times);
   if (output.field(Field::strain) || output.field(Field::stress) || output.field(Field::von_mises))

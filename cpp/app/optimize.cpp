@@ -152,6 +152,14 @@ forward::Stepper::Needs needs(MPI_Comm comm, const scene::Scene& scene, const st
   return needs;
 }
 
+/// Takes the lengths of steps that a checkpoint has. Throws UserError if they are not those of a motion.
+void restore_steps(const Problem& problem, const std::vector<double>& levels) {
+  forward::TimeGrid grid = problem.stepper.grid(); // the same steps
+  if (grid.equal() || !grid.take(levels))
+    throw UserError(
+        "--resume: found a checkpoint with other lengths of steps, allowed is that of this scene");
+}
+
 } // namespace
 
 optimize::Options search_options(const control::ControlSpace& controls, const scene::Optimizer& scene) {
@@ -177,6 +185,12 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   Timers timers;
   const Problem problem(comm, scene, needs(comm, scene, out, resume), timers);
   console.line(headline(problem));
+  if (const std::vector<double> levels =
+          resume ? io::checkpoint_numbers(comm, out / OptimizerLog::checkpoint, OptimizerLog::levels)
+                 : std::vector<double>();
+      !levels.empty())
+    restore_steps(problem, levels);
+  choose_steps(problem, console);
   ControlProblem control_problem(problem, console);
   control::ReducedProblem& reduced = control_problem.reduced;
 

@@ -101,11 +101,25 @@ bool OptimizerLog::found() const {
   return there != 0;
 }
 
+namespace {
+
+/// The times, in s, between which controls are constant.
+std::vector<double> edges(const control::ControlSpace& controls) {
+  std::vector<double> times;
+  for (int j = 1; j <= controls.count() + 1; ++j)
+    times.push_back(controls.begin(j));
+  return times;
+}
+
+} // namespace
+
 void OptimizerLog::write(io::CheckpointWriter& out) const {
   out("format", format);
   out("program", std::string("signorini ") + SIGNORINI_VERSION);
   out("scene", scene::echo(problem_.scene, problem_.space.dim()));
   out(solver, std::string(problem_.stepper.solver().iterates() ? iterative : "direct"));
+  out("edges", edges(control_problem_.controls));
+  out(levels, problem_.stepper.grid().levels());
   out("history", flat(rows_));
   out("seconds", seconds());
   out("sweeps",

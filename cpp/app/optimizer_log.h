@@ -16,6 +16,7 @@ public:
   static constexpr const char* checkpoint = "checkpoint.h5"; ///< the file's name
   /// Its entry for the solver of the steps, and what that says of conjugate gradients.
   static constexpr const char *solver = "solver", *iterative = "iterative";
+  static constexpr const char* levels = "levels"; ///< its entry for the lengths of steps, if they vary
 
   /// With `resume` the search continues from the folder's checkpoint, if there is one. The references must
   /// outlive this object.

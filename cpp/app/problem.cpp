@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/signals.h"
+#include "forward/step_control.h"
 #include "io/stored_control.h"
 #include "io/stored_field.h"
 #include <fmt/format.h>
@@ -220,11 +221,61 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
   if (!has_given_control(problem.scene))
     return;
   const scene::Control& control = *problem.scene.control;
-  controls_.emplace(problem.space, problem.operators, problem.stepper.grid(), problem.steps(), control);
+  controls_.emplace(problem.space, problem.operators, problem.stepper.grid(), control);
+  if (controls_->stepwise() && !problem.stepper.grid().complete()) {
+    if (control.stored)
+      throw UserError("control.initial: found the control of a run with time.step = \"auto\", allowed is one "
+                      "on intervals of its own (control.step), or expressions");
+    force_ = std::make_unique<control::SampledForce>(*controls_, *control.initial, "control.initial", true);
+    return;
+  }
   require_memory(problem, *controls_, false);
-  control_ = first_guess(*controls_, control);
+  make_control();
+  force_ = std::make_unique<control::ControlForce>(*controls_, *control_);
+}
+
+void GivenControl::make_control() const {
+  control_ = first_guess(*controls_, *problem_.scene.control);
   controls_->project(*control_);
-  force_.emplace(*controls_, *control_);
+}
+
+const control::Control* GivenControl::control() const {
+  if (force_ && !control_)
+    make_control();
+  return control_ ? &*control_ : nullptr;
+}
+
+void choose_steps(const Problem& problem, const forward::ForceAtStep& load, const Console& console) {
+  const auto timer = problem.timers.time("lengths of steps");
+  const forward::TimeGrid& grid = problem.stepper.grid();
+  forward::StepControl control(problem.stepper, problem.scene);
+  forward::integrate_choosing(problem.stepper, problem.initial, load, control, {});
+  if (!grid.complete())
+    throw Interrupted();
+  double shortest = grid.end(), longest = 0;
+  for (int k = 1; k <= grid.steps(); ++k) {
+    shortest = std::min(shortest, grid.length(k));
+    longest = std::max(longest, grid.length(k));
+  }
+  console.line(
+      fmt::format("{} steps, of {:.3g} s to {:.3g} s, chosen by a motion in which {} were made again",
+                  grid.steps(), shortest, longest, control.rejected()));
+}
+
+void choose_steps(const Problem& problem, const Console& console) {
+  if (problem.stepper.grid().complete())
+    return;
+  const scene::Scene& scene = problem.scene;
+  const auto* desired =
+      scene.objective ? std::get_if<scene::DesiredControl>(&scene.objective->desired) : nullptr;
+  if (!has_given_control(scene) && desired) {
+    const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.grid(),
+                                         *scene.control);
+    const control::SampledForce reference(controls, desired->control, "objective.desired.control", false);
+    choose_steps(problem, problem.load(&reference), console);
+  } else {
+    choose_steps(problem, GivenControl(problem).load(), console);
+  }
 }
 
 Displacements given_motion(const Problem& problem, bool keep) {
@@ -248,11 +299,10 @@ forward::StateStoreFactory state_stores(const Problem& problem) {
   return {problem.stepper, problem.scene.trajectory, problem.steps(), computed ? 0.5 : 1, problem.timers};
 }
 
-forward::ForceAtStep GivenControl::load() const { return problem_.load(force_ ? &*force_ : nullptr); }
+forward::ForceAtStep GivenControl::load() const { return problem_.load(force_.get()); }
 
 ControlProblem::ControlProblem(const Problem& problem, const Console& console)
-    : controls(problem.space, problem.operators, problem.stepper.grid(), problem.steps(),
-               *problem.scene.control),
+    : controls(problem.space, problem.operators, problem.stepper.grid(), *problem.scene.control),
       reference(reference_control(problem, controls)), storage(state_stores(problem)),
       desired_storage(state_stores(problem)),
       objective(controls, problem.operators, problem.stepper.grid(),

@@ -44,7 +44,7 @@ struct Problem {
   [[nodiscard]] forward::ForceAtStep load(const forward::Load* control = nullptr) const {
     return {space, {scene_loads(), control}};
   }
-  [[nodiscard]] int steps() const { return scene.time.steps; }
+  [[nodiscard]] int steps() const { return stepper.grid().steps(); }
   /// Unknowns that no clamp holds, on all ranks. Collective.
   [[nodiscard]] long free_dofs() const;
 };
@@ -64,7 +64,8 @@ struct Problem {
 /// memory. Collective. `problem` must outlive it. Throws UserError.
 std::unique_ptr<const forward::Displacements> given_motion(const Problem& problem, bool keep);
 
-/// The control that a scene gives (control.initial, within its bounds), for runs that do not optimise.
+/// The control that a scene gives (control.initial, within its bounds), for runs that do not optimise. Where
+/// the lengths of steps are still to be chosen and it is constant on each, it is evaluated step by step.
 class GivenControl {
 public:
   /// Collective. `problem` must outlive this object. Throws UserError.
@@ -73,20 +74,29 @@ public:
   GivenControl& operator=(const GivenControl&) = delete;
 
   /// Whether there is one.
-  [[nodiscard]] bool acts() const { return force_.has_value(); }
+  [[nodiscard]] bool acts() const { return force_ != nullptr; }
 
   /// All forces, the control's included; valid as long as this object lives.
   [[nodiscard]] forward::ForceAtStep load() const;
 
-  /// Null where it is zero.
-  [[nodiscard]] const control::Control* control() const { return control_ ? &*control_ : nullptr; }
+  /// Null where it is zero. To be called once all steps are known. Collective. Throws UserError.
+  [[nodiscard]] const control::Control* control() const;
 
 private:
+  void make_control() const;
+
   const Problem& problem_;
   std::optional<control::ControlSpace> controls_;
-  std::optional<control::Control> control_;
-  std::optional<control::ControlForce> force_; ///< of control_
+  mutable std::optional<control::Control> control_;
+  std::unique_ptr<const forward::Load> force_;
 };
+
+/// Chooses the lengths of the steps, if they vary and are not known yet, by a motion under the control that
+/// the scene gives or, where it gives none, the one whose motion is desired. Collective. Throws UserError,
+/// SolverFailure, Interrupted.
+void choose_steps(const Problem& problem, const Console& console);
+/// The same by a motion under `load`, whether or not they are known.
+void choose_steps(const Problem& problem, const forward::ForceAtStep& load, const Console& console);
 
 /// The control problem of a scene: control, objective, desired motion and reduced problem.
 struct ControlProblem {

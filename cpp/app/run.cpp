@@ -12,8 +12,10 @@
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/threads.h"
+#include "forward/step_control.h"
 #include "io/manifest.h"
 #include "io/output_folder.h"
+#include <cmath>
 #include <fmt/format.h>
 
 namespace signorini {
@@ -56,26 +58,38 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   std::optional<SyntheticData> data;
   if (request.measure)
     data.emplace(problem.stepper, scene);
-  int steps = 0;
+  constexpr int per_mille = 1000;
+  int steps = 0, rejected = 0;
   {
     const auto timer = timers.time("forward");
-    Progress progress(console, "steps", static_cast<std::size_t>(problem.steps()));
-    steps = forward::integrate(problem.stepper, problem.initial, load, problem.steps(),
-                               [&](const forward::Frame& frame) {
-                                 recorder(frame);
-                                 if (objective)
-                                   objective->observe(frame);
-                                 if (data)
-                                   data->observe(frame);
-                                 progress.update(static_cast<std::size_t>(frame.k));
-                               });
+    const forward::TimeGrid& grid = problem.stepper.grid();
+    Progress progress(console, grid.equal() ? "steps" : "per mille of the time",
+                      static_cast<std::size_t>(grid.equal() ? grid.steps() : per_mille));
+    const auto watch = [&](const forward::Frame& frame) {
+      recorder(frame);
+      if (objective)
+        objective->observe(frame);
+      if (data)
+        data->observe(frame);
+      progress.update(static_cast<std::size_t>(
+          grid.equal() ? frame.k : std::floor(per_mille * grid.time(frame.k) / grid.end())));
+    };
+    if (grid.equal()) {
+      steps = forward::integrate(problem.stepper, problem.initial, load, grid.steps(), watch);
+    } else {
+      forward::StepControl control(problem.stepper, scene);
+      steps = forward::integrate_choosing(problem.stepper, problem.initial, load, control, watch);
+      rejected = control.rejected();
+    }
   }
   if (steps == 0) // no result that could replace an earlier run's
     throw Interrupted();
-  const bool complete = steps == problem.steps();
+  const bool complete = problem.stepper.grid().complete() && steps == problem.steps();
   recorder.finish();
   folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
   io::Manifest m = manifest(problem, "simulate", complete ? "end of time" : "interrupted", steps);
+  if (m.lengths)
+    m.lengths->rejected = rejected;
   add_watched(m, recorder, scene.run, console);
   if (objective && complete)
     m.objective = objective->value();

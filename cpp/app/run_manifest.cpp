@@ -2,6 +2,7 @@
 #include "base/collective.h"
 #include "base/memory.h"
 #include "base/threads.h"
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace signorini {
@@ -20,10 +21,15 @@ std::string headline(const Problem& problem) {
   for (const auto& [name, active] : io::effects(problem.scene))
     if (active)
       on += (on.empty() ? "" : ", ") + name;
-  return fmt::format("{}: {} free unknowns, {} contact candidates, {} steps of {} s, {} "
+  const forward::TimeGrid& grid = problem.stepper.grid();
+  const std::string steps = grid.equal()
+                                ? fmt::format("{} steps of {} s", grid.steps(), problem.scene.time.step)
+                                : fmt::format("steps of {:.3g} s to {:.3g} s",
+                                              grid.ladder()->length(grid.ladder()->levels), grid.longest());
+  return fmt::format("{}: {} free unknowns, {} contact candidates, {}, {} "
                      "rank{}{}\n{}\neffects: {}\nsolver: {}",
-                     problem.scene.name, problem.free_dofs(), forward::candidates(problem.stepper),
-                     problem.steps(), problem.scene.time.step, size, size == 1 ? "" : "s",
+                     problem.scene.name, problem.free_dofs(), forward::candidates(problem.stepper), steps,
+                     size, size == 1 ? "" : "s",
                      threads() == 1 ? "" : fmt::format(" of {} threads", threads()), body_lines(problem),
                      on.empty() ? "none" : on, problem.stepper.solver().choice());
 }
@@ -38,7 +44,18 @@ io::Manifest manifest(const Problem& problem, const std::string& verb, const std
   m.free_unknowns = problem.free_dofs();
   m.cells = static_cast<long>(problem.mesh.cells());
   m.candidates = forward::candidates(problem.stepper);
+  const forward::TimeGrid& grid = problem.stepper.grid();
   m.steps_done = steps_done;
+  m.steps_asked = grid.steps();
+  if (!grid.equal()) {
+    io::Lengths& lengths = m.lengths.emplace();
+    lengths.shortest = grid.end();
+    for (int k = 1; k <= grid.steps(); ++k) {
+      lengths.shortest = std::min(lengths.shortest, grid.length(k));
+      lengths.longest = std::max(lengths.longest, grid.length(k));
+    }
+    lengths.factorisations = problem.stepper.factorisations();
+  }
   m.dim = problem.space.dim();
   m.body = forward::body_figures(problem.stepper, problem.scene);
   if (const auto& control = problem.scene.control)

@@ -5,35 +5,11 @@ namespace signorini {
 
 namespace {
 
-/// The force of a reference control, evaluated step by step.
-class ReferenceForce final : public forward::Load {
-public:
-  ReferenceForce(const control::ControlSpace& controls, const scene::Components& reference, bool constant)
-      : controls_(controls), constant_(constant), field_(reference, "objective.desired.control", !constant),
-        values_(controls.size()) {}
-  [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
-  [[nodiscard]] bool has_vector() const override { return !has_density(); }
-  void add(int k, forward::NodalForce sum) const override {
-    if (!evaluated_ || field_.depends_on_time())
-      fem::interpolate(controls_.space().comm(), field_, constant_ ? 0 : controls_.grid().load_time(k),
-                       controls_.points(), controls_.components(), values_);
-    evaluated_ = true;
-    controls_.add_force(values_, sum);
-  }
-
-private:
-  const control::ControlSpace& controls_;
-  bool constant_;
-  scene::Field field_;
-  mutable std::vector<double> values_;
-  mutable bool evaluated_ = false;
-};
-
 /// The motion under a reference control, made as far as it is asked for; states in ascending order.
 class Marching final : public forward::Displacements {
 public:
   Marching(const Problem& problem, const control::ControlSpace& controls, const scene::Components& reference)
-      : problem_(problem), force_(controls, reference, problem.scene.control->constant_in_time),
+      : problem_(problem), force_(controls, reference, "objective.desired.control", false),
         load_(problem.load(&force_)), work_(problem.stepper.workspace()),
         contact_{contact::ContactState(forward::candidates(problem.stepper)),
                  contact::ContactState(forward::candidates(problem.stepper))},
@@ -55,7 +31,7 @@ private:
   contact::ContactState& contact(int k) const { return contact_[static_cast<std::size_t>(k % 2)]; }
 
   const Problem& problem_;
-  ReferenceForce force_;
+  control::SampledForce force_;
   forward::ForceAtStep load_;
   mutable forward::Stepper::Workspace work_;
   mutable std::array<contact::ContactState, 2> contact_;
@@ -72,17 +48,19 @@ std::unique_ptr<const forward::Displacements> desired(const Problem& problem,
 } // namespace
 
 RunObjective::RunObjective(const Problem& problem, const GivenControl& given)
-    : problem_(problem), controls_(problem.space, problem.operators, problem.stepper.grid(), problem.steps(),
-                                   *problem.scene.control),
-      none_(controls_.size(), 1, problem.steps()), given_(given.control() ? *given.control() : none_),
-      objective_(controls_, problem.operators, problem.stepper.grid(), desired(problem, controls_),
-                 *problem.scene.objective) {}
+    : problem_(problem),
+      controls_(problem.space, problem.operators, problem.stepper.grid(), *problem.scene.control),
+      given_(given), objective_(controls_, problem.operators, problem.stepper.grid(),
+                                desired(problem, controls_), *problem.scene.objective) {}
 
 void RunObjective::observe(const forward::Frame& frame) {
   const auto timer = problem_.timers.time("objective");
   objective_.observe(frame.k, frame.y1, squared_distances_);
 }
 
-control::Value RunObjective::value() const { return objective_.value(squared_distances_, given_); }
+control::Value RunObjective::value() const {
+  const control::Control* given = given_.control();
+  return objective_.value(squared_distances_, given ? *given : controls_.zero());
+}
 
 } // namespace signorini

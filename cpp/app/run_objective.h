@@ -21,8 +21,7 @@ public:
 private:
   const Problem& problem_;
   control::ControlSpace controls_;
-  control::Control none_; ///< zero
-  const control::Control& given_;
+  const GivenControl& given_;
   control::Objective objective_;
   std::vector<double> squared_distances_;
 };

@@ -86,14 +86,20 @@ ContactPairs::boundary_nodes(const std::vector<scene::Contact>& contacts, const 
   return nodes;
 }
 
+namespace {
+constexpr int looks = 1000; // at an obstacle that moves, while the lengths of steps are not known
+}
+
 std::vector<double> ContactPairs::times_of_meeting(const std::vector<BoundaryNode>& nodes,
                                                    const scene::Time& time) const {
   std::vector<double> times(nodes.size()), before(nodes.size()),
       least(nodes.size(), std::numeric_limits<double>::infinity());
   for (std::size_t obstacle : moving_) {
     const Obstacle& shape = shapes_[obstacle];
-    for (int k = 0; shape.curved() && k <= time.steps; ++k) {
-      const Obstacle::Place place = shape.place(k * time.step);
+    const int steps = time.automatic() ? looks : time.steps;
+    const double step = time.automatic() ? time.end / looks : time.step;
+    for (int k = 0; shape.curved() && k <= steps; ++k) {
+      const Obstacle::Place place = shape.place(k * step);
       for (std::size_t i = 0; i < nodes.size(); ++i) {
         if (static_cast<std::size_t>(nodes[i].obstacle) != obstacle || nodes[i].free_components == 0 ||
             least[i] <= 0)
@@ -102,7 +108,7 @@ std::vector<double> ContactPairs::times_of_meeting(const std::vector<BoundaryNod
         if (level < least[i])
           times[i] = place.t, least[i] = level;
         if (level <= 0 && k > 0) // between two steps, by the secant
-          times[i] -= time.step * level / (level - last);
+          times[i] -= step * level / (level - last);
       }
     }
   }

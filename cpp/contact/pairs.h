@@ -14,10 +14,11 @@ namespace signorini::contact {
 /// ranks; all arrays over pairs are the same on every rank.
 class ContactPairs {
 public:
-  /// Obstacles that move are looked at in the steps of `time`: a pair's direction is that at the time at
-  /// which the obstacle first touches the undeformed node or, if it never does, is nearest to it. Collective.
-  /// Throws UserError if a group is missing or holds only clamped nodes, if an obstacle has no normal at a
-  /// node, or if no position of a node satisfies the constraints of all its obstacles.
+  /// Obstacles that move are looked at in the steps of `time`, or at a thousand times: a pair's direction is
+  /// that at the time at which the obstacle first touches the undeformed node or, if it never does, is
+  /// nearest to it. Collective. Throws UserError if a group is missing or holds only clamped nodes, if an
+  /// obstacle has no normal at a node, or if no position of a node satisfies the constraints of all its
+  /// obstacles.
   ContactPairs(const fem::Space& space, const fem::DirichletDofs& clamped,
                const std::vector<scene::Contact>& contacts, const scene::Time& time = {});
 

@@ -27,14 +27,21 @@ struct CondensedVi {
 };
 
 /// Scratch of the solvers of contact steps, made by ContactStepSolver::workspace(); each uses some of it. No
-/// call depends on what an earlier one left, except that the factor of S_AA is used again for the same set.
-/// One at a time may work with it.
+/// call depends on what an earlier one left, except that the factor of S_AA is used again for the same set,
+/// and K in `condensed`: both belong to one D. One at a time may work with it.
 struct Workspace {
   /// For m candidates.
   explicit Workspace(int m) : gap0(static_cast<std::size_t>(m)), normal(gap0.size()), mu(gap0.size()) {
     for (ActiveSet* one : {&set, &next, &wrong, &factorised, &independent})
       one->reserve(gap0.size());
     b.reserve(gap0.size());
+  }
+
+  /// To be called before steps with another D.
+  void forget() {
+    factorised.clear();
+    factor.clear();
+    condensed.reset();
   }
 
   Prediction prediction;

@@ -27,7 +27,7 @@ double power_above(double largest) {
 
 } // namespace
 
-CompactControl::CompactControl(const Control& u) : count_(u.count()), steps_(u.steps()) {
+CompactControl::CompactControl(const Control& u) : count_(u.count()) {
   double largest = 0;
   for (double x : u.values())
     largest = std::max(largest, std::abs(x));
@@ -74,7 +74,7 @@ void CompactControl::combine(std::vector<CompactControl>& x,
 
 Control::Control(const CompactControl& u)
     : values_(std::vector<double>(u.values().begin(), u.values().end())),
-      size_(u.values().size() / static_cast<std::size_t>(u.count())), count_(u.count()), steps_(u.steps()) {
+      size_(u.values().size() / static_cast<std::size_t>(u.count())), count_(u.count()) {
   scale(u.scale());
 }
 
@@ -139,13 +139,15 @@ petsc::Vector lump(Mat W) {
 } // namespace
 
 ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::TimeGrid grid,
-                           int steps, const scene::Control& scene)
-    : space_(space), grid_(grid), steps_(steps), scale_(scene.scale),
-      constant_in_time_(scene.constant_in_time), cellwise_(scene.space == scene::ControlValues::cellwise),
-      on_(scene.on), components_(ascending(fem::component_numbers(scene.components, space.dim()))),
+                           const scene::Control& scene)
+    : space_(space), grid_(grid), scale_(scene.scale), constant_in_time_(scene.constant_in_time),
+      cellwise_(scene.space == scene::ControlValues::cellwise), on_(scene.on),
+      components_(ascending(fem::component_numbers(scene.components, space.dim()))),
       lower_(per_component(scene.lower, space.dim(), components_)),
       upper_(per_component(scene.upper, space.dim(), components_)) {
   ++spaces;
+  if (scene.step)
+    own_.emplace(*scene.step, scene.intervals);
   if (cellwise_)
     take_cells(scene.on);
   else
@@ -153,13 +155,13 @@ ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operat
 }
 
 void ControlSpace::take_cells(const std::optional<std::string>& on) {
-  own_ = fem::assemble_cellwise(space_, on, "control.on");
+  matrix_ = fem::assemble_cellwise(space_, on, "control.on");
   const petsc::Vector one = space_.vector();
   check(VecSet(one, 1));
   const auto volumes = [&] { // the nodal functions are a partition of unity
     petsc::Vector x;
-    check(MatCreateVecs(own_, x.put(), nullptr));
-    check(MatMultTranspose(own_, one, x));
+    check(MatCreateVecs(matrix_, x.put(), nullptr));
+    check(MatMultTranspose(matrix_, one, x));
     return x;
   };
   field_ = volumes();
@@ -168,7 +170,7 @@ void ControlSpace::take_cells(const std::optional<std::string>& on) {
     std::vector<int> columns;
     for (std::size_t i = 0; i < places_.size() * components_.size(); ++i)
       columns.push_back(static_cast<int>(entry(i)));
-    own_ = fem::columns(own_, columns);
+    matrix_ = fem::columns(matrix_, columns);
   }
   volumes_ = volumes();
   make_work(volumes_);
@@ -180,10 +182,10 @@ void ControlSpace::take_nodes(const fem::Operators& operators, const std::option
   field_ = space_.vector();
   keep_places(fem::diagonal(L2), space_.points());
   if (!everywhere_)
-    own_ = fem::among_nodes(L2, places_, static_cast<int>(components_.size()));
+    matrix_ = fem::among_nodes(L2, places_, static_cast<int>(components_.size()));
   else if (on)
-    own_ = std::move(part);
-  mass_ = own_ ? Mat(own_) : L2;
+    matrix_ = std::move(part);
+  mass_ = matrix_ ? Mat(matrix_) : L2;
   make_work(petsc::vector_of(mass_));
   if (bounded())
     lumped_ = lump(mass_);
@@ -236,7 +238,23 @@ double ControlSpace::control_bytes() const {
   return sizeof(PetscScalar) * static_cast<double>(size) * count();
 }
 
-Control ControlSpace::zero() const { return Control(size_, count(), steps_); }
+int ControlSpace::interval(int k) const {
+  return constant_in_time_ ? 1 : own_ ? own_->place(grid_.load_time(k)).k : k;
+}
+
+double ControlSpace::begin(int j) const {
+  return constant_in_time_ ? (j - 1) * grid_.end() : (own_ ? *own_ : grid_).time(j - 1);
+}
+
+double ControlSpace::middle(int j) const {
+  return constant_in_time_ ? 0 : (own_ ? *own_ : grid_).load_time(j);
+}
+
+double ControlSpace::length(int j) const {
+  return constant_in_time_ ? grid_.end() : (own_ ? *own_ : grid_).length(j);
+}
+
+Control ControlSpace::zero() const { return Control(size_, count()); }
 
 Control ControlSpace::constant(double value) const {
   Control u = zero();
@@ -247,12 +265,11 @@ Control ControlSpace::constant(double value) const {
 Control ControlSpace::interpolate(const scene::Components& components, const std::string& key) const {
   const scene::Field field(components, key, !constant_in_time_);
   Control u = zero();
-  for (int k = 1; k <= u.count(); ++k)
-    if (k > 1 && !field.depends_on_time())
-      std::ranges::copy(u.at(1), u.at(k).begin());
+  for (int j = 1; j <= u.count(); ++j)
+    if (j > 1 && !field.depends_on_time())
+      std::ranges::copy(u.at(1), u.at(j).begin());
     else
-      fem::interpolate(space_.comm(), field, constant_in_time_ ? 0 : grid_.load_time(k), points_, components_,
-                       u.at(k));
+      fem::interpolate(space_.comm(), field, middle(j), points_, components_, u.at(j));
   return u;
 }
 
@@ -266,30 +283,30 @@ void ControlSpace::mass(std::span<const double> u, std::span<double> out) const 
 
 Control ControlSpace::mass(const Control& u) const {
   Control image = zero();
-  for (int k = 1; k <= u.count(); ++k)
-    mass(u.at(k), image.at(k));
+  for (int j = 1; j <= u.count(); ++j)
+    mass(u.at(j), image.at(j));
   return image;
 }
 
 double ControlSpace::sum(double mine) const {
   MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_DOUBLE, MPI_SUM, space_.comm());
-  return duration() * mine;
+  return mine;
 }
 
 double ControlSpace::product(const Control& u, const Control& w) const {
-  std::vector<double> image(size_); // of one step: products are made often, and controls are long
+  std::vector<double> image(size_); // of one interval: products are made often, and controls are long
   double mine = 0;
-  for (int k = 1; k <= u.count(); ++k) {
-    mass(w.at(k), image);
-    mine += dot(u.at(k), image);
+  for (int j = 1; j <= u.count(); ++j) {
+    mass(w.at(j), image);
+    mine += length(j) * dot(u.at(j), image);
   }
   return sum(mine);
 }
 
-double ControlSpace::product_at(int k, const Control& u, const Control& w) const {
+double ControlSpace::product_at(int j, const Control& u, const Control& w) const {
   std::vector<double> image(size_);
-  mass(w.at(k), image);
-  return sum(dot(u.at(k), image)) / duration();
+  mass(w.at(j), image);
+  return sum(dot(u.at(j), image));
 }
 
 double ControlSpace::norm(const Control& u) const { return std::sqrt(product(u, u)); }
@@ -299,21 +316,25 @@ double ControlSpace::inner(const Control& u, const Control& w) const {
     return product(u, w);
   const petsc::ReadArray weight(lumped_);
   double mine = 0;
-  for (int k = 1; k <= u.count(); ++k) {
-    const std::span<const double> a = u.at(k), b = w.at(k);
+  for (int j = 1; j <= u.count(); ++j) {
+    const std::span<const double> a = u.at(j), b = w.at(j);
+    double here = 0;
     for (std::size_t i = 0; i < a.size(); ++i)
-      mine += a[i] * (weight[i] * b[i]);
+      here += a[i] * (weight[i] * b[i]);
+    mine += length(j) * here;
   }
   return sum(mine);
 }
 
 Control ControlSpace::dual(const Control& u) const {
-  if (!lumped_)
-    return mass(u);
-  Control dual = u;
-  const petsc::ReadArray weight(lumped_);
-  for (int k = 1; k <= u.count(); ++k)
-    std::ranges::transform(u.at(k), std::span<const double>(weight), dual.at(k).begin(), std::multiplies());
+  Control dual = lumped_ ? u : mass(u);
+  if (lumped_) {
+    const petsc::ReadArray weight(lumped_);
+    for (int j = 1; j <= u.count(); ++j)
+      std::ranges::transform(u.at(j), std::span<const double>(weight), dual.at(j).begin(), std::multiplies());
+  }
+  for (int j = 1; j <= u.count(); ++j)
+    signorini::scale(length(j), dual.at(j));
   return dual;
 }
 
@@ -335,7 +356,6 @@ std::vector<double> ControlSpace::pairings(std::span<const Control> duals, std::
   for (std::size_t i = 0; i < each; ++i)
     sums[i] *= w[i % w.size()].scale(); // of this rank
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, space_.comm());
-  scale(duration(), sums);
   return sums;
 }
 
@@ -344,9 +364,9 @@ void ControlSpace::to_inner(Control& gradient) const {
     return;
   std::vector<double> image(size_);
   const petsc::ReadArray weight(lumped_);
-  for (int k = 1; k <= gradient.count(); ++k) {
-    mass(gradient.at(k), image);
-    std::ranges::transform(image, std::span<const double>(weight), gradient.at(k).begin(), std::divides());
+  for (int j = 1; j <= gradient.count(); ++j) {
+    mass(gradient.at(j), image);
+    std::ranges::transform(image, std::span<const double>(weight), gradient.at(j).begin(), std::divides());
   }
 }
 
@@ -383,7 +403,7 @@ void ControlSpace::add_force(std::span<const double> u, forward::NodalForce sum)
   const petsc::Placed values(in_, u);
   if (cellwise_) {
     check(VecAXPBY(work_, scale_, 0, values));
-    check(MatMultAdd(own_, work_, sum.vector, sum.vector));
+    check(MatMultAdd(matrix_, work_, sum.vector, sum.vector));
   } else { // other basis functions vanish where the control acts
     check(MatMult(mass_, values, work_));
     add(scale_, petsc::ReadArray(work_), sum.vector);
@@ -391,21 +411,39 @@ void ControlSpace::add_force(std::span<const double> u, forward::NodalForce sum)
 }
 
 void ControlSpace::add_riesz(int k, Vec p, Control& g) const {
-  const double weight = grid_.scheme(k).impulse() / duration() * scale_; // divided by that of product()
-  if (cellwise_) {                                                       // the mean of p over each cell
-    check(MatMultTranspose(own_, p, work_));
+  const int j = interval(k);
+  const double weight = grid_.scheme(k).impulse() / length(j) * scale_; // divided by that of product()
+  if (cellwise_) {                                                      // the mean of p over each cell
+    check(MatMultTranspose(matrix_, p, work_));
     check(VecPointwiseDivide(work_, work_, volumes_));
-    axpy(weight, petsc::ReadArray(work_), g.at(k));
+    axpy(weight, petsc::ReadArray(work_), g.at(j));
     return;
   }
   const petsc::ReadArray states(p);
   if (everywhere_) {
-    axpy(weight, states, g.at(k));
+    axpy(weight, states, g.at(j));
     return;
   }
-  const std::span<double> values = g.at(k);
+  const std::span<double> values = g.at(j);
   for (std::size_t i = 0; i < values.size(); ++i)
     values[i] += weight * states[entry(i)];
+}
+
+SampledForce::SampledForce(const ControlSpace& controls, const scene::Components& components,
+                           const std::string& key, bool within)
+    : controls_(controls), field_(components, key, !controls.constant_in_time()), within_(within),
+      values_(controls.size(), 1) {}
+
+void SampledForce::add(int k, forward::NodalForce sum) const {
+  const double t = controls_.middle(controls_.interval(k));
+  if (at_ < 0 || (field_.depends_on_time() && at_ != t)) {
+    fem::interpolate(controls_.space().comm(), field_, t, controls_.points(), controls_.components(),
+                     values_.at(1));
+    if (within_)
+      controls_.project(values_);
+  }
+  at_ = t;
+  controls_.add_force(values_.at(1), sum);
 }
 
 } // namespace signorini::control

@@ -13,28 +13,25 @@ namespace signorini::control {
 
 class CompactControl;
 
-/// A control u, constant on (t_{k−1}, t_k): the values of this rank in one array, step by step
-/// (count × values); count is N, or 1 for a control that is constant in time. Copies share the values until
-/// one is changed: a search, its problem and their callers hold the same controls.
+/// A control u, constant on intervals of time: the values of this rank in one array, interval by interval
+/// (count × values). Copies share the values until one is changed: a search, its problem and their callers
+/// hold the same controls.
 class Control {
 public:
   /// The same rounded control.
   explicit Control(const CompactControl& u);
 
-  /// Zero. `size`: values of a step on this rank. `count`: steps whose values differ, 1 or N.
-  Control(std::size_t size, int count, int steps)
-      : values_(std::vector<double>(size * static_cast<std::size_t>(count))), size_(size), count_(count),
-        steps_(steps) {}
+  /// Zero. `size`: values of an interval on this rank.
+  Control(std::size_t size, int count)
+      : values_(std::vector<double>(size * static_cast<std::size_t>(count))), size_(size), count_(count) {}
 
-  /// u_k (values), k = 1…N.
-  [[nodiscard]] std::span<const double> at(int k) const { return values().subspan(begin(k), size_); }
-  [[nodiscard]] std::span<double> at(int k) { return values().subspan(begin(k), size_); }
+  /// The values of an interval, j = 1 … count.
+  [[nodiscard]] std::span<const double> at(int j) const { return values().subspan(begin(j), size_); }
+  [[nodiscard]] std::span<double> at(int j) { return values().subspan(begin(j), size_); }
   /// All of them (count × values).
   [[nodiscard]] std::span<const double> values() const { return values_.read(); }
   [[nodiscard]] std::span<double> values() { return values_.write(); }
-  /// N.
-  [[nodiscard]] int steps() const { return steps_; }
-  /// Steps whose values differ: 1 or N.
+  /// Number of intervals.
   [[nodiscard]] int count() const { return count_; }
 
   /// this += a x.
@@ -44,13 +41,11 @@ public:
   void scale(double a) { signorini::scale(a, values()); }
 
 private:
-  [[nodiscard]] std::size_t begin(int k) const {
-    return count_ == 1 ? 0 : size_ * (static_cast<std::size_t>(k) - 1);
-  }
+  [[nodiscard]] std::size_t begin(int j) const { return size_ * (static_cast<std::size_t>(j) - 1); }
 
   SharedArray<double> values_;
   std::size_t size_;
-  int count_, steps_;
+  int count_;
 };
 
 /// A control rounded to single precision, in half of its room: a search stores many, of which it takes
@@ -69,13 +64,12 @@ public:
   /// As those of a control (count × values), none larger than one in modulus.
   [[nodiscard]] std::span<const float> values() const { return values_.read(); }
   [[nodiscard]] double scale() const { return scale_; }
-  [[nodiscard]] int steps() const { return steps_; }
   [[nodiscard]] int count() const { return count_; }
 
 private:
   SharedArray<float> values_;
   double scale_ = 1;
-  int count_ = 1, steps_ = 1;
+  int count_ = 1;
 };
 
 /// The space of controls: where they act, their products, their bounds, and how they enter the equation of
@@ -83,10 +77,13 @@ private:
 /// body, a part of it or a surface (there a cell's value acts on those of its facets that lie on it). All
 /// members collective.
 ///
-/// u_k stores values only at the places (nodes or cells) and in the components where the control acts,
-/// (places × components), place by place; extend() gives the field. A control on a surface is thus small.
+/// It is constant on each time step, or on intervals of its own (control.step, or the whole time), of which a
+/// step takes the one at its middle. u_j stores values only at the places (nodes or cells) and in the
+/// components where the control acts, (places × components), place by place; extend() gives the field. A
+/// control on a surface is thus small.
 ///
-/// product() is that of L2(0,T; L2), τ Σ (u_k, w_k), over the set on which the control acts. inner() is the
+/// product() is that of L2(0,T; L2), Σ_j T_j (u_j, w_j), T_j the length of interval j, over the set on which
+/// the control acts. inner() is the
 /// product of the optimizer: the same where the mass matrix is diagonal or there are no bounds; else with the
 /// lumped mass matrix (HRZ), because clipping the values to the bounds is the projection onto the bounds
 /// exactly where the mass matrix is diagonal (docs/method.md section 6).
@@ -96,17 +93,17 @@ public:
   using Compact = CompactControl;
 
   /// The references must outlive this object. Throws UserError.
-  ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::TimeGrid grid, int steps,
+  ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::TimeGrid grid,
                const scene::Control& scene);
 
   [[nodiscard]] Control zero() const;
   /// The same number wherever the control acts.
   [[nodiscard]] Control constant(double value) const;
-  /// Values at the nodes or midpoints, in the middle of each step; of a control constant in time, at t = 0.
-  /// Throws UserError naming `key`.
+  /// Values at the nodes or midpoints, in the middle of each interval; of a control constant in time, at t =
+  /// 0. Throws UserError naming `key`.
   [[nodiscard]] Control interpolate(const scene::Components& components, const std::string& key) const;
 
-  /// Values of a step on this rank.
+  /// Values of an interval on this rank.
   [[nodiscard]] std::size_t size() const { return size_; }
   /// A zero field: a vector of V, or one for each cell (owned cells × dim).
   [[nodiscard]] petsc::Vector field() const;
@@ -116,8 +113,8 @@ public:
   void restrict(Vec field, std::span<double> values) const;
 
   [[nodiscard]] double product(const Control& u, const Control& w) const;
-  /// (u_k, w_k)
-  [[nodiscard]] double product_at(int k, const Control& u, const Control& w) const;
+  /// (u_j, w_j)
+  [[nodiscard]] double product_at(int j, const Control& u, const Control& w) const;
   [[nodiscard]] double norm(const Control& u) const;
   [[nodiscard]] double inner(const Control& u, const Control& w) const;
   /// The functional inner(u, ·), as the values that pairings() multiplies with those of w.
@@ -139,9 +136,9 @@ public:
   /// The same in single precision.
   [[nodiscard]] double compact_bytes() const { return control_bytes() * sizeof(float) / sizeof(double); }
   /// Memory of the matrix assembled for the control alone, bytes; 0 where W serves. Collective.
-  [[nodiscard]] double matrix_bytes() const { return own_ ? petsc::bytes(own_) : 0; }
+  [[nodiscard]] double matrix_bytes() const { return matrix_ ? petsc::bytes(matrix_) : 0; }
 
-  [[nodiscard]] int steps() const { return steps_; }
+  [[nodiscard]] int steps() const { return grid_.steps(); }
   [[nodiscard]] const fem::Space& space() const { return space_; }
   /// The group where the control acts, absent: the body.
   [[nodiscard]] const std::optional<std::string>& on() const { return on_; }
@@ -156,28 +153,37 @@ public:
 
   /// Whether the control acts by a force density, else by forces on the nodes (forward::NodalForce).
   [[nodiscard]] bool acts_by_density() const { return !on_ && !cellwise_; }
-  /// Adds the force s u, for the values u of a step.
+  /// Adds the force s u, for the values u of an interval.
   void add_force(std::span<const double> u, forward::NodalForce sum) const;
 
   /// Adds to g the contribution of step k to the Riesz representative, in product(), of the functional
-  /// u ↦ Σ_k impulse() p_k · (force of u_k): the transpose of add_force(). For nodal values that vary in time
-  /// it is (τ s/2) p_k (docs/method.md section 4).
+  /// u ↦ Σ_k impulse() p_k · (force of u in step k): the transpose of add_force(). For nodal values of each
+  /// step it is (τ_k s/2) p_k (docs/method.md section 4).
   void add_riesz(int k, Vec p, Control& g) const;
 
-  /// Steps in which controls differ: 1 or N.
-  [[nodiscard]] int count() const { return constant_in_time_ ? 1 : steps_; }
+  /// Number of intervals on which controls are constant.
+  [[nodiscard]] int count() const { return constant_in_time_ ? 1 : own_ ? own_->steps() : grid_.steps(); }
+  [[nodiscard]] bool constant_in_time() const { return constant_in_time_; }
+  /// Whether these are the time steps.
+  [[nodiscard]] bool stepwise() const { return !constant_in_time_ && !own_; }
+  /// The interval whose values step k takes.
+  [[nodiscard]] int interval(int k) const;
+  /// When interval j begins, s; that after the last one begins at the end.
+  [[nodiscard]] double begin(int j) const;
+  /// The time for which a given control is evaluated on it, s: its middle, or 0 if it is the whole time.
+  [[nodiscard]] double middle(int j) const;
+  /// Its length T_j, s.
+  [[nodiscard]] double length(int j) const;
   [[nodiscard]] const forward::TimeGrid& grid() const { return grid_; }
 
 private:
-  /// τ, or T for a control that is constant in time.
-  [[nodiscard]] double duration() const { return grid_.tau * steps_ / count(); }
   /// field += a · values.
   void add(double a, std::span<const double> values, Vec field) const;
   /// out_k = mass matrix · u_k, the matrix of product().
   [[nodiscard]] Control mass(const Control& u) const;
-  /// The same of one step.
+  /// The same of one interval.
   void mass(std::span<const double> u, std::span<double> out) const;
-  /// duration() Σ over all ranks.
+  /// The sum over all ranks.
   [[nodiscard]] double sum(double mine) const;
 
   /// The local entry of a field that holds an owned value.
@@ -194,7 +200,7 @@ private:
 
   const fem::Space& space_;
   forward::TimeGrid grid_;
-  int steps_;
+  std::optional<forward::TimeGrid> own_; ///< intervals of its own
   double scale_;
   bool constant_in_time_, cellwise_;
   std::optional<std::string> on_;
@@ -202,13 +208,33 @@ private:
   std::vector<int> places_; ///< owned nodes or cells where the control acts, ascending local numbers
   bool everywhere_ = false; ///< at all places and components of all ranks: values are a field
   std::vector<double> points_;
-  petsc::Matrix own_;     ///< nodal: mass matrix, if it is not W; cellwise: ∫ u·φ (dofs × values)
-  Mat mass_ = nullptr;    ///< nodal: the mass matrix (values × values), own_ or W
+  petsc::Matrix matrix_;  ///< nodal: mass matrix, if it is not W; cellwise: ∫ u·φ (dofs × values)
+  Mat mass_ = nullptr;    ///< nodal: the mass matrix (values × values), matrix_ or W
   petsc::Vector volumes_; ///< cellwise: the diagonal mass matrix
   std::optional<std::vector<double>> lower_, upper_; ///< one entry per component of components_
   std::size_t size_ = 0;
   petsc::Vector work_, in_, out_, field_; ///< of values; in_, out_ on arrays of controls; a field
   petsc::Vector lumped_; ///< diagonal of the lumped mass matrix; null where inner() is product()
+};
+
+/// The force of a control that expressions give, evaluated as steps ask for it: not more than one interval is
+/// stored.
+class SampledForce final : public forward::Load {
+public:
+  /// `key` names it in messages; `within`: it is clipped to the bounds. `controls` must outlive this object.
+  /// Throws UserError.
+  SampledForce(const ControlSpace& controls, const scene::Components& components, const std::string& key,
+               bool within);
+  [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
+  [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
+  void add(int k, forward::NodalForce sum) const override;
+
+private:
+  const ControlSpace& controls_;
+  scene::Field field_;
+  bool within_;
+  mutable Control values_; ///< of the interval evaluated last
+  mutable double at_ = -1; ///< its time, s
 };
 
 /// The force s u_k of a control on the body, as a load.
@@ -218,7 +244,9 @@ public:
   ControlForce(const ControlSpace& controls, const Control& u) : controls_(controls), u_(u) {}
   [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
   [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
-  void add(int k, forward::NodalForce sum) const override { controls_.add_force(u_.at(k), sum); }
+  void add(int k, forward::NodalForce sum) const override {
+    controls_.add_force(u_.at(controls_.interval(k)), sum);
+  }
 
 private:
   const ControlSpace& controls_;

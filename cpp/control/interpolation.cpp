@@ -15,31 +15,32 @@ Interpolation::Interpolation(const ControlSpace& from, const ControlSpace& to)
 }
 
 Control Interpolation::operator()(const Control& u) const {
-  const double end = to_.grid().time(to_.steps()), from_step = from_.grid().time(from_.steps()) / u.count(),
-               to_step = end / to_.count();
+  const double end = to_.grid().end();
   Control result = to_.zero();
   const petsc::Vector field = from_.field();
   const std::vector<int>& components = to_.components();
   const auto dim = static_cast<std::size_t>(to_.space().dim());
   std::vector<double> here(to_.size());
+  int next = 1;                          // of the intervals of to_
   for (int j = 1; j <= u.count(); ++j) { // each is evaluated once
     from_.extend(u.at(j), field);
     const std::vector<double> all = sampler_(field);
     for (std::size_t i = 0; i < here.size(); ++i)
       here[i] = all[(first_ + i / components.size()) * dim +
                     static_cast<std::size_t>(components[i % components.size()])];
-    constexpr double rounding = 1e-9; // of a step: below that two steps do not overlap
-    const double start = (j - 1) * from_step,
-                 stop = j == u.count() ? std::max(end, j * from_step) : j * from_step;
-    const int first = std::max(1, static_cast<int>(start / to_step)),
-              last = std::min(to_.count(), static_cast<int>(stop / to_step) + 2);
-    for (int k = first; k <= last; ++k) {
-      const double part = (std::min(stop, k * to_step) - std::max(start, (k - 1) * to_step)) / to_step;
+    constexpr double rounding = 1e-9; // of an interval: below that two do not overlap
+    const double start = from_.begin(j),
+                 stop = j == u.count() ? std::max(end, from_.begin(j + 1)) : from_.begin(j + 1);
+    for (; next <= to_.count() && to_.begin(next) < stop; ++next) {
+      const double length = to_.length(next),
+                   part = (std::min(stop, to_.begin(next + 1)) - std::max(start, to_.begin(next))) / length;
       if (part > 1 - rounding)
-        std::ranges::copy(here, result.at(k).begin());
+        std::ranges::copy(here, result.at(next).begin());
       else if (part > rounding)
-        axpy(part, here, result.at(k));
+        axpy(part, here, result.at(next));
     }
+    if (next > 1)
+      --next; // it may go on in the next interval
   }
   return result;
 }

@@ -64,7 +64,7 @@ Measurements::Measurements(const forward::Stepper& stepper, const scene::Scene& 
                            const std::vector<std::vector<double>>& times, std::size_t columns)
     : stepper_(stepper),
       alternate_(!scene.time.stabilized() && std::ranges::none_of(scene.contacts, &scene::Contact::massless)),
-      steps_(scene.time.steps) {
+      steps_(stepper.grid().steps()) {
   for (std::size_t i = 0; i < scene.measurements.size(); ++i) {
     const scene::Measurement& measurement = scene.measurements[i];
     first_.push_back(samples_.size());
@@ -98,23 +98,29 @@ void Measurements::add_field(const scene::Measurement& measurement, const std::s
 }
 
 std::vector<std::pair<int, double>> Measurements::at(double t, bool force) const {
-  const double step = std::clamp(t / stepper_.grid().tau, 0.0, static_cast<double>(steps_));
-  // Forces of single steps stand in the middle of these, and none before the first and after the last.
-  const double place = force && !alternate_ ? std::clamp(step + 0.5, 1.0, static_cast<double>(steps_)) : step;
-  const int before = std::min(static_cast<int>(place), steps_ - 1);
-  const double weight = place - before;
-  if (!force || !alternate_)
-    return {{before, 1 - weight}, {before + 1, weight}};
-  // The mean at t_k is of the steps k and k + 1; at the end, of the last alone.
+  const forward::TimeGrid& grid = stepper_.grid();
+  const auto [step, part] = grid.place(t);
+  if (!force)
+    return {{step - 1, 1 - part}, {step, part}};
+  if (!alternate_) { // forces of steps stand in their middle, and none before the first and after the last
+    const int k = std::clamp(part < 0.5 ? step - 1 : step, 1, std::max(1, steps_ - 1)),
+              next = std::min(k + 1, steps_);
+    const double from = grid.load_time(k), to = grid.load_time(next),
+                 weight = next > k ? std::clamp((t - from) / (to - from), 0.0, 1.0) : 0;
+    return {{k, 1 - weight}, {next, weight}};
+  }
+  // The mean at t_k is of the impulses of the steps k and k + 1; at the end, of the last alone.
   std::vector<std::pair<int, double>> weights;
-  for (const auto& [k, w] : {std::pair(before, 1 - weight), std::pair(before + 1, weight)}) {
-    weights.emplace_back(k, w / 2);
-    weights.emplace_back(std::min(k + 1, steps_), w / 2);
+  for (const auto& [k, w] : {std::pair(step - 1, 1 - part), std::pair(step, part)}) {
+    const int next = std::min(k + 1, steps_);
+    const double first = grid.length(std::max(k, 1)), second = grid.length(next), both = first + second;
+    weights.emplace_back(k, w * first / both);
+    weights.emplace_back(next, w * second / both);
   }
   return weights;
 }
 
-double Measurements::force(const Channel& channel, std::span<const double> lambda,
+double Measurements::force(int k, const Channel& channel, std::span<const double> lambda,
                            const std::vector<double>& normals) const {
   const contact::ContactPairs& pairs = *stepper_.pairs();
   const auto dim = static_cast<std::size_t>(pairs.dim());
@@ -122,7 +128,7 @@ double Measurements::force(const Channel& channel, std::span<const double> lambd
   for (std::size_t i = 0; i < lambda.size(); ++i)
     if (lambda[i] != 0 && (channel.obstacle < 0 || pairs.obstacles()[i] == channel.obstacle))
       sum -= lambda[i] * normals[i * dim + static_cast<std::size_t>(channel.component)];
-  return sum / stepper_.grid().scheme(1).impulse();
+  return sum / stepper_.grid().scheme(k).impulse();
 }
 
 void Measurements::take(int k, std::size_t column, Vec y, Vec v) {
@@ -148,7 +154,7 @@ void Measurements::observe(const forward::Frame& frame) {
   for (Channel& channel : channels_)
     if (channel.of == Quantity::force)
       channel.values[0][k] =
-          frame.k > 0 ? force(channel, frame.contact.lambda, stepper_.pairs()->normals()) : 0;
+          frame.k > 0 ? force(frame.k, channel, frame.contact.lambda, stepper_.pairs()->normals()) : 0;
 }
 
 void Measurements::observe(const forward::Frame& frame, const forward::Tangents& tangents,
@@ -160,9 +166,9 @@ void Measurements::observe(const forward::Frame& frame, const forward::Tangents&
     for (Channel& channel : channels_) {
       if (channel.of != Quantity::force || frame.k == 0)
         continue;
-      channel.values[j + 1][k] = force(channel, tangents.lambda(j), stepper_.pairs()->normals());
+      channel.values[j + 1][k] = force(frame.k, channel, tangents.lambda(j), stepper_.pairs()->normals());
       if (const std::vector<double>* turning = rates.normals(j))
-        channel.values[j + 1][k] += force(channel, frame.contact.lambda, *turning);
+        channel.values[j + 1][k] += force(frame.k, channel, frame.contact.lambda, *turning);
     }
   }
 }
@@ -175,7 +181,7 @@ std::vector<double> Measurements::values(std::size_t column) const {
     if (sample.impulse) {
       std::vector<double>& sum = sums[sample.channel];
       for (std::size_t k = sum.size(); k < series->size(); ++k)
-        sum.push_back((k > 0 ? sum.back() : 0) + stepper_.grid().tau * (*series)[k]);
+        sum.push_back(k > 0 ? sum.back() + stepper_.grid().length(static_cast<int>(k)) * (*series)[k] : 0);
       series = &sum;
     }
     double& value = found.emplace_back();
@@ -197,7 +203,8 @@ void Measurements::set_derivative(std::span<const double> by_values) {
     double later = 0; // a force counts in all sums from its step on
     for (std::size_t k = rows; k-- > 0;) {
       later += of_sums[c][k];
-      derivative_[c][k] += stepper_.grid().tau * later;
+      if (k > 0)
+        derivative_[c][k] += stepper_.grid().length(static_cast<int>(k)) * later;
     }
   }
 }
@@ -252,7 +259,7 @@ double Measurements::by_normals(int k, std::span<const double> lambda,
   double sum = 0;
   for (std::size_t c = 0; c < channels_.size(); ++c)
     if (channels_[c].of == Quantity::force)
-      sum += derivative_[c][static_cast<std::size_t>(k)] * force(channels_[c], lambda, rate);
+      sum += derivative_[c][static_cast<std::size_t>(k)] * force(k, channels_[c], lambda, rate);
   return sum;
 }
 

@@ -69,7 +69,7 @@ private:
   void add_field(const scene::Measurement& measurement, const std::string& key);
   [[nodiscard]] std::vector<std::pair<int, double>> at(double t, bool force) const;
   /// The force of a channel by λ and normals.
-  [[nodiscard]] double force(const Channel& channel, std::span<const double> lambda,
+  [[nodiscard]] double force(int k, const Channel& channel, std::span<const double> lambda,
                              const std::vector<double>& normals) const;
   void take(int k, std::size_t column, Vec y, Vec v);
 

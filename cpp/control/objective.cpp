@@ -1,5 +1,6 @@
 #include "control/objective.h"
 #include "base/counters.h"
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -12,8 +13,8 @@ long& objectives = count("objectives");
 
 Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, forward::TimeGrid grid,
                      std::unique_ptr<const forward::Displacements> desired, const scene::Objective& scene)
-    : grid_(grid), steps_(controls.steps()), desired_(std::move(desired)), tracking_(scene.tracking),
-      alpha_(scene.alpha), gamma_(scene.gamma), controls_(controls),
+    : grid_(grid), desired_(std::move(desired)), tracking_(scene.tracking), alpha_(scene.alpha),
+      gamma_(scene.gamma), controls_(controls),
       own_(scene.on ? fem::assemble_L2(controls.space(), *scene.on, "objective.on") : petsc::Matrix()),
       observed_(own_ ? Mat(own_) : Mat(*operators.W)), error_(controls.space().vector()),
       work_(controls.space().vector()) {
@@ -21,10 +22,10 @@ Objective::Objective(const ControlSpace& controls, const fem::Operators& operato
 }
 
 double Objective::tracking_weight(int k) const {
-  return tracking_ * ((k > 0 ? grid_.length(k) : 0) + (k < steps_ ? grid_.length(k + 1) : 0)) / 2;
+  return tracking_ * ((k > 0 ? grid_.length(k) : 0) + (k < grid_.steps() ? grid_.length(k + 1) : 0)) / 2;
 }
 
-double Objective::terminal_weight(int k) const { return k == steps_ ? 2 * gamma_ : 0; }
+double Objective::terminal_weight(int k) const { return k == grid_.steps() ? 2 * gamma_ : 0; }
 
 double Objective::squared_distance(int k, Vec y) const {
   check(VecWAXPY(error_, -1, desired(k), y));
@@ -40,14 +41,14 @@ double Objective::norm(Vec y) const {
 }
 
 void Objective::observe(int k, Vec y, std::vector<double>& squared_distances) const {
-  squared_distances.resize(static_cast<std::size_t>(steps_) + 1);
+  squared_distances.resize(std::max(squared_distances.size(), static_cast<std::size_t>(grid_.steps()) + 1));
   if (weight(k) != 0)
     squared_distances[static_cast<std::size_t>(k)] = squared_distance(k, y);
 }
 
 Value Objective::value(const std::vector<double>& squared_distances, const Control& u) const {
   Value value;
-  for (int k = 0; k <= steps_; ++k) {
+  for (int k = 0; k <= grid_.steps(); ++k) {
     const double squared = squared_distances[static_cast<std::size_t>(k)];
     value.tracking += tracking_weight(k) / 2 * squared;
     value.terminal += terminal_weight(k) / 2 * squared;
@@ -59,7 +60,7 @@ Value Objective::value(const std::vector<double>& squared_distances, const Contr
 
 double Objective::quadrature_error(const std::vector<double>& squared_distances, const Control& u) const {
   constexpr int points = 3;
-  if (steps_ < points)
+  if (grid_.steps() < points)
     return 0;
   // τ times the change of a time derivative from t = 0 to T, by one-sided differences of three values at each
   // end: `first` and `last` are the outermost numbers, `weights` those of the difference at t = 0, outermost
@@ -72,12 +73,12 @@ double Objective::quadrature_error(const std::vector<double>& squared_distances,
   };
   double error = 0;
   if (tracking_ > 0)
-    error -= tracking_ * grid_.tau / 12 *
-             change([&](int k) { return squared_distances[static_cast<std::size_t>(k)] / 2; }, 0, steps_,
-                    {-1.5, 2, -0.5});
-  if (alpha_ > 0 && u.count() == steps_)
-    error += alpha_ * grid_.tau / 24 *
-             change([&](int k) { return controls_.product_at(k, u, u) / 2; }, 1, steps_, {-2, 3, -1});
+    error -= tracking_ * grid_.length(1) / 12 *
+             change([&](int k) { return squared_distances[static_cast<std::size_t>(k)] / 2; }, 0,
+                    grid_.steps(), {-1.5, 2, -0.5});
+  if (alpha_ > 0 && u.count() == grid_.steps())
+    error += alpha_ * grid_.length(1) / 24 *
+             change([&](int k) { return controls_.product_at(k, u, u) / 2; }, 1, grid_.steps(), {-2, 3, -1});
   return error;
 }
 

@@ -65,7 +65,6 @@ private:
   void add_weighted(int k, Vec y, Vec less, forward::StateDual sum) const;
 
   forward::TimeGrid grid_;
-  int steps_;
   std::unique_ptr<const forward::Displacements> desired_;
   double tracking_, alpha_, gamma_;
   const ControlSpace& controls_;

@@ -67,7 +67,7 @@ void doubt_sizes(const Stepper& stepper, const scene::Time& time, const BodyFigu
         fmt::format("the run ends at {:.3g} s, before a wave has come across the body of {:.3g} m, which "
                     "takes {:.3g} s; {}, and moduli are in Pa",
                     time.end, length, figures.crossing, hint));
-  else if (waves_known && figures.crossing_steps < 1)
+  else if (waves_known && !time.automatic() && figures.crossing_steps < 1)
     doubts.push_back(
         fmt::format("a step takes {:.3g} s, in which a wave comes {:.3g} times across the body of {:.3g} "
                     "m: only motions slower than that are resolved",
@@ -134,7 +134,7 @@ BodyFigures body_figures(const Stepper& stepper, const scene::Scene& scene) {
   figures.pressure_waves = {std::ranges::min(pressure), std::ranges::max(pressure)};
   figures.shear_waves = {std::ranges::min(shear), std::ranges::max(shear)};
   figures.crossing = std::ranges::max(figures.extent) / figures.pressure_waves[1];
-  figures.crossing_steps = figures.crossing / scene.time.step;
+  figures.crossing_steps = scene.time.automatic() ? 0 : figures.crossing / scene.time.step;
   doubt_materials(scene.materials, figures.doubts);
   doubt_sizes(stepper, scene.time, figures, figures.doubts);
   doubt_normals(stepper, figures.doubts);
@@ -151,10 +151,9 @@ std::string BodyFigures::line() const {
                                 : fmt::format("{:.3g} to {:.3g}", range[0], range[1]);
   };
   return fmt::format(
-      "body: {} m, {:.3g} kg{}; pressure waves {} m/s, shear waves {} m/s, across it in {:.2e} s, {:.3g} "
-      "steps",
+      "body: {} m, {:.3g} kg{}; pressure waves {} m/s, shear waves {} m/s, across it in {:.2e} s{}",
       fmt::join(sides, " x "), mass, dim == 2 ? "/m" : "", speeds(pressure_waves), speeds(shear_waves),
-      crossing, crossing_steps);
+      crossing, crossing_steps > 0 ? fmt::format(", {:.3g} steps", crossing_steps) : "");
 }
 
 } // namespace signorini::forward

@@ -14,7 +14,7 @@ struct BodyFigures {
   std::array<double, 2> pressure_waves{}; ///< least and greatest speed over the materials, m/s
   std::array<double, 2> shear_waves{};    ///< likewise
   double crossing = 0;             ///< time in which the fastest wave comes across the greatest extent, s
-  double crossing_steps = 0;       ///< time steps in it
+  double crossing_steps = 0;       ///< time steps in it; 0: their length varies
   std::vector<std::string> doubts; ///< what is implausible, one sentence each
 
   /// In words, without the doubts.

@@ -7,9 +7,10 @@ namespace {
 
 constexpr double unknown = 0.5; // half a step too early as likely as too late
 
-/// The fraction of the way from 0 on after which a gap vanishes that was `far` and then `near`.
-double crossing(double near, double far) {
-  return far > near ? std::clamp(near / (far - near), 0.0, 1.0) : unknown;
+/// The time until a gap vanishes that was `far` and then, after the time `between`, `near`; within a step of
+/// length `step`.
+double crossing(double near, double far, double between, double step) {
+  return far > near ? std::clamp(between * near / (far - near), 0.0, step) : unknown * step;
 }
 
 } // namespace
@@ -25,13 +26,13 @@ void ContactTimes::observe(int k, const contact::ContactState& contact) {
   for (const int i : candidates_)
     now_.push_back(contact.gap[static_cast<std::size_t>(i)]);
   if (std::exchange(ending_, false))
-    intervals_.back().end = grid_.time(k - 2) + grid_.length(k - 1) * release();
+    intervals_.back().end = grid_.time(k - 1) - since_release();
   std::vector<int> touching;
   for (std::size_t place = 0; place < candidates_.size(); ++place)
     if (contact.status[static_cast<std::size_t>(candidates_[place])] == contact::Status::strong)
       touching.push_back(static_cast<int>(place));
   if (!touching.empty() && touching_.empty())
-    intervals_.push_back({grid_.time(k - 1) + grid_.length(k) * onset(touching), grid_.time(k)});
+    intervals_.push_back({grid_.time(k - 1) + until_onset(touching), grid_.time(k)});
   else if (!touching.empty())
     intervals_.back().end = grid_.time(k);
   else if (!touching_.empty()) {
@@ -44,23 +45,26 @@ void ContactTimes::observe(int k, const contact::ContactState& contact) {
 
 std::vector<ContactTimes::Interval> ContactTimes::intervals() const { return intervals_; }
 
-double ContactTimes::onset(const std::vector<int>& touching) const {
-  double first = 1;
+double ContactTimes::until_onset(const std::vector<int>& touching) const {
+  const double step = grid_.length(k_);
+  double first = step;
   for (const int place : touching) {
     const auto i = static_cast<std::size_t>(place);
     const double gap = last_[i];
-    first = std::min(first, gap <= 0 ? 0 : before_.empty() ? unknown : crossing(gap, before_[i]));
+    first = std::min(first, gap <= 0          ? 0
+                            : before_.empty() ? unknown * step
+                                              : crossing(gap, before_[i], grid_.length(k_ - 1), step));
   }
   return first;
 }
 
-double ContactTimes::release() const {
-  double last = 0;
+double ContactTimes::since_release() const {
+  double least = grid_.length(k_ - 1);
   for (const int place : held_) {
     const auto i = static_cast<std::size_t>(place);
-    last = std::max(last, 1 - crossing(last_[i], now_[i]));
+    least = std::min(least, crossing(last_[i], now_[i], grid_.length(k_), grid_.length(k_ - 1)));
   }
-  return last;
+  return least;
 }
 
 } // namespace signorini::forward

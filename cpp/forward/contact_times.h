@@ -1,6 +1,6 @@
 #pragma once
 #include "contact/contact_state.h"
-#include "forward/scheme.h"
+#include "forward/time_grid.h"
 
 namespace signorini::forward {
 
@@ -9,11 +9,11 @@ namespace signorini::forward {
 /// Steps tell contact to half of their length. Within its first step an interval of contact begins where the
 /// gaps before it, continued linearly, vanish, and it ends where those after it do. With a and b the first
 /// and the last step of the interval with a force, and i the candidates that have one there,
-///     start = t_{a−1} + τ min_i g_{a−1} / (g_{a−2} − g_{a−1})
-///     end   = t_b     + τ max_i (1 − g_{b+1} / (g_{b+2} − g_{b+1}))
-/// where fractions are cut to [0, 1], and are 1/2 where the two gaps do not fall towards the contact or there
-/// are no two. They are off by O(τ²) where bodies meet and part with a speed; with 1/2 throughout the times
-/// are those that counting steps gives.
+///     start = t_{a−1} + min_i τ_{a−1} g_{a−1} / (g_{a−2} − g_{a−1})
+///     end   = t_{b+1} − min_i τ_{b+2} g_{b+1} / (g_{b+2} − g_{b+1})
+/// within the steps a and b + 1, in whose middle they are where the two gaps do not fall towards the contact
+/// or there are no two. They are off by O(τ²) where bodies meet and part with a speed; with 1/2 throughout
+/// the times are those that counting steps gives.
 class ContactTimes {
 public:
   /// `candidates`: numbers of those that are looked at.
@@ -30,9 +30,10 @@ public:
   [[nodiscard]] std::vector<Interval> intervals() const;
 
 private:
-  /// Fractions of the step in which an interval begins, and of that after its last one.
-  [[nodiscard]] double onset(const std::vector<int>& touching) const;
-  [[nodiscard]] double release() const;
+  /// Time from the begin of step k until an interval begins in it, and from the end of one in step k − 1 to
+  /// the end of that, s.
+  [[nodiscard]] double until_onset(const std::vector<int>& touching) const;
+  [[nodiscard]] double since_release() const;
 
   TimeGrid grid_;
   std::vector<int> candidates_;

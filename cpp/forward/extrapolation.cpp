@@ -10,27 +10,30 @@ Extrapolation::Extrapolation(const Stepper& stepper) : wanted_(stepper.solver().
       x = stepper.space().vector();
 }
 
-void Extrapolation::remember(Vec x) {
-  if (!wanted_)
+void Extrapolation::remember(double t, Vec x) {
+  if (!wanted_ || (known_ > 0 && times_.front() == t))
     return;
   std::swap(last_[1], last_[2]);
   std::swap(last_[0], last_[1]);
+  times_ = {t, times_[0], times_[1]};
   check(VecCopy(x, last_[0]));
   known_ = std::min(known_ + 1, most);
 }
 
-void Extrapolation::guess(Vec out) const {
-  if (known_ == 0)
-    return;
-  check(VecCopy(last_[0], out));
-  if (known_ == 2)
-    check(VecAXPBY(out, -1, 2, last_[1]));
-  else if (known_ == 3)
-    check(VecAXPBYPCZ(out, -3, 1, 3, last_[1], last_[2]));
+void Extrapolation::guess(double t, Vec out) const {
+  for (int i = 0; i < known_; ++i) { // Lagrange's polynomials
+    double weight = 1;
+    for (int j = 0; j < known_; ++j)
+      if (j != i)
+        weight *= (t - times_[static_cast<std::size_t>(j)]) /
+                  (times_[static_cast<std::size_t>(i)] - times_[static_cast<std::size_t>(j)]);
+    check(VecAXPBY(out, weight, i == 0 ? 0 : 1, last_[static_cast<std::size_t>(i)]));
+  }
 }
 
 void Extrapolation::take(const Extrapolation& other) {
   known_ = other.known_;
+  times_ = other.times_;
   for (int i = 0; i < known_; ++i)
     check(VecCopy(other.last_[static_cast<std::size_t>(i)], last_[static_cast<std::size_t>(i)]));
 }

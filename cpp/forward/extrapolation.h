@@ -10,10 +10,10 @@ class Extrapolation {
 public:
   explicit Extrapolation(const Stepper& stepper);
 
-  /// Stores a copy of the latest solution.
-  void remember(Vec x);
-  /// Sets `out` to the extrapolated next solution; leaves it unchanged if nothing is remembered.
-  void guess(Vec out) const;
+  /// Stores a copy of the latest solution, of time `t` (s), unless it is known already.
+  void remember(double t, Vec x);
+  /// Sets `out` to the extrapolated solution of time `t`; leaves it unchanged if nothing is remembered.
+  void guess(double t, Vec out) const;
 
   void forget() { known_ = 0; }
   /// Copies what `other` remembers.
@@ -26,6 +26,7 @@ private:
   static constexpr int most = 3;
   bool wanted_;
   std::array<petsc::Vector, most> last_; ///< the latest first
+  std::array<double, most> times_{};     ///< of these
   int known_ = 0;
 };
 

@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "base/signals.h"
 #include "contact/placement.h"
+#include "forward/step_control.h"
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
@@ -67,13 +68,22 @@ Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
     contact::place_outside(*stepper.pairs(), y);
 }
 
+namespace {
+
+/// Begins a motion: the gaps of the initial state, since no step has computed them yet.
+void set_initial_gaps(const Stepper& stepper, Vec y, contact::ContactState& contact) {
+  if (const contact::ContactPairs* pairs = stepper.pairs())
+    contact::NormalOperator(*pairs).gap(pairs->psi(), y, contact.gap);
+}
+
+} // namespace
+
 int integrate_with(const Stepper& stepper, TimeIntegrator& integrator, int steps, Stops stops,
                    const std::function<contact::ContactState&(int k)>& contact, const NodalForce& acting,
                    const StepObserver& watch) {
   const auto stopped = [&] { return stops == Stops::obeyed && stop_requested(stepper.space().comm()); };
   integrator.restart();
-  if (const contact::ContactPairs* pairs = stepper.pairs()) // no step has computed forces yet
-    contact::NormalOperator(*pairs).gap(pairs->psi(), integrator.state().y, contact(0).gap);
+  set_initial_gaps(stepper, integrator.state().y, contact(0));
   bool last = stopped();
   watch({0, nullptr, nullptr, {}, integrator.state().y, integrator.state().v, contact(0), last});
   int k = 0;
@@ -86,19 +96,87 @@ int integrate_with(const Stepper& stepper, TimeIntegrator& integrator, int steps
   return k;
 }
 
+namespace {
+
+/// A motion of which the last two states are stored, and the contact of the last two steps.
+struct Rolling {
+  Rolling(const Stepper& stepper, const Initial& initial, const ForceAtStep& load)
+      : work(stepper.workspace()),
+        two{contact::ContactState(candidates(stepper)), contact::ContactState(candidates(stepper))},
+        integrator(stepper, initial.y, initial.v, [&](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
+          acting = load.at(k);
+          stepper.step({k, {y0, v0}, acting, contact(k - 1)}, {{y1, v1}, contact(k)}, work);
+        }) {}
+
+  contact::ContactState& contact(int k) { return two[static_cast<std::size_t>(k % 2)]; }
+
+  NodalForce acting;
+  Stepper::Workspace work;
+  std::array<contact::ContactState, 2> two;
+  TimeIntegrator integrator;
+};
+
+} // namespace
+
 int integrate(const Stepper& stepper, const Initial& initial, const ForceAtStep& load, int steps,
               const StepObserver& watch, Stops stops) {
-  NodalForce acting;
-  Stepper::Workspace work = stepper.workspace();
-  std::array<contact::ContactState, 2> two{contact::ContactState(candidates(stepper)),
-                                           contact::ContactState(candidates(stepper))};
-  const auto contact = [&](int k) -> contact::ContactState& { return two[static_cast<std::size_t>(k % 2)]; };
-  TimeIntegrator integrator(stepper, initial.y, initial.v, [&](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
-    acting = load.at(k);
-    stepper.step({k, {y0, v0}, acting, contact(k - 1)}, {{y1, v1}, contact(k)}, work);
-  });
+  Rolling motion(stepper, initial, load);
   return integrate_with(
-      stepper, integrator, steps, stops, contact, acting, watch ? watch : [](const Frame&) {});
+      stepper, motion.integrator, steps, stops,
+      [&](int k) -> contact::ContactState& { return motion.contact(k); }, motion.acting,
+      watch ? watch : [](const Frame&) {});
+}
+
+int integrate_choosing(const Stepper& stepper, const Initial& initial, const ForceAtStep& load,
+                       StepControl& control, const StepObserver& watch, Stops stops) {
+  TimeGrid grid = stepper.grid(); // the same steps
+  grid.clear();
+  Rolling motion(stepper, initial, load);
+  TimeIntegrator& integrator = motion.integrator;
+  const State& state = integrator.state();
+  const auto stopped = [&] { return stops == Stops::obeyed && stop_requested(stepper.space().comm()); };
+  const auto show = [&](const Frame& frame) {
+    if (watch)
+      watch(frame);
+  };
+  const auto advance = [&] {
+    grid.add(control.level());
+    const int k = grid.steps();
+    integrator.advance();
+    return Frame{k,       integrator.y0(), integrator.v0(),   motion.acting,
+                 state.y, state.v,         motion.contact(k), false};
+  };
+  const auto begin = [&](int level) {
+    grid.clear();
+    motion.two[0] = contact::ContactState(candidates(stepper));
+    integrator.restart();
+    set_initial_gaps(stepper, state.y, motion.contact(0));
+    control.start(state.y, state.v, level);
+  };
+  for (begin(0); !grid.complete() && !stopped();)
+    control.size_up(advance());
+  // The first step has none before it to be compared with: how long it may be, the second one tells.
+  begin(0);
+  for (bool good = false; !good && !stopped();) {
+    (void)control.accepts(advance(), motion.contact(0));
+    good = grid.complete() || control.accepts(advance(), motion.contact(1));
+    begin(good ? grid.level(1) : control.level());
+  }
+  bool last = stopped();
+  show({0, nullptr, nullptr, {}, state.y, state.v, motion.contact(0), last});
+  while (!last) {
+    const Frame made = advance();
+    if (!control.accepts(made, motion.contact(made.k - 1))) {
+      grid.remove();
+      integrator.take_back();
+      continue;
+    }
+    last = grid.complete() || stopped();
+    Frame frame = made;
+    frame.last = last;
+    show(frame);
+  }
+  return grid.steps();
 }
 
 } // namespace signorini::forward

@@ -37,6 +37,13 @@ enum class Stops { obeyed, ignored };
 int integrate(const Stepper& stepper, const Initial& initial, const ForceAtStep& load, int steps,
               const StepObserver& watch, Stops stops = Stops::obeyed);
 
+class StepControl;
+
+/// Likewise to the end of the motion, with steps whose lengths `control` chooses: they become those of the
+/// stepper's grid, in place of any that it had. `watch` sees none that is made again.
+int integrate_choosing(const Stepper& stepper, const Initial& initial, const ForceAtStep& load,
+                       StepControl& control, const StepObserver& watch, Stops stops = Stops::obeyed);
+
 /// Likewise, with the steps of `integrator` from t_0 on. `acting` and `contact(k)` refer to the load and the
 /// contact of the integrator's last step.
 int integrate_with(const Stepper& stepper, TimeIntegrator& integrator, int steps, Stops stops,

@@ -25,26 +25,30 @@ Invariants::Invariants(const Stepper& stepper) : stepper_(stepper) {
 }
 
 void Invariants::observe(const Frame& frame, const StepBalance& balance) {
-  // Rounding of y·Ay, to which energies are known at best: large where strains are small relative to the
-  // displacement, as of a stiff body in flight.
+  // Rounding of Ay and y·Ay, to which forces and energies are known at best: large where strains are small
+  // relative to the displacement, as of a stiff body in flight.
   PetscReal size = 0;
   check(VecNorm(frame.y1, NORM_2, &size));
-  const double rounding = 10 * std::numeric_limits<double>::epsilon() * stiffness_ * size * size;
+  const double rounding_of_forces = 10 * std::numeric_limits<double>::epsilon() * stiffness_ * size,
+               rounding = rounding_of_forces * size;
   energy_ = std::max(energy_, balance.kinetic_energy + balance.elastic_energy);
   forces_ = std::max(forces_, balance.momentum_scale);
   now_ = {};
   now_[0] = part(std::abs(balance.energy_residual) - rounding, energy_);
   now_[1] = part(
-      std::hypot(balance.momentum_residual[0], balance.momentum_residual[1], balance.momentum_residual[2]),
+      std::hypot(balance.momentum_residual[0], balance.momentum_residual[1], balance.momentum_residual[2]) -
+          rounding_of_forces,
       forces_);
   const double length = stepper_.space().mesh().diameter();
   const contact::ContactState& state = frame.contact;
-  for (double force : state.lambda)
-    contact_force_ = std::max(contact_force_, std::abs(force));
+  const double unit = frame.k > 0 ? stepper_.grid().scheme(frame.k).impulse() : 1; // of λ by forces
+  for (double lambda : state.lambda)
+    contact_force_ = std::max(contact_force_, std::abs(lambda) / unit);
   for (std::size_t i = 0; i < state.lambda.size(); ++i) {
     now_[2] = worst_of(now_[2], part(-state.gap[i], length));
-    now_[3] = worst_of(now_[3], part(-state.lambda[i], contact_force_));
-    now_[4] = worst_of(now_[4], part(std::abs(state.lambda[i] * state.gap[i]), contact_force_ * length));
+    now_[3] = worst_of(now_[3], part(-state.lambda[i] / unit, contact_force_));
+    now_[4] =
+        worst_of(now_[4], part(std::abs(state.lambda[i] / unit * state.gap[i]), contact_force_ * length));
   }
   for (std::size_t j = 0; j < now_.size(); ++j)
     if (worse(now_[j], defects_[j].worst)) {

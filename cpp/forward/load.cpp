@@ -52,12 +52,12 @@ SceneLoad::SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, T
     : space_(space), grid_(grid) {
   if (scene.body) {
     body_.emplace(Term{scene::Field(*scene.body, "load.body", true), space.vector()});
-    evaluate(*body_, 1);
+    evaluate(*body_, 0);
   }
   if (scene.gravity) {
     forces_.push_back(
         {scene::Field(*scene.gravity, "load.gravity", true), space.vector(), {}, M, space.vector()});
-    evaluate(forces_.back(), 1);
+    evaluate(forces_.back(), 0);
   }
   for (std::size_t i = 0; i < scene.tractions.size(); ++i) {
     const auto key = [&](const char* name) { return fmt::format("load.traction[{}].{}", i, name); };
@@ -67,13 +67,13 @@ SceneLoad::SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, T
     const Mat product = surface;
     forces_.push_back({scene::Field(traction.value, key("value"), true), space.vector(), std::move(surface),
                        product, space.vector()});
-    evaluate(forces_.back(), 1);
+    evaluate(forces_.back(), 0);
   }
 }
 
 void SceneLoad::evaluate(const Term& term, int k) const {
   ++evaluations;
-  space_.interpolate(term.field, grid_.load_time(k), term.nodal);
+  space_.interpolate(term.field, k > 0 ? grid_.load_time(k) : grid_.first_length() / 2, term.nodal);
   if (term.product)
     check(MatMult(term.product, term.nodal, term.force));
 }

@@ -1,6 +1,6 @@
 #pragma once
 #include "fem/operators.h"
-#include "forward/scheme.h"
+#include "forward/time_grid.h"
 #include "scene/expression.h"
 #include <initializer_list>
 #include <optional>
@@ -92,6 +92,7 @@ private:
     Mat product = nullptr;   ///< surface or M; null for a body force
     petsc::Vector force{};   ///< product · nodal
   };
+  /// At step k; 0: before there are steps.
   void evaluate(const Term& term, int k) const;
   void add_term(const Term& term, int k, Vec out) const;
 

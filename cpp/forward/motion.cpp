@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
+#include <utility>
 
 namespace signorini::forward {
 using petsc::check;
@@ -35,7 +36,7 @@ bool PrescribedMotion::in(const std::vector<scene::Clamp>& clamps) {
   return std::ranges::any_of(clamps, moves);
 }
 
-PrescribedMotion::PrescribedMotion(const fem::Space& space, const std::vector<scene::Clamp>& clamps, Mat D,
+PrescribedMotion::PrescribedMotion(const fem::Space& space, const std::vector<scene::Clamp>& clamps,
                                    TimeGrid grid)
     : space_(space), grid_(grid) {
   for (std::size_t i = 0; i < clamps.size(); ++i)
@@ -46,7 +47,6 @@ PrescribedMotion::PrescribedMotion(const fem::Space& space, const std::vector<sc
                          fem::component_numbers(clamps[i].components, space.dim())});
     }
   at_rest_ = std::ranges::none_of(clamps_, [](const Clamp& clamp) { return clamp.field.depends_on_time(); });
-  check(MatConvert(D, MATSBAIJ, MAT_INITIAL_MATRIX, D_.put()));
 }
 
 template <class Visit>
@@ -65,16 +65,17 @@ PrescribedMotion::At PrescribedMotion::storage() const {
 }
 
 void PrescribedMotion::evaluate(int k, At& at) const {
-  if (at.k == k || (at_rest_ && at.k >= 0)) {
-    at.k = k;
+  const double t = grid_.time(k),
+               reach = k == 0 ? grid_.first_length() : -grid_.length(k); // keeps times within the run
+  if (at.t >= 0 && (at_rest_ || (at.t == t && at.reach == reach))) {
+    at.reach = reach;
     return;
   }
   static const Slope slope;
-  const double t = grid_.time(k),
-               reach = k == 0 ? grid_.length(1) : -grid_.length(k); // keeps times within the run
   const petsc::WriteArray g(at.position), v(at.velocity);
-  at.k = -1;
-  at.forced = at.forced && at_rest_;
+  at.t = -1;
+  at.reach = reach;
+  at.forced = 0;
   together(space_.comm(), [&] {
     std::array<double, 3> here{}, there{}, rate{};
     for (const Clamp& clamp : clamps_)
@@ -97,7 +98,7 @@ void PrescribedMotion::evaluate(int k, At& at) const {
         }
       }
   });
-  at.k = k;
+  at.t = t;
 }
 
 Vec PrescribedMotion::driving(At& at, Vec y, Vec v) const {
@@ -105,7 +106,7 @@ Vec PrescribedMotion::driving(At& at, Vec y, Vec v) const {
   const petsc::ReadArray from(y), to(at.position), before(v), after(at.velocity);
   const petsc::WriteArray values(at.driving);
   for_each_dof([&](std::size_t dof) {
-    values[dof] = (before[dof] - after[dof]) / 2 + (to[dof] - from[dof]) / grid_.length(at.k);
+    values[dof] = (before[dof] - after[dof]) / 2 + (to[dof] - from[dof]) / std::abs(at.reach);
   });
   return at.driving;
 }
@@ -116,11 +117,11 @@ void PrescribedMotion::copy(Vec from, Vec to) const {
   for_each_dof([&](std::size_t dof) { target[dof] = source[dof]; });
 }
 
-void PrescribedMotion::apply(At& at, const fem::DirichletDofs& clamped, double diagonal, Vec r) const {
-  if (!at.forced) {
-    check(MatMult(D_, at.position, at.force));
-    at.forced = true;
-  }
+void PrescribedMotion::apply(At& at, Mat D, const fem::DirichletDofs& clamped, double diagonal, Vec r) const {
+  PetscObjectId id = 0;
+  check(PetscObjectGetId(PetscObject(D), &id));
+  if (std::exchange(at.forced, id) != id)
+    check(MatMult(D, at.position, at.force));
   check(VecAXPY(r, -1, at.force));
   clamped.clear(r);
   const petsc::ReadArray position(at.position);

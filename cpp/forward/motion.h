@@ -1,6 +1,6 @@
 #pragma once
 #include "fem/operators.h"
-#include "forward/scheme.h"
+#include "forward/time_grid.h"
 #include "scene/expression.h"
 
 namespace signorini::forward {
@@ -11,19 +11,16 @@ namespace signorini::forward {
 /// through the mass that couples clamped and free dofs.
 class PrescribedMotion {
 public:
-  /// `D` is the step operator before its clamped dofs are decoupled. Collective. Throws UserError.
-  PrescribedMotion(const fem::Space& space, const std::vector<scene::Clamp>& clamps, Mat D, TimeGrid grid);
+  /// Throws UserError.
+  PrescribedMotion(const fem::Space& space, const std::vector<scene::Clamp>& clamps, TimeGrid grid);
 
   /// Whether any of the clamps moves.
   [[nodiscard]] static bool in(const std::vector<scene::Clamp>& clamps);
 
-  /// Memory of the D that it keeps, bytes. Collective.
-  [[nodiscard]] double bytes() const { return petsc::bytes(D_); }
-
   /// γ(t_k) and γ′(t_k) on the moving dofs, zero elsewhere, and scratch.
   struct At {
-    int k = -1;          ///< −1: not evaluated
-    bool forced = false; ///< whether `force` has been evaluated
+    double t = -1, reach = 0; ///< what it was evaluated for, s; t < 0: not
+    PetscObjectId forced = 0; ///< the D of which `force` is D γ; 0: not evaluated
     petsc::Vector position, velocity, force, driving;
   };
   [[nodiscard]] At storage() const;
@@ -31,8 +28,9 @@ public:
   void evaluate(int k, At& at) const;
 
   /// Puts the motion of a step into the right-hand side `r` of the system with decoupled D: adds the force −D
-  /// γ on the free dofs, and sets the `clamped` ones to D's entry `diagonal` there times γ. Collective.
-  void apply(At& at, const fem::DirichletDofs& clamped, double diagonal, Vec r) const;
+  /// γ on the free dofs, where `D` is the one before its clamped dofs were decoupled, and sets the `clamped`
+  /// ones to D's entry `diagonal` there times γ. Collective.
+  void apply(At& at, Mat D, const fem::DirichletDofs& clamped, double diagonal, Vec r) const;
 
   /// `v` with its moving dofs changed such that, for the state `y`, `v` before the step, the mass transfers
   /// the clamps' acceleration (v_k − v_{k−1})/τ to the free dofs; in at.driving. Collective.
@@ -54,7 +52,6 @@ private:
   TimeGrid grid_;
   std::vector<Clamp> clamps_;
   bool at_rest_; ///< γ does not depend on time
-  petsc::Matrix D_;
 };
 
 } // namespace signorini::forward

@@ -34,9 +34,9 @@ Row largest(MPI_Comm comm, const Row& mine) {
 
 } // namespace
 
-Plausibility::Plausibility(const Stepper& stepper, const scene::Scene& scene, int steps)
-    : stepper_(stepper), scene_(scene), stride_(std::max(1, (steps + looks - 1) / looks)),
-      strained_(stepper.space().vector()), gaps_(static_cast<std::size_t>(candidates(stepper))) {
+Plausibility::Plausibility(const Stepper& stepper, const scene::Scene& scene)
+    : stepper_(stepper), scene_(scene), strained_(stepper.space().vector()),
+      gaps_(static_cast<std::size_t>(candidates(stepper))) {
   if (stepper.pairs())
     psi_ = stepper.pairs()->gaps();
 }
@@ -47,8 +47,13 @@ void Plausibility::observe(const Frame& frame, const StepBalance* balance) {
     check(VecCopy(frame.y1, strained_));
     strained_at_ = frame.k;
   }
-  if (frame.k % stride_ == 0 || frame.last)
+  const TimeGrid& grid = stepper_.grid();
+  constexpr double rounding = 1e-9;
+  const int part = static_cast<int>(looks * grid.time(frame.k) / grid.end() + rounding) + 1;
+  if (part > looked_ || frame.last) {
+    looked_ = part;
     look(frame.y1, frame.k);
+  }
 }
 
 void Plausibility::look(Vec y, int k) {

@@ -15,15 +15,15 @@ struct Warning {
 
 /// Checks whether a motion is within the model's assumptions: small strain, obstacles linearised about the
 /// undeformed body, one body. The model gives an answer for any other motion too, and no solver notices. A
-/// few frames are checked, outside of the steps: `looks` evenly spaced ones, the last, and that of the
-/// largest elastic energy, if energies are given.
+/// few frames are checked, outside of the steps: the first in each of `looks` equal parts of the time, the
+/// last, and that of the largest elastic energy, if energies are given.
 class Plausibility {
 public:
-  /// Number of evenly spaced frames checked.
+  /// Parts of the time.
   static constexpr int looks = 16;
 
-  /// For `steps` steps of a scene. Collective. The references must outlive this object.
-  Plausibility(const Stepper& stepper, const scene::Scene& scene, int steps);
+  /// Collective. The references must outlive this object.
+  Plausibility(const Stepper& stepper, const scene::Scene& scene);
 
   /// Observes the frame that follows the last one, from frame 0 on; `balance` is null if it is not known.
   /// Collective.
@@ -47,7 +47,7 @@ private:
 
   const Stepper& stepper_;
   const scene::Scene& scene_;
-  int stride_;
+  int looked_ = 0;         ///< parts of the time of which a frame has been checked
   petsc::Vector strained_; ///< y at the largest elastic energy so far
   double energy_ = 0;
   int strained_at_ = -1;

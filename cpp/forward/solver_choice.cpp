@@ -5,6 +5,7 @@
 #include "contact/solver/projected.h"
 #include <algorithm>
 #include <fmt/format.h>
+#include <limits>
 
 namespace signorini::forward {
 using petsc::check;
@@ -31,7 +32,7 @@ double dense_bytes(const contact::ContactPairs* pairs) {
 } // namespace
 
 SolverChoice::SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene,
-                           bool sliding, double solves)
+                           bool sliding, double solves, const EliminationOrder& order)
     : D_(std::move(D)), full_(pairs && scene.vi == scene::ViMethod::full) {
   std::unique_ptr<contact::FullSolver> full;
   if (full_)
@@ -41,7 +42,7 @@ SolverChoice::SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, 
     const std::string name = solver->name();
     iterate(std::move(solver), name);
   } else {
-    factorise(pairs, scene, solves);
+    factorise(pairs, scene, solves, order);
   }
   if (pairs && (!full_ || sliding))
     contact_ = by_linear(*pairs, scene);
@@ -53,7 +54,8 @@ SolverChoice::SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, 
     D_ = {};
 }
 
-void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::Solver& scene, double solves) {
+void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::Solver& scene, double solves,
+                             const EliminationOrder& order) {
   constexpr double gigabyte = 1e9;
   const bool automatic = scene.linear == scene::LinearMethod::automatic;
   const auto settle = [&](auto solver, double corner) -> decltype(solver.get()) {
@@ -84,7 +86,8 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
     return kept;
   };
   if (ranks(petsc::comm(D_)) == 1) {
-    auto solver = std::make_unique<SparseCholesky>(D_, candidate_nodes(pairs));
+    auto solver =
+        std::make_unique<SparseCholesky>(D_, candidate_nodes(pairs), std::numeric_limits<int>::max(), order);
     const double corner = solver->corner_size();
     cholesky_ = settle(std::move(solver), corner);
   } else {

@@ -16,9 +16,10 @@ public:
   /// Estimates the factor's memory and time, chooses a solver and factorises. `pairs` is null without
   /// contact; `sliding`: linearised or transposed steps are wanted; `solves`: expected, by which times are
   /// compared, 0 to choose by memory alone. Collective, with the same choice on every rank. The references
-  /// must outlive this object. Throws SolverFailure.
+  /// must outlive this object. `order`: the elimination order of a matrix with the same entries, if one is
+  /// known. Throws SolverFailure.
   SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene, bool sliding,
-               double solves = 0);
+               double solves = 0, const EliminationOrder& order = {});
 
   /// Whether D is not factorised.
   [[nodiscard]] bool iterates() const { return iterative_ != nullptr; }
@@ -28,6 +29,9 @@ public:
   [[nodiscard]] const contact::ContactStepSolver* contact() const { return contact_.get(); }
   /// Whether solves start from a guess.
   [[nodiscard]] bool takes_guess() const { return iterative_ || full_; }
+
+  /// Of a factorisation on one rank, else empty.
+  [[nodiscard]] EliminationOrder order() const { return cholesky_ ? cholesky_->order() : EliminationOrder(); }
 
   /// Relative error that a solve may leave; 0 for rounding alone.
   [[nodiscard]] double tolerance() const { return iterative_ ? iterative_->tolerance() : 0; }
@@ -44,7 +48,8 @@ public:
   [[nodiscard]] Memory memory() const;
 
 private:
-  void factorise(const contact::ContactPairs* pairs, const scene::Solver& scene, double solves);
+  void factorise(const contact::ContactPairs* pairs, const scene::Solver& scene, double solves,
+                 const EliminationOrder& order);
   /// Compares times; where the solver named `direct` is kept, `times` says why.
   bool iterate_if_quicker(const DirectWork& work, const std::string& direct, double solves,
                           std::string& times);

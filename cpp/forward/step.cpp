@@ -13,40 +13,44 @@ using petsc::check;
 namespace {
 long &steps = count("steps"), &linearised_steps = count("linearised steps"),
      &adjoint_steps = count("adjoint steps");
+
 }
 
 Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene,
-                 Needs needs)
-    : space_(space), operators_(operators), grid_{scene.time.step}, clamped_(space, scene.clamps) {
+                 Needs needs, std::optional<TimeGrid> grid)
+    : space_(space), operators_(operators), grid_(grid ? *grid : TimeGrid(scene.time)),
+      clamped_(space, scene.clamps) {
   if (!scene.contacts.empty())
     pairs_.emplace(space, clamped_, scene.contacts, scene.time);
-  petsc::Matrix D = fem::assemble_step_operator(space, scene.materials, grid_.tau);
   scene::Solver solver = scene.solver;
   if (needs.iterative)
     solver.linear = scene::LinearMethod::iterative;
-  const double solves = needs.passes * scene.time.steps;
+  const double solves = needs.passes * grid_.steps(); // of unknown lengths 0
   if (std::ranges::any_of(scene.contacts, &scene::Contact::massless))
-    move_mass(scene, D);
+    move_mass(scene);
   if (pairs_ && scene.time.stabilized())
     predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_, *pairs_, solver,
                        needs.sliding, solves);
-  R_ = fem::shifted(operators.A, D, 2 * Scheme{grid_.tau}.stiffness());
-  thread_products(R_);
   thread_products(M());
   if (PrescribedMotion::in(scene.clamps))
-    motion_.emplace(space, scene.clamps, D, grid_);
-  clamped_diagonal_ = clamped_.decouple(D);
-  fem::attach_rigid_motions(D, space);
-  solver_.emplace(std::move(D), pairs(), solver, needs.sliding, solves);
+    motion_.emplace(space, scene.clamps, grid_);
+  lengths_.emplace(space, operators.A, clamped_, pairs(), solver, needs.sliding, solves, motion_.has_value(),
+                   [this, &materials = scene.materials](double tau) {
+                     petsc::Matrix D = fem::assemble_step_operator(space_, materials, tau);
+                     if (massless_) {
+                       check(MatAXPY(D, -1, *mass_blocks_, SUBSET_NONZERO_PATTERN));
+                       check(MatAXPY(D, 1, *massless_blocks_, DIFFERENT_NONZERO_PATTERN));
+                     }
+                     return D;
+                   });
+  (void)of_length(grid_.first_length()); // fails here rather than in a step
 }
 
-void Stepper::move_mass(const scene::Scene& scene, Mat D) {
-  const petsc::Matrix M = fem::assemble_mass(space_, scene.materials);
-  const petsc::Matrix moved =
-      contact::massless(space_, *pairs_, contact::massless_obstacles(scene.contacts), M);
-  check(MatAXPY(D, -1, M, SUBSET_NONZERO_PATTERN));
-  check(MatAXPY(D, 1, moved, DIFFERENT_NONZERO_PATTERN));
-  massless_ = fem::symmetric_half(moved);
+void Stepper::move_mass(const scene::Scene& scene) {
+  mass_blocks_ = fem::assemble_mass(space_, scene.materials);
+  massless_blocks_ =
+      contact::massless(space_, *pairs_, contact::massless_obstacles(scene.contacts), *mass_blocks_);
+  massless_ = fem::symmetric_half(*massless_blocks_);
 }
 
 double Stepper::scheme_bytes() const {
@@ -54,21 +58,20 @@ double Stepper::scheme_bytes() const {
 }
 
 Stepper::Workspace Stepper::workspace() const {
-  Workspace work{.r = space_.vector(), .work = space_.vector()};
+  Workspace work{.r = space_.vector(), .work = space_.vector(), .moved = space_.vector()};
   if (pairs_) {
     work.gaps = pairs_->gaps();
-    work.contact = solver_->contact()->workspace();
+    work.contact = solver().contact()->workspace();
   }
-  if (predictor_) {
-    work.moved = space_.vector();
+  if (predictor_)
     work.predictor = predictor_->workspace();
-  }
   if (motion_)
     work.motion = motion_->storage();
   return work;
 }
 
-void Stepper::right_hand_side(Vec x, double a, Vec z, double b, Functional source, Workspace& work) const {
+void Stepper::right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functional source,
+                              Workspace& work) const {
   const std::optional<double> rho = massless_ ? std::nullopt : operators_.uniform_density;
   if (!source.density) {
     check(VecAXPBY(work.work, a, 0, z));
@@ -81,7 +84,7 @@ void Stepper::right_hand_side(Vec x, double a, Vec z, double b, Functional sourc
     check(MatMult(*operators_.W, source.density, work.work));
     check(VecAXPBY(work.r, b, a, work.work));
   }
-  check(MatMultAdd(R_, x, work.r, work.r));
+  check(MatMultAdd(R, x, work.r, work.r));
   if (source.vector)
     check(VecAXPY(work.r, b, source.vector));
   clamped_.clear(work.r);
@@ -120,6 +123,7 @@ void set_velocity(const Scheme& scheme, Motion from, Vec jump, Motion to) {
 
 void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) const {
   const Scheme scheme = grid_.scheme(in.k);
+  const StepOperators::OfLength& with = of_length(scheme.tau);
   const std::span<const double> psi =
       pairs_ ? pairs_->psi(grid_.time(in.k), *work.gaps) : std::span<const double>();
   const Vec jump = predictor_
@@ -131,13 +135,13 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
     motion_->evaluate(in.k, *work.motion);
     momentum = motion_->driving(*work.motion, in.from.y, momentum);
   }
-  right_hand_side(in.from.y, scheme.momentum(), momentum, scheme.impulse(), in.load, work);
+  right_hand_side(with.R, in.from.y, scheme.momentum(), momentum, scheme.impulse(), in.load, work);
   if (motion_)
-    motion_->apply(*work.motion, clamped_, clamped_diagonal_, work.r);
-  if (const contact::ContactStepSolver* solver = solver_->contact())
+    motion_->apply(*work.motion, with.whole_D, clamped_, with.clamped_diagonal, work.r);
+  if (const contact::ContactStepSolver* solver = contact_solver(with, work))
     solver->solve(work.r, psi, in.previous.active, out.contact, out.to.y, *work.contact);
   else
-    solver_->linear().solve(work.r, out.to.y);
+    with.solver->linear().solve(work.r, out.to.y);
   set_velocity(scheme, in.from, jump, out.to);
   if (motion_)
     motion_->copy(work.motion->velocity, out.to.v);
@@ -148,12 +152,21 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
   ++steps;
 }
 
-void Stepper::solve_sliding(const contact::ActiveSet& active, std::span<const double> normal, Vec p,
-                            Workspace& work) const {
-  if (const contact::ContactStepSolver* solver = solver_->contact())
+const contact::ContactStepSolver* Stepper::contact_solver(const StepOperators::OfLength& with,
+                                                          Workspace& work) const {
+  const contact::ContactStepSolver* solver = with.solver->contact();
+  if (solver && std::exchange(work.tau, with.tau) != with.tau)
+    work.contact->forget();
+  return solver;
+}
+
+void Stepper::solve_sliding(double tau, const contact::ActiveSet& active, std::span<const double> normal,
+                            Vec p, Workspace& work) const {
+  const StepOperators::OfLength& with = of_length(tau);
+  if (const contact::ContactStepSolver* solver = contact_solver(with, work))
     solver->solve_guided(work.r, active, normal, p, *work.contact);
   else
-    solver_->linear().solve(work.r, p);
+    with.solver->linear().solve(work.r, p);
 }
 
 void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactSets& contact, Vec p,
@@ -164,8 +177,8 @@ void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactSets& contac
   contact::ActiveSet &closed = contact.active, next, wrong;
   const petsc::Vector residual = petsc::zero_like(p);
   for (contact::BlockPivoting pivoting(*pairs_);; pivoting.advance(closed, next, wrong)) {
-    solve_sliding(closed, {}, p, work);
-    check(MatMult(R_, p, residual)); // D p = R p + 2 stiffness() A p
+    solve_sliding(scheme.tau, closed, {}, p, work);
+    check(MatMult(of_length(scheme.tau).R, p, residual)); // D p = R p + 2 stiffness() A p
     check(MatMult(operators_.A, p, work.work));
     check(VecAXPBYPCZ(residual, 1, -2 * scheme.stiffness(), -1, work.r, work.work));
     N.forces(closed, residual, force);
@@ -195,7 +208,7 @@ Vec Stepper::linearised_right_hand_side(const LinearisedStep& step, const contac
       predictor_ ? predictor_->linearised_jump(contact.predictor, predicted(scheme, step.from, work.work),
                                                *work.predictor, step.predictor)
                  : nullptr;
-  right_hand_side(step.from.y, scheme.momentum(),
+  right_hand_side(of_length(scheme.tau).R, step.from.y, scheme.momentum(),
                   with_jump(step.from.v, scheme.jump_rate(), jump, work.moved), scheme.impulse(), step.load,
                   work);
   return jump;
@@ -204,7 +217,7 @@ Vec Stepper::linearised_right_hand_side(const LinearisedStep& step, const contac
 void Stepper::linearised_step(const LinearisedStep& step, const contact::ContactSets& contact,
                               Workspace& work) const {
   const Vec jump = linearised_right_hand_side(step, contact, work);
-  solve_sliding(contact.active, step.normal, step.to.y, work);
+  solve_sliding(grid_.length(step.k), contact.active, step.normal, step.to.y, work);
   set_velocity(grid_.scheme(step.k), step.from, jump, step.to);
   ++linearised_steps;
 }
@@ -215,29 +228,54 @@ void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactSets& c
   if (!contact.weak.empty())
     solve_one_sided(grid_.scheme(step.k), contact, step.to.y, work);
   else
-    solve_sliding(contact.active, step.normal, step.to.y, work);
+    solve_sliding(grid_.length(step.k), contact.active, step.normal, step.to.y, work);
   set_velocity(grid_.scheme(step.k), step.from, jump, step.to);
   ++linearised_steps;
 }
 
-void Stepper::adjoint_step(const AdjointStep& step, Workspace& work) const {
-  const Scheme scheme = grid_.scheme(step.k);
-  const Vec jump = predictor_ && step.next ? predictor_->linearised_jump(step.next->predictor, step.q,
-                                                                         *work.predictor, step.predictor)
-                                           : nullptr;
-  right_hand_side(step.p_next, -scheme.momentum(), with_jump(step.q, Scheme::dual_jump(), jump, work.moved),
-                  1, step.derivative, work);
-  solve_sliding(step.contact.active, step.normal, step.p, work);
-  const double rate = scheme.rate();
-  {
-    const petsc::ReadArray later(step.p_next), now(step.p);
-    const petsc::WriteArray q(step.q);
-    for (std::size_t i = 0; i < q.size(); ++i)
-      q[i] = rate * (later[i] - now[i]) - q[i];
+Vec Stepper::transposed_right_hand_side(const AdjointStep& step, double rate, Workspace& work) const {
+  if (!step.next) { // p_{N+1} and ω_{N+1} are zero
+    assemble(step.derivative, operators_, work.r);
+    clamped_.clear(work.r);
+    return nullptr;
   }
-  if (jump)
-    check(VecAXPY(step.q, Scheme::dual_velocity_jump(), jump));
+  const Scheme later = grid_.scheme(step.k + 1);
+  Vec jump = nullptr;
+  if (predictor_ && !step.next->predictor.empty()) {
+    check(VecWAXPY(work.work, -later.rate(), step.omega, step.p_next));
+    jump = predictor_->linearised_jump(step.next->predictor, work.work, *work.predictor, step.predictor);
+  }
+  {
+    const petsc::ReadArray p(step.p_next);
+    const petsc::WriteArray omega(step.omega), momentum(work.moved);
+    const double later_rate = later.rate();
+    for (std::size_t i = 0; i < omega.size(); ++i) {
+      const double before = later.tau * p[i] - omega[i];
+      momentum[i] = rate * before - later_rate * omega[i];
+      omega[i] = before;
+    }
+  }
+  if (jump) {
+    check(VecAXPY(step.omega, later.tau, jump));
+    check(VecAXPY(work.moved, rate * later.tau + 1, jump));
+  }
+  right_hand_side(of_length(later.tau).R, step.p_next, 1, work.moved, 1, step.derivative, work);
+  return jump;
+}
+
+Vec Stepper::adjoint_step(const AdjointStep& step, Workspace& work) const {
+  const Scheme scheme = grid_.scheme(step.k);
+  const Vec jump = transposed_right_hand_side(step, scheme.rate(), work);
+  solve_sliding(scheme.tau, step.contact.active, step.normal, step.p, work);
   ++adjoint_steps;
+  return jump;
+}
+
+Vec Stepper::adjoint_start(const AdjointStep& step, Workspace& work) const {
+  constexpr double no_step = 0;
+  const Vec jump = transposed_right_hand_side(step, no_step, work);
+  check(VecCopy(work.r, step.p));
+  return jump;
 }
 
 } // namespace signorini::forward

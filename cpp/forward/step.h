@@ -4,7 +4,7 @@
 #include "forward/load.h"
 #include "forward/motion.h"
 #include "forward/predictor.h"
-#include "forward/solver_choice.h"
+#include "forward/step_operators.h"
 #include <optional>
 
 namespace signorini::forward {
@@ -46,15 +46,15 @@ struct AdjointStep {
   const contact::ContactSets* next;       ///< of step k + 1, null at N
   StateDual derivative;                   ///< ∂J/∂y_k
   Vec p_next;                             ///< p_{k+1}
-  Vec q;                                  ///< q_{k+1} on entry, q_k on return
+  Vec omega;                              ///< ω_{k+1} on entry, ω_k on return
   Vec p;                                  ///< p_k on return, a guess on entry
   std::span<const double> normal{};       ///< p_k·ν = ∂J/∂λ_k on the active set (m), zero if empty
-  const Predictor::Guide* predictor = {}; ///< of the projection of q_{k+1}, null: none
+  const Predictor::Guide* predictor = {}; ///< of the projection of s_{k+1}, null: none
 };
 
 /// Makes time steps and their derivatives (docs/method.md sections 2 and 4), and holds what no step changes:
-/// the operators, D factorised once, and, where the scene has contact, the pairs and their solver. A step
-/// depends on its arguments alone; all scratch is in the workspace.
+/// the operators, D factorised once for each length of steps, and, where the scene has contact, the pairs and
+/// their solver. A step depends on its arguments alone; all scratch is in the workspace.
 class Stepper {
 public:
   /// What a run needs, by which solvers are chosen.
@@ -64,9 +64,10 @@ public:
     bool iterative = false; ///< as the run did that this one goes on with
   };
 
-  /// Assembles and factorises. Collective. The references must outlive this object. Throws UserError,
-  /// SolverFailure.
-  Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene, Needs needs);
+  /// Assembles and factorises, for steps of `grid` or, without one, of the scene's length. Collective. The
+  /// references must outlive this object. Throws UserError, SolverFailure.
+  Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene, Needs needs,
+          std::optional<TimeGrid> grid = {});
 
   Stepper(const Stepper&) = delete; // its parts refer to each other
   Stepper& operator=(const Stepper&) = delete;
@@ -75,7 +76,12 @@ public:
   [[nodiscard]] const fem::Space& space() const { return space_; }
   [[nodiscard]] const fem::Operators& operators() const { return operators_; }
   [[nodiscard]] const fem::DirichletDofs& clamped() const { return clamped_; }
-  [[nodiscard]] const SolverChoice& solver() const { return *solver_; }
+  /// Of the first step; those of other lengths solve in the same way. Valid until the next step. Collective.
+  [[nodiscard]] const SolverChoice& solver() const { return *of_length(grid_.first_length()).solver; }
+  /// What steps of a length need; valid until the next step. Collective.
+  [[nodiscard]] const StepOperators::OfLength& of_length(double tau) const { return lengths_->at(tau); }
+  /// Number of lengths that were factorised, each time counted.
+  [[nodiscard]] int factorisations() const { return lengths_->made(); }
   /// Whether contact nodes carry no mass.
   [[nodiscard]] bool massless() const { return massless_.has_value(); }
   /// The mass matrix M of this run: the body's, or with massless contact EᵀME (docs/method.md section 2).
@@ -84,8 +90,6 @@ public:
   [[nodiscard]] const Predictor* predictor() const { return predictor_ ? &*predictor_ : nullptr; }
   /// Null where no clamp moves.
   [[nodiscard]] const PrescribedMotion* motion() const { return motion_ ? &*motion_ : nullptr; }
-  /// R = D − 2 Scheme::stiffness() A.
-  [[nodiscard]] Mat R() const { return R_; }
   /// Null without contact.
   [[nodiscard]] const contact::ContactPairs* pairs() const { return pairs_ ? &*pairs_ : nullptr; }
 
@@ -96,6 +100,7 @@ public:
   /// it.
   struct Workspace {
     petsc::Vector r{}, work{}, moved{};
+    double tau = 0; ///< length of the step that `contact` was last used for, s
     std::optional<contact::ContactPairs::Gaps> gaps{};
     std::optional<contact::Workspace> contact{};
     std::optional<Predictor::Workspace> predictor{};
@@ -117,22 +122,32 @@ public:
   /// that stays closed, on which linearised_step() gives the same. Collective. Throws SolverFailure.
   void one_sided_step(const LinearisedStep& step, contact::ContactSets& contact, Workspace& work) const;
 
-  /// The transpose of linearised_step (4.40)–(4.41), with the paper's adjoint states p and q, by the formula
-  /// at Scheme; M (τ/2 p + τ²/4 q) is the dual of the velocity. Both are zero at k = N + 1. The dual of step
-  /// k's nodal force is Scheme::impulse() p_k. Collective.
-  void adjoint_step(const AdjointStep& step, Workspace& work) const;
+  /// The transpose of linearised_step (4.40)–(4.41), by the formula at Scheme: p_k, and ω_k with M ω_k the
+  /// derivative by v_k of the part of J after t_k. Both are zero at k = N + 1. The dual of step k's nodal
+  /// force is Scheme::impulse() p_k. Returns the jump of s_{k+1}, null without one. Collective.
+  Vec adjoint_step(const AdjointStep& step, Workspace& work) const;
+
+  /// Where the transpose ends: of `step` with k = 0, ω_0 and, in place of p, the derivative of J by y_0, a
+  /// functional on the free dofs. Collective.
+  Vec adjoint_start(const AdjointStep& step, Workspace& work) const;
 
 private:
-  /// Replaces the mass in `D` by that of massless contact, and sets massless_.
-  void move_mass(const scene::Scene& scene, Mat D);
+  /// Removes the mass from contact nodes, and sets massless_.
+  void move_mass(const scene::Scene& scene);
   /// work.r = R x + a M z + b source on the free dofs, zero on the clamped ones: of steps and adjoint steps.
-  void right_hand_side(Vec x, double a, Vec z, double b, Functional source, Workspace& work) const;
+  void right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functional source, Workspace& work) const;
   /// work.r of a linearised step; returns the predictor's jump, null without one.
   Vec linearised_right_hand_side(const LinearisedStep& step, const contact::ContactSets& contact,
                                  Workspace& work) const;
+  /// The contact solver of a length, with scratch that is fit for it; null without contact.
+  const contact::ContactStepSolver* contact_solver(const StepOperators::OfLength& with,
+                                                   Workspace& work) const;
   /// Solves with work.r on an active set, with p·ν = `normal` (m) there, zero if empty.
-  void solve_sliding(const contact::ActiveSet& active, std::span<const double> normal, Vec p,
+  void solve_sliding(double tau, const contact::ActiveSet& active, std::span<const double> normal, Vec p,
                      Workspace& work) const;
+  /// ω_k of an adjoint step from ω_{k+1}, and the jump of s_{k+1}, null without one; work.r = R p_{k+1} + M
+  /// (rate ω_k − rate_{k+1} ω_{k+1} + j) + ∂J/∂y_k, the terms of step k + 1 being zero at N.
+  Vec transposed_right_hand_side(const AdjointStep& step, double rate, Workspace& work) const;
   /// solve_sliding() where weakly active candidates may open: min ½ p·Dp − r·p over p·ν = 0 on S, p·ν ≤ 0 on
   /// W. The set that stays closed becomes the active one.
   void solve_one_sided(const Scheme& scheme, contact::ContactSets& contact, Vec p, Workspace& work) const;
@@ -141,13 +156,11 @@ private:
   const fem::Operators& operators_;
   TimeGrid grid_;
   fem::DirichletDofs clamped_;
-  double clamped_diagonal_ = 0; ///< of D on the clamped dofs
   std::optional<PrescribedMotion> motion_;
-  petsc::Matrix R_;
   std::optional<contact::ContactPairs> pairs_;
-  std::optional<petsc::Matrix> massless_;
+  std::optional<petsc::Matrix> massless_, mass_blocks_, massless_blocks_; ///< in halves; M and that in blocks
   std::optional<Predictor> predictor_;
-  std::optional<SolverChoice> solver_;
+  std::optional<StepOperators> lengths_;
 };
 
 } // namespace signorini::forward

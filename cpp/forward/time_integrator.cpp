@@ -39,7 +39,6 @@ void TimeIntegrator::restart() {
   check(VecCopy(y_start_, state_.y));
   check(VecCopy(v_start_, state_.v));
   state_.guesses.forget();
-  state_.guesses.remember(state_.y);
   state_.k = 0;
 }
 
@@ -47,17 +46,23 @@ void TimeIntegrator::resume(const State& state) { state_.take(state); }
 
 void TimeIntegrator::advance() {
   const int k = std::exchange(state_.k, nowhere) + 1;
+  state_.guesses.remember(stepper_.grid().time(k - 1), state_.y);
   std::swap(state_.y, y0_);
   std::swap(state_.v, v0_);
   try {
-    state_.guesses.guess(state_.y);
+    state_.guesses.guess(stepper_.grid().time(k), state_.y);
     step_(k, y0_, v0_, state_.y, state_.v);
   } catch (const SolverFailure& failure) {
     throw SolverFailure(
         fmt::format("step {} (t = {:.6g} s): {}", k, stepper_.grid().time(k), failure.what()));
   }
-  state_.guesses.remember(state_.y);
   state_.k = k;
+}
+
+void TimeIntegrator::take_back() {
+  std::swap(state_.y, y0_);
+  std::swap(state_.v, v0_);
+  --state_.k;
 }
 
 } // namespace signorini::forward

@@ -35,6 +35,8 @@ public:
   void resume(const State& state);
   /// Makes one step. Throws SolverFailure naming it, after which only restart() and resume() may be called.
   void advance();
+  /// Takes the last step back, once.
+  void take_back();
 
   /// The current state; k < 0 before the first restart() or resume() and after a failed step.
   [[nodiscard]] const State& state() const { return state_; }

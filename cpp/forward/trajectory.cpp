@@ -15,13 +15,14 @@ Trajectory::Trajectory(const Stepper& stepper, const Initial& initial, int steps
                   }),
       states_(storage.place(integrator_, velocities)) {}
 
-void Margins::take(const contact::ContactState& contact) {
+void Margins::take(const contact::ContactState& contact, Scheme scheme) {
   for (std::size_t i = 0; i < contact.status.size(); ++i)
     if (contact.status[i] == contact::Status::open) {
       gap = std::min(gap, contact.gap[i]);
     } else {
-      least_force = std::min(least_force, contact.lambda[i]);
-      largest_force = std::max(largest_force, contact.lambda[i]);
+      const double force = contact.lambda[i] / scheme.impulse();
+      least_force = std::min(least_force, force);
+      largest_force = std::max(largest_force, force);
     }
 }
 
@@ -35,7 +36,7 @@ void Trajectory::run(ForceAtStep load, const StepObserver& watch) {
     steps_ = frame.k;
     contact_[static_cast<std::size_t>(frame.k)] = now_;
     if (frame.k > 0)
-      margins_.take(now_);
+      margins_.take(now_, stepper_.grid().scheme(frame.k));
     states_->keep(integrator_.state());
     if (watch)
       watch(frame);

@@ -9,13 +9,13 @@ namespace signorini::forward {
 /// How close a motion is to one with other active sets.
 struct Margins {
   double least_force = std::numeric_limits<double>::infinity(),
-         largest_force = 0;                             ///< λ_i of closed candidates
+         largest_force = 0;                             ///< of closed candidates, N
   double gap = std::numeric_limits<double>::infinity(); ///< the least of open candidates, m
 
   /// The least force relative to the largest; 0 without any.
   [[nodiscard]] double force() const { return largest_force > 0 ? least_force / largest_force : 0; }
   /// Includes the contact of one more step.
-  void take(const contact::ContactState& contact);
+  void take(const contact::ContactState& contact, Scheme scheme);
 };
 
 /// A motion of N steps that can be looked up again: its states from `storage`, the active sets of all steps

@@ -150,17 +150,33 @@ std::string CheckpointWriter::commit() {
   return broadcast(comm, failure_);
 }
 
-std::string checkpoint_text(MPI_Comm comm, const std::filesystem::path& file, const std::string& name) {
-  std::string text;
+namespace {
+
+/// What a file has under a name, of `type`; empty where there is no such file or name. Collective.
+template <class Sequence>
+Sequence read_if_there(MPI_Comm comm, const std::filesystem::path& file, const std::string& name,
+                       hid_t type) {
+  Sequence values;
   if (rank(comm) == 0) {
     H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
     const Opened in(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
     const Opened table(in ? H5Dopen(in, name.c_str(), H5P_DEFAULT) : H5I_INVALID_HID, H5Dclose);
-    text.resize(table ? shape(table)[1] : 0);
-    if (!text.empty() && H5Dread(table, H5T_NATIVE_UCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0)
-      text.clear();
+    values.resize(table ? shape(table)[1] : 0);
+    if (!values.empty() && H5Dread(table, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+      values.clear();
   }
-  return broadcast(comm, text);
+  return broadcast(comm, values);
+}
+
+} // namespace
+
+std::string checkpoint_text(MPI_Comm comm, const std::filesystem::path& file, const std::string& name) {
+  return read_if_there<std::string>(comm, file, name, H5T_NATIVE_UCHAR);
+}
+
+std::vector<double> checkpoint_numbers(MPI_Comm comm, const std::filesystem::path& file,
+                                       const std::string& name) {
+  return read_if_there<std::vector<double>>(comm, file, name, H5T_NATIVE_DOUBLE);
 }
 
 CheckpointReader::CheckpointReader(const control::ControlSpace& controls, const std::filesystem::path& file,
@@ -245,6 +261,12 @@ void CheckpointReader::match_places() {
       points.push_back(padded[i]);
   rows_ = match_points(space, points, places_of(controls_),
                        [this](const std::string& problem) { fail(problem); });
+}
+
+bool CheckpointReader::has(const std::string& name) const {
+  int there = rank(controls_.space().comm()) == 0 && H5Lexists(in_, name.c_str(), H5P_DEFAULT) > 0;
+  MPI_Bcast(&there, 1, MPI_INT, 0, controls_.space().comm());
+  return there != 0;
 }
 
 bool CheckpointReader::matches_places() {

@@ -45,6 +45,10 @@ private:
 [[nodiscard]] std::string checkpoint_text(MPI_Comm comm, const std::filesystem::path& file,
                                           const std::string& name);
 
+/// Numbers of a checkpoint, likewise.
+[[nodiscard]] std::vector<double> checkpoint_numbers(MPI_Comm comm, const std::filesystem::path& file,
+                                                     const std::string& name);
+
 /// Reads what CheckpointWriter wrote, on any number of ranks. All members collective; all throw UserError
 /// where the file is missing or damaged.
 class CheckpointReader {
@@ -61,9 +65,12 @@ public:
   void operator()(const std::string& name, std::shared_ptr<const control::Control>& u);
   void operator()(const std::string& name, control::CompactControl& u);
 
-  /// A control of another number of steps: in step k the values of the row `row(k, rows)` of `rows`.
+  /// Whether the file has something of that name.
+  [[nodiscard]] bool has(const std::string& name) const;
+
+  /// A control of other intervals: in interval j the values of the row `row(j, rows)` of `rows`.
   [[nodiscard]] control::Control control(const std::string& name,
-                                         const std::function<int(int k, int rows)>& row);
+                                         const std::function<int(int j, int rows)>& row);
 
   /// Matches the places of the controls with those of the file by coordinates; to be called before the first
   /// control is read. Throws UserError if they differ.

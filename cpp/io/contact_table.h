@@ -1,7 +1,7 @@
 #pragma once
 #include "contact/contact_state.h"
 #include "contact/pressure.h"
-#include "forward/scheme.h"
+#include "forward/time_grid.h"
 #include "scene/scene.h"
 #include <string>
 #include <vector>

@@ -28,6 +28,7 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
           {"clamp", !scene.clamps.empty()},
           {"moving clamp", std::ranges::any_of(scene.clamps, moves)},
           {"contact", !scene.contacts.empty()},
+          {"steps of varying length", scene.time.automatic()},
           {"contact-stabilized", !scene.contacts.empty() && scene.time.stabilized()},
           {"massless contact", std::ranges::any_of(scene.contacts, &scene::Contact::massless)},
           {"moving obstacle", std::ranges::any_of(scene.contacts, obstacle_moves)},
@@ -232,7 +233,12 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
                   {"crossing_time", m.body.crossing},
                   {"doubts", m.body.doubts}};
   json["candidates"] = m.candidates;
-  json["steps"] = {{"asked", scene.time.steps}, {"done", m.steps_done}};
+  json["steps"] = {{"asked", m.steps_asked}, {"done", m.steps_done}};
+  if (m.lengths)
+    json["steps"].update({{"shortest", m.lengths->shortest},
+                          {"longest", m.lengths->longest},
+                          {"made_again", m.lengths->rejected},
+                          {"factorisations", m.lengths->factorisations}});
   json["solver"] = m.solver;
   if (!m.control_unit.empty())
     json["control_unit"] = m.control_unit;

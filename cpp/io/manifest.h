@@ -47,6 +47,13 @@ struct CoarseLevel {
   std::string stop_reason{};
 };
 
+/// Steps of varying length of a motion.
+struct Lengths {
+  double shortest = 0, longest = 0; ///< s
+  int rejected = 0;                 ///< steps that were made again
+  int factorisations = 0;           ///< of the step operators of as many lengths, each time counted
+};
+
 /// The contents of run.json.
 struct Manifest {
   std::string verb;
@@ -54,6 +61,8 @@ struct Manifest {
   int ranks = 1;
   long unknowns = 0, free_unknowns = 0, cells = 0;
   int candidates = 0;
+  int steps_asked = 0;              ///< of the whole motion
+  std::optional<Lengths> lengths{}; ///< of steps of varying length
   int steps_done = 0;
   std::string control_unit; ///< of control.scale, empty without a control
   std::string solver;       ///< of the steps, and the reason of its choice

@@ -48,27 +48,49 @@ double step_of(const std::string& scene, const std::string& key, const fs::path&
   return *step;
 }
 
-/// Fails unless a stored control of so many rows, steps of length `step`, can be one of `controls`.
-void require_fitting_time(const CheckpointReader& in, const control::ControlSpace& controls, int rows,
-                          double step) {
-  const double end = controls.grid().time(controls.steps());
-  if (rows == 1)
-    return;
-  if (controls.count() == 1)
-    in.fail(
-        "found a control that changes in time, allowed is one that is constant (control.constant_in_time)");
-  if (rows * step < (1 - rounding) * end)
-    in.fail(fmt::format(
-        "found a control from 0 to {:.6g} s, allowed is one that covers this run, from 0 to {:.6g} s",
-        rows * step, end));
+/// The times between which the stored control is constant, s (rows + 1): of a checkpoint that does not have
+/// them, of the steps of the run that wrote the resolved scene. Throws UserError.
+std::vector<double> edges_of(CheckpointReader& in, const std::string& scene, int rows, const std::string& key,
+                             const fs::path& file) {
+  std::vector<double> edges;
+  if (in.has("edges")) {
+    in("edges", edges);
+    if (edges.size() != static_cast<std::size_t>(rows) + 1 || !std::ranges::is_sorted(edges))
+      in.fail("\"edges\" is damaged; allowed is a whole checkpoint");
+    return edges;
+  }
+  const double step = step_of(scene, key, file);
+  for (int j = 0; j <= rows; ++j)
+    edges.push_back(j * step);
+  return edges;
 }
 
-/// Of checkpoint.h5 of the same places, whose rows are steps of length `step`.
-control::Control as_it_was(CheckpointReader& in, const control::ControlSpace& controls, double step) {
-  return in.control("u", [&](int k, int rows) {
-    require_fitting_time(in, controls, rows, step);
-    return rows == 1 ? 0
-                     : std::min(rows - 1, static_cast<int>(std::floor(controls.grid().load_time(k) / step)));
+/// Fails unless a stored control that is constant between `edges` can be one of `controls`.
+void require_fitting_time(const CheckpointReader& in, const control::ControlSpace& controls,
+                          const std::vector<double>& edges) {
+  const double end = controls.grid().end();
+  if (edges.size() == 2)
+    return;
+  if (controls.constant_in_time())
+    in.fail(
+        "found a control that changes in time, allowed is one that is constant (control.constant_in_time)");
+  if (edges.back() < (1 - rounding) * end)
+    in.fail(fmt::format(
+        "found a control from 0 to {:.6g} s, allowed is one that covers this run, from 0 to {:.6g} s",
+        edges.back(), end));
+}
+
+/// Of checkpoint.h5 of the same places.
+control::Control as_it_was(CheckpointReader& in, const control::ControlSpace& controls,
+                           const std::string& scene, const std::string& key, const fs::path& file) {
+  std::vector<double> edges;
+  return in.control("u", [&](int j, int rows) {
+    if (edges.empty()) {
+      edges = edges_of(in, scene, rows, key, file);
+      require_fitting_time(in, controls, edges);
+    }
+    const auto after = std::ranges::upper_bound(edges, controls.begin(j) + controls.length(j) / 2);
+    return std::clamp(static_cast<int>(after - edges.begin()) - 1, 0, rows - 1);
   });
 }
 
@@ -77,7 +99,7 @@ struct EarlierRun {
   EarlierRun(MPI_Comm comm, const scene::Scene& scene)
       : mesh(comm, scene.mesh), space(mesh, scene.mesh.degree),
         operators(fem::assemble_operators(space, scene.materials, true)),
-        controls(space, operators, {scene.time.step}, scene.time.steps, *scene.control) {}
+        controls(space, operators, forward::TimeGrid(scene.time), *scene.control) {}
 
   mesh::Mesh mesh;
   fem::Space space;
@@ -109,9 +131,10 @@ control::Control interpolated(const CheckpointReader& known, const control::Cont
   if (run->mesh.dim() != controls.space().dim() || there != here)
     known.fail(fmt::format("found a control on a set of {} dimensions, allowed are {} as in this scene",
                            there, here));
-  const auto row = [&](int k, int rows) {
-    require_fitting_time(in, controls, rows, run->controls.grid().tau);
-    return std::min(k, rows) - 1;
+  const auto row = [&](int j, int rows) {
+    if (j == 1)
+      require_fitting_time(in, controls, edges_of(in, text, rows, key, file));
+    return std::min(j, rows) - 1;
   };
   const control::Control u = in.control("u", row);
   return control::Interpolation(run->controls, controls)(u);
@@ -137,14 +160,13 @@ control::Control as_stored(const control::ControlSpace& controls, const fs::path
                       key, folder.string()));
     scene = scene::read_file(echo);
   });
-  const double step = step_of(broadcast(comm, scene), key, echo),
-               end = controls.grid().time(controls.steps());
+  const double step = step_of(broadcast(comm, scene), key, echo), end = controls.grid().end();
   StoredField stored(controls.space(), folder / "control.h5", "control", key, end, false);
   control::Control u = controls.zero();
   const petsc::Vector field = controls.field();
-  for (int k = 1; k <= u.count(); ++k) {
-    stored.at(std::min(controls.grid().load_time(k) + step / 2, end), field);
-    controls.restrict(field, u.at(k));
+  for (int j = 1; j <= u.count(); ++j) {
+    stored.at(std::min(controls.begin(j) + controls.length(j) / 2 + step / 2, end), field);
+    controls.restrict(field, u.at(j));
   }
   return u;
 }
@@ -168,7 +190,7 @@ control::Control stored_control(const control::ControlSpace& controls, const fs:
       in("scene", scene);
       if (!in.matches_places())
         return interpolated(in, controls, scene, file, key);
-      return as_it_was(in, controls, step_of(scene, key, file));
+      return as_it_was(in, controls, scene, key, file);
     }
   }
   return as_stored(controls, folder, key);

@@ -128,12 +128,6 @@ private:
 
 namespace {
 
-/// The elimination order of the nodes outside the corner, and the entries of their factor, block by block.
-struct Order {
-  std::vector<int> nodes;
-  double entries = 0;
-};
-
 /// The lower triangle of D, column by column, from its blocks.
 void fill_lower(const Blocks& D, int* p, int* i, double* x) {
   int entries = 0;
@@ -152,7 +146,7 @@ void fill_lower(const Blocks& D, int* p, int* i, double* x) {
 
 /// Orders the graph of the nodes outside the corner for a sparse L.
 template <class Cholmod>
-Order order_for_sparsity(Cholmod& c, const Blocks& D, std::span<const int> corner) {
+EliminationOrder order_for_sparsity(Cholmod& c, const Blocks& D, std::span<const int> corner) {
   std::vector<int> number(static_cast<std::size_t>(D.count), 0), node;
   for (int i : corner)
     number[static_cast<std::size_t>(i)] = -1;
@@ -179,28 +173,29 @@ Order order_for_sparsity(Cholmod& c, const Blocks& D, std::span<const int> corne
   cholmod_factor* factor = cholmod_analyze(graph, &c.common);
   cholmod_free_sparse(&graph, &c.common);
   c.require("the ordering");
-  Order order{{}, c.common.lnz * D.size * D.size};
+  EliminationOrder order{{}, c.common.lnz * D.size * D.size};
   for (std::size_t j = 0; j < node.size(); ++j)
     order.nodes.push_back(node[static_cast<std::size_t>(static_cast<int*>(factor->Perm)[j])]);
   cholmod_free_factor(&factor, &c.common);
+  order.nodes.insert(order.nodes.end(), corner.begin(), corner.end());
   return order;
 }
 
 } // namespace
 
-SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner, double most)
+SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner, double most,
+                               const EliminationOrder& order)
     : c_(std::make_unique<Cholmod>()) {
   const Blocks D(matrix);
   corner_size_ = static_cast<int>(corner.size()) * D.size;
-  Order order = order_for_sparsity(*c_, D, corner);
+  order_ = order.nodes.empty() ? order_for_sparsity(*c_, D, corner) : order;
   const double matrix_entries = static_cast<double>(D.row[D.count]) * D.size * D.size;
-  entries_ = order.entries + static_cast<double>(corner_size_) * corner_size_ / 2;
+  entries_ = order_.entries + static_cast<double>(corner_size_) * corner_size_ / 2;
   possible_ = std::max(entries_, matrix_entries) <= most;
   if (!possible_)
     return;
-  order.nodes.insert(order.nodes.end(), corner.begin(), corner.end());
   std::vector<int> permutation;
-  for (int i : order.nodes)
+  for (int i : order_.nodes)
     for (int c = 0; c < D.size; ++c)
       permutation.push_back(i * D.size + c);
   c_->matrix = c_->lower(permutation.size(), static_cast<std::size_t>(D.row[D.count]) * D.size * D.size,
@@ -211,7 +206,7 @@ SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner, double m
   common.postorder = 0; // the analysis above has postordered
   // Solves are bound by memory bandwidth: keep narrow supernodes rather than merge them and pad with zeros.
   std::ranges::copy(std::array{2, 4, 8}, common.nrelax);
-  common.supernodal = order.entries < small_factor ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
+  common.supernodal = order_.entries < small_factor ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
   c_->factor = cholmod_analyze_p(c_->matrix, permutation.data(), nullptr, 0, &common);
   possible_ = common.status != CHOLMOD_TOO_LARGE; // counts the zeros that pad supernodes
   if (possible_)

@@ -7,17 +7,27 @@
 
 namespace signorini {
 
+/// The order in which nodes are eliminated, those of the corner last: of all matrices with the same entries.
+struct EliminationOrder {
+  std::vector<int> nodes;
+  double entries = 0; ///< of the factor of all but the corner
+};
+
 /// Factorisation P A Pᵀ = L Lᵀ by CHOLMOD on one rank, with separate forward and backward solves and chosen
 /// nodes (the corner, here the contact candidates) last in the elimination order; docs/method.md section 5.
 /// After the forward solve L⁻¹ P b the last c ≪ n entries hold the whole effect of b on the corner; a change
 /// of them before the backward solve changes the solution as a load on the corner would.
 class SparseCholesky final : public LinearSolver {
 public:
-  /// Chooses the elimination order and counts the factor's entries. `matrix`: sequential BAIJ, copied;
-  /// `corner`: nodes (blocks), in the order in which the corner's entries are wanted; `most`: number of
-  /// entries that can be indexed. Throws SolverFailure.
-  SparseCholesky(Mat matrix, std::span<const int> corner, double most = std::numeric_limits<int>::max());
+  /// Chooses the elimination order, or takes `order` if it is not empty, that of a matrix with the same
+  /// entries, and counts the factor's entries. `matrix`: sequential BAIJ, copied; `corner`: nodes (blocks),
+  /// in the order in which the corner's entries are wanted; `most`: number of entries that can be indexed.
+  /// Throws SolverFailure.
+  SparseCholesky(Mat matrix, std::span<const int> corner, double most = std::numeric_limits<int>::max(),
+                 const EliminationOrder& order = {});
   ~SparseCholesky() override;
+
+  [[nodiscard]] const EliminationOrder& order() const { return order_; }
 
   /// Whether the factor's entries can be indexed; if not, factorise() throws.
   [[nodiscard]] bool possible() const { return possible_; }
@@ -51,6 +61,7 @@ private:
   struct Cholmod; ///< CHOLMOD's objects
   std::unique_ptr<Cholmod> c_;
   int corner_size_;
+  EliminationOrder order_;
   bool possible_ = true;
   double entries_ = 0; ///< of the factor without the zeros that pad supernodes
 };

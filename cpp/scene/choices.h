@@ -22,6 +22,10 @@ constexpr double metres(LengthUnit unit) {
 enum class TimeScheme { contact_implicit, contact_stabilized };
 constexpr Names<2> names(TimeScheme) { return {"contact-implicit", "contact-stabilized"}; }
 
+/// Of what steps of varying length keep the error small.
+enum class StepQuantity { displacement, contact_force, energy };
+constexpr Names<3> names(StepQuantity) { return {"displacement", "contact-force", "energy"}; }
+
 enum class Component { x, y, z };
 constexpr Names<3> names(Component) { return {"x", "y", "z"}; }
 

@@ -218,6 +218,9 @@ void require_rules(Reader& in, Measurement& measurement, const Scene& scene) {
 }
 
 void require_fit_rules(Reader& in, Scene& scene) {
+  if (scene.time.automatic() && !scene.measurements.empty())
+    in.fail("measurement", "found with time.step = \"auto\", allowed with steps of one length: lengths that "
+                           "were chosen anew for each value of the unknowns would make the fit rough");
   if (!scene.unknowns.empty()) {
     // With a control they are sought together, by lbfgs.
     const OptimizerMethod method = scene.objective ? OptimizerMethod::lbfgs : OptimizerMethod::gauss_newton;

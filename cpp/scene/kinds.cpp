@@ -63,6 +63,13 @@ Json Number::schema() const {
   return schema;
 }
 
+double NumberOrAuto::read(Reader& in, Name key, const Scene&) const {
+  if (!in.is_text(key))
+    return in.number(key, limits);
+  (void)in.choice(key, {"auto"});
+  return automatic;
+}
+
 std::filesystem::path Path::read(Reader& in, Name key, const Scene& scene) {
   const std::filesystem::path given = in.text(key);
   std::error_code error;

@@ -34,6 +34,17 @@ struct Number {
   [[nodiscard]] Json schema() const;
 };
 
+/// A number, or "auto", which is kept as `automatic`.
+struct NumberOrAuto : Number {
+  double automatic = 0;
+  double read(Reader& in, Name key, const Scene& scene) const;
+  [[nodiscard]] std::string write(double value) const {
+    return value == automatic ? written(std::string("auto")) : written(value);
+  }
+  [[nodiscard]] std::string words() const { return Number::words() + ", or `\"auto\"`"; }
+  [[nodiscard]] Json schema() const { return {{"anyOf", {Number::schema(), {{"const", "auto"}}}}}; }
+};
+
 struct Whole {
   int least, greatest;
   int read(Reader& in, Name key, const Scene&) const { return in.integer(key, least, greatest); }

@@ -47,7 +47,7 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   scene.solver.memory = machine_memory() / 2;
   schema::read(in, scene);
   if (scene.output.every == 0)
-    scene.output.every = Output::automatic(scene.time.steps);
+    scene.output.every = scene.time.automatic() ? Output::of_varying : Output::automatic(scene.time.steps);
   if (series)
     scene.digest_of_series = series->text();
   return scene;
@@ -119,6 +119,8 @@ std::string no_coarse_start(const Scene& scene) {
 
 Scene resized(Scene scene, double size, int steps) {
   (scene.mesh.size ? *scene.mesh.size : scene.mesh.scale) = size;
+  if (scene.time.automatic())
+    return scene;
   scene.time.steps = steps;
   scene.time.step = scene.time.end / steps;
   return scene;

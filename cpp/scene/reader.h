@@ -49,6 +49,10 @@ public:
   [[nodiscard]] bool is_table(const std::string& key) const {
     return table_.contains(key) && table_.get(key)->is_table();
   }
+  /// Whether it is a text.
+  [[nodiscard]] bool is_text(const std::string& key) const {
+    return table_.contains(key) && table_.get(key)->is_string();
+  }
   /// Whether the table is one of an array.
   [[nodiscard]] bool one_of_several() const { return path_.ends_with(']'); }
   double number(const std::string& key, const Limits& limits);

@@ -19,19 +19,52 @@ void require_rules(Reader& in, const Mesh& mesh, const Scene&) {
                                  mesh.size ? "beside mesh.size" : "on a .msh, which is meshed already"));
 }
 
-void require_rules(Reader& in, Time& time, const Scene&) {
-  const double steps = std::round(time.end / time.step);
+namespace {
+
+/// The number of steps to `end`. Fails unless it is a whole one.
+int whole_steps(Reader& in, double end, double step, const std::string& key) {
+  const double steps = std::round(end / step);
   if (!(steps >= 1 && steps <= Time::most_steps))
     in.fail(
         "step",
         fmt::format("found {:.10g} s, which makes {:.10g} steps to time.end = {:.10g} s, allowed are 1 to {}",
-                    time.step, time.end / time.step, time.end, Time::most_steps));
+                    step, end / step, end, Time::most_steps));
   // Decimal fractions such as 7.5e-3 / 5e-5 divide to within a few units in the last place.
-  if (std::abs(steps * time.step - time.end) > 1e-9 * time.end)
-    in.fail("end", fmt::format("found {:.10g} s, which is {:.10g} steps of {:.10g} s, allowed are whole "
-                               "multiples of time.step, such as {:.10g} s",
-                               time.end, time.end / time.step, time.step, steps * time.step));
-  time.steps = static_cast<int>(steps);
+  if (std::abs(steps * step - end) > 1e-9 * end)
+    in.fail(key == "time.step" ? "end" : "step",
+            key == "time.step"
+                ? fmt::format("found {:.10g} s, which is {:.10g} steps of {:.10g} s, allowed are whole "
+                              "multiples of {}, such as {:.10g} s",
+                              end, end / step, step, key, steps * step)
+                : fmt::format("found {:.10g} s, of which time.end = {:.10g} s is {:.10g}, allowed are whole "
+                              "parts of it, such as {:.10g} s",
+                              step, end, end / step, end / steps));
+  return static_cast<int>(steps);
+}
+
+} // namespace
+
+void require_rules(Reader& in, Time& time, const Scene&) {
+  if (!time.automatic()) {
+    for (const char* key : {"tolerance", "quantity", "longest", "shortest"})
+      if (in.has(key))
+        in.fail(key, "has no effect with steps of one length; allowed with time.step = \"auto\"");
+  } else {
+    const double longest = time.longest.value_or(time.end);
+    if (longest > time.end)
+      in.fail("longest",
+              fmt::format("found {:.10g} s, allowed is at most time.end = {:.10g} s", longest, time.end));
+    if (time.shortest.value_or(0) > longest)
+      in.fail("shortest", fmt::format("found {:.10g} s, allowed is at most {} = {:.10g} s", *time.shortest,
+                                      time.longest ? "time.longest" : "time.end", longest));
+    if (longest * Time::most_steps < time.end)
+      in.fail("longest",
+              fmt::format("found {:.10g} s, which makes more than {} steps to time.end = {:.10g} s, "
+                          "allowed are longer ones",
+                          longest, Time::most_steps, time.end));
+    return;
+  }
+  time.steps = whole_steps(in, time.end, time.step, "time.step");
 }
 
 void require_rules(Reader& in, const Material& material, const Scene& scene) {
@@ -64,7 +97,11 @@ void require_rules(Reader& in, const Contact& contact, const Scene& scene) {
             "mass; allowed is \"consistent\"");
 }
 
-void require_rules(Reader& in, const Control& control, const Scene&) {
+void require_rules(Reader& in, Control& control, const Scene& scene) {
+  if (control.step && control.constant_in_time)
+    in.fail("step", "has no effect on a control that is constant in time; allowed without constant_in_time");
+  if (control.step)
+    control.intervals = whole_steps(in, scene.time.end, *control.step, "control.step");
   if (!control.lower || !control.upper)
     return;
   const std::vector<double>&lower = *control.lower, &upper = *control.upper;
@@ -184,6 +221,16 @@ void require_rules(Reader& in, Scene& scene, const Scene&) {
   if (in.has("objective") && !scene.control)
     in.fail("objective", "needs a control to act on; add a table [control] or leave the objective out");
   require_fit_rules(in, scene);
+  if (scene.time.automatic() && scene.control && scene.control->step) {
+    // Else steps would pass intervals by, whose values no motion would depend on.
+    constexpr double rounding = 1e-9;
+    const double step = *scene.control->step;
+    if (scene.time.longest.value_or(0) > (1 + rounding) * step)
+      in.fail("time.longest", fmt::format("found {:.10g} s, allowed is at most control.step = {:.10g} s",
+                                          *scene.time.longest, step));
+    if (!scene.time.longest)
+      scene.time.longest = std::min(step, scene.time.end / Time::usual_longest);
+  }
   if (scene.objective) {
     if (!scene.optimizer.start)
       scene.optimizer.start = usual_start(scene);

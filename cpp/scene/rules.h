@@ -12,7 +12,7 @@ void require_rules(Reader& in, Time& time, const Scene& scene);
 void require_rules(Reader& in, const Material& material, const Scene& scene);
 void require_rules(Reader& in, const Cylinder& obstacle, const Scene& scene);
 void require_rules(Reader& in, const Contact& contact, const Scene& scene);
-void require_rules(Reader& in, const Control& control, const Scene& scene);
+void require_rules(Reader& in, Control& control, const Scene& scene);
 void require_rules(Reader& in, const Objective& objective, const Scene& scene);
 void require_rules(Reader& in, const Optimizer& optimizer, const Scene& scene);
 void require_rules(Reader& in, const Trajectory& trajectory, const Scene& scene);

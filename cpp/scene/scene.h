@@ -51,16 +51,22 @@ struct Mesh {
   int degree = 1;                  ///< Lagrange degree of the displacement
 };
 
-/// Table [time]: N steps of length τ; docs/method.md section 2.
+/// Table [time]: N steps of length τ, docs/method.md section 2, or steps of varying length, section 11.
 struct Time {
   double end = 0;  ///< s
-  double step = 0; ///< s
-  int steps = 0;   ///< end / step
+  double step = 0; ///< s; 0: "auto", of varying length
+  int steps = 0;   ///< end / step; 0 if that varies
   TimeScheme scheme = TimeScheme::contact_implicit;
+  double tolerance = 1e-3; ///< error that steps of varying length may leave, relative
+  StepQuantity quantity = StepQuantity::displacement; ///< of what
+  std::optional<double> longest, shortest;            ///< bounds of the lengths of such steps, s
 
+  static constexpr int usual_longest = 10;       ///< longest steps to the end, where `longest` is not given
   static constexpr int most_steps = 100'000'000; ///< beyond any run, and within 32-bit integers
 
   [[nodiscard]] bool stabilized() const { return scheme == TimeScheme::contact_stabilized; }
+  [[nodiscard]] bool automatic() const { return step == 0; }
+  [[nodiscard]] static bool automatic_steps(const Time& time) { return time.automatic(); }
 };
 
 /// Viscosity of a material; docs/method.md section 1.
@@ -154,6 +160,8 @@ struct Control {
   std::optional<std::string> on; ///< physical group of a part of the body or of a surface; absent: the body
   std::optional<std::vector<Component>> components; ///< those that act; absent: all
   bool constant_in_time = false;
+  std::optional<double> step; ///< s, length of the intervals on which it is constant; absent: the time steps
+  int intervals = 0;          ///< time.end / step
   ControlValues space = ControlValues::nodal;
   std::optional<Components> initial;        ///< first guess, of x, y, z, t; absent: `stored`, else zero
   std::optional<StoredControl> stored;      ///< first guess, in place of `initial`
@@ -289,6 +297,7 @@ struct Output {
                                   StoredTable::measurements}; ///< likewise
   std::vector<Probe> probes;
 
+  static constexpr int of_varying = 5;    ///< `every` for steps of varying length where it is not given
   static constexpr int most_frames = 300; ///< stored after the first where `every` is not given
   /// The least of 1, 2, 5, 10, 20, … that makes of so many steps no more than most_frames.
   [[nodiscard]] static int automatic(int steps);

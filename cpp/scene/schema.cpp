@@ -47,7 +47,25 @@ Keys<Mesh> keys_of(Of<Mesh>) {
 Keys<Time> keys_of(Of<Time>) {
   return {
       required("end", &Time::end, Number{above_zero}, "s", "of the motion, which starts at 0"),
-      required("step", &Time::step, Number{above_zero}, "s", "`time.end` is a whole multiple of it"),
+      required(
+          "step", &Time::step, NumberOrAuto{{above_zero}}, "s",
+          "`time.end` is a whole multiple of it; `\"auto\"`: lengths that vary, chosen by an estimate of "
+          "their error",
+          {.effect = "steps of varying length"}),
+      value(
+          "tolerance", &Time::tolerance, Number{{.least = 1e-12, .greatest = 0.5}}, "",
+          "of `step = \"auto\"`: error that the steps may leave, relative to the largest value of `quantity`",
+          {.effect = "steps of varying length"}, &Time::automatic_steps),
+      value("quantity", &Time::quantity, Choice<StepQuantity>{}, "",
+            "of `step = \"auto\"`: what the error is of; `\"contact-force\"` the impulses of contact, "
+            "`\"energy\"` the whole motion, in the norm of its energy",
+            {.effect = "steps of varying length"}, &Time::automatic_steps),
+      value("longest", &Time::longest, Number{above_zero}, "s",
+            "of `step = \"auto\"`: no step is longer; shortened to a part of `time.end`",
+            {.otherwise = "a tenth of `time.end`", .effect = "steps of varying length"}),
+      value("shortest", &Time::shortest, Number{above_zero}, "s",
+            "of `step = \"auto\"`: no step is shorter, whatever its error",
+            {.otherwise = "the longest halved 20 times", .effect = "steps of varying length"}),
       value("scheme", &Time::scheme, Choice<TimeScheme>{}, "",
             "`\"contact-stabilized\"`: the motion without forces is first moved out of the obstacle, which "
             "smooths the contact forces",
@@ -228,6 +246,10 @@ Keys<Control> keys_of(Of<Control>) {
                 {.otherwise = "the body"}),
           acting<Control>("those that act"),
           value("constant_in_time", &Control::constant_in_time, Flag{}, "", "the same at all times"),
+          value("step", &Control::step, Number{above_zero}, "s",
+                "length of the intervals on which the control is constant, of which `time.end` is a whole "
+                "multiple; a time step takes the one at its middle",
+                {.otherwise = "the time steps"}),
           value("space", &Control::space, Choice<ControlValues>{}, "",
                 "values at the nodes, or (`\"P0\"`) in the cells"),
           given,

@@ -42,7 +42,7 @@ public:
   Floor(const Problem& problem, const forward::ForceAtStep& load)
       : problem_(problem), load_(load), r_(problem.space.vector()), y_(problem.space.vector()),
         f_(problem.space.vector()), guess_(problem.stepper) {
-    guess_.remember(problem.initial.y);
+    guess_.remember(0, problem.initial.y);
   }
 
   /// Seconds of the solve and of the products at step k of a motion.
@@ -57,16 +57,16 @@ public:
     watch.lap();
     check(MatMult(problem_.operators.M, f_, r_));
     double products = watch.lap();
-    check(MatMultAdd(stepper.R(), motion.y[i - 1], r_, r_));
+    check(MatMultAdd(stepper.of_length(stepper.grid().length(1)).R, motion.y[i - 1], r_, r_));
     products += watch.lap();
     stepper.clamped().clear(r_);
     if (stepper.pairs())
       contact::NormalOperator(*stepper.pairs()).add(-1, motion.contact[i].lambda, r_);
-    guess_.guess(y_);
+    guess_.guess(stepper.grid().time(k), y_);
     watch.lap();
     stepper.solver().linear().solve(r_, y_);
     const double solve = watch.lap();
-    guess_.remember(motion.y[i]);
+    guess_.remember(stepper.grid().time(k), motion.y[i]);
     return {solve, products};
   }
 

@@ -32,7 +32,8 @@ private:
 /// Memory of the operators that a problem keeps, bytes.
 inline double operator_bytes(const Problem& problem) {
   const fem::Operators& operators = problem.operators;
-  double sum = petsc::bytes(operators.M) + petsc::bytes(operators.A) + petsc::bytes(problem.stepper.R());
+  double sum = petsc::bytes(operators.M) + petsc::bytes(operators.A) +
+               petsc::bytes(problem.stepper.of_length(problem.stepper.grid().length(1)).R);
   for (const std::optional<petsc::Matrix>& matrix : {std::cref(operators.B), std::cref(operators.W)})
     if (matrix)
       sum += petsc::bytes(*matrix);

@@ -235,6 +235,38 @@ def time_step() -> None:
     near(simulate(time__step=0.1).steps["time"], 0.1 * np.arange(7))
 
 
+def varying(**more: object) -> dict[str, object]:
+    """Steps whose lengths the motion chooses."""
+    return {"time": {"end": 0.6, "step": "auto", "tolerance": 1e-2} | more}
+
+
+def lengths(done: Run) -> np.ndarray:
+    return np.diff(done.steps["time"])
+
+
+@key("time.tolerance", "time.longest", "time.shortest")
+def chosen_steps() -> None:
+    loose, usual, tight = (simulate(**varying(tolerance=tolerance)) for tolerance in (0.1, 1e-2, 1e-3))
+    assert len(lengths(loose)) < len(lengths(usual)) < len(lengths(tight))
+    bounded = lengths(simulate(**varying(longest=0.02, shortest=0.01)))
+    assert abs(bounded.max() - 0.02) < 1e-12 and abs(bounded.min() - 0.01) < 1e-12
+    near(usual.steps["time"][-1:], np.array([0.6]), 0)
+
+
+@key("time.quantity")
+def chosen_by() -> None:
+    runs = [simulate(**varying(quantity=quantity)) for quantity in ("displacement", "contact-force", "energy")]
+    assert len({len(lengths(done)) for done in runs}) == 3
+
+
+@key("control.step")
+def control_intervals() -> None:
+    for step, every in ((0.02, 1), (0.06, 3)):
+        u = optimize(iterations=1, control__step=step, output__every=1).field("control", "control")
+        changes = 1 + np.flatnonzero(abs(np.diff(u, axis=0)).max(axis=(1, 2)) > 0)
+        assert len(changes) > 3 and (changes % every == 0).all()
+
+
 @key("time.scheme")
 def time_scheme() -> None:
     flying = [simulate(time__scheme=scheme, **FREE | {"initial__velocity": ["x", "y"]}) for scheme in
@@ -914,6 +946,7 @@ FULL = (
         "control__on": "body", "control__lower": -9, "control__upper": 9, "objective__on": "body", "check__control": ["0", "0"],
         "output__probe": [{"point": [0.5, 0.5]}, {"on": "top"}, {"obstacle": "obstacle 3"}, {"body": True}],
     }),
+    (BLOCK, {"time": {"end": 0.6, "step": "auto", "longest": 0.06, "shortest": 1e-3}, "control__step": 0.06}),
     (DATA / "two-materials.toml", {"objective__desired": {"displacement": ["0", "0"]}, "trajectory__storage": "checkpoints"}),
     (BLOCK, {"objective__desired": {"run": "somewhere"}, "control__initial": {"run": str(FOLDER / "first")}}),
     (SOURCE / "scenes" / "hertz-press.toml", {"time__end": 0.05, "mesh__scale": 8, "exact": EXACT}),
@@ -1002,13 +1035,15 @@ def keys_of_the_readme() -> set[str]:
     default = simulate(edited("default.toml", ("(max_iterations|alpha|gamma).*", "")), clamp=[{"on": "left"}], initial__velocity=["0", "0"],
                        contact__obstacle={"shape": "ball", "center": [0, -2], "radius": 1},
                        measurement=[{"of": "force", "component": "y", "file": "none.csv"}])  # fmt: skip
-    for name, names in choices(default):
+    chosen = simulate(time={"end": 0.6, "step": "auto"})  # which has keys that others have not
+    for name, names in itertools.chain(choices(default), choices(chosen)):
         value = next((value for key, value, _ in rows if key == name), "")
         assert all(f'"{choice}"' in value for choice in names), f"the table's {name} is not all of {names}"
     confirmed = 0
     for name, _, value in rows:
         if re.fullmatch("`[^`]*`", value):
-            echoed = get(default.echo, re.sub("^(clamp|measurement)", r"\1.0", name).split("."))
+            own = chosen if name in ("time.tolerance", "time.quantity") else default
+            echoed = get(own.echo, re.sub("^(clamp|measurement)", r"\1.0", name).split("."))
             assert echoed == tomllib.loads(f"value = {value[1:-1]}")["value"], f"the table's default of {name} is {value}, not {echoed}"
             confirmed += 1
     assert confirmed > 20

@@ -121,7 +121,7 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
   const InContact run({"mesh.degree=2"});
   const Problem& problem = run.ready.problem;
   const forward::Stepper& stepper = problem.stepper;
-  const double tau = stepper.grid().tau;
+  const double tau = stepper.grid().length(1);
   const std::size_t N = static_cast<std::size_t>(run.trajectory.steps);
   std::vector<petsc::Vector> p(N + 2);
   const auto dual = [&](int k) {
@@ -253,7 +253,7 @@ TEST_CASE("bubbles of the adjoint states take up what the run's duals leave", "[
   const forward::Stepper& stepper = ready.problem.stepper;
   const adjoint::EnrichedBody body(ready.problem.space, stepper.pairs(), ready.scene);
   const fem::Operators& operators = body.operators();
-  const double tau = stepper.grid().tau;
+  const double tau = stepper.grid().length(1);
   const petsc::Vector pushed = test::smooth(body.space(), 3);
   const test::Dual at_step_4({}, [&](int k, Vec out) {
     if (k == 4)

@@ -79,7 +79,7 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
     const test::Ready ready("scenes/half-disc.toml", {"mesh.size=1", setting});
     const Problem& problem = ready.problem;
     const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.grid(),
-                                         problem.steps(), *ready.scene.control);
+                                         *ready.scene.control);
     const control::Control u = controls.interpolate({"0", "-1"}, "u");
     const control::ControlForce force(controls, u);
     const auto load = [&] { return problem.load(&force); };

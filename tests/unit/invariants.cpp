@@ -16,13 +16,13 @@ TEST_CASE("the margins of a motion are those of the step that is nearest to othe
   state.status = {Status::open, Status::strong, Status::strong, Status::open};
   state.gap = {0.3, 0, 0, 0.2};
   state.lambda = {0, 5, 8, 0};
-  margins.take(state);
+  margins.take(state, forward::Scheme{0.1});
   state.lambda = {0, 2, 4, 0};
   state.gap = {0.1, 0, 0, 0.7};
-  margins.take(state);
+  margins.take(state, forward::Scheme{0.1});
   state.lambda = {0, 3, 6, 0};
   state.gap = {0.4, 0, 0, 0.5};
-  margins.take(state);
+  margins.take(state, forward::Scheme{0.1});
   CHECK(margins.force() == 2.0 / 8);
   CHECK(margins.gap == 0.1);
 }
@@ -106,7 +106,7 @@ TEST_CASE("the scale of the momentum balance adds the moduli of its terms", "[fo
   const test::Ready ready("tests/data/block.toml");
   const forward::Stepper& stepper = ready.problem.stepper;
   const fem::Space& space = ready.problem.space;
-  const double tau = stepper.grid().tau;
+  const double tau = stepper.grid().length(1);
   const petsc::Vector y0 = test::smooth(space, 1), y1 = test::smooth(space, 2), v0 = test::smooth(space, 3),
                       v1 = test::smooth(space, 4), density = test::smooth(space, 5);
   contact::ContactState contact(stepper.pairs()->count());

@@ -365,8 +365,7 @@ TEST_CASE("a checkpoint is read as it was written, and where it is damaged not a
          "objective.desired={displacement=[\"0\", \"0\"]}"}}) {
     const test::Ready ready("tests/data/block.toml", overrides);
     const control::ControlSpace controls(ready.problem.space, ready.problem.operators,
-                                         ready.problem.stepper.grid(), ready.problem.steps(),
-                                         *ready.scene.control);
+                                         ready.problem.stepper.grid(), *ready.scene.control);
     Pieces pieces;
     pieces.u = std::make_shared<const control::Control>(some(controls));
     write(controls, pieces, file);
@@ -400,8 +399,7 @@ TEST_CASE("a checkpoint is read as it was written, and where it is damaged not a
     finer.push_back("mesh.size=0.2");
     const test::Ready other("tests/data/block.toml", finer);
     const control::ControlSpace elsewhere(other.problem.space, other.problem.operators,
-                                          other.problem.stepper.grid(), other.problem.steps(),
-                                          *other.scene.control);
+                                          other.problem.stepper.grid(), *other.scene.control);
     CHECK_THROWS_WITH(read(elsewhere, file),
                       ContainsSubstring("allowed is the mesh of the run that wrote it"));
     CHECK(same(read(controls, file), pieces));

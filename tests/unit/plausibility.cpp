@@ -39,7 +39,7 @@ std::set<std::string> warnings(std::vector<std::string> overrides) {
   const test::Ready ready("tests/data/block.toml", overrides);
   const Problem& problem = ready.problem;
   forward::Balance weigh(problem.stepper);
-  forward::Plausibility watch(problem.stepper, ready.scene, problem.steps());
+  forward::Plausibility watch(problem.stepper, ready.scene);
   const forward::ForceAtStep load = problem.load();
   forward::integrate(problem.stepper, problem.initial, load, problem.steps(),
                      [&](const forward::Frame& frame) {

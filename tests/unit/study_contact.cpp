@@ -19,7 +19,7 @@ std::vector<forward::ContactTimes::Interval> intervals(const std::vector<Gap>& g
   if (candidates.empty())
     for (int i = 0; i < m; ++i)
       candidates.push_back(i);
-  forward::ContactTimes times({tau}, candidates);
+  forward::ContactTimes times({tau, steps}, candidates);
   for (int k = 0; k <= steps; ++k) {
     contact::ContactState state(m);
     for (std::size_t i = 0; i < gaps.size(); ++i) {

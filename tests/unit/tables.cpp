@@ -90,7 +90,7 @@ TEST_CASE("the impulse of contact is the change of momentum less that of the loa
     for (const char* degree : {"mesh.degree=1", "mesh.degree=2"})
       for (const Settings& scheme : schemes) {
         const Watched motion(file, with({degree, "time.step=0.03"}, scheme));
-        const double tau = motion.ready.problem.stepper.grid().tau;
+        const double tau = motion.ready.problem.stepper.grid().length(1);
         Vector impulse{},
             change = difference(motion.balance.back().momentum, motion.balance.front().momentum);
         change[dim - 1] += 0.6; // a weight of 1 N for 0.6 s
@@ -323,7 +323,7 @@ TEST_CASE("what clamps, obstacles and loads do is the rate of momentum, by probe
                            with({probes, clamp, "initial.velocity=[\"0\", \"0\"]",
                                  "contact.obstacle.point=[0, -0.02]", "load.body=[\"0\", \"-3\"]"},
                                 scheme));
-      const double tau = motion.ready.problem.stepper.grid().tau;
+      const double tau = motion.ready.problem.stepper.grid().length(1);
       double reactions = 0, forces = 0;
       for (std::size_t k = 1; k < motion.balance.size(); ++k) {
         for (const auto& [axis, weight] : {std::pair{"x", 0.0}, {"y", -3.0}}) {

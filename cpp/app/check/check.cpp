@@ -91,6 +91,7 @@ void invariants(const Problem& problem, const forward::ForceAtStep& load, std::v
 } // namespace
 
 bool check_scene(const Problem& problem, const Console& console) {
+  choose_steps(problem, console);
   const scene::Scene& scene = problem.scene;
   std::vector<CheckRow> rows;
   std::string advice;

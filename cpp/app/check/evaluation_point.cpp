@@ -17,9 +17,10 @@ void wave(const fem::Space& space, const std::vector<double>& points, const std:
 
 control::Control wave(const control::ControlSpace& controls, int which) {
   control::Control u = controls.zero();
-  for (int k = 1; k <= u.count(); ++k) // in the middle of each step, like every other control
+  const double end = controls.grid().end();
+  for (int j = 1; j <= u.count(); ++j) // in the middle of each interval, like every other control
     wave(controls.space(), controls.points(), controls.components(),
-         u.count() == 1 ? 0 : (k - 0.5) / u.count(), which, u.at(k));
+         u.count() == 1 ? 0 : (controls.begin(j) + controls.length(j) / 2) / end, which, u.at(j));
   return u;
 }
 

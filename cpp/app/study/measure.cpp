@@ -69,7 +69,8 @@ public:
 
   void operator()(const forward::Frame& frame) {
     const forward::StepBalance balance = weigh_(frame);
-    const double tau = problem_.stepper.grid().tau, t = problem_.stepper.grid().time(frame.k);
+    const double tau = problem_.stepper.grid().length(std::max(frame.k, 1)),
+                 t = problem_.stepper.grid().time(frame.k);
     energy_ = std::max(energy_, balance.kinetic_energy + balance.elastic_energy);
     lost_ -= balance.contact_work;
     contact_(frame);
@@ -111,7 +112,7 @@ private:
       for (std::size_t i = 0; i < mean.size(); ++i)
         mean[i] += force[i] / static_cast<double>(last_forces_.size());
     const std::vector<double> found =
-        (*pressure_)(std::move(mean), problem_.stepper.grid().scheme(1).impulse());
+        (*pressure_)(std::move(mean), problem_.stepper.grid().scheme(problem_.steps()).impulse());
     double error = 0, size = 0;
     for (std::size_t i = 0; i < found.size(); ++i) {
       const double area = pressure_->area()[i];
@@ -161,12 +162,12 @@ std::vector<double> sampled(const Problem& problem, const Samples& samples,
   Series series(samples, problem.space);
   std::vector<double> mean(controls.size());
   const int n = g.count();
-  const double tau = problem.scene.time.end / n;
-  for (int k = 1; k <= n; ++k) // values in the middle of steps, linear in between, constant beyond
-    series.take_until((k - 0.5) * tau, k == n, [&](double t, Vec out) {
-      const double s = k == 1 ? 1 : std::clamp(1 + (t - (k - 0.5) * tau) / tau, 0.0, 1.0);
+  const auto middle = [&](int j) { return controls.begin(j) + controls.length(j) / 2; };
+  for (int j = 1; j <= n; ++j) // values in the middle of intervals, linear in between, constant beyond
+    series.take_until(middle(j), j == n, [&](double t, Vec out) {
+      const double s = j == 1 ? 1 : std::clamp((t - middle(j - 1)) / (middle(j) - middle(j - 1)), 0.0, 1.0);
       for (std::size_t i = 0; i < mean.size(); ++i)
-        mean[i] = s < 1 ? s * g.at(k)[i] + (1 - s) * g.at(k - 1)[i] : g.at(k)[i];
+        mean[i] = s < 1 ? s * g.at(j)[i] + (1 - s) * g.at(j - 1)[i] : g.at(j)[i];
       controls.extend(mean, out);
     });
   return series.take();

@@ -169,6 +169,7 @@ private:
 
 int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Options& options,
             const Console& console) {
+  require_one_length(scene);
   require_size(scene, the_quantity(scene, options.quantities, 2));
   require_answer(comm, scene);
   const Samples samples(comm, scene);

@@ -1,0 +1,219 @@
+#include "base/collective.h"
+#include "fixtures.h"
+#include "forward/balance.h"
+#include "forward/step_control.h"
+#include "forward/time_dependence.h"
+#include <catch2/catch_test_macros.hpp>
+#include <set>
+
+using namespace signorini;
+using petsc::check;
+
+namespace {
+
+/// A block that falls onto the floor, in steps that the motion chooses.
+const std::vector<std::string> falling{"time={end=0.6, step=\"auto\", tolerance=1e-2, longest=0.06}"};
+
+std::vector<std::string> with(std::vector<std::string> overrides, const std::vector<std::string>& more) {
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  return overrides;
+}
+
+const std::vector<std::vector<std::string>> schemes{
+    {}, {"time.scheme=\"contact-stabilized\""}, {"contact.mass=massless"}, {"mesh.degree=2"}};
+
+/// Chooses the lengths by the scene's own motion, which touches.
+void choose(const Problem& problem) { choose_steps(problem, problem.load(), test::silent()); }
+
+/// By how much two equal motions differ, relative: MUMPS, on several ranks, does not give the same bits
+/// twice.
+double rounding() { return ranks(MPI_COMM_WORLD) == 1 ? 0 : 1e-9; }
+
+std::set<double> lengths(const forward::TimeGrid& grid) {
+  std::set<double> all;
+  for (int k = 1; k <= grid.steps(); ++k)
+    all.insert(grid.length(k));
+  return all;
+}
+
+} // namespace
+
+TEST_CASE("steps of a ladder begin at multiples of their length and end where the motion does", "[forward]") {
+  const double end = 0.7; // no binary fraction
+  forward::TimeGrid grid(forward::Ladder(end, 3, 4));
+  CHECK(grid.ladder()->length(0) == end / 3);
+  CHECK_FALSE(grid.complete());
+  std::vector<double> levels;
+  for (const int level : {0, 2, 3, 4, 4, 2, 2, 1, 3, 3, 2}) {
+    REQUIRE(level >= grid.least_level());
+    grid.add(level);
+    levels.push_back(level);
+  }
+  CHECK(grid.least_level() == 0); // they make up three longest ones
+  CHECK(grid.complete());
+  CHECK(grid.time(grid.steps()) == end);
+  CHECK(grid.levels() == levels);
+  for (int k = 1; k <= grid.steps(); ++k) {
+    const double tau = grid.length(k);
+    CHECK(tau == grid.ladder()->length(grid.level(k)));
+    CHECK(std::abs(grid.time(k - 1) + tau - grid.time(k)) < 1e-15);
+    CHECK(std::abs(std::remainder(grid.time(k - 1), tau)) < 1e-15);
+    const forward::TimeGrid::Place middle = grid.place(grid.load_time(k));
+    CHECK((middle.k == k && std::abs(middle.part - 0.5) < 1e-12));
+  }
+  CHECK(grid.place(0).k == 1);
+  CHECK(grid.place(end).k == grid.steps());
+  forward::TimeGrid other(*grid.ladder());
+  CHECK(other.take(levels));
+  CHECK(other.levels() == levels);
+  CHECK_FALSE(other.take({0, 2, 1, 0, 0})); // the third begins at no multiple of its length
+  CHECK_FALSE(other.take({0, 0}));          // too short
+  CHECK_FALSE(other.take({0, 0, 0, 0}));    // too long
+  CHECK_FALSE(other.take({0, 0, 5}));       // no such length
+  CHECK(other.levels() == levels);
+}
+
+TEST_CASE("motions in steps of varying length keep the laws of energy and momentum", "[forward]") {
+  for (const std::vector<std::string>& scheme : schemes) {
+    const test::Ready ready("tests/data/block.toml", with(falling, scheme));
+    const Problem& problem = ready.problem;
+    forward::Balance weigh(problem.stepper);
+    forward::StepControl control(problem.stepper, ready.scene);
+    double energy = 0, off = 0, force = 0, momentum = 0;
+    int touching = 0, last = -1;
+    const int steps = forward::integrate_choosing(
+        problem.stepper, problem.initial, problem.load(), control, [&](const forward::Frame& frame) {
+          CHECK(frame.k == last + 1); // steps that are made again are not shown
+          last = frame.k;
+          const forward::StepBalance balance = weigh(frame);
+          energy = std::max(energy, balance.kinetic_energy + balance.elastic_energy);
+          off = std::max(off, std::abs(balance.energy_residual));
+          force = std::max(force, balance.momentum_scale);
+          momentum =
+              std::max(momentum, std::hypot(balance.momentum_residual[0], balance.momentum_residual[1]));
+          touching += !frame.contact.active.empty();
+          CHECK(balance.contact_work <= 1e-12 * energy);
+        });
+    const forward::TimeGrid& grid = problem.stepper.grid();
+    CHECK(grid.complete());
+    CHECK(grid.steps() == steps);
+    REQUIRE(touching > 3);
+    REQUIRE(lengths(grid).size() > 1);
+    REQUIRE(control.rejected() > 0);
+    CHECK(off < 1e-11 * energy);
+    CHECK(momentum < 1e-10 * force);
+    // The same motion again, of the steps that were chosen.
+    petsc::Vector end = problem.space.vector();
+    forward::integrate(problem.stepper, problem.initial, problem.load(), steps,
+                       [&](const forward::Frame& frame) { check(VecCopy(frame.y1, end)); });
+    const petsc::Vector first = petsc::copy(end);
+    forward::integrate(problem.stepper, problem.initial, problem.load(), steps,
+                       [&](const forward::Frame& frame) { check(VecCopy(frame.y1, end)); });
+    CHECK(test::difference(first, end) <= rounding() * test::largest(end));
+  }
+}
+
+TEST_CASE("a factor that memory has no room for is made again, to the same motion", "[forward]") {
+  std::vector<petsc::Vector> ends;
+  std::vector<int> made;
+  std::optional<test::Ready> kept;
+  for (const char* memory : {"solver.memory=1e9", "solver.memory=1e3"}) {
+    const test::Ready ready("tests/data/block.toml", with(falling, {"solver.linear=direct", memory}));
+    const Problem& problem = ready.problem;
+    forward::StepControl control(problem.stepper, ready.scene);
+    petsc::Vector& end = ends.emplace_back(problem.space.vector());
+    forward::integrate_choosing(problem.stepper, problem.initial, problem.load(), control,
+                                [&](const forward::Frame& frame) { check(VecCopy(frame.y1, end)); });
+    made.push_back(problem.stepper.factorisations());
+  }
+  CHECK(made[1] > made[0]);
+  CHECK(test::difference(ends[0], ends[1]) <= rounding() * test::largest(ends[0]));
+}
+
+TEST_CASE("stored motions of varying steps come back the same from memory, disk and checkpoints",
+          "[forward]") {
+  std::vector<std::vector<double>> gradients;
+  for (const std::vector<std::string>& storage :
+       {std::vector<std::string>{"trajectory.storage=memory"},
+        {"trajectory.storage=disk"},
+        {"trajectory.storage=checkpoints", "trajectory.budget=2e5"}}) {
+    const test::Ready ready("tests/data/block.toml", with(falling, storage));
+    choose(ready.problem);
+    ControlProblem problem(ready.problem, test::silent());
+    problem.reduced.simulate(problem.controls.constant(-0.3));
+    problem.reduced.accept();
+    const control::Control g = problem.reduced.gradient();
+    gradients.emplace_back(g.values().begin(), g.values().end());
+    REQUIRE(lengths(ready.problem.stepper.grid()).size() > 2);
+  }
+  for (const std::vector<double>& other : {gradients[1], gradients[2]})
+    CHECK(test::difference(other, gradients[0]) <= rounding() * test::largest(gradients[0]));
+}
+
+TEST_CASE("a control on intervals of its own sees the mean of the gradients of their steps", "[control]") {
+  // Three intervals of four steps: the values of a step are those of its interval.
+  const std::vector<std::string> time{"time={end=0.24, step=0.02}"};
+  std::vector<double> mean;
+  {
+    const test::Ready ready("tests/data/block.toml", time);
+    ControlProblem problem(ready.problem, test::silent());
+    problem.reduced.simulate(problem.controls.constant(-0.5));
+    problem.reduced.accept();
+    const control::Control g = problem.reduced.l2_gradient();
+    REQUIRE(g.count() == 12);
+    const std::size_t n = g.at(1).size();
+    mean.resize(3 * n);
+    for (int k = 1; k <= 12; ++k)
+      for (std::size_t i = 0; i < n; ++i)
+        mean[static_cast<std::size_t>((k - 1) / 4) * n + i] += g.at(k)[i] / 4;
+  }
+  const test::Ready ready("tests/data/block.toml", with(time, {"control.step=0.08"}));
+  ControlProblem problem(ready.problem, test::silent());
+  problem.reduced.simulate(problem.controls.constant(-0.5));
+  problem.reduced.accept();
+  const control::Control g = problem.reduced.l2_gradient();
+  REQUIRE(g.count() == 3);
+  double largest = 0, off = 0;
+  for (std::size_t i = 0; i < mean.size(); ++i) {
+    largest = std::max(largest, std::abs(mean[i]));
+    off = std::max(off, std::abs(g.values()[i] - mean[i]));
+  }
+  CHECK(largest > 0);
+  CHECK(off < 1e-12 * largest);
+  CHECK(problem.controls.begin(2) == 0.08);
+  CHECK(std::abs(problem.controls.product(g, g) -
+                 (problem.controls.product_at(1, g, g) + problem.controls.product_at(2, g, g) +
+                  problem.controls.product_at(3, g, g)) *
+                     0.08) < 1e-12 * problem.controls.product(g, g));
+}
+
+TEST_CASE("steps are as short as what loads, clamps and obstacles do at once", "[forward]") {
+  const test::Ready ready("tests/data/block.toml");
+  const auto resolves = [&](const std::vector<std::string>& scene, double from, double to) {
+    return forward::TimeDependence(ready.problem.space,
+                                   test::parse(test::source("tests/data/block.toml"), scene))
+        .resolves(from, to, 1e-3);
+  };
+  const std::vector<std::string> constant{}, smooth{"load.body=[\"0\", \"sin(t)\"]"},
+      pulse{"load.body=[\"0\", \"t > 0.2 && t < 0.201 ? 1 : 0\"]"},
+      local{"load.body=[\"x*cos(300*t)\", \"0\"]"},
+      knock{"contact.obstacle={shape=\"half-space\", point=[0, \"-0.1 - 0.01*max(0, 1 - abs(t - "
+            "0.2)/0.001)\"], "
+            "normal=[0, 1]}"};
+  for (const std::vector<std::string>& scene : {constant, smooth})
+    CHECK(resolves(scene, 0, 0.6));
+  for (const std::vector<std::string>& scene : {pulse, local, knock}) {
+    CHECK_FALSE(resolves(scene, 0.1, 0.4));
+    CHECK(resolves(scene, 0.19999, 0.2));
+  }
+  CHECK(resolves(pulse, 0.21, 0.6));
+
+  // An impulse of 1e-3 N s/m³ on a body of 1 kg/m³ that nothing touches leaves it at 1e-3 m/s.
+  const test::Ready hit("tests/data/block.toml", {"time={end=0.6, step=\"auto\", tolerance=1e-2}",
+                                                  pulse.front(), "initial.velocity=[\"0\", \"0\"]"});
+  forward::StepControl control(hit.problem.stepper, hit.scene);
+  double speed = 0;
+  forward::integrate_choosing(hit.problem.stepper, hit.problem.initial, hit.problem.load(), control,
+                              [&](const forward::Frame& frame) { speed = test::largest(frame.v1); });
+  CHECK(std::abs(speed / 1e-3 - 1) < 1e-2);
+}
