@@ -102,6 +102,19 @@ void add_study_options(CLI::App& app, Request& request) {
       ->check(CLI::Range(1e-12, 1.0));
 }
 
+/// Adds --accuracy, which is returned, and what goes with it.
+CLI::Option* add_accuracy_options(CLI::App& app, Request& request) {
+  CLI::Option* const accuracy =
+      app.add_option("--accuracy", request.accuracy,
+                     "choose sizes and steps until this relative error is met, such as 1e-2, of J")
+          ->check(CLI::Range(1e-12, 1.0));
+  app.add_option("--budget", request.study.budget,
+                 "end with the best answer by then, such as 90s, 10min or 2h (default: none)")
+      ->transform(CLI::Validator(to_seconds, "TIME"))
+      ->needs(accuracy);
+  return accuracy;
+}
+
 /// Adds the options of keys, which has no scene; each sets the `writer` that prints them.
 void add_keys_options(CLI::App& app, std::string (*&writer)()) {
   app.add_flag_callback(
@@ -134,9 +147,11 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
                     "of each rank (default: OMP_NUM_THREADS, else the cores that the ranks leave)")
         ->check(CLI::Range(1, 1024));
     sub->add_flag("--quiet", asked.quiet, "say nothing but errors");
-    if (name == "optimize")
-      sub->add_flag("--resume", request.resume,
-                    "go on from the checkpoint in the folder, where there is one");
+    if (name == "optimize") {
+      CLI::Option* const resume = sub->add_flag(
+          "--resume", request.resume, "go on from the checkpoint in the folder, where there is one");
+      add_accuracy_options(*sub, request)->excludes(resume);
+    }
     if (name == "simulate") {
       sub->add_flag("--replace", request.replace, "even if the folder holds an optimum, or files hold data");
       CLI::Option* const measure =

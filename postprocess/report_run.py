@@ -26,7 +26,9 @@ def page(run: RunFolder) -> Page:
 def sections_of(run: RunFolder, gather: Gathering) -> list[Section]:
     """All parts below the facts."""
     motion = gather("the body in motion", report_motion.motion, run)
+    varying = "shortest" in run.manifest.get("steps", {})
     contact = [*gather("contact force", report_contact.contact_force, run),
+               *(gather("length of the steps", step_lengths, run) if varying else []),
                *gather("candidates in contact", report_contact.active_candidates, run),
                *gather("contact along the surface", report_contact.contact_surface, run)]  # fmt: skip
     control = gather("resultant of the control", report_control.resultant, run) if "control" in run.scene else []
@@ -70,13 +72,36 @@ def facts(run: RunFolder) -> list[tuple[str, str]]:
                           f"{whole(given['candidates'])} contact candidates"))  # fmt: skip
     asked = "" if steps["done"] == steps["asked"] else f" of {whole(steps['asked'])}"
     end = quantity(run.last_time, "s")
-    found.append(("Time", f"{whole(steps['done'])}{asked} steps of {quantity(time['step'], 's')}, to {end}"))
+    length = (f"{quantity(steps['shortest'], 's')} to {quantity(steps['longest'], 's')}" if "shortest" in steps
+              else quantity(time["step"], "s"))  # fmt: skip
+    found.append(("Time", f"{whole(steps['done'])}{asked} steps of {length}, to {end}"))
+    if "accuracy" in given:
+        found.append(("Accuracy", accuracy(given["accuracy"])))
     found.append(("Scheme", ", ".join([time["scheme"], *(f"{mass} mass" for mass in masses(scene))])))
     found.append(("Solver", str(given["solver"]).split(" (")[0]))
     found.append(("Ranks", whole(given["host"]["ranks"])))
     found.append(("Peak memory", quantity(given["peak_memory_bytes"], "B")))
     found.append(("Versions", ", ".join(f"{name} {version}" for name, version in given["versions"].items())))
     return found
+
+
+def accuracy(given: dict) -> str:
+    """What was asked of the answer, and what is estimated."""
+    met = "met" if given["estimated"] <= given["asked"] else "not met"
+    return (f"{given['asked']:g} of {given['quantity']} asked, {given['estimated']:.2g} estimated: {met} "
+            f"(space {given['space']:.1g}, time {given['time']:.1g}, search {given['search']:.1g})")  # fmt: skip
+
+
+def step_lengths(run: RunFolder) -> Chart:
+    """Over time, under the contact force, where they vary."""
+    times = run.steps["time"]
+    lengths = np.diff(times)
+    factor, unit = style.prefixed(lengths, "s")
+    shown, title = time_axis(times)
+    curve = line("length of the steps", shown[1:], lengths * factor, style.BLUE)
+    curve["line"]["shape"] = "vh"  # that of the step that ends there
+    view = figure([curve], title, f"step length ({unit})", xaxis={"range": [0, shown[-1]]}, yaxis=logarithmic(lengths * factor))
+    return Chart.single("step-lengths", "Length of the steps over time", view)
 
 
 def masses(scene: dict) -> list[str]:

@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include <algorithm>
 #include <fmt/format.h>
+#include <utility>
 
 namespace signorini::adjoint {
 using petsc::check, petsc::dot;
@@ -29,13 +30,20 @@ void Duals::move(int k, Vec p_k, const contact::ContactSets* later) {
 }
 
 DualBubbles::DualBubbles(const EnrichedBody& body, const forward::DualAtStep& derivative,
-                         forward::Scheme scheme)
-    : body_(body), derivative_(derivative), scheme_(scheme), diagonal_(fem::diagonal(body.operators().A)) {
-  for (petsc::Vector* x : {&b_, &left_, &z_, &direction_, &image_, &work_})
+                         const forward::TimeGrid& grid)
+    : body_(body), derivative_(derivative), grid_(grid), of_A_(fem::diagonal(body.operators().A)) {
+  for (petsc::Vector* x : {&b_, &left_, &z_, &direction_, &image_, &work_, &diagonal_})
     *x = body.space().vector();
-  check(VecScale(diagonal_, scheme.impulse()));
   if (body.operators().B)
-    check(VecAXPY(diagonal_, scheme.tau / 2, fem::diagonal(*body.operators().B)));
+    of_B_ = fem::diagonal(*body.operators().B);
+}
+
+void DualBubbles::set_length(double mean) {
+  if (std::exchange(mean_, mean) == mean)
+    return;
+  check(VecAXPBY(diagonal_, mean, 0, of_A_));
+  if (of_B_)
+    check(VecAXPY(diagonal_, 1, of_B_));
 }
 
 void DualBubbles::add(Mat matrix, double factor) {
@@ -48,28 +56,29 @@ void DualBubbles::residual(int k, const Duals& duals) {
   if (!coarse_)
     coarse_ = petsc::zero_like(duals.p);
   const fem::Operators& operators = body_.operators();
-  const double tau = scheme_.tau;
+  const forward::Scheme now = grid_.scheme(k), later = grid_.scheme(k + 1);
   forward::assemble(derivative_.at(k), operators, left_);
-  check(VecAXPBYPCZ(coarse_, 3 / tau, -1 / tau, 0, duals.velocity, duals.velocity_later));
+  check(VecAXPBYPCZ(coarse_, 1 / later.tau + 2 / now.tau, -1 / later.tau, 0, duals.velocity,
+                    duals.velocity_later));
   check(VecAXPY(coarse_, -1, duals.p));
   add(operators.M, 1);
   if (operators.B) {
-    check(VecWAXPY(coarse_, -1, duals.p, duals.p_later));
-    add(*operators.B, tau / 2);
+    check(VecAXPBYPCZ(coarse_, later.tau / 2, -now.tau / 2, 0, duals.p_later, duals.p));
+    add(*operators.B, 1);
     check(MatMult(*operators.B, b_, work_));
-    check(VecAXPY(left_, tau / 2, work_));
+    check(VecAXPY(left_, 1, work_));
   }
-  check(VecWAXPY(coarse_, 1, duals.p, duals.p_later));
-  add(operators.A, -scheme_.stiffness());
+  check(VecAXPBYPCZ(coarse_, now.stiffness(), later.stiffness(), 0, duals.p, duals.p_later));
+  add(operators.A, -1);
 }
 
 void DualBubbles::apply(Vec x, const contact::ActiveSet& active, Vec out) {
   const fem::Operators& operators = body_.operators();
   check(MatMult(operators.A, x, out));
-  check(VecScale(out, scheme_.impulse()));
+  check(VecScale(out, mean_));
   if (operators.B) {
     check(MatMult(*operators.B, x, work_));
-    check(VecAXPY(out, scheme_.tau / 2, work_));
+    check(VecAXPY(out, 1, work_));
   }
   body_.keep_bubbles(active, out);
 }
@@ -81,6 +90,7 @@ double DualBubbles::precondition(const contact::ActiveSet& active) {
 }
 
 Vec DualBubbles::next(int k, const Duals& duals, const contact::ActiveSet& active) {
+  set_length((grid_.length(k) + grid_.length(k + 1)) / 2);
   residual(k, duals);
   body_.keep_bubbles(active, left_);
   const double size = precondition(active);

@@ -1,7 +1,10 @@
 #include "adjoint/enriched_body.h"
 #include "contact/lcp/primal_dual.h"
 #include "contact/normal_operator.h"
+#include "fem/function.h"
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <map>
 
 namespace signorini::adjoint {
@@ -77,6 +80,41 @@ void EnrichedBody::interpolation_error(const scene::Field& field, double t, Vec 
   space_.interpolate(field, t, out);
   embed(linear, embedded);
   check(VecAXPY(out, -1, embedded));
+}
+
+std::vector<double> EnrichedBody::by_cells(Vec x) const {
+  const auto dim = static_cast<std::size_t>(space_.dim());
+  const auto V = space_.dolfinx();
+  const auto owned = static_cast<std::size_t>(space_.owned_nodes());
+  fem::Function sums(V), cells_at(V);
+  {
+    const petsc::ReadArray values(x);
+    const std::span<double> to = sums.x()->mutable_array();
+    for (std::size_t node = 0; node < owned; ++node)
+      for (std::size_t c = 0; c < dim; ++c)
+        to[node * dim] += values[node * dim + c];
+  }
+  for (int vertex : vertices_)
+    sums.x()->mutable_array()[static_cast<std::size_t>(vertex) * dim] = 0;
+  sums.x()->scatter_fwd();
+  const auto& dofmap = *V->dofmap();
+  const std::vector<std::int32_t> cells = linear_.mesh().owned_cells();
+  for (const std::int32_t cell : cells)
+    for (const std::int32_t node : dofmap.cell_dofs(cell))
+      cells_at.x()->mutable_array()[static_cast<std::size_t>(node) * dim] += 1;
+  cells_at.x()->scatter_rev(std::plus<>());
+  cells_at.x()->scatter_fwd();
+  std::vector<double> indicators;
+  indicators.reserve(cells.size());
+  for (const std::int32_t cell : cells) {
+    double sum = 0;
+    for (const std::int32_t node : dofmap.cell_dofs(cell)) {
+      const std::size_t i = static_cast<std::size_t>(node) * dim;
+      sum += std::abs(sums.x()->array()[i]) / cells_at.x()->array()[i];
+    }
+    indicators.push_back(sum);
+  }
+  return indicators;
 }
 
 void EnrichedBody::keep_bubbles(const contact::ActiveSet& active, Vec x) const {

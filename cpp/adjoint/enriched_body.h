@@ -31,6 +31,10 @@ public:
   };
   [[nodiscard]] const InitialError& initial_error() const { return initial_error_; }
 
+  /// The modulus of what the bubbles of each edge have in x, a sum over components, shared by the cells at
+  /// the edge: one number for each cell owned. Collective.
+  [[nodiscard]] std::vector<double> by_cells(Vec x) const;
+
   /// Projects x, in the Euclidean product of the coefficients, onto the bubbles that are free to move: zero
   /// at vertices and clamped dofs and, along ν, in the middle of edges whose ends are both active against the
   /// same obstacle. Collective.

@@ -1,6 +1,7 @@
 #include "adjoint/weighted_residual.h"
 #include "adjoint/dual_bubbles.h"
 #include "adjoint/sweep.h"
+#include <cmath>
 
 namespace signorini::adjoint {
 using petsc::check, petsc::dot;
@@ -42,16 +43,18 @@ private:
 /// The residual r_k of the equation of motion in functions of degree 2; see weighted_residual().
 class Residual {
 public:
-  Residual(const EnrichedBody& body, const Window& motion, const forward::ForceAtStep& load, double tau)
-      : body_(body), motion_(motion), load_(load), tau_(tau), coarse_(petsc::zero_like(motion.now.y)),
+  Residual(const EnrichedBody& body, const Window& motion, const forward::ForceAtStep& load,
+           const forward::TimeGrid& grid)
+      : body_(body), motion_(motion), load_(load), grid_(grid), coarse_(petsc::zero_like(motion.now.y)),
         fine_(body.space().vector()), sum_(body.space().vector()), product_(body.space().vector()) {}
 
   Vec operator()(int k) {
     const fem::Operators& operators = body_.operators();
+    const double rate = 1 / grid_.length(k);
     forward::assemble(load_.at(k), operators, sum_);
-    subtract(operators.M, 1 / tau_, motion_.now.v, -1 / tau_, motion_.before.v);
+    subtract(operators.M, rate, motion_.now.v, -rate, motion_.before.v);
     if (operators.B)
-      subtract(*operators.B, 1 / tau_, motion_.now.y, -1 / tau_, motion_.before.y);
+      subtract(*operators.B, rate, motion_.now.y, -rate, motion_.before.y);
     subtract(operators.A, 0.5, motion_.now.y, 0.5, motion_.before.y);
     return sum_;
   }
@@ -68,7 +71,7 @@ private:
   const EnrichedBody& body_;
   const Window& motion_;
   const forward::ForceAtStep& load_;
-  double tau_;
+  forward::TimeGrid grid_;
   petsc::Vector coarse_, fine_, sum_, product_;
 };
 
@@ -76,81 +79,112 @@ private:
 class TimePart {
 public:
   TimePart(const forward::Stepper& stepper, const Window& motion, int steps, const forward::ForceAtStep& load)
-      : stepper_(stepper), motion_(motion), steps_(steps), load_(load), tau_(stepper.grid().length(1)),
-        rate_(stepper.space().vector()), later_(stepper.space().vector()), force_(stepper.space().vector()),
-        force_later_(stepper.space().vector()), moves_(stepper.space().vector()),
-        product_(stepper.space().vector()) {}
+      : stepper_(stepper), motion_(motion), grid_(stepper.grid()), steps_(steps), load_(load) {
+    for (petsc::Vector* x : {&change_, &now_, &later_, &force_, &force_later_, &moves_, &product_})
+      *x = stepper.space().vector();
+  }
 
   /// Takes p_k after p_{k+1}.
   void take(int k, Vec p) {
     std::swap(force_, force_later_);
+    std::swap(now_, later_);
     forward::assemble(load_.at(k), stepper_.operators(), force_);
-    // π' = (p_{k+1} − p_k)/2, with p_{N+1} = 0
-    check(VecAXPBYPCZ(rate_, -0.5, 0.5, 0, p, later_));
-    const bool last = k == steps_;
-    sum_ += (last ? 0.5 : 1) * tau_ * at_interface(last);
+    check(VecAXPBY(now_, grid_.length(k) / 2, 0, p));
+    if (k == steps_)
+      end();
+    else
+      interface(k);
     if (k == 1)
-      start(p);
-    check(VecCopy(p, later_));
+      start();
   }
 
   [[nodiscard]] double sum() const { return sum_; }
 
 private:
-  double weighed(Mat matrix) {
+  /// x·matrix·moves
+  double weighed(Vec x, Mat matrix) {
     check(MatMult(matrix, moves_, product_));
     stepper_.clamped().clear(product_);
-    return dot(rate_, product_);
+    return dot(x, product_);
   }
 
-  /// The integrand at t_k, for the trapezoidal rule.
-  double at_interface(bool last) {
+  /// From T back to the middle of step N, over which π falls by half.
+  void end() {
+    const double tau = grid_.length(steps_);
+    check(VecAXPBY(change_, -0.5, 0, now_));
+    check(VecCopy(motion_.now.v, moves_));
+    sum_ -= tau * tau / 6 * weighed(change_, stepper_.operators().A);
+  }
+
+  /// From the middle of step k + 1 back to that of step k.
+  void interface(int k) {
     const fem::Operators& body = stepper_.operators();
-    double value = 0;
-    if (last) {
-      check(VecCopy(motion_.now.v, moves_));
-      return -tau_ * tau_ / 6 * weighed(body.A);
-    }
-    check(VecAXPBYPCZ(moves_, 0.5 / tau_, -0.5 / tau_, 0, motion_.later.y, motion_.before.y));
-    value -= tau_ * tau_ / 6 * weighed(body.A);
+    const double tau = grid_.length(k), tau_later = grid_.length(k + 1), between = (tau + tau_later) / 2;
+    // Means of τ²: over the time between the middles, and their difference at t_k.
+    const double squared = (std::pow(tau, 3) + std::pow(tau_later, 3)) / (2 * between),
+                 jump = tau * tau - tau_later * tau_later;
+    check(VecWAXPY(change_, -1, now_, later_));
+    check(VecAXPBYPCZ(moves_, 0.5 / between, -0.5 / between, 0, motion_.later.y, motion_.before.y));
+    sum_ -= squared / 6 * weighed(change_, body.A);
+    const bool lengths_change = jump != 0;
+    if (lengths_change)
+      sum_ += jump / 12 * weighed(at_end(tau, tau_later), body.A);
     if (body.B) {
-      check(VecAXPBYPCZ(moves_, 1, 1, 0, motion_.later.y, motion_.before.y));
-      check(VecAXPY(moves_, -2, motion_.now.y));
-      value -= weighed(*body.B) / 12;
+      check(VecAXPBYPCZ(moves_, 1 / tau_later, 1 / tau, 0, motion_.later.y, motion_.before.y));
+      check(VecAXPY(moves_, -(1 / tau + 1 / tau_later), motion_.now.y));
+      sum_ -= squared / (12 * between) * weighed(change_, *body.B);
     }
     check(VecWAXPY(moves_, -1, force_, force_later_));
-    return value + tau_ / 24 * dot(rate_, moves_);
+    sum_ += squared / (24 * between) * dot(change_, moves_);
+    if (lengths_change)
+      sum_ += jump / (24 * between) * dot(at_end(tau, tau_later), moves_);
   }
 
-  /// The boundary terms at t = 0, π(0) = τ/2 p_1, and the integral's end at t = 0, with π' of t_1.
-  void start(Vec p) {
+  /// π(t_k) from the middles of the steps beside it.
+  Vec at_end(double tau, double tau_later) {
+    if (!end_)
+      end_ = stepper_.space().vector();
+    check(VecAXPBYPCZ(end_, tau_later / (tau + tau_later), tau / (tau + tau_later), 0, now_, later_));
+    return end_;
+  }
+
+  /// From the middle of step 1 back to 0, with π' of t_1, and the brackets there.
+  void start() {
     const Mat A = stepper_.operators().A;
+    const double tau = grid_.length(1);
     check(VecCopy(motion_.before.v, moves_));
-    sum_ -= tau_ * tau_ / 6 * weighed(A) * tau_ / 2;
-    check(MatMult(A, moves_, product_));
-    sum_ -= tau_ * tau_ / 12 * tau_ / 2 * dot(p, product_);
     if (steps_ > 1) {
+      const double between = (tau + grid_.length(2)) / 2;
+      sum_ -= tau / (2 * between) * tau * tau / 6 * weighed(change_, A);
+    } else {
+      sum_ -= tau * tau / 6 * weighed(change_, A);
+    }
+    sum_ -= tau * tau / 12 * weighed(now_, A);
+    if (steps_ > 1) {
+      const double between = (tau + grid_.length(2)) / 2;
       check(VecWAXPY(moves_, -1, force_, force_later_));
-      sum_ -= tau_ / 24 * tau_ / 2 * dot(p, moves_);
+      sum_ -= tau * tau / (24 * between) * dot(now_, moves_);
     }
   }
 
   const forward::Stepper& stepper_;
   const Window& motion_;
+  forward::TimeGrid grid_;
   int steps_;
   const forward::ForceAtStep& load_;
-  double tau_, sum_ = 0;
-  petsc::Vector rate_, later_, force_, force_later_, moves_, product_;
+  double sum_ = 0;
+  petsc::Vector change_, now_, later_; ///< of π over the last interval; π_k, π_{k+1}
+  petsc::Vector force_, force_later_, moves_, product_, end_;
 };
 
 /// The parts of space and initial data, summed from step N down.
 class SpacePart {
 public:
   SpacePart(const forward::Stepper& stepper, const EnrichedBody& body, const Window& motion,
-            const Weighted& run)
-      : body_(body), contact_(run.motion.contact()), scheme_(stepper.grid().scheme(1)),
-        steps_(run.motion.steps()), duals_(stepper), bubbles_(body, *run.enriched_derivative, scheme_),
-        residual_(body, motion, *run.enriched_load, scheme_.tau), later_(body.space().vector()),
+            const Weighted& run, Vec by_nodes)
+      : body_(body), by_nodes_(by_nodes), contact_(run.motion.contact()), grid_(stepper.grid()),
+        steps_(run.motion.steps()), duals_(stepper), bubbles_(body, *run.enriched_derivative, grid_),
+        residual_(body, motion, *run.enriched_load, grid_), later_(body.space().vector()),
         dual_(body.space().vector()), product_(body.space().vector()), coarse_(stepper.space().vector()) {}
 
   /// Takes p_k after p_{k+1}.
@@ -159,13 +193,12 @@ public:
     duals_.move(k, p, k < steps_ ? &contact_[i + 1] : nullptr);
     const Vec r = residual_(k);
     body_.embed(p, dual_);
-    space_ += scheme_.impulse() * dot(dual_, r);
+    space_ += grid_.scheme(k).impulse() * dot(dual_, r);
     if (k < steps_) {
-      // b_k lies between steps k and k + 1: p_k⁺ takes the mean of b_{k−1} and b_k, and p_1⁺ and p_N⁺ the
-      // only one.
-      const Vec b = bubbles_.next(k, duals_, contact_[i].active);
-      const double now = k == 1 ? 1 : 0.5, before = k + 1 == steps_ ? 1 : 0.5;
-      space_ += scheme_.impulse() * (now * dot(b, r) + before * dot(b, later_));
+      // Step 1 takes β_1 at both ends, and step N β_{N−1}.
+      const Vec bubbles = bubbles_.next(k, duals_, contact_[i].active);
+      weigh(bubbles, (k == 1 ? 1 : 0.5) * grid_.length(k), r);
+      weigh(bubbles, (k + 1 == steps_ ? 1 : 0.5) * grid_.length(k + 1), later_);
     }
     check(VecCopy(r, later_));
   }
@@ -178,20 +211,29 @@ public:
     duals_.move(0, coarse_, &contact_[1]); // now p_later is p_1, and the velocities ω_0, ω_1
     const auto& [dy, dv] = body_.initial_error();
     const fem::Operators& operators = body_.operators();
+    const forward::Scheme first = grid_.scheme(1);
     double value = 0;
     if (dv)
-      value += weighed(operators.M, duals_.velocity, scheme_.tau / 2, dv);
+      value += weighed(operators.M, duals_.velocity, 1, dv);
     if (!dy)
       return value;
     if (operators.B)
-      value += scheme_.tau / 2 * weighed(*operators.B, duals_.p_later, 1, dy);
-    value -= scheme_.stiffness() * weighed(operators.A, duals_.p_later, 1, dy);
-    check(VecAXPBYPCZ(coarse_, 1 / scheme_.tau, -1 / scheme_.tau, 0, duals_.velocity, duals_.velocity_later));
+      value += first.tau / 2 * weighed(*operators.B, duals_.p_later, 2 / first.tau, dy);
+    value -= first.stiffness() * weighed(operators.A, duals_.p_later, 2 / first.tau, dy);
+    check(VecAXPBYPCZ(coarse_, 1 / first.tau, -1 / first.tau, 0, duals_.velocity, duals_.velocity_later));
     return value + weighed(operators.M, coarse_, 0, dy);
   }
 
 private:
-  /// error·matrix (dual + factor b); the factor for ω is τ/2, since ω = τ/2 p to leading order in τ.
+  void weigh(Vec bubbles, double factor, Vec residual) {
+    space_ += factor * dot(bubbles, residual);
+    if (!by_nodes_)
+      return;
+    check(VecPointwiseMult(product_, bubbles, residual));
+    check(VecAXPY(by_nodes_, factor, product_));
+  }
+
+  /// error·matrix (dual + factor β); ω has β itself, since ω = τ/2 p to leading order in τ.
   double weighed(Mat matrix, Vec dual, double factor, Vec error) {
     body_.embed(dual, dual_);
     check(VecAXPY(dual_, factor, bubbles_.last()));
@@ -200,8 +242,9 @@ private:
   }
 
   const EnrichedBody& body_;
+  Vec by_nodes_;
   const std::vector<contact::ContactSets>& contact_;
-  forward::Scheme scheme_;
+  forward::TimeGrid grid_;
   int steps_;
   Duals duals_;
   DualBubbles bubbles_;
@@ -213,12 +256,12 @@ private:
 } // namespace
 
 ErrorParts weighted_residual(const forward::Stepper& stepper, const EnrichedBody* enriched,
-                             const Weighted& run) {
+                             const Weighted& run, Vec by_nodes) {
   Window motion(stepper.space(), run.motion);
   TimePart time(stepper, motion, run.motion.steps(), run.load);
   std::optional<SpacePart> space;
   if (enriched)
-    space.emplace(stepper, *enriched, motion, run);
+    space.emplace(stepper, *enriched, motion, run, by_nodes);
   forward::Stepper::Workspace work = stepper.workspace();
   sweep(stepper, work, run.motion.contact(), run.derivative, [&](int k, Vec p) {
     motion.move(k);

@@ -37,21 +37,25 @@ struct Weighted {
 ///
 /// As a motion of the enriched body, the run violates the equations of the steps by a residual r_k and starts
 /// from other initial data, by δy_0 and δv_0. To first order J changes by their products with its
-/// derivatives, the adjoint states p_k⁺ and ω_k⁺ of that body, which are those of the run plus bubbles b
+/// derivatives, the adjoint states p_k⁺ and ω_k⁺ of that body, which are those of the run plus bubbles β
 /// (dual_bubbles.h). The run's p_k alone see in r_k only the interpolation of loads and the mass that
 /// massless contact has moved.
 ///
-/// Space: with a = (v_k − v_{k−1})/τ, w = (y_k − y_{k−1})/τ,
-///     Σ_k τ²/2 p_k⁺·r_k,   r_k = f_k + s W u_k − M a − B w − A (y_{k−1} + y_k)/2
+/// Space: with a = (v_k − v_{k−1})/τ_k, w = (y_k − y_{k−1})/τ_k, and β_{k−1}, β_k at the ends of step k,
+///     Σ_k (τ_k²/2 p_k + τ_k/2 (β_{k−1} + β_k))·r_k,   r_k = f_k + s W u_k − M a − B w − A (y_{k−1} + y_k)/2
 /// Initial data: the terms that depend on them in the first step's right-hand side, and in v_1,
-///     δv_0·M ω_0⁺ + δy_0·((τ/2 B − τ²/4 A) p_1⁺ + M (ω_0 − ω_1)/τ)
+///     δv_0·M ω_0⁺ + δy_0·((τ_1/2 B − τ_1²/4 A) p_1⁺ + M (ω_0 − ω_1)/τ_1)
 /// without the direct dependence of J on y_0.
-/// Time: y is taken as piecewise quadratic, with the run's v piecewise linear, and π = τ/2 p as the dual of a
-/// force per time; the residual of the equation of motion within the steps contributes
-///     −τ²/12 ∫ π'·(2 A v + B v') dt + τ²/24 ∫ π'·f' dt − τ²/12 π(0)·A v_0 − τ²/24 π(0)·f'(0)
+/// Time: y is taken as piecewise quadratic, with the run's v piecewise linear, and π = τ_k/2 p_k in the
+/// middle of step k as the dual of a force per time, linear between; the residual of the equation of motion
+/// within the steps contributes
+///     Σ_k −τ_k²/12 ∫ π'·(2 A v + B v') dt + τ_k²/24 ∫ π'·f' dt + [τ_k²/12 π·A v + τ_k²/24 π·f'] over step k
+/// of which the brackets leave the values at 0 and, where lengths change, the difference of both τ².
 ///
-/// `enriched` is null without a space part. ErrorParts::desired stays zero. Collective. Throws SolverFailure.
+/// `enriched` is null without a space part. `by_nodes`, if given, receives the bubbles' share of that part
+/// node by node, a vector of the enriched body to which it is added. ErrorParts::desired stays zero.
+/// Collective. Throws SolverFailure.
 ErrorParts weighted_residual(const forward::Stepper& stepper, const EnrichedBody* enriched,
-                             const Weighted& run);
+                             const Weighted& run, Vec by_nodes = nullptr);
 
 } // namespace signorini::adjoint

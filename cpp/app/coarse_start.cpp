@@ -1,7 +1,7 @@
 #include "app/coarse_start.h"
 #include "app/optimize.h"
+#include "app/search_level.h"
 #include "base/error.h"
-#include "control/interpolation.h"
 #include "optimize/lbfgs.h"
 #include "optimize/newton_cg.h"
 #include "optimize/projected_gradient.h"
@@ -28,74 +28,6 @@ constexpr int least_steps = 10;
 constexpr double coarse_tolerance = 1e-3;
 /// Where more are needed a level is searched no further: a cold search needs about half of them.
 constexpr int most_iterations = 60;
-
-/// Keeps the state in which a search ends.
-template <class State>
-struct LastState {
-  std::optional<State> state;
-
-  static bool restore(State&) { return false; }
-  static bool due(const optimize::Iteration&) { return false; }
-  void store(const State& last) { state = last; }
-  static void restored(double, double) {}
-  static void mark() {}
-  static void certified(const auto&) {}
-};
-
-/// A problem with coarser mesh and steps, and its search.
-template <template <optimize::TwiceDifferentiable> class Method>
-class Level {
-public:
-  using Unknowns = optimize::Dimensionless<control::ReducedProblem>;
-  using State = optimize::State<Unknowns, Method<Unknowns>>;
-  using Inheritance = typename SearchStart<Method>::Inheritance;
-
-  Level(MPI_Comm comm, scene::Scene scene)
-      : scene_(std::move(scene)), problem_(comm, scene_, {.sliding = true}, timers_),
-        control_problem_(with_steps(problem_), Console(false, false)) {}
-
-  [[nodiscard]] const Problem& problem() const { return problem_; }
-  [[nodiscard]] control::Control first_guess() const { return control_problem_.first_guess(scene_); }
-  [[nodiscard]] ControlProblem& control_problem() { return control_problem_; }
-
-  /// Searches from `start`. Throws SolverFailure, Interrupted.
-  void search(SearchStart<Method> start, const optimize::Options& options, io::CoarseLevel& level) {
-    LastState<State> last;
-    const auto count = [&](const optimize::Iteration& iteration) { level.iterations = iteration.number; };
-    const auto end = optimize::minimize<Method>(control_problem_.reduced, std::move(start.guess), options,
-                                                count, last, std::move(start.inherited));
-    if (end.stop == optimize::Stop::interrupted)
-      throw Interrupted();
-    last_ = std::move(last.state);
-    const control::ReducedProblem& reduced = control_problem_.reduced;
-    level.forward_sweeps = reduced.sweeps().forward;
-    level.adjoint_sweeps = reduced.sweeps().adjoint;
-    level.objective = reduced.value().total();
-    level.stop_reason = optimize::name(end.stop);
-  }
-
-  /// What the search found, on a finer mesh.
-  [[nodiscard]] SearchStart<Method> on(ControlProblem& finer, const optimize::Options& options) const {
-    const control::Interpolation interpolate(control_problem_.controls, finer.controls);
-    Unknowns unknowns(finer.reduced);
-    unknowns.measure_in(last_->units);
-    Inheritance inherited{last_->units, last_->first_norm, Method<Unknowns>(options)};
-    inherited.memory.inherit(last_->memory, unknowns, interpolate);
-    return {interpolate(last_->current.u), std::move(inherited)};
-  }
-
-private:
-  static const Problem& with_steps(const Problem& problem) {
-    choose_steps(problem, Console(false, false));
-    return problem;
-  }
-
-  scene::Scene scene_;
-  Timers timers_;
-  Problem problem_;
-  ControlProblem control_problem_;
-  std::optional<State> last_;
-};
 
 /// The scene of a level, without what only results need.
 scene::Scene coarser(const scene::Scene& scene, int multiple) {
@@ -148,7 +80,7 @@ SearchStart<Method> search_start(const Problem& problem, ControlProblem& control
   using Clock = std::chrono::steady_clock;
   const scene::Scene& scene = problem.scene;
   const std::vector<int> levels_worth = coarse_multiples(problem);
-  std::unique_ptr<Level<Method>> last;
+  std::unique_ptr<SearchLevel<Method>> last;
   if (!levels_worth.empty()) {
     const auto timer = problem.timers.time("coarse meshes");
     const auto left_out = [&](const scene::Scene& coarse, const std::exception& error) {
@@ -159,19 +91,17 @@ SearchStart<Method> search_start(const Problem& problem, ControlProblem& control
       const scene::Scene coarse = coarser(scene, multiple);
       const auto start = Clock::now();
       try {
-        auto level = std::make_unique<Level<Method>>(problem.space.comm(), coarse);
+        auto level =
+            std::make_unique<SearchLevel<Method>>(problem.space.comm(), coarse, mesh::Meshing{}, last.get());
         require_fewer_cells(level->problem(), problem);
         optimize::Options loose = search_options(level->control_problem().controls, scene.optimizer);
         loose.max_iterations = most_iterations; // whatever the scene's, which may change on --resume
         loose.tolerance = std::max(loose.tolerance, coarse_tolerance);
         loose.through_kinks = false;
-        io::CoarseLevel record{.size = *coarse.mesh.size,
-                               .step = coarse.time.end / level->problem().steps(),
-                               .steps = level->problem().steps(),
-                               .free_unknowns = level->problem().free_dofs()};
         level->search(last ? last->on(level->control_problem(), loose)
                            : SearchStart<Method>{level->first_guess()},
-                      loose, record);
+                      loose, [](const optimize::Iteration&) {});
+        io::CoarseLevel record = level->record();
         last = std::move(level);
         record.seconds = std::chrono::duration<double>(Clock::now() - start).count();
         console.line(words(record));

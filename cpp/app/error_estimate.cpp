@@ -141,7 +141,8 @@ void subtract(const adjoint::ErrorParts& other, adjoint::ErrorParts& parts) {
 
 } // namespace
 
-adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem& control_problem) {
+adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem& control_problem,
+                                   std::vector<double>* by_cells) {
   const forward::Stepper& stepper = problem.stepper;
   const control::ReducedProblem& reduced = control_problem.reduced;
   std::optional<adjoint::EnrichedBody> body;
@@ -172,6 +173,9 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
   std::optional<forward::DualAtStep> enriched_derivative;
   if (objective)
     enriched_derivative.emplace(body->space(), enriched_along.emplace(*objective, motion));
+  petsc::Vector by_nodes;
+  if (by_cells && body)
+    by_nodes = body->space().vector();
   const auto weigh = [&](const forward::Trajectory& trajectory, const control::Control& u) {
     const control::ControlForce acting(control_problem.controls, u);
     const forward::ForceAtStep load = problem.load(&acting);
@@ -182,7 +186,8 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
     return adjoint::weighted_residual(stepper, body ? &*body : nullptr,
                                       {trajectory, load, derivative,
                                        enriched_load ? &*enriched_load : nullptr,
-                                       enriched_derivative ? &*enriched_derivative : nullptr});
+                                       enriched_derivative ? &*enriched_derivative : nullptr},
+                                      by_nodes);
   };
   adjoint::ErrorParts parts = weigh(motion, reduced.control());
   if (control_problem.reference) {
@@ -190,12 +195,16 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
     const forward::StateStoreFactory storage = state_stores(problem);
     forward::Trajectory desired(stepper, problem.initial, problem.steps(), storage, true);
     run(desired, u, {});
+    if (by_nodes)
+      check(VecScale(by_nodes, -1)); // as the parts: those of the motion less those of the desired one
     subtract(weigh(desired, *control_problem.reference), parts);
   }
   if (objective) {
     parts.initial += objective->parts.initial;
     parts.desired = objective->parts.desired;
   }
+  if (by_nodes)
+    *by_cells = body->by_cells(by_nodes);
   parts.time += control_problem.objective.quadrature_error(reduced.squared_distances(), reduced.control());
   return parts;
 }

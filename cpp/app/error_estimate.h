@@ -10,8 +10,9 @@ namespace signorini {
 /// interpolation errors of initial data, weighted with the adjoint, of loads, as part of the residual, and of
 /// a desired displacement, δ = y_d⁺ − y_d, by its effect on J, Σ_k ½ weight(k) (‖e_k − δ_k‖² − ‖e_k‖²). The
 /// control is taken as given. One forward and one adjoint sweep for each motion. Storage "checkpoints" takes
-/// half of its budget once more for the desired one. Collective. Throws SolverFailure, Interrupted,
-/// WriteFailure.
-adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem& control_problem);
+/// half of its budget once more for the desired one. `by_cells`, if given, receives the moduli of the space
+/// part's shares, of each cell owned. Collective. Throws SolverFailure, Interrupted, WriteFailure.
+adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem& control_problem,
+                                   std::vector<double>* by_cells = nullptr);
 
 } // namespace signorini

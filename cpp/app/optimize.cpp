@@ -123,22 +123,6 @@ void add_chatter(io::Manifest& manifest, const control::ReducedProblem& reduced,
   console.line("warning: " + manifest.warnings.back().message);
 }
 
-void require_control_problem(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out) {
-  if (!scene.objective)
-    throw UserError(
-        fmt::format("{}: optimize needs the tables [control] and [objective], and the scene has {}",
-                    scene.file.string(), scene.control ? "no objective" : "neither"));
-  if (const auto* run = std::get_if<scene::DesiredRun>(&scene.objective->desired))
-    on_root(comm, [&] {
-      std::error_code missing;
-      if (std::filesystem::equivalent(out, run->folder, missing))
-        throw UserError(
-            fmt::format("--out: found the folder of objective.desired.run, {}, whose files this run "
-                        "would replace, allowed is another",
-                        run->folder.string()));
-    });
-}
-
 /// A search that goes on does so with the solver that it had: its estimated times would differ.
 forward::Stepper::Needs needs(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
                               bool resume) {
@@ -162,6 +146,22 @@ void restore_steps(const Problem& problem, const std::vector<double>& levels) {
 
 } // namespace
 
+void require_control_problem(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out) {
+  if (!scene.objective)
+    throw UserError(
+        fmt::format("{}: optimize needs the tables [control] and [objective], and the scene has {}",
+                    scene.file.string(), scene.control ? "no objective" : "neither"));
+  if (const auto* run = std::get_if<scene::DesiredRun>(&scene.objective->desired))
+    on_root(comm, [&] {
+      std::error_code missing;
+      if (std::filesystem::equivalent(out, run->folder, missing))
+        throw UserError(
+            fmt::format("--out: found the folder of objective.desired.run, {}, whose files this run "
+                        "would replace, allowed is another",
+                        run->folder.string()));
+    });
+}
+
 optimize::Options search_options(const control::ControlSpace& controls, const scene::Optimizer& scene) {
   constexpr double usual_bytes = 1e8, usual_controls = 128, least_controls = 16;
   const double each = controls.compact_bytes(), usual = std::max(usual_bytes, usual_controls * each),
@@ -178,6 +178,47 @@ optimize::Options search_options(const control::ControlSpace& controls, const sc
   return options;
 }
 
+void write_optimum(io::OutputFolder& folder, const Problem& problem, const scene::Scene& scene,
+                   ControlProblem& control_problem, OptimizerLog& record, FoundOptimum found,
+                   const Console& console) {
+  control::ReducedProblem& reduced = control_problem.reduced;
+  const std::vector<io::HistoryRow>& rows = record.rows();
+  if (scene.output.table(scene::StoredTable::history))
+    folder.write("history.csv", io::history_table(rows));
+  folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
+  MotionWriter recorder(problem, folder, &reduced.objective(), true);
+  write_motion(problem, reduced, recorder);
+  write_control(folder, problem, reduced.controls(), reduced.control(),
+                [&](const auto& store) { reduced.adjoint_states(store); });
+  const double first_norm = found.first_norm;
+  console.line("stopped: " + optimize::name(found.stop) + going_on(found.stop, scene.optimizer));
+  io::Manifest m = manifest(problem, "optimize", optimize::name(found.stop), reduced.trajectory().steps());
+  add_watched(m, recorder, scene.run, console);
+  if (found.stop == optimize::Stop::no_decrease)
+    add_chatter(m, reduced, console);
+  m.objective = reduced.value();
+  m.iterations = rows.back().iteration;
+  m.forward_sweeps = reduced.sweeps().forward;
+  m.adjoint_sweeps = reduced.sweeps().adjoint;
+  m.accuracy = found.accuracy;
+  m.coarse_levels = std::move(found.levels);
+  if (found.stop == optimize::Stop::kink) {
+    m.kink = record.kink().value();
+    show(*m.kink, first_norm, console);
+  }
+  m.files = folder.files();
+  folder.write("run.json", io::to_json(m, scene, problem.timers));
+  console.line(fmt::format(
+      "J {:.6e} -> {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e}), |g| "
+      "{:.2e} -> {:.2e} (tolerance {:.2e})\n{} iterations, {} forward and {} adjoint sweeps in {:.1f} s",
+      rows.front().objective, m.objective->total(), m.objective->tracking, m.objective->terminal,
+      m.objective->control_cost, first_norm, rows.back().gradient_norm,
+      scene.optimizer.tolerance * first_norm, rows.back().iteration, *m.forward_sweeps, *m.adjoint_sweeps,
+      rows.back().seconds));
+  console.line(storage_line(problem, control_problem));
+  finish(folder, console);
+}
+
 int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,
                    const Console& console) {
   require_control_problem(comm, scene, out);
@@ -192,48 +233,14 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
     restore_steps(problem, levels);
   choose_steps(problem, console);
   ControlProblem control_problem(problem, console);
-  control::ReducedProblem& reduced = control_problem.reduced;
-
   OptimizerLog record(control_problem, problem, folder, resume, console);
   std::vector<io::CoarseLevel> levels;
   const Result ending = minimise(problem, control_problem, record, console, levels);
   record.end();
   if (!record.evaluated()) // rows of a checkpoint alone are no result
     throw Interrupted();
-  const std::vector<io::HistoryRow>& rows = record.rows();
-  if (scene.output.table(scene::StoredTable::history))
-    folder.write("history.csv", io::history_table(rows));
-  folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
-  MotionWriter recorder(problem, folder, &reduced.objective(), true);
-  write_motion(problem, reduced, recorder);
-  write_control(folder, problem, reduced.controls(), reduced.control(),
-                [&](const auto& store) { reduced.adjoint_states(store); });
-  const double first_norm = ending.first_norm;
-  console.line("stopped: " + optimize::name(ending.stop) + going_on(ending.stop, scene.optimizer));
-  io::Manifest m = manifest(problem, "optimize", optimize::name(ending.stop), reduced.trajectory().steps());
-  add_watched(m, recorder, scene.run, console);
-  if (ending.stop == optimize::Stop::no_decrease)
-    add_chatter(m, reduced, console);
-  m.objective = reduced.value();
-  m.iterations = rows.back().iteration;
-  m.forward_sweeps = reduced.sweeps().forward;
-  m.adjoint_sweeps = reduced.sweeps().adjoint;
-  m.coarse_levels = std::move(levels);
-  if (ending.stop == optimize::Stop::kink) {
-    m.kink = record.kink().value();
-    show(*m.kink, first_norm, console);
-  }
-  m.files = folder.files();
-  folder.write("run.json", io::to_json(m, scene, timers));
-  console.line(fmt::format(
-      "J {:.6e} -> {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e}), |g| "
-      "{:.2e} -> {:.2e} (tolerance {:.2e})\n{} iterations, {} forward and {} adjoint sweeps in {:.1f} s",
-      rows.front().objective, m.objective->total(), m.objective->tracking, m.objective->terminal,
-      m.objective->control_cost, first_norm, rows.back().gradient_norm,
-      scene.optimizer.tolerance * first_norm, rows.back().iteration, *m.forward_sweeps, *m.adjoint_sweeps,
-      rows.back().seconds));
-  console.line(storage_line(problem, control_problem));
-  finish(folder, console);
+  write_optimum(folder, problem, scene, control_problem, record,
+                {.stop = ending.stop, .first_norm = ending.first_norm, .levels = std::move(levels)}, console);
   return ending.stop == optimize::Stop::solver_failed ? exit_status::solver_failed
          : ending.stop == optimize::Stop::interrupted ? exit_status::interrupted
                                                       : exit_status::done;

@@ -39,9 +39,9 @@ std::vector<io::HistoryRow> rows_of(const std::vector<double>& numbers) {
 } // namespace
 
 OptimizerLog::OptimizerLog(ControlProblem& control_problem, const Problem& problem,
-                           const io::OutputFolder& folder, bool resume, const Console& console)
+                           const io::OutputFolder& folder, bool resume, const Console& console, Files files)
     : control_problem_(control_problem), problem_(problem), folder_(folder), console_(console),
-      file_(folder.path() / checkpoint), every_(problem.scene.optimizer.checkpoint),
+      file_(folder.path() / checkpoint), files_(files), every_(problem.scene.optimizer.checkpoint),
       resumes_(resume && found()) {
   progress_.emplace(console, "iterations", static_cast<std::size_t>(problem.scene.optimizer.max_iterations));
   if (control_problem.reference)
@@ -74,7 +74,8 @@ void OptimizerLog::operator()(const optimize::Iteration& iteration) {
 }
 
 void OptimizerLog::show_row() {
-  if (rank(folder_.comm()) != 0 || !problem_.scene.output.table(scene::StoredTable::history))
+  if (files_ == Files::with_results || rank(folder_.comm()) != 0 ||
+      !problem_.scene.output.table(scene::StoredTable::history))
     return;
   if (history_.is_open()) {
     history_ << io::history_rows({rows_.back()}) << std::flush;

@@ -18,10 +18,13 @@ public:
   static constexpr const char *solver = "solver", *iterative = "iterative";
   static constexpr const char* levels = "levels"; ///< its entry for the lengths of steps, if they vary
 
+  /// Whether files are in place while the search runs, or with its results.
+  enum class Files { early, with_results };
+
   /// With `resume` the search continues from the folder's checkpoint, if there is one. The references must
   /// outlive this object.
   OptimizerLog(ControlProblem& control_problem, const Problem& problem, const io::OutputFolder& folder,
-               bool resume, const Console& console);
+               bool resume, const Console& console, Files files = Files::early);
 
   /// Records an iterate, the problem's current point.
   void operator()(const optimize::Iteration& iteration);
@@ -100,6 +103,7 @@ private:
   const io::OutputFolder& folder_;
   const Console& console_;
   std::filesystem::path file_;
+  Files files_;
   int every_, stored_at_ = -1;
   bool resumes_, evaluated_ = false;
   std::optional<Progress> progress_;

@@ -19,8 +19,8 @@ auto timed(Timers& timers, const char* phase, Make&& make) {
   return make();
 }
 
-mesh::Mesh read_mesh(MPI_Comm comm, const scene::Scene& scene) {
-  mesh::Mesh mesh(comm, scene.mesh);
+mesh::Mesh read_mesh(MPI_Comm comm, const scene::Scene& scene, const mesh::Meshing& meshing) {
+  mesh::Mesh mesh(comm, scene.mesh, meshing);
   scene::require_dimension(scene, mesh.dim());
   // The groups must exist even if this run uses neither control nor objective.
   if (scene.control && scene.control->on)
@@ -189,8 +189,10 @@ forward::Stepper::Needs fit_needs(const scene::Scene& scene) {
   return {.sliding = true, .passes = 1 + static_cast<double>(scene.unknowns.size())};
 }
 
-Discretisation::Discretisation(MPI_Comm comm, const scene::Scene& scene, Timers& timers)
-    : mesh(timed(timers, "mesh", [&] { return read_mesh(comm, scene); })), space(mesh, scene.mesh.degree) {}
+Discretisation::Discretisation(MPI_Comm comm, const scene::Scene& scene, Timers& timers,
+                               const mesh::Meshing& meshing)
+    : mesh(timed(timers, "mesh", [&] { return read_mesh(comm, scene, meshing); })),
+      space(mesh, scene.mesh.degree) {}
 
 Problem::Problem(std::shared_ptr<const Discretisation> shared, const scene::Scene& s,
                  forward::Stepper::Needs needs, Timers& t, forward::Stops stops)

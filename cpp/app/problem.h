@@ -9,7 +9,7 @@ namespace signorini {
 /// The mesh of a scene and the functions on it, on which no unknown depends.
 struct Discretisation {
   /// Collective. Throws UserError.
-  Discretisation(MPI_Comm comm, const scene::Scene& scene, Timers& timers);
+  Discretisation(MPI_Comm comm, const scene::Scene& scene, Timers& timers, const mesh::Meshing& meshing = {});
 
   mesh::Mesh mesh;
   fem::Space space;

@@ -1,4 +1,5 @@
 #include "app/run.h"
+#include "app/accuracy.h"
 #include "app/check/check.h"
 #include "app/fit/fit.h"
 #include "app/fit/joint_search.h"
@@ -165,6 +166,14 @@ void require_not_the_guess(const scene::Scene& scene, const std::filesystem::pat
                     out.string()));
 }
 
+/// Sizes are chosen by searches alone. Throws UserError.
+void require_size(const scene::Scene& scene, const Request& request) {
+  if (scene.mesh.automatic() && !(request.verb == "optimize" && request.accuracy))
+    throw UserError(fmt::format("mesh.size: found \"auto\" with {}, allowed with optimize --accuracy; else a "
+                                "size in m, such as --set mesh.size=0.1",
+                                request.verb));
+}
+
 } // namespace
 
 int run(const Request& request, const Console& console) {
@@ -184,6 +193,7 @@ int run(const Request& request, const Console& console) {
     scene.name = home.filename().string();
   // Its default depends on the machine, and all ranks must choose the same solvers.
   MPI_Allreduce(MPI_IN_PLACE, &scene.solver.memory, 1, MPI_DOUBLE, MPI_MIN, world());
+  require_size(scene, request);
   const std::filesystem::path out =
       request.out.empty() ? usual_folder(request.verb, scene.name, home) : request.out;
   if (request.verb == "simulate" || request.verb == "optimize")
@@ -195,6 +205,8 @@ int run(const Request& request, const Console& console) {
     return simulate_scene(scene, out, request, console);
   if (request.verb == "optimize" && !scene.unknowns.empty())
     return (scene.objective ? search_jointly : fit_scene)(world(), scene, out, request.resume, console);
+  if (request.verb == "optimize" && request.accuracy)
+    return optimize_to_accuracy(world(), scene, out, {*request.accuracy, request.study.budget}, console);
   if (request.verb == "optimize")
     return optimize_scene(world(), scene, out, request.resume, console);
   if (request.verb == "check")

@@ -20,7 +20,8 @@ struct Request {
   int timed_steps = 0;        ///< number of steps that info makes and times
   std::optional<int> threads; ///< of each rank; absent: use_threads() chooses
   study::Options study;
-  std::optional<double> suggest; ///< tolerance for which study proposes size and step
+  std::optional<double> suggest;  ///< tolerance for which study proposes size and step
+  std::optional<double> accuracy; ///< relative error that simulate and optimize have to meet
 };
 
 /// Runs the request on MPI_COMM_WORLD and returns the exit status. Collective. Throws UserError,

@@ -1,4 +1,5 @@
 #include "base/progress.h"
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -32,6 +33,7 @@ Progress::~Progress() {
 }
 
 void Progress::update(std::size_t done, const std::string& note) {
+  done = std::min(done, total_); // a search may be given more than was foreseen
   if (!console_.speaks() || total_ == 0)
     return;
   const auto now = Clock::now();

@@ -1,18 +1,43 @@
 #include "base/signals.h"
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <initializer_list>
+#include <sys/time.h>
 
 namespace signorini {
 namespace {
 
-volatile std::sig_atomic_t requested = 0;
+volatile std::sig_atomic_t requested = 0, late = 0;
 
 void on_signal(int signal) {
   requested = 1;
   std::signal(signal, SIG_DFL);
 }
 
+void on_alarm(int) { late = 1; }
+
+void set_timer(double seconds) {
+  itimerval timer{};
+  timer.it_value.tv_sec = static_cast<time_t>(seconds);
+  timer.it_value.tv_usec = static_cast<suseconds_t>(1e6 * (seconds - std::floor(seconds)));
+  setitimer(ITIMER_REAL, &timer, nullptr);
+}
+
 } // namespace
+
+void stop_after(double seconds) {
+  std::signal(SIGALRM, on_alarm);
+  constexpr double least = 1e-6; // zero would disarm the timer
+  set_timer(std::max(seconds, least));
+}
+
+bool time_is_up() { return late != 0; }
+
+void forget_deadline() {
+  set_timer(0);
+  late = 0;
+}
 
 void catch_stop_signals() {
   for (int signal : {SIGINT, SIGTERM, SIGUSR1})
@@ -21,10 +46,10 @@ void catch_stop_signals() {
 
 void ignore_broken_pipes() { std::signal(SIGPIPE, SIG_IGN); }
 
-bool stop_requested() { return requested != 0; }
+bool stop_requested() { return requested != 0 || late != 0; }
 
 bool stop_requested(MPI_Comm comm) {
-  int mine = requested, any = mine, size = 1;
+  int mine = stop_requested(), any = mine, size = 1;
   MPI_Comm_size(comm, &size);
   if (size > 1)
     MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, comm);

@@ -11,6 +11,13 @@ void catch_stop_signals();
 /// From now on a pipe that nobody reads any more fails writes to it instead of ending the process.
 void ignore_broken_pipes();
 
+/// From `seconds` on (s, above 0) the run is asked to stop, too. Needs catch_stop_signals().
+void stop_after(double seconds);
+/// Whether that has come about.
+bool time_is_up();
+/// Takes that back, and a stop that it has asked for.
+void forget_deadline();
+
 /// Whether this process was asked to stop.
 bool stop_requested();
 /// Whether any rank was. Collective.

@@ -238,10 +238,6 @@ double ControlSpace::control_bytes() const {
   return sizeof(PetscScalar) * static_cast<double>(size) * count();
 }
 
-int ControlSpace::interval(int k) const {
-  return constant_in_time_ ? 1 : own_ ? own_->place(grid_.load_time(k)).k : k;
-}
-
 double ControlSpace::begin(int j) const {
   return constant_in_time_ ? (j - 1) * grid_.end() : (own_ ? *own_ : grid_).time(j - 1);
 }

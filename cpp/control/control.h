@@ -167,7 +167,11 @@ public:
   /// Whether these are the time steps.
   [[nodiscard]] bool stepwise() const { return !constant_in_time_ && !own_; }
   /// The interval whose values step k takes.
-  [[nodiscard]] int interval(int k) const;
+  [[nodiscard]] int interval(int k) const { return stepwise() ? k : interval_at(grid_.load_time(k)); }
+  /// The interval of a time, s.
+  [[nodiscard]] int interval_at(double t) const {
+    return constant_in_time_ ? 1 : (own_ ? *own_ : grid_).place(t).k;
+  }
   /// When interval j begins, s; that after the last one begins at the end.
   [[nodiscard]] double begin(int j) const;
   /// The time for which a given control is evaluated on it, s: its middle, or 0 if it is the whole time.
@@ -251,6 +255,24 @@ public:
 private:
   const ControlSpace& controls_;
   const Control& u_;
+};
+
+/// The same in a motion of other steps than those of the control.
+class HeldForce final : public forward::Load {
+public:
+  /// `grid`: of the motion. The references must outlive this object.
+  HeldForce(const ControlSpace& controls, const Control& u, forward::TimeGrid grid)
+      : controls_(controls), u_(u), grid_(std::move(grid)) {}
+  [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
+  [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
+  void add(int k, forward::NodalForce sum) const override {
+    controls_.add_force(u_.at(controls_.interval_at(grid_.load_time(k))), sum);
+  }
+
+private:
+  const ControlSpace& controls_;
+  const Control& u_;
+  forward::TimeGrid grid_;
 };
 
 } // namespace signorini::control

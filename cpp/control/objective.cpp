@@ -1,8 +1,8 @@
 #include "control/objective.h"
 #include "base/counters.h"
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <utility>
 
 namespace signorini::control {
 using petsc::check;
@@ -60,25 +60,46 @@ Value Objective::value(const std::vector<double>& squared_distances, const Contr
 
 double Objective::quadrature_error(const std::vector<double>& squared_distances, const Control& u) const {
   constexpr int points = 3;
-  if (grid_.steps() < points)
+  const int steps = grid_.steps();
+  if (steps < points)
     return 0;
-  // τ times the change of a time derivative from t = 0 to T, by one-sided differences of three values at each
-  // end: `first` and `last` are the outermost numbers, `weights` those of the difference at t = 0, outermost
-  // first.
-  const auto change = [](auto&& at, int first, int last, const std::array<double, points>& weights) {
+  // Σ τ_k² times the change of f' over step k, by values f_i at ascending times x_i; slopes between two of
+  // these hold in the middle, and f' is linear between middles and beyond them.
+  const auto changes = [&](const std::vector<double>& x, const std::vector<double>& f) {
+    std::size_t i = 0;
+    const auto slope = [&](std::size_t j) { return (f[j + 1] - f[j]) / (x[j + 1] - x[j]); };
+    const auto middle = [&](std::size_t j) { return (x[j] + x[j + 1]) / 2; };
+    const auto derivative = [&](double t) {
+      while (i + points < x.size() && middle(i + 1) < t)
+        ++i;
+      const double part = (t - middle(i)) / (middle(i + 1) - middle(i));
+      return (1 - part) * slope(i) + part * slope(i + 1);
+    };
     double sum = 0;
-    for (int i = 0; i < points; ++i)
-      sum -= weights[static_cast<std::size_t>(i)] * (at(first + i) + at(last - i));
+    for (auto [k, before] = std::pair(1, derivative(0)); k <= steps; ++k) {
+      const double now = derivative(grid_.time(k)), tau = grid_.length(k);
+      sum += tau * tau * (now - std::exchange(before, now));
+    }
     return sum;
   };
   double error = 0;
-  if (tracking_ > 0)
-    error -= tracking_ * grid_.length(1) / 12 *
-             change([&](int k) { return squared_distances[static_cast<std::size_t>(k)] / 2; }, 0,
-                    grid_.steps(), {-1.5, 2, -0.5});
-  if (alpha_ > 0 && u.count() == grid_.steps())
-    error += alpha_ * grid_.length(1) / 24 *
-             change([&](int k) { return controls_.product_at(k, u, u) / 2; }, 1, grid_.steps(), {-2, 3, -1});
+  std::vector<double> times, values;
+  if (tracking_ > 0) {
+    for (int k = 0; k <= steps; ++k) {
+      times.push_back(grid_.time(k));
+      values.push_back(squared_distances[static_cast<std::size_t>(k)] / 2);
+    }
+    error -= tracking_ / 12 * changes(times, values);
+  }
+  if (alpha_ > 0 && u.count() == steps) {
+    times.clear();
+    values.clear();
+    for (int k = 1; k <= steps; ++k) {
+      times.push_back(grid_.load_time(k));
+      values.push_back(controls_.product_at(k, u, u) / 2);
+    }
+    error += alpha_ / 24 * changes(times, values);
+  }
   return error;
 }
 

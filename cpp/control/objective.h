@@ -35,10 +35,10 @@ public:
   /// Adds ∂²J/∂y_k² δy.
   void add_second_derivative(int k, Vec dy, forward::StateDual sum) const;
 
-  /// The time integrals of J less their quadrature, to leading order: −τ²/12 times the change of
-  /// d/dt ½ θ ‖e‖² from 0 to T (trapezoidal rule) and, where the control varies in time, +τ²/24 times that of
-  /// d/dt α/2 ‖u‖² (midpoint rule, u_k being the value in the middle of step k). Zero for fewer than three
-  /// steps.
+  /// The time integrals of J less their quadrature, to leading order: −τ_k²/12 times the change of
+  /// d/dt ½ θ ‖e‖² over step k (trapezoidal rule), summed, and, where the control varies in time, +τ_k²/24
+  /// times that of d/dt α/2 ‖u‖² (midpoint rule, u_k being the value in the middle of step k). Zero for fewer
+  /// than three steps.
   [[nodiscard]] double quadrature_error(const std::vector<double>& squared_distances, const Control& u) const;
 
   /// α: the derivative by the control is α u.

@@ -1,6 +1,6 @@
 #include "fem/deformation.h"
 #include "base/collective.h"
-#include "fem/simplex.h"
+#include "mesh/simplex.h"
 #include <algorithm>
 #include <basix/cell.h>
 #include <cmath>
@@ -11,6 +11,7 @@
 #include <span>
 
 namespace signorini::fem {
+using mesh::Simplex;
 
 namespace {
 

@@ -1,6 +1,6 @@
 #include "fem/sampler.h"
 #include "base/collective.h"
-#include "fem/simplex.h"
+#include "mesh/simplex.h"
 #include <algorithm>
 #include <array>
 #include <basix/quadrature.h>
@@ -14,6 +14,7 @@
 #include <limits>
 
 namespace signorini::fem {
+using mesh::Simplex;
 using petsc::check;
 
 namespace {

@@ -161,6 +161,13 @@ void add_search(ordered_json& json, const Manifest& m, const scene::Scene& scene
     if (!m.fit)
       json["optimizer"]["metric"] = scene.control->lower || scene.control->upper ? "lumped L2" : "L2";
   }
+  if (m.accuracy)
+    json["accuracy"] = {{"quantity", m.accuracy->quantity},
+                        {"asked", m.accuracy->asked},
+                        {"estimated", m.accuracy->estimated()},
+                        {"space", m.accuracy->space},
+                        {"time", m.accuracy->time},
+                        {"search", m.accuracy->search}};
   if (m.kink) {
     ordered_json weak = ordered_json::array();
     for (const WeakContact& contact : m.kink->weak)

@@ -47,6 +47,14 @@ struct CoarseLevel {
   std::string stop_reason{};
 };
 
+/// What was asked of the error of an answer, and what is estimated, relative to its modulus.
+struct Accuracy {
+  std::string quantity;
+  double asked = 0, space = 0, time = 0;
+  double search = 0; ///< what the optimizer has left
+  [[nodiscard]] double estimated() const { return space + time + search; }
+};
+
 /// Steps of varying length of a motion.
 struct Lengths {
   double shortest = 0, longest = 0; ///< s
@@ -78,6 +86,7 @@ struct Manifest {
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
   std::vector<CoarseLevel> coarse_levels; ///< the coarsest first
   std::optional<Kink> kink;
+  std::optional<Accuracy> accuracy{};
   std::optional<Fit> fit;
   std::vector<std::string> files; ///< of the run
 };

@@ -14,6 +14,37 @@ void set_size(double size) {
   gmsh::option::setNumber("Mesh.MeshSizeMax", size);
 }
 
+void set_coarsest_size() {
+  constexpr double parts = 10;
+  std::array<double, 6> box{};
+  gmsh::model::getBoundingBox(-1, -1, box[0], box[1], box[2], box[3], box[4], box[5]);
+  set_size(std::max({box[3] - box[0], box[4] - box[1], box[5] - box[2]}) / parts);
+}
+
+void set_sizes(const SizeField& field, double metres) {
+  const auto corners = static_cast<std::size_t>(field.dim) + 1;
+  std::vector<double> data; // of each cell x of its corners, y, z, sizes
+  data.reserve(field.cells.size() * 4);
+  for (std::size_t first = 0; first < field.cells.size(); first += corners) {
+    const auto node = [&](std::size_t i) { return static_cast<std::size_t>(field.cells[first + i]); };
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t i = 0; i < corners; ++i)
+        data.push_back(field.points[3 * node(i) + axis] / metres);
+    for (std::size_t i = 0; i < corners; ++i)
+      data.push_back(field.sizes[node(i)] / metres);
+  }
+  const int view = gmsh::view::add("sizes");
+  gmsh::view::addListData(view, field.dim == 2 ? "ST" : "SS", static_cast<int>(field.cells.size() / corners),
+                          data);
+  const int sizes = gmsh::model::mesh::field::add("PostView");
+  gmsh::model::mesh::field::setNumber(sizes, "ViewTag", view);
+  gmsh::model::mesh::field::setAsBackgroundMesh(sizes);
+  // The field alone tells.
+  for (const char* other : {"Mesh.MeshSizeExtendFromBoundary", "Mesh.MeshSizeFromPoints",
+                            "Mesh.MeshSizeFromCurvature", "Mesh.MeshSizeFromParametricPoints"})
+    gmsh::option::setNumber(other, 0);
+}
+
 namespace {
 
 /// Area or volume of the current model by a mesh of elements of this size, in the unit of the file.

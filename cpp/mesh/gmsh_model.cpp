@@ -325,7 +325,7 @@ private:
 
 } // namespace
 
-RawMesh read_gmsh_here(const scene::Mesh& mesh) {
+RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
   const std::string file = mesh.file.string();
   if (!std::ifstream(file) || std::filesystem::is_directory(mesh.file))
     throw UserError(
@@ -343,16 +343,26 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh) {
   try {
     gmsh::open(opened);
     if (mesh.file.extension() == ".geo") {
-      if (mesh.size) {
+      const double metres = scene::metres(mesh.unit);
+      if (meshing.sizes) {
+        set_sizes(*meshing.sizes, metres);
+      } else if (mesh.automatic()) {
+        set_coarsest_size();
+      } else if (mesh.size) {
         require_few_cells(mesh, opened);
-        set_size(*mesh.size / scene::metres(mesh.unit));
+        set_size(*mesh.size / metres);
       }
       gmsh::option::setNumber("Mesh.MeshSizeFactor", mesh.scale);
       gmsh::model::mesh::generate(gmsh::model::getDimension());
     }
     if (const std::string error = complaint(""); !error.empty())
       throw cannot_read(error);
-    return Extraction(mesh).run();
+    RawMesh raw = Extraction(mesh).run();
+    if (!meshing.keep.empty()) {
+      gmsh::option::setNumber("Mesh.Binary", 1);
+      gmsh::write(meshing.keep.string());
+    }
+    return raw;
   } catch (const UserError&) {
     throw;
   } catch (const std::exception& error) {
@@ -360,7 +370,7 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh) {
   }
 }
 
-RawMesh read_gmsh(const scene::Mesh& mesh) {
+RawMesh read_gmsh(const scene::Mesh& mesh, const Meshing& meshing) {
   constexpr char good = 'm', bad = 'e';
   // gmsh trusts the counts in a damaged file and may never end; it reads tens of megabytes per second.
   std::optional<unsigned> seconds;
@@ -370,7 +380,7 @@ RawMesh read_gmsh(const scene::Mesh& mesh) {
   const std::optional<std::string> answer = in_subprocess(
       [&]() -> std::string {
         try {
-          return good + packed(read_gmsh_here(mesh));
+          return good + packed(read_gmsh_here(mesh, meshing));
         } catch (const std::exception& error) {
           return bad + std::string(error.what());
         }

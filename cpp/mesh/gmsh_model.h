@@ -1,6 +1,6 @@
 #pragma once
+#include "mesh/mesh.h"
 #include "mesh/raw_mesh.h"
-#include "scene/scene.h"
 
 namespace signorini::mesh {
 
@@ -9,9 +9,9 @@ namespace signorini::mesh {
 /// UserError for a file that cannot be read, a wrong dimension or element type, cells that are degenerate,
 /// overlap their neighbours or are in no physical group, and boundary groups with facets of no cell. gmsh
 /// runs in a child process, since it may crash on a damaged file; that throws UserError, too.
-RawMesh read_gmsh(const scene::Mesh& mesh);
+RawMesh read_gmsh(const scene::Mesh& mesh, const Meshing& meshing = {});
 
 /// The same with gmsh in this process, which a damaged file may crash.
-RawMesh read_gmsh_here(const scene::Mesh& mesh);
+RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing = {});
 
 } // namespace signorini::mesh

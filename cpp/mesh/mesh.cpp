@@ -89,11 +89,12 @@ std::vector<std::int32_t> owned_of(const dolfinx::mesh::Topology& topology,
 
 } // namespace
 
-Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh) : comm_(comm), file_(mesh.file.string()) {
+Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh, const Meshing& meshing)
+    : comm_(comm), file_(mesh.file.string()) {
   RawMesh raw;
   on_root(comm, [&] {
     try {
-      raw = read_gmsh(mesh);
+      raw = read_gmsh(mesh, meshing);
     } catch (const Interrupted&) { // which all ranks are told of below
     }
   });

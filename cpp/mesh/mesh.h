@@ -17,13 +17,21 @@ class Mesh;
 
 namespace signorini::mesh {
 
+struct SizeField;
+
+/// How a .geo is meshed beside what the scene says.
+struct Meshing {
+  const SizeField* sizes = nullptr; ///< in place of mesh.size; read on rank 0
+  std::filesystem::path keep{}; ///< where the mesh is written as a .msh, in the file's unit; empty: nowhere
+};
+
 /// A distributed mesh of straight simplices with named groups of cells (parts of the body) and of facets
 /// (surfaces).
 class Mesh {
 public:
   /// Reads a .geo or .msh on rank 0 and distributes it. Collective; throws UserError, or Interrupted if a
   /// rank was asked to stop meanwhile, on every rank alike.
-  Mesh(MPI_Comm comm, const scene::Mesh& mesh);
+  Mesh(MPI_Comm comm, const scene::Mesh& mesh, const Meshing& meshing = {});
 
   /// Space dimension.
   [[nodiscard]] int dim() const { return dim_; }

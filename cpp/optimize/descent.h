@@ -23,7 +23,7 @@ public:
   std::optional<Result<Vector>> advance(P& problem, State<P, Descent>& state) {
     Iterate<P>& current = state.current;
     std::optional<Iterate<P>> next;
-    double t = 1;
+    double t = 1, promised = std::numeric_limits<double>::infinity();
     if (!options_.through_kinks && short_steps_ >= options_.bundle.short_steps)
       return Result<Vector>{Stop::short_steps};
     if (!bundle_) {
@@ -40,6 +40,7 @@ public:
       else
         return Result<Vector>{Stop::short_steps};
       t = search.length;
+      promised = search.promised;
       next = std::move(search.found);
     }
     if (!next) {
@@ -64,7 +65,7 @@ public:
     short_steps_ = length < options_.bundle.short_step * longest_ ? short_steps_ + 1 : 0;
     current = std::move(*next);
     state.iteration = {state.iteration.number + 1, current.objective,
-                       stationarity(problem, current.u, current.g), t};
+                       stationarity(problem, current.u, current.g), t, promised};
     if (!bundle_ && options_.through_kinks && short_steps_ >= options_.bundle.short_steps)
       take_over(problem, current);
     return std::nullopt;

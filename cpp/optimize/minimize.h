@@ -92,15 +92,15 @@ double start(P& given, Dimensionless<P>& problem, State<Dimensionless<P>, Memory
 /// Method(options).advance(problem, state) makes one iteration, or a round of one: it moves state.current,
 /// state.iteration and the problem's current point, or returns how the search ends; between two calls
 /// make_room() may give up what it stores. `report(iteration)` is called for the first guess and for each
-/// iterate that this call accepts. keeper.restore(state) reads a state and returns whether there was one;
-/// keeper.restored(stored, found) receives J there, as stored and as evaluated; keeper.mark() tells that a
-/// state stored before the next mark is that of now; keeper.store(state) is called where
-/// keeper.due(iteration) asks for it and when the search ends. A certificate is shown by
-/// keeper.certified(certificate); what is stored then has no more memory of the search, and a search restored
-/// from it ends at once, without a certificate, unless it asks for a shorter one. Without a checkpoint the
-/// search goes on from `inherited`, if given, where another one ended. Interrupted from the problem ends the
-/// search with the last accepted iterate. Throws SolverFailure if the objective or its gradient is not
-/// finite. Collective if the problem is.
+/// iterate that this call accepts; if it returns a bool, false ends the search. keeper.restore(state) reads a
+/// state and returns whether there was one; keeper.restored(stored, found) receives J there, as stored and as
+/// evaluated; keeper.mark() tells that a state stored before the next mark is that of now;
+/// keeper.store(state) is called where keeper.due(iteration) asks for it and when the search ends. A
+/// certificate is shown by keeper.certified(certificate); what is stored then has no more memory of the
+/// search, and a search restored from it ends at once, without a certificate, unless it asks for a shorter
+/// one. Without a checkpoint the search goes on from `inherited`, if given, where another one ended.
+/// Interrupted from the problem ends the search with the last accepted iterate. Throws SolverFailure if the
+/// objective or its gradient is not finite. Collective if the problem is.
 template <template <TwiceDifferentiable> class Method, TwiceDifferentiable P, class Report,
           class Checkpointer>
 [[nodiscard]] Result<typename P::Vector>
@@ -115,11 +115,16 @@ minimize(P& given, typename P::Vector guess, const Options& options, Report&& re
     state.first_norm = inherited->first_norm;
     state.memory = std::move(inherited->memory);
   }
+  bool enough = false;
   const auto tell = [&] {
     Iteration told = state.iteration;
     told.objective *= state.units.objective();
     told.gradient_norm *= state.units.gradient();
-    report(told);
+    told.promised *= state.units.objective();
+    if constexpr (std::is_same_v<std::invoke_result_t<Report&, const Iteration&>, bool>)
+      enough = !report(told);
+    else
+      report(told);
   };
   const auto first_norm = [&] { return state.first_norm * state.units.gradient(); };
   try {
@@ -134,7 +139,7 @@ minimize(P& given, typename P::Vector guess, const Options& options, Report&& re
   }
   for (;;) {
     keeper.mark();
-    if (const auto end = ended(state, options)) {
+    if (const auto end = enough ? Stop::enough : ended(state, options)) {
       keeper.store(state);
       return {.stop = *end, .first_norm = first_norm()};
     }

@@ -12,7 +12,8 @@ enum class Stop {
   no_decrease,
   solver_failed,
   interrupted,
-  short_steps
+  short_steps,
+  enough
 };
 
 inline std::string name(Stop stop) {
@@ -31,6 +32,8 @@ inline std::string name(Stop stop) {
     return "interrupted";
   case Stop::short_steps:
     return "short steps, as among kinks";
+  case Stop::enough:
+    return "accurate enough";
   }
   return "unknown";
 }
@@ -50,6 +53,9 @@ struct Iteration {
   double gradient_norm = 0; ///< ‖u − P(u − s g)‖/s with s of the search's Units; without bounds ‖g‖
   /// Multiple taken of the direction; projected-gradient: of the problem's gradient; 0 at the first guess.
   double step_length = 0;
+  /// What the model of the method, quadratic, promised of J for the direction, -g·d/2: the distance from a
+  /// minimiser near which it is right. Infinite if it has none. Not stored.
+  double promised = std::numeric_limits<double>::infinity();
 
   template <class Archive>
   void serialize(Archive& archive) {

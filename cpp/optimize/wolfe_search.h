@@ -8,6 +8,7 @@ template <Differentiable P>
 struct Search {
   std::optional<Iterate<P>> found; ///< the accepted trial, also the problem's
   double length = 0;               ///< t
+  double promised = 0;             ///< −slope/2, of a direction with a minimum at t = 1
   bool solver_failed = false;      ///< in the last trial
 };
 
@@ -21,6 +22,7 @@ template <Differentiable P>
   const auto& [sufficient, flatter] = options.wolfe;
   const double slope = problem.inner(from.g, d), least = options.negligible(from.objective);
   Search<P> search;
+  search.promised = -slope / 2;
   double low = 0, high = std::numeric_limits<double>::infinity();
   bool collapsed = false;
   for (double t = 1; -slope * t > least;) {

@@ -110,7 +110,7 @@ std::string no_coarse_start(const Scene& scene) {
     return "with tables [[unknown]], allowed is \"guess\"";
   if (scene.mesh.file.extension() != ".geo")
     return "with a .msh, which is meshed already, allowed with a .geo and mesh.size, or \"guess\"";
-  if (!scene.mesh.size)
+  if (!scene.mesh.size || scene.mesh.automatic())
     return "without mesh.size, allowed with it, since coarse meshes are multiples of it, or \"guess\"";
   if (std::holds_alternative<DesiredRun>(scene.objective->desired))
     return "with objective.desired.run, whose motion is known on this mesh alone, allowed is \"guess\"";

@@ -45,10 +45,14 @@ using Components = std::vector<Expression>;
 /// Table [mesh].
 struct Mesh {
   std::filesystem::path file; ///< .geo or .msh, absolute
-  std::optional<double> size; ///< element size for a .geo, m; absent: the sizes that the .geo itself sets
-  double scale = 1;           ///< factor of these sizes
+  std::optional<double>
+      size;         ///< element size for a .geo, m; 0: "auto"; absent: the sizes that the .geo itself sets
+  double scale = 1; ///< factor of these sizes
   LengthUnit unit = LengthUnit::m; ///< of the file's coordinates
   int degree = 1;                  ///< Lagrange degree of the displacement
+
+  /// Whether sizes are chosen where they matter (--accuracy).
+  [[nodiscard]] bool automatic() const { return size == 0.0; }
 };
 
 /// Table [time]: N steps of length τ, docs/method.md section 2, or steps of varying length, section 11.

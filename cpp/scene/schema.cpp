@@ -32,7 +32,9 @@ Keys<Mesh> keys_of(Of<Mesh>) {
           "file", &Mesh::file, Path{}, "",
           "a .geo, which is meshed, or a .msh, relative to the scene file; physical groups are used by name",
           {.part = Part::none}),
-      value("size", &Mesh::size, Number{above_zero}, "m", "element size for a .geo",
+      value("size", &Mesh::size, NumberOrAuto{{above_zero}}, "m",
+            "element size for a .geo; `\"auto\"`: sizes that vary, small where the error comes from "
+            "(`optimize --accuracy`)",
             {.otherwise = "those that the .geo itself sets"}),
       value("scale", &Mesh::scale, Number{above_zero}, "",
             "in place of `mesh.size`, of the element sizes that the .geo itself sets", {.otherwise = "1.0"},

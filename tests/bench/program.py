@@ -16,11 +16,12 @@ def options(name: str, description: str) -> argparse.ArgumentParser:
     return parser
 
 
-def output(*command: object, ranks: int = 1, **environment: object) -> str:
-    """Standard output of a program, on several ranks by mpirun; ends this one with its status and messages if it fails."""
+def output(*command: object, ranks: int = 1, allowed: tuple[int, ...] = (0,), **environment: object) -> str:
+    """Standard output of a program, on several ranks by mpirun; ends this one with its status and messages if that
+    is not among the allowed ones."""
     words = [*(["mpirun", "-n", str(ranks)] if ranks > 1 else []), *map(str, command)]
     done = subprocess.run(words, capture_output=True, text=True, env={**os.environ, **{k: str(v) for k, v in environment.items()}})
-    if done.returncode:
+    if done.returncode not in allowed:
         raise SystemExit(f"{command[0]} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
     return done.stdout
 

@@ -260,14 +260,14 @@ TEST_CASE("bubbles of the adjoint states take up what the run's duals leave", "[
       check(VecAXPY(out, 1, pushed));
   });
   const forward::DualAtStep derivative(body.space(), at_step_4);
-  adjoint::DualBubbles bubbles(body, derivative, stepper.grid().scheme(1));
+  adjoint::DualBubbles bubbles(body, derivative, stepper.grid());
   adjoint::Duals duals(stepper);
   const contact::ActiveSet active{1, 2};
   petsc::Vector before = body.space().vector(), residual = body.space().vector(),
                 product = body.space().vector(), embedded = body.space().vector(),
                 diagonal = fem::diagonal(operators.A);
-  check(VecScale(diagonal, tau * tau / 2));
-  check(VecAXPY(diagonal, tau / 2, fem::diagonal(*operators.B)));
+  check(VecScale(diagonal, tau));
+  check(VecAXPY(diagonal, 1, fem::diagonal(*operators.B)));
   const auto add = [&](Mat matrix, Vec x, double factor) {
     check(MatMult(matrix, x, product));
     check(VecAXPY(residual, factor, product));
@@ -301,25 +301,25 @@ TEST_CASE("bubbles of the adjoint states take up what the run's duals leave", "[
     add(*operators.B, embed(duals.p), -tau / 2);
     add(operators.A, embed(duals.p), -tau * tau / 4);
     add(operators.A, embed(duals.p_later), -tau * tau / 4);
-    add(*operators.B, before, tau / 2);
+    add(*operators.B, before, 1);
     petsc::Vector whole = petsc::copy(residual);
     const double size = weighed();
     INFO("step " << k);
     CHECK(size > 0);
     const auto left = [&](Vec x) {
       check(VecCopy(whole, residual));
-      add(operators.A, x, -tau * tau / 2);
-      add(*operators.B, x, -tau / 2);
+      add(operators.A, x, -tau);
+      add(*operators.B, x, -1);
       return weighed();
     };
     const double guessed = left(before); // the last bubbles are the first guess
     CHECK(left(b) < 1.1e-4 * std::max(size, guessed));
     // Each of them alone is more than that.
     check(VecCopy(whole, residual));
-    add(*operators.B, b, -tau / 2);
+    add(*operators.B, b, -1);
     CHECK(weighed() > 1e-2 * size);
     check(VecCopy(whole, residual));
-    add(operators.A, b, -tau * tau / 2);
+    add(operators.A, b, -tau);
     CHECK(weighed() > 1e-2 * size);
   }
 }

@@ -64,6 +64,43 @@ TEST_CASE("the error in time is estimated by its first term", "[adjoint]") {
   }
 }
 
+TEST_CASE("the error of steps of varying length is estimated by its first term", "[adjoint]") {
+  if (ranks(MPI_COMM_WORLD) > 2)
+    return; // as above
+  // Steps of three lengths, halved again and again.
+  const auto at = [&](const std::vector<std::string>& scheme, int halvings) {
+    test::Ready ready(
+        "tests/data/block.toml",
+        with(with(sheared, scheme), {"time.step=auto", "time.longest=0.04", "time.shortest=0.001"}));
+    std::vector<double> levels;
+    for (int longest = 0; longest < 16; ++longest) {
+      const std::vector<int> all = longest % 3 == 0   ? std::vector{0}
+                                   : longest % 3 == 1 ? std::vector{1, 2, 2}
+                                                      : std::vector{2, 2, 1};
+      for (const int level : all)
+        levels.insert(levels.end(), std::size_t(1) << halvings, level + halvings);
+    }
+    forward::TimeGrid grid = ready.problem.stepper.grid();
+    REQUIRE(grid.take(levels));
+    ControlProblem control_problem(ready.problem, test::silent());
+    control_problem.reduced.simulate(control_problem.first_guess(ready.scene));
+    control_problem.reduced.accept();
+    return Estimated{control_problem.reduced.value().total(), estimate_error(ready.problem, control_problem)};
+  };
+  for (const std::vector<std::string>& scheme :
+       {std::vector<std::string>{}, {"time.scheme=contact-stabilized"}}) {
+    const double exact = (4 * at(scheme, 3).J - at(scheme, 2).J) / 3;
+    std::vector<double> off;
+    for (const int halvings : {0, 1}) {
+      const Estimated run = at(scheme, halvings);
+      off.push_back(std::abs(run.error.time / (exact - run.J) - 1));
+      INFO("estimate " << run.error.time << ", error " << exact - run.J);
+      CHECK(off.back() < 0.25);
+    }
+    CHECK(off[1] < off[0]);
+  }
+}
+
 TEST_CASE("the error in space is estimated beside that of functions of degree 2", "[adjoint]") {
   const auto at = [&](const char* size, const char* degree) {
     return estimated("tests/data/block.toml", with(sheared, {size, degree}), false);

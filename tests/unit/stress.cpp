@@ -1,6 +1,6 @@
 #include "contact/pressure.h"
-#include "fem/simplex.h"
 #include "fixtures.h"
+#include "mesh/simplex.h"
 #include <catch2/catch_test_macros.hpp>
 #include <dolfinx/fem/FunctionSpace.h>
 #include <dolfinx/mesh/Mesh.h>
@@ -52,7 +52,7 @@ struct Body {
 /// Volume of a cell.
 double volume(const mesh::Mesh& mesh, std::int32_t cell) {
   const auto& geometry = mesh.dolfinx()->geometry();
-  const fem::Simplex simplex(mesh.dim(), [&](int i) {
+  const mesh::Simplex simplex(mesh.dim(), [&](int i) {
     return &geometry.x()[3 * static_cast<std::size_t>(geometry.dofmap()(static_cast<std::size_t>(cell),
                                                                         static_cast<std::size_t>(i)))];
   });

@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 
-namespace signorini::fem {
+namespace signorini::mesh {
 
 /// Affine map x = corner + J ξ of a straight triangle in the plane z = 0, or of a tetrahedron.
 class Simplex {
@@ -66,4 +66,4 @@ private:
   double determinant_ = 0;
 };
 
-} // namespace signorini::fem
+} // namespace signorini::mesh
