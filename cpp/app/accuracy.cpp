@@ -94,7 +94,7 @@ public:
         throw;
       interrupted_ = true;
     }
-    const bool late = time_is_up();
+    const bool late = time_is_up(comm_);
     forget_deadline();
     console_.line(sentence(late));
     return met()                   ? exit_status::done

@@ -12,10 +12,12 @@
 #include "app/summary_lines.h"
 #include "base/collective.h"
 #include "base/error.h"
+#include "base/signals.h"
 #include "base/threads.h"
 #include "forward/step_control.h"
 #include "io/manifest.h"
 #include "io/output_folder.h"
+#include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -41,7 +43,7 @@ std::string start_objective(const Problem& problem, const GivenControl& given,
 }
 
 int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, const Request& request,
-                   const Console& console) {
+                   const Console& console, const std::optional<io::Accuracy>& accuracy = {}) {
   io::OutputFolder folder(world(), out);
   if (!request.replace)
     folder.require_no_search(out);
@@ -92,6 +94,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   if (m.lengths)
     m.lengths->rejected = rejected;
   add_watched(m, recorder, scene.run, console);
+  m.accuracy = accuracy;
   if (objective && complete)
     m.objective = objective->value();
   m.files = folder.files();
@@ -111,6 +114,45 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
       console.line(line);
   finish(folder, console);
   return complete ? exit_status::done : exit_status::interrupted;
+}
+
+/// simulate with --accuracy: searches a size and a step, writes the motion of each that is better than those
+/// before, and says what came of it.
+int simulate_to_accuracy(const scene::Scene& scene, const std::filesystem::path& out, Request request,
+                         const Console& console) {
+  const auto start = std::chrono::steady_clock::now();
+  const double asked = *request.accuracy;
+  if (request.study.budget)
+    stop_after(*request.study.budget);
+  study::Found best;
+  bool stopped = false;
+  const auto write = [&](const study::Found& found) {
+    const io::Accuracy accuracy{request.study.quantities.front(), asked, found.space, found.time, 0};
+    (void)simulate_scene(study::on_rung(scene, found.rung), out, request, Console(false, false), accuracy);
+    request.replace = true; // from now on it is this run's own
+    best = found;
+  };
+  try {
+    (void)study::find_size_and_step(world(), scene, asked, request.study, console, write);
+  } catch (const Interrupted&) {
+    if (best.seconds == 0)
+      throw;
+    stopped = true;
+  }
+  const bool late = time_is_up(world()), met = best.error() <= asked;
+  forget_deadline();
+  double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  MPI_Bcast(&passed, 1, MPI_DOUBLE, 0, world());
+  console.line(fmt::format(
+      "{:g} of {} asked, {:.2e} estimated (space {:.1e}, time {:.1e}): {}; {}, {:.2g} s in all, of which the run "
+      "took {:.2g} s; half the error would take about {:.2g} s\nresults in {}",
+      asked, request.study.quantities.front(), best.error(), best.space, best.time,
+      met                ? "met"
+      : stopped && !late ? "not met, interrupted"
+      : late             ? "not met, the budget is spent"
+                         : "not met",
+      study::words(best.rung, scene), passed, best.seconds, best.half, out.string()));
+  return met ? exit_status::done : stopped && !late ? exit_status::interrupted : exit_status::check_failed;
 }
 
 int check(const scene::Scene& scene, const Console& console) {
@@ -201,6 +243,8 @@ int run(const Request& request, const Console& console) {
       require_not_the_users(scene, text, out);
       require_not_the_guess(scene, out);
     });
+  if (request.verb == "simulate" && request.accuracy)
+    return simulate_to_accuracy(scene, out, request, console);
   if (request.verb == "simulate")
     return simulate_scene(scene, out, request, console);
   if (request.verb == "optimize" && !scene.unknowns.empty())

@@ -32,8 +32,6 @@ void stop_after(double seconds) {
   set_timer(std::max(seconds, least));
 }
 
-bool time_is_up() { return late != 0; }
-
 void forget_deadline() {
   set_timer(0);
   late = 0;
@@ -48,12 +46,18 @@ void ignore_broken_pipes() { std::signal(SIGPIPE, SIG_IGN); }
 
 bool stop_requested() { return requested != 0 || late != 0; }
 
-bool stop_requested(MPI_Comm comm) {
-  int mine = stop_requested(), any = mine, size = 1;
+namespace {
+bool on_any(MPI_Comm comm, bool here) {
+  int mine = here, any = mine, size = 1;
   MPI_Comm_size(comm, &size);
   if (size > 1)
     MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, comm);
   return any != 0;
 }
+} // namespace
+
+bool stop_requested(MPI_Comm comm) { return on_any(comm, stop_requested()); }
+
+bool time_is_up(MPI_Comm comm) { return on_any(comm, late != 0); }
 
 } // namespace signorini

@@ -13,8 +13,8 @@ void ignore_broken_pipes();
 
 /// From `seconds` on (s, above 0) the run is asked to stop, too. Needs catch_stop_signals().
 void stop_after(double seconds);
-/// Whether that has come about.
-bool time_is_up();
+/// Whether that has come about on any rank. Collective.
+bool time_is_up(MPI_Comm comm);
 /// Takes that back, and a stop that it has asked for.
 void forget_deadline();
 

@@ -66,7 +66,7 @@ TEST_CASE("a small factorisation is not compared by the clock", "[forward]") {
   CHECK_FALSE(forward::DirectWork(work, 1e4, 2e4).small());
   const forward::SolverChoice solver(Parts::copy(parts.D), &parts.pairs, parts.scene.solver, true, 1e6);
   CHECK_FALSE(solver.iterates());
-  CHECK(solver.choice() == parts.solver.choice());
+  CHECK(solver.choice().find("estimated") == std::string::npos); // of seconds
 }
 
 TEST_CASE("conjugate gradients take multigrid for long steps alone, and find the same", "[forward]") {

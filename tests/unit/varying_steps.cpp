@@ -25,9 +25,10 @@ const std::vector<std::vector<std::string>> schemes{
 /// Chooses the lengths by the scene's own motion, which touches.
 void choose(const Problem& problem) { choose_steps(problem, problem.load(), test::silent()); }
 
-/// By how much two equal motions differ, relative: MUMPS, on several ranks, does not give the same bits
-/// twice.
-double rounding() { return ranks(MPI_COMM_WORLD) == 1 ? 0 : 1e-9; }
+/// By how much two equal motions and their gradients differ, relative: MUMPS, on several ranks, does not give
+/// the same bits twice, and contact multiplies what one step leaves, to 2e-9 in the worst of 25 runs on three
+/// ranks. Where a wrong state is read they differ by a part of a step's motion.
+double rounding() { return ranks(MPI_COMM_WORLD) == 1 ? 0 : 1e-6; }
 
 std::set<double> lengths(const forward::TimeGrid& grid) {
   std::set<double> all;

@@ -1,6 +1,7 @@
 #pragma once
 #include "app/study/ladder.h"
 #include "base/progress.h"
+#include <functional>
 #include <mpi.h>
 #include <optional>
 
@@ -30,5 +31,21 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
 /// Interrupted.
 int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Options& options,
             const Console& console);
+
+/// What find_size_and_step() found: a rung, and the estimated parts of its error, relative.
+struct Found {
+  Rung rung;
+  double space = 0, time = 0;
+  double seconds = 0; ///< of the rung alone
+  double half = 0;    ///< expected of all that half the error would take, s
+  [[nodiscard]] double error() const { return space + time; }
+};
+
+/// Searches a size and a step as suggest() does, for the one quantity that the options name of the motion that
+/// simulate makes, and shows each that is better than all before to `better`; without a budget until the
+/// tolerance is met or nothing changes any more. Returns the best. Collective. Throws UserError, SolverFailure,
+/// Interrupted.
+Found find_size_and_step(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Options& options,
+                         const Console& console, const std::function<void(const Found&)>& better);
 
 } // namespace signorini::study

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <utility>
 
 namespace signorini::study {
@@ -68,10 +69,14 @@ void require_size(const scene::Scene& scene, const Quantity& quantity) {
 /// Goes from trial to trial until one meets the tolerance.
 class Search {
 public:
+  using Better = std::function<void(const Trial&, double half)>;
+
+  /// `better` is shown each trial that is better than all before, and the seconds that half its error would
+  /// take.
   Search(MPI_Comm comm, const scene::Scene& scene, double tolerance, double budget, const Samples& samples,
-         const Console& console)
+         const Console& console, Better better = [](const Trial&, double) {})
       : comm_(comm), scene_(scene), tolerance_(tolerance), budget_(budget), samples_(samples),
-        console_(console) {}
+        console_(console), better_(std::move(better)) {}
 
   /// The trial that meets it, else the last.
   /// That of degree 2 is tried once, where it costs less than the next step of the search.
@@ -84,11 +89,20 @@ public:
     const Prices prices = priced(trials, own, raised);
     Trial last = run(trials, own), nearest = last;
     double r = trials.order(), q = trials.order();
+    const auto towards = [&](const Trial& from, double error) {
+      return trials.nearest(proposal(from, error, samples_.dim, r, q, trials.reach()));
+    };
     const auto proposed = [&](const Trial& from) {
       constexpr double aim =
           0.8; // of the tolerance, so that a little more error than foreseen does not cost another run
-      return trials.nearest(proposal(from, aim * tolerance_, samples_.dim, r, q, trials.reach()));
+      return towards(from, aim * tolerance_);
     };
+    const auto show = [&](const Trial& trial) {
+      better_(trial, seconds(trials, towards(trial, trial.error() / 2), prices));
+    };
+    show(last);
+    if (last.error() <= tolerance_ && !economises_)
+      return last;
     constexpr int most = 8;
     for (int i = 0; i < most; ++i) {
       Rung next = proposed(last);
@@ -98,6 +112,8 @@ public:
       if (next == last.rung || beyond_budget(trials, next, prices))
         break;
       const Trial trial = run(trials, next);
+      if (trial.error() < nearest.error())
+        show(trial);
       if (trial.error() <= tolerance_)
         return nearest.error() <= tolerance_ && nearest.seconds < trial.seconds ? nearest : trial;
       if (trial.error() < nearest.error())
@@ -112,6 +128,9 @@ public:
     }
     return nearest;
   }
+
+  /// Ends at the first trial that meets the tolerance, even if a cheaper one would.
+  void take_the_first() { economises_ = false; }
 
   /// Seconds since the search began, the same on all ranks. Collective.
   [[nodiscard]] double passed() const {
@@ -162,6 +181,8 @@ private:
   double budget_;
   const Samples& samples_;
   const Console& console_;
+  Better better_;
+  bool economises_ = true;
   Clock::time_point start_ = Clock::now();
 };
 
@@ -184,6 +205,34 @@ int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Op
                            met ? "met by" : "not met; the nearest is", words(found.rung, scene),
                            found.grounds, found.seconds, search.passed()));
   return met ? 0 : 1;
+}
+
+Found find_size_and_step(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Options& options,
+                         const Console& console, const std::function<void(const Found&)>& better) {
+  scene::Scene simulated = scene; // under the control that is given, whatever an objective desires
+  simulated.objective.reset();
+  require_one_length(simulated);
+  const auto quantity_of = [&](int dim) {
+    try {
+      return the_quantity(simulated, options.quantities, dim);
+    } catch (const UserError& error) {
+      const std::string said = error.what();
+      throw UserError("--accuracy" + said.substr(said.find(':')));
+    }
+  };
+  require_size(simulated, quantity_of(2));
+  require_answer(comm, simulated);
+  const Samples samples(comm, simulated);
+  const std::unique_ptr<Trials> trials = ladder_trials(comm, simulated, samples, quantity_of(samples.dim));
+  Found best;
+  Search search(comm, simulated, tolerance, options.budget.value_or(std::numeric_limits<double>::infinity()),
+                samples, console, [&](const Trial& trial, double half) {
+                  best = {trial.rung, trial.space, trial.time, trial.seconds, half};
+                  better(best);
+                });
+  search.take_the_first();
+  (void)search(*trials);
+  return best;
 }
 
 } // namespace signorini::study
