@@ -218,10 +218,8 @@ private:
       ended_ = meshed ? "a .msh is not refined" : "nothing is left to refine";
       return std::nullopt;
     }
-    const double expected = cost(next);
-    if (asked_.budget && passed() + expected > *asked_.budget) {
-      ended_ = fmt::format("the next round, about {:.2g} s, is beyond the budget of {:.3g} s", expected,
-                           *asked_.budget);
+    if (asked_.budget && !fits(next)) {
+      ended_ = fmt::format("a next round is beyond the budget of {:.3g} s", *asked_.budget);
       return std::nullopt;
     }
     if (scene_.mesh.automatic()) {
@@ -229,6 +227,20 @@ private:
       next.sizes = mesh::sizes_by(last_->problem().mesh, by_cells_, part * part, 1 / reach);
     }
     return next;
+  }
+
+  /// Makes a round coarser where it would not end within the budget; false if little is left to refine then.
+  [[nodiscard]] bool fits(Resolution& next) const {
+    constexpr double safe = 0.7, worth = 1.5; // of the time left; times the cost of the last round
+    const double left = safe * (*asked_.budget - passed()), expected = cost(next), last = records_.back().seconds;
+    if (expected <= left)
+      return true;
+    if (left < worth * last)
+      return false;
+    const double part = std::log(left / last) / std::log(expected / last);
+    next.size = resolution_.size * std::pow(next.size / resolution_.size, part);
+    next.step = resolution_.step * std::pow(next.step / resolution_.step, part);
+    return true;
   }
 
   [[nodiscard]] Resolution aimed_at(double error) const {

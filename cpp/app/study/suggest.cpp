@@ -40,30 +40,33 @@ Rung proposal(const Trial& from, double target, int dim, double r, double q, dou
 }
 
 /// The quantity to be accurate: that asked for, or J. Throws UserError.
-Quantity the_quantity(const scene::Scene& scene, const std::vector<std::string>& names, int dim) {
+/// `option`: of the command line, that asks for it.
+Quantity the_quantity(const scene::Scene& scene, const std::vector<std::string>& names, int dim,
+                      const char* option) {
   std::vector<std::string> allowed;
   for (const Quantity& quantity : quantities(scene, dim))
     if (!quantity.absolute) // whose error is known without
       allowed.push_back(quantity.name);
   if (names.empty() && !scene.objective)
     throw UserError(
-        fmt::format("--suggest: needs --quantity in a scene without an objective, allowed is one of {}",
+        fmt::format("{}: needs --quantity in a scene without an objective, allowed is one of {}", option,
                     scene::list(allowed)));
   const Quantity found = names.empty() ? Quantity{"J", "J", ""} : chosen(scene, names, dim).front();
   if (names.size() > 1 || found.absolute)
-    throw UserError(fmt::format("--suggest: found --quantity {}, allowed is one of {}", fmt::join(names, ","),
-                                scene::list(allowed)));
+    throw UserError(fmt::format("{}: found --quantity {}, allowed is one of {}", option,
+                                fmt::join(names, ","), scene::list(allowed)));
   return found;
 }
 
-void require_size(const scene::Scene& scene, const Quantity& quantity) {
+void require_size(const scene::Scene& scene, const Quantity& quantity, const char* option) {
   if (scene.mesh.file.extension() == ".msh")
-    throw UserError("--suggest: found a .msh, which is meshed already, allowed is a .geo");
+    throw UserError(
+        fmt::format("{}: found a .msh, which is meshed already, allowed is a .geo", option));
   if (quantity.name == "J" && scene.mesh.degree != 1)
-    throw UserError(fmt::format("--suggest: found mesh.degree = {}, allowed is 1: the estimate in space "
+    throw UserError(fmt::format("{}: found mesh.degree = {}, allowed is 1: the estimate in space "
                                 "looks at what functions of degree 2 "
                                 "have beyond those of degree 1",
-                                scene.mesh.degree));
+                                option, scene.mesh.degree));
 }
 
 /// Goes from trial to trial until one meets the tolerance.
@@ -191,10 +194,11 @@ private:
 int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Options& options,
             const Console& console) {
   require_one_length(scene);
-  require_size(scene, the_quantity(scene, options.quantities, 2));
+  constexpr const char* option = "--suggest";
+  require_size(scene, the_quantity(scene, options.quantities, 2, option), option);
   require_answer(comm, scene);
   const Samples samples(comm, scene);
-  const Quantity quantity = the_quantity(scene, options.quantities, samples.dim);
+  const Quantity quantity = the_quantity(scene, options.quantities, samples.dim, option);
   const std::unique_ptr<Trials> trials = quantity.name == "J" ? adjoint_trials(comm, scene, samples)
                                                               : ladder_trials(comm, scene, samples, quantity);
   constexpr double usual_budget = 600; // s, as --help says
@@ -212,15 +216,11 @@ Found find_size_and_step(MPI_Comm comm, const scene::Scene& scene, double tolera
   scene::Scene simulated = scene; // under the control that is given, whatever an objective desires
   simulated.objective.reset();
   require_one_length(simulated);
+  constexpr const char* option = "--accuracy";
   const auto quantity_of = [&](int dim) {
-    try {
-      return the_quantity(simulated, options.quantities, dim);
-    } catch (const UserError& error) {
-      const std::string said = error.what();
-      throw UserError("--accuracy" + said.substr(said.find(':')));
-    }
+    return the_quantity(simulated, options.quantities, dim, option);
   };
-  require_size(simulated, quantity_of(2));
+  require_size(simulated, quantity_of(2), option);
   require_answer(comm, simulated);
   const Samples samples(comm, simulated);
   const std::unique_ptr<Trials> trials = ladder_trials(comm, simulated, samples, quantity_of(samples.dim));

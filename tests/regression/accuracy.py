@@ -1,0 +1,143 @@
+"""Accuracy on demand: what is asked is met, within the budget, and what is on disk is whole whatever ends the run."""
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from harness import HALF_DISC, SIGNORINI, SOURCE, captured, signorini, stored  # noqa: E402
+
+import numpy as np  # noqa: E402
+
+DROP = SOURCE / "scenes" / "disc-drop.toml"
+FILES = {"scene.toml", "run.json", "steps.csv", "contact.csv", "obstacles.csv", "history.csv", "state.xdmf", "state.h5",
+         "control.xdmf", "control.h5", "adjoint.xdmf", "adjoint.h5", "checkpoint.h5"}  # fmt: skip
+
+
+def command(verb: str, scene: Path, out: Path, *options: str, ranks: int = 1) -> list[str]:
+    mpirun = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
+    return [*mpirun, str(SIGNORINI), verb, str(scene), "--out", str(out), *options]
+
+
+def order(verb: str, scene: Path, out: Path, *options: str, status: int = 0, ranks: int = 1) -> tuple[dict, str]:
+    """run.json and what was said last."""
+    done = captured(command(verb, scene, out, *options, ranks=ranks))
+    assert done.returncode == status, (done.args, done.returncode, done.stdout, done.stderr)
+    return json.loads((out / "run.json").read_text()), done.stdout
+
+
+def touched(out: Path) -> bool:
+    table = np.genfromtxt(out / "steps.csv", delimiter=",", names=True)
+    return bool((table["active"] > 0).any())
+
+
+def optimum_is_met(folder: Path) -> None:
+    """J's error, to a run that is ordered to a tenth of it, is below what is asked and as estimated."""
+    best, _ = order("optimize", HALF_DISC, folder / "best", "--accuracy", "1e-3")
+    for ranks in (1, 2):
+        run, said = order("optimize", HALF_DISC, folder / f"asked-{ranks}", "--accuracy", "1e-2", ranks=ranks)
+        error = abs(run["objective"]["value"] / best["objective"]["value"] - 1)
+        found = run["accuracy"]
+        assert found["asked"] == 1e-2 and abs(found["estimated"] - sum(found[k] for k in ("space", "time", "search"))) < 1e-12
+        assert error < found["asked"] and error / 3 < found["estimated"] < 3 * error, (error, found)
+        assert touched(folder / f"asked-{ranks}")
+        assert re.search(r"^0.01 of J asked, .* estimated .*: met; .* half the error would take about", said, re.MULTILINE), said
+        print(f"optimum, {ranks} ranks: asked 1e-2, estimated {found['estimated']:.1e}, found {error:.1e}")
+    assert len(best["optimizer"]["coarse_levels"]) >= 2 and best["unknowns"] > 5 * run["unknowns"]
+    assert {p.name for p in (folder / "best").iterdir()} == FILES
+    # The scene that is written is that of the last round: it has its mesh and steps.
+    again = json.loads((signorini("simulate", folder / "best" / "scene.toml", folder / "again"), (folder / "again" / "run.json").read_text())[1])
+    assert (again["unknowns"], again["steps"]["done"]) == (best["unknowns"], best["steps"]["done"])
+
+
+def sizes_where_they_matter(folder: Path) -> None:
+    """With mesh.size = "auto" elements differ by more than their factor in a uniform mesh, and the mesh is kept."""
+    out = folder / "auto"
+    run, _ = order("optimize", HALF_DISC, out, "--accuracy", "2e-3", "--set", "mesh.size=auto")
+    assert run["accuracy"]["estimated"] <= 2e-3 and {p.name for p in out.iterdir()} == FILES | {"mesh.msh"}
+
+    def spread(folder: Path) -> tuple[int, float]:
+        nodes, cells, _ = stored(folder, "state", "displacement")
+        a, b, c = (nodes[cells[:, i], :2] for i in range(3))
+        area = np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]) / 2
+        return len(cells), float(area.max() / area.min())
+
+    signorini("simulate", out / "scene.toml", folder / "on-it")  # which names the mesh that was kept
+    (cells, largest), (uniform_cells, uniform) = spread(folder / "on-it"), spread(folder / "again")
+    assert cells == run["cells"] and largest > 3 * uniform, (cells, largest, uniform_cells, uniform)
+    print(f"sizes: {cells} cells whose areas differ {largest:.0f} times, in a uniform mesh of {uniform_cells} {uniform:.1f} times")
+
+
+def budget_is_kept(folder: Path) -> None:
+    for verb, scene, seconds, more in (("optimize", HALF_DISC, 3.0, ()), ("simulate", DROP, 4.0, ("--quantity", "contact_time"))):
+        out = folder / f"budget-{verb}"
+        start = time.perf_counter()
+        run, said = order(verb, scene, out, "--accuracy", "1e-5", "--budget", f"{seconds}s", *more, status=1)
+        passed = time.perf_counter() - start
+        assert "budget" in said and run["accuracy"]["estimated"] > 1e-5
+        assert 0.2 * seconds < passed < 1.1 * seconds + 0.5, f"{passed} of {seconds} s"  # and the start of the program
+        assert not list(out.glob(".unfinished*")) and (out / "state.h5").is_file()
+        print(f"budget of {verb}: {passed:.1f} of {seconds} s, estimated {run['accuracy']['estimated']:.1e}")
+
+
+def interrupted_keeps_the_best(folder: Path) -> None:
+    for ranks, which in ((1, signal.SIGINT), (2, signal.SIGUSR1)):
+        out = folder / f"interrupted-{ranks}"
+        process = subprocess.Popen(command("optimize", HALF_DISC, out, "--accuracy", "1e-5", ranks=ranks), text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT)  # fmt: skip
+        for line in process.stdout:
+            if line.startswith("round 2"):
+                break
+        content = {path.name: path.read_bytes() for path in out.iterdir() if path.is_file()}
+        process.send_signal(which)
+        said, _ = process.communicate(timeout=60)
+        assert process.returncode == 130 and "not met, interrupted" in said, (process.returncode, said)
+        assert FILES == {path.name for path in out.iterdir()}
+        assert all((out / name).read_bytes() == content[name] for name in ("run.json", "control.h5", "steps.csv"))
+        run = json.loads((out / "run.json").read_text())
+        assert len(run["optimizer"]["coarse_levels"]) == 1
+        print(f"interrupted on {ranks} ranks: the second round's answer stays, {len(FILES)} files")
+
+
+def motion_is_met(folder: Path) -> None:
+    run, said = order("simulate", DROP, folder / "impulse", "--accuracy", "1e-2", "--quantity", "impulse")
+    assert run["accuracy"]["quantity"] == "impulse" and run["accuracy"]["estimated"] <= 1e-2 and "met;" in said
+    assert touched(folder / "impulse")
+    fine = json.loads((signorini("simulate", DROP, folder / "fine", mesh__size=1, time__step=2.5e-3), (folder / "fine" / "run.json").read_text())[1])
+    impulse = [np.hypot(*one["impact"]["all"]["impulse"]) for one in (run, fine)]
+    assert abs(impulse[0] / impulse[1] - 1) < 1e-2, impulse
+    print(f"impulse: asked 1e-2, estimated {run['accuracy']['estimated']:.1e}, found {abs(impulse[0] / impulse[1] - 1):.1e}")
+
+
+def refusals(folder: Path) -> None:
+    for verb, options, words in (
+        ("simulate", ("--set", "mesh.size=auto"), ("mesh.size", '"auto"', "optimize --accuracy")),
+        ("study", ("--set", "mesh.size=auto"), ("mesh.size", '"auto"', "optimize --accuracy")),
+        ("optimize", ("--budget", "5s"), ("--budget", "--accuracy")),
+        ("optimize", ("--accuracy", "1e-2", "--resume"), ("--accuracy", "--resume")),
+        ("optimize", ("--accuracy", "0"), ("--accuracy",)),
+        ("optimize", ("--accuracy", "1e-2", "--set", "mesh.degree=2"), ("--accuracy", "mesh.degree = 2", "allowed is 1")),
+        ("simulate", ("--accuracy", "1e-2"), ("--accuracy", "--quantity")),
+        ("simulate", ("--accuracy", "1e-2", "--quantity", "impuls"), ("--quantity", '"impulse"')),
+        ("simulate", ("--accuracy", "1e-2", "--quantity", "J"), ("--quantity", "impulse")),
+    ):
+        done = captured(command(verb, HALF_DISC, folder / "refused", *options))
+        assert done.returncode == 2 and len(done.stderr.splitlines()) == 1, (verb, options, done.returncode, done.stderr)
+        assert all(word in done.stderr for word in words), (words, done.stderr)
+        assert not (folder / "refused").exists()
+
+
+def main() -> int:
+    with tempfile.TemporaryDirectory() as folder:
+        for test in (refusals, optimum_is_met, sizes_where_they_matter, budget_is_kept, interrupted_keeps_the_best, motion_is_met):
+            test(Path(folder))
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
