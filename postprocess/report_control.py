@@ -69,9 +69,8 @@ def boundary(run: RunFolder) -> list[Chart]:
     nothing = np.zeros_like(size)
     nodes = control.mesh.points[support]
     place = along_surface(arc_of(Contact(control.times, nodes, np.zeros(len(nodes), int), nothing, size)))
-    step = run.scene["time"]["step"]
     parts = {"modulus": size} | {f"{axis} component": values[:, :, i] for i, axis in enumerate("xy") if values[:, :, i].any()}
-    views = {name: over_boundary(control.times[::every] - step / 2, place, part) for name, part in parts.items()}
+    views = {name: over_boundary(run.middles(control.times[::every]), place, part) for name, part in parts.items()}
     return [Chart("control-boundary", "Control along the boundary", views, "Position 0 is where the control pushes the most.")]
 
 

@@ -14,6 +14,7 @@ from report_parts import GREY, Chart, Gathering, Page, Section, Table, dots, fig
 from run_folder import RunFolder, potential_of_loads
 
 FROM_ZERO = {"rangemode": "tozero"}
+SHADES = ["#440154", "#414487", "#2a788e", "#22a884", "#7ad151", "#fde725"]  # viridis, of least shares first
 
 
 def page(run: RunFolder) -> Page:
@@ -46,6 +47,7 @@ def sections_of(run: RunFolder, gather: Gathering) -> list[Section]:
         Section("energy", "Energy and what each step keeps", energy, tables),
         Section("probes", "Probes", report_probes.charts(run)),
         Section("convergence", "Convergence", convergence),
+        Section("accuracy", "Accuracy", gather("error indicators", error_indicators, run) if run.has_indicators and run.dim == 2 else []),
         Section("time", "Where the time went", gather("times", timings, run)),
         Section("scene", "Scene", file=("scene.toml", (run.path / "scene.toml").read_text(encoding="utf-8"))),
     ]
@@ -98,10 +100,29 @@ def step_lengths(run: RunFolder) -> Chart:
     lengths = np.diff(times)
     factor, unit = style.prefixed(lengths, "s")
     shown, title = time_axis(times)
-    curve = line("length of the steps", shown[1:], lengths * factor, style.BLUE)
+    curve = line("length of the steps", shown, lengths[[0, *range(len(lengths))]] * factor, style.BLUE)
     curve["line"]["shape"] = "vh"  # that of the step that ends there
     view = figure([curve], title, f"step length ({unit})", xaxis={"range": [0, shown[-1]]}, yaxis=logarithmic(lengths * factor))
     return Chart.single("step-lengths", "Length of the steps over time", view)
+
+
+def error_indicators(run: RunFolder) -> Chart:
+    """The mesh, its cells coloured by their share in the error."""
+    table = run.indicators
+    share = table["indicator"]
+    corners = [np.stack([table[f"x{i}"], table[f"y{i}"]], axis=1) for i in range(3)]
+    outlines = np.stack([*corners, corners[0], np.full_like(corners[0], np.nan)], axis=1)  # each apart from the next
+    bounds = share.max() * np.geomspace(1e-4, 1, len(SHADES) + 1)
+    level = np.clip(np.searchsorted(bounds, share) - 1, 0, len(SHADES) - 1)
+    traces = []
+    for i, shade in enumerate(SHADES):
+        x, y = outlines[level == i].reshape(-1, 2).T
+        if len(x):
+            name = f"{bounds[i]:.1g} to {bounds[i + 1]:.1g}" if i else f"below {bounds[1]:.1g}"
+            traces.append(line(name, x, y, shade, width=1) | {"fill": "toself", "fillcolor": shade, "hoverinfo": "skip"})
+    traces.append(line("mesh", *outlines.reshape(-1, 2).T, GREY, width=0.5))
+    view = figure(traces, "x (m)", "y (m)", yaxis={"scaleanchor": "x"})
+    return Chart.single("error-indicators", "The mesh, and each cell's share in the error of J", view, "Moduli, relative to J.")
 
 
 def masses(scene: dict) -> list[str]:

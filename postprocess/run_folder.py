@@ -116,6 +116,16 @@ class RunFolder:
             raise NotInRun("the run made no time step")
         return table
 
+    @property
+    def has_indicators(self) -> bool:
+        """Whether the run ordered an accuracy by the error's share of each cell."""
+        return (self.path / "indicators.csv").is_file()
+
+    @cached_property
+    def indicators(self) -> Table:
+        """indicators.csv: the corners of each cell (m) and its share in the error, relative."""
+        return self._table("indicators.csv", lambda: int(self.manifest["cells"]))
+
     @cached_property
     def history(self) -> Table:
         """history.csv: one row per iteration of the optimizer."""
@@ -274,7 +284,19 @@ class RunFolder:
     @property
     def last_time(self) -> float:
         """The time that the run reached, s."""
-        return self.steps_done * self.scene["time"]["step"]
+        time = self.scene["time"]
+        if time["step"] != "auto":
+            return self.steps_done * time["step"]
+        return float(time["end"] if self.steps_done == self.told(lambda: self.manifest["steps"]["asked"]) else self.steps["time"][-1])
+
+    def middles(self, times: np.ndarray) -> np.ndarray:
+        """Of the steps that end at these times (s); where their lengths vary as steps.csv tells."""
+        step = self.scene["time"]["step"]
+        if step != "auto":
+            return times - step / 2
+        ends = self.steps["time"]
+        found = np.clip(np.searchsorted(ends, times * (1 - 1e-12)), 1, len(ends) - 1)
+        return times - (ends[found] - ends[found - 1]) / 2
 
     @property
     def steps_done(self) -> int:

@@ -161,6 +161,7 @@ private:
     // Written even if the time is up by now: there is an answer, and it is the best so far.
     const io::Accuracy accuracy{"J", asked_.error, parts.space, parts.time, parts.search};
     record.store(last_->state());
+    folder.write("indicators.csv", indicators());
     write_optimum(folder, problem, told, control_problem, record,
                   {last_->stop(), last_->first_norm(), records_, accuracy}, Console(false, false));
     console_.line(fmt::format(
@@ -169,6 +170,26 @@ private:
         records_.size() + 1, row.free_unknowns, row.steps, row.objective, parts.sum(), parts.space,
         parts.time, parts.search, row.forward_sweeps, row.adjoint_sweeps, row.seconds, passed()));
     records_.push_back(std::move(row));
+  }
+
+  /// indicators.csv: the corners of each cell (m) and its share in the error of J in space, relative. Collective.
+  [[nodiscard]] std::string indicators() const {
+    std::vector<double> shares;
+    const mesh::SizeField cells = mesh::gathered(last_->problem().mesh, by_cells_, shares);
+    const auto dim = static_cast<std::size_t>(cells.dim), corners = dim + 1;
+    const double J = std::abs(last_->control_problem().reduced.value().total());
+    std::string text;
+    for (std::size_t i = 0; i < corners; ++i)
+      for (std::size_t c = 0; c < dim; ++c)
+        text += fmt::format("{}{},", "xyz"[c], i);
+    text += "indicator\n";
+    for (std::size_t cell = 0; cell < shares.size(); ++cell) {
+      for (std::size_t i = 0; i < corners; ++i)
+        for (std::size_t c = 0; c < dim; ++c)
+          text += fmt::format("{:.9g},", cells.points[3 * static_cast<std::size_t>(cells.cells[cell * corners + i]) + c]);
+      text += fmt::format("{:.3e}\n", shares[cell] / J);
+    }
+    return text;
   }
 
   /// Searches until what the last iterations have gained is a small part of the error asked for; returns it,

@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// The fixed names of a run's files, data before the files that refer to them.
-constexpr std::array file_names{"mesh.msh",       "state.h5",         "control.h5",   "adjoint.h5",
+constexpr std::array file_names{"mesh.msh", "indicators.csv",       "state.h5",         "control.h5",   "adjoint.h5",
                                 "state.xdmf",     "control.xdmf",     "adjoint.xdmf", "steps.csv",
                                 "contact.csv",    "obstacles.csv",    "probes.csv",   "history.csv",
                                 "parameters.csv", "measurements.csv", "scene.toml",   "run.json"};

@@ -22,8 +22,9 @@ double volume_of(const SizeField& field, std::size_t cell) {
   return simplex.volume() / (field.dim == 2 ? 2 : 6);
 }
 
-/// The mesh on rank 0, without sizes, and the indicators of its cells.
-SizeField gathered(const Mesh& mesh, std::span<const double> indicators, std::vector<double>& all) {
+} // namespace
+
+SizeField gathered(const Mesh& mesh, std::span<const double> numbers, std::vector<double>& all) {
   const auto& geometry = mesh.dolfinx()->geometry();
   const auto dofmap = geometry.dofmap();
   const auto corners = static_cast<std::size_t>(mesh.dim()) + 1;
@@ -39,23 +40,8 @@ SizeField gathered(const Mesh& mesh, std::span<const double> indicators, std::ve
   SizeField field{.dim = mesh.dim()};
   field.points = gather(comm, std::vector<double>(geometry.x().begin(), geometry.x().begin() + 3 * owned));
   field.cells = gather(comm, cells);
-  all = gather(comm, std::vector<double>(indicators.begin(), indicators.end()));
+  all = gather(comm, std::vector<double>(numbers.begin(), numbers.end()));
   return field;
-}
-
-} // namespace
-
-double expected_cells(const SizeField& field) {
-  const auto corners = static_cast<std::size_t>(field.dim) + 1;
-  double sum = 0;
-  for (std::size_t cell = 0; cell * corners < field.cells.size(); ++cell) {
-    double size = 0;
-    for (std::size_t i = 0; i < corners; ++i)
-      size += field.sizes[static_cast<std::size_t>(field.cells[cell * corners + i])] /
-              static_cast<double>(corners);
-    sum += std::pow(edge_of(field.dim, volume_of(field, cell)) / size, field.dim);
-  }
-  return sum;
 }
 
 SizeField sizes_by(const Mesh& mesh, std::span<const double> indicators, double reduction, double reach) {

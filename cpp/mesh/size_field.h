@@ -21,7 +21,8 @@ struct SizeField {
 /// Collective.
 SizeField sizes_by(const Mesh& mesh, std::span<const double> indicators, double reduction, double reach);
 
-/// What such a field makes of a mesh: number of cells. On rank 0.
-double expected_cells(const SizeField& field);
+/// The mesh on rank 0, without sizes, and there in `all` the numbers of its cells, of which each rank gives
+/// those that it owns. Collective.
+SizeField gathered(const Mesh& mesh, std::span<const double> numbers, std::vector<double>& all);
 
 } // namespace signorini::mesh

@@ -16,7 +16,7 @@ import numpy as np  # noqa: E402
 
 DROP = SOURCE / "scenes" / "disc-drop.toml"
 FILES = {"scene.toml", "run.json", "steps.csv", "contact.csv", "obstacles.csv", "history.csv", "state.xdmf", "state.h5",
-         "control.xdmf", "control.h5", "adjoint.xdmf", "adjoint.h5", "checkpoint.h5"}  # fmt: skip
+         "control.xdmf", "control.h5", "adjoint.xdmf", "adjoint.h5", "checkpoint.h5", "indicators.csv"}  # fmt: skip
 
 
 def command(verb: str, scene: Path, out: Path, *options: str, ranks: int = 1) -> list[str]:
@@ -67,6 +67,8 @@ def sizes_where_they_matter(folder: Path) -> None:
         area = np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]) / 2
         return len(cells), float(area.max() / area.min())
 
+    indicators = np.genfromtxt(out / "indicators.csv", delimiter=",", names=True)["indicator"]
+    assert len(indicators) == run["cells"] and run["accuracy"]["space"] < indicators.sum() < 100 * run["accuracy"]["space"]
     signorini("simulate", out / "scene.toml", folder / "on-it")  # which names the mesh that was kept
     (cells, largest), (uniform_cells, uniform) = spread(folder / "on-it"), spread(folder / "again")
     assert cells == run["cells"] and largest > 3 * uniform, (cells, largest, uniform_cells, uniform)
