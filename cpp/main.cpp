@@ -103,11 +103,11 @@ void add_study_options(CLI::App& app, Request& request) {
 }
 
 /// Adds --accuracy, which is returned, and what goes with it.
-CLI::Option* add_accuracy_options(CLI::App& app, Request& request) {
-  CLI::Option* const accuracy =
-      app.add_option("--accuracy", request.accuracy,
-                     "choose sizes and steps until this relative error is met, such as 1e-2, of J, or of --quantity")
-          ->check(CLI::Range(1e-12, 1.0));
+CLI::Option* add_accuracy_options(CLI::App& app, Request& request, const std::string& quantity) {
+  CLI::Option* const accuracy = app.add_option("--accuracy", request.accuracy,
+                                               "choose sizes and steps until this relative error of " +
+                                                   quantity + " is met, such as 1e-2")
+                                    ->check(CLI::Range(1e-12, 1.0));
   app.add_option("--budget", request.study.budget,
                  "end with the best answer by then, such as 90s, 10min or 2h (default: none)")
       ->transform(CLI::Validator(to_seconds, "TIME"))
@@ -150,14 +150,15 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
     if (name == "optimize") {
       CLI::Option* const resume = sub->add_flag(
           "--resume", request.resume, "go on from the checkpoint in the folder, where there is one");
-      add_accuracy_options(*sub, request)->excludes(resume);
+      add_accuracy_options(*sub, request, "J")->excludes(resume);
     }
     if (name == "simulate") {
-      CLI::Option* const accuracy = add_accuracy_options(*sub, request);
-      CLI::Option* const quantity = sub->add_option("--quantity", request.study.quantities,
-                                                    "of --accuracy, such as impulse, contact_time or displacement")
-                                        ->expected(1)
-                                        ->needs(accuracy);
+      CLI::Option* const accuracy = add_accuracy_options(*sub, request, "--quantity");
+      CLI::Option* const quantity =
+          sub->add_option("--quantity", request.study.quantities,
+                          "of --accuracy, such as impulse, contact_time or displacement")
+              ->expected(1)
+              ->needs(accuracy);
       accuracy->needs(quantity);
       sub->add_flag("--replace", request.replace, "even if the folder holds an optimum, or files hold data");
       CLI::Option* const measure =

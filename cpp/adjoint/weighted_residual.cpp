@@ -1,6 +1,8 @@
 #include "adjoint/weighted_residual.h"
 #include "adjoint/dual_bubbles.h"
 #include "adjoint/sweep.h"
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace signorini::adjoint {
@@ -185,7 +187,11 @@ public:
       : body_(body), by_nodes_(by_nodes), contact_(run.motion.contact()), grid_(stepper.grid()),
         steps_(run.motion.steps()), duals_(stepper), bubbles_(body, *run.enriched_derivative, grid_),
         residual_(body, motion, *run.enriched_load, grid_), later_(body.space().vector()),
-        dual_(body.space().vector()), product_(body.space().vector()), coarse_(stepper.space().vector()) {}
+        dual_(body.space().vector()), product_(body.space().vector()), coarse_(stepper.space().vector()),
+        mean_(body.space().vector()), last_(body.space().vector()) {
+    for (petsc::Vector& x : between_)
+      x = body.space().vector();
+  }
 
   /// Takes p_k after p_{k+1}.
   void take(int k, Vec p) {
@@ -195,10 +201,21 @@ public:
     body_.embed(p, dual_);
     space_ += grid_.scheme(k).impulse() * dot(dual_, r);
     if (k < steps_) {
+      make_room();
       // Step 1 takes β_1 at both ends, and step N β_{N−1}.
-      const Vec bubbles = bubbles_.next(k, duals_, contact_[i].active);
-      weigh(bubbles, (k == 1 ? 1 : 0.5) * grid_.length(k), r);
-      weigh(bubbles, (k + 1 == steps_ ? 1 : 0.5) * grid_.length(k + 1), later_);
+      check(VecAXPBYPCZ(between_[0], (k == 1 ? 1 : 0.5) * grid_.length(k),
+                        (k + 1 == steps_ ? 1 : 0.5) * grid_.length(k + 1), 0, r, later_));
+      if (k + 1 == steps_)
+        for (int j : {1, 2})
+          check(VecCopy(between_[0], between_[static_cast<std::size_t>(j)]));
+      else
+        weigh_last();
+      check(VecCopy(bubbles_.next(k, duals_, contact_[i].active), last_));
+      if (k == 1) {
+        make_room();
+        check(VecCopy(between_[1], between_[0]));
+        weigh_last();
+      }
     }
     check(VecCopy(r, later_));
   }
@@ -225,12 +242,18 @@ public:
   }
 
 private:
-  void weigh(Vec bubbles, double factor, Vec residual) {
-    space_ += factor * dot(bubbles, residual);
+  void make_room() { std::rotate(between_.begin(), between_.end() - 1, between_.end()); }
+
+  /// Weighs the residuals about the time of the last bubbles by these, in the mean of three times: they
+  /// alternate from step to step in contact, as forces do.
+  void weigh_last() {
+    check(VecAXPBYPCZ(mean_, 0.25, 0.5, 0, between_[0], between_[1]));
+    check(VecAXPY(mean_, 0.25, between_[2]));
+    space_ += dot(last_, mean_);
     if (!by_nodes_)
       return;
-    check(VecPointwiseMult(product_, bubbles, residual));
-    check(VecAXPY(by_nodes_, factor, product_));
+    check(VecPointwiseMult(product_, last_, mean_));
+    check(VecAXPY(by_nodes_, 1, product_));
   }
 
   /// error·matrix (dual + factor β); ω has β itself, since ω = τ/2 p to leading order in τ.
@@ -250,7 +273,9 @@ private:
   DualBubbles bubbles_;
   Residual residual_;
   double space_ = 0;
-  petsc::Vector later_, dual_, product_, coarse_;
+  petsc::Vector later_, dual_, product_, coarse_, mean_, last_;
+  /// τ r about t_k, t_{k+1} and t_{k+2}, each a mean over the steps that meet there.
+  std::array<petsc::Vector, 3> between_;
 };
 
 } // namespace

@@ -41,8 +41,10 @@ struct Weighted {
 /// (dual_bubbles.h). The run's p_k alone see in r_k only the interpolation of loads and the mass that
 /// massless contact has moved.
 ///
-/// Space: with a = (v_k − v_{k−1})/τ_k, w = (y_k − y_{k−1})/τ_k, and β_{k−1}, β_k at the ends of step k,
-///     Σ_k (τ_k²/2 p_k + τ_k/2 (β_{k−1} + β_k))·r_k,   r_k = f_k + s W u_k − M a − B w − A (y_{k−1} + y_k)/2
+/// Space: with a = (v_k − v_{k−1})/τ_k, w = (y_k − y_{k−1})/τ_k,
+///     Σ_k τ_k²/2 p_k·r_k + Σ_k β_k·(R_{k−1} + 2 R_k + R_{k+1})/4,   R_k = (τ_k r_k + τ_{k+1} r_{k+1})/2,
+///     r_k = f_k + s W u_k − M a − B w − A (y_{k−1} + y_k)/2
+/// where the mean over three times takes out what alternates from step to step in contact.
 /// Initial data: the terms that depend on them in the first step's right-hand side, and in v_1,
 ///     δv_0·M ω_0⁺ + δy_0·((τ_1/2 B − τ_1²/4 A) p_1⁺ + M (ω_0 − ω_1)/τ_1)
 /// without the direct dependence of J on y_0.

@@ -19,11 +19,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Of the error asked for, so that the estimate may be a third too small (docs/method.md section 7) and the
+/// Of the error asked for, so that the estimate may be half of it (docs/method.md section 7) and the
 /// next round meets it though it falls a little less than foreseen.
-constexpr double trusted = 0.75, aimed = 0.6;
+constexpr double trusted = 0.5, aimed = 0.4;
 /// Of that, what the search may leave.
-constexpr double search_part = 0.2;
+constexpr double search_part = 0.05;
 /// Of a search, where the scene allows fewer: it ends by what it gains.
 constexpr int most_iterations = 1000;
 /// Least factor of size and step from round to round: the estimate of a coarse mesh tells little of one much
@@ -139,7 +139,8 @@ private:
     auto level = std::make_unique<SearchLevel<Method>>(comm_, at(scene_, resolution), meshing, last_.get());
     const Problem& problem = level->problem();
     ControlProblem& control_problem = level->control_problem();
-    OptimizerLog record(control_problem, problem, folder, false, console_, OptimizerLog::Files::with_results);
+    OptimizerLog record(control_problem, problem, told, folder, false, console_,
+                        OptimizerLog::Files::with_results);
     Parts parts;
     parts.search = search(*level, record);
     record.end();
@@ -172,7 +173,8 @@ private:
     records_.push_back(std::move(row));
   }
 
-  /// indicators.csv: the corners of each cell (m) and its share in the error of J in space, relative. Collective.
+  /// indicators.csv: the corners of each cell (m) and its share in the error of J in space, relative.
+  /// Collective.
   [[nodiscard]] std::string indicators() const {
     std::vector<double> shares;
     const mesh::SizeField cells = mesh::gathered(last_->problem().mesh, by_cells_, shares);
@@ -186,7 +188,8 @@ private:
     for (std::size_t cell = 0; cell < shares.size(); ++cell) {
       for (std::size_t i = 0; i < corners; ++i)
         for (std::size_t c = 0; c < dim; ++c)
-          text += fmt::format("{:.9g},", cells.points[3 * static_cast<std::size_t>(cells.cells[cell * corners + i]) + c]);
+          text += fmt::format(
+              "{:.9g},", cells.points[3 * static_cast<std::size_t>(cells.cells[cell * corners + i]) + c]);
       text += fmt::format("{:.3e}\n", shares[cell] / J);
     }
     return text;
@@ -253,7 +256,8 @@ private:
   /// Makes a round coarser where it would not end within the budget; false if little is left to refine then.
   [[nodiscard]] bool fits(Resolution& next) const {
     constexpr double safe = 0.7, worth = 1.5; // of the time left; times the cost of the last round
-    const double left = safe * (*asked_.budget - passed()), expected = cost(next), last = records_.back().seconds;
+    const double left = safe * (*asked_.budget - passed()), expected = cost(next),
+                 last = records_.back().seconds;
     if (expected <= left)
       return true;
     if (left < worth * last)

@@ -38,9 +38,9 @@ std::vector<io::HistoryRow> rows_of(const std::vector<double>& numbers) {
 
 } // namespace
 
-OptimizerLog::OptimizerLog(ControlProblem& control_problem, const Problem& problem,
+OptimizerLog::OptimizerLog(ControlProblem& control_problem, const Problem& problem, const scene::Scene& scene,
                            const io::OutputFolder& folder, bool resume, const Console& console, Files files)
-    : control_problem_(control_problem), problem_(problem), folder_(folder), console_(console),
+    : control_problem_(control_problem), problem_(problem), scene_(scene), folder_(folder), console_(console),
       file_(folder.path() / checkpoint), files_(files), every_(problem.scene.optimizer.checkpoint),
       resumes_(resume && found()) {
   progress_.emplace(console, "iterations", static_cast<std::size_t>(problem.scene.optimizer.max_iterations));
@@ -117,7 +117,7 @@ std::vector<double> edges(const control::ControlSpace& controls) {
 void OptimizerLog::write(io::CheckpointWriter& out) const {
   out("format", format);
   out("program", std::string("signorini ") + SIGNORINI_VERSION);
-  out("scene", scene::echo(problem_.scene, problem_.space.dim()));
+  out("scene", scene::echo(scene_, problem_.space.dim()));
   out(solver, std::string(problem_.stepper.solver().iterates() ? iterative : "direct"));
   out("edges", edges(control_problem_.controls));
   out(levels, problem_.stepper.grid().levels());
@@ -136,7 +136,7 @@ void OptimizerLog::read(io::CheckpointReader& in) {
   std::string scene;
   in("scene", scene);
   const scene::Difference difference =
-      scene::difference(scene, scene::echo(problem_.scene, problem_.space.dim()), scene::Part::search);
+      scene::difference(scene, scene::echo(scene_, problem_.space.dim()), scene::Part::search);
   if (!difference.first.empty())
     in.fail(fmt::format("found a run with {}, this scene has {}; allowed is the scene that was interrupted",
                         difference.first, difference.second));

@@ -24,7 +24,11 @@ public:
   /// With `resume` the search continues from the folder's checkpoint, if there is one. The references must
   /// outlive this object.
   OptimizerLog(ControlProblem& control_problem, const Problem& problem, const io::OutputFolder& folder,
-               bool resume, const Console& console, Files files = Files::early);
+               bool resume, const Console& console)
+      : OptimizerLog(control_problem, problem, problem.scene, folder, resume, console, Files::early) {}
+  /// `scene`: as it is written into the folder.
+  OptimizerLog(ControlProblem& control_problem, const Problem& problem, const scene::Scene& scene,
+               const io::OutputFolder& folder, bool resume, const Console& console, Files files);
 
   /// Records an iterate, the problem's current point.
   void operator()(const optimize::Iteration& iteration);
@@ -100,6 +104,7 @@ private:
 
   ControlProblem& control_problem_;
   const Problem& problem_;
+  const scene::Scene& scene_; ///< as it is written
   const io::OutputFolder& folder_;
   const Console& console_;
   std::filesystem::path file_;

@@ -143,15 +143,15 @@ int simulate_to_accuracy(const scene::Scene& scene, const std::filesystem::path&
   forget_deadline();
   double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   MPI_Bcast(&passed, 1, MPI_DOUBLE, 0, world());
-  console.line(fmt::format(
-      "{:g} of {} asked, {:.2e} estimated (space {:.1e}, time {:.1e}): {}; {}, {:.2g} s in all, of which the run "
-      "took {:.2g} s; half the error would take about {:.2g} s\nresults in {}",
-      asked, request.study.quantities.front(), best.error(), best.space, best.time,
-      met                ? "met"
-      : stopped && !late ? "not met, interrupted"
-      : late             ? "not met, the budget is spent"
-                         : "not met",
-      study::words(best.rung, scene), passed, best.seconds, best.half, out.string()));
+  console.line(fmt::format("{:g} of {} asked, {:.2e} estimated (space {:.1e}, time {:.1e}): {}; {}, {:.2g} s "
+                           "in all, of which the run "
+                           "took {:.2g} s; half the error would take about {:.2g} s\nresults in {}",
+                           asked, request.study.quantities.front(), best.error(), best.space, best.time,
+                           met                ? "met"
+                           : stopped && !late ? "not met, interrupted"
+                           : late             ? "not met, the budget is spent"
+                                              : "not met",
+                           study::words(best.rung, scene), passed, best.seconds, best.half, out.string()));
   return met ? exit_status::done : stopped && !late ? exit_status::interrupted : exit_status::check_failed;
 }
 

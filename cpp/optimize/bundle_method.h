@@ -49,6 +49,7 @@ public:
     bool at_other_bounds = false;      ///< the new iterate is at further bounds than the blocked ones
     std::optional<Certificate<Vector>> certificate{};
     bool over = false; ///< without any of these, and further rounds would not find one
+    double promised = std::numeric_limits<double>::infinity(); ///< decrease by the model, of a serious step
   };
 
   /// One round of a step from `at`, where the method started or the last serious step ended. A certificate is
@@ -72,6 +73,7 @@ public:
         direction.predicted > options_.negligible(at.objective)) {
       Step step = follow(problem, at, direction, *d);
       if (step.found) {
+        step.promised = direction.predicted;
         rounds_ = unconfirmed_ = 0;
         distance_ = 0;
         smooth_.reset();

@@ -57,6 +57,7 @@ public:
       fresh_ = false;
       if (step.at_other_bounds)
         bundle_.reset();
+      promised = step.promised;
       next = std::move(step.found);
     }
     problem.accept();

@@ -53,8 +53,8 @@ struct Iteration {
   double gradient_norm = 0; ///< ‖u − P(u − s g)‖/s with s of the search's Units; without bounds ‖g‖
   /// Multiple taken of the direction; projected-gradient: of the problem's gradient; 0 at the first guess.
   double step_length = 0;
-  /// What the model of the method, quadratic, promised of J for the direction, -g·d/2: the distance from a
-  /// minimiser near which it is right. Infinite if it has none. Not stored.
+  /// What the model of the method promised of J for the last step, of a quadratic one -g·d/2: about the
+  /// distance from a minimiser. Infinite if it has none. Not stored.
   double promised = std::numeric_limits<double>::infinity();
 
   template <class Archive>

@@ -72,6 +72,9 @@ def sizes_where_they_matter(folder: Path) -> None:
     signorini("simulate", out / "scene.toml", folder / "on-it")  # which names the mesh that was kept
     (cells, largest), (uniform_cells, uniform) = spread(folder / "on-it"), spread(folder / "again")
     assert cells == run["cells"] and largest > 3 * uniform, (cells, largest, uniform_cells, uniform)
+    start = json.loads((signorini("optimize", HALF_DISC, folder / "from-it", control__initial={"run": str(out)}, mesh__size=1, optimizer__max_iterations=0),
+                        (folder / "from-it" / "run.json").read_text())[1])["objective"]["value"]  # fmt: skip
+    assert abs(start / run["objective"]["value"] - 1) < 0.01, start
     print(f"sizes: {cells} cells whose areas differ {largest:.0f} times, in a uniform mesh of {uniform_cells} {uniform:.1f} times")
 
 
@@ -116,6 +119,17 @@ def motion_is_met(folder: Path) -> None:
     print(f"impulse: asked 1e-2, estimated {run['accuracy']['estimated']:.1e}, found {abs(impulse[0] / impulse[1] - 1):.1e}")
 
 
+def pages(folder: Path) -> None:
+    """They show where sizes and lengths are small, and every figure has what it needs."""
+    signorini("optimize", SOURCE / "tests" / "data" / "block.toml", folder / "lengths", time__step="auto", time__tolerance=1e-2)
+    for name, shown in (("auto", ("The mesh, and each cell", "0.002 of J asked")), ("lengths", ("Length of the steps over time",))):
+        for script in ("report.py", "figures.py"):
+            done = subprocess.run([sys.executable, SOURCE / "postprocess" / script, folder / name], capture_output=True, text=True)
+            assert done.returncode == 0 and not done.stderr, (script, name, done.stderr)
+        page = (folder / name / "report.html").read_text()
+        assert all(text in page for text in shown), name
+
+
 def refusals(folder: Path) -> None:
     for verb, options, words in (
         ("simulate", ("--set", "mesh.size=auto"), ("mesh.size", '"auto"', "optimize --accuracy")),
@@ -136,7 +150,7 @@ def refusals(folder: Path) -> None:
 
 def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
-        for test in (refusals, optimum_is_met, sizes_where_they_matter, budget_is_kept, interrupted_keeps_the_best, motion_is_met):
+        for test in (refusals, optimum_is_met, sizes_where_they_matter, pages, budget_is_kept, interrupted_keeps_the_best, motion_is_met):
             test(Path(folder))
     return 0
 

@@ -146,7 +146,8 @@ private:
 
 void require_one_length(const scene::Scene& scene) {
   if (scene.time.automatic())
-    throw UserError("time.step: found \"auto\", allowed for a study is the longest of its steps, in s");
+    throw UserError("time.step: found \"auto\", allowed for the ladders of study and of simulate --accuracy "
+                    "is the longest of its steps, in s");
 }
 
 int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,

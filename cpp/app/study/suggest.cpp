@@ -48,9 +48,8 @@ Quantity the_quantity(const scene::Scene& scene, const std::vector<std::string>&
     if (!quantity.absolute) // whose error is known without
       allowed.push_back(quantity.name);
   if (names.empty() && !scene.objective)
-    throw UserError(
-        fmt::format("{}: needs --quantity in a scene without an objective, allowed is one of {}", option,
-                    scene::list(allowed)));
+    throw UserError(fmt::format("{}: needs --quantity in a scene without an objective, allowed is one of {}",
+                                option, scene::list(allowed)));
   const Quantity found = names.empty() ? Quantity{"J", "J", ""} : chosen(scene, names, dim).front();
   if (names.size() > 1 || found.absolute)
     throw UserError(fmt::format("{}: found --quantity {}, allowed is one of {}", option,
@@ -60,8 +59,7 @@ Quantity the_quantity(const scene::Scene& scene, const std::vector<std::string>&
 
 void require_size(const scene::Scene& scene, const Quantity& quantity, const char* option) {
   if (scene.mesh.file.extension() == ".msh")
-    throw UserError(
-        fmt::format("{}: found a .msh, which is meshed already, allowed is a .geo", option));
+    throw UserError(fmt::format("{}: found a .msh, which is meshed already, allowed is a .geo", option));
   if (quantity.name == "J" && scene.mesh.degree != 1)
     throw UserError(fmt::format("{}: found mesh.degree = {}, allowed is 1: the estimate in space "
                                 "looks at what functions of degree 2 "
@@ -76,8 +74,9 @@ public:
 
   /// `better` is shown each trial that is better than all before, and the seconds that half its error would
   /// take.
-  Search(MPI_Comm comm, const scene::Scene& scene, double tolerance, double budget, const Samples& samples,
-         const Console& console, Better better = [](const Trial&, double) {})
+  Search(
+      MPI_Comm comm, const scene::Scene& scene, double tolerance, double budget, const Samples& samples,
+      const Console& console, Better better = [](const Trial&, double) {})
       : comm_(comm), scene_(scene), tolerance_(tolerance), budget_(budget), samples_(samples),
         console_(console), better_(std::move(better)) {}
 
@@ -217,9 +216,7 @@ Found find_size_and_step(MPI_Comm comm, const scene::Scene& scene, double tolera
   simulated.objective.reset();
   require_one_length(simulated);
   constexpr const char* option = "--accuracy";
-  const auto quantity_of = [&](int dim) {
-    return the_quantity(simulated, options.quantities, dim, option);
-  };
+  const auto quantity_of = [&](int dim) { return the_quantity(simulated, options.quantities, dim, option); };
   require_size(simulated, quantity_of(2), option);
   require_answer(comm, simulated);
   const Samples samples(comm, simulated);
