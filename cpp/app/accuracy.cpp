@@ -3,6 +3,7 @@
 #include "app/optimize.h"
 #include "app/run_manifest.h"
 #include "app/search_level.h"
+#include "app/study/density.h"
 #include "app/study/ladder.h"
 #include "base/signals.h"
 #include "mesh/size_field.h"
@@ -32,6 +33,8 @@ constexpr double reach = 1.0 / 3;
 /// Multiples of the scene's size and step to begin with, the first that can be.
 constexpr std::array beginnings{4.0, 2.0, 1.0};
 constexpr int least_steps = 10;
+/// Each is to leave less than half of the error.
+constexpr std::size_t most_rounds = 20;
 
 /// Sizes and steps of a round.
 struct Resolution {
@@ -93,6 +96,12 @@ public:
       if (records_.empty())
         throw;
       interrupted_ = true;
+    } catch (const UserError&) { // on all ranks, like the next
+      conclude_failed();
+      throw;
+    } catch (const SolverFailure&) {
+      conclude_failed();
+      throw;
     }
     const bool late = time_is_up(comm_);
     forget_deadline();
@@ -103,6 +112,15 @@ public:
   }
 
 private:
+  /// Says what is there before the reason of a round's failure is told.
+  void conclude_failed() {
+    forget_deadline();
+    if (records_.empty())
+      return;
+    ended_ = "the next round failed";
+    console_.line(sentence(false));
+  }
+
   [[nodiscard]] bool met() const { return !records_.empty() && parts_.sum() <= trusted * asked_.error; }
   [[nodiscard]] double passed() const {
     double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
@@ -136,7 +154,8 @@ private:
       told.mesh.file = folder.path() / "mesh.msh";
       told.mesh.size.reset();
     }
-    auto level = std::make_unique<SearchLevel<Method>>(comm_, at(scene_, resolution), meshing, last_.get());
+    auto level = std::make_unique<SearchLevel<Method>>(comm_, at(scene_, resolution), meshing, last_.get(),
+                                                       search_needs(scene_));
     const Problem& problem = level->problem();
     ControlProblem& control_problem = level->control_problem();
     OptimizerLog record(control_problem, problem, told, folder, false, console_,
@@ -145,14 +164,21 @@ private:
     parts.search = search(*level, record);
     record.end();
     const double J = std::abs(control_problem.reduced.value().total());
+    if (!(J > 0))
+      throw UserError(
+          "--accuracy: found an optimum with J = 0, allowed is one whose error can be relative to J");
     std::vector<double> by_cells;
     const adjoint::ErrorParts error = estimate_error(problem, control_problem, &by_cells);
     parts.time = std::abs(error.time) / J;
     parts.space = error.sum_of_moduli() / J - parts.time;
+    // No fewer steps than the least, whatever the multiple.
+    const double step = scene_.time.automatic()
+                            ? resolution.step
+                            : static_cast<double>(scene_.time.steps) / static_cast<double>(problem.steps());
     space_order_ = order(parts_.space, parts.space, resolution.size / resolution_.size, space_order_);
-    time_order_ = order(parts_.time, parts.time, resolution.step / resolution_.step, time_order_);
+    time_order_ = order(parts_.time, parts.time, step / resolution_.step, time_order_);
     parts_ = parts;
-    resolution_.size = resolution.size, resolution_.step = resolution.step;
+    resolution_.size = resolution.size, resolution_.step = step;
     by_cells_ = std::move(by_cells);
     last_ = std::move(level);
     io::CoarseLevel row = last_->record();
@@ -234,6 +260,10 @@ private:
   /// The next round: the cheapest size and step for which both parts add up to what is aimed at; absent if
   /// nothing can be refined, or the budget does not reach.
   [[nodiscard]] std::optional<Resolution> finer() {
+    if (records_.size() == most_rounds) {
+      ended_ = fmt::format("its estimate does not fall in {} rounds", most_rounds);
+      return std::nullopt;
+    }
     Resolution next = aimed_at(aimed * asked_.error);
     const bool meshed = scene_.mesh.file.extension() == ".msh";
     if (meshed)
@@ -339,6 +369,8 @@ int optimize_to_accuracy(MPI_Comm comm, const scene::Scene& scene, const std::fi
     throw UserError(fmt::format("--accuracy: found mesh.degree = {}, allowed is 1: the estimate in space "
                                 "looks at what functions of degree 2 have beyond those of degree 1",
                                 scene.mesh.degree));
+  if (scene.mesh.file.extension() == ".geo" && !scene.mesh.automatic())
+    study::require_answer(comm, scene);
   switch (scene.optimizer.method) {
   case scene::OptimizerMethod::lbfgs:
     return Rounds<optimize::Lbfgs>(comm, scene, out, asked, console).run();

@@ -17,10 +17,11 @@ public:
 
   /// Steps of varying length are chosen by a motion under what `last`, if given, has found. Throws UserError,
   /// SolverFailure, Interrupted.
-  SearchLevel(MPI_Comm comm, scene::Scene scene, const mesh::Meshing& meshing, const SearchLevel* last)
+  SearchLevel(MPI_Comm comm, scene::Scene scene, const mesh::Meshing& meshing, const SearchLevel* last,
+              forward::Stepper::Needs needs = {.sliding = true})
       : scene_(std::move(scene)),
-        problem_(std::make_shared<const Discretisation>(comm, scene_, timers_, meshing), scene_,
-                 {.sliding = true}, timers_),
+        problem_(std::make_shared<const Discretisation>(comm, scene_, timers_, meshing), scene_, needs,
+                 timers_),
         control_problem_(with_steps(problem_, last), Console(false, false)) {}
 
   [[nodiscard]] const Problem& problem() const { return problem_; }

@@ -1,8 +1,11 @@
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/subprocess.h"
+#include "fem/space.h"
 #include "fixtures.h"
 #include "mesh/gmsh_model.h"
+#include "mesh/size_field.h"
+#include <array>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <fmt/format.h>
@@ -224,6 +227,34 @@ TEST_CASE("a .msh is read as a mesh alone, whatever it is called and whatever li
                                                              ContainsSubstring("first line is $MeshFormat"));
   CHECK_FALSE(fs::exists(trace));
   fs::remove_all(folder);
+}
+
+TEST_CASE("elements become small where the error comes from, and large elsewhere", "[mesh]") {
+  const scene::Mesh square{.file = test::source("tests/data/square.geo"), .size = 0.05};
+  constexpr double edge = 0.3; // of the part that has nearly all of the error
+  const auto left_and_right = [](const mesh::Mesh& mesh) {
+    std::array<long, 2> count{};
+    const std::vector<double> middles = fem::Space(mesh, 1).midpoints();
+    for (std::size_t i = 0; i < middles.size(); i += 3)
+      ++count[middles[i] > edge];
+    MPI_Allreduce(MPI_IN_PLACE, count.data(), 2, MPI_LONG, MPI_SUM, MPI_COMM_WORLD);
+    return count;
+  };
+  const mesh::Mesh even(MPI_COMM_WORLD, square);
+  const std::vector<double> middles = fem::Space(even, 1).midpoints();
+  std::vector<double> indicators;
+  for (std::size_t i = 0; i < middles.size(); i += 3)
+    indicators.push_back(middles[i] > edge ? 1e-3 : 1);
+  const mesh::SizeField sizes = mesh::sizes_by(even, indicators, 0.25, 4);
+  CHECK((ranks(MPI_COMM_WORLD) == 1 || rank(MPI_COMM_WORLD) == 0 || sizes.sizes.empty()));
+  const mesh::Mesh graded(MPI_COMM_WORLD, square, {.sizes = &sizes});
+  const auto [left, right] = left_and_right(even);
+  const auto [left_now, right_now] = left_and_right(graded);
+  INFO(left << ", " << right << " cells, then " << left_now << ", " << right_now);
+  CHECK(left_now > 3 * left); // half the size
+  CHECK(left_now < 7 * left);
+  CHECK(right_now < right);
+  CHECK(graded.group_dimension("bottom", "contact.on") == 1); // groups stay
 }
 
 TEST_CASE("a file that makes gmsh crash is refused by one sentence", "[mesh]") {
