@@ -13,7 +13,7 @@ long& objectives = count("objectives");
 
 Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, forward::TimeGrid grid,
                      std::unique_ptr<const forward::Displacements> desired, const scene::Objective& scene)
-    : grid_(grid), desired_(std::move(desired)), tracking_(scene.tracking), alpha_(scene.alpha),
+    : grid_(std::move(grid)), desired_(std::move(desired)), tracking_(scene.tracking), alpha_(scene.alpha),
       gamma_(scene.gamma), controls_(controls),
       own_(scene.on ? fem::assemble_L2(controls.space(), *scene.on, "objective.on") : petsc::Matrix()),
       observed_(own_ ? Mat(own_) : Mat(*operators.W)), error_(controls.space().vector()),
