@@ -87,6 +87,10 @@ void add_study_options(CLI::App& app, Request& request) {
   list("--sizes", request.study.choice.sizes,
        "element sizes, m, such as 1,0.5 (default: the scene's, 2 and 4 times that)");
   list("--steps", request.study.choice.steps, "time steps, s (default: the scene's, 2 and 4 times that)");
+  list("--tolerances", request.study.choice.tolerances,
+       "of steps that the motion chooses (time.step = \"auto\"), beside or in place of --steps (default: "
+       "none, or "
+       "the scene's, 4 and 16 times that)");
   list("--degrees", request.study.choice.degrees, "1,2 (default: the scene's)");
   list("--schemes", request.study.choice.schemes,
        "of contact-implicit,contact-stabilized,massless (default: the scene's)");

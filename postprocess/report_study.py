@@ -72,7 +72,7 @@ def place(rungs: list[Rung], column: str) -> dict:
 
 def described(rung: Rung, name: str) -> str:
     """What is said of a rung that is pointed at."""
-    lines = [f"<b>{rung.method}</b>", f"size {rung['size']:g} m, step {rung['step']:g} s",
+    lines = [f"<b>{rung.method}</b>", f"size {rung['size']:g} m, " + (f"steps of {rung['step']:.2g} s on average, {rung.step}" if rung.method.chosen else f"step {rung.step} s"),
              f"{whole(rung['unknowns'])} unknowns, {whole(rung['steps'])} steps",
              f"error {percent(rung[f'{name}_error'])} in {quantity(rung['seconds'], 's')}",
              f"there and at finer rungs at most {percent(rung[f'{name}_envelope'])}"]  # fmt: skip
@@ -86,7 +86,7 @@ def heading(study: StudyFolder, name: str) -> str:
 
 
 def orders(study: StudyFolder) -> Table:
-    rows = [[heading(study, order["quantity"]), str(Method(order["degree"], order["scheme"], order["mass"])),
+    rows = [[heading(study, order["quantity"]), str(Method(order["degree"], order["scheme"], order["mass"], order["steps"] == "chosen")),
              *(observed(order, part) for part in ("space", "time", "both"))] for order in study.manifest["orders"]]  # fmt: skip
     return Table("Powers of the element size, the time step and of both refined together with which errors fall, and "
                  "their range from rung to rung. Not in the asymptotic range: differences of successive rungs change sign, do not "
@@ -111,7 +111,7 @@ def values(study: StudyFolder, name: str) -> Table:
     title = (f"{heading(study, name)}{unit}: errors against the {what['reference']}{bar}. At most: the largest error there and at all finer "
              "rungs. ★: no faster rung has less")  # fmt: skip
     one = len(study.methods) == 1
-    rows = [[rung.name, f"{rung['size']:g}", f"{rung['step']:g}", *([] if one else [str(rung.method)]), digits(rung[name], 6),
+    rows = [[rung.name, f"{rung['size']:g}", rung.step, *([] if one else [str(rung.method)]), digits(rung[name], 6),
              percent(rung[f"{name}_error"]), percent(rung[f"{name}_envelope"]) + (" ★" if rung[f"{name}_pareto"] == 1 else ""),
              percent(rung[f"{name}_estimate"]), digits(rung[f"{name}_effectivity"])] for rung in study.rungs]  # fmt: skip
     head = ["Rung", "Size (m)", "Step (s)", *([] if one else ["Method"]), "Value", "Error", "At most", "Estimate", "Effectivity"]
@@ -120,7 +120,7 @@ def values(study: StudyFolder, name: str) -> Table:
 
 def rungs(study: StudyFolder) -> Table:
     head = ["Rung", "Size (m)", "Step (s)", "Method", "Unknowns", "Steps", "Time (s)", "Memory (MB)"]
-    rows = [[rung.name, f"{rung['size']:g}", f"{rung['step']:g}", str(rung.method), whole(rung["unknowns"]), whole(rung["steps"]),
+    rows = [[rung.name, f"{rung['size']:g}", rung.step, str(rung.method), whole(rung["unknowns"]), whole(rung["steps"]),
              digits(rung["seconds"]), whole(rung["memory_bytes"] / 1e6)] for rung in study.rungs]  # fmt: skip
     return Table("What each rung took", head, rows)
 

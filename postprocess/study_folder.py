@@ -9,7 +9,7 @@ from pathlib import Path
 
 from run_folder import Unreadable, whole_text
 
-NUMBERS = ["size", "step", "degree", "unknowns", "steps", "seconds", "memory_bytes"]
+NUMBERS = ["size", "step", "degree", "unknowns", "steps", "seconds", "memory_bytes", "tolerance"]
 
 
 def is_study(folder: Path) -> bool:
@@ -23,9 +23,11 @@ class Method:
     degree: int
     scheme: str
     mass: str
+    chosen: bool
+    """Steps, by a tolerance; else they have one length."""
 
     def __str__(self) -> str:
-        return f"degree {self.degree}, {self.scheme}" + ("" if self.mass == "consistent" else f", {self.mass}")
+        return f"degree {self.degree}, {self.scheme}" + ("" if self.mass == "consistent" else f", {self.mass}") + (", steps chosen" if self.chosen else "")
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,11 @@ class Rung:
     name: str
     method: Method
     numbers: dict[str, float]
+
+    @property
+    def step(self) -> str:
+        """The length of its steps, or the tolerance by which they were chosen."""
+        return f"tolerance {self['tolerance']:g}" if self.method.chosen else f"{self['step']:g}"
 
     def __getitem__(self, column: str) -> float:
         return self.numbers[column]
@@ -79,7 +86,7 @@ class StudyFolder:
 
 
 def rung_of(row: dict[str, str], columns: list[str]) -> Rung:
-    method = Method(int(row["degree"]), row["scheme"], row["mass"])
+    method = Method(int(row["degree"]), row["scheme"], row["mass"], bool(row["tolerance"]))
     return Rung(row["rung"], method, {name: number(row[name]) for name in columns})
 
 

@@ -27,6 +27,7 @@ def front(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 def draw(study: StudyFolder, quantity: str) -> Path:
     """All rungs as dots, the front of each method as a curve."""
+    any_chosen = any(method.chosen for method in study.methods)
     methods: dict[Method, list[tuple[float, float]]] = {}
     for rung in study.rungs:
         if rung[f"{quantity}_error"] > 0:
@@ -34,14 +35,17 @@ def draw(study: StudyFolder, quantity: str) -> Path:
     figure, axes = style.graph()
     for method, points in methods.items():
         colour = COLOURS[method.scheme, method.mass]
-        axes.loglog(*zip(*points), ".", color=colour, alpha=0.3, markersize=5)
-        axes.loglog(*zip(*front(points)), "-" if method.degree == 1 else "--", color=colour)
+        axes.loglog(*zip(*points), "x" if method.chosen else ".", color=colour, alpha=0.3, markersize=5)
+        line = ("-." if method.chosen else "-") if method.degree == 1 else (":" if method.chosen else "--")
+        axes.loglog(*zip(*front(points)), line, color=colour)
     axes.set_xlabel("seconds")
     axes.set_ylabel(f"error of {study.manifest['quantities'][quantity]['title']}")
     kinds = sorted({(method.scheme, method.mass) for method in methods}, key=list(COLOURS).index)
     handles = [Line2D([], [], color=COLOURS[kind], label=NAMES[kind]) for kind in kinds]
     if len({method.degree for method in methods}) > 1:
         handles += [Line2D([], [], color="0.3", ls=line, label=f"degree {degree}") for degree, line in ((1, "-"), (2, "--"))]
+    if any_chosen:
+        handles += [Line2D([], [], color="0.3", ls="-.", marker="x", label="steps chosen")]
     figure.legend(handles=handles, loc="outside upper center", ncols=2, columnspacing=1.2, handlelength=1.8)
     return style.save(figure, study.path / "figures" / f"work_precision_{quantity}.png")
 

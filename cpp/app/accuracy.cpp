@@ -50,8 +50,8 @@ scene::Scene at(const scene::Scene& scene, const Resolution& resolution) {
   if (scene.mesh.file.extension() == ".msh")
     made.mesh = scene.mesh;
   if (scene.time.automatic()) {
-    constexpr double most = 0.5;
-    made.time.tolerance = std::min(most, scene.time.tolerance * resolution.step * resolution.step);
+    made.time.tolerance =
+        std::min(scene::Time::most_tolerance, scene.time.tolerance * resolution.step * resolution.step);
     return made;
   }
   made.time.steps = std::max(least_steps, static_cast<int>(std::ceil(scene.time.steps / resolution.step)));

@@ -65,6 +65,7 @@ struct Time {
   StepQuantity quantity = StepQuantity::displacement; ///< of what
   std::optional<double> longest, shortest;            ///< bounds of the lengths of such steps, s
 
+  static constexpr double least_tolerance = 1e-12, most_tolerance = 0.5;
   static constexpr int usual_longest = 10;       ///< longest steps to the end, where `longest` is not given
   static constexpr int most_steps = 100'000'000; ///< beyond any run, and within 32-bit integers
 

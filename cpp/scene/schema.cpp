@@ -55,7 +55,8 @@ Keys<Time> keys_of(Of<Time>) {
           "their error",
           {.effect = "steps of varying length"}),
       value(
-          "tolerance", &Time::tolerance, Number{{.least = 1e-12, .greatest = 0.5}}, "",
+          "tolerance", &Time::tolerance,
+          Number{{.least = Time::least_tolerance, .greatest = Time::most_tolerance}}, "",
           "of `step = \"auto\"`: error that the steps may leave, relative to the largest value of `quantity`",
           {.effect = "steps of varying length"}, &Time::automatic_steps),
       value("quantity", &Time::quantity, Choice<StepQuantity>{}, "",

@@ -5,6 +5,8 @@ usage: ./dev bench accuracy [CASE …] [--out FOLDER]
 
 Leaves a study's folder for each case and work_precision.png in it; study.csv of each is committed as tests/bench/accuracy/CASE.csv.
   c0             the half disc: J, displacement and gradient against the finest rung
+  drop-ring      a rubber ring and (drop-ball) a hard ball after a fall of 0.2 m, and (drop-test) a ball that hits a plate:
+                 steps of one length beside those that the motion chooses, against the finest rung
   bar-impact     B2, bouncing-bar B3, hertz-press H1, standing-wave M1: against the exact solution
   prices         what --dry-run says of ladders in the plane and in space, and what they take: one line each
   solvers        tolerances of the iterative solver, of the full VI and of the optimizer: one line each
@@ -42,6 +44,12 @@ STUDIES = {
                                       "displacement,impulse,contact_start,contact_time,energy_loss"]),
     "hertz-press": ("hertz-press", ["--sizes", "8,4,2,1,0.5", "--steps", "0.2,0.1,0.05", "--degrees", "1,2", "--schemes", ALL_SCHEMES,
                                     "--quantity", "pressure,displacement"]),
+    "drop-ring": ("drop-ring", ["--sizes", "8e-3,4e-3,2e-3", "--steps", steps(1.12e-3, 5), "--tolerances", "8e-2,2e-2,5e-3,1.25e-3",
+                                "--quantity", "displacement,impulse,contact_time"]),
+    "drop-ball": ("drop-ball", ["--sizes", "6e-3,3e-3", "--steps", steps(4e-5, 3), "--tolerances", "1.6e-1,4e-2,1e-2,2.5e-3,6.25e-4",
+                                "--quantity", "displacement,impulse,contact_time"]),
+    "drop-test": ("drop-test", ["--sizes", "1e-2,5e-3,2.5e-3", "--steps", steps(2e-4, 4), "--tolerances", "3.2e-1,8e-2,2e-2,5e-3,1.25e-3",
+                                "--quantity", "displacement,impulse,peak_force"]),
     "standing-wave": ("standing-wave", ["--sizes", "4,2,1,0.5,0.25", "--steps", steps(4 / 30, 6), "--degrees", "1,2"]),
 }  # fmt: skip
 

@@ -18,6 +18,7 @@ DATA = SOURCE / "tests" / "data"
 WAVE = SOURCE / "scenes" / "standing-wave.toml"
 IMPACT = SOURCE / "scenes" / "bar-impact.toml"
 BOUNCE = SOURCE / "scenes" / "bouncing-bar.toml"
+RING = SOURCE / "scenes" / "drop-ring.toml"
 PRESS = SOURCE / "scenes" / "hertz-press.toml"
 SCHEMES = (("contact-implicit", "consistent"), ("contact-stabilized", "consistent"), ("contact-implicit", "massless"))
 
@@ -416,6 +417,37 @@ def suggested_quantity(folder: Path) -> None:
     assert "beyond the budget" in beyond and "not met" in beyond
 
 
+def chosen_steps(folder: Path) -> None:
+    """Steps that the motion chooses beside those of one length: a free fall ends when it must, in fewer steps."""
+    out, touch = folder / "chosen", np.sqrt(2 * 0.2 / 9.81)  # s
+    tolerances = (8e-2, 2e-2, 5e-3)
+    choice = ("--sizes", "8e-3", "--tolerances", ",".join(map(str, tolerances)), "--steps", "5.6e-4,2.8e-4", "--quantity", "contact_start,contact_time")
+    priced = study(RING, None, *choice, "--dry-run").stdout
+    assert priced.count("tolerance") == 3 and priced.count(", step ") == 2, priced
+    said = study(RING, out, *choice, "--set", f"exact.contact_start={touch}").stdout
+    assert "steps chosen" in said, said
+    rows = table(out / "study.csv")
+    chosen = np.isfinite(rows["tolerance"])
+    assert sorted(rows["tolerance"][chosen]) == sorted(tolerances) and max(rows["contact_time"]) > 0.03, "no contact occurred"
+    for tolerance, error, steps in zip(rows["tolerance"][chosen], rows["contact_start_error"][chosen], rows["steps"][chosen]):
+        print(f"tolerance {tolerance:g}: {steps:.0f} steps, start of contact off by {error:.1e}")
+        assert error <= tolerance and steps < min(rows["steps"][~chosen])
+    again = study(RING, out, *choice, "--set", f"exact.contact_start={touch}").stdout
+    assert "5 of 5 rungs were there already" in again, again
+    reported = captured([sys.executable, SOURCE / "postprocess" / "report.py", out])
+    assert reported.returncode == 0 and "steps chosen" in (out / "report.html").read_text(), reported.stderr
+    # The scene's own tolerance, and four and sixteen times it; those of an objective too.
+    block = study(DATA / "block.toml", None, "--sizes", "0.5", "--set", 'time={end=0.6, step="auto", tolerance=1e-2}', "--dry-run").stdout
+    assert all(f"tolerance {t}" in block for t in ("0.01", "0.04", "0.16")), block
+    with_J = study(DATA / "block.toml", folder / "chosen-J", "--sizes", "0.5", "--set", 'time={end=0.6, step="auto", tolerance=1e-3}',
+                   "--quantity", "J,impulse").stdout  # fmt: skip
+    values = table(folder / "chosen-J/study.csv")
+    assert len(values["J"]) == 3 and max(values["impulse"]) > 0 and max(abs(values["J"] / values["J"][-1] - 1)) < 0.05, with_J
+    done = captured([SIGNORINI, "simulate", RING, "--out", folder / "ordered", "--accuracy", "1e-2", "--quantity", "contact_start",
+                     "--set", "mesh.size=8e-3"])  # fmt: skip
+    assert done.returncode == 0 and "met; size" in done.stdout and ", tolerance " in done.stdout, done.stdout + done.stderr
+
+
 def own_density(folder: Path, ranks: int = 1) -> None:
     """A .geo that sets its own density runs; where sizes matter it is refused, and nothing goes on for ever."""
     text = (DATA / "block.toml").read_text().replace("end = 0.6", "end = 0.04")
@@ -445,6 +477,7 @@ def refusals(folder: Path) -> None:
         (("--sizes", "0"), ("--sizes", "found 0")),
         (("--steps", "-1"), ("--steps", "found -1")),
         (("--steps", "1e-20"), ("--steps: found 1e-20 s", "allowed are 1 to 100000000")),
+        (("--tolerances", "0.7"), ("--tolerances: found 0.7", "from 1e-12 to 0.5")),
         (("--degrees", "3"), ("--degrees", "found 3", "1 and 2")),
         (("--schemes", "implicit"), ("--schemes", "found", "contact-implicit")),
         (("--budget", "soon"), ("--budget", "found soon", "10min")),
@@ -467,7 +500,7 @@ def main() -> int:
             own_density(folder, 2)
             ranks(folder)
             return 0
-        for part in (orders, promises, contact_times, obstacles, pressure, ladder, kept, interrupted, suggestion, suggested_quantity,
+        for part in (orders, promises, contact_times, obstacles, pressure, ladder, kept, interrupted, suggestion, suggested_quantity, chosen_steps,
                      own_density, memory, refusals):  # fmt: skip
             part(folder)
     return 0

@@ -27,6 +27,7 @@ constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 Result run(double size, int steps, double seconds, double value) {
   Measured measured;
   measured.unknowns = std::lround(1000 / (size * size)); // another mesh for another size
+  measured.steps = steps;
   measured.seconds = seconds;
   measured.numbers["Q"] = value;
   measured.fields["F"] = {value, -value};
@@ -337,6 +338,42 @@ TEST_CASE("units are those of the plane or of space, and of several obstacles ea
   scene.contacts.push_back(scene.contacts.front());
   CHECK(unit("impulse_2", 2) == "N s/m");
   CHECK_THROWS_AS(unit("impulse_3", 2), UserError);
+}
+
+TEST_CASE("steps that the motion chooses are a family of their own", "[study]") {
+  scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
+  std::vector<Rung> both = ladder(scene, {{1}, {}, {}, {}, {1e-2}});
+  CHECK(std::ranges::count_if(both, &Rung::chooses_steps) == 1);
+  CHECK(both.size() == 4);
+  scene.time.step = 0, scene.time.steps = 0, scene.time.tolerance = 1e-2;
+  const std::vector<Rung> chosen = ladder(scene, {{1}, {}, {}, {}});
+  REQUIRE(chosen.size() == 3);
+  CHECK(chosen.front().tolerance == 1e-2);
+  CHECK_THAT(chosen.back().tolerance, WithinRel(0.16, 1e-12));
+  CHECK(chosen.back().with_steps(4).tolerance == scene::Time::most_tolerance);
+  CHECK(on_rung(scene, chosen.back()).time.automatic());
+  CHECK(on_rung(scene, {.size = 1, .steps = 7}).time.step == scene.time.end / 7);
+  for (const double wrong : {0.0, 0.6, std::nan("")})
+    CHECK_THROWS_AS(ladder(scene, {{1}, {}, {}, {}, {wrong}}), UserError);
+
+  // Of 1 + 1/N and of 1 + tolerance, which is the square of their width: orders 1 and 2.
+  std::vector<Result> results;
+  for (int steps : {10, 20, 40})
+    results.push_back(run(1, steps, steps, 1 + 1.0 / steps));
+  for (int steps : {30, 60, 120}) {
+    results.push_back(run(1, steps, steps, 1 + 9.0 / (steps * steps)));
+    results.back().rung.steps = 0;
+    results.back().rung.tolerance = 9.0 / (steps * steps);
+  }
+  const std::vector<Orders> found = orders(Q, results, {});
+  REQUIRE(found.size() == 2);
+  CHECK_FALSE(found[0].chosen);
+  CHECK(found[1].chosen);
+  CHECK_THAT(found[0].time->slope, WithinAbs(1, 1e-9));
+  CHECK_THAT(found[1].time->slope, WithinAbs(2, 1e-9));
+  const Errors against = errors(Q, results, {});
+  CHECK(against.reference == 5); // the smaller error bar
+  CHECK_THAT(*against.envelope[0], WithinRel((0.1 - 9.0 / 14400) / (1 + 9.0 / 14400), 1e-9));
 }
 
 TEST_CASE("steps that no number could count are refused", "[study]") {

@@ -45,7 +45,7 @@ TEST_CASE("prices are of the rung's own degree, and are corrected by what rungs 
   const CostModel cost({timed(100, 2), timed(6400, 2)}, 2), dear({timed(6400, 2)}, 2);
   // Three quarters of the size's power between the meshes known, as of a body whose edges limit the coarse
   // one.
-  Prices prices({{1, 2, {{4, 100}, {0.5, 100 * std::pow(8, 1.5)}}, cost}, {2, 2, {{1, 6400}}, dear}});
+  Prices prices({{1, 2, {{4, 100}, {0.5, 100 * std::pow(8, 1.5)}}, cost}, {2, 2, {{1, 6400}}, dear}}, 3);
   CHECK_THAT(prices.unknowns({2, 10, 1, {}}), WithinRel(100 * std::pow(2, 1.5), 1e-12));
   CHECK_THAT(prices.unknowns({0.25, 10, 1, {}}), WithinRel(400 * std::pow(8, 1.5), 1e-12));
   CHECK_THAT(prices.unknowns({8, 10, 1, {}}), WithinRel(25, 1e-12));
@@ -53,6 +53,8 @@ TEST_CASE("prices are of the rung's own degree, and are corrected by what rungs 
   const Rung small{4, 10, 1, {}}, large{0.5, 1000, 1, {}}, quadratic{1, 10, 2, {}};
   CHECK_THAT(prices.seconds(small), WithinRel(cost.seconds(100, 10), 1e-12));
   CHECK_THAT(prices.seconds(quadratic), WithinRel(dear.seconds(6400, 10), 1e-12));
+  // Steps that are chosen: 3 / √tolerance.
+  CHECK_THAT(prices.seconds({.size = 4, .tolerance = 0.01}), WithinRel(cost.seconds(100, 30), 1e-12));
   const double before = prices.seconds(large);
   prices.learn(small, 3 * prices.seconds(small));
   CHECK_THAT(prices.seconds(large), WithinRel(3 * before, 1e-12));

@@ -1,5 +1,6 @@
 #include "app/study/analysis.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -46,12 +47,14 @@ bool is_finite(const Quantity& quantity, const Measured& run) {
 }
 
 bool finer(const Rung& a, const Rung& b) {
-  return std::tuple(-a.size, a.steps, a.degree) > std::tuple(-b.size, b.steps, b.degree);
+  return std::tuple(-a.size, -a.step_width(), a.degree) > std::tuple(-b.size, -b.step_width(), b.degree);
 }
 
-bool alike(const Rung& a, const Rung& b) { return a.degree == b.degree && a.scheme == b.scheme; }
+bool alike(const Rung& a, const Rung& b) {
+  return a.degree == b.degree && a.scheme == b.scheme && a.chooses_steps() == b.chooses_steps();
+}
 
-/// Rungs of one degree and scheme that have run, from coarse to fine.
+/// Rungs of one degree and scheme that have run, of steps that come about alike, from coarse to fine.
 using Family = std::vector<const Result*>;
 
 std::vector<Family> families(const std::vector<Result>& results) {
@@ -93,23 +96,24 @@ Chain chain(const Quantity& quantity, const Family& members, double (*width)(con
 }
 
 double size_of(const Rung& rung) { return rung.size; }
-double step_of(const Rung& rung) { return 1.0 / rung.steps; }
+double step_of(const Rung& rung) { return rung.step_width(); }
+bool same_steps(const Rung& a, const Rung& b) { return a.step_width() == b.step_width(); }
 
 /// Those along the rungs with the steps and along those with the size of the rung `at`, and along those that
 /// refine both, back from it: each time to the next coarser size with the next longer step.
 Chains chains(const Quantity& quantity, const Family& members, const Rung& at) {
   Family space, time, both;
   for (const Result* member : members) {
-    if (member->rung.steps == at.steps && member->rung.size >= at.size)
+    if (same_steps(member->rung, at) && member->rung.size >= at.size)
       space.push_back(member);
-    if (member->rung.size == at.size && member->rung.steps <= at.steps)
+    if (member->rung.size == at.size && step_of(member->rung) >= step_of(at))
       time.push_back(member);
   }
   const Rung* last = nullptr;
   for (auto member = members.rbegin(); member != members.rend(); ++member) {
     const Rung& rung = (*member)->rung;
-    const bool next = !last ? rung.steps == at.steps && rung.size == at.size
-                            : rung.size > last->size && rung.steps < last->steps;
+    const bool next = !last ? same_steps(rung, at) && rung.size == at.size
+                            : rung.size > last->size && step_of(rung) > step_of(*last);
     if (!next)
       continue;
     both.push_back(*member);
@@ -123,9 +127,8 @@ Chains chains(const Quantity& quantity, const Family& members, const Rung& at) {
   found.in_time.order = found.in_both.order = highest_order_in_step;
   if (both.size() > 1) { // widths are steps, and sizes may have been refined by another factor
     const Rung &coarse = both.front()->rung, &fine = both.back()->rung;
-    found.in_both.order =
-        std::max(highest_order_in_step, by_size * std::log(coarse.size / fine.size) /
-                                            std::log(static_cast<double>(fine.steps) / coarse.steps));
+    found.in_both.order = std::max(highest_order_in_step, by_size * std::log(coarse.size / fine.size) /
+                                                              std::log(step_of(coarse) / step_of(fine)));
   }
   for (const auto& [limits, values] : {std::pair(&found.in_space, &found.space),
                                        {&found.in_time, &found.time},
@@ -137,12 +140,14 @@ Chains chains(const Quantity& quantity, const Family& members, const Rung& at) {
 Orders orders_of(const Quantity& quantity, const Family& members, const Exact& exact) {
   Rung finest = members.back()->rung;
   for (const Result* member : members)
-    finest.steps = std::max(finest.steps, member->rung.steps);
+    if (step_of(member->rung) < step_of(finest))
+      finest.steps = member->rung.steps, finest.tolerance = member->rung.tolerance;
   const Chains along = chains(quantity, members, finest);
   // In space or time alone errors would stagnate at that of the other kind: no exact values.
   return {quantity.name,
           finest.degree,
           finest.scheme,
+          finest.chooses_steps(),
           observed_order(along.space, along.in_space),
           observed_order(along.time, along.in_time),
           exact.knows(quantity) ? observed_order(along.both, exact.values(quantity), along.in_both)
@@ -157,11 +162,11 @@ std::optional<double> extrapolated(const Quantity& quantity, const Family& membe
     return std::nullopt;
   const Result *wider = nullptr, *longer = nullptr;
   for (const Result* other : members) {
-    if (other->rung.steps == result.rung.steps && other->rung.size > result.rung.size &&
+    if (same_steps(other->rung, result.rung) && other->rung.size > result.rung.size &&
         (!wider || other->rung.size < wider->rung.size))
       wider = other;
-    if (other->rung.size == result.rung.size && other->rung.steps < result.rung.steps &&
-        (!longer || other->rung.steps > longer->rung.steps))
+    if (other->rung.size == result.rung.size && step_of(other->rung) > step_of(result.rung) &&
+        (!longer || step_of(other->rung) < step_of(longer->rung)))
       longer = other;
   }
   if (!wider || !longer)
@@ -174,7 +179,7 @@ std::optional<double> extrapolated(const Quantity& quantity, const Family& membe
     return distance / (std::pow(ratio, slope) - 1);
   };
   return finite(part(*space, wider->rung.size / result.rung.size, orders.space->slope) +
-                part(*time, static_cast<double>(result.rung.steps) / longer->rung.steps, orders.time->slope));
+                part(*time, step_of(longer->rung) / step_of(result.rung), orders.time->slope));
 }
 
 /// Whether a relative bar is of an order that makes sense, or no more than rounding; or there is none.
@@ -219,7 +224,7 @@ std::vector<std::optional<double>> envelopes(const Errors& errors, const std::ve
     for (std::size_t j = 0; j < results.size() && all[i]; ++j) {
       const Rung &coarse = results[i].rung, &fine = results[j].rung;
       if (j == errors.reference || !results[j].measured || !alike(coarse, fine) || fine.size > coarse.size ||
-          fine.steps < coarse.steps)
+          step_of(fine) > step_of(coarse))
         continue;
       all[i] = errors.error[j] ? std::optional(std::max(*all[i], *errors.error[j])) : std::nullopt;
     }
@@ -240,6 +245,34 @@ std::vector<bool> pareto_front(const std::vector<Result>& results,
   return front;
 }
 
+/// The finest rung: the smallest size, and of that the most steps or the smallest tolerance. Steps and
+/// tolerances do not compare: of both kinds that with the smaller error bar, if both have one.
+std::optional<std::size_t> finest(const Quantity& quantity, const std::vector<Result>& results) {
+  std::array<std::optional<std::size_t>, 2> found; // of one length, chosen
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (!results[i].measured || !is_finite(quantity, *results[i].measured))
+      continue;
+    std::optional<std::size_t>& best = found[results[i].rung.chooses_steps() ? 1 : 0];
+    if (!best || finer(results[i].rung, results[*best].rung))
+      best = i;
+  }
+  const auto& [equal, chosen] = found;
+  if (!equal || !chosen)
+    return equal ? equal : chosen;
+  if (const double a = results[*equal].rung.size, b = results[*chosen].rung.size; a != b)
+    return a < b ? equal : chosen;
+  const auto bar = [&](std::size_t of) {
+    const std::vector<Family> all = families(results);
+    const auto own = std::ranges::find_if(
+        all, [&](const Family& family) { return alike(family.front()->rung, results[of].rung); });
+    return reference_bar(quantity, *own, results[of]);
+  };
+  const std::optional<ReferenceBar> of_equal = bar(*equal), of_chosen = bar(*chosen);
+  if (of_equal && of_chosen)
+    return of_chosen->value < of_equal->value ? chosen : equal;
+  return results[*chosen].measured->steps > results[*equal].measured->steps ? chosen : equal;
+}
+
 } // namespace
 
 double highest_order_in_size(const Quantity& quantity, int degree) {
@@ -251,10 +284,7 @@ Errors errors(const Quantity& quantity, const std::vector<Result>& results, cons
   found.quantity = quantity;
   found.exact = exact.knows(quantity);
   if (!found.exact)
-    for (std::size_t i = 0; i < results.size(); ++i)
-      if (results[i].measured && is_finite(quantity, *results[i].measured) &&
-          (!found.reference || finer(results[i].rung, results[*found.reference].rung)))
-        found.reference = i;
+    found.reference = finest(quantity, results);
   for (std::size_t i = 0; i < results.size(); ++i) {
     const std::optional<Measured>& run = results[i].measured;
     found.error.emplace_back();

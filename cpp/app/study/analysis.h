@@ -16,25 +16,28 @@ struct ReferenceBar {
 struct Errors {
   Quantity quantity;
   bool exact = false;
-  std::optional<std::size_t> reference;        ///< the finest rung that has run, without an exact value
+  std::optional<std::size_t> reference;        ///< the finest rung that has run, without an exact value; of
+                                               ///< steps of one length and chosen ones the more certain
   std::optional<ReferenceBar> bar;             ///< of the reference; absent if nothing is known of it
   std::vector<std::optional<double>> error;    ///< relative
   std::vector<std::optional<double>> estimate; ///< of the error, from the run and coarser ones alone
   /// Estimate over error; absent unless the reference's own error, by its estimate, is small beside the
   /// error.
   std::vector<std::optional<double>> effectivity;
-  /// The largest error of the rung and of all of its degree and scheme that are as fine or finer in size and
+  /// The largest error of the rung and of all of its family (degree, scheme, steps of one length or chosen)
+  /// that are as fine or finer in size and
   /// in step; absent if one of them has no number. Never less on a coarser rung, so that errors which are
   /// small by luck do not count.
   std::vector<std::optional<double>> envelope;
   std::vector<bool> pareto; ///< no cheaper rung has as small an envelope
 };
 
-/// Observed orders of one degree and scheme.
+/// Observed orders of one degree and scheme with steps that come about alike.
 struct Orders {
   std::string quantity;
   int degree = 1;
   Scheme scheme;
+  bool chosen; ///< steps, by tolerances
   std::optional<Order> space, time, both;
 };
 

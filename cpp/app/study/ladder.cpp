@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "scene/names.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -58,7 +59,33 @@ void require_positive(const std::vector<double>& values, const char* option, con
       throw UserError(fmt::format("{}: found {}, allowed are numbers above 0 {}", option, value, unit));
 }
 
+/// Steps and tolerances, whatever the size.
+std::vector<Rung> rungs_in_time(const scene::Time& time, const Choice& choice) {
+  constexpr std::array multiples{4.0, 2.0, 1.0};
+  std::vector<double> steps, tolerances;
+  for (const double multiple : multiples)
+    if (time.automatic())
+      tolerances.push_back(std::min(scene::Time::most_tolerance, multiple * multiple * time.tolerance));
+    else
+      steps.push_back(multiple * time.step);
+  std::vector<Rung> rungs;
+  for (const double tau : or_default(choice.steps, steps))
+    rungs.push_back({.steps = steps_of(tau, time.end)});
+  for (const double tolerance : or_default(choice.tolerances, tolerances))
+    rungs.push_back({.tolerance = tolerance});
+  return rungs;
+}
+
 } // namespace
+
+Rung Rung::with_steps(double factor) const {
+  Rung changed = *this;
+  if (chooses_steps())
+    changed.tolerance = std::min(scene::Time::most_tolerance, factor * factor * tolerance);
+  else
+    changed.steps = static_cast<int>(std::min<double>(std::ceil(steps / factor), scene::Time::most_steps));
+  return changed;
+}
 
 SchemeAndMass scheme_and_mass(Scheme scheme) {
   const bool own = scheme == Scheme::massless || scheme == Scheme::mixed;
@@ -69,6 +96,10 @@ SchemeAndMass scheme_and_mass(Scheme scheme) {
 std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
   require_positive(choice.sizes, "--sizes", "m");
   require_positive(choice.steps, "--steps", "s");
+  for (double tolerance : choice.tolerances)
+    if (!(tolerance >= scene::Time::least_tolerance && tolerance <= scene::Time::most_tolerance))
+      throw UserError(fmt::format("--tolerances: found {}, allowed are numbers from {} to {}", tolerance,
+                                  scene::Time::least_tolerance, scene::Time::most_tolerance));
   for (int degree : choice.degrees)
     if (degree != 1 && degree != 2)
       throw UserError(fmt::format("--degrees: found {}, allowed are 1 and 2", degree));
@@ -76,15 +107,15 @@ std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
   const bool meshed = scene.mesh.file.extension() == ".msh";
   if (!choice.sizes.empty() && meshed)
     throw UserError("--sizes: have no effect on a .msh, which is meshed already; allowed with a .geo");
-  const double step = scene.time.step, size = scene.mesh.size.value_or(scene.mesh.scale);
+  const double size = scene.mesh.size.value_or(scene.mesh.scale);
   const std::vector<double> sizes =
       or_default(choice.sizes, meshed ? std::vector{size} : std::vector{4 * size, 2 * size, size});
   std::vector<Rung> rungs;
   for (double width : sizes)
-    for (double tau : or_default(choice.steps, {4 * step, 2 * step, step}))
+    for (const Rung& in_time : rungs_in_time(scene.time, choice))
       for (int degree : or_default(choice.degrees, {scene.mesh.degree}))
         for (Scheme scheme : or_default(given, {own_scheme(scene)}))
-          rungs.push_back({width, steps_of(tau, scene.time.end), degree, scheme});
+          rungs.push_back({width, in_time.steps, degree, scheme, in_time.tolerance});
   std::ranges::sort(rungs);
   const auto twice = std::ranges::unique(rungs);
   rungs.erase(twice.begin(), twice.end());
@@ -92,7 +123,12 @@ std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
 }
 
 scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
-  scene::Scene changed = scene::resized(scene, rung.size, rung.steps);
+  scene::Scene changed = scene;
+  (changed.mesh.size ? *changed.mesh.size : changed.mesh.scale) = rung.size;
+  changed.time.steps = rung.steps;
+  changed.time.step = rung.chooses_steps() ? 0 : scene.time.end / rung.steps;
+  if (rung.chooses_steps())
+    changed.time.tolerance = rung.tolerance;
   changed.mesh.degree = rung.degree;
   changed.time.scheme = time_scheme(rung.scheme);
   if (rung.scheme != Scheme::mixed)
@@ -105,14 +141,16 @@ scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
 double relative_unknowns(const Rung& rung, int dim) { return std::pow(rung.degree / rung.size, dim); }
 
 double work(const Rung& rung, int dim) {
-  return rung.steps * std::pow(relative_unknowns(rung, dim), step_power(dim));
+  return std::pow(relative_unknowns(rung, dim), step_power(dim)) / rung.step_width();
 }
 
 std::string words(const Rung& rung, const scene::Scene& scene) {
   std::string text;
   if (scene.mesh.file.extension() != ".msh")
     text = fmt::format("{} {:.4g}, ", scene.mesh.size ? "size" : "scale", rung.size);
-  text += fmt::format("step {:.3g}, degree {}", scene.time.end / rung.steps, rung.degree);
+  text += rung.chooses_steps() ? fmt::format("tolerance {:.3g}", rung.tolerance)
+                               : fmt::format("step {:.3g}", scene.time.end / rung.steps);
+  text += fmt::format(", degree {}", rung.degree);
   return rung.scheme == Scheme::contact_implicit ? text : text + ", " + scene::name(rung.scheme);
 }
 

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "contact/pressure.h"
 #include "forward/balance.h"
+#include "forward/step_control.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -85,8 +86,12 @@ public:
           check(VecAXPY(y, tau / 2 * s * (1 - s), frame.v0));
         }
       });
-    if (pressure_ && frame.k > 0 && frame.k + 2 > problem_.steps())
+    if (pressure_ && frame.k > 0) {
+      constexpr std::size_t kept = 2;
+      if (last_forces_.size() == kept)
+        last_forces_.erase(last_forces_.begin());
       last_forces_.push_back(frame.contact.lambda);
+    }
   }
 
   void report(Measured& measured) {
@@ -140,7 +145,7 @@ private:
 double seconds(const Timers& timers) {
   double sum = 0;
   for (const char* phase : {"mesh", "assembly", "solver", "desired state", "forward", "objective", "adjoint",
-                            "states written", "states read", "states recomputed"})
+                            "states written", "states read", "states recomputed", "lengths of steps"})
     if (const auto found = timers.entries().find(phase); found != timers.entries().end())
       sum += found->second.seconds;
   return sum;
@@ -148,12 +153,19 @@ double seconds(const Timers& timers) {
 
 void simulate(const Problem& problem, const forward::ForceAtStep& load, Watch& watch) {
   const auto timer = problem.timers.time("forward");
-  const int done = forward::integrate(problem.stepper, problem.initial, load, problem.steps(),
-                                      [&](const forward::Frame& frame) {
-                                        const auto other = problem.timers.time("watching");
-                                        watch(frame);
-                                      });
-  if (done < problem.steps())
+  const auto take = [&](const forward::Frame& frame) {
+    const auto other = problem.timers.time("watching");
+    watch(frame);
+  };
+  const forward::TimeGrid& grid = problem.stepper.grid();
+  int done = 0;
+  if (grid.complete()) {
+    done = forward::integrate(problem.stepper, problem.initial, load, grid.steps(), take);
+  } else {
+    forward::StepControl control(problem.stepper, problem.scene);
+    done = forward::integrate_choosing(problem.stepper, problem.initial, load, control, take);
+  }
+  if (!grid.complete() || done < grid.steps())
     throw Interrupted();
 }
 
@@ -251,7 +263,9 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& sample
     simulate(problem, given.load(), watch);
     measured.memory = peak();
   } else {
-    ControlProblem control_problem(problem, Console(false, false));
+    const Console silent(false, false);
+    choose_steps(problem, silent);
+    ControlProblem control_problem(problem, silent);
     control::ReducedProblem& reduced = control_problem.reduced;
     std::string where;
     measured.numbers["J"] = reduced.value(evaluation_point(problem, control_problem, where));
@@ -268,6 +282,7 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& sample
     if (estimate)
       measured.estimate = estimate_error(problem, control_problem);
   }
+  measured.steps = problem.steps();
   watch.report(measured);
   if (!scene.objective)
     measured.seconds = seconds(timers);

@@ -15,6 +15,7 @@ struct Quantity {
 /// What is measured of a run. A field is compared in its norm, a number by its modulus.
 struct Measured {
   long unknowns = 0;
+  int steps = 0;
   double seconds = 0;                    ///< of set-up and sweeps
   double memory = 0;                     ///< peak beyond what the program held before, bytes
   std::map<std::string, double> numbers; ///< by quantity

@@ -72,6 +72,21 @@ Extent extent(const std::vector<Rung>& rungs, int degree) {
   return found;
 }
 
+/// Of the rungs whose steps the motion chooses, the one that makes the fewest on the coarsest mesh.
+std::optional<Rung> easiest_of_chosen(const std::vector<Rung>& rungs) {
+  std::optional<Rung> found;
+  for (const Rung& rung : rungs) {
+    if (!rung.chooses_steps())
+      continue;
+    if (!found)
+      found = rung;
+    found->size = std::max(found->size, rung.size);
+    found->tolerance = std::max(found->tolerance, rung.tolerance);
+    found->degree = std::min(found->degree, rung.degree);
+  }
+  return found;
+}
+
 } // namespace
 
 CostModel::CostModel(const std::vector<Timed>& timed, int dim) : exponent_(step_power(dim)) {
@@ -88,7 +103,7 @@ CostModel::CostModel(const std::vector<Timed>& timed, int dim) : exponent_(step_
   step_ = fit(&Timed::step);
 }
 
-double CostModel::seconds(double unknowns, int steps) const {
+double CostModel::seconds(double unknowns, double steps) const {
   const double power = std::pow(unknowns, exponent_);
   return setup_.constant + setup_.factor * power + steps * (step_.constant + step_.factor * power);
 }
@@ -108,22 +123,35 @@ double Prices::unknowns(const Rung& rung) const {
                               : fewest * std::pow(coarsest / rung.size, power);
 }
 
+double Prices::priced(const Rung& rung) const {
+  const double steps = rung.chooses_steps() ? steps_by_width_ / rung.step_width() : rung.steps;
+  return of(rung).cost.seconds(unknowns(rung), steps);
+}
+
 double Prices::seconds(const Rung& rung) const {
-  const double priced = of(rung).cost.seconds(unknowns(rung), rung.steps);
-  return expected_ > 0 ? priced * found_ / expected_ : priced;
+  return expected_ > 0 ? priced(rung) * found_ / expected_ : priced(rung);
 }
 
 void Prices::learn(const Rung& rung, double seconds) {
-  expected_ += of(rung).cost.seconds(unknowns(rung), rung.steps);
+  expected_ += priced(rung);
   found_ += seconds;
 }
 
 Prices price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& rungs, const Samples& samples,
              const std::vector<Quantity>& wanted, bool estimate) {
   const ShortRuns runs(comm, scene, samples, wanted, estimate);
+  double steps_by_width = 0;
+  std::vector<Rung> of_one_length = rungs;
+  if (const std::optional<Rung> first = easiest_of_chosen(rungs)) {
+    const int steps = measure(comm, on_rung(scene, *first), samples, wanted, estimate).steps;
+    steps_by_width = steps * first->step_width();
+    for (Rung& rung : of_one_length)
+      if (rung.chooses_steps())
+        rung.steps = static_cast<int>(std::ceil(steps_by_width / rung.step_width())), rung.tolerance = 0;
+  }
   std::vector<Prices::Known> known;
   for (int degree : {1, 2}) {
-    const auto [coarsest, finest] = extent(rungs, degree);
+    const auto [coarsest, finest] = extent(of_one_length, degree);
     if (coarsest.steps == 0)
       continue;
     std::vector<CostModel::Timed> timed{runs.time(coarsest)};
@@ -139,7 +167,7 @@ Prices price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& 
     }
     known.push_back({degree, samples.dim, std::move(unknowns), CostModel(timed, samples.dim)});
   }
-  return Prices(std::move(known));
+  return {std::move(known), steps_by_width};
 }
 
 } // namespace signorini::study

@@ -17,7 +17,7 @@ public:
   CostModel(const std::vector<Timed>& timed, int dim);
 
   /// Of a whole run, s.
-  [[nodiscard]] double seconds(double unknowns, int steps) const;
+  [[nodiscard]] double seconds(double unknowns, double steps) const;
 
 private:
   struct Power {
@@ -37,7 +37,9 @@ public:
     std::map<double, double> unknowns; ///< by size, of one or more meshes
     CostModel cost;
   };
-  explicit Prices(std::vector<Known> known) : known_(std::move(known)) {}
+  /// `steps_by_width`: chosen steps times their Rung::step_width(), of any tolerance.
+  Prices(std::vector<Known> known, double steps_by_width)
+      : known_(std::move(known)), steps_by_width_(steps_by_width) {}
 
   /// Powers of the size between those that are known; beyond them it is the dimension's.
   [[nodiscard]] double unknowns(const Rung& rung) const;
@@ -48,12 +50,16 @@ public:
 
 private:
   [[nodiscard]] const Known& of(const Rung& rung) const;
+  [[nodiscard]] double priced(const Rung& rung) const;
   std::vector<Known> known_;
+  double steps_by_width_;
   double expected_ = 0, found_ = 0; ///< of the rungs that have run
 };
 
 /// Prices a ladder by runs of few steps, for each degree on its coarsest mesh and on one of some thousand
-/// unknowns, as many steps as it takes for them to be half as long as the set-up. `estimate`: that of the
+/// unknowns, as many steps as it takes for them to be half as long as the set-up. Steps that the motion
+/// chooses are priced like as many of one length; how many there will be, that of the largest tolerance on
+/// the coarsest mesh tells. `estimate`: that of the
 /// error of J is part of a run. Collective. Throws UserError, SolverFailure, Interrupted.
 Prices price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& rungs, const Samples& samples,
              const std::vector<Quantity>& wanted, bool estimate);

@@ -31,11 +31,8 @@ std::vector<double> unpacked(const Json& json) {
 }
 
 Json to_json(const Measured& measured) {
-  Json json{{"unknowns", measured.unknowns},
-            {"seconds", measured.seconds},
-            {"memory", measured.memory},
-            {"numbers", measured.numbers},
-            {"fields", Json::object()}};
+  Json json{{"unknowns", measured.unknowns}, {"steps", measured.steps},     {"seconds", measured.seconds},
+            {"memory", measured.memory},     {"numbers", measured.numbers}, {"fields", Json::object()}};
   for (const auto& [name, values] : measured.fields)
     json["fields"][name] = packed(values);
   if (const auto& estimate = measured.estimate) {
@@ -50,6 +47,7 @@ Json to_json(const Measured& measured) {
 Measured from_json(const Json& json) {
   Measured measured;
   measured.unknowns = json.at("unknowns");
+  measured.steps = json.at("steps");
   measured.seconds = json.at("seconds");
   measured.memory = json.at("memory");
   measured.numbers = json.at("numbers").get<std::map<std::string, double>>();
@@ -130,8 +128,10 @@ Store::~Store() {
 
 std::filesystem::path Store::file(const Rung& rung) const {
   return folder_ / rungs /
-         fmt::format("size-{:.10g}-steps-{}-degree-{}-{}.cbor", rung.size, rung.steps, rung.degree,
-                     scene::name(rung.scheme));
+         fmt::format("size-{:.10g}-{}-degree-{}-{}.cbor", rung.size,
+                     rung.chooses_steps() ? fmt::format("tolerance-{:.10g}", rung.tolerance)
+                                          : fmt::format("steps-{}", rung.steps),
+                     rung.degree, scene::name(rung.scheme));
 }
 
 Kept Store::load(const Rung& rung, const Fingerprint& fingerprint,
@@ -174,7 +174,7 @@ void Store::write(const std::string& name, const std::string& text) const {
 }
 
 std::string csv(const std::vector<Result>& results, const std::vector<Errors>& errors, double end) {
-  std::string text = "rung,size,step,degree,scheme,mass,unknowns,steps,seconds,memory_bytes";
+  std::string text = "rung,size,step,degree,scheme,mass,unknowns,steps,seconds,memory_bytes,tolerance";
   for (const Errors& one : errors)
     text +=
         fmt::format(",{0},{0}_error,{0}_estimate,{0}_effectivity,{0}_pareto,{0}_envelope", one.quantity.name);
@@ -188,8 +188,9 @@ std::string csv(const std::vector<Result>& results, const std::vector<Errors>& e
     if (!run)
       continue;
     const auto [scheme, mass] = scheme_and_mass(rung.scheme);
-    text += fmt::format("{},{:.17g},{:.17g},{},{},{},{},{},{:.6g},{:.0f}", i + 1, rung.size, end / rung.steps,
-                        rung.degree, scheme, mass, run->unknowns, rung.steps, run->seconds, run->memory);
+    text += fmt::format("{},{:.17g},{:.17g},{},{},{},{},{},{:.6g},{:.0f},{}", i + 1, rung.size,
+                        end / run->steps, rung.degree, scheme, mass, run->unknowns, run->steps, run->seconds,
+                        run->memory, rung.chooses_steps() ? fmt::format("{:.17g}", rung.tolerance) : "");
     for (const Errors& one : errors) {
       const std::optional<double>&error = one.error[i], &estimate = one.estimate[i];
       text += fmt::format(",{},{},{},{},{:d},{}",
@@ -239,6 +240,7 @@ std::string json(const scene::Scene& scene, const std::vector<Result>& results,
          {"degree", one.degree},
          {"scheme", scheme},
          {"mass", mass},
+         {"steps", one.chosen ? "chosen" : "of one length"},
          {"space", given(one.space)},
          {"time", given(one.time)},
          {"both", given(one.both)},

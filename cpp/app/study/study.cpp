@@ -144,16 +144,9 @@ private:
 
 } // namespace
 
-void require_one_length(const scene::Scene& scene) {
-  if (scene.time.automatic())
-    throw UserError("time.step: found \"auto\", allowed for the ladders of study and of simulate --accuracy "
-                    "is the longest of its steps, in s");
-}
-
 int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
               const Options& options, const Console& console) {
   const auto start = Clock::now();
-  require_one_length(scene);
   (void)chosen(scene, options.quantities, 2); // a wrong name before any mesh is read
   std::vector<Rung> rungs = ladder(scene, options.choice);
   std::optional<Store> store;

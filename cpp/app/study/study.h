@@ -14,9 +14,6 @@ struct Options {
   bool dry_run = false;                ///< price the ladder and stop
 };
 
-/// Throws UserError unless all steps of the scene have one length.
-void require_one_length(const scene::Scene& scene);
-
 /// Runs the ladder in the order of cost and leaves study.csv, study.json and a file for each rung in `out`.
 /// Rungs that are already there are not run again. With a budget it stops before a rung that would not end
 /// within it. Returns the exit status: 130 if interrupted, with the results so far kept. Collective. Throws

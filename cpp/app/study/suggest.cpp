@@ -34,9 +34,7 @@ Rung proposal(const Trial& from, double target, int dim, double r, double q, dou
   Rung next = from.rung;
   next.size *= factor(from.space, share * target, r);
   next.size = std::stod(fmt::format("{:.2g}", next.size));
-  const double steps = std::ceil(from.rung.steps / factor(from.time, (1 - share) * target, q));
-  next.steps = static_cast<int>(std::min<double>(steps, scene::Time::most_steps));
-  return next;
+  return next.with_steps(factor(from.time, (1 - share) * target, q));
 }
 
 /// The quantity to be accurate: that asked for, or J. Throws UserError.
@@ -84,7 +82,10 @@ public:
   /// That of degree 2 is tried once, where it costs less than the next step of the search.
   Trial operator()(Trials& trials) const {
     const double size = scene_.mesh.size.value_or(scene_.mesh.scale);
-    const Rung own = trials.nearest(ladder(scene_, {{size}, {scene_.time.step}, {}, {}}).front());
+    const Rung own = trials.nearest(ladder(scene_, scene_.time.automatic()
+                                                       ? Choice{{size}, {}, {}, {}, {scene_.time.tolerance}}
+                                                       : Choice{{size}, {scene_.time.step}, {}, {}})
+                                        .front());
     std::optional<Rung> raised;
     if (trials.any_degree() && own.degree == 1)
       raised = own, raised->degree = 2;
@@ -122,7 +123,7 @@ public:
         nearest = trial;
       if (trial.rung.degree == last.rung.degree) {
         r = order(last.space, trial.space, last.rung.size / next.size, r);
-        q = order(last.time, trial.time, static_cast<double>(next.steps) / last.rung.steps, q);
+        q = order(last.time, trial.time, last.rung.step_width() / next.step_width(), q);
       } else if (seconds(trials, proposed(last), prices) < seconds(trials, proposed(trial), prices)) {
         continue;
       }
@@ -192,7 +193,6 @@ private:
 
 int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Options& options,
             const Console& console) {
-  require_one_length(scene);
   constexpr const char* option = "--suggest";
   require_size(scene, the_quantity(scene, options.quantities, 2, option), option);
   require_answer(comm, scene);
@@ -214,7 +214,6 @@ Found find_size_and_step(MPI_Comm comm, const scene::Scene& scene, double tolera
                          const Console& console, const std::function<void(const Found&)>& better) {
   scene::Scene simulated = scene; // under the control that is given, whatever an objective desires
   simulated.objective.reset();
-  require_one_length(simulated);
   constexpr const char* option = "--accuracy";
   const auto quantity_of = [&](int dim) { return the_quantity(simulated, options.quantities, dim, option); };
   require_size(simulated, quantity_of(2), option);

@@ -37,7 +37,8 @@ Summary::Summary(const scene::Scene& scene, const std::vector<Quantity>& wanted,
     std::ranges::move(orders(quantity, results, exact), std::back_inserter(orders_));
     std::ranges::move(study::sentences(errors_.back(), results, scene), std::back_inserter(sentences_));
   }
-  std::ranges::stable_sort(orders_, {}, [](const Orders& one) { return std::pair(one.degree, one.scheme); });
+  std::ranges::stable_sort(orders_, {},
+                           [](const Orders& one) { return std::tuple(one.degree, one.scheme, one.chosen); });
 }
 
 void Summary::write(const Store& store) const {
@@ -56,15 +57,21 @@ void Summary::show(const Console& console) const {
     console.line(sentence);
 }
 
+std::string Summary::step(const Result& result) const {
+  const Rung& rung = result.rung;
+  return rung.chooses_steps() ? fmt::format("tol {:.2g}", rung.tolerance)
+                              : fmt::format("{:.3g}", scene_.time.end / rung.steps);
+}
+
 void Summary::show_rungs(const Console& console) const {
-  console.line(fmt::format("\n{:>4} {:>10} {:>9} {:>6} {:<18} {:>9} {:>8} {:>6}", "rung",
+  console.line(fmt::format("\n{:>4} {:>10} {:>11} {:>6} {:<18} {:>9} {:>8} {:>6}", "rung",
                            scene_.mesh.size ? "size, m" : "scale", "step, s", "degree", "scheme", "unknowns",
                            "seconds", "MB"));
   for (std::size_t i = 0; i < results_.size(); ++i) {
     const auto& [rung, run] = results_[i];
     if (run)
-      console.line(fmt::format("{:>4} {:>10.4g} {:>9.3g} {:>6} {:<18} {:>9} {:>8.3g} {:>6.0f}", i + 1,
-                               rung.size, scene_.time.end / rung.steps, rung.degree, scene::name(rung.scheme),
+      console.line(fmt::format("{:>4} {:>10.4g} {:>11} {:>6} {:<18} {:>9} {:>8.3g} {:>6.0f}", i + 1,
+                               rung.size, step(results_[i]), rung.degree, scene::name(rung.scheme),
                                run->unknowns, run->seconds, run->memory / 1e6));
   }
 }
@@ -73,15 +80,15 @@ void Summary::show_errors(const Errors& errors, const Console& console) const {
   const Quantity& quantity = errors.quantity;
   const std::string unit = quantity.unit.empty() || quantity.field ? "" : ", " + quantity.unit;
   console.line(fmt::format("\n{}{}: {}", quantity.title, unit, against(errors)));
-  console.line(fmt::format("{:>4} {:>10} {:>9} {:>13} {:>9} {:>9} {:>9} {:>8}", "rung",
+  console.line(fmt::format("{:>4} {:>10} {:>11} {:>13} {:>9} {:>9} {:>9} {:>8}", "rung",
                            scene_.mesh.size ? "size, m" : "scale", "step, s", quantity.field ? "" : "value",
                            "error", "at most", "estimate", "est/err"));
   for (std::size_t i = 0; i < results_.size(); ++i) {
     const auto& [rung, run] = results_[i];
     if (!run)
       continue;
-    console.line(fmt::format("{:>4} {:>10.4g} {:>9.3g} {:>13} {:>9} {:>9} {:>9} {:>6} {}", i + 1, rung.size,
-                             scene_.time.end / rung.steps,
+    console.line(fmt::format("{:>4} {:>10.4g} {:>11} {:>13} {:>9} {:>9} {:>9} {:>6} {}", i + 1, rung.size,
+                             step(results_[i]),
                              quantity.field ? "" : fmt::format("{:.6g}", run->numbers.at(quantity.name)),
                              errors.reference == i ? "reference" : shown(errors.error[i]),
                              shown(errors.envelope[i]), shown(errors.estimate[i]),
@@ -95,9 +102,10 @@ void Summary::show_orders(const Console& console) const {
   bool any = false;
   const Orders* last = nullptr;
   for (const Orders& one : orders_) {
-    if (!last || last->degree != one.degree || last->scheme != one.scheme)
-      console.line(fmt::format("\ndegree {}, {}:\n{:<17}{:<21}{:<21}{}", one.degree, scene::name(one.scheme),
-                               "order of", "in space", "in time", "in both"));
+    if (!last || last->degree != one.degree || last->scheme != one.scheme || last->chosen != one.chosen)
+      console.line(fmt::format("\ndegree {}, {}{}:\n{:<17}{:<21}{:<21}{}", one.degree,
+                               scene::name(one.scheme), one.chosen ? ", steps chosen" : "", "order of",
+                               "in space", "in time", "in both"));
     console.line(fmt::format("{:<17}{:<21}{:<21}{}", one.quantity, shown(one.space), shown(one.time),
                              shown(one.both)));
     any |= out_of_range(one.space) || out_of_range(one.time) || out_of_range(one.both);

@@ -62,15 +62,18 @@ public:
     for (const auto& [wider, longer] : {std::pair(coarsest, 1), {2, 1}, {1, coarsest}, {1, 2}, {1, 1}}) {
       all.push_back(rung);
       all.back().size *= wider;
-      all.back().steps /= longer;
+      all.back() = all.back().with_steps(longer);
     }
     return all;
   }
 
-  /// Steps of twice and four times the length are whole parts of the time.
+  /// Steps of twice and four times the length are whole parts of the time, and tolerances for them exist.
   [[nodiscard]] Rung nearest(const Rung& rung) const override {
     Rung next = rung;
-    next.steps = (rung.steps + coarsest - 1) / coarsest * coarsest;
+    if (rung.chooses_steps())
+      next.tolerance = std::min(rung.tolerance, scene::Time::most_tolerance / (coarsest * coarsest));
+    else
+      next.steps = (rung.steps + coarsest - 1) / coarsest * coarsest;
     return next;
   }
 
