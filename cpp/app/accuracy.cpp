@@ -45,10 +45,8 @@ struct Resolution {
 
 scene::Scene at(const scene::Scene& scene, const Resolution& resolution) {
   scene::Scene made = scene;
-  if (!scene.mesh.automatic())
+  if (!scene.mesh.automatic() && !scene.mesh.meshed())
     (made.mesh.size ? *made.mesh.size : made.mesh.scale) *= resolution.size;
-  if (scene.mesh.file.extension() == ".msh")
-    made.mesh = scene.mesh;
   if (scene.time.automatic()) {
     made.time.tolerance =
         std::min(scene::Time::most_tolerance, scene.time.tolerance * resolution.step * resolution.step);
@@ -121,6 +119,10 @@ private:
     console_.line(sentence(false));
   }
 
+  /// Those of the elements, from round to round by indicators: with mesh.size = "auto" the .geo is meshed
+  /// again by them, and a .msh is refined.
+  [[nodiscard]] bool sizes_vary() const { return scene_.mesh.automatic() || scene_.mesh.meshed(); }
+
   [[nodiscard]] bool met() const { return !records_.empty() && parts_.sum() <= trusted * asked_.error; }
   [[nodiscard]] double passed() const {
     double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
@@ -148,7 +150,7 @@ private:
     io::OutputFolder folder(comm_, out_, OptimizerLog::checkpoint);
     scene::Scene told = at(scene_, resolution);
     mesh::Meshing meshing;
-    if (scene_.mesh.automatic()) {
+    if (sizes_vary()) {
       meshing.sizes = resolution.sizes ? &*resolution.sizes : nullptr;
       meshing.keep = folder.staged("mesh.msh");
       told.mesh.file = folder.path() / "mesh.msh";
@@ -182,7 +184,7 @@ private:
     by_cells_ = std::move(by_cells);
     last_ = std::move(level);
     io::CoarseLevel row = last_->record();
-    if (scene_.mesh.automatic())
+    if (sizes_vary())
       row.size = problem.mesh.diameter() / std::pow(problem.mesh.cells(), 1.0 / problem.mesh.dim());
     row.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     // Written even if the time is up by now: there is an answer, and it is the best so far.
@@ -265,18 +267,11 @@ private:
       return std::nullopt;
     }
     Resolution next = aimed_at(aimed * asked_.error);
-    const bool meshed = scene_.mesh.file.extension() == ".msh";
-    if (meshed)
-      next.size = resolution_.size;
-    if (next.size == resolution_.size && next.step == resolution_.step) {
-      ended_ = meshed ? "a .msh is not refined" : "nothing is left to refine";
-      return std::nullopt;
-    }
     if (asked_.budget && !fits(next)) {
       ended_ = fmt::format("a next round is beyond the budget of {:.3g} s", *asked_.budget);
       return std::nullopt;
     }
-    if (scene_.mesh.automatic()) {
+    if (sizes_vary()) {
       const double part = next.size / resolution_.size;
       next.sizes = mesh::sizes_by(last_->problem().mesh, by_cells_, part * part, 1 / reach);
     }
@@ -369,7 +364,7 @@ int optimize_to_accuracy(MPI_Comm comm, const scene::Scene& scene, const std::fi
     throw UserError(fmt::format("--accuracy: found mesh.degree = {}, allowed is 1: the estimate in space "
                                 "looks at what functions of degree 2 have beyond those of degree 1",
                                 scene.mesh.degree));
-  if (scene.mesh.file.extension() == ".geo" && !scene.mesh.automatic())
+  if (!scene.mesh.meshed() && !scene.mesh.automatic())
     study::require_answer(comm, scene);
   switch (scene.optimizer.method) {
   case scene::OptimizerMethod::lbfgs:

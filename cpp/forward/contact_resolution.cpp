@@ -153,7 +153,7 @@ Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
         fmt::format(", and five or more would touch if they were about {:.2g} m apart", spacing.enough);
     if (scene_.mesh.size)
       message += fmt::format(" (mesh.size = {:.2g})", *scene_.mesh.size * ratio);
-    else if (scene_.mesh.file.extension() == ".geo")
+    else if (!scene_.mesh.meshed())
       message += fmt::format(" (mesh.scale = {:.2g})", scene_.mesh.scale * ratio);
   } else {
     message += ", at an edge or a corner of the body, where more would touch on no mesh";

@@ -331,7 +331,7 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
     throw UserError(
         fmt::format("mesh.file: {} cannot be read, allowed is the path of a .geo or .msh file", file));
   std::optional<MshFile> msh;
-  if (mesh.file.extension() == ".msh")
+  if (mesh.meshed())
     msh.emplace(mesh.file);
   const std::string opened = msh ? msh->path() : file;
   const auto cannot_read = [&](std::string said) {
@@ -342,7 +342,7 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
   const Session session;
   try {
     gmsh::open(opened);
-    if (mesh.file.extension() == ".geo") {
+    if (!mesh.meshed()) {
       const double metres = scene::metres(mesh.unit);
       if (meshing.sizes) {
         set_sizes(*meshing.sizes, metres);
@@ -358,7 +358,7 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
     if (const std::string error = complaint(""); !error.empty())
       throw cannot_read(error);
     RawMesh raw = Extraction(mesh).run();
-    if (!meshing.keep.empty()) {
+    if (!msh && !meshing.keep.empty()) {
       gmsh::option::setNumber("Mesh.Binary", 1);
       gmsh::write(meshing.keep.string());
     }
@@ -370,11 +370,87 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
   }
 }
 
+namespace {
+
+/// The groups of one dimension, for gmsh: elements that are in the same ones make an entity.
+void add_entities(int dim, const std::vector<std::int64_t>& elements,
+                  const std::vector<std::vector<std::string>>& groups) {
+  const auto corners = static_cast<std::size_t>(dim) + 1;
+  constexpr std::array types{15, 1, 2, 4}; // of gmsh: points, lines, triangles, tetrahedra
+  std::map<std::vector<std::string>, std::vector<Tag>> entities;
+  for (std::size_t i = 0; i < groups.size(); ++i)
+    for (std::size_t j = 0; j < corners; ++j)
+      entities[groups[i]].push_back(static_cast<Tag>(elements[i * corners + j] + 1));
+  std::map<std::string, std::vector<int>> of_group;
+  for (const auto& [names, nodes] : entities) {
+    const int entity = gmsh::model::addDiscreteEntity(dim);
+    gmsh::model::mesh::addElementsByType(entity, types.at(static_cast<std::size_t>(dim)), {}, nodes);
+    for (const std::string& name : names)
+      of_group[name].push_back(entity);
+  }
+  for (const auto& [name, own] : of_group)
+    gmsh::model::addPhysicalGroup(dim, own, -1, name);
+}
+
+void write_msh_here(const RawMesh& mesh, const std::filesystem::path& file, double metres) {
+  const Session session;
+  gmsh::model::add("mesh");
+  const auto dim = static_cast<std::size_t>(mesh.dim);
+  std::vector<Tag> tags(mesh.points.size() / 3);
+  std::vector<double> points = mesh.points;
+  for (std::size_t i = 0; i < tags.size(); ++i)
+    tags[i] = i + 1;
+  for (double& x : points)
+    x /= metres;
+  // All nodes are one entity's, which has nothing else.
+  gmsh::model::mesh::addNodes(mesh.dim, gmsh::model::addDiscreteEntity(mesh.dim), tags, points);
+  std::vector<std::vector<std::string>> groups(mesh.cells.size() / (dim + 1));
+  for (const auto& [name, ranges] : mesh.parts)
+    for (std::size_t r = 0; r < ranges.size(); r += 2)
+      for (std::int64_t cell = ranges[r]; cell < ranges[r + 1]; ++cell)
+        groups[static_cast<std::size_t>(cell)].push_back(name);
+  add_entities(mesh.dim, mesh.cells, groups);
+  std::map<Simplex, std::pair<std::vector<std::int64_t>, std::vector<std::string>>> named;
+  for (const auto& [name, facets] : mesh.facets)
+    for (std::size_t f = 0; f < facets.size(); f += dim) {
+      auto& [nodes, names] = named[simplex(&facets[f], mesh.dim)];
+      nodes.assign(&facets[f], &facets[f] + dim);
+      if (names.empty() || names.back() != name)
+        names.push_back(name);
+    }
+  std::vector<std::int64_t> facets;
+  groups.clear();
+  for (const auto& [sorted, facet] : named) {
+    facets.insert(facets.end(), facet.first.begin(), facet.first.end());
+    groups.push_back(facet.second);
+  }
+  add_entities(mesh.dim - 1, facets, groups);
+  gmsh::option::setNumber("Mesh.Binary", 1);
+  gmsh::option::setNumber("Mesh.SaveAll", 1); // the nodes' entity is in no group
+  gmsh::write(file.string());
+}
+
+} // namespace
+
+void write_msh(const RawMesh& mesh, const std::filesystem::path& file, scene::LengthUnit unit) {
+  const std::optional<std::string> said = in_subprocess([&]() -> std::string {
+    try {
+      write_msh_here(mesh, file, scene::metres(unit));
+      return "";
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+  });
+  if (!said || !said->empty())
+    throw UserError(fmt::format("{}: gmsh cannot write it ({}), allowed is a file that can be written",
+                                file.string(), said ? *said : "it crashes"));
+}
+
 RawMesh read_gmsh(const scene::Mesh& mesh, const Meshing& meshing) {
   constexpr char good = 'm', bad = 'e';
   // gmsh trusts the counts in a damaged file and may never end; it reads tens of megabytes per second.
   std::optional<unsigned> seconds;
-  if (std::error_code missing; mesh.file.extension() == ".msh")
+  if (std::error_code missing; mesh.meshed())
     if (const auto size = std::filesystem::file_size(mesh.file, missing); !missing)
       seconds = 5 + static_cast<unsigned>(size / 1'000'000);
   const std::optional<std::string> answer = in_subprocess(

@@ -14,4 +14,8 @@ RawMesh read_gmsh(const scene::Mesh& mesh, const Meshing& meshing = {});
 /// The same with gmsh in this process, which a damaged file may crash.
 RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing = {});
 
+/// Writes a mesh with its parts and boundary groups, in a unit of length, as a .msh. Groups without elements
+/// and those of lower dimensions are left out. Not collective. Throws UserError.
+void write_msh(const RawMesh& mesh, const std::filesystem::path& file, scene::LengthUnit unit);
+
 } // namespace signorini::mesh

@@ -2,7 +2,9 @@
 #include "base/collective.h"
 #include "base/digest.h"
 #include "base/signals.h"
+#include "mesh/distribution.h"
 #include "mesh/gmsh_model.h"
+#include "mesh/refinement.h"
 #include "scene/names.h"
 #include <algorithm>
 #include <cmath>
@@ -30,26 +32,6 @@ std::array<double, 3> bounding_box(const RawMesh& raw) {
     high[p % 3] = std::max(high[p % 3], raw.points[p]);
   }
   return {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
-}
-
-std::shared_ptr<dolfinx::mesh::Mesh<double>> distribute(MPI_Comm comm, const RawMesh& raw, int dim) {
-  const auto type = dim == 2 ? dolfinx::mesh::CellType::triangle : dolfinx::mesh::CellType::tetrahedron;
-  const dolfinx::fem::CoordinateElement<double> element(type, 1);
-  std::vector<double> x;
-  for (std::size_t p = 0; p < raw.points.size(); p += 3)
-    x.insert(x.end(), &raw.points[p], &raw.points[p] + dim);
-  const std::size_t nodes = raw.points.size() / 3;
-  // Rank 0, which has all cells, divides them alone and on one thread (unless the user wants more): the
-  // result of several ranks or threads depends on who comes first, and the same run would be divided
-  // otherwise.
-  setenv("SCOTCH_PTHREAD_NUMBER", "1", 0);
-  MPI_Comm dividing = rank(comm) == 0 ? MPI_COMM_SELF : MPI_COMM_NULL;
-  dolfinx::mesh::CellPartitionFunction divide;
-  if (dolfinx::MPI::size(comm) > 1)
-    divide = dolfinx::mesh::create_cell_partitioner(dolfinx::mesh::GhostMode::none);
-  return std::make_shared<dolfinx::mesh::Mesh<double>>(
-      dolfinx::mesh::create_mesh(comm, dividing, std::span<const std::int64_t>(raw.cells), element, comm, x,
-                                 {nodes, static_cast<std::size_t>(dim)}, divide));
 }
 
 /// This rank's facets, local indices ascending, of a list on rank 0 (facets × dim, nodes of the file).
@@ -87,6 +69,13 @@ std::vector<std::int32_t> owned_of(const dolfinx::mesh::Topology& topology,
   return cells;
 }
 
+/// What reading a mesh gives that has been written, with its order of cells.
+RawMesh kept(const RawMesh& raw, scene::Mesh scene, const std::filesystem::path& file) {
+  write_msh(raw, file, scene.unit);
+  scene.file = file;
+  return read_gmsh(scene);
+}
+
 } // namespace
 
 Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh, const Meshing& meshing)
@@ -95,6 +84,8 @@ Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh, const Meshing& meshing)
   on_root(comm, [&] {
     try {
       raw = read_gmsh(mesh, meshing);
+      if (mesh.meshed() && !meshing.keep.empty())
+        raw = kept(meshing.sizes ? refined(std::move(raw), *meshing.sizes) : raw, mesh, meshing.keep);
     } catch (const Interrupted&) { // which all ranks are told of below
     }
   });
@@ -104,7 +95,7 @@ Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh, const Meshing& meshing)
     dim_ = raw.dim, extent_ = bounding_box(raw), digest_ = Digest().add(packed(raw)).text();
   MPI_Bcast(&dim_, 1, MPI_INT, 0, comm);
   MPI_Bcast(extent_.data(), 3, MPI_DOUBLE, 0, comm);
-  mesh_ = distribute(comm, raw, dim_);
+  mesh_ = distributed(comm, raw, dim_);
   const auto topology = mesh_->topology_mutable();
   cells_ = topology->index_map(dim_)->size_global();
   topology->create_entities(dim_ - 1);

@@ -21,7 +21,7 @@ struct SizeField;
 
 /// How a .geo is meshed beside what the scene says.
 struct Meshing {
-  const SizeField* sizes = nullptr; ///< in place of mesh.size; read on rank 0
+  const SizeField* sizes = nullptr; ///< in place of mesh.size, or to refine a .msh to; read on rank 0
   std::filesystem::path keep{}; ///< where the mesh is written as a .msh, in the file's unit; empty: nowhere
 };
 

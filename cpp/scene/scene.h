@@ -53,6 +53,8 @@ struct Mesh {
 
   /// Whether sizes are chosen where they matter (--accuracy).
   [[nodiscard]] bool automatic() const { return size == 0.0; }
+  /// Whether the file is a mesh already, a .msh.
+  [[nodiscard]] bool meshed() const { return file.extension() == ".msh"; }
 };
 
 /// Table [time]: N steps of length τ, docs/method.md section 2, or steps of varying length, section 11.

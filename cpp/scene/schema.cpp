@@ -38,7 +38,7 @@ Keys<Mesh> keys_of(Of<Mesh>) {
             {.otherwise = "those that the .geo itself sets"}),
       value("scale", &Mesh::scale, Number{above_zero}, "",
             "in place of `mesh.size`, of the element sizes that the .geo itself sets", {.otherwise = "1.0"},
-            [](const Mesh& mesh) { return !mesh.size && mesh.file.extension() == ".geo"; }),
+            [](const Mesh& mesh) { return !mesh.size && !mesh.meshed(); }),
       value("unit", &Mesh::unit, Choice<LengthUnit>{}, "",
             "of the coordinates in the file, which are brought to metres; all else of a scene, `mesh.size` "
             "too, is in "

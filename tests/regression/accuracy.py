@@ -75,6 +75,13 @@ def sizes_where_they_matter(folder: Path) -> None:
     start = json.loads((signorini("optimize", HALF_DISC, folder / "from-it", control__initial={"run": str(out)}, mesh__size=1, optimizer__max_iterations=0),
                         (folder / "from-it" / "run.json").read_text())[1])["objective"]["value"]  # fmt: skip
     assert abs(start / run["objective"]["value"] - 1) < 0.01, start
+    # That mesh, of which nothing else is known, is refined where it matters.
+    for ranks in (1, 2):
+        refined = folder / f"refined-{ranks}"
+        finer, _ = order("optimize", HALF_DISC, refined, "--accuracy", "1e-3", "--set", f'mesh={{file="{out / "mesh.msh"}"}}', ranks=ranks)
+        assert finer["accuracy"]["estimated"] <= 1e-3 and len(finer["optimizer"]["coarse_levels"]) >= 1 and finer["cells"] > 1.2 * cells
+        assert abs(finer["objective"]["value"] / run["objective"]["value"] - 1) < 2e-3 + 1e-3
+        assert {p.name for p in refined.iterdir()} == FILES | {"mesh.msh"}
     print(f"sizes: {cells} cells whose areas differ {largest:.0f} times, in a uniform mesh of {uniform_cells} {uniform:.1f} times")
 
 

@@ -4,9 +4,11 @@
 #include "fem/space.h"
 #include "fixtures.h"
 #include "mesh/gmsh_model.h"
+#include "mesh/refinement.h"
 #include "mesh/size_field.h"
 #include <array>
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <fmt/format.h>
 #include <fstream>
@@ -36,6 +38,8 @@ double measure(const mesh::RawMesh& raw, const std::int64_t* nodes, int dim) {
         G[i][j] += (raw.points[3 * nodes[i + 1] + c] - origin) * (raw.points[3 * nodes[j + 1] + c] - origin);
       }
     }
+  if (dim == 1)
+    return std::sqrt(G[0][0]);
   const double minor = G[0][0] * G[1][1] - G[0][1] * G[1][0];
   if (dim == 2)
     return std::sqrt(minor) / 2;
@@ -255,6 +259,57 @@ TEST_CASE("elements become small where the error comes from, and large elsewhere
   CHECK(left_now < 7 * left);
   CHECK(right_now < right);
   CHECK(graded.group_dimension("bottom", "contact.on") == 1); // groups stay
+}
+
+TEST_CASE("a mesh is refined where its edges are too long, and keeps its parts and groups", "[mesh]") {
+  if (ranks(MPI_COMM_WORLD) > 1)
+    return; // one rank does it
+  namespace fs = std::filesystem;
+  const fs::path file = fs::temp_directory_path() / fmt::format("signorini-refined-{}.msh", getpid());
+  for (const char* name : {"tests/data/parts.geo", "tests/data/parts-space.geo"}) {
+    INFO(name);
+    const scene::Mesh scene{.file = test::source(name), .size = 5e-4, .unit = scene::LengthUnit::mm};
+    const mesh::RawMesh coarse = mesh::read_gmsh(scene);
+    // Lengths are thousandths: sizes that grow from a corner.
+    mesh::SizeField sizes{.dim = coarse.dim, .points = coarse.points};
+    for (std::size_t i = 0; i < coarse.points.size(); i += 3)
+      sizes.sizes.push_back(5e-5 +
+                            0.3 * std::hypot(coarse.points[i], coarse.points[i + 1], coarse.points[i + 2]));
+    const mesh::RawMesh fine = mesh::refined(coarse, sizes);
+    mesh::write_msh(fine, file, scene.unit);
+    const mesh::RawMesh read = mesh::read_gmsh({.file = file, .unit = scene.unit}); // which looks for defects
+    for (const mesh::RawMesh* now : {&fine, &read}) {
+      CHECK(now->cells.size() > 2 * coarse.cells.size());
+      CHECK(now->cells.size() == fine.cells.size());
+      REQUIRE(now->parts.size() == coarse.parts.size());
+      REQUIRE(now->facets.size() == coarse.facets.size());
+      const auto part = [](const mesh::RawMesh& mesh, const std::string& group) {
+        std::vector<std::int64_t> cells;
+        const std::vector<std::int64_t>& ranges = mesh.parts.at(group);
+        for (std::size_t r = 0; r < ranges.size(); r += 2)
+          cells.insert(cells.end(), &mesh.cells[ranges[r] * (mesh.dim + 1)],
+                       mesh.cells.data() + ranges[r + 1] * (mesh.dim + 1));
+        return total_measure(mesh, cells, mesh.dim);
+      };
+      for (const auto& [group, ranges] : coarse.parts)
+        CHECK_THAT(part(*now, group), Catch::Matchers::WithinRel(part(coarse, group), 1e-12));
+      for (const auto& [group, facets] : coarse.facets)
+        CHECK_THAT(total_measure(*now, now->facets.at(group), coarse.dim - 1),
+                   Catch::Matchers::WithinRel(total_measure(coarse, facets, coarse.dim - 1), 1e-12));
+    }
+    double shortest = 1, longest = 0; // edges at the corner, and all
+    for (std::size_t c = 0; c < fine.cells.size(); c += fine.dim + 1)
+      for (int i = 0; i < fine.dim; ++i) {
+        const double* a = &fine.points[3 * fine.cells[c + i]];
+        const double* b = &fine.points[3 * fine.cells[c + i + 1]];
+        const double edge = std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+        shortest = std::min(shortest, edge);
+        longest = std::max(longest, edge);
+      }
+    CHECK(shortest < std::sqrt(2) * 5e-5);
+    CHECK(longest > 3e-4);
+  }
+  fs::remove(file);
 }
 
 TEST_CASE("a file that makes gmsh crash is refused by one sentence", "[mesh]") {

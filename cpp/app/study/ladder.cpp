@@ -104,7 +104,7 @@ std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
     if (degree != 1 && degree != 2)
       throw UserError(fmt::format("--degrees: found {}, allowed are 1 and 2", degree));
   const std::vector<Scheme> given = schemes(scene, choice.schemes);
-  const bool meshed = scene.mesh.file.extension() == ".msh";
+  const bool meshed = scene.mesh.meshed();
   if (!choice.sizes.empty() && meshed)
     throw UserError("--sizes: have no effect on a .msh, which is meshed already; allowed with a .geo");
   const double size = scene.mesh.size.value_or(scene.mesh.scale);

@@ -197,8 +197,7 @@ Samples::Samples(MPI_Comm comm, const scene::Scene& scene) {
     body = fem::quadrature(read);
     digest = read.digest();
     const std::size_t points = body.weights.size();
-    if (points <= most || mesh.file.extension() == ".msh" ||
-        points >= before) // the .geo sets its own density
+    if (points <= most || mesh.meshed() || points >= before) // the .geo sets its own density
       break;
     before = points;
     (mesh.size ? *mesh.size : mesh.scale) *= 2;

@@ -56,7 +56,7 @@ Quantity the_quantity(const scene::Scene& scene, const std::vector<std::string>&
 }
 
 void require_size(const scene::Scene& scene, const Quantity& quantity, const char* option) {
-  if (scene.mesh.file.extension() == ".msh")
+  if (scene.mesh.meshed())
     throw UserError(fmt::format("{}: found a .msh, which is meshed already, allowed is a .geo", option));
   if (quantity.name == "J" && scene.mesh.degree != 1)
     throw UserError(fmt::format("{}: found mesh.degree = {}, allowed is 1: the estimate in space "
