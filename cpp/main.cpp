@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/completion.h"
 #include "app/run.h"
 #include "app/run_manifest.h"

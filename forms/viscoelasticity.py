@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The bilinear forms of a linearly viscoelastic body (Kelvin-Voigt), small strain, and the fields of its stress.
 
 Notation: displacement y, velocity v, test function phi in V, the continuous vector Lagrange

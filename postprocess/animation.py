@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Film of the deformed body beside its obstacles: colours show the displacement, arrows the contact forces.
 
 A body in space is seen from the side, along the obstacle's plane.

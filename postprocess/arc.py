@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Places of contact candidates along the surface that they lie on."""
 
 from dataclasses import dataclass

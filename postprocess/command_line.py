@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command line that all scripts of this folder share.
 
 Exit status 0: drawn; 2: the folder, a file or an option is wrong, or the run has nothing to draw.

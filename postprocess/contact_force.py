@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Nodal contact force over the horizontal position of the undeformed body at one time (seed, Fig. 9).
 
 In space it is drawn by colours at the candidates' places, seen along the obstacle's normal; beside a curved obstacle, or several,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Normal contact force over time, of each step and averaged over two neighbouring steps; of several obstacles the mean for each.
 
 In contact-implicit time stepping the force alternates from step to step, on every mesh and for every step size;

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Contact pressure over the position along the surface and time, averaged over two neighbouring steps where all are stored.
 
 In space over the distance from the node that is pushed the most. Bands without candidates are blank.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Resultant of the control over time, by its components."""
 
 import sys

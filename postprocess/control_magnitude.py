@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Magnitude of the control over the undeformed body at one time, with the nodes in contact marked (seed, Fig. 5).
 
 A control of a part of a plane body's boundary is drawn there, with arrows. In space it is that on the surface, seen from the side.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Relative distance of the control to the reference control over the optimizer's iterations (seed, Fig. 7)."""
 
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Kinetic, elastic and total energy, the potential of the loads and the energy dissipated so far, over time."""
 
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Expressions of a scene in x, y, z and t, evaluated by muParser as the program does, and time series in their place."""
 
 import ctypes

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Draws all figures of a run into RUN_FOLDER/figures, and says in one line which of them the run has no data for."""
 
 import sys

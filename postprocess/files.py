@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Files as a run leaves them: whole, or refused in one sentence."""
 
 import io

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What was measured beside what the fitted scene gives, over time, with the noise of the data as a band."""
 
 import sys

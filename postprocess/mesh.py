@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The mesh of a body and fields on it over time."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Objective above its last value over the optimizer's iterations (seed, Fig. 6)."""
 
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Obstacles in a picture of matplotlib: in the plane what is inside of them, in space their surfaces seen from the side."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Rigid obstacles of a scene: where they are at a time, and where they are drawn.
 
 Lengths in m, times in s, points n × dim. Heights are distances from the obstacle, positive outside of it.

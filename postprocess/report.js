@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 const FONT = { family: 'system-ui, "Liberation Sans", Arial, sans-serif', size: 14, color: "#1c2126" };
 const TOUCH = matchMedia("(pointer: coarse)").matches; // a finger that drags wants to scroll the page
 const CONFIG = { responsive: true, displayModeBar: false, scrollZoom: false };

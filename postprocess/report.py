@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Makes one page of all that a run or a study found: FOLDER/report.html, which needs no other file and no network.
 
 A run's page has the body in motion, contact forces, control, energies, probes, convergence and times; a study's page has what

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The page of two runs side by side: what differs in their scenes and results, both bodies in motion, both curves in each chart."""
 
 import json

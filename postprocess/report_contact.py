@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The part of a run's page about contact: forces over time, of each obstacle, and over the surface; the impact in figures."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The part of a run's page about the control: what it pushes with over time, and where on the boundary."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A body in space, cut open along a plane across x or y: the part of its surface beyond the plane, and what the plane shows."""
 
 from dataclasses import dataclass, replace

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What may colour a body: the fields that a run stored, as a number at each node."""
 
 from collections.abc import Callable, Iterator

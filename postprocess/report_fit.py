@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The parts of a run's page about a fit: what was fitted, how well, and what the data did not tell."""
 
 import csv

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The part of a run's page that sums up what run.json tells of the impact and of the energy."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 const MILLISECONDS = 80; // of a frame
 const MARGIN = { l: 0, r: 0, t: 60, b: 0 }; // with room for the colours above the body
 const FLAT = { lighting: { ambient: 1, diffuse: 0, specular: 0, fresnel: 0 } };

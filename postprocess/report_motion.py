@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The body in motion as a page shows it: some of the stored times, rounded to 16 bits, of a body in space its surface and
 what a cut through it shows."""
 

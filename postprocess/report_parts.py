@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a page is made of: sections of charts and tables, and numbers as plotly.js reads them."""
 
 import base64

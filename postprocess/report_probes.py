@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The part of a run's page about what the scene follows over time: a chart for each probe of probes.csv."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A run's page: what was run, the body in motion, contact, control, energies, probes, convergence and times."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A study's page: what accuracy costs, by which degree and scheme."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a run left in its folder, as numpy arrays in SI units.
 
 Which file holds what is listed in the manual under "What a run leaves in its folder". Files are read when

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Obstacles beside a body whose displacements are drawn enlarged.
 
 The gap of the candidate nearest to an obstacle is enlarged with the displacements, and so is the obstacle's motion: this

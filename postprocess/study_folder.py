@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a study left in its folder: study.json and study.csv, one row for each rung of its ladders."""
 
 import csv

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The look of all figures: one copy of sizes and colours, made to be read at half their size."""
 
 import io

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Surfaces as triangles: where values at the corners of tetrahedra change their sign, and what is drawn of an obstacle."""
 
 import numpy as np

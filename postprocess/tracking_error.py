@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Distance of the state to the desired state over time (seed, Fig. 8)."""
 
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How a body gets onto paper: a plane one as it is, one in space as it is seen from the side.
 
 The side view looks along the plane in which the obstacle touches the most, which is then a line, as level as that allows: the

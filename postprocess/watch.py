@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Objective, gradient norm and step length over the optimizer's iterations, drawn again while a run goes on.
 
 Draws RUN_FOLDER/figures/convergence.png whenever history.csv has grown, and says so in one line; ends with the run, or at

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Work and precision of a study: error over seconds, a curve for each degree and scheme through its most accurate rungs."""
 
 import argparse

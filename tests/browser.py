@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the tests of pages share: making a page, and a browser that opens it and does what a reader does."""
 
 import json

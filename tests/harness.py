@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the Python tests share: running the program, reading its tables."""
 
 import csv

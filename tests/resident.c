@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 /* Preloaded into a program, keeps it from going on to main: it waits there, loaded, and every request that
    comes by its socket becomes a copy of it that does go on. Of a short run nearly all the time goes into
    loading two hundred libraries.

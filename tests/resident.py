@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs of one rank without the half second that loading two hundred libraries takes: see resident.c."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What scenes of the tests of pages and figures share: a soft block of the unit's size, in the plane or in space."""
 
 from harness import SOURCE

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "adjoint/weighted_residual.h"
 #include "adjoint/dual_bubbles.h"
 #include "adjoint/sweep.h"

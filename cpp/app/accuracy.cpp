@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/accuracy.h"
 #include "app/error_estimate.h"
 #include "app/optimize.h"

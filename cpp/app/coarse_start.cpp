@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/coarse_start.h"
 #include "app/optimize.h"
 #include "app/search_level.h"

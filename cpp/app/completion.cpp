@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/completion.h"
 #include "scene/key_reference.h"
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/control_files.h"
 #include "app/motion_writer.h"
 #include "io/fields.h"

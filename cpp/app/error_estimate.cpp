@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/error_estimate.h"
 #include "base/error.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/info.h"
 #include "app/coarse_start.h"
 #include "app/optimize.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/motion_writer.h"
 #include "base/error.h"
 #include "io/motion_tables.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/run.h"
 #include "app/accuracy.h"
 #include "app/check/check.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/run_manifest.h"
 #include "base/collective.h"
 #include "base/memory.h"

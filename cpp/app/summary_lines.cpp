@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/summary_lines.h"
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/placement.h"
 #include "base/collective.h"
 #include "base/text.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "contact/lcp/goldfarb_idnani.h"
 #include "contact/lcp/snes_vi.h"

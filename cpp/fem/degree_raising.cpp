@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "fem/degree_raising.h"
 #include <basix/cell.h>
 #include <dolfinx/fem/FunctionSpace.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "fem/forms.h"
 #include "base/counters.h"
 #include "base/digest.h"

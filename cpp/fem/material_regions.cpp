@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "fem/material_regions.h"
 #include "base/collective.h"
 #include "base/text.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "fem/space.h"
 #include "base/collective.h"
 #include <basix/finite-element.h>

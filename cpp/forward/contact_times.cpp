@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/contact_times.h"
 #include <algorithm>
 #include <utility>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/integrate.h"
 #include "base/error.h"
 #include "base/signals.h"

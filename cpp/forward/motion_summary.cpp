@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/motion_summary.h"
 #include "forward/body_figures.h"
 #include <algorithm>

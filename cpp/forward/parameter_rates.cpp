@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/parameter_rates.h"
 #include "contact/massless.h"
 #include "contact/normal_operator.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/solver_prices.h"
 #include "base/collective.h"
 #include "linalg/machine_rates.h"

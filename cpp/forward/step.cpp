@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/step.h"
 #include "base/counters.h"
 #include "base/error.h"

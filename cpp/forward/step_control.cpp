@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/step_control.h"
 #include "base/collective.h"
 #include "contact/normal_operator.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/step_operators.h"
 #include "linalg/threaded_product.h"
 #include <algorithm>

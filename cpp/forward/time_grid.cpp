@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/time_grid.h"
 #include <algorithm>
 #include <bit>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/checkpoint.h"
 #include "base/collective.h"
 #include "io/point_match.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/csv_tables.h"
 #include <algorithm>
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/field_layout.h"
 #include "base/collective.h"
 #include <dolfinx/fem/FunctionSpace.h>

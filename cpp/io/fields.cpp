@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/fields.h"
 #include "base/collective.h"
 #include "io/xdmf_index.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/folder_lock.h"
 #include "base/error.h"
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/manifest.h"
 #include "base/counters.h"
 #include "base/threads.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/output_folder.h"
 #include "base/collective.h"
 #include "io/publication.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/stored_control.h"
 #include "base/collective.h"
 #include "control/interpolation.h"

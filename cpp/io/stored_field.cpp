@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/stored_field.h"
 #include "base/collective.h"
 #include "base/hdf5.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/xdmf_index.h"
 #include <fmt/format.h>
 #include <iterator>

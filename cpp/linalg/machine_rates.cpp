@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/machine_rates.h"
 #include "base/collective.h"
 #include "linalg/blas.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/simplex_qp.h"
 #include "linalg/updated_cholesky.h"
 #include <algorithm>

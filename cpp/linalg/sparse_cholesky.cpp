@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/sparse_cholesky.h"
 #include "base/error.h"
 #include "linalg/supernodal.h"

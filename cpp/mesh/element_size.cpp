@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/element_size.h"
 #include "base/error.h"
 #include <algorithm>

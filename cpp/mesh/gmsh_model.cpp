@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/gmsh_model.h"
 #include "base/error.h"
 #include "base/subprocess.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/refinement.h"
 #include "mesh/distribution.h"
 #include <algorithm>

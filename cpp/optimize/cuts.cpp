@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "optimize/cuts.h"
 #include "base/error.h"
 #include "linalg/dense.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/override.h"
 #include "base/error.h"
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What accuracy costs: studies of the cases whose solutions are known and of the half disc, and what each decade of a solver's
 tolerance costs and buys.
 

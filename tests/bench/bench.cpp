@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Seconds of a scene's steps in units of the floor that no step can go below: one solve with D and the
 // products with M and R, timed between the steps of the same run, on the same matrices, in the same state of
 // caches and machine.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Seconds of a contact step in units of the solve and products that no step can do without, all measured in the same run.
 
 usage: ./dev bench [c0|scaling|space|effects|peers] [--ranks N …] [--sizes H …] [--repeats N] [--json FILE]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What solver.linear = "auto" chooses, beside each way forced: seconds of forward runs and searches in the plane and in space.
 
 usage: ./dev bench choice [--cases NAME …] [--ranks N …] [--steps N] [--sweeps N] [--repeats N] [--json FILE]

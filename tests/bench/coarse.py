@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a start on coarse meshes saves: sweeps on the finest mesh and seconds to J* + 1e-6, beside a start from nothing.
 
 usage: ./dev bench coarse [--sizes H …] [--iterations N] [--repeats N] [--json FILE]

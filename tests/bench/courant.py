@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Iterations of conjugate gradients for steps longer than a wave takes to cross an element, in space.
 
 usage: ./dev bench courant [--sizes H …] [--courant C …] [--ranks N …] [--block-jacobi] [--json FILE]

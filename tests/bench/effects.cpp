@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What the effects of a scene cost: seconds per step of a forward run and of a gradient, solves, matrices and
 // memory; and, where the scene has neither contact nor loads, the same motion by a loop that has never heard
 // of them.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Seconds of a gradient by a scene's unknowns over those of one by a control alone, on the same motion: a
 // forward run whose states are kept, and the backward sweep. Factors are made before.
 //

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A gradient by eight unknowns of a fit over one by a control alone: a forward run and a backward sweep, factors made before.
 
 usage: ./dev bench fits [--sizes H …] [--repeats N] [--json FILE]

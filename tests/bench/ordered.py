@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Accuracy on demand: optima ordered to a relative error of J, their true errors, and their price.
 
 usage: ./dev bench ordered [SCENE …] [--accuracy A,B,…] [--reference R] [--sizes uniform,auto] [--json FILE]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What it costs to store a motion: seconds of output a stored time, however many there are, beside those of the steps.
 
 usage: ./dev bench output [--sizes H …] [--frames N …] [--ranks N …] [--json FILE]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the benchmarks share: their options, running a program, and where the figures go too."""
 
 import argparse

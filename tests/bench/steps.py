@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What steps of varying length save: errors and seconds beside those of steps of one length.
 
 usage: ./dev bench steps [SCENE …] [--json FILE]

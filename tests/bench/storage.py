@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What it costs to keep the states of a motion elsewhere than in memory, or to make them again: peak memory and seconds of an
 optimization with as many steps as a long run has.
 

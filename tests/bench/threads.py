@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Seconds of a gradient on one thread over those on several, in runs that take turns.
 
 usage: ./dev bench threads [--threads N …] [--repeats N] [--json FILE]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 /* Preloaded into a program, lets the n-th of the calls that change a folder fail, as a full or a broken disk
    does.
 

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
 # usage: run.sh BUILD_DIR SOURCE_DIR COUNT SEED: nine tenths of the inputs are scenes, the rest meshes, which take longer.
 set -u
 build=$1 source=$2 count=$3 seed=$4

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How many mistakes the tests notice: changes single tokens of the sources, each in turn, and runs the tests.
 
     mutate.py CHECKOUT BUILD COUNT SEED    draws that many mutants of the parts below

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where one token of a C++ source can be changed, and into what.
 
 The changes, by name:

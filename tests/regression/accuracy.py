@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Accuracy on demand: what is asked is met, within the budget, and what is on disk is whole whatever ends the run."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """`check` fails, with exit status 1, where it has nothing to check: no contact, no motion, no size that keeps the sets."""
 
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A search that starts on coarse meshes ends where one from the first guess does, with fewer sweeps; it can be interrupted, resumed and
 does without a level that cannot be meshed. And a control that an earlier run left is gone on from on another mesh."""
 

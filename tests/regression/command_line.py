@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The command line beside its runs: --version, what bash completes, where an option is known, where a run of an echo goes."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a scene does not ask for is neither made nor done: the counters of run.json."""
 
 import json

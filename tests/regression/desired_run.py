@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """objective.desired.run: the desired states of an earlier run's folder, on any number of ranks and between stored times."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Whatever call fails while a run writes, or kills it, its folder has the earlier results or the new ones, whole, and the next run works.
 
     faults.py SIGNORINI SOURCE LIBRARY [--all]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The figures of a run are drawn from its folder: all of them, legible image files, and one sentence where it is no run."""
 
 import subprocess

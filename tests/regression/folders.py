@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A run has its folder for itself and replaces nothing there that no run wrote; what lies in folders that anyone may write to is its
 own from the start.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """SIGINT and SIGTERM leave complete files and exit status 130; a run that is stopped before it has anything leaves none."""
 
 import contextlib

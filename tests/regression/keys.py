@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Every key of a scene does what the README says: each is changed in a small scene and must show in the motion, in J or in
 the files. The program itself names the keys that it accepts; each of them has an entry here, a case of bad input, and a
 place in the README."""

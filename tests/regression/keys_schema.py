@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """`signorini keys` names every key, and with --json is a JSON schema that takes all scenes here and none with a wrong type, a
 key too many or too few."""
 

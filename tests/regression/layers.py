@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Data flows one way: a file of cpp/ includes only what stands before it in the order of the design."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What ./dev mutate makes of each line of a source: these changes and no others."""
 
 import sys

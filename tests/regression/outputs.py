@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a run leaves in its folder is what the documentation promises."""
 
 import json

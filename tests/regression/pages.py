@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Pages of runs with several obstacles, with tables and fields of known numbers, in space, and of two runs side by side."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What makes results mean less than they seem to is said once, in run.json and on the page; scenes that are what the model is for
 have nothing of it. A mesh with nodes at one place is a mesh like others. Short steps and a stiff body's weight are contact.
 """

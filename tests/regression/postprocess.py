@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What figures and pages draw of obstacles and controls is what the program computed with: gaps, surfaces, cuts, resultants."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Nothing that is compiled or written as a test is left out of ctest: every test case, every unit test's file, every script.
 
     registered.py SIGNORINI-UNIT SOURCE CTEST BUILD

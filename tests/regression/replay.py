@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """J of a simulation, and a control that an earlier run left: applied again, or gone on from, on other ranks and with other steps."""
 
 import json

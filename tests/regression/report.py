@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The page of a run and of a study: whole in one file, drawn without network, and driven by mouse, keyboard and finger's width.
 
 A headless browser opens it and does what a reader does.

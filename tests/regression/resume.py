@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A search that was stopped goes on to the last bit: after SIGINT, after kill -9 at random moments, with each method; on another
 number of ranks to rounding; and not from a damaged checkpoint or one of another problem.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The linear solver is chosen by time: for few steps of a body in space no factor is made, and the motion is the same."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """signorini study: what it prices, runs, keeps and refuses; orders where the solution is known. With a further argument, `ranks`,
 what it does on two."""
 

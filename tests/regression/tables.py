@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Forces by obstacle, probes, the summary of contact, and what is stored: in tables, in run.json and in words, on one rank and two."""
 
 import json

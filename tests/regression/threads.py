@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The same results to the last bit on any number of threads; one sentence where there is no such number."""
 
 import json

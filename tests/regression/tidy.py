@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """clang-tidy's checks, those of .clang-tidy, on the units of cpp/ that are quick to parse: they see neither dolfinx nor PETSc, nor libraries
 of files and formats.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Time series from CSV files: they act as the expressions that they are, on any number of ranks, and the files of a run are such
 tables; what is read again, resumed or kept by a study knows them."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """history.csv grows by whole lines while a run goes on, and postprocess/watch.py draws it again and again until the run ends."""
 
 import subprocess

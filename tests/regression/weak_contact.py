@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Where contact is weak check knows that J has slopes to one side alone, and holds them against differences of J.
 
 Under a block that stands on the plane without weight every candidate is in weak contact: it can be lifted, not pushed down.

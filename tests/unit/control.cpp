@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/check/check.h"
 #include "fixtures.h"
 #include "optimize/span.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "fixtures.h"
 #include <catch2/catch_session.hpp>
 #include <cstdio>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "optimize/lbfgs.h"
 #include "optimize/newton_cg.h"
 #include "optimize_problems.h"

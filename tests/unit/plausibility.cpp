@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/plausibility.h"
 #include "base/collective.h"
 #include "fem/coherence.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/study/store.h"
 #include "base/collective.h"
 #include "fem/forms.h"

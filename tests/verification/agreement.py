@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Ways to the same solution agree.
 
     agreement.py SIGNORINI SOURCE solvers|ranks    condensed, full VI, conjugate gradients; one, two and three ranks

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """B2 and B3, a bar hits a plane once and a bar bounces: figures against the exact solutions (Doyen, Ern, Piperno 2011).
 
 Contact-implicit forces alternate about the exact one in contact, on every mesh. Displacements, energy, impulses, contact

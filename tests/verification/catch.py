@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """A disc is thrown at a wall: left alone it flies off, a bounded traction on its back catches it.
 
 Momentum, and angular momentum about the origin, change by the impulses of traction and contact at each step, to rounding:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Degree 2: how far the boundary dips below the obstacle between the nodes, at which alone the contact condition holds.
 
 Displacements are quadratic along an edge, and so is the gap to a plane: it is known there from the nodes at the ends and in the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """D1: an elastic disc falls on a plane. The fall is a parabola until the touch, and energy only ever goes.
 
 How fast the disc flies off, and how much of it rings instead, nobody knows in closed form; but no faster than the energy allows,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Effectivity of the estimate of J's error: estimate over true error, signs included, between 0.5 and 2 in nine of ten runs.
 
 Scenes that differ in physics: a half disc pushed onto a plane that rests or moves; a block with a bumpy initial velocity, held

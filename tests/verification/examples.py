@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The scenes that show what a user of a contact program asks, beside statics, free fall and momentum."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Fits: derivatives by every kind of unknown from every kind of measurement, and parameters that come back from made data.
 
 usage: fits.py SIGNORINI SOURCE derivatives|together|recovery|exact|noise

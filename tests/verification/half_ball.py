@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The half ball at sizes that matter: derivatives, and the same J, gradient norm and contact on one, two and three ranks."""
 
 import json

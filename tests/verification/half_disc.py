@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """C0, the half disc: the figures of an independent implementation, on three meshes."""
 
 import sys

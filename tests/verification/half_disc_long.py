@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """1000 iterations of Algorithm 1 on the half disc at h = 0.5, and the behaviour that the paper reports of them."""
 
 import json

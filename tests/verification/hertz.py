@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """H1: a half disc pressed onto a plane, at rest, against Hertz's pressure in plane strain.
 
 Hertz takes the disc for a half-space and its circle for a parabola, which is wrong by (a/R)², 0.7 % here. The mesh finds

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The three optimizers on the half disc at h = 1: sweeps that each needs to come as far as 400 iterations of projected-gradient,
 and, where a third of the control is at its bounds and J is smooth at the minimiser, the same minimiser from all. With a further
 argument, `meshes`, the sweeps of lbfgs alone, on a finer mesh too.

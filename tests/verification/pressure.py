@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Contact pressure as the program gives it, in contact.csv and as a field: of uniform patches to rounding, and Hertz's.
 
 All bodies are at rest after one step: with a viscosity of T = 1000 s times the elastic moduli and steps of 2T the step

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The half disc's and the half ball's experiments, turned by 37 degrees with mesh, plane and controls: nothing may depend on
 the directions of the axes."""
 

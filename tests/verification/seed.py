@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the paper reports of its experiment (section 5, Figs. 5 to 9), statement by statement, on scenes/seed.toml. How many iterations the
 search takes for what hangs on rounding: bounds are far from what was measured."""
 

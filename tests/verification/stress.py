@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Stress of a viscoelastic bar that is held at one end and kept from widening, let go and ringing down: closed form.
 
 The strain is u'(x, t) e_x e_x alone, so that along the bar the moduli are λ + 2μ and κ + 4η/3, across it λ and κ - 2η/3,

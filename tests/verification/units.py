@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Another unit of the control (with its scale, bounds and cost) or of J must not change a search: not its iterates, nor its reason
 to stop, nor its certificate.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/check/check.h"
 #include "app/check/derivative_check.h"
 #include "app/check/evaluation_point.h"

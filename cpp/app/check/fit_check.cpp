@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/check/fit_check.h"
 #include "app/fit/outcome.h"
 #include "base/error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/fit/fit.h"
 #include "app/fit/outcome.h"
 #include "app/fit/simulated.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/fit/fit_problem.h"
 #include "base/signals.h"
 #include "io/fit_tables.h"

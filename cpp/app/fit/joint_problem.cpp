@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/fit/joint_problem.h"
 #include "base/error.h"
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/fit/joint_search.h"
 #include "app/control_files.h"
 #include "app/fit/joint_problem.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/fit/simulated.h"
 #include "forward/contact_times.h"
 #include <limits>

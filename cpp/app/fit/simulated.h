@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "app/fit/fit_problem.h"
 #include "app/motion_writer.h"

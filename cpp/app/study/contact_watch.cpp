@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/study/contact_watch.h"
 #include <cmath>
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/study/density.h"
 #include "base/collective.h"
 #include "base/error.h"

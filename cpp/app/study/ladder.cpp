@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/study/ladder.h"
 #include "base/error.h"
 #include "scene/names.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/study/measure.h"
 #include "app/check/evaluation_point.h"
 #include "app/error_estimate.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/study/trials.h"
 #include "app/study/analysis.h"
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/lcp/goldfarb_idnani.h"
 #include "base/error.h"
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/lcp/primal_dual.h"
 #include "base/error.h"
 #include "contact/node_basis.h"

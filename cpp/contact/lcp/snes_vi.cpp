@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/lcp/snes_vi.h"
 #include "base/error.h"
 #include <fmt/format.h>

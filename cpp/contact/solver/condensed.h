@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "contact/delassus_operator.h"
 #include "contact/lcp/complementarity.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/solver/contact_step_solver.h"
 #include "base/counters.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/solver/full.h"
 #include "base/error.h"
 #include "base/text.h"

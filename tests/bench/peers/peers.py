@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Milliseconds per forward step of the half disc, of signorini and of its peers, on the same mesh, nothing stored between steps.
 
 usage: ./dev bench peers [SIZE …] [--repeats N] [--only PROGRAM[@SIZE] …] [--json FILE]    (sizes in m, default 0.5 0.25)

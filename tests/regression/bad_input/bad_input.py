@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Bad input: whatever is wrong, the program says so in one sentence, exits with status 2 and leaves nothing behind.
 
 usage: python3 bad_input.py PATH_TO_SIGNORINI PATH_TO_SOURCE_DIR [PATTERN]

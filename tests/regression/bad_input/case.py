@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """One bad input: a scene that runs, meshes for it, and how a case spoils them."""
 
 import re

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "ufcx.h"
 #include "viscoelasticity_triangle_1.h"
 #include <stdio.h>

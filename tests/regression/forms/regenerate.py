@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Editing a form and rebuilding regenerates its C code and relinks what uses it."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The table of all hard cases: signorini-hard [FAMILY …]; exit status 1 if a case fails."""
 
 import subprocess

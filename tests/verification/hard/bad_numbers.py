@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Numbers that no run can do anything with: each ends in one sentence, with status 2 (the scene) or 3 (a solver), and leaves the
 folder of an earlier run as it was. The meshes, the scene and what a sentence is are those of regression.bad-input, whose cases
 are not repeated."""

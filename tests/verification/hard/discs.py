@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """D1, H1 and P1 by all schemes: a disc that falls, Hertz's contact, and uniform pressure.
 
 ../disc_drop.py and ../hertz.py derive the tolerances of the first two. At rest no scheme knows of mass: the equilibrium

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Impacts that press a solver: at half the wave speed, of a flat face in one step, without a clamp, on doubled obstacles."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Gradients without and with little viscosity: the derivative beside the slope over a tenth of the control, which is what an
 optimizer and an experiment see.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Grazing and rest: a body that just reaches the plane, and one that lies on it for 10,000 steps.
 
 Grazing. A load pushes a disc that flies towards a plane back, so that its least gap in free flight would be −d (or d), on a

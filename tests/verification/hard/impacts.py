@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """B2 and B3, exact impacts of a bar, by all schemes: ../bar.py has the exact solutions and derives the tolerances.
 
 They hold for every scheme, since all carry waves alike and differ in the layer of elements that touches only: what that

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Nearly incompressible bodies: ν = 0.49, 0.499, 0.4999. Solvers converge, energy stays bounded, and degree 1 locks.
 
 Hertz's half-width a = 2 √(P R (1 - ν²) / π E) hardly depends on ν there. Linear triangles of such a body can hardly

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes that nobody wants: triangles a thousand times as long as high, and elements of sizes from 1 to 1000 in one mesh.
 
 `check` holds the laws to fixed parts of the energy, as for a good mesh, where such elements are a layer of the body. A body

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Without viscosity: energy stays where there is no contact, and never rises through tens of impacts.
 
 Energy is the kinetic, the elastic and, of a constant load, the potential one, E_k − Σ f·(y_j − y_{j−1}). Without contact the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Control problems from a first guess far away and with hardly any cost of control: J never rises from one accepted iterate to
 the next, and the reason for which the search stops is true.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Scales: a scene in other units of stiffness, length and time gives the same nondimensional figures.
 
 With lengths times L, stiffness times E and times times T every displacement is L times as long, every force E L^(d−1) times

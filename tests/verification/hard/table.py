@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the families of hard cases share: their table, one line for each case."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Time steps over eight decades: a body is thrown onto a plane and its energy rises by rounding alone.
 
 No loads, no viscosity. For every scheme the energy law leaves the work of contact alone:
