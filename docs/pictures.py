@@ -42,7 +42,8 @@ def picture(run: RunFolder, name: str) -> Image.Image:
 def draw(name: str, folder: Path) -> None:
     scene = HERE.parent / "scenes" / f"{name}.toml"
     out = folder / name
-    subprocess.run([shutil.which("signorini"), *VERBS.get(name, ["simulate"]), scene, "--out", out, "--quiet"], check=True)
+    verb, *options = VERBS.get(name, ["simulate"])
+    subprocess.run([shutil.which("signorini"), verb, scene, *options, "--out", out, "--quiet"], check=True)
     image = picture(RunFolder(out), name)
     image = image.resize((WIDTH, round(image.height * WIDTH / image.width)), Image.Resampling.LANCZOS)
     path = HERE / "pictures" / f"{name}.png"
