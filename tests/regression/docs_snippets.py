@@ -36,6 +36,7 @@ COMMAND = re.compile(r"(?s)(?<!`)`((?:\./dev|signorini) [^`]+)`(?!`)")
 PLACEHOLDER = re.compile(r"^[A-Z]+$|…")  # SCENE, FOLDER, TOL
 NAMED = {"toml": r"# ([\w-]+\.toml)(, continued)?\n", "c": r"// ([\w-]+\.geo)()\n", "python": r"# ([\w-]+\.py)()\n"}
 SECONDS = 300
+MODULE = importlib.util.find_spec("signorini") is not None  # the Python module; where it is not built its snippets are compiled alone
 
 
 class Wrong(Exception):
@@ -107,13 +108,15 @@ class Page:
             with open(self.folder / named[1], "a" if named[2] else "w") as file:
                 file.write(block.text + "\n")
         match block.language:
+            case "sh" if not MODULE and ".py" in block.text:
+                return "compiled"  # with the script that it names
             case "sh":
                 self.run(["bash", "-euo", "pipefail", "-c", block.text])
                 return "executed"
             case "python":
                 compile(block.text, str(block), "exec")
-                if "import signorini" in block.text and importlib.util.find_spec("signorini") is None:
-                    return "compiled" # the Python module is not built here
+                if "import signorini" in block.text and not MODULE:
+                    return "compiled"
                 self.run([sys.executable, "-"], block.text)
                 return "executed"
             case "toml" if named:
@@ -142,7 +145,7 @@ def look_at(words: list[str], folder: Path) -> None:
         for family in rest:
             if not (SOURCE / "tests" / "verification" / "hard" / f"{family}.py").is_file():
                 raise Wrong(f"there is no family {family} of hard cases")
-    elif "=" in program: # a variable for the command
+    elif "=" in program:  # a variable for the command
         look_at(rest, folder)
     elif not shutil.which(program):
         raise Wrong(f"there is no program {program}")
@@ -152,7 +155,7 @@ def look_at_dev(words: list[str], folder: Path) -> None:
     usage = output("sh", str(SOURCE / "dev"), "help")
     verb = words[0]
     if verb == "package" and not re.search(r"(?m)^  package ", usage):
-        return # is to come
+        return  # is to come
     if not re.search(rf"(?m)^  {re.escape(verb)}\b", usage) and verb not in ("help", "…"):
         raise Wrong(f"./dev has no verb {verb}")
     if verb == "exec":
