@@ -54,7 +54,7 @@ def mathjax_is_local():
 
 def outside_links_to_sources(app, docname, source):
     """Files of the checkout, which Markdown links to from here, are no pages: on these they are shown by name alone."""
-    source[0] = re.sub(r"\[([^\]\n]+)\]\((\.\./)+(cpp|forms|scenes|postprocess|tests|dev|CONTRIBUTING\.md|README\.md|LICENSE)[^)]*\)",
+    source[0] = re.sub(r"(?<!!)\[([^\]\n]+)\]\((\.\./)+(cpp|forms|scenes|postprocess|tests|dev|CONTRIBUTING\.md|README\.md|LICENSE)[^)]*\)",
                        lambda match: f"`{link_target(match[0])}`", source[0])  # fmt: skip
 
 

@@ -27,7 +27,7 @@ VERBS = {
     "half-ball": ["simulate", "--set", 'control.initial=["0","0","-1"]'],
     "half-disc": ["optimize", "--set", "optimizer.max_iterations=60"],
 }
-WIDTH, COLOURS = 560, 64  # pixels; a palette of so many colours makes a small file
+WIDTH = 560  # pixels
 
 
 def picture(run: RunFolder, name: str) -> Image.Image:
@@ -47,7 +47,8 @@ def draw(name: str, folder: Path) -> None:
     image = picture(RunFolder(out), name)
     image = image.resize((WIDTH, round(image.height * WIDTH / image.width)), Image.Resampling.LANCZOS)
     path = HERE / "pictures" / f"{name}.png"
-    image.quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
+    colours = {} if name == "half-disc" else {"palette": animation.palette()}  # a palette makes a small file
+    image.quantize(dither=Image.Dither.NONE, **colours).save(path, optimize=True)
     print(f"{path} {path.stat().st_size / 1000:.0f} kB", flush=True)
 
 
