@@ -33,7 +33,7 @@ MATHJAX_PARTS = ("MathJax.js", "config/TeX-AMS_SVG.js", "extensions", "jax/eleme
 if (MATHJAX / MATHJAX_PARTS[0]).is_file():
     mathjax_path = "mathjax/MathJax.js?config=TeX-AMS_SVG"
     mathjax2_config = {"showMathMenu": False, "messageStyle": "none", "tex2jax": {"inlineMath": [["\\(", "\\)"]],
-                       "displayMath": [["\\[", "\\]"]], "processClass": "math"}, "SVG": {"linebreaks": {"automatic": True}}}  # fmt: skip
+                       "displayMath": [["\\[", "\\]"]], "processClass": "math"}, "SVG": {"scale": 95, "linebreaks": {"automatic": True}}}  # fmt: skip
 
 
 def copy_mathjax(app, error):

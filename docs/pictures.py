@@ -23,6 +23,7 @@ from run_folder import RunFolder  # noqa: E402
 
 # Those whose motion without a control shows nothing, and what is run of them instead.
 VERBS = {
+    "beam": ["simulate", "--set", "solver.linear=direct"],
     "catch": ["optimize"],
     "half-ball": ["simulate", "--set", 'control.initial=["0","0","-1"]'],
     "half-disc": ["optimize", "--set", "optimizer.max_iterations=60"],
