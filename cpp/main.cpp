@@ -92,6 +92,8 @@ void add_study_options(CLI::App& app, Request& request) {
        "of steps that the motion chooses (time.step = \"auto\"), beside or in place of --steps (default: "
        "none, or "
        "the scene's, 4 and 16 times that)");
+  app.add_flag("--graded", request.study.choice.graded,
+               "the same rungs once more on meshes with as many elements, whose sizes vary with the error");
   list("--degrees", request.study.choice.degrees, "1,2 (default: the scene's)");
   list("--schemes", request.study.choice.schemes,
        "of contact-implicit,contact-stabilized,massless (default: the scene's)");

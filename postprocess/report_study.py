@@ -87,7 +87,7 @@ def heading(study: StudyFolder, name: str) -> str:
 
 
 def orders(study: StudyFolder) -> Table:
-    rows = [[heading(study, order["quantity"]), str(Method(order["degree"], order["scheme"], order["mass"], order["steps"] == "chosen")),
+    rows = [[heading(study, order["quantity"]), str(Method(order["degree"], order["scheme"], order["mass"], order["steps"] == "chosen", order["mesh"] == "graded")),
              *(observed(order, part) for part in ("space", "time", "both"))] for order in study.manifest["orders"]]  # fmt: skip
     return Table("Powers of the element size, the time step and of both refined together with which errors fall, and "
                  "their range from rung to rung. Not in the asymptotic range: differences of successive rungs change sign, do not "

@@ -26,9 +26,11 @@ class Method:
     mass: str
     chosen: bool
     """Steps, by a tolerance; else they have one length."""
+    graded: bool
+    """Meshes, by the error; else of one size."""
 
     def __str__(self) -> str:
-        return f"degree {self.degree}, {self.scheme}" + ("" if self.mass == "consistent" else f", {self.mass}") + (", steps chosen" if self.chosen else "")
+        return f"degree {self.degree}, {self.scheme}" + ("" if self.mass == "consistent" else f", {self.mass}") + (", steps chosen" if self.chosen else "") + (", graded" if self.graded else "")
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,7 @@ class StudyFolder:
 
 
 def rung_of(row: dict[str, str], columns: list[str]) -> Rung:
-    method = Method(int(row["degree"]), row["scheme"], row["mass"], bool(row["tolerance"]))
+    method = Method(int(row["degree"]), row["scheme"], row["mass"], bool(row["tolerance"]), row["graded"] == "1")
     return Rung(row["rung"], method, {name: number(row[name]) for name in columns})
 
 

@@ -38,7 +38,7 @@ def draw(study: StudyFolder, quantity: str) -> Path:
         colour = COLOURS[method.scheme, method.mass]
         axes.loglog(*zip(*points), "x" if method.chosen else ".", color=colour, alpha=0.3, markersize=5)
         line = ("-." if method.chosen else "-") if method.degree == 1 else (":" if method.chosen else "--")
-        axes.loglog(*zip(*front(points)), line, color=colour)
+        axes.loglog(*zip(*front(points)), line, color=colour, marker="o" if method.graded else None, fillstyle="none", markersize=4)
     axes.set_xlabel("seconds")
     axes.set_ylabel(f"error of {study.manifest['quantities'][quantity]['title']}")
     kinds = sorted({(method.scheme, method.mass) for method in methods}, key=list(COLOURS).index)
@@ -47,6 +47,8 @@ def draw(study: StudyFolder, quantity: str) -> Path:
         handles += [Line2D([], [], color="0.3", ls=line, label=f"degree {degree}") for degree, line in ((1, "-"), (2, "--"))]
     if any_chosen:
         handles += [Line2D([], [], color="0.3", ls="-.", marker="x", label="steps chosen")]
+    if any(method.graded for method in study.methods):
+        handles += [Line2D([], [], color="0.3", marker="o", fillstyle="none", markersize=4, label="graded meshes")]
     figure.legend(handles=handles, loc="outside upper center", ncols=2, columnspacing=1.2, handlelength=1.8)
     return style.save(figure, study.path / "figures" / f"work_precision_{quantity}.png")
 

@@ -13,6 +13,7 @@
 #include "optimize/projected_gradient.h"
 #include <algorithm>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <limits>
 
 namespace signorini {

@@ -10,6 +10,7 @@
 #include "app/optimize.h"
 #include "app/run_manifest.h"
 #include "app/run_objective.h"
+#include "app/study/grading.h"
 #include "app/summary_lines.h"
 #include "base/collective.h"
 #include "base/error.h"
@@ -26,6 +27,8 @@ namespace signorini {
 namespace {
 
 MPI_Comm world() { return MPI_COMM_WORLD; }
+
+constexpr char kept_mesh[] = "mesh.msh";
 
 /// Prepares J of a run. A desired run that is missing or another's is no reason not to simulate: returns why
 /// J is not known then. Collective. Throws UserError.
@@ -44,14 +47,23 @@ std::string start_objective(const Problem& problem, const GivenControl& given,
 }
 
 int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, const Request& request,
-                   const Console& console, const std::optional<io::Accuracy>& accuracy = {}) {
+                   const Console& console, const std::optional<io::Accuracy>& accuracy = {},
+                   bool keep_mesh = false) {
   io::OutputFolder folder(world(), out);
+  scene::Scene told = scene;
+  mesh::Meshing meshing;
+  if (keep_mesh) {
+    meshing.keep = folder.staged(kept_mesh);
+    told.mesh.file = folder.path() / kept_mesh;
+    told.mesh.size.reset(), told.mesh.scale = 1;
+  }
   if (!request.replace)
     folder.require_no_search(out);
   if (request.measure)
     require_measurable(world(), scene, request.replace);
   Timers timers;
-  const Problem problem(world(), scene, simulation_needs(scene), timers);
+  const Problem problem(std::make_shared<const Discretisation>(world(), scene, timers, meshing), scene,
+                        simulation_needs(scene), timers);
   console.line(headline(problem));
 
   const GivenControl given(problem);
@@ -90,7 +102,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
     throw Interrupted();
   const bool complete = problem.stepper.grid().complete() && steps == problem.steps();
   recorder.finish();
-  folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
+  folder.write("scene.toml", scene::echo(told, problem.space.dim()));
   io::Manifest m = manifest(problem, "simulate", complete ? "end of time" : "interrupted", steps);
   if (m.lengths)
     m.lengths->rejected = rejected;
@@ -99,7 +111,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   if (objective && complete)
     m.objective = objective->value();
   m.files = folder.files();
-  folder.write("run.json", io::to_json(m, scene, timers));
+  folder.write("run.json", io::to_json(m, told, timers));
   for (const std::string& line : summary_lines(m))
     console.line(line);
   if (m.objective)
@@ -117,9 +129,35 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   return complete ? exit_status::done : exit_status::interrupted;
 }
 
+/// A folder that is gone with this object; its name is known on every rank. Collective.
+class ScratchFolder {
+public:
+  explicit ScratchFolder(MPI_Comm comm) : comm_(comm) {
+    std::string name;
+    on_root(comm, [&] {
+      name = (std::filesystem::temp_directory_path() / "signorini-XXXXXX").string();
+      if (!mkdtemp(name.data()))
+        throw WriteFailure(fmt::format("{}: the folder cannot be made", name));
+    });
+    path_ = broadcast(comm, name);
+  }
+  ~ScratchFolder() {
+    std::error_code left;
+    if (rank(comm_) == 0)
+      std::filesystem::remove_all(path_, left);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+private:
+  MPI_Comm comm_;
+  std::filesystem::path path_;
+};
+
 /// simulate with --accuracy: searches a size and a step, writes the motion of each that is better than those
 /// before, and says what came of it.
-int simulate_to_accuracy(const scene::Scene& scene, const std::filesystem::path& out, Request request,
+int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, Request request,
                          const Console& console) {
   const auto start = std::chrono::steady_clock::now();
   const double asked = *request.accuracy;
@@ -127,9 +165,19 @@ int simulate_to_accuracy(const scene::Scene& scene, const std::filesystem::path&
     stop_after(*request.study.budget);
   study::Found best;
   bool stopped = false;
+  std::optional<ScratchFolder> scratch;
+  if (scene.mesh.automatic()) { // from now on at a scale of sizes that vary
+    scene::Scene simulated = scene;
+    simulated.objective.reset();
+    const std::filesystem::path graded = scratch.emplace(world()).path() / "graded.geo";
+    study::write_graded(world(), simulated, graded, console);
+    scene.mesh.file = graded;
+    scene.mesh.size.reset();
+  }
   const auto write = [&](const study::Found& found) {
     const io::Accuracy accuracy{request.study.quantities.front(), asked, found.space, found.time, 0};
-    (void)simulate_scene(study::on_rung(scene, found.rung), out, request, Console(false, false), accuracy);
+    (void)simulate_scene(study::on_rung(scene, found.rung), out, request, Console(false, false), accuracy,
+                         scratch.has_value());
     request.replace = true; // from now on it is this run's own
     best = found;
   };
@@ -209,10 +257,10 @@ void require_not_the_guess(const scene::Scene& scene, const std::filesystem::pat
                     out.string()));
 }
 
-/// Sizes are chosen by searches alone. Throws UserError.
+/// Sizes are chosen for an ordered accuracy alone. Throws UserError.
 void require_size(const scene::Scene& scene, const Request& request) {
-  if (scene.mesh.automatic() && !(request.verb == "optimize" && request.accuracy))
-    throw UserError(fmt::format("mesh.size: found \"auto\" with {}, allowed with optimize --accuracy; else a "
+  if (scene.mesh.automatic() && !request.accuracy)
+    throw UserError(fmt::format("mesh.size: found \"auto\" with {}, allowed with --accuracy; else a "
                                 "size in m, such as --set mesh.size=0.1",
                                 request.verb));
 }

@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/memory.h"
 #include <fstream>
-#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 namespace signorini {
 
 double peak_memory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss); // Linux counts in KiB
+#ifdef __APPLE__
+  constexpr double unit = 1;
+#else
+  constexpr double unit = 1024; // Linux counts in KiB
+#endif
+  return unit * static_cast<double>(usage.ru_maxrss);
 }
 
 double resident_memory() {
@@ -20,7 +27,9 @@ double resident_memory() {
 }
 
 void forget_peak_memory() {
+#ifdef __GLIBC__
   malloc_trim(0); // freed heap memory would count as resident
+#endif
   std::ofstream("/proc/self/clear_refs") << "5";
 }
 

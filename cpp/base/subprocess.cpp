@@ -2,92 +2,90 @@
 #include "base/subprocess.h"
 #include "base/error.h"
 #include "base/signals.h"
+#include "base/worker.h"
+#include "version.h"
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <dlfcn.h>
 #include <fcntl.h>
-#include <poll.h>
+#include <fmt/format.h>
+#include <memory>
+#include <spawn.h>
 #include <stdexcept>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
+#include <system_error>
 #include <unistd.h>
+
+extern "C" char** environ;
 
 namespace signorini {
 namespace {
 
-constexpr char whole = '.'; // the last byte of a complete answer
-
-bool write_all(int file, const std::string& text) {
-  for (std::size_t done = 0; done < text.size();) {
-    const ssize_t count = write(file, text.data() + done, text.size() - done);
-    if (count < 0 && errno != EINTR)
-      return false;
-    done += count > 0 ? static_cast<std::size_t>(count) : 0;
-  }
-  return true;
+[[noreturn]] void fail(const std::string& what, int error) {
+  throw std::runtime_error(fmt::format("{}: {}", what, std::generic_category().message(error)));
 }
 
-/// All that comes; nothing if this process is asked to stop.
-std::optional<std::string> read_all(int file) {
-  constexpr int look = 100; // ms, from one look for such a request to the next
-  std::string text;
-  std::array<char, 1 << 16> part{};
-  while (!stop_requested()) {
-    pollfd ready{.fd = file, .events = POLLIN, .revents = 0};
-    if (poll(&ready, 1, look) <= 0)
-      continue;
-    const ssize_t count = read(file, part.data(), part.size());
-    if (count == 0 || (count < 0 && errno != EINTR))
-      return text;
-    if (count > 0)
-      text.append(part.data(), static_cast<std::size_t>(count));
-  }
-  return std::nullopt;
+using File = std::unique_ptr<FILE, int (*)(FILE*)>;
+
+/// A file without a name: a worker that ends before it has read a pipe would break that.
+File request_file(const std::string& request) {
+  File file(std::tmpfile(), &std::fclose);
+  if (!file || !worker::write_all(fileno(file.get()), request) || lseek(fileno(file.get()), 0, SEEK_SET) != 0)
+    fail("a request for a worker cannot be written to a temporary file", errno);
+  return file;
 }
 
-[[noreturn]] void child(int out, const std::function<std::string()>& make, std::optional<unsigned> seconds) {
-  setpgid(0, 0); // a group of its own, that ends as a whole
-  for (int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGPIPE}) // the parent's handlers would print
-    std::signal(signal, SIG_DFL);
-  for (int signal : {SIGINT, SIGTERM, SIGUSR1}) // the parent decides when to stop
-    std::signal(signal, SIG_IGN);
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  const int nowhere = open("/dev/null", O_WRONLY); // the C library prints when it detects a corrupt heap
-  if (nowhere >= 0) {
-    dup2(nowhere, STDOUT_FILENO);
-    dup2(nowhere, STDERR_FILENO);
-  }
-  const rlimit none{.rlim_cur = 0, .rlim_max = 0};
-  setrlimit(RLIMIT_CORE, &none);
-  if (seconds) {
-    const rlimit time{.rlim_cur = *seconds, .rlim_max = *seconds};
-    setrlimit(RLIMIT_CPU, &time);
-  }
-  _exit(write_all(out, make() + whole) ? 0 : 1); // not exit(): buffers and MPI belong to the parent
+/// Starts the worker in a group of its own, that ends as a whole, with nothing of this process but its input
+/// and output.
+pid_t start(const std::filesystem::path& program, int in, int out, std::optional<unsigned> seconds) {
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_adddup2(&files, in, STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&files, out, STDOUT_FILENO);
+  // The C library prints when it detects a corrupt heap.
+  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t defaults;
+  sigemptyset(&defaults);
+  sigaddset(&defaults, SIGPIPE); // which this process ignores
+  posix_spawnattr_setsigdefault(&attributes, &defaults);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+  std::string path = program.string(), limit = seconds ? std::to_string(*seconds) : "";
+  std::array<char*, 3> arguments{path.data(), limit.data(), nullptr};
+  pid_t process = -1;
+  const int error = posix_spawn(&process, path.c_str(), &files, &attributes, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  posix_spawnattr_destroy(&attributes);
+  if (error != 0)
+    fail(fmt::format("{} cannot be started", path), error);
+  return process;
 }
 
 } // namespace
 
-std::optional<std::string> in_subprocess(const std::function<std::string()>& make,
+std::optional<std::string> in_subprocess(const std::filesystem::path& program, const std::string& request,
                                          std::optional<unsigned> seconds) {
+  const File in = request_file(request);
   std::array<int, 2> ends{};
   if (pipe(ends.data()) != 0)
-    throw std::runtime_error("no pipe can be opened");
-  (void)std::fflush(nullptr); // lest the child writes the same buffered text again
-  const pid_t process = fork();
-  if (process == 0) {
+    fail("no pipe can be opened", errno);
+  for (const int end : ends) // the worker gets its own descriptor
+    fcntl(end, F_SETFD, FD_CLOEXEC);
+  pid_t process = -1;
+  try {
+    process = start(program, fileno(in.get()), ends[1], seconds);
+  } catch (...) {
     close(ends[0]);
-    child(ends[1], make, seconds);
+    close(ends[1]);
+    throw;
   }
   close(ends[1]);
-  if (process > 0)
-    setpgid(process, process); // whichever of the two comes first
-  std::optional<std::string> text = process > 0 ? read_all(ends[0]) : "";
+  std::optional<std::string> text = worker::read_all(ends[0], [] { return stop_requested(); });
   close(ends[0]);
-  if (process < 0)
-    throw std::runtime_error("no process can be started");
   if (!text)
     kill(-process, SIGKILL);
   int status = 0;
@@ -95,10 +93,44 @@ std::optional<std::string> in_subprocess(const std::function<std::string()>& mak
   }
   if (!text)
     throw Interrupted();
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !text->ends_with(whole))
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !text->ends_with(worker::whole))
     return std::nullopt;
   text->pop_back();
   return text;
+}
+
+namespace {
+
+/// The folder of the running code, a program or a shared library. Throws std::runtime_error.
+std::filesystem::path own_folder() {
+  Dl_info code{};
+  std::error_code missing;
+  std::filesystem::path file;
+  // Of a program the loader knows what it was called by, which may be a name found on PATH.
+  if (dladdr(reinterpret_cast<const void*>(&find_worker), &code) != 0 && code.dli_fname)
+    file = code.dli_fname;
+  if (!file.has_parent_path())
+    file = "/proc/self/exe";
+  file = std::filesystem::canonical(file, missing);
+  if (missing)
+    throw std::runtime_error("the place of the running program is not known");
+  return file.parent_path();
+}
+
+} // namespace
+
+std::filesystem::path find_worker(const std::string& name) {
+  const std::filesystem::path folder = own_folder();
+  std::string tried;
+  for (const std::filesystem::path& at :
+       {folder, folder / "../..", folder / "../libexec/signorini", folder / "../../../../libexec/signorini",
+        std::filesystem::path(version::libexec) / "signorini"}) {
+    const std::filesystem::path program = (at / name).lexically_normal();
+    if (access(program.c_str(), X_OK) == 0)
+      return program;
+    tried += (tried.empty() ? "" : ", ") + program.string();
+  }
+  throw std::runtime_error(fmt::format("the program {} is not where it is expected: {}", name, tried));
 }
 
 } // namespace signorini

@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <functional>
+#include <filesystem>
 #include <optional>
 #include <string>
 
 namespace signorini {
 
-/// Runs `make` in a silenced child process, for libraries that may crash or corrupt their memory, and returns
-/// its result; empty if it crashed or took more than `seconds` of processor time. `make` must not throw nor
-/// use MPI. Not collective. Throws std::runtime_error if no process can be started, Interrupted if this
-/// process was asked to stop meanwhile; then the child is gone, with all that it started.
-std::optional<std::string> in_subprocess(const std::function<std::string()>& make,
+/// Runs a worker, a program whose main function is worker::serve(), for libraries that may crash or corrupt
+/// their memory, and returns its answer to `request`; empty if it crashed or took more than `seconds` of
+/// processor time. This process is not copied (fork), which MPI does not allow once it has started. Not
+/// collective. Throws std::runtime_error if no process can be started, Interrupted if this process was asked
+/// to stop meanwhile; then the worker is gone, with all that it started.
+std::optional<std::string> in_subprocess(const std::filesystem::path& program, const std::string& request,
                                          std::optional<unsigned> seconds = {});
+
+/// The worker of this name, found from the place of the running code: beside it, in the folder of the build
+/// that it is in, or in libexec/signorini of the prefix that it is installed in. Throws std::runtime_error.
+std::filesystem::path find_worker(const std::string& name);
 
 } // namespace signorini

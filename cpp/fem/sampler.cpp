@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fem/sampler.h"
 #include "base/collective.h"
+#include "base/dolfinx_versions.h"
 #include "mesh/simplex.h"
 #include <algorithm>
 #include <array>
@@ -9,7 +10,6 @@
 #include <dolfinx/fem/CoordinateElement.h>
 #include <dolfinx/fem/FiniteElement.h>
 #include <dolfinx/fem/FunctionSpace.h>
-#include <dolfinx/geometry/BoundingBoxTree.h>
 #include <dolfinx/geometry/utils.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <limits>
@@ -41,7 +41,7 @@ std::vector<Near> nearest(const dolfinx::mesh::Mesh<double>& mesh, int dim,
   std::vector<Near> found(points.size() / 3);
   if (entities.empty())
     return found;
-  const dolfinx::geometry::BoundingBoxTree<double> tree(mesh, dim, entities);
+  const auto tree = dolfinx_versions::bounding_boxes(mesh, dim, std::span(entities));
   const auto midpoints = dolfinx::geometry::create_midpoint_tree(mesh, dim, entities);
   std::vector<double> outside;
   std::vector<std::size_t> numbers;

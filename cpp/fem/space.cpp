@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fem/space.h"
 #include "base/collective.h"
+#include "base/dolfinx_versions.h"
 #include <basix/finite-element.h>
 #include <cmath>
 #include <dolfinx/fem/DirichletBC.h>
@@ -23,7 +24,7 @@ std::shared_ptr<dolfinx::fem::FunctionSpace<double>> functions(const mesh::Mesh&
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, discontinuous);
   return std::make_shared<dolfinx::fem::FunctionSpace<double>>(
-      dolfinx::fem::create_functionspace(mesh.dolfinx(), element, shape));
+      dolfinx_versions::create_functionspace(mesh.dolfinx(), element, shape));
 }
 
 Shape vector(const mesh::Mesh& mesh) { return {static_cast<std::size_t>(mesh.dim())}; }

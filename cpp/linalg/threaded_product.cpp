@@ -211,10 +211,26 @@ PetscErrorCode multiply(Mat matrix, Vec x, Vec y) { return run(matrix, x, nullpt
 
 PetscErrorCode multiply_add(Mat matrix, Vec x, Vec z, Vec y) { return run(matrix, x, z, y); }
 
+#if PETSC_VERSION_LT(3, 23, 0)
 PetscErrorCode destroy(void* own) {
   delete static_cast<Product*>(own);
   return PETSC_SUCCESS;
 }
+
+PetscErrorCode set_destroy(PetscContainer container) {
+  return PetscContainerSetUserDestroy(container, destroy);
+}
+#else
+PetscErrorCode destroy(void** own) {
+  delete static_cast<Product*>(*own);
+  *own = nullptr;
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode set_destroy(PetscContainer container) {
+  return PetscContainerSetCtxDestroy(container, destroy);
+}
+#endif
 
 } // namespace
 
@@ -225,7 +241,7 @@ void thread_products(Mat matrix) {
   PetscContainer container = nullptr;
   check(PetscContainerCreate(PETSC_COMM_SELF, &container));
   check(PetscContainerSetPointer(container, product.release()));
-  check(PetscContainerSetUserDestroy(container, destroy));
+  check(set_destroy(container));
   check(PetscObjectCompose(reinterpret_cast<PetscObject>(matrix), attached,
                            reinterpret_cast<PetscObject>(container)));
   check(PetscContainerDestroy(&container));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/distribution.h"
 #include "base/collective.h"
+#include "base/dolfinx_versions.h"
 #include <cstdlib>
 #include <dolfinx/fem/CoordinateElement.h>
 #include <dolfinx/mesh/Mesh.h>
@@ -21,12 +22,9 @@ std::shared_ptr<dolfinx::mesh::Mesh<double>> distributed(MPI_Comm comm, const Ra
   // otherwise.
   setenv("SCOTCH_PTHREAD_NUMBER", "1", 0);
   MPI_Comm dividing = rank(comm) == 0 ? MPI_COMM_SELF : MPI_COMM_NULL;
-  dolfinx::mesh::CellPartitionFunction divide;
-  if (dolfinx::MPI::size(comm) > 1)
-    divide = dolfinx::mesh::create_cell_partitioner(dolfinx::mesh::GhostMode::none);
   return std::make_shared<dolfinx::mesh::Mesh<double>>(
-      dolfinx::mesh::create_mesh(comm, dividing, std::span<const std::int64_t>(raw.cells), element, comm, x,
-                                 {nodes, static_cast<std::size_t>(dim)}, divide));
+      dolfinx_versions::create_mesh(comm, dividing, std::span<const std::int64_t>(raw.cells), element, x,
+                                    {nodes, static_cast<std::size_t>(dim)}, ranks(comm) > 1));
 }
 
 } // namespace signorini::mesh

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/gmsh_model.h"
 #include "base/error.h"
-#include "base/subprocess.h"
 #include "base/text.h"
 #include "mesh/element_size.h"
 #include "mesh/msh_file.h"
@@ -393,7 +392,10 @@ void add_entities(int dim, const std::vector<std::int64_t>& elements,
     gmsh::model::addPhysicalGroup(dim, own, -1, name);
 }
 
-void write_msh_here(const RawMesh& mesh, const std::filesystem::path& file, double metres) {
+} // namespace
+
+void write_msh_here(const RawMesh& mesh, const std::filesystem::path& file, scene::LengthUnit unit) {
+  const double metres = scene::metres(unit);
   const Session session;
   gmsh::model::add("mesh");
   const auto dim = static_cast<std::size_t>(mesh.dim);
@@ -429,47 +431,6 @@ void write_msh_here(const RawMesh& mesh, const std::filesystem::path& file, doub
   gmsh::option::setNumber("Mesh.Binary", 1);
   gmsh::option::setNumber("Mesh.SaveAll", 1); // the nodes' entity is in no group
   gmsh::write(file.string());
-}
-
-} // namespace
-
-void write_msh(const RawMesh& mesh, const std::filesystem::path& file, scene::LengthUnit unit) {
-  const std::optional<std::string> said = in_subprocess([&]() -> std::string {
-    try {
-      write_msh_here(mesh, file, scene::metres(unit));
-      return "";
-    } catch (const std::exception& error) {
-      return error.what();
-    }
-  });
-  if (!said || !said->empty())
-    throw UserError(fmt::format("{}: gmsh cannot write it ({}), allowed is a file that can be written",
-                                file.string(), said ? *said : "it crashes"));
-}
-
-RawMesh read_gmsh(const scene::Mesh& mesh, const Meshing& meshing) {
-  constexpr char good = 'm', bad = 'e';
-  // gmsh trusts the counts in a damaged file and may never end; it reads tens of megabytes per second.
-  std::optional<unsigned> seconds;
-  if (std::error_code missing; mesh.meshed())
-    if (const auto size = std::filesystem::file_size(mesh.file, missing); !missing)
-      seconds = 5 + static_cast<unsigned>(size / 1'000'000);
-  const std::optional<std::string> answer = in_subprocess(
-      [&]() -> std::string {
-        try {
-          return good + packed(read_gmsh_here(mesh, meshing));
-        } catch (const std::exception& error) {
-          return bad + std::string(error.what());
-        }
-      },
-      seconds);
-  if (!answer)
-    throw UserError(fmt::format(
-        "{}: gmsh crashes on this file or does not come to its end, allowed are whole .geo and .msh files",
-        mesh.file.string()));
-  if (answer->front() == bad)
-    throw UserError(answer->substr(1));
-  return unpacked(std::string_view(*answer).substr(1));
 }
 
 } // namespace signorini::mesh

@@ -2,16 +2,15 @@
 #include "mesh/mesh.h"
 #include "base/collective.h"
 #include "base/digest.h"
+#include "base/dolfinx_versions.h"
 #include "base/signals.h"
 #include "mesh/distribution.h"
-#include "mesh/gmsh_model.h"
+#include "mesh/gmsh_process.h"
 #include "mesh/refinement.h"
 #include "scene/names.h"
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <dolfinx/fem/CoordinateElement.h>
-#include <dolfinx/io/xdmf_utils.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <dolfinx/mesh/MeshTags.h>
 #include <dolfinx/mesh/utils.h>
@@ -40,13 +39,11 @@ std::array<double, 3> bounding_box(const RawMesh& raw) {
 std::vector<std::int32_t> local_facets(const dolfinx::mesh::Mesh<double>& mesh,
                                        const std::vector<std::int64_t>& facets) {
   const auto topology = mesh.topology();
-  const auto& geometry = mesh.geometry();
   const int tdim = topology->dim(), fdim = tdim - 1;
   const std::size_t count = facets.size() / tdim;
   const std::vector<std::int32_t> ones(count, 1);
-  const auto [entities, values] = dolfinx::io::xdmf_utils::distribute_entity_data<std::int32_t>(
-      *topology, geometry.input_global_indices(), geometry.index_map()->size_global(),
-      geometry.cmap().create_dof_layout(), geometry.dofmap(), fdim,
+  const auto [entities, values] = dolfinx_versions::distribute_entity_data(
+      mesh, fdim,
       stdex::mdspan<const std::int64_t, stdex::dextents<std::size_t, 2>>(facets.data(), count, tdim), ones);
   std::vector<std::int32_t> local = dolfinx::mesh::entities_to_index(*topology, fdim, entities);
   std::ranges::sort(local);

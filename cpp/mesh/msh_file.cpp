@@ -5,13 +5,16 @@
 #include <array>
 #include <cerrno>
 #include <cstdint>
+#include <cstdio>
 #include <fmt/format.h>
 #include <fstream>
 #include <iterator>
 #include <string_view>
-#include <sys/mman.h>
 #include <system_error>
 #include <unistd.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
 
 namespace signorini::mesh {
 namespace {
@@ -52,6 +55,24 @@ void require_end(const std::string& file, std::string_view text) {
 
 } // namespace
 
+namespace {
+
+#ifdef __linux__
+constexpr char descriptors[] = "/proc/self/fd";
+int nameless_file() { return memfd_create("signorini-mesh", MFD_CLOEXEC); }
+#else
+constexpr char descriptors[] = "/dev/fd";
+int nameless_file() {
+  std::FILE* const file = std::tmpfile();
+  const int copy = file ? dup(fileno(file)) : -1;
+  if (file)
+    std::fclose(file);
+  return copy;
+}
+#endif
+
+} // namespace
+
 MshFile::MshFile(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -60,7 +81,7 @@ MshFile::MshFile(const std::filesystem::path& file) {
                                 file.string()));
   require_beginning(file.string(), text);
   require_end(file.string(), text);
-  copy_ = memfd_create("signorini-mesh", MFD_CLOEXEC);
+  copy_ = nameless_file();
   for (std::size_t done = 0; done < text.size();) {
     const ssize_t count = copy_ < 0 ? -1 : write(copy_, text.data() + done, text.size() - done);
     if (count < 0 && (copy_ < 0 || errno != EINTR)) {
@@ -73,7 +94,8 @@ MshFile::MshFile(const std::filesystem::path& file) {
     }
     done += count > 0 ? static_cast<std::size_t>(count) : 0;
   }
-  path_ = fmt::format("/proc/self/fd/{}", copy_);
+  lseek(copy_, 0, SEEK_SET); // where opening a descriptor anew does not
+  path_ = fmt::format("{}/{}", descriptors, copy_);
 }
 
 MshFile::~MshFile() { close(copy_); }

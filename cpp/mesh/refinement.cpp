@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/refinement.h"
+#include "base/dolfinx_versions.h"
 #include "mesh/distribution.h"
 #include <algorithm>
 #include <array>
@@ -121,7 +122,8 @@ private:
   [[nodiscard]] std::vector<std::int64_t> nodes(int d) const {
     std::vector<std::int32_t> all(static_cast<std::size_t>(topology_.index_map(d)->size_local()));
     std::iota(all.begin(), all.end(), 0);
-    const std::vector<std::int32_t> local = dolfinx::mesh::entities_to_geometry(*mesh_, d, all, false);
+    const std::vector<std::int32_t> local =
+        dolfinx_versions::corners(*mesh_, d, std::span<const std::int32_t>(all));
     const std::vector<std::int64_t>& row = mesh_->geometry().input_global_indices();
     std::vector<std::int64_t> found;
     for (const std::int32_t node : local)

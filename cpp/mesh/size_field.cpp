@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <dolfinx/mesh/Mesh.h>
+#include <fmt/format.h>
+#include <map>
+#include <numbers>
 #include <numeric>
 
 namespace signorini::mesh {
@@ -21,6 +24,41 @@ double volume_of(const SizeField& field, std::size_t cell) {
   const Simplex simplex(field.dim,
                         [&](int i) { return &field.points[3 * static_cast<std::size_t>(corners[i])]; });
   return simplex.volume() / (field.dim == 2 ? 2 : 6);
+}
+
+struct Point {
+  double x = 0, y = 0, z = 0;
+  friend Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Point operator+(const Point& a, const Point& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend Point operator*(const Point& a, double s) { return {s * a.x, s * a.y, s * a.z}; }
+  [[nodiscard]] double dot(const Point& b) const { return x * b.x + y * b.y + z * b.z; }
+  [[nodiscard]] Point cross(const Point& b) const {
+    return {y * b.z - z * b.y, z * b.x - x * b.z, x * b.y - y * b.x};
+  }
+  [[nodiscard]] double norm() const { return std::hypot(x, y, z); }
+};
+
+Point point(const SizeField& field, std::size_t node) {
+  const double* x = &field.points[3 * node];
+  return {x[0], x[1], x[2]};
+}
+
+/// Nodes of the facets of one cell, ascending, and the cell's node opposite.
+std::map<std::vector<std::int64_t>, std::int64_t> boundary_facets(const SizeField& field) {
+  const auto corners = static_cast<std::size_t>(field.dim) + 1;
+  std::map<std::vector<std::int64_t>, std::int64_t> facets;
+  for (std::size_t first = 0; first < field.cells.size(); first += corners)
+    for (std::size_t left_out = 0; left_out < corners; ++left_out) {
+      std::vector<std::int64_t> nodes;
+      for (std::size_t i = 0; i < corners; ++i)
+        if (i != left_out)
+          nodes.push_back(field.cells[first + i]);
+      std::ranges::sort(nodes);
+      const auto [found, one] = facets.try_emplace(std::move(nodes), field.cells[first + left_out]);
+      if (!one)
+        facets.erase(found); // between two cells
+    }
+  return facets;
 }
 
 } // namespace
@@ -45,11 +83,115 @@ SizeField gathered(const Mesh& mesh, std::span<const double> numbers, std::vecto
   return field;
 }
 
+std::vector<double> volumes(const SizeField& field) {
+  std::vector<double> all(field.cells.size() / (static_cast<std::size_t>(field.dim) + 1));
+  for (std::size_t cell = 0; cell < all.size(); ++cell)
+    all[cell] = volume_of(field, cell);
+  return all;
+}
+
+double count_of(const SizeField& field) {
+  const auto corners = static_cast<std::size_t>(field.dim) + 1;
+  const std::vector<double> volume = volumes(field);
+  double sum = 0;
+  for (std::size_t cell = 0; cell < volume.size(); ++cell)
+    for (std::size_t i = 0; i < corners; ++i) {
+      const double size = field.sizes[static_cast<std::size_t>(field.cells[cell * corners + i])];
+      sum += std::pow(edge_of(field.dim, volume[cell]) / size, field.dim) / static_cast<double>(corners);
+    }
+  return sum;
+}
+
+void limit_growth(SizeField& field) {
+  constexpr double growth = 1.0 / 3, rounding = 1e-9;
+  const auto corners = static_cast<std::size_t>(field.dim) + 1;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t first = 0; first < field.cells.size(); first += corners)
+      for (std::size_t i = 0; i < corners; ++i)
+        for (std::size_t j = 0; j < corners; ++j) {
+          const auto a = static_cast<std::size_t>(field.cells[first + i]),
+                     b = static_cast<std::size_t>(field.cells[first + j]);
+          const double most = field.sizes[a] + growth * (point(field, a) - point(field, b)).norm();
+          if (field.sizes[b] > most * (1 + rounding))
+            field.sizes[b] = most, changed = true;
+        }
+  }
+}
+
+void limit_by_curvature(SizeField& field, double around) {
+  constexpr double corner = 30 * std::numbers::pi / 180;
+  struct Facet {
+    Point normal, middle;
+  };
+  std::map<std::vector<std::int64_t>, std::vector<Facet>>
+      ridges; // of the boundary: points in the plane, edges
+  for (const auto& [nodes, opposite] : boundary_facets(field)) {
+    std::vector<Point> at;
+    Point middle{};
+    for (const std::int64_t node : nodes) {
+      at.push_back(point(field, static_cast<std::size_t>(node)));
+      middle = middle + at.back() * (1.0 / static_cast<double>(nodes.size()));
+    }
+    const Point along = at[1] - at[0];
+    Point normal = field.dim == 2 ? Point{-along.y, along.x, 0} : along.cross(at[2] - at[0]);
+    const double inwards = normal.dot(point(field, static_cast<std::size_t>(opposite)) - middle);
+    normal = normal * ((inwards > 0 ? -1 : 1) / normal.norm());
+    for (std::size_t left_out = 0; left_out < nodes.size(); ++left_out) {
+      std::vector<std::int64_t> ridge = nodes;
+      ridge.erase(ridge.begin() + static_cast<std::ptrdiff_t>(left_out));
+      ridges[ridge].push_back({normal, middle});
+    }
+  }
+  for (const auto& [nodes, facets] : ridges) {
+    if (facets.size() != 2)
+      continue;
+    const double turn = std::acos(std::clamp(facets[0].normal.dot(facets[1].normal), -1.0, 1.0)),
+                 curvature = turn / (facets[0].middle - facets[1].middle).norm();
+    if (!(turn < corner) || !(curvature > 0))
+      continue;
+    for (const std::int64_t node : nodes) {
+      double& size = field.sizes[static_cast<std::size_t>(node)];
+      size = std::min(size, 2 * std::numbers::pi / (curvature * around));
+    }
+  }
+}
+
+std::string geo_with_sizes(const SizeField& field, const std::filesystem::path& body, double metres) {
+  const auto corners = static_cast<std::size_t>(field.dim) + 1;
+  std::string text = fmt::format("// Sizes that vary, for the body of another file.\nInclude \"{}\";\n"
+                                 "View \"sizes\" {{\n",
+                                 body.string());
+  for (std::size_t first = 0; first < field.cells.size(); first += corners) {
+    text += field.dim == 2 ? "ST(" : "SS(";
+    for (std::size_t i = 0; i < corners; ++i)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        text +=
+            fmt::format("{}{:.9g}", i + axis == 0 ? "" : ",",
+                        field.points[3 * static_cast<std::size_t>(field.cells[first + i]) + axis] / metres);
+    for (std::size_t i = 0; i < corners; ++i)
+      text += fmt::format("{}{:.4g}", i == 0 ? "){" : ",",
+                          field.sizes[static_cast<std::size_t>(field.cells[first + i])] / metres);
+    text += "};\n";
+  }
+  return text + fmt::format("}};\n"
+                            "signorini_sizes = newf;\n"
+                            "Field[signorini_sizes] = PostView;\n"
+                            "Field[signorini_sizes].ViewIndex = PostProcessing.NbViews - 1;\n"
+                            "Background Field = signorini_sizes;\n"
+                            "Mesh.MeshSizeExtendFromBoundary = 0;\n"
+                            "Mesh.MeshSizeFromPoints = 0;\n"
+                            "Mesh.MeshSizeFromParametricPoints = 0;\n"
+                            "Mesh.MeshSizeFromCurvature = 0;\n");
+}
+
 SizeField sizes_by(const Mesh& mesh, std::span<const double> indicators, double reduction, double reach) {
   std::vector<double> error;
   SizeField field = gathered(mesh, indicators, error);
-  if (rank(mesh.comm()) != 0)
-    return {};
+  return rank(mesh.comm()) == 0 ? sizes_by(std::move(field), error, reduction, reach) : SizeField{};
+}
+
+SizeField sizes_by(SizeField field, const std::vector<double>& error, double reduction, double reach) {
   const int dim = field.dim;
   const auto corners = static_cast<std::size_t>(dim) + 1;
   const std::size_t count = error.size(), nodes = field.points.size() / 3;
@@ -80,21 +222,7 @@ SizeField sizes_by(const Mesh& mesh, std::span<const double> indicators, double 
     for (std::size_t node = 0; node < nodes; ++node)
       field.sizes[node] = std::clamp(factor * std::pow(std::max(density[node], least), -1.0 / (dim + 2)),
                                      old[node] / reach, old[node] * reach);
-    constexpr double growth = 1.0 / 3;
-    for (bool changed = true; changed;) {
-      changed = false;
-      for (std::size_t cell = 0; cell < count; ++cell)
-        for (std::size_t i = 0; i < corners; ++i)
-          for (std::size_t j = 0; j < corners; ++j) {
-            const auto a = static_cast<std::size_t>(field.cells[cell * corners + i]),
-                       b = static_cast<std::size_t>(field.cells[cell * corners + j]);
-            const double *x = &field.points[3 * a], *y = &field.points[3 * b];
-            const double most = field.sizes[a] + growth * std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]);
-            constexpr double rounding = 1e-9;
-            if (field.sizes[b] > most * (1 + rounding))
-              field.sizes[b] = most, changed = true;
-          }
-    }
+    limit_growth(field);
   };
   const double whole = std::accumulate(error.begin(), error.end(), 0.0);
   if (!(whole > 0)) {

@@ -51,6 +51,8 @@ struct Mesh {
   double scale = 1; ///< factor of these sizes
   LengthUnit unit = LengthUnit::m; ///< of the file's coordinates
   int degree = 1;                  ///< Lagrange degree of the displacement
+  /// Of studies, and no key: a .geo with the same body, whose sizes vary with the error.
+  std::filesystem::path graded{};
 
   /// Whether sizes are chosen where they matter (--accuracy).
   [[nodiscard]] bool automatic() const { return size == 0.0; }

@@ -35,7 +35,7 @@ Keys<Mesh> keys_of(Of<Mesh>) {
           {.part = Part::none}),
       value("size", &Mesh::size, NumberOrAuto{{above_zero}}, "m",
             "element size for a .geo; `\"auto\"`: sizes that vary, small where the error comes from "
-            "(`optimize --accuracy`)",
+            "(`--accuracy`)",
             {.otherwise = "those that the .geo itself sets"}),
       value("scale", &Mesh::scale, Number{above_zero}, "",
             "in place of `mesh.size`, of the element sizes that the .geo itself sets", {.otherwise = "1.0"},

@@ -4,7 +4,7 @@
 #include "base/subprocess.h"
 #include "fem/space.h"
 #include "fixtures.h"
-#include "mesh/gmsh_model.h"
+#include "mesh/gmsh_process.h"
 #include "mesh/refinement.h"
 #include "mesh/size_field.h"
 #include <array>
@@ -262,6 +262,74 @@ TEST_CASE("elements become small where the error comes from, and large elsewhere
   CHECK(graded.group_dimension("bottom", "contact.on") == 1); // groups stay
 }
 
+TEST_CASE("sizes at a curved boundary follow its curvature, and corners do not count", "[mesh]") {
+  const auto sizes_of = [](const char* file, double size) {
+    const mesh::Mesh mesh(MPI_COMM_WORLD, {.file = test::source(file), .size = size});
+    std::vector<double> none(mesh.owned_cells().size()), all;
+    mesh::SizeField field = mesh::gathered(mesh, none, all);
+    field.sizes.assign(field.points.size() / 3, size);
+    return field;
+  };
+  constexpr double around = 100, disc = 20; // elements; m
+  mesh::SizeField curved = sizes_of("meshes/disc.geo", 4), flat = sizes_of("tests/data/square.geo", 0.25);
+  mesh::limit_by_curvature(curved, around);
+  long bent = 0;
+  for (std::size_t node = 0; node < curved.sizes.size(); ++node) {
+    const bool outside = std::hypot(curved.points[3 * node], curved.points[3 * node + 1]) > disc * (1 - 1e-9);
+    bent += outside;
+    // Between middles of neighbouring edges of the polygon the way is shorter than the arc, by a few per
+    // cent.
+    CHECK_THAT(curved.sizes[node],
+               Catch::Matchers::WithinRel(outside ? 2 * std::numbers::pi * disc / around : 4, 0.03));
+  }
+  CHECK(bent > 20);
+  mesh::limit_by_curvature(flat, around);
+  CHECK(std::ranges::count(flat.sizes, 0.25) == std::ssize(flat.sizes));
+  mesh::limit_growth(curved);
+  const auto least = std::ranges::min(curved.sizes);
+  constexpr double detour = 1.25; // of the way along edges to the boundary
+  for (std::size_t node = 0; node < curved.sizes.size(); ++node)
+    CHECK(curved.sizes[node] <
+          1.05 * least +
+              detour * (disc - std::hypot(curved.points[3 * node], curved.points[3 * node + 1])) / 3);
+}
+
+TEST_CASE("a .geo with sizes of its own makes the mesh that the sizes ask for", "[mesh]") {
+  if (ranks(MPI_COMM_WORLD) > 1)
+    return; // one rank reads
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / fmt::format("signorini-sizes-{}", getpid());
+  fs::create_directories(folder);
+  for (const char* name : {"tests/data/square.geo", "meshes/press.geo", "tests/data/parts-space.geo"}) {
+    INFO(name);
+    const scene::Mesh own{.file = test::source(name), .size = 0, .unit = scene::LengthUnit::mm};
+    const mesh::RawMesh coarse = mesh::read_gmsh(own);
+    mesh::SizeField sizes{.dim = coarse.dim, .points = coarse.points, .cells = coarse.cells};
+    double extent = 0;
+    for (const double x : coarse.points)
+      extent = std::max(extent, std::abs(x));
+    for (std::size_t i = 0; i < coarse.points.size(); i += 3)
+      sizes.sizes.push_back(extent / 40 + std::hypot(coarse.points[i], coarse.points[i + 1]) / 10);
+    scene::Mesh graded = own;
+    graded.file = folder / "graded.geo";
+    graded.size.reset();
+    std::ofstream(graded.file) << mesh::geo_with_sizes(sizes, fs::relative(own.file, folder), 1e-3);
+    const auto cells = [&](const mesh::RawMesh& mesh) {
+      return static_cast<double>(mesh.cells.size()) / (mesh.dim + 1);
+    };
+    const mesh::RawMesh found = mesh::read_gmsh(graded);
+    CHECK_THAT(cells(found),
+               Catch::Matchers::WithinRel(cells(mesh::read_gmsh(own, {.sizes = &sizes})), 0.02));
+    // No regular tetrahedra fill the space.
+    CHECK_THAT(cells(found), Catch::Matchers::WithinRel(mesh::count_of(sizes), found.dim == 2 ? 0.35 : 0.65));
+    CHECK(found.facets.size() == coarse.facets.size());
+    graded.scale = 0.5;
+    CHECK_THAT(cells(mesh::read_gmsh(graded)),
+               Catch::Matchers::WithinRel(std::pow(2, found.dim) * cells(found), 0.25));
+  }
+  fs::remove_all(folder);
+}
+
 TEST_CASE("a mesh is refined where its edges are too long, and keeps its parts and groups", "[mesh]") {
   if (ranks(MPI_COMM_WORLD) > 1)
     return; // one rank does it
@@ -323,6 +391,7 @@ TEST_CASE("a file that makes gmsh crash is refused by one sentence", "[mesh]") {
       CHECK_THROWS_AS(mesh::read_gmsh({.file = entry.path(), .size = {}}), UserError);
     }
   CHECK(found > 0);
-  CHECK(in_subprocess([] { return std::string("whole"); }) == "whole");
-  CHECK_FALSE(in_subprocess([]() -> std::string { std::abort(); }));
+  CHECK_FALSE(in_subprocess("/bin/true", "a request")); // which ends well, but answers nothing
+  CHECK_THROWS_AS(in_subprocess(test::source("tests/no-such-worker"), "a request"), std::runtime_error);
+  CHECK_THROWS_AS(find_worker("no-such-worker"), std::runtime_error);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/pressure.h"
+#include "fem/recovery.h"
 #include "fixtures.h"
 #include "mesh/simplex.h"
 #include <catch2/catch_test_macros.hpp>
@@ -230,4 +231,33 @@ TEST_CASE("a node of two surfaces has the area of each and, as a field, the larg
   std::vector<double> values(static_cast<std::size_t>(pairs.count()), 0.0);
   values[first] = 2, values[first + 1] = 3;
   CHECK(test::largest(contact::at_nodes(space, pairs, values)) == 3);
+}
+
+TEST_CASE("the stress that is recovered tells the error of the computed one, and its order", "[fem]") {
+  for (const int dim : {2, 3}) {
+    const auto energy = [&](double size, const char* displacement) {
+      const mesh::Mesh mesh(MPI_COMM_WORLD, {.file = test::source(dim == 2 ? "tests/data/parts.geo"
+                                                                           : "tests/data/parts-space.geo"),
+                                             .size = size});
+      const fem::Space space(mesh, 1);
+      const std::vector<scene::Material> materials{{"left", 2, 3, 0, std::nullopt},
+                                                   {"right", 7, 3, 0, std::nullopt}};
+      scene::Components components{displacement};
+      components.resize(static_cast<std::size_t>(dim), "0");
+      petsc::Vector y = space.vector();
+      space.interpolate(scene::Field(components, "test", false), 0, y);
+      fem::StressRecovery recovery(space, fem::parts(mesh, materials));
+      recovery.add(y, 2);
+      recovery.add(y, 1);
+      CHECK(std::ssize(recovery.sums()) == mesh.cells());
+      return std::accumulate(recovery.sums().begin(), recovery.sums().end(), 0.0) / 3;
+    };
+    CHECK(energy(0.4, "2*x + 1") < 1e-24); // a uniform stress, in either part
+    // y_x = x²: the energy of the error falls as the square of the size.
+    const double coarse = energy(0.2, "x^2"), fine = energy(0.1, "x^2");
+    INFO(dim << ": " << coarse << ", " << fine);
+    CHECK(coarse > 0);
+    CHECK(coarse / fine > 3);
+    CHECK(coarse / fine < 6);
+  }
 }

@@ -377,6 +377,39 @@ TEST_CASE("steps that the motion chooses are a family of their own", "[study]") 
   CHECK_THAT(*against.envelope[0], WithinRel((0.1 - 9.0 / 14400) / (1 + 9.0 / 14400), 1e-9));
 }
 
+TEST_CASE("graded meshes are a family of their own", "[study]") {
+  scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
+  const Choice choice{.sizes = {1, 0.5}, .steps = {0.1}, .degrees{}, .schemes{}, .graded = true};
+  const std::vector<Rung> both = ladder(scene, choice);
+  REQUIRE(both.size() == 4);
+  CHECK(std::ranges::count_if(both, &Rung::graded) == 2);
+  scene.mesh.graded = "/some/graded.geo";
+  const double own = *scene.mesh.size;
+  for (const Rung& rung : both) {
+    const scene::Mesh mesh = on_rung(scene, rung).mesh;
+    CHECK((mesh.file == scene.mesh.graded) == rung.graded);
+    CHECK((rung.graded ? mesh.scale * own : *mesh.size) == rung.size);
+    CHECK(mesh.size.has_value() != rung.graded);
+  }
+  scene.mesh.file = "/some/mesh.msh";
+  CHECK_THROWS_AS(ladder(scene, {.graded = true}), UserError);
+
+  // Of 1 + h and of 1 + h²/2.
+  std::vector<Result> results;
+  for (const double size : {1.0, 0.5, 0.25}) {
+    results.push_back(run(size, 10, 1 / size, 1 + size));
+    results.push_back(run(size, 10, 1 / size, 1 + size * size / 2));
+    results.back().rung.graded = true;
+  }
+  const std::vector<Orders> found = orders(Q, results, {});
+  REQUIRE(found.size() == 2);
+  CHECK_FALSE(found[0].graded);
+  CHECK(found[1].graded);
+  CHECK_THAT(found[0].space->slope, WithinAbs(1, 1e-9));
+  CHECK_THAT(found[1].space->slope, WithinAbs(2, 1e-9));
+  CHECK(errors(Q, results, {}).reference == 5); // the smaller error bar
+}
+
 TEST_CASE("steps that no number could count are refused", "[study]") {
   const scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
   const double most = scene::Time::most_steps;

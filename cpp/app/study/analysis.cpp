@@ -52,7 +52,8 @@ bool finer(const Rung& a, const Rung& b) {
 }
 
 bool alike(const Rung& a, const Rung& b) {
-  return a.degree == b.degree && a.scheme == b.scheme && a.chooses_steps() == b.chooses_steps();
+  return a.degree == b.degree && a.scheme == b.scheme && a.chooses_steps() == b.chooses_steps() &&
+         a.graded == b.graded;
 }
 
 /// Rungs of one degree and scheme that have run, of steps that come about alike, from coarse to fine.
@@ -149,6 +150,7 @@ Orders orders_of(const Quantity& quantity, const Family& members, const Exact& e
           finest.degree,
           finest.scheme,
           finest.chooses_steps(),
+          finest.graded,
           observed_order(along.space, along.in_space),
           observed_order(along.time, along.in_time),
           exact.knows(quantity) ? observed_order(along.both, exact.values(quantity), along.in_both)
@@ -247,31 +249,38 @@ std::vector<bool> pareto_front(const std::vector<Result>& results,
 }
 
 /// The finest rung: the smallest size, and of that the most steps or the smallest tolerance. Steps and
-/// tolerances do not compare: of both kinds that with the smaller error bar, if both have one.
+/// tolerances, and meshes of one size and graded ones, do not compare: of those of the smallest size the one
+/// with the smallest error bar, if all have one, else that of the most steps.
 std::optional<std::size_t> finest(const Quantity& quantity, const std::vector<Result>& results) {
-  std::array<std::optional<std::size_t>, 2> found; // of one length, chosen
+  std::vector<std::size_t> found; // of each kind
   for (std::size_t i = 0; i < results.size(); ++i) {
     if (!results[i].measured || !is_finite(quantity, *results[i].measured))
       continue;
-    std::optional<std::size_t>& best = found[results[i].rung.chooses_steps() ? 1 : 0];
-    if (!best || finer(results[i].rung, results[*best].rung))
-      best = i;
+    const auto own = std::ranges::find_if(found, [&](std::size_t other) {
+      const Rung &a = results[i].rung, &b = results[other].rung;
+      return a.chooses_steps() == b.chooses_steps() && a.graded == b.graded;
+    });
+    if (own == found.end())
+      found.push_back(i);
+    else if (finer(results[i].rung, results[*own].rung))
+      *own = i;
   }
-  const auto& [equal, chosen] = found;
-  if (!equal || !chosen)
-    return equal ? equal : chosen;
-  if (const double a = results[*equal].rung.size, b = results[*chosen].rung.size; a != b)
-    return a < b ? equal : chosen;
-  const auto bar = [&](std::size_t of) {
-    const std::vector<Family> all = families(results);
+  if (found.empty())
+    return std::nullopt;
+  const double least =
+      results[std::ranges::min(found, {}, [&](std::size_t i) { return results[i].rung.size; })].rung.size;
+  std::erase_if(found, [&](std::size_t i) { return results[i].rung.size > least; });
+  const std::vector<Family> all = families(results);
+  std::vector<double> bars;
+  for (const std::size_t i : found) {
     const auto own = std::ranges::find_if(
-        all, [&](const Family& family) { return alike(family.front()->rung, results[of].rung); });
-    return reference_bar(quantity, *own, results[of]);
-  };
-  const std::optional<ReferenceBar> of_equal = bar(*equal), of_chosen = bar(*chosen);
-  if (of_equal && of_chosen)
-    return of_chosen->value < of_equal->value ? chosen : equal;
-  return results[*chosen].measured->steps > results[*equal].measured->steps ? chosen : equal;
+        all, [&](const Family& family) { return alike(family.front()->rung, results[i].rung); });
+    if (const std::optional<ReferenceBar> bar = reference_bar(quantity, *own, results[i]))
+      bars.push_back(bar->value);
+  }
+  if (bars.size() == found.size())
+    return found[static_cast<std::size_t>(std::ranges::min_element(bars) - bars.begin())];
+  return std::ranges::max(found, {}, [&](std::size_t i) { return results[i].measured->steps; });
 }
 
 } // namespace

@@ -39,6 +39,7 @@ struct Orders {
   int degree = 1;
   Scheme scheme;
   bool chosen; ///< steps, by tolerances
+  bool graded; ///< meshes, by sizes that vary
   std::optional<Order> space, time, both;
 };
 

@@ -2,17 +2,14 @@
 #include "app/study/density.h"
 #include "base/collective.h"
 #include "base/error.h"
-#include "mesh/gmsh_model.h"
+#include "mesh/gmsh_process.h"
 #include <algorithm>
 #include <fmt/format.h>
 #include <functional>
 
 namespace signorini::study {
-namespace {
 
-/// Cells of the scene's .geo at an element size, or at a scale of those that it sets.
-std::int64_t cells(MPI_Comm comm, scene::Mesh mesh, double size) {
-  (mesh.size ? *mesh.size : mesh.scale) = size;
+std::int64_t cells(MPI_Comm comm, const scene::Mesh& mesh) {
   std::int64_t count = 0;
   on_root(comm, [&] {
     const mesh::RawMesh raw = mesh::read_gmsh(mesh);
@@ -20,6 +17,14 @@ std::int64_t cells(MPI_Comm comm, scene::Mesh mesh, double size) {
   });
   MPI_Bcast(&count, 1, MPI_INT64_T, 0, comm);
   return count;
+}
+
+namespace {
+
+/// At an element size, or at a scale of those that the .geo sets.
+std::int64_t cells(MPI_Comm comm, scene::Mesh mesh, double size) {
+  (mesh.size ? *mesh.size : mesh.scale) = size;
+  return study::cells(comm, mesh);
 }
 
 UserError no_answer(const scene::Scene& scene, double coarse, double fine, std::int64_t cells,

@@ -107,6 +107,8 @@ Origin::Origin(const scene::Scene& scene, const Samples& samples, int ranks)
 Fingerprint Origin::of(const Rung& rung) const {
   Fingerprint all = common_;
   all[scene_part] = scene::echo(on_rung(scene_, rung), dim_);
+  if (rung.graded)
+    all[mesh_file] = mesh_digest(scene_.mesh.graded);
   all[forms] = fem::signature(dim_, rung.degree);
   return all;
 }

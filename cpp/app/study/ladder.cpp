@@ -108,6 +108,8 @@ std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
   const bool meshed = scene.mesh.meshed();
   if (!choice.sizes.empty() && meshed)
     throw UserError("--sizes: have no effect on a .msh, which is meshed already; allowed with a .geo");
+  if (choice.graded && meshed)
+    throw UserError("--graded: has no effect on a .msh, which is meshed already; allowed with a .geo");
   const double size = scene.mesh.size.value_or(scene.mesh.scale);
   const std::vector<double> sizes =
       or_default(choice.sizes, meshed ? std::vector{size} : std::vector{4 * size, 2 * size, size});
@@ -117,6 +119,11 @@ std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
       for (int degree : or_default(choice.degrees, {scene.mesh.degree}))
         for (Scheme scheme : or_default(given, {own_scheme(scene)}))
           rungs.push_back({width, in_time.steps, degree, scheme, in_time.tolerance});
+  if (choice.graded)
+    for (std::size_t i = 0, n = rungs.size(); i < n; ++i) {
+      rungs.push_back(rungs[i]);
+      rungs.back().graded = true;
+    }
   std::ranges::sort(rungs);
   const auto twice = std::ranges::unique(rungs);
   rungs.erase(twice.begin(), twice.end());
@@ -125,7 +132,13 @@ std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
 
 scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
   scene::Scene changed = scene;
-  (changed.mesh.size ? *changed.mesh.size : changed.mesh.scale) = rung.size;
+  if (rung.graded) {
+    changed.mesh.file = changed.mesh.graded;
+    changed.mesh.scale = rung.size / changed.mesh.size.value_or(changed.mesh.scale);
+    changed.mesh.size.reset();
+  } else {
+    (changed.mesh.size ? *changed.mesh.size : changed.mesh.scale) = rung.size;
+  }
   changed.time.steps = rung.steps;
   changed.time.step = rung.chooses_steps() ? 0 : scene.time.end / rung.steps;
   if (rung.chooses_steps())
@@ -149,6 +162,8 @@ std::string words(const Rung& rung, const scene::Scene& scene) {
   std::string text;
   if (scene.mesh.file.extension() != ".msh")
     text = fmt::format("{} {:.4g}, ", scene.mesh.size ? "size" : "scale", rung.size);
+  if (rung.graded)
+    text += "graded, ";
   text += rung.chooses_steps() ? fmt::format("tolerance {:.3g}", rung.tolerance)
                                : fmt::format("step {:.3g}", scene.time.end / rung.steps);
   text += fmt::format(", degree {}", rung.degree);

@@ -23,6 +23,7 @@ struct Rung {
   int degree = 1;
   Scheme scheme = Scheme::contact_implicit;
   double tolerance = 0; ///< of steps that the motion chooses (time.tolerance), else 0
+  bool graded = false;  ///< sizes vary with the error (Mesh::graded), with as many elements as of `size`
 
   [[nodiscard]] bool chooses_steps() const { return tolerance > 0; }
   /// A number as whose square the error in time falls: the part of the whole time that a step takes or, of
@@ -40,6 +41,7 @@ struct Choice {
   std::vector<int> degrees;
   std::vector<std::string> schemes;    ///< names of all but mixed
   std::vector<double> tolerances = {}; ///< of steps that the motion chooses
+  bool graded = false;                 ///< the same rungs once more with sizes that vary
 };
 
 /// Names of a rung's time.scheme and contact.mass, which is "mixed" where it differs between contacts.
@@ -51,8 +53,9 @@ SchemeAndMass scheme_and_mass(Scheme scheme);
 /// Every size with every step, tolerance, degree and scheme; the default is the scene's own with twice and
 /// four times its size and step or, with time.step = "auto", four and sixteen times its tolerance, and then
 /// no steps of one length, else no tolerance. Where the .geo sets its own sizes they are scales of these; a
-/// .msh has one. Steps are the nearest that divide time.end. A scheme that is named holds for every contact;
-/// without one they are as the scene has them. Throws UserError.
+/// .msh has one. Graded meshes come beside those of one size. Steps are the nearest that divide time.end. A
+/// scheme that is named holds for every contact; without one they are as the scene has them. Throws
+/// UserError.
 std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice);
 
 /// The scene with the size, step, degree and scheme of a rung.

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 
 namespace signorini::study {
 using petsc::check;
@@ -152,24 +153,6 @@ double seconds(const Timers& timers) {
   return sum;
 }
 
-void simulate(const Problem& problem, const forward::ForceAtStep& load, Watch& watch) {
-  const auto timer = problem.timers.time("forward");
-  const auto take = [&](const forward::Frame& frame) {
-    const auto other = problem.timers.time("watching");
-    watch(frame);
-  };
-  const forward::TimeGrid& grid = problem.stepper.grid();
-  int done = 0;
-  if (grid.complete()) {
-    done = forward::integrate(problem.stepper, problem.initial, load, grid.steps(), take);
-  } else {
-    forward::StepControl control(problem.stepper, problem.scene);
-    done = forward::integrate_choosing(problem.stepper, problem.initial, load, control, take);
-  }
-  if (!grid.complete() || done < grid.steps())
-    throw Interrupted();
-}
-
 std::vector<double> sampled(const Problem& problem, const Samples& samples,
                             const control::ControlSpace& controls, const control::Control& g) {
   Series series(samples, problem.space);
@@ -187,6 +170,24 @@ std::vector<double> sampled(const Problem& problem, const Samples& samples,
 }
 
 } // namespace
+
+void simulate(const Problem& problem, const forward::ForceAtStep& load, const forward::StepObserver& watch) {
+  const auto timer = problem.timers.time("forward");
+  const auto take = [&](const forward::Frame& frame) {
+    const auto other = problem.timers.time("watching");
+    watch(frame);
+  };
+  const forward::TimeGrid& grid = problem.stepper.grid();
+  int done = 0;
+  if (grid.complete()) {
+    done = forward::integrate(problem.stepper, problem.initial, load, grid.steps(), take);
+  } else {
+    forward::StepControl control(problem.stepper, problem.scene);
+    done = forward::integrate_choosing(problem.stepper, problem.initial, load, control, take);
+  }
+  if (!grid.complete() || done < grid.steps())
+    throw Interrupted();
+}
 
 Samples::Samples(MPI_Comm comm, const scene::Scene& scene) {
   constexpr std::size_t most = 12'000;
@@ -260,7 +261,7 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& sample
   };
   if (!scene.objective) {
     const GivenControl given(problem);
-    simulate(problem, given.load(), watch);
+    simulate(problem, given.load(), std::ref(watch));
     measured.memory = peak();
   } else {
     const Console silent(false, false);
@@ -278,7 +279,7 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& sample
       measured.memory = peak();
     }
     measured.seconds = seconds(timers);
-    simulate(problem, reduced.load(), watch);
+    simulate(problem, reduced.load(), std::ref(watch));
     if (estimate)
       measured.estimate = estimate_error(problem, control_problem);
   }

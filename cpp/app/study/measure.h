@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "app/problem.h"
 #include "app/study/measured.h"
 #include "base/progress.h"
 #include "fem/sampler.h"
@@ -31,5 +32,9 @@ Exact exact_values(const scene::Scene& scene, const Samples& samples);
 /// Interrupted.
 Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& samples,
                  const std::vector<Quantity>& wanted, bool estimate);
+
+/// Makes all steps of a motion, whose lengths are chosen on the way if they are not known. Collective. Throws
+/// SolverFailure, Interrupted.
+void simulate(const Problem& problem, const forward::ForceAtStep& load, const forward::StepObserver& watch);
 
 } // namespace signorini::study

@@ -129,7 +129,7 @@ Store::~Store() {
 
 std::filesystem::path Store::file(const Rung& rung) const {
   return folder_ / rungs /
-         fmt::format("size-{:.10g}-{}-degree-{}-{}.cbor", rung.size,
+         fmt::format("{}size-{:.10g}-{}-degree-{}-{}.cbor", rung.graded ? "graded-" : "", rung.size,
                      rung.chooses_steps() ? fmt::format("tolerance-{:.10g}", rung.tolerance)
                                           : fmt::format("steps-{}", rung.steps),
                      rung.degree, scene::name(rung.scheme));
@@ -175,7 +175,7 @@ void Store::write(const std::string& name, const std::string& text) const {
 }
 
 std::string csv(const std::vector<Result>& results, const std::vector<Errors>& errors, double end) {
-  std::string text = "rung,size,step,degree,scheme,mass,unknowns,steps,seconds,memory_bytes,tolerance";
+  std::string text = "rung,size,step,degree,scheme,mass,unknowns,steps,seconds,memory_bytes,tolerance,graded";
   for (const Errors& one : errors)
     text +=
         fmt::format(",{0},{0}_error,{0}_estimate,{0}_effectivity,{0}_pareto,{0}_envelope", one.quantity.name);
@@ -189,9 +189,10 @@ std::string csv(const std::vector<Result>& results, const std::vector<Errors>& e
     if (!run)
       continue;
     const auto [scheme, mass] = scheme_and_mass(rung.scheme);
-    text += fmt::format("{},{:.17g},{:.17g},{},{},{},{},{},{:.6g},{:.0f},{}", i + 1, rung.size,
+    text += fmt::format("{},{:.17g},{:.17g},{},{},{},{},{},{:.6g},{:.0f},{},{:d}", i + 1, rung.size,
                         end / run->steps, rung.degree, scheme, mass, run->unknowns, run->steps, run->seconds,
-                        run->memory, rung.chooses_steps() ? fmt::format("{:.17g}", rung.tolerance) : "");
+                        run->memory, rung.chooses_steps() ? fmt::format("{:.17g}", rung.tolerance) : "",
+                        rung.graded);
     for (const Errors& one : errors) {
       const std::optional<double>&error = one.error[i], &estimate = one.estimate[i];
       text += fmt::format(",{},{},{},{},{:d},{}",
@@ -242,6 +243,7 @@ std::string json(const scene::Scene& scene, const std::vector<Result>& results,
          {"scheme", scheme},
          {"mass", mass},
          {"steps", one.chosen ? "chosen" : "of one length"},
+         {"mesh", one.graded ? "graded" : "of one size"},
          {"space", given(one.space)},
          {"time", given(one.time)},
          {"both", given(one.both)},

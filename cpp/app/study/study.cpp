@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/study/study.h"
 #include "app/study/density.h"
+#include "app/study/grading.h"
 #include "app/study/prices.h"
 #include "app/study/quantities.h"
 #include "app/study/summary.h"
@@ -145,10 +146,11 @@ private:
 
 } // namespace
 
-int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
+int run_study(MPI_Comm comm, const scene::Scene& given, const std::filesystem::path& out,
               const Options& options, const Console& console) {
   const auto start = Clock::now();
-  (void)chosen(scene, options.quantities, 2); // a wrong name before any mesh is read
+  (void)chosen(given, options.quantities, 2); // a wrong name before any mesh is read
+  scene::Scene scene = given;
   std::vector<Rung> rungs = ladder(scene, options.choice);
   std::optional<Store> store;
   if (!options.dry_run)
@@ -156,15 +158,23 @@ int run_study(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   std::vector<double> sizes;
   std::ranges::transform(rungs, std::back_inserter(sizes), &Rung::size);
   require_answer_to(comm, scene, sizes);
+  if (options.choice.graded && !options.dry_run) {
+    scene.mesh.graded = std::filesystem::absolute(out) / "graded.geo";
+    write_graded(comm, scene, scene.mesh.graded, console);
+  }
   const Samples samples(comm, scene);
   const std::vector<Quantity> wanted = chosen(scene, options.quantities, samples.dim);
   std::optional<Prices> prices;
   Study study(comm, scene, options, wanted, samples, store, prices, console);
   std::ranges::stable_sort(rungs, {}, [&](const Rung& rung) { return work(rung, samples.dim); });
   if (!options.dry_run)
-    study.load(rungs); // before the first solver: Origin
-  if (options.dry_run || options.budget)
-    prices = price(comm, scene, rungs, samples, wanted, scene.objective.has_value());
+    study.load(rungs);                     // before the first solver: Origin
+  if (options.dry_run || options.budget) { // graded meshes have as many elements as the others
+    std::vector<Rung> priced = rungs;
+    for (Rung& rung : priced)
+      rung.graded = false;
+    prices = price(comm, scene, priced, samples, wanted, scene.objective.has_value());
+  }
   if (options.dry_run) {
     show_prices(console, rungs, *prices, scene);
     return 0;

@@ -38,8 +38,9 @@ Summary::Summary(const scene::Scene& scene, const std::vector<Quantity>& wanted,
     std::ranges::move(orders(quantity, results, exact), std::back_inserter(orders_));
     std::ranges::move(study::sentences(errors_.back(), results, scene), std::back_inserter(sentences_));
   }
-  std::ranges::stable_sort(orders_, {},
-                           [](const Orders& one) { return std::tuple(one.degree, one.scheme, one.chosen); });
+  std::ranges::stable_sort(orders_, {}, [](const Orders& one) {
+    return std::tuple(one.degree, one.scheme, one.chosen, one.graded);
+  });
 }
 
 void Summary::write(const Store& store) const {
@@ -58,6 +59,10 @@ void Summary::show(const Console& console) const {
     console.line(sentence);
 }
 
+std::string Summary::size(const Result& result) {
+  return fmt::format("{}{:.4g}", result.rung.graded ? "graded " : "", result.rung.size);
+}
+
 std::string Summary::step(const Result& result) const {
   const Rung& rung = result.rung;
   return rung.chooses_steps() ? fmt::format("tol {:.2g}", rung.tolerance)
@@ -71,8 +76,8 @@ void Summary::show_rungs(const Console& console) const {
   for (std::size_t i = 0; i < results_.size(); ++i) {
     const auto& [rung, run] = results_[i];
     if (run)
-      console.line(fmt::format("{:>4} {:>10.4g} {:>11} {:>6} {:<18} {:>9} {:>8.3g} {:>6.0f}", i + 1,
-                               rung.size, step(results_[i]), rung.degree, scene::name(rung.scheme),
+      console.line(fmt::format("{:>4} {:>12} {:>11} {:>6} {:<18} {:>9} {:>8.3g} {:>6.0f}", i + 1,
+                               size(results_[i]), step(results_[i]), rung.degree, scene::name(rung.scheme),
                                run->unknowns, run->seconds, run->memory / 1e6));
   }
 }
@@ -81,15 +86,15 @@ void Summary::show_errors(const Errors& errors, const Console& console) const {
   const Quantity& quantity = errors.quantity;
   const std::string unit = quantity.unit.empty() || quantity.field ? "" : ", " + quantity.unit;
   console.line(fmt::format("\n{}{}: {}", quantity.title, unit, against(errors)));
-  console.line(fmt::format("{:>4} {:>10} {:>11} {:>13} {:>9} {:>9} {:>9} {:>8}", "rung",
+  console.line(fmt::format("{:>4} {:>12} {:>11} {:>13} {:>9} {:>9} {:>9} {:>8}", "rung",
                            scene_.mesh.size ? "size, m" : "scale", "step, s", quantity.field ? "" : "value",
                            "error", "at most", "estimate", "est/err"));
   for (std::size_t i = 0; i < results_.size(); ++i) {
     const auto& [rung, run] = results_[i];
     if (!run)
       continue;
-    console.line(fmt::format("{:>4} {:>10.4g} {:>11} {:>13} {:>9} {:>9} {:>9} {:>6} {}", i + 1, rung.size,
-                             step(results_[i]),
+    console.line(fmt::format("{:>4} {:>12} {:>11} {:>13} {:>9} {:>9} {:>9} {:>6} {}", i + 1,
+                             size(results_[i]), step(results_[i]),
                              quantity.field ? "" : fmt::format("{:.6g}", run->numbers.at(quantity.name)),
                              errors.reference == i ? "reference" : shown(errors.error[i]),
                              shown(errors.envelope[i]), shown(errors.estimate[i]),
@@ -103,10 +108,14 @@ void Summary::show_orders(const Console& console) const {
   bool any = false;
   const Orders* last = nullptr;
   for (const Orders& one : orders_) {
-    if (!last || last->degree != one.degree || last->scheme != one.scheme || last->chosen != one.chosen)
+    if (!last || last->degree != one.degree || last->scheme != one.scheme || last->chosen != one.chosen ||
+        last->graded != one.graded)
       console.line(fmt::format("\ndegree {}, {}{}:\n{:<17}{:<21}{:<21}{}", one.degree,
-                               scene::name(one.scheme), one.chosen ? ", steps chosen" : "", "order of",
-                               "in space", "in time", "in both"));
+                               scene::name(one.scheme),
+                               one.chosen   ? one.graded ? ", steps chosen, graded" : ", steps chosen"
+                               : one.graded ? ", graded"
+                                            : "",
+                               "order of", "in space", "in time", "in both"));
     console.line(fmt::format("{:<17}{:<21}{:<21}{}", one.quantity, shown(one.space), shown(one.time),
                              shown(one.both)));
     any |= out_of_range(one.space) || out_of_range(one.time) || out_of_range(one.both);

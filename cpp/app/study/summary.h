@@ -18,6 +18,8 @@ public:
   void show(const Console& console) const;
 
 private:
+  /// Of a rung, in words.
+  [[nodiscard]] static std::string size(const Result& result);
   /// The length of a rung's steps, or the tolerance by which they were chosen.
   [[nodiscard]] std::string step(const Result& result) const;
   void show_rungs(const Console& console) const;

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <dolfinx/fem/CoordinateElement.h>
+#include <dolfinx/fem/FunctionSpace.h>
+#include <dolfinx/fem/utils.h>
+#include <dolfinx/geometry/BoundingBoxTree.h>
+#include <dolfinx/mesh/Mesh.h>
+#include <dolfinx/mesh/utils.h>
+#include <memory>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+#if __has_include(<dolfinx/io/utils.h>) // 0.10
+#include <dolfinx/io/utils.h>
+#else
+#include <dolfinx/io/xdmf_utils.h>
+#endif
+
+/// Calls that dolfinx 0.9, 0.10 and 0.11 want made in different ways. Templates, because of an `if constexpr`
+/// the branch that a version does not know must not be compiled.
+namespace signorini::dolfinx_versions {
+
+/// The one coordinate element of all cells.
+template <class Geometry>
+const auto& coordinate_element(const Geometry& geometry) {
+  if constexpr (requires { geometry.cmap(); }) // until 0.10
+    return geometry.cmap();
+  else
+    return geometry.cmaps().front();
+}
+
+/// Facets or cells of this rank and their values, of a list on any rank (entities × nodes, of the file).
+/// Collective.
+template <class Mesh, class Entities>
+auto distribute_entity_data(const Mesh& mesh, int dim, const Entities& entities,
+                            std::span<const std::int32_t> values) {
+#if __has_include(<dolfinx/io/utils.h>)
+  using dolfinx::io::distribute_entity_data;
+#else
+  using dolfinx::io::xdmf_utils::distribute_entity_data;
+#endif
+  const auto& geometry = mesh.geometry();
+  return distribute_entity_data<std::int32_t>(
+      *mesh.topology(), geometry.input_global_indices(), geometry.index_map()->size_global(),
+      coordinate_element(geometry).create_dof_layout(), geometry.dofmap(), dim, entities, values);
+}
+
+/// Whether the number of cells that share a facet has to be told: 0.11.
+template <class Links>
+constexpr bool wants_links =
+    requires(Links links) { dolfinx::mesh::create_cell_partitioner(dolfinx::mesh::GhostMode::none, links); };
+
+/// Divides a mesh, without ghost cells, among the ranks of `comm` by a graph that those of `dividing` divide;
+/// leaves it as it comes if `divides` is false. Collective.
+template <std::floating_point T>
+dolfinx::mesh::Mesh<T> create_mesh(MPI_Comm comm, MPI_Comm dividing, std::span<const std::int64_t> cells,
+                                   const dolfinx::fem::CoordinateElement<T>& element, const std::vector<T>& x,
+                                   std::array<std::size_t, 2> shape, bool divides) {
+  using Links = std::optional<std::int32_t>;
+  const auto make = [&](auto... links) {
+    dolfinx::mesh::CellPartitionFunction divide;
+    if (divides)
+      divide = dolfinx::mesh::create_cell_partitioner(dolfinx::mesh::GhostMode::none, links...);
+    return dolfinx::mesh::create_mesh(comm, dividing, cells, element, comm, x, shape, divide, links...);
+  };
+  if constexpr (wants_links<Links>)
+    return make(Links(2));
+  else
+    return make();
+}
+
+/// Nodes of the geometry at the corners of these entities (entities × corners), local indices.
+template <std::floating_point T>
+std::vector<std::int32_t> corners(const dolfinx::mesh::Mesh<T>& mesh, int dim,
+                                  std::span<const std::int32_t> entities) {
+  auto found = dolfinx::mesh::entities_to_geometry(mesh, dim, entities, false);
+  if constexpr (requires { found.first; }) // from 0.10 on
+    return std::move(found.first);
+  else
+    return found;
+}
+
+/// A space of functions of this shape. Collective.
+template <std::floating_point T, class Element>
+auto create_functionspace(std::shared_ptr<dolfinx::mesh::Mesh<T>> mesh, const Element& element,
+                          const std::vector<std::size_t>& shape) {
+  if constexpr (requires { dolfinx::fem::create_functionspace(mesh, element, shape); }) // 0.9
+    return dolfinx::fem::create_functionspace(mesh, element, shape);
+  else
+    return dolfinx::fem::create_functionspace<T>(
+        mesh, std::make_shared<const dolfinx::fem::FiniteElement<T>>(
+                  element, shape.empty() ? std::nullopt : std::optional(shape)));
+}
+
+/// The boxes of these entities of a mesh.
+template <std::floating_point T>
+auto bounding_boxes(const dolfinx::mesh::Mesh<T>& mesh, int dim, std::span<const std::int32_t> entities) {
+  using Tree = dolfinx::geometry::BoundingBoxTree<T>;
+  if constexpr (std::is_constructible_v<Tree, decltype(mesh), int, std::span<const std::int32_t>>) // 0.9
+    return Tree(mesh, dim, entities);
+  else
+    return Tree(mesh, dim, 0, entities);
+}
+
+} // namespace signorini::dolfinx_versions

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/gmsh_process.h"
+#include "base/error.h"
+#include "base/subprocess.h"
+#include "mesh/gmsh_request.h"
+#include <fmt/format.h>
+
+namespace signorini::mesh {
+namespace {
+
+std::optional<std::string> ask(const GmshRequest& request, std::optional<unsigned> seconds = {}) {
+  return in_subprocess(find_worker("signorini-gmsh"), packed(request), seconds);
+}
+
+} // namespace
+
+void write_msh(const RawMesh& mesh, const std::filesystem::path& file, scene::LengthUnit unit) {
+  const std::optional<std::string> said = ask({.mesh{.file = file, .size{}, .unit = unit}, .written = mesh});
+  if (!said || said->front() == failed)
+    throw UserError(fmt::format("{}: gmsh cannot write it ({}), allowed is a file that can be written",
+                                file.string(), said ? said->substr(1) : "it crashes"));
+}
+
+RawMesh read_gmsh(const scene::Mesh& mesh, const Meshing& meshing) {
+  // gmsh trusts the counts in a damaged file and may never end; it reads tens of megabytes per second.
+  std::optional<unsigned> seconds;
+  if (std::error_code missing; mesh.meshed())
+    if (const auto size = std::filesystem::file_size(mesh.file, missing); !missing)
+      seconds = 5 + static_cast<unsigned>(size / 1'000'000);
+  GmshRequest request{.mesh = mesh, .keep = meshing.keep};
+  if (meshing.sizes)
+    request.sizes = *meshing.sizes;
+  const std::optional<std::string> answer = ask(request, seconds);
+  if (!answer)
+    throw UserError(fmt::format(
+        "{}: gmsh crashes on this file or does not come to its end, allowed are whole .geo and .msh files",
+        mesh.file.string()));
+  if (answer->front() == failed)
+    throw UserError(answer->substr(1));
+  return unpacked(std::string_view(*answer).substr(1));
+}
+
+} // namespace signorini::mesh
