@@ -62,6 +62,22 @@ def link_target(link):
     return re.search(r"\]\((?:\.\./)+([^)]*)\)", link)[1]
 
 
+def a_section_for_each_table(app, docname, source):
+    """The table of all keys, which is as the program prints it, in parts: one for each table of a scene. "See …" becomes a link."""
+    if docname != "reference/keys":
+        return
+    before, rows, after = re.fullmatch(r"(?s)(.*<!-- keys[^\n]*-->\n)(.*?)(<!-- end of keys -->.*)", source[0]).groups()
+    links = dict(re.findall(r"\[([^\]]+)\]\(([^)]+)\)", before))
+    rows = re.sub(r"\bsee (" + "|".join(links) + r")\b", lambda match: f"see [{match[1]}]({links[match[1]]})", rows)
+    head, rows = rows.splitlines()[:2], rows.splitlines()[2:]
+    tables = {}
+    for row in rows:
+        tables.setdefault(re.match(r"\| `(\w+)\.", row)[1], []).append(row)
+    sections = [f"\n## {name}\n\n" + "\n".join(head + own) + "\n" for name, own in tables.items()]
+    source[0] = before + "".join(sections) + "\n" + after
+
+
 def setup(app):
     app.connect("build-finished", copy_mathjax)
+    app.connect("source-read", a_section_for_each_table)
     app.connect("source-read", outside_links_to_sources)
