@@ -36,7 +36,9 @@ COMMAND = re.compile(r"(?s)(?<!`)`((?:\./dev|signorini) [^`]+)`(?!`)")
 PLACEHOLDER = re.compile(r"^[A-Z]+$|…")  # SCENE, FOLDER, TOL
 NAMED = {"toml": r"# ([\w-]+\.toml)(, continued)?\n", "c": r"// ([\w-]+\.geo)()\n", "python": r"# ([\w-]+\.py)()\n"}
 SECONDS = 300
-MODULE = importlib.util.find_spec("signorini") is not None  # the Python module; where it is not built its snippets are compiled alone
+FOUND = importlib.util.find_spec("signorini")
+# Whether the Python module is built; where it is not its snippets are compiled alone.
+MODULE = FOUND is not None and FOUND.origin is not None and any(Path(FOUND.origin).parent.glob("_signorini*"))
 
 
 class Wrong(Exception):
