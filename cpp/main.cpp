@@ -149,6 +149,7 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
     sub->add_option("--out", request.out, "folder for the results (default results/<scene name>)");
     sub->add_option("--set", request.overrides, "key.path=value, overrides the scene; may be repeated")
         ->expected(1)
+        ->allow_extra_args(false) // the scene may follow
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     sub->add_option("--threads", request.threads,
                     "of each rank (default: OMP_NUM_THREADS, else the cores that the ranks leave)")
