@@ -76,6 +76,12 @@ def definitions(entries: list[tuple[str, str]]) -> str:
     return "".join(f".TP\n.B {roff(name)}\n{roff(text) or '...'}\n" for name, text in entries)
 
 
+def plainer(option: str) -> str:
+    """An option with the limits of its value in words."""
+    option = re.sub(r"\b(\w+):\1 in \[(\S+) - (\S+)\]", r"\1 from \2 to \3", option)
+    return re.sub(r"^-h, ?--help$", "-h, --help", option).replace("FLOAT:TIME", "TIME")
+
+
 def manual(program: str) -> str:
     main = said(program, "--help")
     verbs = dict(listed(parts(main)["subcommands"]))
@@ -91,7 +97,7 @@ def manual(program: str) -> str:
     page += ".SH VERBS\n"
     for verb, text in help_of.items():
         page += f".SS signorini {verb}\n{roff(verbs[verb])}\n"
-        page += "".join(definitions(listed(found)) for name, found in parts(text).items() if name in ("options", "positionals", "positional arguments"))
+        page += "".join(definitions([(plainer(option), text) for option, text in listed(found)]) for name, found in parts(text).items() if name in ("options", "positionals", "positional arguments"))
     keys = re.split(r"\n(?=\S)", said(program, "keys").rstrip())
     page += ".SH KEYS OF A SCENE\n"
     for key in keys:

@@ -7,18 +7,21 @@ set -eu
 say() { printf '%s\n' "try: $*"; }
 fail() { say "$*"; exit 1; }
 # What apt downloads is kept outside of the tree, for the next one.
-apt() { DEBIAN_FRONTEND=noninteractive apt-get -qq -y -o Binary::apt::APT::Keep-Downloaded-Packages=true -o APT::Keep-Downloaded-Packages=true "$@" >/tmp/apt.log 2>&1 || { tail -n 30 /tmp/apt.log; fail "apt-get $1 failed"; }; }
-free() { df --output=used -m / | tail -n 1 | tr -d ' '; }
+apt() {
+  DEBIAN_FRONTEND=noninteractive apt-get -qq -y -o Dir::Cache::Archives=/var/cache/apt/archives -o APT::Keep-Downloaded-Packages=true "$@" \
+    >/tmp/apt.log 2>&1 || { tail -n 30 /tmp/apt.log; fail "apt-get $1 failed"; }
+}
 # By somebody without rights, from another folder than anything of the package.
-user() { su newcomer -s /bin/sh -c "cd /home/newcomer && $*"; }
+user() { setpriv --reuid 1000 --regid 1000 --clear-groups env HOME=/home/newcomer sh -c "cd /home/newcomer && $*"; }
 
-rm -f /etc/apt/apt.conf.d/docker-clean
 apt update
 [ -z "$(find / -xdev -name 'libdolfinx*' -o -xdev -name 'libgmsh*' 2>/dev/null)" ] || fail "this is no fresh tree"
 apt install --no-install-recommends /given/signorini_*.deb
 say "installed signorini: $(dpkg-query -W -f='${Version}' signorini), $(du -sm --exclude=/proc --exclude=/dev --exclude=/given --exclude=/var/cache / 2>/dev/null | cut -f1) MB in all"
 [ -z "$(dpkg --verify signorini)" ] || fail "files of the package are not as it has them: $(dpkg --verify signorini)"
-useradd --create-home newcomer
+echo 'newcomer:x:1000:1000::/home/newcomer:/bin/sh' >>/etc/passwd
+mkdir /home/newcomer
+chown 1000:1000 /home/newcomer
 
 user signorini --version
 scene=/usr/share/signorini/scenes/half-disc.toml
@@ -50,7 +53,7 @@ user signorini figures /nowhere 2>/tmp/error || status=$?
 say "installing libsignorini-dev, with a compiler"
 apt install --no-install-recommends /given/libsignorini-dev_*.deb cmake g++ make
 cp -R /given/own /home/newcomer/own
-chown -R newcomer /home/newcomer/own
+chown -R 1000:1000 /home/newcomer/own
 user "cmake -S own -B own/build -DCMAKE_BUILD_TYPE=Release >own/log 2>&1 && cmake --build own/build >>own/log 2>&1" || { tail -n 30 /home/newcomer/own/log; fail "a program of one's own is not built"; }
 user "own/build/own $scene mesh.size=2" | tee /tmp/own
 grep -q '^J = [0-9.e-]*, |gradient| = [0-9.e-]*$' /tmp/own || fail "a program of one's own does not run"
