@@ -78,7 +78,8 @@ std::string bash_completion(const std::vector<VerbOptions>& verbs) {
   std::vector<std::string> of_folders;
   for (const ScriptVerb& verb : script_verbs())
     of_folders.emplace_back(verb.name);
-  return fmt::format(script, fmt::arg("of_folders", fmt::join(of_folders, " ")), fmt::arg("verbs", fmt::join(names, " ")), fmt::arg("choices", values),
+  return fmt::format(script, fmt::arg("of_folders", fmt::join(of_folders, " ")),
+                     fmt::arg("verbs", fmt::join(names, " ")), fmt::arg("choices", values),
                      fmt::arg("keys", fmt::join(keys, " ")), fmt::arg("options", options));
 }
 

@@ -27,8 +27,7 @@ Found find_launcher(const char* verb) {
   const std::filesystem::path folder = own_folder(); // in a build it has a link to the scripts of its sources
   std::string tried;
   for (const auto& [at, installed] :
-       {std::pair{folder / "postprocess", false},
-        std::pair{folder / "../share/signorini/postprocess", true},
+       {std::pair{folder / "postprocess", false}, std::pair{folder / "../share/signorini/postprocess", true},
         std::pair{std::filesystem::path(version::data) / "signorini/postprocess", true}}) {
     const std::filesystem::path file = (at / launcher).lexically_normal();
     if (access(file.c_str(), R_OK) == 0)

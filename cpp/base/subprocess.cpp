@@ -120,9 +120,9 @@ std::filesystem::path own_folder() {
 
 std::filesystem::path find_worker(const std::string& name) {
   const std::filesystem::path folder = own_folder();
-  std::vector<std::filesystem::path> places{
-      folder, folder / "../..", folder / "../libexec/signorini", folder / "../../../../libexec/signorini",
-      std::filesystem::path(version::libexec) / "signorini"};
+  std::vector<std::filesystem::path> places{folder, folder / "../..", folder / "../libexec/signorini",
+                                            folder / "../../../../libexec/signorini",
+                                            std::filesystem::path(version::libexec) / "signorini"};
   // A program of somebody else's that the library is linked into may be anywhere.
   if (const char* path = std::getenv("PATH"))
     for (std::string_view left = path; !left.empty();) {

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // J of a scene at the control that it starts from, and the norm of its gradient there: own SCENE [key=value…]
 #include "app/problem.h"
-#include "control/control.h"
 #include <cmath>
 #include <cstdio>
+#include <spdlog/spdlog.h>
 
 using namespace signorini;
 
 int main(int argc, char** argv) {
   PetscInitializeNoArguments();
+  spdlog::set_level(spdlog::level::warn); // dolfinx tells all that it does
   {
     const scene::Scene scene = scene::parse(scene::read(argv[1]), argv[1], {argv + 2, argv + argc});
     Timers timers;
