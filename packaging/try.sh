@@ -15,7 +15,7 @@ apt() {
 user() { setpriv --reuid 1000 --regid 1000 --clear-groups env HOME=/home/newcomer sh -c "cd /home/newcomer && $*"; }
 
 apt update
-[ -z "$(find / -xdev -name 'libdolfinx*' -o -xdev -name 'libgmsh*' 2>/dev/null)" ] || fail "this is no fresh tree"
+[ -z "$(find /usr -name 'libdolfinx*' -o -name 'libgmsh*')" ] || fail "this is no fresh tree"
 apt install --no-install-recommends /given/signorini_*.deb
 say "installed signorini: $(dpkg-query -W -f='${Version}' signorini), $(du -sm --exclude=/proc --exclude=/dev --exclude=/given --exclude=/var/cache / 2>/dev/null | cut -f1) MB in all"
 [ -z "$(dpkg --verify signorini)" ] || fail "files of the package are not as it has them: $(dpkg --verify signorini)"
