@@ -6,10 +6,10 @@ set -eu
 
 say() { printf '%s\n' "try: $*"; }
 fail() { say "$*"; exit 1; }
-# What apt downloads is kept outside of the tree, for the next one.
+# What apt downloads is kept outside of the tree, for the next one; a tree that is thrown away need not outlive a loss of power.
 apt() {
-  DEBIAN_FRONTEND=noninteractive apt-get -qq -y -o Dir::Cache::Archives=/var/cache/apt/archives -o APT::Keep-Downloaded-Packages=true "$@" \
-    >/tmp/apt.log 2>&1 || { tail -n 30 /tmp/apt.log; fail "apt-get $1 failed"; }
+  DEBIAN_FRONTEND=noninteractive apt-get -qq -y -o Dir::Cache::Archives=/var/cache/apt/archives -o APT::Keep-Downloaded-Packages=true \
+    -o DPkg::Options::=--force-unsafe-io "$@" >/tmp/apt.log 2>&1 || { tail -n 30 /tmp/apt.log; fail "apt-get $1 failed"; }
 }
 # By somebody without rights, from another folder than anything of the package.
 user() { setpriv --reuid 1000 --regid 1000 --clear-groups env HOME=/home/newcomer sh -c "cd /home/newcomer && $*"; }
