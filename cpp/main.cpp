@@ -2,6 +2,7 @@
 #include "app/completion.h"
 #include "app/run.h"
 #include "app/run_manifest.h"
+#include "app/scripts.h"
 #include "base/error.h"
 #include "base/petsc.h"
 #include "base/signals.h"
@@ -48,6 +49,8 @@ std::string did_you_mean(const std::string& found, const std::vector<std::string
 void require_verb(int argc, char** argv) {
   std::vector<std::string> names;
   for (const Verb& verb : verbs)
+    names.emplace_back(verb.name);
+  for (const signorini::ScriptVerb& verb : signorini::script_verbs())
     names.emplace_back(verb.name);
   const std::string allowed = signorini::scene::list(names);
   if (argc < 2)
@@ -181,6 +184,12 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
           ->check(CLI::Range(1, std::numeric_limits<int>::max()));
     if (name == "study")
       add_study_options(*sub, request);
+  }
+  // For --help and for completion: their scripts read the command line.
+  for (const signorini::ScriptVerb& verb : signorini::script_verbs()) {
+    CLI::App* sub = app.add_subcommand(verb.name, verb.text);
+    for (const char* option : verb.options)
+      sub->add_option(option);
   }
 }
 
@@ -317,6 +326,14 @@ int guarded(int argc, char** argv, int rank, int ranks) {
 } // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && signorini::is_script_verb(argv[1])) {
+    try {
+      signorini::become_script({argv + 1, argv + argc + 1});
+    } catch (const std::exception& error) {
+      complain(error.what());
+      return wrong_input;
+    }
+  }
   // Arguments after -- go to PETSc.
   char** const dashes =
       std::find_if(argv, argv + argc, [](const char* a) { return std::string_view(a) == "--"; });

@@ -74,7 +74,7 @@ private:
 };
 
 /// The space of controls: where they act, their products, their bounds, and how they enter the equation of
-/// motion. Nodal values of the displacement's degree ("P1"), or one value for each cell ("P0"); on the whole
+/// motion. Nodal values of the displacement's degree ("nodal"), or one value for each cell ("cellwise"); on the whole
 /// body, a part of it or a surface (there a cell's value acts on those of its facets that lie on it). All
 /// members collective.
 ///

@@ -522,11 +522,17 @@ def constant_in_time() -> None:
 
 @key("control.space")
 def control_space() -> None:
-    nodal = optimize(iterations=1, control__space="P1")
-    cellwise = optimize(iterations=1, control__space="P0")
+    nodal = optimize(iterations=1, control__space="nodal")
+    cellwise = optimize(iterations=1, control__space="cellwise")
     assert nodal.field("control", "control").shape == (30, nodal.manifest["unknowns"] / 2, 2)
     assert cellwise.field("control", "control").shape == (30, cellwise.manifest["cells"], 2)
-    near(simulate(control__space="P0", control__initial=["0", "2"], **FREE).momentum(), [0, 2 * T])
+    near(simulate(control__space="cellwise", control__initial=["0", "2"], **FREE).momentum(), [0, 2 * T])
+    # Nodes are the displacement's own, with midpoints of edges where it is quadratic.
+    quadratic = optimize(iterations=1, control__space="nodal", mesh__degree=2).manifest
+    assert quadratic["unknowns"] > 3 * nodal.manifest["unknowns"]
+    for former, today in (("P1", nodal), ("P0", cellwise)):
+        same = Run("optimize", BLOCK, {"optimizer__max_iterations": 1, "control__space": former})
+        assert same.echo == today.echo and same.manifest["objective"] == today.manifest["objective"]
 
 
 @key("control.initial")
