@@ -70,6 +70,7 @@ double DirichletDofs::decouple(Mat matrix) const {
 }
 
 petsc::Matrix symmetric_half(const petsc::Matrix& blocks) {
+  check(MatSetOption(blocks, MAT_SYMMETRIC, PETSC_TRUE)); // PETSc 3.25 wants to be told, even of PᵀMP
   petsc::Matrix half;
   check(MatConvert(blocks, MATSBAIJ, MAT_INITIAL_MATRIX, half.put()));
   return half;
