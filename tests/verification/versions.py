@@ -61,7 +61,7 @@ def figures(scene: Path, mesh: Path, out: Path, ranks: int, **keys: object) -> d
     found = {}
     down = -np.eye(3 if scene == HALF_BALL else 2)[-1]
     for control in (0, 0.9):
-        signorini("optimize", scene, out, ranks, mesh={"file": str(mesh)}, optimizer__max_iterations=0,
+        signorini("optimize", scene, out, ranks, mesh={"file": str(mesh)}, optimizer__max_iterations=0, solver__linear="direct",
                   control__initial=[f"{control * x + 0:g}" for x in down], **keys)  # fmt: skip
         history = table(out / "history.csv")
         found |= {f"J({control})": history["objective"][0], f"|g({control})|": history["gradient_norm"][0]}
