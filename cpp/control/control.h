@@ -120,6 +120,11 @@ public:
   [[nodiscard]] double inner(const Control& u, const Control& w) const;
   /// The functional inner(u, ·), as the values that pairings() multiplies with those of w.
   [[nodiscard]] Control dual(const Control& u) const;
+  /// Whether the matrix of dual() is diagonal.
+  [[nodiscard]] bool diagonal() const { return cellwise_ || lumped_; }
+  /// That diagonal, T_j included; where there are other entries, that of the lumped mass matrix (HRZ), which
+  /// resembles it on every mesh.
+  [[nodiscard]] Control weights() const;
   /// inner(u_i, w_j) from the duals of u_i (duals × w), in one pass over the w_j and one reduction.
   [[nodiscard]] std::vector<double> pairings(std::span<const Control> duals,
                                              std::span<const Compact> w) const;
