@@ -24,6 +24,28 @@ using control::Control;
 /// J of a scene's control, its derivatives, and the motions of the two controls that were looked at last. A
 /// derivative is that by the entries of u; the optimizer's product makes a control of it.
 class Reduced final : public Open {
+  struct Modules {
+    explicit Modules(Scene& from)
+        : scene(from.scene()), modules(from.discretisation(), scene, search_needs(scene), timers),
+          problem(with_steps(modules, silent), silent) {}
+
+    static const signorini::Problem& with_steps(const signorini::Problem& problem, const Console& console) {
+      choose_steps(problem, console);
+      return problem;
+    }
+
+    scene::Scene scene;
+    Timers timers;
+    Console silent{false, false};
+    signorini::Problem modules;
+    signorini::ControlProblem problem;
+  };
+  /// A control whose motion the reduced problem has.
+  struct Known {
+    Control u;
+    std::optional<Control> gradient{};
+  };
+
 public:
   /// Collective. Throws UserError, SolverFailure, Interrupted.
   explicit Reduced(Scene& scene)
@@ -33,6 +55,53 @@ public:
         })) {}
   void close() override { all_.reset(); }
 
+private:
+  [[nodiscard]] Modules& all() const {
+    if (!all_)
+      throw std::runtime_error("the problem is closed, since Python is about to end");
+    return *all_;
+  }
+
+  /// What `work` computes once the given control is the current one; a motion that is known is not made again.
+  template <class Work>
+  auto at(const Given& given, Work&& work) {
+    return compute([&] {
+      go_to(control(given));
+      return work();
+    });
+  }
+
+  void go_to(Control u) {
+    std::array<int, 2> known{is(current_, u), is(trial_, u)};
+    MPI_Allreduce(MPI_IN_PLACE, known.data(), 2, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+    if (known[0])
+      return;
+    if (!known[1]) {
+      trial_.reset(); // overwritten, whether or not the sweep comes to its end
+      reduced().simulate(u);
+      trial_.emplace(std::move(u));
+    }
+    reduced().accept();
+    std::swap(current_, trial_);
+  }
+
+  static bool is(const std::optional<Known>& known, const Control& u) {
+    if (!known)
+      return false;
+    const std::span<const double> a = std::as_const(known->u).values(), b = u.values();
+    return a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+  }
+
+  const Control& gradient() {
+    if (!current_->gradient)
+      current_->gradient = reduced().gradient();
+    return *current_->gradient;
+  }
+
+  std::unique_ptr<Modules> all_;
+  std::optional<Known> current_, trial_; ///< as the reduced problem's
+
+public:
   [[nodiscard]] const control::ControlSpace& controls() const { return all().problem.controls; }
   [[nodiscard]] const signorini::Problem& modules() const { return all().modules; }
   [[nodiscard]] control::ReducedProblem& reduced() const { return all().problem.reduced; }
@@ -84,13 +153,13 @@ public:
   Array displacements(const Given& given, int first, int count) {
     const auto dim = static_cast<std::size_t>(modules().space.dim());
     std::vector<double> values = at(given, [&] {
-      std::vector<double> values;
+      std::vector<double> all;
       for (int k = first; k < first + count; ++k) {
         const petsc::ReadArray y(reduced().trajectory().y(k));
         const std::span<const double> entries(y);
-        values.insert(values.end(), entries.begin(), entries.end());
+        all.insert(all.end(), entries.begin(), entries.end());
       }
-      return values;
+      return all;
     });
     const auto steps = static_cast<std::size_t>(count);
     return array_of(std::move(values),
@@ -107,73 +176,6 @@ public:
     });
   }
 
-private:
-  struct Modules {
-    explicit Modules(Scene& from)
-        : scene(from.scene()), modules(from.discretisation(), scene, search_needs(scene), timers),
-          problem(with_steps(modules, silent), silent) {}
-
-    static const signorini::Problem& with_steps(const signorini::Problem& problem, const Console& console) {
-      choose_steps(problem, console);
-      return problem;
-    }
-
-    scene::Scene scene;
-    Timers timers;
-    Console silent{false, false};
-    signorini::Problem modules;
-    signorini::ControlProblem problem;
-  };
-  /// A control whose motion the reduced problem has.
-  struct Known {
-    Control u;
-    std::optional<Control> gradient{};
-  };
-
-  [[nodiscard]] Modules& all() const {
-    if (!all_)
-      throw std::runtime_error("the problem is closed, since Python is about to end");
-    return *all_;
-  }
-
-  /// What `work` computes once the given control is the current one; a motion that is known is not made again.
-  template <class Work>
-  auto at(const Given& given, Work&& work) {
-    return compute([&] {
-      go_to(control(given));
-      return work();
-    });
-  }
-
-  void go_to(Control u) {
-    std::array<int, 2> known{is(current_, u), is(trial_, u)};
-    MPI_Allreduce(MPI_IN_PLACE, known.data(), 2, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
-    if (known[0])
-      return;
-    if (!known[1]) {
-      trial_.reset(); // overwritten, whether or not the sweep comes to its end
-      reduced().simulate(u);
-      trial_.emplace(std::move(u));
-    }
-    reduced().accept();
-    std::swap(current_, trial_);
-  }
-
-  static bool is(const std::optional<Known>& known, const Control& u) {
-    if (!known)
-      return false;
-    const std::span<const double> a = std::as_const(known->u).values(), b = u.values();
-    return a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
-  }
-
-  const Control& gradient() {
-    if (!current_->gradient)
-      current_->gradient = reduced().gradient();
-    return *current_->gradient;
-  }
-
-  std::unique_ptr<Modules> all_;
-  std::optional<Known> current_, trial_; ///< as the reduced problem's
 };
 
 /// Bounds of every value, absent where there is none.

@@ -40,12 +40,12 @@ public:
     const std::size_t n = theta.size();
     std::vector<double> columns = compute([&] {
       go_to(values_of(theta));
-      std::vector<double> columns = at_.jacobian;
+      std::vector<double> by_theta = at_.jacobian;
       const std::size_t m = at_.residuals.size();
       const std::vector<double> slopes = problem().slopes(x_);
-      for (std::size_t i = 0; i < columns.size(); ++i)
-        columns[i] /= slopes[i / m];
-      return columns;
+      for (std::size_t i = 0; i < by_theta.size(); ++i)
+        by_theta[i] /= slopes[i / m];
+      return by_theta;
     });
     return array_of(std::move(columns), {n, at_.residuals.size()});
   }
