@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace signorini::control {
@@ -25,6 +26,10 @@ public:
   /// Zero. `size`: values of an interval on this rank.
   Control(std::size_t size, int count)
       : values_(std::vector<double>(size * static_cast<std::size_t>(count))), size_(size), count_(count) {}
+
+  /// Of given values, interval by interval.
+  Control(std::vector<double> values, int count)
+      : values_(std::move(values)), size_(values_.read().size() / static_cast<std::size_t>(count)), count_(count) {}
 
   /// The values of an interval, j = 1 … count.
   [[nodiscard]] std::span<const double> at(int j) const { return values().subspan(begin(j), size_); }

@@ -5,6 +5,7 @@
 #include "control/metric.h"
 #include "scene.h"
 #include <array>
+#include <chrono>
 #include <cstring>
 #include <fmt/format.h>
 #include <limits>
@@ -62,6 +63,18 @@ private:
     return *all_;
   }
 
+  /// Calls `sweep`, and counts its seconds.
+  template <class Sweep>
+  auto swept(Sweep&& sweep) {
+    struct Clock {
+      ~Clock() { sum += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
+      double& sum;
+      std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    };
+    const Clock clock{seconds_};
+    return sweep();
+  }
+
   /// What `work` computes once the given control is the current one; a motion that is known is not made again.
   template <class Work>
   auto at(const Given& given, Work&& work) {
@@ -78,7 +91,7 @@ private:
       return;
     if (!known[1]) {
       trial_.reset(); // overwritten, whether or not the sweep comes to its end
-      reduced().simulate(u);
+      swept([&] { reduced().simulate(u); });
       trial_.emplace(std::move(u));
     }
     reduced().accept();
@@ -99,23 +112,23 @@ private:
   }
 
   std::unique_ptr<Modules> all_;
+  double seconds_ = 0; ///< of what a C++ program does for J and its derivative
   std::optional<Known> current_, trial_; ///< as the reduced problem's
 
 public:
   [[nodiscard]] const control::ControlSpace& controls() const { return all().problem.controls; }
   [[nodiscard]] const signorini::Problem& modules() const { return all().modules; }
   [[nodiscard]] control::ReducedProblem& reduced() const { return all().problem.reduced; }
+  [[nodiscard]] double seconds() const { return seconds_; }
 
   /// A control of given values. Throws std::invalid_argument.
   [[nodiscard]] Control control(const Given& given) const {
-    Control u = controls().zero();
-    const std::span<const double> from = values_of(given);
-    const std::span<double> to = u.values();
-    if (from.size() != to.size())
+    const std::span<const double> values = values_of(given);
+    const int count = controls().count();
+    if (values.size() != controls().size() * static_cast<std::size_t>(count))
       throw std::invalid_argument(fmt::format("found an array of {} entries, allowed are {} x {} of this rank",
-                                              from.size(), u.count(), controls().size()));
-    std::ranges::copy(from, to.begin());
-    return u;
+                                              values.size(), count, controls().size()));
+    return {{values.begin(), values.end()}, count};
   }
 
   [[nodiscard]] Control first_guess() const { return all().problem.first_guess(all().scene); }
@@ -126,8 +139,11 @@ public:
 
   /// J and its derivative.
   std::pair<double, Array> value_and_derivative(const Given& given) {
-    auto [value, derivative] =
-        at(given, [&] { return std::pair(reduced().value().total(), controls().dual(gradient())); });
+    double value = 0;
+    Control derivative = at(given, [&] {
+      value = reduced().value().total();
+      return swept([&] { return controls().dual(gradient()); });
+    });
     return {value, array_of(std::move(derivative))};
   }
 
@@ -285,6 +301,7 @@ void bind_control_problem(nb::module_& module) {
              const control::ReducedProblem::Sweeps sweeps = self.reduced().sweeps();
              return std::pair(sweeps.forward, sweeps.adjoint);
            })
+      .def_prop_ro("seconds", &Reduced::seconds)
       .def("timings", timings);
   bind_places(bound_class);
   bind_metric(bound_class);

@@ -38,8 +38,10 @@ from .fit import Fit  # noqa: E402
 from .problem import Metric, Problem, Replicated  # noqa: E402
 from .run import Field, Run, read  # noqa: E402
 from .scene import Scene  # noqa: E402
+from .world import RANK as rank  # noqa: E402, N811
+from .world import RANKS as ranks  # noqa: E402, N811
 
-__all__ = ["Field", "Fit", "Metric", "Problem", "Replicated", "Run", "Scene", "SceneError", "SolverFailure", "read", "versions"]
+__all__ = ["Field", "Fit", "Metric", "Problem", "Replicated", "Run", "Scene", "SceneError", "SolverFailure", "rank", "ranks", "read", "versions"]
 
 
 def versions() -> str:

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _signorini
-from .ranks import RANKS, WORLD, of_all
+from .world import RANKS, WORLD, of_all
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -215,6 +215,11 @@ class Problem:
     def timings(self) -> dict[str, tuple[float, int]]:
         """Seconds and calls of the phases of the computation on this rank, as in run.json, each without those in it."""
         return self._problem.timings()
+
+    @property
+    def sweep_seconds(self) -> float:
+        """Seconds of the solver's own work in value() and value_and_gradient() so far; what calls take more is Python's and the arrays'."""
+        return self._problem.seconds
 
     # --- Several ranks ---------------------------------------------------------------------------------
 

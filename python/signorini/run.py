@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import _signorini
-from .ranks import RANK, from_root
+from .world import RANK, from_root
 
 if TYPE_CHECKING:
     import pandas

@@ -13,7 +13,7 @@ import numpy as np
 from . import _signorini
 from .fit import Fit
 from .problem import Problem
-from .ranks import RANK, from_root, wait
+from .world import RANK, from_root, wait
 from .run import Run, read
 
 DONE, CHECK_FAILED, SOLVER_FAILED, INTERRUPTED = 0, 1, 3, 130  # exit statuses of the program
