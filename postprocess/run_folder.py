@@ -80,12 +80,12 @@ class RunFolder:
     @cached_property
     def scene(self) -> dict:
         """The scene with every default written out."""
-        return self._read("scene.toml", read_scene)
+        return self.read("scene.toml", read_scene)
 
     @cached_property
     def manifest(self) -> dict:
         """run.json."""
-        return self._read("run.json", lambda file: json.loads(whole_text(file)))
+        return self.read("run.json", lambda file: json.loads(whole_text(file)))
 
     @property
     def is_fit(self) -> bool:
@@ -171,7 +171,7 @@ class RunFolder:
     @cached_property
     def obstacle_steps(self) -> list[ObstacleSteps]:
         """obstacles.csv, in the scene's order."""
-        table = self._read("obstacles.csv", lambda file: read_csv(file, self.obstacle_names))
+        table = self.read("obstacles.csv", lambda file: read_csv(file, self.obstacle_names))
         numbers = np.unique(table["obstacle"])
         rows = [table["obstacle"] == number for number in numbers]
         if any(own.sum() != self.steps_done + 1 for own in rows) or len(rows) != len(self.obstacle_names):
@@ -222,7 +222,7 @@ class RunFolder:
             pass
         for file in ("state", "control", "adjoint"):
             if (self.path / f"{file}.xdmf").is_file():
-                document = self._read(f"{file}.xdmf", lambda path: ElementTree.fromstring(whole_text(path)))
+                document = self.read(f"{file}.xdmf", lambda path: ElementTree.fromstring(whole_text(path)))
                 return 2 if document.find(".//Geometry").get("GeometryType") == "XY" else 3
         return self.contact.points.shape[1]
 
@@ -258,16 +258,22 @@ class RunFolder:
 
     def field(self, file: str, name: str) -> Series:
         """The function `name` of `file` (one of the .xdmf files)."""
-        document = self._read(file, lambda path: ElementTree.fromstring(whole_text(path)))
+        document = self.read(file, lambda path: ElementTree.fromstring(whole_text(path)))
         grids = document.findall(f".//Grid[@GridType='Collection'][@Name='{name}']/Grid")
         if not grids:
             raise NotInRun(f"{file} holds no {name}")
         times = np.array([float(grid.find("Time").get("Value")) for grid in grids])
         datasets = [self._reference(grid.find("Attribute/DataItem")) for grid in grids]
-        points = read_dataset(*self._reference(document.find(".//Geometry/DataItem")))
-        cells = read_dataset(*self._reference(document.find(".//Topology/DataItem")))
         centers = {grid.find("Attribute").get("Center") for grid in grids}
-        return Series(Mesh(points, cells), times, datasets, centers == {"Cell"})
+        return Series(self._mesh(document), times, datasets, centers == {"Cell"})
+
+    def mesh(self, file: str) -> Mesh:
+        """The mesh of the functions of `file` (one of the .xdmf files)."""
+        return self._mesh(self.read(file, lambda path: ElementTree.fromstring(whole_text(path))))
+
+    def _mesh(self, document: ElementTree.Element) -> Mesh:
+        return Mesh(read_dataset(*self._reference(document.find(".//Geometry/DataItem"))),
+                    read_dataset(*self._reference(document.find(".//Topology/DataItem"))))  # fmt: skip
 
     def figure_time(self) -> float:
         """The time that shows contact best, s: the seed's if the body touches there, else that of the largest force."""
@@ -347,13 +353,14 @@ class RunFolder:
 
     def _table(self, file: str, rows: Callable[[], int]) -> Table:
         """A .csv file with as many rows as run.json tells of, where there is one."""
-        table = self._read(file, lambda path: read_csv(path, self.obstacle_names if file == "contact.csv" else ()))
+        table = self.read(file, lambda path: read_csv(path, self.obstacle_names if file == "contact.csv" else ()))
         found = len(next(iter(table.values())))
         if (self.path / "run.json").is_file() and found != (told := self.told(rows)):
             raise Unreadable(f"{self.path / file}: found {found} rows, but run.json tells of {told}: it was cut, or is of another run")
         return table
 
-    def _read(self, file: str, read: Callable[[Path], T]) -> T:
+    def read(self, file: str, read: Callable[[Path], T]) -> T:
+        """A file of the folder by a function of its path. Raises NotInRun, Unreadable."""
         path = self.path / file
         if not path.is_file():
             verb = f", a run of {self.verb}" if (self.path / "run.json").is_file() else ""

@@ -10,6 +10,7 @@
 #include "app/optimize.h"
 #include "app/run_manifest.h"
 #include "app/run_objective.h"
+#include "app/scene_file.h"
 #include "app/study/grading.h"
 #include "app/summary_lines.h"
 #include "base/collective.h"
@@ -211,16 +212,6 @@ int check(const scene::Scene& scene, const Console& console) {
   return check_scene(problem, console) ? exit_status::done : exit_status::check_failed;
 }
 
-/// The folder of the run whose echo a scene is, beside that run's manifest; empty for other scenes.
-std::string folder_of_echo(const std::filesystem::path& file) {
-  const std::filesystem::path absolute = std::filesystem::absolute(file).lexically_normal(),
-                              folder = absolute.parent_path();
-  std::error_code none;
-  return absolute.filename() == "scene.toml" && std::filesystem::exists(folder / "run.json", none)
-             ? folder.string()
-             : "";
-}
-
 /// Where a run's results go if the user names no folder: those of an echo back to where it is.
 std::filesystem::path usual_folder(const std::string& verb, const std::string& name,
                                    const std::filesystem::path& home) {
@@ -269,21 +260,7 @@ void require_size(const scene::Scene& scene, const Request& request) {
 
 int run(const Request& request, const Console& console) {
   use_threads(world(), request.threads);
-  std::string text; // read once: ranks with different scenes would deadlock
-  on_root(world(), [&] { text = scene::read(request.scene); });
-  const auto open = [](const std::filesystem::path& file) { // every rank asks for the same, in the same order
-    std::string content;
-    on_root(world(), [&] { content = scene::read_file(file); });
-    return broadcast(world(), content);
-  };
-  scene::Scene scene = scene::parse(broadcast(world(), text), request.scene, request.overrides, open);
-  std::string echoed;
-  on_root(world(), [&] { echoed = folder_of_echo(request.scene); });
-  const std::filesystem::path home = broadcast(world(), echoed);
-  if (!home.empty())
-    scene.name = home.filename().string();
-  // Its default depends on the machine, and all ranks must choose the same solvers.
-  MPI_Allreduce(MPI_IN_PLACE, &scene.solver.memory, 1, MPI_DOUBLE, MPI_MIN, world());
+  const auto [scene, text, home] = read_scene(world(), request.scene, request.overrides);
   require_size(scene, request);
   const std::filesystem::path out =
       request.out.empty() ? usual_folder(request.verb, scene.name, home) : request.out;

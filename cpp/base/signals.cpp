@@ -2,7 +2,6 @@
 #include "base/signals.h"
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <initializer_list>
 #include <sys/time.h>
 
@@ -41,6 +40,22 @@ void forget_deadline() {
 void catch_stop_signals() {
   for (int signal : {SIGINT, SIGTERM, SIGUSR1})
     std::signal(signal, on_signal);
+}
+
+StopOnInterrupt::StopOnInterrupt() {
+  requested = 0;
+  sigaction(SIGINT, nullptr, &before_);
+  if (before_.sa_handler == SIG_IGN) // as in the background of a shell
+    return;
+  struct sigaction ours{};
+  ours.sa_handler = [](int) { requested = 1; };
+  ours.sa_flags = SA_RESTART;
+  sigaction(SIGINT, &ours, nullptr);
+}
+
+StopOnInterrupt::~StopOnInterrupt() {
+  sigaction(SIGINT, &before_, nullptr);
+  requested = 0;
 }
 
 void ignore_broken_pipes() { std::signal(SIGPIPE, SIG_IGN); }

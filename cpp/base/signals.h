@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <csignal>
 #include <mpi.h>
 
 namespace signorini {
@@ -8,6 +9,20 @@ namespace signorini {
 /// process; the same signal a second time ends it at once. Use SIGUSR1 with mpirun, which forwards it to its
 /// ranks; at the others mpirun kills them.
 void catch_stop_signals();
+
+/// While it lives SIGINT asks for a stop, however often it comes; afterwards the handler that was there before
+/// has it again, and no request is left. For a library within a program that has handlers of its own. One at
+/// a time.
+class StopOnInterrupt {
+public:
+  StopOnInterrupt();
+  ~StopOnInterrupt();
+  StopOnInterrupt(const StopOnInterrupt&) = delete;
+  StopOnInterrupt& operator=(const StopOnInterrupt&) = delete;
+
+private:
+  struct sigaction before_{};
+};
 
 /// From now on a pipe that nobody reads any more fails writes to it instead of ending the process.
 void ignore_broken_pipes();

@@ -335,6 +335,15 @@ Control ControlSpace::dual(const Control& u) const {
   return dual;
 }
 
+Control ControlSpace::weights() const {
+  const petsc::Vector other = diagonal() ? petsc::Vector() : lump(mass_);
+  const petsc::ReadArray weight(cellwise_ ? volumes_ : lumped_ ? lumped_ : other);
+  Control all = zero();
+  for (int j = 1; j <= all.count(); ++j)
+    axpy(length(j), weight, all.at(j));
+  return all;
+}
+
 std::vector<double> ControlSpace::pairings(std::span<const Control> duals, std::span<const Compact> w) const {
   const std::size_t values = size_ * static_cast<std::size_t>(count()), blocks = (values + block - 1) / block,
                     each = duals.size() * w.size();

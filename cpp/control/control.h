@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace signorini::control {
@@ -25,6 +26,10 @@ public:
   /// Zero. `size`: values of an interval on this rank.
   Control(std::size_t size, int count)
       : values_(std::vector<double>(size * static_cast<std::size_t>(count))), size_(size), count_(count) {}
+
+  /// Of given values, interval by interval.
+  Control(std::vector<double> values, int count)
+      : values_(std::move(values)), size_(values_.read().size() / static_cast<std::size_t>(count)), count_(count) {}
 
   /// The values of an interval, j = 1 … count.
   [[nodiscard]] std::span<const double> at(int j) const { return values().subspan(begin(j), size_); }
@@ -120,6 +125,11 @@ public:
   [[nodiscard]] double inner(const Control& u, const Control& w) const;
   /// The functional inner(u, ·), as the values that pairings() multiplies with those of w.
   [[nodiscard]] Control dual(const Control& u) const;
+  /// Whether the matrix of dual() is diagonal.
+  [[nodiscard]] bool diagonal() const { return cellwise_ || lumped_; }
+  /// That diagonal, T_j included; where there are other entries, that of the lumped mass matrix (HRZ), which
+  /// resembles it on every mesh.
+  [[nodiscard]] Control weights() const;
   /// inner(u_i, w_j) from the duals of u_i (duals × w), in one pass over the w_j and one reduction.
   [[nodiscard]] std::vector<double> pairings(std::span<const Control> duals,
                                              std::span<const Compact> w) const;

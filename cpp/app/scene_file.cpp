@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/scene_file.h"
+#include "base/collective.h"
+
+namespace signorini {
+namespace {
+
+/// The folder of the run whose echo a scene is, beside that run's manifest; empty for other scenes.
+std::string folder_of_echo(const std::filesystem::path& file) {
+  const std::filesystem::path absolute = std::filesystem::absolute(file).lexically_normal(),
+                              folder = absolute.parent_path();
+  std::error_code none;
+  return absolute.filename() == "scene.toml" && std::filesystem::exists(folder / "run.json", none)
+             ? folder.string()
+             : "";
+}
+
+} // namespace
+
+SceneFile read_scene(MPI_Comm comm, const std::filesystem::path& file,
+                     const std::vector<std::string>& overrides) {
+  std::string text, home;
+  on_root(comm, [&] { text = scene::read(file); });
+  text = broadcast(comm, text);
+  const auto open = [comm](const std::filesystem::path& series) { // every rank asks for the same, in the same order
+    std::string content;
+    on_root(comm, [&] { content = scene::read_file(series); });
+    return broadcast(comm, content);
+  };
+  SceneFile found{.scene = scene::parse(text, file, overrides, open), .text = text, .home = {}};
+  on_root(comm, [&] { home = folder_of_echo(file); });
+  found.home = broadcast(comm, home);
+  if (!found.home.empty())
+    found.scene.name = found.home.filename().string();
+  // Its default depends on the machine, and all ranks must choose the same solvers.
+  MPI_Allreduce(MPI_IN_PLACE, &found.scene.solver.memory, 1, MPI_DOUBLE, MPI_MIN, comm);
+  return found;
+}
+
+} // namespace signorini

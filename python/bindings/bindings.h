@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <nanobind/nanobind.h>
+
+/// The parts of the module: its classes, which the package's own wrap and document.
+namespace signorini::python {
+
+void bind_scene(nanobind::module_& module);
+void bind_control_problem(nanobind::module_& module);
+void bind_fit_problem(nanobind::module_& module);
+
+} // namespace signorini::python

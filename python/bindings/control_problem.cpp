@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/optimize.h"
+#include "arrays.h"
+#include "bindings.h"
+#include "control/metric.h"
+#include "scene.h"
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <fmt/format.h>
+#include <limits>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+namespace nb = nanobind;
+
+namespace signorini::python {
+namespace {
+
+using control::Control;
+
+/// J of a scene's control, its derivatives, and the motions of the two controls that were looked at last. A
+/// derivative is that by the entries of u; the optimizer's product makes a control of it.
+class Reduced final : public Open {
+  struct Modules {
+    explicit Modules(Scene& from)
+        : scene(from.scene()), modules(from.discretisation(), scene, search_needs(scene), timers),
+          problem(with_steps(modules, silent), silent) {}
+
+    static const signorini::Problem& with_steps(const signorini::Problem& problem, const Console& console) {
+      choose_steps(problem, console);
+      return problem;
+    }
+
+    scene::Scene scene;
+    Timers timers;
+    Console silent{false, false};
+    signorini::Problem modules;
+    signorini::ControlProblem problem;
+  };
+  /// A control whose motion the reduced problem has.
+  struct Known {
+    Control u;
+    std::optional<Control> gradient{};
+  };
+
+public:
+  /// Collective. Throws UserError, SolverFailure, Interrupted.
+  explicit Reduced(Scene& scene)
+      : all_(compute([&] {
+          require_control_problem(MPI_COMM_WORLD, scene.scene(), {});
+          return std::make_unique<Modules>(scene);
+        })) {}
+  void close() override { all_.reset(); }
+
+private:
+  [[nodiscard]] Modules& all() const {
+    if (!all_)
+      throw std::runtime_error("the problem is closed, since Python is about to end");
+    return *all_;
+  }
+
+  /// Calls `sweep`, and counts its seconds.
+  template <class Sweep>
+  auto swept(Sweep&& sweep) {
+    struct Clock {
+      ~Clock() { sum += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
+      double& sum;
+      std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    };
+    const Clock clock{seconds_};
+    return sweep();
+  }
+
+  /// What `work` computes once the given control is the current one; a motion that is known is not made again.
+  template <class Work>
+  auto at(const Given& given, Work&& work) {
+    return compute([&] {
+      go_to(control(given));
+      return work();
+    });
+  }
+
+  void go_to(Control u) {
+    std::array<int, 2> known{is(current_, u), is(trial_, u)};
+    MPI_Allreduce(MPI_IN_PLACE, known.data(), 2, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+    if (known[0])
+      return;
+    if (!known[1]) {
+      trial_.reset(); // overwritten, whether or not the sweep comes to its end
+      swept([&] { reduced().simulate(u); });
+      trial_.emplace(std::move(u));
+    }
+    reduced().accept();
+    std::swap(current_, trial_);
+  }
+
+  static bool is(const std::optional<Known>& known, const Control& u) {
+    if (!known)
+      return false;
+    const std::span<const double> a = std::as_const(known->u).values(), b = u.values();
+    return a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+  }
+
+  const Control& gradient() {
+    if (!current_->gradient)
+      current_->gradient = reduced().gradient();
+    return *current_->gradient;
+  }
+
+  std::unique_ptr<Modules> all_;
+  double seconds_ = 0; ///< of what a C++ program does for J and its derivative
+  std::optional<Known> current_, trial_; ///< as the reduced problem's
+
+public:
+  [[nodiscard]] const control::ControlSpace& controls() const { return all().problem.controls; }
+  [[nodiscard]] const signorini::Problem& modules() const { return all().modules; }
+  [[nodiscard]] control::ReducedProblem& reduced() const { return all().problem.reduced; }
+  [[nodiscard]] double seconds() const { return seconds_; }
+
+  /// A control of given values. Throws std::invalid_argument.
+  [[nodiscard]] Control control(const Given& given) const {
+    const std::span<const double> values = values_of(given);
+    const int count = controls().count();
+    if (values.size() != controls().size() * static_cast<std::size_t>(count))
+      throw std::invalid_argument(fmt::format("found an array of {} entries, allowed are {} x {} of this rank",
+                                              values.size(), count, controls().size()));
+    return {{values.begin(), values.end()}, count};
+  }
+
+  [[nodiscard]] Control first_guess() const { return all().problem.first_guess(all().scene); }
+
+  double value(const Given& given) {
+    return at(given, [&] { return reduced().value().total(); });
+  }
+
+  /// J and its derivative.
+  std::pair<double, Array> value_and_derivative(const Given& given) {
+    double value = 0;
+    Control derivative = at(given, [&] {
+      value = reduced().value().total();
+      return swept([&] { return controls().dual(gradient()); });
+    });
+    return {value, array_of(std::move(derivative))};
+  }
+
+  /// The gradient in the optimizer's product.
+  Array representative(const Given& given) {
+    return array_of(at(given, [&] { return gradient(); }));
+  }
+
+  Array hessian_product(const Given& given, const Given& direction) {
+    return array_of(at(given, [&, d = control(direction)] {
+      return controls().dual(reduced().hessian_product(d));
+    }));
+  }
+
+  std::tuple<double, double, double> parts(const Given& given) {
+    return at(given, [&] {
+      const control::Value& value = reduced().value();
+      return std::tuple(value.tracking, value.terminal, value.control_cost);
+    });
+  }
+
+  /// The displacements of some steps (steps × nodes × dim).
+  Array displacements(const Given& given, int first, int count) {
+    const auto dim = static_cast<std::size_t>(modules().space.dim());
+    std::vector<double> values = at(given, [&] {
+      std::vector<double> all;
+      for (int k = first; k < first + count; ++k) {
+        const petsc::ReadArray y(reduced().trajectory().y(k));
+        const std::span<const double> entries(y);
+        all.insert(all.end(), entries.begin(), entries.end());
+      }
+      return all;
+    });
+    const auto steps = static_cast<std::size_t>(count);
+    return array_of(std::move(values),
+                    {steps, static_cast<std::size_t>(modules().space.owned_nodes()), dim});
+  }
+
+  /// How many candidates are in contact after each step, 0 being the initial state, of all ranks.
+  std::vector<std::size_t> active(const Given& given) {
+    return at(given, [&] {
+      std::vector<std::size_t> counts;
+      for (const contact::ContactSets& sets : reduced().trajectory().contact())
+        counts.push_back(sets.active.size());
+      return counts;
+    });
+  }
+
+};
+
+/// Bounds of every value, absent where there is none.
+std::optional<Array> bound(const Reduced& self, bool given, double beyond) {
+  if (!given)
+    return std::nullopt;
+  Control u = self.controls().constant(beyond);
+  self.controls().project(u);
+  return array_of(std::move(u));
+}
+
+std::vector<double> of_intervals(const control::ControlSpace& controls,
+                                 double (control::ControlSpace::*number)(int j) const) {
+  std::vector<double> numbers;
+  for (int j = 1; j <= controls.count(); ++j)
+    numbers.push_back((controls.*number)(j));
+  return numbers;
+}
+
+/// Points with three coordinates (n × 3) as an array (n × dim).
+Array points(const std::vector<double>& all, int dim) {
+  const std::size_t n = all.size() / 3, d = static_cast<std::size_t>(dim);
+  std::vector<double> own;
+  for (std::size_t i = 0; i < n; ++i)
+    own.insert(own.end(), all.begin() + static_cast<std::ptrdiff_t>(3 * i),
+               all.begin() + static_cast<std::ptrdiff_t>(3 * i + d));
+  return array_of(std::move(own), {n, d});
+}
+
+nb::dict timings(const Reduced& self) {
+  nb::dict phases;
+  for (const auto& [phase, entry] : self.modules().timers.entries())
+    phases[phase.c_str()] = nb::make_tuple(entry.seconds, entry.calls);
+  return phases;
+}
+
+void bind_places(nb::class_<Reduced>& bound_class) {
+  bound_class
+      .def_prop_ro("intervals", [](const Reduced& self) { return self.controls().count(); })
+      .def_prop_ro("width", [](const Reduced& self) { return self.controls().size(); })
+      .def_prop_ro("steps", [](const Reduced& self) { return self.modules().steps(); })
+      .def("step_times",
+           [](const Reduced& self) {
+             std::vector<double> times;
+             for (int k = 0; k <= self.modules().steps(); ++k)
+               times.push_back(self.modules().stepper.grid().time(k));
+             return array_of(std::move(times));
+           })
+      .def("times",
+           [](const Reduced& self) {
+             return array_of(of_intervals(self.controls(), &control::ControlSpace::middle));
+           })
+      .def("lengths",
+           [](const Reduced& self) {
+             return array_of(of_intervals(self.controls(), &control::ControlSpace::length));
+           })
+      .def("points",
+           [](const Reduced& self) { return points(self.controls().points(), self.modules().space.dim()); })
+      .def("nodes",
+           [](const Reduced& self) {
+             return points(self.modules().space.points(), self.modules().space.dim());
+           })
+      .def_prop_ro("components", [](const Reduced& self) { return self.controls().components(); })
+      .def("lower",
+           [](const Reduced& self) {
+             return bound(self, self.modules().scene.control->lower.has_value(),
+                          -std::numeric_limits<double>::infinity());
+           })
+      .def("upper", [](const Reduced& self) {
+        return bound(self, self.modules().scene.control->upper.has_value(),
+                     std::numeric_limits<double>::infinity());
+      });
+}
+
+void bind_metric(nb::class_<Reduced>& bound_class) {
+  bound_class
+      .def("inner",
+           [](const Reduced& self, const Given& u, const Given& w) {
+             return self.controls().inner(self.control(u), self.control(w));
+           })
+      .def("dual",
+           [](const Reduced& self, const Given& u) { return array_of(self.controls().dual(self.control(u))); })
+      .def("riesz",
+           [](const Reduced& self, const Given& d) {
+             return array_of(control::riesz_representative(self.controls(), self.control(d)));
+           })
+      .def_prop_ro("diagonal", [](const Reduced& self) { return self.controls().diagonal(); })
+      .def("weights", [](const Reduced& self) { return array_of(self.controls().weights()); });
+}
+
+} // namespace
+
+void bind_control_problem(nb::module_& module) {
+  nb::class_<Reduced> bound_class(module, "ControlProblem");
+  bound_class.def(nb::init<Scene&>())
+      .def("zero", [](const Reduced& self) { return array_of(self.controls().zero()); })
+      .def("first_guess", [](const Reduced& self) { return array_of(self.first_guess()); })
+      .def("value", &Reduced::value)
+      .def("value_and_derivative", &Reduced::value_and_derivative)
+      .def("representative", &Reduced::representative)
+      .def("hessian_product", &Reduced::hessian_product)
+      .def("parts", &Reduced::parts)
+      .def("displacements", &Reduced::displacements)
+      .def("active", &Reduced::active)
+      .def("sweeps",
+           [](const Reduced& self) {
+             const control::ReducedProblem::Sweeps sweeps = self.reduced().sweeps();
+             return std::pair(sweeps.forward, sweeps.adjoint);
+           })
+      .def_prop_ro("seconds", &Reduced::seconds)
+      .def("timings", timings);
+  bind_places(bound_class);
+  bind_metric(bound_class);
+}
+
+} // namespace signorini::python

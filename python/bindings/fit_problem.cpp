@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/fit/fit_problem.h"
+#include "arrays.h"
+#include "bindings.h"
+#include "scene.h"
+#include <fmt/format.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+namespace nb = nanobind;
+
+namespace signorini::python {
+namespace {
+
+/// The least-squares problem of a scene's unknowns, by their values θ, with the residuals and derivatives of the
+/// values that were looked at last.
+class Fit final : public Open {
+public:
+  /// Collective. Throws UserError, Interrupted.
+  explicit Fit(Scene& scene)
+      : all_(compute([&] {
+          if (scene.scene().unknowns.empty())
+            throw UserError(fmt::format(
+                "{}: a fit needs tables [[unknown]] and [[measurement]], and the scene has none",
+                scene.scene().file.string()));
+          return std::make_unique<Modules>(scene);
+        })) {}
+  void close() override { all_.reset(); }
+
+  [[nodiscard]] const FitProblem& problem() const { return all().problem; }
+  [[nodiscard]] const scene::Scene& scene() const { return all().scene; }
+
+  /// Residuals (m).
+  Array residuals(const Given& theta) {
+    return compute_at(theta, [&] { return at_.residuals; });
+  }
+
+  /// ∂r_i/∂θ_j, column by column (n × m).
+  Array jacobian(const Given& theta) {
+    const std::size_t n = theta.size();
+    std::vector<double> columns = compute([&] {
+      go_to(values_of(theta));
+      std::vector<double> by_theta = at_.jacobian;
+      const std::size_t m = at_.residuals.size();
+      const std::vector<double> slopes = problem().slopes(x_);
+      for (std::size_t i = 0; i < by_theta.size(); ++i)
+        by_theta[i] /= slopes[i / m];
+      return by_theta;
+    });
+    return array_of(std::move(columns), {n, at_.residuals.size()});
+  }
+
+  /// What the motion gives of what was measured (values).
+  Array simulated(const Given& theta) {
+    return compute_at(theta, [&] {
+      std::vector<double> values;
+      for (const control::Data& one : problem().data())
+        for (std::size_t k = 0; k < one.times.size(); ++k)
+          values.push_back(one.values[k] + one.deviations[k] * at_.residuals[values.size()]);
+      return values;
+    });
+  }
+
+private:
+  struct Modules {
+    explicit Modules(Scene& from) : scene(from.scene()), problem(from.discretisation(), scene, timers) {}
+
+    scene::Scene scene;
+    Timers timers;
+    FitProblem problem;
+  };
+
+  [[nodiscard]] const Modules& all() const {
+    if (!all_)
+      throw std::runtime_error("the problem is closed, since Python is about to end");
+    return *all_;
+  }
+
+  template <class Work>
+  Array compute_at(const Given& theta, Work&& work) {
+    return array_of(compute([&] {
+      go_to(values_of(theta));
+      return work();
+    }));
+  }
+
+  void go_to(std::span<const double> given) {
+    if (given.size() != scene().unknowns.size())
+      throw std::invalid_argument(fmt::format("found {} values, allowed is one of each of the {} unknowns",
+                                              given.size(), scene().unknowns.size()));
+    std::vector<double> theta(given.begin(), given.end());
+    // The same on every rank, whatever became of last digits there.
+    MPI_Bcast(theta.data(), static_cast<int>(theta.size()), MPI_DOUBLE, 0, MPI_COMM_WORLD);
+    if (theta == theta_)
+      return;
+    theta_.clear();
+    x_ = problem().on_scales(theta);
+    at_ = problem().evaluate(x_);
+    theta_ = theta;
+  }
+
+  std::unique_ptr<Modules> all_;
+  std::vector<double> theta_, x_; ///< looked at last; θ is empty without
+  optimize::LeastSquares at_;
+};
+
+/// The data of all measurements one after another.
+Array data(const Fit& self, const std::vector<double> control::Data::*numbers) {
+  std::vector<double> all;
+  for (const control::Data& one : self.problem().data())
+    all.insert(all.end(), (one.*numbers).begin(), (one.*numbers).end());
+  return array_of(std::move(all));
+}
+
+} // namespace
+
+void bind_fit_problem(nb::module_& module) {
+  nb::class_<Fit>(module, "FitProblem")
+      .def(nb::init<Scene&>())
+      .def_prop_ro("names",
+                   [](const Fit& self) {
+                     std::vector<std::string> names;
+                     for (const scene::Unknown& unknown : self.scene().unknowns)
+                       names.push_back(unknown.name);
+                     return names;
+                   })
+      .def("start", [](const Fit& self) { return array_of(scene::start_values(self.scene())); })
+      .def("lower", [](const Fit& self) { return array_of(self.problem().values(self.problem().box().lower)); })
+      .def("upper", [](const Fit& self) { return array_of(self.problem().values(self.problem().box().upper)); })
+      .def("measurements",
+           [](const Fit& self) {
+             nb::list all; // name, number of values
+             for (std::size_t i = 0; i < self.problem().data().size(); ++i)
+               all.append(nb::make_tuple(self.scene().measurements[i].name,
+                                         self.problem().data()[i].times.size()));
+             return all;
+           })
+      .def("times", [](const Fit& self) { return data(self, &control::Data::times); })
+      .def("measured", [](const Fit& self) { return data(self, &control::Data::values); })
+      .def("deviations", [](const Fit& self) { return data(self, &control::Data::deviations); })
+      .def("residuals", &Fit::residuals)
+      .def("jacobian", &Fit::jacobian)
+      .def("simulated", &Fit::simulated)
+      .def("sweeps", [](const Fit& self) { return self.problem().sweeps(); });
+}
+
+} // namespace signorini::python

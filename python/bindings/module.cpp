@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bindings.h"
+#include "io/manifest.h"
+#include "session.h"
+#include <nanobind/stl/string.h>
+
+namespace nb = nanobind;
+using namespace signorini;
+
+namespace {
+
+/// The program's errors as Python's; their sentences stay.
+void bind_errors(nb::module_& module) {
+  nb::exception<UserError>(module, "SceneError", PyExc_ValueError);
+  nb::exception<SolverFailure>(module, "SolverFailure", PyExc_RuntimeError);
+  nb::register_exception_translator([](const std::exception_ptr& thrown, void*) {
+    try {
+      std::rethrow_exception(thrown);
+    } catch (const Interrupted&) {
+      PyErr_SetNone(PyExc_KeyboardInterrupt);
+    } catch (const WriteFailure& failure) {
+      PyErr_SetString(PyExc_OSError, failure.what());
+    }
+  });
+}
+
+} // namespace
+
+NB_MODULE(_signorini, module) {
+  bind_errors(module);
+  module.def("start", python::start);
+  module.def("finish", python::finish);
+  module.def("versions", io::version_line);
+  python::bind_scene(module);
+  python::bind_control_problem(module);
+  python::bind_fit_problem(module);
+}

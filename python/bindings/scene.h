@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "app/problem.h"
+#include "app/scene_file.h"
+#include "session.h"
+
+namespace signorini::python {
+
+/// A scene and, once it is asked for, its mesh.
+class Scene final : public Open {
+public:
+  /// Collective. Throws UserError.
+  Scene(const std::filesystem::path& file, const std::vector<std::string>& overrides);
+  void close() override { discretisation_.reset(); }
+
+  [[nodiscard]] const scene::Scene& scene() const { return file_.scene; }
+  /// Collective the first time. Throws UserError, Interrupted.
+  std::shared_ptr<const Discretisation> discretisation();
+  /// The scene with every default. Collective the first time. Throws UserError, Interrupted.
+  std::string text();
+
+private:
+  SceneFile file_;
+  std::shared_ptr<const Discretisation> discretisation_;
+};
+
+} // namespace signorini::python

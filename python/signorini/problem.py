@@ -1,0 +1,307 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The control problem of a scene, for any optimizer.
+
+u is an array (intervals × values): row j holds the control on time interval j, place by place and, of a place, component
+by component. On several ranks each has its own places, and arrays are local parts. J(u) has
+
+- a *derivative* dJ(u) (intervals × values), dJ/du by the entries: what SciPy and other optimizers of R^n call the gradient.
+  In a change d of the control J changes by the sum of the entries of dJ · d, in first order: `Problem.pairing(dJ, d)`;
+- its *Riesz representative* g in the metric: `metric.product(g, d)` is that same number. It is the field that one looks at,
+  and steps along it do not depend on the mesh. `metric.apply_inverse(dJ)` is g.
+
+Without bounds the metric is the product of L2(0,T; L2). With bounds it has the lumped mass matrix in its place, with which
+clipping is the projection; values on cells have a diagonal one anyway.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _signorini
+from .world import RANKS, WORLD, of_all
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+
+class Sweeps(NamedTuple):
+    """Sweeps made so far; a linearised one counts as forward."""
+
+    forward: int
+    adjoint: int
+
+
+class Parts(NamedTuple):
+    """The parts of J."""
+
+    tracking: float
+    terminal: float
+    control: float
+
+
+class Metric:
+    """The product in which the scene's optimizer measures controls, a symmetric positive matrix. All members collective."""
+
+    def __init__(self, problem: _signorini.ControlProblem) -> None:
+        self._problem = problem
+
+    def product(self, u: ArrayLike, w: ArrayLike) -> float:
+        """The product of two controls, over all ranks."""
+        return self._problem.inner(u, w)
+
+    def apply(self, u: ArrayLike) -> np.ndarray:
+        """Matrix times control: the derivative of half the squared norm. (intervals × values)"""
+        return self._problem.dual(u)
+
+    def apply_inverse(self, d: ArrayLike) -> np.ndarray:
+        """The Riesz representative of a derivative, to rounding. (intervals × values)"""
+        return self._problem.riesz(d)
+
+    @cached_property
+    def diagonal(self) -> np.ndarray | None:
+        """The matrix where it is diagonal, with bounds or values on cells; else None. (intervals × values)"""
+        return self.weights if self._problem.diagonal else None
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """`diagonal` where there is one, else that of the lumped matrix, which resembles this one on every mesh: scaled by
+        its root, u·√weights, entries measure alike. (intervals × values)"""
+        weights = self._problem.weights()
+        weights.flags.writeable = False
+        return weights
+
+
+class Problem:
+    """J(u) of a scene's control, reduced to the control, with derivatives by adjoint sweeps: see the module's text.
+
+    The motions of the two controls that were looked at last are known: asking for them again makes no sweep. Arrays that
+    are returned own their memory, which is the solver's, not a copy. Members that take a control are collective, and raise
+    SolverFailure where a step has no solution, KeyboardInterrupt at Ctrl-C, ValueError for arrays of another size.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self._problem = _signorini.ControlProblem(scene._scene)
+        self.metric = Metric(self._problem)
+
+    @property
+    def comm(self) -> object:
+        """The communicator (mpi4py), of all ranks; None without mpi4py."""
+        return WORLD
+
+    # --- Controls ---------------------------------------------------------------------------------------
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Of a control on this rank: intervals × values."""
+        return self._problem.intervals, self._problem.width
+
+    @property
+    def size(self) -> int:
+        """Entries of a control on this rank."""
+        return self._problem.intervals * self._problem.width
+
+    def zero(self) -> np.ndarray:
+        """A control that is zero."""
+        return self._problem.zero()
+
+    def first_guess(self) -> np.ndarray:
+        """The scene's control.initial."""
+        return self._problem.first_guess()
+
+    @cached_property
+    def lower(self) -> np.ndarray | None:
+        """Lower bounds of every value; None without."""
+        return self._problem.lower()
+
+    @cached_property
+    def upper(self) -> np.ndarray | None:
+        """Upper bounds of every value; None without."""
+        return self._problem.upper()
+
+    @cached_property
+    def times(self) -> np.ndarray:
+        """The middle of each interval, s; 0 for a control that is constant in time. (intervals)"""
+        return self._problem.times()
+
+    @cached_property
+    def lengths(self) -> np.ndarray:
+        """Of the intervals, s."""
+        return self._problem.lengths()
+
+    @cached_property
+    def points(self) -> np.ndarray:
+        """Where the control has values: nodes, or middles of cells, of the undeformed body, m. (places × dim)"""
+        return self._problem.points()
+
+    @property
+    def components(self) -> str:
+        """In which it acts, such as "xy": u.reshape(len(times), len(points), len(components))."""
+        return "".join("xyz"[one] for one in self._problem.components)
+
+    # --- J and its derivatives ------------------------------------------------------------------------
+
+    def value(self, u: ArrayLike) -> float:
+        """J(u), by a forward sweep."""
+        return self._problem.value(u)
+
+    def value_and_gradient(self, u: ArrayLike) -> tuple[float, np.ndarray]:
+        """J(u) and its *derivative* by the entries of u (intervals × values), by a forward and an adjoint sweep."""
+        return self._problem.value_and_derivative(u)
+
+    def gradient(self, u: ArrayLike) -> np.ndarray:
+        """The derivative alone."""
+        return self.value_and_gradient(u)[1]
+
+    def representative(self, u: ArrayLike) -> np.ndarray:
+        """The gradient as a control: the Riesz representative of the derivative in the metric."""
+        return self._problem.representative(u)
+
+    def riesz(self, derivative: ArrayLike) -> np.ndarray:
+        """The Riesz representative of a derivative in the metric."""
+        return self._problem.riesz(derivative)
+
+    def hessian_product(self, u: ArrayLike, d: ArrayLike) -> np.ndarray:
+        """The second derivative of J at u in the direction d, as a derivative (intervals × values), with the active sets of u's
+        motion: by a linearised and an adjoint sweep. J is smooth where no small change of u changes these sets."""
+        return self._problem.hessian_product(u, d)
+
+    def pairing(self, derivative: np.ndarray, d: np.ndarray) -> float:
+        """What a derivative says of a change d of the control: the sum of all products of entries, over all ranks."""
+        return float(sum(of_all(float(np.vdot(derivative, d)))))
+
+    def parts(self, u: ArrayLike) -> Parts:
+        """The parts of J(u)."""
+        return Parts(*self._problem.parts(u))
+
+    # --- The motion ------------------------------------------------------------------------------------
+
+    @cached_property
+    def step_times(self) -> np.ndarray:
+        """The times of the states, s. (steps + 1)"""
+        return self._problem.step_times()
+
+    @cached_property
+    def nodes(self) -> np.ndarray:
+        """The nodes of this rank in the undeformed body, m. (nodes × dim)"""
+        return self._problem.nodes()
+
+    def states(self, u: ArrayLike) -> np.ndarray:
+        """The displacements of u's motion at all step_times, a copy, m. (steps + 1 × nodes × dim)"""
+        return self._problem.displacements(u, 0, self._problem.steps + 1)
+
+    def displacement(self, u: ArrayLike, step: int) -> np.ndarray:
+        """The displacement after a step, 0 being the start, m. (nodes × dim)"""
+        if not 0 <= step <= self._problem.steps:
+            raise IndexError(f"step: found {step}, allowed are 0 to {self._problem.steps}")
+        return self._problem.displacements(u, step, 1)[0]
+
+    def active(self, u: ArrayLike) -> np.ndarray:
+        """How many candidates of the whole body are in contact at the step_times; none counts at the start. (steps + 1)"""
+        return np.array(self._problem.active(u), dtype=int)
+
+    # --- What it costs ---------------------------------------------------------------------------------
+
+    @property
+    def sweeps(self) -> Sweeps:
+        """Sweeps made so far."""
+        return Sweeps(*self._problem.sweeps())
+
+    @property
+    def timings(self) -> dict[str, tuple[float, int]]:
+        """Seconds and calls of the phases of the computation on this rank, as in run.json, each without those in it."""
+        return self._problem.timings()
+
+    @property
+    def sweep_seconds(self) -> float:
+        """Seconds of the solver's own work in value() and value_and_gradient() so far; what calls take more is Python's and the arrays'."""
+        return self._problem.seconds
+
+    # --- Several ranks ---------------------------------------------------------------------------------
+
+    @cached_property
+    def _order(self) -> np.ndarray:
+        """Which of the values of all ranks, one after another, stands where in a whole row: by place, not by rank."""
+        points = np.concatenate(of_all(self.points))
+        extent = np.ptp(points, axis=0).max(initial=0) or 1
+        places = np.lexsort(np.round(points / extent, 9).T[::-1])
+        components = len(self.components)
+        return (places[:, None] * components + np.arange(components)).ravel()
+
+    @cached_property
+    def _own(self) -> np.ndarray:
+        """Where this rank's values stand in a whole row."""
+        first = np.concatenate([[0], np.cumsum(of_all(self.shape[1]))])
+        position = np.argsort(self._order)
+        return position[first[WORLD.rank if RANKS > 1 else 0] :][: self.shape[1]]
+
+    def gather(self, u: ArrayLike) -> np.ndarray:
+        """The whole of a control or derivative (intervals × all values) on every rank, places in the order of their coordinates,
+        whatever the number of ranks."""
+        local = np.asarray(u, dtype=float).reshape(self.shape)
+        return np.concatenate(of_all(local), axis=1)[:, self._order]
+
+    def scatter(self, whole: ArrayLike) -> np.ndarray:
+        """This rank's part of a whole control: gather()'s inverse."""
+        return np.asarray(whole, dtype=float).reshape(self.shape[0], -1)[:, self._own]
+
+    def replicated(self) -> Replicated:
+        """The problem in vectors that are whole on every rank, for optimizers that know no ranks."""
+        return Replicated(self)
+
+
+class Replicated:
+    """A control problem in vectors x of R^n, the same on every rank, for an optimizer that every rank runs alike, such as
+    SciPy's. The order of entries does not depend on the number of ranks; they are scaled by the root of the metric's
+    weights, x = √w·u, so that the Euclidean product is the metric's, or nearly, and iterations do not depend on the mesh.
+    All members collective; they raise as Problem's.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self._scale = np.sqrt(problem.gather(problem.metric.weights))
+
+    @property
+    def size(self) -> int:
+        """n."""
+        return self._scale.size
+
+    def vector(self, u: ArrayLike) -> np.ndarray:
+        """x of a control. (n)"""
+        return (self._scale * self.problem.gather(u)).ravel()
+
+    def control(self, x: ArrayLike) -> np.ndarray:
+        """The control of x, this rank's part. (intervals × values)"""
+        return self.problem.scatter(np.reshape(x, self._scale.shape) / self._scale)
+
+    @property
+    def start(self) -> np.ndarray:
+        """x of the first guess. (n)"""
+        return self.vector(self.problem.first_guess())
+
+    @property
+    def bounds(self) -> list[tuple[float, float]] | None:
+        """For scipy.optimize: lower and upper bound of each entry; None without."""
+        lower, upper = self.problem.lower, self.problem.upper
+        if lower is None and upper is None:
+            return None
+        sides = [np.full(self.size, beyond) if side is None else self.vector(side) for side, beyond in ((lower, -np.inf), (upper, np.inf))]
+        return list(zip(*sides, strict=True))
+
+    def value(self, x: ArrayLike) -> float:
+        """J."""
+        return self.problem.value(self.control(x))
+
+    def value_and_gradient(self, x: ArrayLike) -> tuple[float, np.ndarray]:
+        """J and its gradient by x. (n)"""
+        value, derivative = self.problem.value_and_gradient(self.control(x))
+        return value, (self.problem.gather(derivative) / self._scale).ravel()
+
+    def hessian_product(self, x: ArrayLike, d: ArrayLike) -> np.ndarray:
+        """The Hessian at x times d, with the active sets there. (n)"""
+        product = self.problem.hessian_product(self.control(x), self.control(d))
+        return (self.problem.gather(product) / self._scale).ravel()

@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a run left in its folder: tables, fields, its page. The files are read as postprocess/ reads them, when asked for."""
+
+from __future__ import annotations
+
+import contextlib
+import html
+import importlib
+import io
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from functools import cached_property
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import _signorini
+from .world import RANK, from_root
+
+if TYPE_CHECKING:
+    import pandas
+
+    Table = pandas.DataFrame | np.ndarray
+
+POSTPROCESS = Path(__file__).parent / "postprocess"
+
+
+def postprocess(name: str) -> ModuleType:
+    """A module of postprocess/. Those are scripts beside each other, named as any user's may be: elsewhere none is seen."""
+    own = {file.stem for file in POSTPROCESS.glob("*.py")}
+    theirs = {module: sys.modules.pop(module) for module in own & sys.modules.keys()}
+    sys.modules.update(_modules)
+    sys.path.insert(0, str(POSTPROCESS))
+    try:
+        return importlib.import_module(name)
+    finally:
+        sys.path.remove(str(POSTPROCESS))
+        _modules.update({module: sys.modules.pop(module) for module in own & sys.modules.keys()})
+        sys.modules.update(theirs)
+
+
+_modules: dict[str, ModuleType] = {}
+_files, _run_folder = postprocess("files"), postprocess("run_folder")
+
+
+@contextlib.contextmanager
+def told() -> Iterator[None]:
+    """The sentences of postprocess/ as the package's errors."""
+    try:
+        yield
+    except (_files.NotInRun, _files.Unreadable) as error:
+        raise _signorini.SceneError(str(error)) from None
+
+
+def read(folder: str | os.PathLike) -> Run:
+    """The run whose results are in a folder. Raises SceneError."""
+    return Run(Path(folder))
+
+
+class Run:
+    """A run's folder. Tables are DataFrames if pandas is installed, else structured arrays; columns and units are those of the
+    manual's "What a run leaves in its folder". Raises SceneError for what the run did not write, and for damaged files."""
+
+    _scratch = None  # a scratch folder, which is gone with this object
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        with told():
+            self._run = _run_folder.RunFolder(folder)
+
+    def __repr__(self) -> str:
+        return f"<signorini.Run {self.folder}: {self._run.identity}>"
+
+    @property
+    def manifest(self) -> dict:
+        """run.json."""
+        with told():
+            return self._run.manifest
+
+    @property
+    def scene(self) -> dict:
+        """The scene with every default, as nested dicts."""
+        with told():
+            return self._run.scene
+
+    @property
+    def objective(self) -> float:
+        """J of the run."""
+        try:
+            return self.manifest["objective"]["value"]
+        except (KeyError, TypeError):
+            raise _signorini.SceneError(f"{self.folder}: the run has no objective") from None
+
+    # --- Tables ------------------------------------------------------------------------------------------
+
+    @cached_property
+    def steps(self) -> Table:
+        """steps.csv: energies, works, forces of every time step after row 0."""
+        return self.table("steps")
+
+    @cached_property
+    def contact(self) -> Table:
+        """contact.csv: gap and force of every candidate at the stored times."""
+        return self.table("contact")
+
+    @cached_property
+    def obstacles(self) -> Table:
+        """obstacles.csv: of every step and obstacle."""
+        return self.table("obstacles")
+
+    @cached_property
+    def history(self) -> Table:
+        """history.csv: iterations of the optimizer after row 0."""
+        return self.table("history")
+
+    @cached_property
+    def parameters(self) -> Table:
+        """parameters.csv: the unknowns of a fit."""
+        return self.table("parameters")
+
+    @cached_property
+    def measurements(self) -> Table:
+        """measurements.csv: what was measured beside what the fitted scene gives."""
+        return self.table("measurements")
+
+    @cached_property
+    def probes(self) -> Table:
+        """probes.csv: what the scene follows, of every step."""
+        return self.table("probes")
+
+    def table(self, name: str) -> Table:
+        """A table by the name of its file, without .csv."""
+        with told():
+            text = self._run.read(f"{name}.csv", _files.whole_text)
+        try:
+            import pandas
+        except ImportError:
+            return np.genfromtxt(io.StringIO(text), delimiter=",", names=True, dtype=None, encoding=None, deletechars="")
+        return pandas.read_csv(io.StringIO(text))
+
+    # --- Fields ------------------------------------------------------------------------------------------
+
+    def field(self, name: str, file: str | None = None) -> Field:
+        """A field over time, such as "displacement", "velocity", "control", "adjoint". `file`: which of the .xdmf files it is in,
+        without that ending; by default the one that has it."""
+        files = [file] if file else ["state", name, "control", "adjoint"]
+        for stem in files:
+            path = f"{stem}.xdmf"
+            if not (self.folder / path).is_file():
+                continue
+            with contextlib.suppress(_files.NotInRun), told_unless_missing():
+                return Field(name, self._run.field(path, name))
+        raise _signorini.SceneError(f"{self.folder}: the run wrote no field {name}")
+
+    @cached_property
+    def mesh(self) -> object:
+        """The mesh of its fields: `points` (nodes × dim, m) and `cells` (cells × corners, node numbers), undeformed."""
+        for stem in ("state", "control", "adjoint"):
+            if (self.folder / f"{stem}.xdmf").is_file():
+                with told():
+                    return self._run.mesh(f"{stem}.xdmf")
+        raise _signorini.SceneError(f"{self.folder}: the run wrote no field, and no mesh with it")
+
+    # --- Page --------------------------------------------------------------------------------------------
+
+    def report(self) -> Path:
+        """The page of the run, report.html, which is made on rank 0 if it is not there. Collective."""
+        page, failure = self.folder / "report.html", None
+        if RANK == 0 and not page.is_file():
+            made = subprocess.run([sys.executable, POSTPROCESS / "report.py", self.folder], capture_output=True, text=True)
+            failure = made.stderr.strip() if made.returncode else None
+        if failure := from_root(failure):
+            raise _signorini.SceneError(failure)
+        return page
+
+    def show(self, height: int = 900) -> object:
+        """The page in a notebook, `height` pixels high."""
+        return Page(self.report().read_text(encoding="utf-8"), height)
+
+    def _repr_html_(self) -> str:
+        return f"<code>{html.escape(repr(self))}</code>"
+
+
+@contextlib.contextmanager
+def told_unless_missing() -> Iterator[None]:
+    """As told(), but for what the run did not write."""
+    try:
+        yield
+    except _files.Unreadable as error:
+        raise _signorini.SceneError(str(error)) from None
+
+
+class Page:
+    """An HTML page within a notebook, where it is the value of a cell; IPython.display.display() shows it elsewhere."""
+
+    def __init__(self, text: str, height: int) -> None:
+        self.text, self.height = text, height
+
+    def _repr_html_(self) -> str:
+        return f'<iframe srcdoc="{html.escape(self.text)}" style="width:100%;height:{self.height}px;border:0"></iframe>'
+
+
+class Field:
+    """A field over time. Values are read from the file when they are asked for: field[3] those of one stored time, field.values
+    all of them (times × nodes × components)."""
+
+    def __init__(self, name: str, series: object) -> None:
+        self.name = name
+        self._series = series
+
+    def __repr__(self) -> str:
+        return f"<signorini.Field {self.name} at {len(self)} times>"
+
+    @property
+    def mesh(self) -> object:
+        """Its mesh: `points` and `cells`."""
+        return self._series.mesh
+
+    @property
+    def times(self) -> np.ndarray:
+        """The stored times, s."""
+        return self._series.times
+
+    @property
+    def cellwise(self) -> bool:
+        """Whether there is one value for each cell, else for each node."""
+        return self._series.cellwise
+
+    def __len__(self) -> int:
+        return len(self._series.times)
+
+    def __getitem__(self, index: int) -> np.ndarray:
+        """The values at times[index]. (nodes × components)"""
+        with told():
+            values = self._series.components(range(len(self))[index])
+        return values[:, : self.mesh.points.shape[1]] if values.shape[1] == 3 else values
+
+    @cached_property
+    def values(self) -> np.ndarray:
+        """All values. (times × nodes × components)"""
+        return np.array([self[index] for index in range(len(self))])

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes, and what can be done with one."""
+
+import math
+import os
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from . import _signorini
+from .fit import Fit
+from .problem import Problem
+from .world import RANK, from_root, wait
+from .run import Run, read
+
+DONE, CHECK_FAILED, SOLVER_FAILED, INTERRUPTED = 0, 1, 3, 130  # exit statuses of the program
+
+
+class Scene:
+    """A scene file, with overrides: `Scene("half-disc.toml", {"mesh.size": 1})`.
+
+    An override's key is that of the program's --set, such as "contact.obstacle.point" or "material.0.young"; its value is
+    a bool, a number, a text, a path, a list or array, or, for a whole table, a dict. Collective. Raises SceneError.
+    """
+
+    def __init__(self, file: str | os.PathLike, overrides: Mapping[str, object] | None = None) -> None:
+        self._overrides = [f"{key}={toml(value)}" for key, value in (overrides or {}).items()]
+        self._given = Path(file)
+        self._scene = _signorini.Scene(self._given, self._overrides)
+
+    def __repr__(self) -> str:
+        return f"<signorini.Scene {self.file}{''.join(', ' + one for one in self._overrides)}>"
+
+    @property
+    def file(self) -> Path:
+        """The scene file, absolute."""
+        return self._scene.file
+
+    @property
+    def name(self) -> str:
+        """That of the file, without its extension."""
+        return self._scene.name
+
+    @cached_property
+    def text(self) -> str:
+        """The scene as TOML with overrides and every default written out. Makes the mesh, of which some defaults depend, once.
+        Collective. Raises SceneError."""
+        return self._scene.text()
+
+    def simulate(self, out: str | os.PathLike | None = None, *, quiet: bool = True, replace: bool = False) -> Run:
+        """Makes the scene's motion, as the program's verb does, and returns the run.
+
+        `out`: the folder for its files; without, a scratch folder that is gone with the run. `replace`: remove what a search
+        left in `out`. Collective. Raises SceneError, SolverFailure, and KeyboardInterrupt at Ctrl-C, after the part of the
+        motion that was made has been written.
+        """
+        return self._run("simulate", out, quiet, replace=replace)
+
+    def optimize(self, out: str | os.PathLike | None = None, *, quiet: bool = True, resume: bool = False) -> Run:
+        """Solves the scene's control problem, or fits its unknowns, by the optimizer of the scene, and returns the run.
+
+        `resume`: go on where a search in `out` was stopped. Else as simulate().
+        """
+        return self._run("optimize", out, quiet, resume=resume)
+
+    def check(self, *, quiet: bool = True) -> bool:
+        """Whether derivatives and discrete invariants hold on this scene; prints a table unless `quiet`. Collective. Raises
+        SceneError, SolverFailure, KeyboardInterrupt."""
+        return self._status("check", Path(), quiet) == DONE
+
+    def problem(self) -> Problem:
+        """The control problem: J and its derivatives. Collective. Raises SceneError, SolverFailure, KeyboardInterrupt."""
+        return Problem(self)
+
+    def fit(self) -> Fit:
+        """The unknowns and measurements as a least-squares problem. Collective. Raises SceneError, KeyboardInterrupt."""
+        return Fit(self)
+
+    def _status(self, verb: str, out: Path, quiet: bool, resume: bool = False, replace: bool = False) -> int:
+        status = _signorini.run(verb, self._given, out, self._overrides, resume, replace, quiet)
+        if status == INTERRUPTED:
+            raise KeyboardInterrupt
+        return status
+
+    def _run(self, verb: str, out: str | os.PathLike | None, quiet: bool, **options: bool) -> Run:
+        scratch = TemporaryDirectory(prefix="signorini-") if out is None and RANK == 0 else None
+        folder = Path(from_root(scratch.name if scratch else None)) if out is None else Path(out)
+        status = self._status(verb, folder, quiet, **options)
+        wait()  # for the files
+        run = read(folder)
+        run._scratch = scratch
+        if status == SOLVER_FAILED:
+            raise _signorini.SolverFailure(f"{self.file}: {run.manifest['stop_reason']}"
+                                           + ("" if out is None else f"; what was found before is in {folder}"))  # fmt: skip
+        return run
+
+
+def toml(value: object) -> str:
+    """A value as TOML on one line."""
+    if isinstance(value, np.generic | np.ndarray):
+        value = value.tolist()
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, float):
+        return repr(value) if math.isfinite(value) else str(value)  # inf and nan are numbers of TOML
+    if isinstance(value, str | os.PathLike):
+        return '"' + "".join(escaped(letter) for letter in os.fspath(value)) + '"'
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{toml(str(key))} = {toml(entry)}" for key, entry in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(toml, value)) + "]"
+    raise TypeError(f"found an override of type {type(value).__name__}, allowed are bools, numbers, texts, paths, lists and dicts")
+
+
+def escaped(letter: str) -> str:
+    """A letter within a text of TOML."""
+    return f"\\u{ord(letter):04x}" if letter in '"\\\x7f' or letter < " " else letter
