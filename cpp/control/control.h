@@ -79,9 +79,9 @@ private:
 };
 
 /// The space of controls: where they act, their products, their bounds, and how they enter the equation of
-/// motion. Nodal values of the displacement's degree ("nodal"), or one value for each cell ("cellwise"); on the whole
-/// body, a part of it or a surface (there a cell's value acts on those of its facets that lie on it). All
-/// members collective.
+/// motion. Nodal values of the displacement's degree ("nodal"), or one value for each cell ("cellwise"); on
+/// the whole body, a part of it or a surface (there a cell's value acts on those of its facets that lie on
+/// it). All members collective.
 ///
 /// It is constant on each time step, or on intervals of its own (control.step, or the whole time), of which a
 /// step takes the one at its middle. u_j stores values only at the places (nodes or cells) and in the
