@@ -129,7 +129,8 @@ CLI::Option* add_accuracy_options(CLI::App& app, Request& request, const std::st
 void add_keys_options(CLI::App& app, std::string (*&writer)()) {
   app.add_flag_callback(
       "--json", [&] { writer = signorini::scene::json_schema; }, "as a JSON schema of a scene");
-  app.add_flag_callback("--markdown", [&] { writer = signorini::scene::markdown; }, "as the table of docs/reference/keys.md");
+  app.add_flag_callback(
+      "--markdown", [&] { writer = signorini::scene::markdown; }, "as the table of docs/reference/keys.md");
 }
 
 /// What the command line asks for besides a run.

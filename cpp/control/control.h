@@ -29,7 +29,8 @@ public:
 
   /// Of given values, interval by interval.
   Control(std::vector<double> values, int count)
-      : values_(std::move(values)), size_(values_.read().size() / static_cast<std::size_t>(count)), count_(count) {}
+      : values_(std::move(values)), size_(values_.read().size() / static_cast<std::size_t>(count)),
+        count_(count) {}
 
   /// The values of an interval, j = 1 … count.
   [[nodiscard]] std::span<const double> at(int j) const { return values().subspan(begin(j), size_); }

@@ -86,9 +86,9 @@ def known_keys() -> set[str]:
 class Page:
     """A page's scratch folder."""
 
-    def __init__(self, page: Path, folder: Path, bin: Path):
+    def __init__(self, page: Path, folder: Path):
         self.page, self.folder = page, folder
-        self.env = os.environ | {"PATH": f"{bin}:{os.environ['PATH']}", "MPLBACKEND": "Agg"}
+        self.env = os.environ | {"PATH": f"{SIGNORINI.parent}:{os.environ['PATH']}", "MPLBACKEND": "Agg"}
         for name in ("scenes", "meshes", "docs", "forms", "postprocess"):
             (folder / name).symlink_to(SOURCE / name)
 
@@ -156,8 +156,6 @@ def look_at(words: list[str], folder: Path) -> None:
 def look_at_dev(words: list[str], folder: Path) -> None:
     usage = output("sh", str(SOURCE / "dev"), "help")
     verb = words[0]
-    if verb == "package" and not re.search(r"(?m)^  package ", usage):
-        return  # is to come
     if not re.search(rf"(?m)^  {re.escape(verb)}\b", usage) and verb not in ("help", "…"):
         raise Wrong(f"./dev has no verb {verb}")
     if verb == "exec":
@@ -180,8 +178,6 @@ def look_at_signorini(words: list[str], folder: Path) -> None:
             raise Wrong(f"the program has no option {verb}")
         return
     if PLACEHOLDER.search(verb):
-        return
-    if verb in SCRIPTS:
         return
     if not re.search(rf"(?m)^  {verb} ", help_of()):
         raise Wrong(f"the program has no verb {verb}")
@@ -208,33 +204,15 @@ def look_at_keys(text: str) -> None:
                 raise Wrong(f"a scene has no key {name}")
 
 
-# Verbs that are scripts; where the program itself knows them, it is asked.
-SCRIPTS = {"report": "report.py", "figures": "figures.py", "plot": "watch.py"}
-
-
-def program_folder(folder: Path) -> Path:
-    """A folder with the program, as PATH has it."""
-    folder.mkdir()
-    lines = ["#!/bin/sh", 'case "$1" in']
-    lines += [f'  {verb}) shift; exec "{sys.executable}" "{SOURCE}/postprocess/{script}" "$@" ;;' for verb, script in SCRIPTS.items()
-              if not re.search(rf"(?m)^  {verb} ", help_of())]  # fmt: skip
-    lines += ["esac", f'exec "{SIGNORINI}" "$@"']
-    program = folder / "signorini"
-    program.write_text("\n".join(lines) + "\n")
-    program.chmod(0o755)
-    return folder
-
-
 def main() -> int:
     pages = [Path(page).resolve() for page in sys.argv[3:]]
     pages = pages or [SOURCE / "README.md", SOURCE / "CONTRIBUTING.md", *sorted((SOURCE / "docs").rglob("*.md"))]
     count, failed = Counter(), 0
     with tempfile.TemporaryDirectory() as scratch:
-        bin = program_folder(Path(scratch) / "bin")
         for number, page in enumerate(pages):
             folder = Path(scratch) / str(number)
             folder.mkdir()
-            place = Page(page, folder, bin)
+            place = Page(page, folder)
             try:
                 found = blocks(page)
             except Wrong as reason:

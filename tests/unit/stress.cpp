@@ -9,7 +9,8 @@
 #include <dolfinx/mesh/Mesh.h>
 #include <numeric>
 
-using namespace signorini;
+// dolfinx 0.9 has `using namespace dolfinx` in a header, which makes names from outside ambiguous.
+namespace signorini {
 using petsc::check;
 
 namespace {
@@ -263,3 +264,5 @@ TEST_CASE("the stress that is recovered tells the error of the computed one, and
     CHECK(coarse / fine < 6);
   }
 }
+
+} // namespace signorini
