@@ -53,6 +53,8 @@ void Summary::show(const Console& console) const {
   for (const Errors& one : errors_)
     show_errors(one, console);
   console.line("\nat most: the largest error there and at all finer rungs; * no cheaper rung has less");
+  if (std::ranges::any_of(results_, [](const Result& result) { return result.rung.graded; }))
+    console.line("~: sizes that vary with the error, as many elements as of that size");
   show_orders(console);
   console.line("");
   for (const std::string& sentence : sentences_)
@@ -60,7 +62,7 @@ void Summary::show(const Console& console) const {
 }
 
 std::string Summary::size(const Result& result) {
-  return fmt::format("{}{:.4g}", result.rung.graded ? "graded " : "", result.rung.size);
+  return fmt::format("{}{:.4g}", result.rung.graded ? "~" : "", result.rung.size);
 }
 
 std::string Summary::step(const Result& result) const {
@@ -76,7 +78,7 @@ void Summary::show_rungs(const Console& console) const {
   for (std::size_t i = 0; i < results_.size(); ++i) {
     const auto& [rung, run] = results_[i];
     if (run)
-      console.line(fmt::format("{:>4} {:>12} {:>11} {:>6} {:<18} {:>9} {:>8.3g} {:>6.0f}", i + 1,
+      console.line(fmt::format("{:>4} {:>10} {:>11} {:>6} {:<18} {:>9} {:>8.3g} {:>6.0f}", i + 1,
                                size(results_[i]), step(results_[i]), rung.degree, scene::name(rung.scheme),
                                run->unknowns, run->seconds, run->memory / 1e6));
   }
@@ -86,14 +88,14 @@ void Summary::show_errors(const Errors& errors, const Console& console) const {
   const Quantity& quantity = errors.quantity;
   const std::string unit = quantity.unit.empty() || quantity.field ? "" : ", " + quantity.unit;
   console.line(fmt::format("\n{}{}: {}", quantity.title, unit, against(errors)));
-  console.line(fmt::format("{:>4} {:>12} {:>11} {:>13} {:>9} {:>9} {:>9} {:>8}", "rung",
+  console.line(fmt::format("{:>4} {:>10} {:>11} {:>13} {:>9} {:>9} {:>9} {:>8}", "rung",
                            scene_.mesh.size ? "size, m" : "scale", "step, s", quantity.field ? "" : "value",
                            "error", "at most", "estimate", "est/err"));
   for (std::size_t i = 0; i < results_.size(); ++i) {
     const auto& [rung, run] = results_[i];
     if (!run)
       continue;
-    console.line(fmt::format("{:>4} {:>12} {:>11} {:>13} {:>9} {:>9} {:>9} {:>6} {}", i + 1,
+    console.line(fmt::format("{:>4} {:>10} {:>11} {:>13} {:>9} {:>9} {:>9} {:>6} {}", i + 1,
                              size(results_[i]), step(results_[i]),
                              quantity.field ? "" : fmt::format("{:.6g}", run->numbers.at(quantity.name)),
                              errors.reference == i ? "reference" : shown(errors.error[i]),
