@@ -2,6 +2,7 @@
 #include "app/completion.h"
 #include "app/run.h"
 #include "app/run_manifest.h"
+#include "app/scripts.h"
 #include "base/error.h"
 #include "base/petsc.h"
 #include "base/signals.h"
@@ -48,6 +49,8 @@ std::string did_you_mean(const std::string& found, const std::vector<std::string
 void require_verb(int argc, char** argv) {
   std::vector<std::string> names;
   for (const Verb& verb : verbs)
+    names.emplace_back(verb.name);
+  for (const signorini::ScriptVerb& verb : signorini::script_verbs())
     names.emplace_back(verb.name);
   const std::string allowed = signorini::scene::list(names);
   if (argc < 2)
@@ -126,7 +129,8 @@ CLI::Option* add_accuracy_options(CLI::App& app, Request& request, const std::st
 void add_keys_options(CLI::App& app, std::string (*&writer)()) {
   app.add_flag_callback(
       "--json", [&] { writer = signorini::scene::json_schema; }, "as a JSON schema of a scene");
-  app.add_flag_callback("--markdown", [&] { writer = signorini::scene::markdown; }, "as the README's table");
+  app.add_flag_callback(
+      "--markdown", [&] { writer = signorini::scene::markdown; }, "as the table of docs/reference/keys.md");
 }
 
 /// What the command line asks for besides a run.
@@ -149,6 +153,7 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
     sub->add_option("--out", request.out, "folder for the results (default results/<scene name>)");
     sub->add_option("--set", request.overrides, "key.path=value, overrides the scene; may be repeated")
         ->expected(1)
+        ->allow_extra_args(false) // the scene may follow
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     sub->add_option("--threads", request.threads,
                     "of each rank (default: OMP_NUM_THREADS, else the cores that the ranks leave)")
@@ -180,6 +185,12 @@ void add_verbs(CLI::App& app, Request& request, Asked& asked) {
           ->check(CLI::Range(1, std::numeric_limits<int>::max()));
     if (name == "study")
       add_study_options(*sub, request);
+  }
+  // For --help and for completion: their scripts read the command line.
+  for (const signorini::ScriptVerb& verb : signorini::script_verbs()) {
+    CLI::App* sub = app.add_subcommand(verb.name, verb.text);
+    for (const char* option : verb.options)
+      sub->add_option(option);
   }
 }
 
@@ -316,6 +327,14 @@ int guarded(int argc, char** argv, int rank, int ranks) {
 } // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && signorini::is_script_verb(argv[1])) {
+    try {
+      signorini::become_script({argv + 1, argv + argc + 1});
+    } catch (const std::exception& error) {
+      complain(error.what());
+      return wrong_input;
+    }
+  }
   // Arguments after -- go to PETSc.
   char** const dashes =
       std::find_if(argv, argv + argc, [](const char* a) { return std::string_view(a) == "--"; });

@@ -21,6 +21,7 @@ from mesh import Mesh, Series
 from obstacles import HalfSpace, Obstacle, names, read_obstacles, with_fitted_obstacles
 
 SEED_TIME = 1.75e-3  # s, the time of the figures in Müller and Schiela (2017), in the middle of the first contact
+FORMER_SPACES = {"P1": "nodal", "P0": "cellwise"}  # of control.space
 
 T = TypeVar("T")
 
@@ -375,6 +376,9 @@ def read_scene(file: Path) -> dict:
     scene = tomllib.loads(whole_text(file))
     if "tables" not in scene.get("output", {}):
         raise ValueError("its end is missing")
+    control = scene.get("control", {})
+    if control.get("space") in FORMER_SPACES:  # of a run by version 0.1, which is to compare with one by today's
+        control["space"] = FORMER_SPACES[control["space"]]
     return scene
 
 

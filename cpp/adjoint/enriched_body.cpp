@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "adjoint/enriched_body.h"
+#include "base/dolfinx_versions.h"
 #include "contact/lcp/primal_dual.h"
 #include "contact/normal_operator.h"
 #include "fem/function.h"
@@ -90,19 +91,19 @@ std::vector<double> EnrichedBody::by_cells(Vec x) const {
   fem::Function sums(V), cells_at(V);
   {
     const petsc::ReadArray values(x);
-    const std::span<double> to = sums.x()->mutable_array();
+    const std::span<double> to = dolfinx_versions::entries(*sums.x());
     for (std::size_t node = 0; node < owned; ++node)
       for (std::size_t c = 0; c < dim; ++c)
         to[node * dim] += values[node * dim + c];
   }
   for (int vertex : vertices_)
-    sums.x()->mutable_array()[static_cast<std::size_t>(vertex) * dim] = 0;
+    dolfinx_versions::entries(*sums.x())[static_cast<std::size_t>(vertex) * dim] = 0;
   sums.x()->scatter_fwd();
   const auto& dofmap = *V->dofmap();
   const std::vector<std::int32_t> cells = linear_.mesh().owned_cells();
   for (const std::int32_t cell : cells)
     for (const std::int32_t node : dofmap.cell_dofs(cell))
-      cells_at.x()->mutable_array()[static_cast<std::size_t>(node) * dim] += 1;
+      dolfinx_versions::entries(*cells_at.x())[static_cast<std::size_t>(node) * dim] += 1;
   cells_at.x()->scatter_rev(std::plus<>());
   cells_at.x()->scatter_fwd();
   std::vector<double> indicators;

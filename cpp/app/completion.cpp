@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/completion.h"
+#include "app/scripts.h"
 #include "scene/key_reference.h"
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -43,6 +44,10 @@ _signorini() {{
     compopt -o filenames 2>/dev/null
     mapfile -t COMPREPLY < <(compgen -d -- "$word")
     return
+  elif [ "${{word#-}}" = "$word" ] && [[ " {of_folders} " = *" ${{COMP_WORDS[1]}} "* ]]; then
+    compopt -o filenames 2>/dev/null
+    mapfile -t COMPREPLY < <(compgen -d -- "$word")
+    return
   elif [ "${{word#-}}" != "$word" ]; then
     case ${{COMP_WORDS[1]}} in
 {options}    esac
@@ -70,7 +75,11 @@ std::string bash_completion(const std::vector<VerbOptions>& verbs) {
     if (const std::vector<std::string> words = choices(key); !words.empty())
       values += fmt::format("    {}) words=\"{}\" ;;\n", key.name, fmt::join(words, " "));
   }
-  return fmt::format(script, fmt::arg("verbs", fmt::join(names, " ")), fmt::arg("choices", values),
+  std::vector<std::string> of_folders;
+  for (const ScriptVerb& verb : script_verbs())
+    of_folders.emplace_back(verb.name);
+  return fmt::format(script, fmt::arg("of_folders", fmt::join(of_folders, " ")),
+                     fmt::arg("verbs", fmt::join(names, " ")), fmt::arg("choices", values),
                      fmt::arg("keys", fmt::join(keys, " ")), fmt::arg("options", options));
 }
 

@@ -22,11 +22,12 @@ SceneFile read_scene(MPI_Comm comm, const std::filesystem::path& file,
   std::string text, home;
   on_root(comm, [&] { text = scene::read(file); });
   text = broadcast(comm, text);
-  const auto open = [comm](const std::filesystem::path& series) { // every rank asks for the same, in the same order
-    std::string content;
-    on_root(comm, [&] { content = scene::read_file(series); });
-    return broadcast(comm, content);
-  };
+  const auto open =
+      [comm](const std::filesystem::path& series) { // every rank asks for the same, in the same order
+        std::string content;
+        on_root(comm, [&] { content = scene::read_file(series); });
+        return broadcast(comm, content);
+      };
   SceneFile found{.scene = scene::parse(text, file, overrides, open), .text = text, .home = {}};
   on_root(comm, [&] { home = folder_of_echo(file); });
   found.home = broadcast(comm, home);

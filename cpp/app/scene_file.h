@@ -15,8 +15,9 @@ struct SceneFile {
   std::filesystem::path home; ///< the folder of the run whose echo the file is; empty for other scenes
 };
 
-/// Reads a scene, on rank 0 for all: ranks with different scenes would deadlock. `overrides`: `key.path=value`.
-/// Collective. Throws UserError.
-SceneFile read_scene(MPI_Comm comm, const std::filesystem::path& file, const std::vector<std::string>& overrides);
+/// Reads a scene, on rank 0 for all: ranks with different scenes would deadlock. `overrides`:
+/// `key.path=value`. Collective. Throws UserError.
+SceneFile read_scene(MPI_Comm comm, const std::filesystem::path& file,
+                     const std::vector<std::string>& overrides);
 
 } // namespace signorini

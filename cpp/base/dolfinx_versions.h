@@ -34,6 +34,24 @@ const auto& coordinate_element(const Geometry& geometry) {
     return geometry.cmaps().front();
 }
 
+/// The nodes of the geometry of each cell (cells × nodes).
+template <class Geometry>
+auto cell_nodes(const Geometry& geometry) {
+  if constexpr (requires { geometry.cmap(); }) // until 0.10
+    return geometry.dofmap();
+  else
+    return geometry.dofmaps().front();
+}
+
+/// The entries of a vector, to be written.
+template <class Vector>
+auto entries(Vector& vector) {
+  if constexpr (std::is_assignable_v<decltype(*vector.array().begin()), typename Vector::value_type>) // 0.11
+    return std::span(vector.array());
+  else
+    return vector.mutable_array();
+}
+
 /// Facets or cells of this rank and their values, of a list on any rank (entities × nodes, of the file).
 /// Collective.
 template <class Mesh, class Entities>
@@ -47,7 +65,7 @@ auto distribute_entity_data(const Mesh& mesh, int dim, const Entities& entities,
   const auto& geometry = mesh.geometry();
   return distribute_entity_data<std::int32_t>(
       *mesh.topology(), geometry.input_global_indices(), geometry.index_map()->size_global(),
-      coordinate_element(geometry).create_dof_layout(), geometry.dofmap(), dim, entities, values);
+      coordinate_element(geometry).create_dof_layout(), cell_nodes(geometry), dim, entities, values);
 }
 
 /// Whether the number of cells that share a facet has to be told: 0.11.

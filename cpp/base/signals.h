@@ -10,9 +10,9 @@ namespace signorini {
 /// ranks; at the others mpirun kills them.
 void catch_stop_signals();
 
-/// While it lives SIGINT asks for a stop, however often it comes; afterwards the handler that was there before
-/// has it again, and no request is left. For a library within a program that has handlers of its own. One at
-/// a time.
+/// While it lives SIGINT asks for a stop, however often it comes; afterwards the handler that was there
+/// before has it again, and no request is left. For a library within a program that has handlers of its own.
+/// One at a time.
 class StopOnInterrupt {
 public:
   StopOnInterrupt();

@@ -4,19 +4,23 @@
 #include "base/signals.h"
 #include "base/worker.h"
 #include "version.h"
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <memory>
 #include <spawn.h>
 #include <stdexcept>
+#include <string_view>
 #include <sys/wait.h>
 #include <system_error>
 #include <unistd.h>
+#include <vector>
 
 extern "C" char** environ;
 
@@ -99,15 +103,12 @@ std::optional<std::string> in_subprocess(const std::filesystem::path& program, c
   return text;
 }
 
-namespace {
-
-/// The folder of the running code, a program or a shared library. Throws std::runtime_error.
 std::filesystem::path own_folder() {
   Dl_info code{};
   std::error_code missing;
   std::filesystem::path file;
   // Of a program the loader knows what it was called by, which may be a name found on PATH.
-  if (dladdr(reinterpret_cast<const void*>(&find_worker), &code) != 0 && code.dli_fname)
+  if (dladdr(reinterpret_cast<const void*>(&own_folder), &code) != 0 && code.dli_fname)
     file = code.dli_fname;
   if (!file.has_parent_path())
     file = "/proc/self/exe";
@@ -117,14 +118,21 @@ std::filesystem::path own_folder() {
   return file.parent_path();
 }
 
-} // namespace
-
 std::filesystem::path find_worker(const std::string& name) {
   const std::filesystem::path folder = own_folder();
+  std::vector<std::filesystem::path> places{folder, folder / "../..", folder / "../libexec/signorini",
+                                            folder / "../../../../libexec/signorini",
+                                            std::filesystem::path(version::libexec) / "signorini"};
+  // A program of somebody else's that the library is linked into may be anywhere.
+  if (const char* path = std::getenv("PATH"))
+    for (std::string_view left = path; !left.empty();) {
+      const std::string_view at = left.substr(0, left.find(':'));
+      if (at.starts_with('/'))
+        places.push_back(std::filesystem::path(at) / "../libexec/signorini");
+      left.remove_prefix(std::min(at.size() + 1, left.size()));
+    }
   std::string tried;
-  for (const std::filesystem::path& at :
-       {folder, folder / "../..", folder / "../libexec/signorini", folder / "../../../../libexec/signorini",
-        std::filesystem::path(version::libexec) / "signorini"}) {
+  for (const std::filesystem::path& at : places) {
     const std::filesystem::path program = (at / name).lexically_normal();
     if (access(program.c_str(), X_OK) == 0)
       return program;

@@ -14,8 +14,12 @@ namespace signorini {
 std::optional<std::string> in_subprocess(const std::filesystem::path& program, const std::string& request,
                                          std::optional<unsigned> seconds = {});
 
+/// The folder of the running code, a program or a shared library. Throws std::runtime_error.
+std::filesystem::path own_folder();
+
 /// The worker of this name, found from the place of the running code: beside it, in the folder of the build
-/// that it is in, or in libexec/signorini of the prefix that it is installed in. Throws std::runtime_error.
+/// that it is in, or in libexec/signorini of the prefix that it is installed in; else in a prefix whose
+/// programs are on PATH. Throws std::runtime_error.
 std::filesystem::path find_worker(const std::string& name);
 
 } // namespace signorini

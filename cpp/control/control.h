@@ -29,7 +29,8 @@ public:
 
   /// Of given values, interval by interval.
   Control(std::vector<double> values, int count)
-      : values_(std::move(values)), size_(values_.read().size() / static_cast<std::size_t>(count)), count_(count) {}
+      : values_(std::move(values)), size_(values_.read().size() / static_cast<std::size_t>(count)),
+        count_(count) {}
 
   /// The values of an interval, j = 1 … count.
   [[nodiscard]] std::span<const double> at(int j) const { return values().subspan(begin(j), size_); }
@@ -79,9 +80,9 @@ private:
 };
 
 /// The space of controls: where they act, their products, their bounds, and how they enter the equation of
-/// motion. Nodal values of the displacement's degree ("P1"), or one value for each cell ("P0"); on the whole
-/// body, a part of it or a surface (there a cell's value acts on those of its facets that lie on it). All
-/// members collective.
+/// motion. Nodal values of the displacement's degree ("nodal"), or one value for each cell ("cellwise"); on
+/// the whole body, a part of it or a surface (there a cell's value acts on those of its facets that lie on
+/// it). All members collective.
 ///
 /// It is constant on each time step, or on intervals of its own (control.step, or the whole time), of which a
 /// step takes the one at its middle. u_j stores values only at the places (nodes or cells) and in the

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fem/deformation.h"
 #include "base/collective.h"
+#include "base/dolfinx_versions.h"
 #include "mesh/simplex.h"
 #include <algorithm>
 #include <basix/cell.h>
@@ -94,8 +95,8 @@ Simplex::Point middle(int dim, Vertex&& vertex) {
 class Corners {
 public:
   explicit Corners(const Space& space)
-      : geometry_(space.dolfinx()->mesh()->geometry().dofmap()), x_(space.dolfinx()->mesh()->geometry().x()) {
-  }
+      : geometry_(dolfinx_versions::cell_nodes(space.dolfinx()->mesh()->geometry())),
+        x_(space.dolfinx()->mesh()->geometry().x()) {}
 
   /// The i-th vertex of a cell, as a function of i: the address of its three coordinates.
   [[nodiscard]] auto of(std::int32_t cell) const {
@@ -106,7 +107,7 @@ public:
   }
 
 private:
-  decltype(std::declval<const dolfinx::mesh::Geometry<double>&>().dofmap()) geometry_;
+  decltype(dolfinx_versions::cell_nodes(std::declval<const dolfinx::mesh::Geometry<double>&>())) geometry_;
   std::span<const double> x_;
 };
 
@@ -142,7 +143,7 @@ Deformation deformation(const Space& space, Vec y) {
   {
     const petsc::ReadArray owned(y);
     const std::span<const double> all = owned;
-    std::ranges::copy(all, values.mutable_array().begin());
+    std::ranges::copy(all, dolfinx_versions::entries(values).begin());
   }
   values.scatter_fwd();
   const std::span<const double> at_dofs = values.array();

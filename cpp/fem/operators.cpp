@@ -34,12 +34,12 @@ DirichletDofs::DirichletDofs(const Space& space, const std::vector<scene::Clamp>
           const std::string value =
               clamp.value && !scene::vanishes({clamp.value->at(c)}) ? clamp.value->at(c).text : "0";
           const auto [held, first] = motion.try_emplace(node * dim_ + components[c], value, i);
-          if (!first && held->second.first != value)
+          if (const auto& [other, by] = held->second; !first && other != value)
             throw UserError(fmt::format(
                 "{}: found \"{}\" where {} holds {} of the node at {} by \"{}\", allowed is the same "
                 "motion where clamps meet",
-                key(i, "value"), value, key(held->second.second, "value"), "xyz"[components[c]],
-                point_text(&space.points()[3 * static_cast<std::size_t>(node)]), held -> second.first));
+                key(i, "value"), value, key(by, "value"), "xyz"[components[c]],
+                point_text(&space.points()[3 * static_cast<std::size_t>(node)]), other));
         }
     });
   }
@@ -70,6 +70,7 @@ double DirichletDofs::decouple(Mat matrix) const {
 }
 
 petsc::Matrix symmetric_half(const petsc::Matrix& blocks) {
+  check(MatSetOption(blocks, MAT_SYMMETRIC, PETSC_TRUE)); // PETSc 3.25 wants to be told, even of PᵀMP
   petsc::Matrix half;
   check(MatConvert(blocks, MATSBAIJ, MAT_INITIAL_MATRIX, half.put()));
   return half;

@@ -21,7 +21,7 @@ using petsc::check;
 namespace {
 
 Simplex simplex(const dolfinx::mesh::Mesh<double>& mesh, std::int32_t cell) {
-  const auto dofs = mesh.geometry().dofmap();
+  const auto dofs = dolfinx_versions::cell_nodes(mesh.geometry());
   const std::span<const double> x = mesh.geometry().x();
   return {mesh.topology()->dim(), [&](int i) {
             return &x[3 * static_cast<std::size_t>(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/field_layout.h"
 #include "base/collective.h"
+#include "base/dolfinx_versions.h"
 #include <dolfinx/fem/FunctionSpace.h>
 #include <dolfinx/la/Vector.h>
 #include <dolfinx/mesh/Mesh.h>
@@ -16,7 +17,7 @@ constexpr std::size_t padded = 3; // readers of XDMF expect vectors in space
 template <class Visit>
 void for_vertices(const fem::Space& space, std::int32_t cell, Visit&& visit) {
   const auto mesh = space.mesh().dolfinx();
-  const auto geometry = mesh->geometry().dofmap();
+  const auto geometry = dolfinx_versions::cell_nodes(mesh->geometry());
   const auto nodes = space.dolfinx()->dofmap()->cell_dofs(cell);
   for (std::size_t i = 0; i < geometry.extent(1); ++i) // the nodes at vertices are the first, of degree 2 too
     visit(static_cast<std::size_t>(nodes[i]),
@@ -115,7 +116,7 @@ std::vector<std::int64_t> FieldLayout::topology() const {
   dolfinx::la::Vector<std::int64_t> numbers(space_.dolfinx()->dofmap()->index_map, 1);
   std::int64_t next = nodes_.starts[static_cast<std::size_t>(rank(space_.comm()))];
   for (const std::size_t node : nodes_.own)
-    numbers.mutable_array()[node] = next++;
+    dolfinx_versions::entries(numbers)[node] = next++;
   numbers.scatter_fwd();
   std::vector<std::int64_t> mine, all;
   for (const std::int32_t cell : space_.mesh().owned_cells())

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/point_match.h"
 #include "base/collective.h"
+#include "base/dolfinx_versions.h"
 #include "base/text.h"
 #include <algorithm>
 #include <array>
@@ -83,7 +84,7 @@ std::vector<double> distinct_points(const fem::Space& space) {
   const auto dofmap = space.dolfinx()->dofmap();
   const std::vector<double> middles = space.midpoints();
   dolfinx::la::Vector<double> sums(dofmap->index_map, 4);
-  const std::span<double> sum = sums.mutable_array();
+  const std::span<double> sum = dolfinx_versions::entries(sums);
   std::size_t number = 0;
   for (std::int32_t cell : space.mesh().owned_cells()) {
     for (std::int32_t node : dofmap->cell_dofs(cell)) {

@@ -221,9 +221,12 @@ PetscErrorCode set_destroy(PetscContainer container) {
   return PetscContainerSetUserDestroy(container, destroy);
 }
 #else
-PetscErrorCode destroy(void** own) {
-  delete static_cast<Product*>(*own);
-  *own = nullptr;
+// The address of a pointer, by its type until PETSc 3.24 and as a void* since.
+template <class Address>
+PetscErrorCode destroy(Address address) {
+  void*& own = *static_cast<void**>(address);
+  delete static_cast<Product*>(own);
+  own = nullptr;
   return PETSC_SUCCESS;
 }
 

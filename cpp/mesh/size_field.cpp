@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/size_field.h"
 #include "base/collective.h"
+#include "base/dolfinx_versions.h"
 #include "mesh/simplex.h"
 #include <algorithm>
 #include <cmath>
@@ -65,7 +66,7 @@ std::map<std::vector<std::int64_t>, std::int64_t> boundary_facets(const SizeFiel
 
 SizeField gathered(const Mesh& mesh, std::span<const double> numbers, std::vector<double>& all) {
   const auto& geometry = mesh.dolfinx()->geometry();
-  const auto dofmap = geometry.dofmap();
+  const auto dofmap = dolfinx_versions::cell_nodes(geometry);
   const auto corners = static_cast<std::size_t>(mesh.dim()) + 1;
   std::vector<std::int64_t> cells;
   std::vector<std::int32_t> local;

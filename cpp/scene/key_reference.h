@@ -25,7 +25,7 @@ const std::vector<KeyLine>& keys();
 
 /// The keys for reading, a paragraph each.
 std::string reference();
-/// The keys as the table of the README.
+/// The keys as the table of docs/reference/keys.md.
 std::string markdown();
 /// JSON Schema (draft 2020-12) of a scene.
 std::string json_schema();

@@ -83,10 +83,17 @@ struct Path : Text {
 
 template <class E>
 struct Choice {
-  static E read(Reader& in, Name key, const Scene&) { return static_cast<E>(in.choice(key, all_names<E>())); }
+  static E read(Reader& in, Name key, const Scene&) {
+    return static_cast<E>(in.choice(key, all_names<E>(), all_former_names<E>()));
+  }
   static std::string write(E value) { return written(name(value)); }
   static std::string words() { return quoted(all_names<E>()); }
-  static Json schema() { return {{"enum", all_names<E>()}}; }
+  static Json schema() {
+    const Json names{{"enum", all_names<E>()}};
+    if (all_former_names<E>().empty())
+      return names;
+    return {{"anyOf", {names, {{"enum", all_former_names<E>()}, {"deprecated", true}}}}};
+  }
 };
 
 /// A list of choices.

@@ -167,8 +167,11 @@ std::string Reader::text(const std::string& key) {
   return value->get();
 }
 
-std::size_t Reader::choice(const std::string& key, const std::vector<std::string>& allowed) {
+std::size_t Reader::choice(const std::string& key, const std::vector<std::string>& allowed,
+                           const std::vector<std::string>& former) {
   const std::string value = text(key);
+  if (const auto known = std::ranges::find(former, value); known != former.end())
+    return static_cast<std::size_t>(known - former.begin());
   const auto found = std::ranges::find(allowed, value);
   if (found == allowed.end()) {
     const std::string near = nearest(value, allowed);

@@ -60,8 +60,9 @@ public:
   int integer(const std::string& key, int least, int greatest);
   /// A text on one line, not empty.
   std::string text(const std::string& key);
-  /// The number of one of the names allowed.
-  std::size_t choice(const std::string& key, const std::vector<std::string>& allowed);
+  /// The number of one of the names allowed, or of its former name.
+  std::size_t choice(const std::string& key, const std::vector<std::string>& allowed,
+                     const std::vector<std::string>& former = {});
   /// The numbers of a list of allowed names, without repetitions, in the order given; it may be empty.
   std::vector<std::size_t> choices(const std::string& key, const std::vector<std::string>& allowed);
   /// One number per space dimension, 2 or 3.

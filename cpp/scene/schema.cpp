@@ -242,26 +242,26 @@ std::array<Key<Control>, 2> first_guess() {
 
 Keys<Control> keys_of(Of<Control>) {
   const auto [given, stored] = first_guess();
-  return {required("scale", &Control::scale,
-                   Number{{.least = 0, .open = true, .unit = "N/m² (of the body, N/m³)"}},
-                   "N/m³ per unit of control, N/m² on a surface"),
-          value("on", &Control::on, Text{}, "",
-                "of the body, or of the boundary, where the control is a traction",
-                {.otherwise = "the body"}),
-          acting<Control>("those that act"),
-          value("constant_in_time", &Control::constant_in_time, Flag{}, "", "the same at all times"),
-          value("step", &Control::step, Number{above_zero}, "s",
-                "length of the intervals on which the control is constant, of which `time.end` is a whole "
-                "multiple; a time step takes the one at its middle",
-                {.otherwise = "the time steps"}),
-          value("space", &Control::space, Choice<ControlValues>{}, "",
-                "values at the nodes, or (`\"P0\"`) in the cells"),
-          given,
-          stored,
-          value("lower", &Control::lower, Bound{}, "", "bound",
-                {.otherwise = "none", .effect = "control bounds"}),
-          value("upper", &Control::upper, Bound{}, "", "bound",
-                {.otherwise = "none", .effect = "control bounds"})};
+  return {
+      required("scale", &Control::scale,
+               Number{{.least = 0, .open = true, .unit = "N/m² (of the body, N/m³)"}},
+               "N/m³ per unit of control, N/m² on a surface"),
+      value("on", &Control::on, Text{}, "",
+            "of the body, or of the boundary, where the control is a traction", {.otherwise = "the body"}),
+      acting<Control>("those that act"),
+      value("constant_in_time", &Control::constant_in_time, Flag{}, "", "the same at all times"),
+      value("step", &Control::step, Number{above_zero}, "s",
+            "length of the intervals on which the control is constant, of which `time.end` is a whole "
+            "multiple; a time step takes the one at its middle",
+            {.otherwise = "the time steps"}),
+      value("space", &Control::space, Choice<ControlValues>{}, "",
+            "values at the displacement's own nodes, of degree 2 midpoints of edges too, or in the cells"),
+      given,
+      stored,
+      value("lower", &Control::lower, Bound{}, "", "bound",
+            {.otherwise = "none", .effect = "control bounds"}),
+      value("upper", &Control::upper, Bound{}, "", "bound",
+            {.otherwise = "none", .effect = "control bounds"})};
 }
 
 Keys<DesiredControl> keys_of(Of<DesiredControl>) {

@@ -132,7 +132,7 @@ int main(int argc, char** argv) {
                                        "^",          "_e",       "x",
                                        "y",          "z",        "t",
                                        "pi",         "e",        "(",
-                                       ")",          "cylinder", "P0",
+                                       ")",          "cylinder", "cellwise",
                                        "stabilized", "run",      "{file=\"a\",column=\"linear\"}"});
   fuzz::Mutator options(seed + 1,
                         {"mesh.size=0.25", "material.0.young=1e8", "load.body=[\"0\", \"t\"]",

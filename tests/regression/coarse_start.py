@@ -119,7 +119,7 @@ def of_another_mesh(folder: Path) -> None:
     optimum = folder / "linear"
     for earlier, ranks in (({}, 2), ({"mesh__degree": 2}, 1)):
         signorini("optimize", BLOCK, optimum, ranks, **linear, **earlier, optimizer__max_iterations=0)
-        for number, here in enumerate(({"mesh__size": 0.13}, {"mesh__size": 0.4, "mesh__degree": 2}, {"mesh__size": 0.13, "control__space": "P0"})):
+        for number, here in enumerate(({"mesh__size": 0.13}, {"mesh__size": 0.4, "mesh__degree": 2}, {"mesh__size": 0.13, "control__space": "cellwise"})):
             outs = [folder / "stored", folder / "given"]
             for out, start in zip(outs, ({"control__initial": {"run": str(optimum)}}, linear), strict=True):
                 signorini("simulate", BLOCK, out, 1 + number % 2, **start, **here)

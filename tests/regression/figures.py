@@ -54,7 +54,7 @@ def cellwise(folder: Path) -> None:
     for scene, unit, more in ((HALF_DISC, "$10^{6}$ N/m³", {"mesh__size": 3}), (catch, "N/m²", {"mesh__size": 0.3, "time__step": 0.02}),
                               (HALF_BALL, "$10^{6}$ N/m³", ball), (HALF_BALL, "$10^{6}$ N/m²", ball | {"control__on": "side"})):  # fmt: skip
         out = folder / "cells"
-        signorini("optimize", scene, out, optimizer__max_iterations=1, control__space="P0", **more)
+        signorini("optimize", scene, out, optimizer__max_iterations=1, control__space="cellwise", **more)
         run = RunFolder(out)
         assert control_magnitude.draw(run)[0].stat().st_size > 5000, f"{scene.name}, {more}"
         series = run.field("control.xdmf", "control")

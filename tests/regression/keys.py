@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every key of a scene does what the README says: each is changed in a small scene and must show in the motion, in J or in
+"""Every key of a scene does what docs/reference/keys.md says: each is changed in a small scene and must show in the motion, in J or in
 the files. The program itself names the keys that it accepts; each of them has an entry here, a case of bad input, and a
-place in the README."""
+place in that page."""
 
 import functools
 import inspect
@@ -522,11 +522,17 @@ def constant_in_time() -> None:
 
 @key("control.space")
 def control_space() -> None:
-    nodal = optimize(iterations=1, control__space="P1")
-    cellwise = optimize(iterations=1, control__space="P0")
+    nodal = optimize(iterations=1, control__space="nodal")
+    cellwise = optimize(iterations=1, control__space="cellwise")
     assert nodal.field("control", "control").shape == (30, nodal.manifest["unknowns"] / 2, 2)
     assert cellwise.field("control", "control").shape == (30, cellwise.manifest["cells"], 2)
-    near(simulate(control__space="P0", control__initial=["0", "2"], **FREE).momentum(), [0, 2 * T])
+    near(simulate(control__space="cellwise", control__initial=["0", "2"], **FREE).momentum(), [0, 2 * T])
+    # Nodes are the displacement's own, with midpoints of edges where it is quadratic.
+    quadratic = optimize(iterations=1, control__space="nodal", mesh__degree=2).manifest
+    assert quadratic["unknowns"] > 3 * nodal.manifest["unknowns"]
+    for former, today in (("P1", nodal), ("P0", cellwise)):
+        same = Run("optimize", BLOCK, {"optimizer__max_iterations": 1, "control__space": former})
+        assert same.echo == today.echo and same.manifest["objective"] == today.manifest["objective"]
 
 
 @key("control.initial")
@@ -1026,11 +1032,11 @@ def choices(run: Run) -> Iterator[tuple[str, list[str]]]:
                 yield plain(path), match[1].split(", ")
 
 
-def keys_of_the_readme() -> set[str]:
+def keys_of_the_page() -> set[str]:
     """Those of its table, which is the program's, with what can be chosen and the defaults that scene.toml confirms."""
     table = captured([str(SIGNORINI), "keys", "--markdown"]).stdout
-    found = re.search(r"(?s)<!-- keys.*?-->\n(.*?)<!-- end of keys -->", (SOURCE / "README.md").read_text())
-    assert found and found[1] == table, "the README's table of keys is not the program's; CONTRIBUTING.md says how to make it"
+    found = re.search(r"(?s)<!-- keys.*?-->\n(.*?)<!-- end of keys -->", (SOURCE / "docs" / "reference" / "keys.md").read_text())
+    assert found and found[1] == table, "the table of docs/reference/keys.md is not the program's; CONTRIBUTING.md says how to make it"
     rows = re.findall(r"(?m)^\| `([a-z_]+\.[a-z_.]+)` \| (.*?) \| (.*?) \| .* \|$", table)
     assert len({name for name, _, _ in rows}) == len(rows), "the table has a key twice"
     default = simulate(edited("default.toml", ("(max_iterations|alpha|gamma).*", "")), clamp=[{"on": "left"}], initial__velocity=["0", "0"],
@@ -1066,7 +1072,7 @@ def main() -> int:
     with ThreadPoolExecutor(WORKERS) as workers:
         failed = sum(workers.map(fails, ENTRIES))
     keys = accepted_keys()
-    for what, known in (("is shown here", SHOWN), ("is in the README", keys_of_the_readme())):
+    for what, known in (("is shown here", SHOWN), ("is in docs/reference/keys.md", keys_of_the_page())):
         for name in sorted(keys ^ known):
             failed += 1
             print(f"FAIL  {name} {'is accepted, but not ' if name in keys else 'is not accepted, but '}{what}")

@@ -5,8 +5,8 @@ import sys
 from pathlib import Path
 
 LINE = "SPDX-License-Identifier: GPL-3.0-or-later"
-SOURCES = ("*.h", "*.h.in", "*.cpp", "*.c", "*.py", "*.js", "*.sh", "CMakeLists.txt", "dev")
-FOLDERS = ("cpp", "forms", "postprocess", "python", "tests", "docs")
+SOURCES = ("*.h", "*.h.in", "*.cpp", "*.c", "*.py", "*.js", "*.sh", "*.cmake", "*.cmake.in", "CMakeLists.txt", "dev")
+FOLDERS = ("cpp", "forms", "postprocess", "python", "tests", "docs", "packaging")
 
 
 def sources(root: Path) -> list[Path]:

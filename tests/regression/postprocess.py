@@ -168,8 +168,8 @@ def controls_add_up(folder: Path) -> None:
     """A control of one pushes with its scale times the area or the length, in each space of controls."""
     base = SQUARE + '[[clamp]]\non = "left"\n[control]\nscale = 3.0\ninitial = ["0", "-2"]\n'
     base += '[objective]\ndesired = { displacement = ["0", "0"] }\n'
-    for name, more in (("body", {}), ("cells", {"control__space": "P0"}), ("top", {"control__on": "top"}),
-                       ("top-cells", {"control__on": "top", "control__space": "P0"})):  # fmt: skip
+    for name, more in (("body", {}), ("cells", {"control__space": "cellwise"}), ("top", {"control__on": "top"}),
+                       ("top-cells", {"control__on": "top", "control__space": "cellwise"})):  # fmt: skip
         run = run_of(folder, name, base, "optimize", optimizer__max_iterations=0, **more)
         force = resultant_of(run, run.field("control.xdmf", "control"))
         assert len(force) == 10 and np.abs(force - [0.0, -6.0]).max() < 1e-12, f"{name}: {force[0]}"

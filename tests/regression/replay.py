@@ -37,7 +37,7 @@ def of_every_kind(folder: Path) -> None:
         {"objective__desired": {"displacement": ["0.1*t", "y"]}, "control__initial": ["0", "-9"], "control__lower": -2},
         {"objective__desired": {"displacement": ["0", "-0.1"]}, "control__on": "top", "objective__on": "bottom", "control__initial": ["1", "x"]},
         {"objective__desired": {"run": str(motion)}, "control__constant_in_time": True, "control__initial": ["x", "0"]},
-        {"objective__desired": {"control": ["0.3", "-1"]}, "control__space": "P0", "control__initial": ["x", "0"], "mesh__degree": 2,
+        {"objective__desired": {"control": ["0.3", "-1"]}, "control__space": "cellwise", "control__initial": ["x", "0"], "mesh__degree": 2,
          "time__scheme": "contact-stabilized"},
         {"objective__desired": {"control": ["0.3", "-1"]}, "contact__mass": "massless", "solver__vi": "full"},
     )):  # fmt: skip
@@ -60,7 +60,7 @@ def replayed(folder: Path) -> None:
     for number, (scene, settings) in enumerate((
         (BLOCK, {"output__every": 7}),  # so that control.h5 has only some of it
         (BLOCK, {"mesh__degree": 2, "control__on": "rest", "control__components": ["y"], "objective__desired": {"control": ["0", "-1"]}}),
-        (BLOCK, {"control__space": "P0", "control__upper": 0.1, "time__scheme": "contact-stabilized"}),
+        (BLOCK, {"control__space": "cellwise", "control__upper": 0.1, "time__scheme": "contact-stabilized"}),
         (BLOCK, {"control__constant_in_time": True, "contact__mass": "massless"}),
         (CUBE, {**IN_SPACE, "contact__obstacle": {"shape": "half-space", "point": [0, 0, -0.05], "normal": [0, 0, 1]}}),
     )):  # fmt: skip
@@ -120,7 +120,7 @@ def without_a_checkpoint(folder: Path) -> None:
         same(objective(again), objective(out), ROUNDING if ranks == 1 else RANKS)
     with h5py.File(out / "control.h5") as file:
         assert len(file["Function/control"]) == 30
-    for setting in ({"mesh__degree": 2}, {"control__space": "P0"}, {"mesh__size": 0.5}, {"time__end": 1.2}):
+    for setting in ({"mesh__degree": 2}, {"control__space": "cellwise"}, {"mesh__size": 0.5}, {"time__end": 1.2}):
         refused = attempt("simulate", BLOCK, again, **start, **setting)
         assert refused.returncode == 2 and "control.initial.run: " in refused.stderr, (setting, refused.stderr)
     killed = folder / "killed"  # such a search has left no run.json

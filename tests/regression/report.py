@@ -176,7 +176,7 @@ def main() -> int:
                   control__initial=["0", "0", "-0.9"])  # fmt: skip
         signorini("optimize", HALF_DISC, folder / "bare", mesh__size=3, optimizer__max_iterations=1, output__tables=[],
                   output__fields=[])  # fmt: skip
-        signorini("optimize", HALF_DISC, folder / "cells", mesh__size=2, mesh__degree=2, control__space="P0", optimizer__max_iterations=1)
+        signorini("optimize", HALF_DISC, folder / "cells", mesh__size=2, mesh__degree=2, control__space="cellwise", optimizer__max_iterations=1)
         study = write_study(folder / "study")
         start = time.perf_counter()
         disc = page_of(folder / "disc")

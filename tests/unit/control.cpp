@@ -108,12 +108,13 @@ TEST_CASE("derivatives are exact for every kind of control and objective", "[con
   const std::string one_component = "objective.desired={control=[\"0\", \"-1\"]}";
   for (const std::vector<std::string>& overrides : std::vector<std::vector<std::string>>{
            {},
-           {"control.space=P0"},
+           {"control.space=cellwise"},
            {"control.on=rest", "control.scale=0.5"},
-           {"control.on=rest", "control.space=P0", "control.scale=0.5"},
+           {"control.on=rest", "control.space=cellwise", "control.scale=0.5"},
            {"control.constant_in_time=true"},
            {"control.components=[\"y\"]", one_component},
-           {"control.components=[\"y\"]", "control.space=P0", "control.constant_in_time=true", one_component},
+           {"control.components=[\"y\"]", "control.space=cellwise", "control.constant_in_time=true",
+            one_component},
            {"control.on=rest", "mesh.degree=2", "mesh.size=0.5", "control.constant_in_time=true"},
            {"objective.on=rest"},
            {"objective.tracking=0", "objective.gamma=1"},
@@ -165,14 +166,14 @@ TEST_CASE("a control holds values where it acts and nowhere else", "[control]") 
   constexpr PetscInt per_side = 4; // cells, of size 0.25
   CHECK(values({"control.on=bottom"})[0] == 2 * (per_side + 1));
   CHECK(values({"control.on=bottom", y, given})[0] == per_side + 1);
-  const auto [cells_on, cells] = values({"control.on=bottom", "control.space=P0"});
+  const auto [cells_on, cells] = values({"control.on=bottom", "control.space=cellwise"});
   CHECK(cells_on == 2 * per_side);
   CHECK(cells > 4 * cells_on);
 }
 
 TEST_CASE("a control pushes with its resultant where it acts", "[control]") {
   for (const char* on : {"", "rest"})
-    for (const char* kind : {"P1", "P0"}) {
+    for (const char* kind : {"nodal", "cellwise"}) {
       std::vector<std::string> overrides{fmt::format("control.space={}", kind), "control.scale=2"};
       if (*on)
         overrides.push_back(fmt::format("control.on={}", on));

@@ -41,7 +41,7 @@ TEST_CASE("a linear control is the same on any mesh", "[control]") {
            {{there, "control.on=top"}, {here, "control.on=top"}},
            {{there, "control.on=rest", twice}, {here, "control.on=rest"}},
            {{there, y_alone[0], y_alone[1]}, {here, y_alone[0], y_alone[1]}},
-           {{there}, {here, "control.space=P0"}}}) {
+           {{there}, {here, "control.space=cellwise"}}}) {
     const Space coarse(from), fine(to);
     const bool all = coarse.controls.components().size() == 2;
     const scene::Components linear{all ? "1 + x - 2*y" : "0", "t + y"};
@@ -79,8 +79,8 @@ TEST_CASE("a control in space is interpolated", "[control]") {
 
 TEST_CASE("a control with values in cells keeps them where it is evaluated", "[control]") {
   for (const char* on : {"control.on=body", "control.on=top"}) {
-    const Space coarse({"mesh.size=0.3", "control.space=P0", on}),
-        fine({"mesh.size=0.11", "control.space=P0", on});
+    const Space coarse({"mesh.size=0.3", "control.space=cellwise", on}),
+        fine({"mesh.size=0.11", "control.space=cellwise", on});
     const control::Interpolation interpolate(coarse.controls, fine.controls);
     CHECK(difference(interpolate(coarse.controls.constant(0.7)), fine.controls.constant(0.7)) < rounding);
     const control::Control u = interpolate(coarse.controls.interpolate({"x", "y"}, "test")),

@@ -101,6 +101,24 @@ TEST_CASE("the table of keys says what poses the problem", "[scene]") {
   }
 }
 
+TEST_CASE("the former names of a choice are read, and pose the same problem", "[scene]") {
+  const auto file = test::source("scenes/half-disc.toml");
+  for (const auto& [former, name] :
+       {std::pair<std::string, std::string>{"P1", "nodal"}, {"P0", "cellwise"}}) {
+    INFO(former);
+    const std::string echo = scene::echo(test::parse(file, {"control.space=" + former}), 2);
+    CHECK(echo == scene::echo(test::parse(file, {"control.space=" + name}), 2));
+    const std::string line = "\nspace = \"" + name + "\"";
+    REQUIRE_THAT(echo, ContainsSubstring(line));
+    std::string old = echo; // as version 0.1 wrote it
+    old.replace(old.find(line), line.size(), "\nspace = \"" + former + "\"");
+    CHECK(scene::difference(old, echo).first.empty());
+    const std::string other = scene::echo(
+        test::parse(file, {std::string("control.space=") + (name == "nodal" ? "cellwise" : "nodal")}), 2);
+    CHECK(scene::difference(old, other).first == "control.space = \"" + name + '"');
+  }
+}
+
 TEST_CASE("every effect is that of a key", "[scene]") {
   std::set<std::string> said{""}, known{""};
   for (const scene::KeyLine& key : scene::keys())

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/dolfinx_versions.h"
 #include "contact/pressure.h"
 #include "fem/recovery.h"
 #include "fixtures.h"
@@ -8,7 +9,8 @@
 #include <dolfinx/mesh/Mesh.h>
 #include <numeric>
 
-using namespace signorini;
+// dolfinx 0.9 has `using namespace dolfinx` in a header, which makes names from outside ambiguous.
+namespace signorini {
 using petsc::check;
 
 namespace {
@@ -54,9 +56,10 @@ struct Body {
 /// Volume of a cell.
 double volume(const mesh::Mesh& mesh, std::int32_t cell) {
   const auto& geometry = mesh.dolfinx()->geometry();
+  const auto nodes = dolfinx_versions::cell_nodes(geometry);
   const mesh::Simplex simplex(mesh.dim(), [&](int i) {
-    return &geometry.x()[3 * static_cast<std::size_t>(geometry.dofmap()(static_cast<std::size_t>(cell),
-                                                                        static_cast<std::size_t>(i)))];
+    return &geometry.x()[3 * static_cast<std::size_t>(
+                                 nodes(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))];
   });
   return simplex.volume() / (mesh.dim() == 2 ? 2 : 6);
 }
@@ -261,3 +264,5 @@ TEST_CASE("the stress that is recovered tells the error of the computed one, and
     CHECK(coarse / fine < 6);
   }
 }
+
+} // namespace signorini

@@ -42,7 +42,7 @@ def squares(points: np.ndarray, simplices: np.ndarray, sizes: np.ndarray, field:
 
 
 def objective(error: np.ndarray, control: np.ndarray) -> float:
-    """The README's J of the squared norms of y - y_d at the times 0…N and of u in the steps 1…N."""
+    """The J of docs/method.md, section 3, of the squared norms of y - y_d at the times 0…N and of u in the steps 1…N."""
     return STEP / 4 * (error[:-1] + error[1:]).sum() + ALPHA * STEP / 2 * control.sum() + GAMMA * error[-1]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The half disc under the control (0, -1), stepped as the README's "The method" says, with GetFEM's nodal contact brick.
+"""The half disc under the control (0, -1), stepped as docs/method.md says, with GetFEM's nodal contact brick.
 
 usage: half_disc_getfem.py MESH OUTPUT TOP CONTACT
   MESH           .msh, format 2.2

@@ -118,6 +118,7 @@ def environment(case: Case) -> dict[str, str]:
         "OMPI_ALLOW_RUN_AS_ROOT": "1",
         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
         "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+        "PRTE_MCA_mapby": ":oversubscribe",
         "OMP_NUM_THREADS": "1",
     }
     return {**defaults, **os.environ, **({"OMPI_MCA_btl": "self"} if case.largest_file else {})}

@@ -436,7 +436,7 @@ def effect_cases() -> list[Case]:
                '"nowhere"', at="", verb="info", ranks=2),
         edited("control of z in the plane", "scale = 1e6", 'scale = 1e6\ncomponents = ["y", "z"]', 'control.components: found "z"',
                "allowed: x, y", "2-dimensional", at=""),
-        edited("control of unknown space", "scale = 1e6", 'scale = 1e6\nspace = "P3"', "control.space: ", '"P3"', "P1, P0",
+        edited("control of unknown space", "scale = 1e6", 'scale = 1e6\nspace = "P3"', "control.space: ", '"P3"', "nodal, cellwise",
                at="space ="),
         edited("control constant by text", "scale = 1e6", 'scale = 1e6\nconstant_in_time = "yes"', "control.constant_in_time: ",
                '"yes"', "true and false", at="constant_in_time ="),

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/scripts.h"
+#include "base/error.h"
+#include "base/subprocess.h"
+#include "version.h"
+#include <algorithm>
+#include <cerrno>
+#include <fmt/format.h>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <unistd.h>
+
+namespace signorini {
+namespace {
+
+/// What runs the script of a verb.
+constexpr char launcher[] = "verb.py";
+
+struct Found {
+  std::filesystem::path file;
+  bool installed;
+};
+
+/// Throws UserError.
+Found find_launcher(const char* verb) {
+  const std::filesystem::path folder = own_folder(); // in a build it has a link to the scripts of its sources
+  std::string tried;
+  for (const auto& [at, installed] :
+       {std::pair{folder / "postprocess", false}, std::pair{folder / "../share/signorini/postprocess", true},
+        std::pair{std::filesystem::path(version::data) / "signorini/postprocess", true}}) {
+    const std::filesystem::path file = (at / launcher).lexically_normal();
+    if (access(file.c_str(), R_OK) == 0)
+      return {file, installed};
+    tried += (tried.empty() ? "" : ", ") + file.string();
+  }
+  throw UserError(fmt::format("{}: found none of its scripts, which are looked for at {}", verb, tried));
+}
+
+} // namespace
+
+const std::vector<ScriptVerb>& script_verbs() {
+  static const std::vector<ScriptVerb> verbs{
+      {"report", "one page of all that a run or a study found, or of two runs side by side", {}},
+      {"figures", "all figures of a run", {"--time"}},
+      {"plot", "the convergence of an optimization, drawn again and again while it goes on", {"--every"}}};
+  return verbs;
+}
+
+bool is_script_verb(std::string_view word) {
+  return std::ranges::find(script_verbs(), word, &ScriptVerb::name) != script_verbs().end();
+}
+
+void become_script(std::span<char* const> words) {
+  const Found found = find_launcher(words.front());
+  std::string python = "python3", leave = "-B", file = found.file.string();
+  std::vector<char*> arguments{python.data()};
+  if (found.installed) // nothing is to be left there that the package does not know
+    arguments.push_back(leave.data());
+  arguments.push_back(file.data());
+  arguments.insert(arguments.end(), words.begin(), words.end());
+  execvp(python.c_str(), arguments.data());
+  throw UserError(fmt::format("{}: found no python3 that runs its scripts ({}), allowed is one on PATH",
+                              words.front(), std::generic_category().message(errno)));
+}
+
+} // namespace signorini

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""docs/reference/definitions.md is what the program does: each statement that a number can tell is told by one.
+
+    definitions.py SIGNORINI SOURCE
+"""
+
+import json
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from harness import SOURCE, signorini, stored, table  # noqa: E402
+
+SQUARE = f"""
+[mesh]
+file = "{SOURCE}/meshes/block.geo"
+size = 0.1
+[time]
+end = 0.5
+step = 0.1
+[material]
+density = 1.0
+young = 1e3
+poisson = 0.3
+[[output.probe]]
+name = "body"
+body = true
+"""
+CONTACT = """
+[contact]
+on = "bottom"
+obstacle = { shape = "half-space", point = [0, -0.1], normal = [0, 1] }
+[initial]
+velocity = ["0", "-1"]
+"""
+TAU = 0.1
+failures = 0
+
+
+def check(statement: str, found: object, expected: object) -> None:
+    global failures
+    if np.shape(found) != np.shape(expected) or not np.allclose(found, expected, rtol=1e-9, atol=1e-12):
+        failures += 1
+        print(f"FAIL  {statement}: found {found}, expected {expected}", flush=True)
+    else:
+        print(f"ok    {statement}", flush=True)
+
+
+class Runs:
+    def __init__(self, folder: Path):
+        self.folder, self.number = folder, 0
+
+    def __call__(self, text: str, verb: str = "simulate", **overrides: object) -> Path:
+        self.number += 1
+        scene = self.folder / f"{self.number}.toml"
+        scene.write_text(SQUARE + text)
+        out = self.folder / str(self.number)
+        signorini(verb, scene, out, **overrides)
+        return out
+
+
+def manifest(out: Path) -> dict:
+    return json.loads((out / "run.json").read_text())
+
+
+def main() -> int:
+    with tempfile.TemporaryDirectory() as scratch:
+        run = Runs(Path(scratch))
+        middles = TAU * (np.arange(5) + 0.5)
+        sums = TAU * np.concatenate([[0], np.cumsum(middles**2)])
+        momentum = lambda out: table(out / "probes.csv")["body.momentum_y"]  # noqa: E731
+        check("a load is taken at the middle of a step", momentum(run('[load]\nbody = ["0", "t^2"]')), sums)
+        check("gravity too", momentum(run('[load]\ngravity = ["0", "t^2"]')), sums)
+        tracked = '[objective]\ndesired = { displacement = ["0", "t"] }\n[optimizer]\nmax_iterations = 0\n'
+        control = '[control]\nscale = 1.0\ninitial = ["0", "t^2"]\n'
+        check("a control too", momentum(run(control)), sums)
+        wide = run(control + "step = 0.25\n", time__step=TAU / 2)  # two intervals of five steps each
+        check("with intervals of its own at their middle, a step the one at its own",
+              momentum(wide), TAU / 2 * np.cumsum([0] + 5 * [0.125**2] + 5 * [0.375**2]))  # fmt: skip
+        desired = run('[control]\nscale = 1.0\n' + tracked, "optimize")
+        check("a desired displacement at its end", table(desired / "steps.csv")["tracking_error"], TAU * np.arange(6))
+        zero = run('[load]\ntraction = [ { on = "bottom", value = ["0", "sin(10*pi*x)^2"] } ]')  # 0 at the nodes, every 0.1 m
+        check("expressions are interpolated at the nodes", momentum(zero), np.zeros(6))
+
+        at_vertices, with_middles = run(CONTACT), run(CONTACT, mesh__degree=2)
+        check("candidates at degree 2 include the middles of edges",
+              [manifest(out)["candidates"] for out in (at_vertices, with_middles)], [11, 21])  # fmt: skip
+        held = run(CONTACT.replace("[initial]", '[[clamp]]\non = "left"\n[initial]').replace('"-1"', '"-x"'))
+        check("a clamped node is no candidate", manifest(held)["candidates"], 10)
+        sliding = run(CONTACT.replace("[initial]", '[[clamp]]\non = "left"\ncomponents = ["x"]\n[initial]'))
+        check("one that a clamp holds in other directions alone is", manifest(sliding)["candidates"], 11)
+
+        hit = run(CONTACT, time__step=5e-3)
+        steps, obstacles, contact = (table(hit / f"{name}.csv") for name in ("steps", "obstacles", "contact"))
+        assert steps["contact_force_y"].max() > 1, "the body did not hit"
+        check("the force is that on the body", bool((steps["contact_force_y"] >= 0).all() and (contact["normal_y"] == 1).all()), True)
+        impulse = 5e-3 * obstacles["force_y"].sum()
+        moved = table(hit / "probes.csv")["body.momentum_y"]
+        check("the sum of step times force is the impulse", impulse, moved[-1] - moved[0])
+        energy = steps["kinetic_energy"] + steps["elastic_energy"]
+        works = steps["external_work"] + steps["contact_work"] - steps["viscous_dissipation"]
+        check("the energy law of a step", np.diff(energy) - works[1:], np.zeros(100))
+        check("contact never does work", bool((steps["contact_work"] <= 1e-12).all()), True)
+
+        pulled = run('[[clamp]]\non = "left"\nvalue = ["0.01*t^2", "0"]\n')
+        steps = table(pulled / "steps.csv")
+        energy = steps["kinetic_energy"] + steps["elastic_energy"]
+        assert energy[-1] > 0
+        check("external work includes the clamps'", steps["external_work"].sum(), energy[-1] - energy[0])
+        check("load_work does not", steps["load_work"], np.zeros(6))
+
+        found = run(CONTACT + '[control]\nscale = 1.0\nlower = -2.0\nupper = 2.0\n[objective]\ndesired = { control = ["0", "-2"] }\n'
+                    'alpha = 1e-2\ngamma = 1e-2\n[optimizer]\nmax_iterations = 5\n', "optimize", time__step=5e-3)  # fmt: skip
+        error = table(found / "steps.csv")["tracking_error"] ** 2
+        J = manifest(found)["objective"]
+        check("steps.csv after optimize belongs to the last iterate", 5e-3 / 4 * (error[1:] + error[:-1]).sum(), J["tracking"])
+        check("the end state counts without a half", 1e-2 * error[-1], J["terminal"])
+        check("the last row of history.csv too", table(found / "history.csv")["objective"][-1], J["value"])
+
+        nodal = run(control + tracked, "optimize", control__space="P1", mesh__degree=2)
+        cells = run(control + tracked, "optimize", control__space="P0", mesh__degree=2)
+        points, _, _ = stored(nodal, "control", "control")
+        check("a control has values at the nodes, or one in each cell",
+              [stored(out, "control", "control")[2].shape[1] for out in (nodal, cells)], [len(points), manifest(cells)["cells"]])  # fmt: skip
+    print(f"{run.number} runs, {failures} failures")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
