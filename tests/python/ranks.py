@@ -9,7 +9,7 @@ from pathlib import Path
 
 SCRIPT = Path(__file__).parent / "optimizers.py"
 SAME = 1e-6  # of J, as rounding grows over the iterations; 1e-10 is usual
-ITERATIONS = 16
+ITERATIONS = 8
 
 
 def main() -> None:
