@@ -35,8 +35,8 @@ inline Array array_of(std::vector<double> values) {
 inline Array array_of(control::Control u) {
   const auto count = static_cast<std::size_t>(u.count());
   const std::size_t size = std::as_const(u).values().size() / count;
-  return array_of<control::Control>(
-      std::move(u), [](control::Control& all) { return all.values(); }, {count, size});
+  return array_of<control::Control>(std::move(u), [](control::Control& all) { return all.values(); },
+                                    {count, size});
 }
 
 inline std::span<const double> values_of(const Given& given) { return {given.data(), given.size()}; }

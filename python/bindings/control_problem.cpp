@@ -75,7 +75,8 @@ private:
     return sweep();
   }
 
-  /// What `work` computes once the given control is the current one; a motion that is known is not made again.
+  /// What `work` computes once the given control is the current one; a motion that is known is not made
+  /// again.
   template <class Work>
   auto at(const Given& given, Work&& work) {
     return compute([&] {
@@ -112,7 +113,7 @@ private:
   }
 
   std::unique_ptr<Modules> all_;
-  double seconds_ = 0; ///< of what a C++ program does for J and its derivative
+  double seconds_ = 0;                   ///< of what a C++ program does for J and its derivative
   std::optional<Known> current_, trial_; ///< as the reduced problem's
 
 public:
@@ -126,8 +127,9 @@ public:
     const std::span<const double> values = values_of(given);
     const int count = controls().count();
     if (values.size() != controls().size() * static_cast<std::size_t>(count))
-      throw std::invalid_argument(fmt::format("found an array of {} entries, allowed are {} x {} of this rank",
-                                              values.size(), count, controls().size()));
+      throw std::invalid_argument(
+          fmt::format("found an array of {} entries, allowed are {} x {} of this rank", values.size(), count,
+                      controls().size()));
     return {{values.begin(), values.end()}, count};
   }
 
@@ -153,9 +155,8 @@ public:
   }
 
   Array hessian_product(const Given& given, const Given& direction) {
-    return array_of(at(given, [&, d = control(direction)] {
-      return controls().dual(reduced().hessian_product(d));
-    }));
+    return array_of(
+        at(given, [&, d = control(direction)] { return controls().dual(reduced().hessian_product(d)); }));
   }
 
   std::tuple<double, double, double> parts(const Given& given) {
@@ -178,8 +179,7 @@ public:
       return all;
     });
     const auto steps = static_cast<std::size_t>(count);
-    return array_of(std::move(values),
-                    {steps, static_cast<std::size_t>(modules().space.owned_nodes()), dim});
+    return array_of(std::move(values), {steps, static_cast<std::size_t>(modules().space.owned_nodes()), dim});
   }
 
   /// How many candidates are in contact after each step, 0 being the initial state, of all ranks.
@@ -191,7 +191,6 @@ public:
       return counts;
     });
   }
-
 };
 
 /// Bounds of every value, absent where there is none.
@@ -229,8 +228,7 @@ nb::dict timings(const Reduced& self) {
 }
 
 void bind_places(nb::class_<Reduced>& bound_class) {
-  bound_class
-      .def_prop_ro("intervals", [](const Reduced& self) { return self.controls().count(); })
+  bound_class.def_prop_ro("intervals", [](const Reduced& self) { return self.controls().count(); })
       .def_prop_ro("width", [](const Reduced& self) { return self.controls().size(); })
       .def_prop_ro("steps", [](const Reduced& self) { return self.modules().steps(); })
       .def("step_times",
@@ -268,12 +266,10 @@ void bind_places(nb::class_<Reduced>& bound_class) {
 
 void bind_metric(nb::class_<Reduced>& bound_class) {
   bound_class
-      .def("inner",
-           [](const Reduced& self, const Given& u, const Given& w) {
-             return self.controls().inner(self.control(u), self.control(w));
-           })
-      .def("dual",
-           [](const Reduced& self, const Given& u) { return array_of(self.controls().dual(self.control(u))); })
+      .def("inner", [](const Reduced& self, const Given& u,
+                       const Given& w) { return self.controls().inner(self.control(u), self.control(w)); })
+      .def("dual", [](const Reduced& self,
+                      const Given& u) { return array_of(self.controls().dual(self.control(u))); })
       .def("riesz",
            [](const Reduced& self, const Given& d) {
              return array_of(control::riesz_representative(self.controls(), self.control(d)));

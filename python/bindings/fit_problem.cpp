@@ -12,17 +12,17 @@ namespace nb = nanobind;
 namespace signorini::python {
 namespace {
 
-/// The least-squares problem of a scene's unknowns, by their values θ, with the residuals and derivatives of the
-/// values that were looked at last.
+/// The least-squares problem of a scene's unknowns, by their values θ, with the residuals and derivatives of
+/// the values that were looked at last.
 class Fit final : public Open {
 public:
   /// Collective. Throws UserError, Interrupted.
   explicit Fit(Scene& scene)
       : all_(compute([&] {
           if (scene.scene().unknowns.empty())
-            throw UserError(fmt::format(
-                "{}: a fit needs tables [[unknown]] and [[measurement]], and the scene has none",
-                scene.scene().file.string()));
+            throw UserError(
+                fmt::format("{}: a fit needs tables [[unknown]] and [[measurement]], and the scene has none",
+                            scene.scene().file.string()));
           return std::make_unique<Modules>(scene);
         })) {}
   void close() override { all_.reset(); }
@@ -105,7 +105,7 @@ private:
 };
 
 /// The data of all measurements one after another.
-Array data(const Fit& self, const std::vector<double> control::Data::*numbers) {
+Array data(const Fit& self, const std::vector<double> control::Data::* numbers) {
   std::vector<double> all;
   for (const control::Data& one : self.problem().data())
     all.insert(all.end(), (one.*numbers).begin(), (one.*numbers).end());
@@ -125,14 +125,16 @@ void bind_fit_problem(nb::module_& module) {
                      return names;
                    })
       .def("start", [](const Fit& self) { return array_of(scene::start_values(self.scene())); })
-      .def("lower", [](const Fit& self) { return array_of(self.problem().values(self.problem().box().lower)); })
-      .def("upper", [](const Fit& self) { return array_of(self.problem().values(self.problem().box().upper)); })
+      .def("lower",
+           [](const Fit& self) { return array_of(self.problem().values(self.problem().box().lower)); })
+      .def("upper",
+           [](const Fit& self) { return array_of(self.problem().values(self.problem().box().upper)); })
       .def("measurements",
            [](const Fit& self) {
              nb::list all; // name, number of values
              for (std::size_t i = 0; i < self.problem().data().size(); ++i)
-               all.append(nb::make_tuple(self.scene().measurements[i].name,
-                                         self.problem().data()[i].times.size()));
+               all.append(
+                   nb::make_tuple(self.scene().measurements[i].name, self.problem().data()[i].times.size()));
              return all;
            })
       .def("times", [](const Fit& self) { return data(self, &control::Data::times); })

@@ -16,8 +16,9 @@ Scene::Scene(const std::filesystem::path& file, const std::vector<std::string>& 
 
 std::shared_ptr<const Discretisation> Scene::discretisation() {
   if (scene().mesh.automatic())
-    throw UserError("mesh.size: found \"auto\", which simulate and optimize of the program choose, allowed is a "
-                    "size in m, such as {\"mesh.size\": 0.1}");
+    throw UserError(
+        "mesh.size: found \"auto\", which simulate and optimize of the program choose, allowed is a "
+        "size in m, such as {\"mesh.size\": 0.1}");
   if (!discretisation_) {
     Timers timers;
     discretisation_ = std::make_shared<const Discretisation>(MPI_COMM_WORLD, scene(), timers);

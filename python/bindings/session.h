@@ -31,8 +31,8 @@ inline std::mutex& computing() {
   return one;
 }
 
-/// Calls `work` while Python's other threads go on and Ctrl-C asks it to stop. If it is over before it has seen
-/// that, Python's own handler is told.
+/// Calls `work` while Python's other threads go on and Ctrl-C asks it to stop. If it is over before it has
+/// seen that, Python's own handler is told.
 template <class Work>
 auto compute(Work&& work) {
   const nanobind::gil_scoped_release others;

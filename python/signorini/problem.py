@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _signorini
-from .world import RANKS, WORLD, of_all
+from .world import RANK, RANKS, WORLD, of_all
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -233,21 +233,37 @@ class Problem:
         return (places[:, None] * components + np.arange(components)).ravel()
 
     @cached_property
+    def _widths(self) -> list[int]:
+        """Values of an interval, of each rank."""
+        return of_all(self.shape[1])
+
+    @cached_property
     def _own(self) -> np.ndarray:
-        """Where this rank's values stand in a whole row."""
-        first = np.concatenate([[0], np.cumsum(of_all(self.shape[1]))])
-        position = np.argsort(self._order)
-        return position[first[WORLD.rank if RANKS > 1 else 0] :][: self.shape[1]]
+        """Which entries of a whole control are this rank's. (intervals × values)"""
+        own = np.argsort(self._order)[sum(self._widths[:RANK]) :][: self.shape[1]]
+        return np.arange(self.shape[0])[:, None] * len(self._order) + own
+
+    @cached_property
+    def _columns(self) -> np.ndarray:
+        """Which of the controls of all ranks, one after another, are the entries of a whole one."""
+        first = np.concatenate([[0], np.cumsum(self._widths)])
+        rank = np.searchsorted(first, self._order, side="right") - 1
+        rows, width = self.shape[0], np.array(self._widths)
+        return rows * first[rank] + np.arange(rows)[:, None] * width[rank] + self._order - first[rank]
 
     def gather(self, u: ArrayLike) -> np.ndarray:
         """The whole of a control or derivative (intervals × all values) on every rank, places in the order of their coordinates,
         whatever the number of ranks."""
-        local = np.asarray(u, dtype=float).reshape(self.shape)
-        return np.concatenate(of_all(local), axis=1)[:, self._order]
+        local = np.ascontiguousarray(u, dtype=float).reshape(self.shape).ravel()
+        if RANKS > 1:
+            everyone = np.empty(self._columns.size)
+            WORLD.Allgatherv(local, (everyone, [self.shape[0] * width for width in self._widths]))
+            local = everyone
+        return local[self._columns]
 
     def scatter(self, whole: ArrayLike) -> np.ndarray:
         """This rank's part of a whole control: gather()'s inverse."""
-        return np.asarray(whole, dtype=float).reshape(self.shape[0], -1)[:, self._own]
+        return np.asarray(whole, dtype=float).ravel()[self._own]  # by one index: by columns the result would be in another order
 
     def replicated(self) -> Replicated:
         """The problem in vectors that are whole on every rank, for optimizers that know no ranks."""
@@ -264,6 +280,7 @@ class Replicated:
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self._scale = np.sqrt(problem.gather(problem.metric.weights))
+        self._scratch = np.empty_like(self._scale)  # new memory costs as much as the division
 
     @property
     def size(self) -> int:
@@ -276,7 +293,8 @@ class Replicated:
 
     def control(self, x: ArrayLike) -> np.ndarray:
         """The control of x, this rank's part. (intervals × values)"""
-        return self.problem.scatter(np.reshape(x, self._scale.shape) / self._scale)
+        np.divide(np.reshape(x, self._scale.shape), self._scale, out=self._scratch)
+        return self.problem.scatter(self._scratch)
 
     @property
     def start(self) -> np.ndarray:
@@ -299,9 +317,14 @@ class Replicated:
     def value_and_gradient(self, x: ArrayLike) -> tuple[float, np.ndarray]:
         """J and its gradient by x. (n)"""
         value, derivative = self.problem.value_and_gradient(self.control(x))
-        return value, (self.problem.gather(derivative) / self._scale).ravel()
+        return value, self._by_x(derivative)
 
     def hessian_product(self, x: ArrayLike, d: ArrayLike) -> np.ndarray:
         """The Hessian at x times d, with the active sets there. (n)"""
-        product = self.problem.hessian_product(self.control(x), self.control(d))
-        return (self.problem.gather(product) / self._scale).ravel()
+        return self._by_x(self.problem.hessian_product(self.control(x), self.control(d)))
+
+    def _by_x(self, derivative: np.ndarray) -> np.ndarray:
+        """The derivative by x of one by u. (n)"""
+        whole = self.problem.gather(derivative)
+        whole /= self._scale
+        return whole.ravel()

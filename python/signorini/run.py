@@ -140,7 +140,7 @@ class Run:
             import pandas
         except ImportError:
             return np.genfromtxt(io.StringIO(text), delimiter=",", names=True, dtype=None, encoding=None, deletechars="")
-        return pandas.read_csv(io.StringIO(text))
+        return pandas.read_csv(io.StringIO(text), float_precision="round_trip")
 
     # --- Fields ------------------------------------------------------------------------------------------
 

@@ -17,7 +17,7 @@ BUILD = Path(sys.argv[4])
 TESTS = Path(SOURCE).resolve() / "tests"
 # Imported, or run by hand: of these no script is a test of its own.
 SHARED = {"harness.py", "regression/bad_input/case.py", "regression/bad_input/cases.py", "verification/hard/table.py",
-          "verification/hard/all.py"}  # fmt: skip
+          "verification/hard/all.py", "python/common.py"}  # fmt: skip
 
 
 def cases(specification: str) -> set[str]:
@@ -47,7 +47,8 @@ def main() -> int:
     compiled = {Path(entry["file"]) for entry in json.loads((BUILD / "compile_commands.json").read_text())}
     forgotten += [f"{file} is not compiled" for file in sorted(TESTS.glob("unit/*.cpp")) if file not in compiled]
     scripts = {Path(word) for command in run for word in command if word.endswith(".py")}
-    own = {file for part in ("regression", "verification") for file in TESTS.glob(f"{part}/**/*.py")}
+    parts = {"regression", "verification"} | {"python" for script in scripts if script.parent == TESTS / "python"}  # where it is built
+    own = {file for part in parts for file in TESTS.glob(f"{part}/**/*.py")}
     forgotten += [f"{file} is run by no test" for file in sorted(own - scripts) if file.relative_to(TESTS).as_posix() not in SHARED]
     print("\n".join(forgotten) or f"{len(every)} test cases by {len(picked)} specifications, {len(own & scripts)} scripts: all are run")
     assert len(every) > 50 and len(own) > 30, "hardly anything was looked at"

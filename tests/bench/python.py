@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a call from Python costs beside the sweeps that it makes.
+
+usage: ./dev bench python [--size H …] [--repeats N] [--json FILE]
+
+J and its derivative of the half disc's control, by Problem (arrays of the ranks) and by Replicated (whole vectors in an order of
+places, for SciPy). The seconds of both sweeps are those that the solver itself counts within the call: each call is its own
+comparison. Least and median of several.
+"""
+
+import statistics
+import time
+
+import program
+
+import signorini
+
+
+def main() -> None:
+    parser = program.options("bench python", __doc__)
+    parser.add_argument("--size", type=float, nargs="+", default=[1.0, 0.5])
+    parser.add_argument("--repeats", type=int, default=30)
+    options = parser.parse_args()
+    rows = []
+    for size in options.size:
+        problem = signorini.Scene(program.ROOT / "scenes/half-disc.toml", {"mesh.size": size, "control.initial": ["0", "-0.9"]}).problem()
+        flat = problem.replicated()
+        u, x = problem.first_guess(), flat.start
+        taken = {"Problem": [], "Replicated": []}
+        for repeat in range(options.repeats):
+            for name, evaluate, at in (("Problem", problem.value_and_gradient, u), ("Replicated", flat.value_and_gradient, x)):
+                changed = at * (1 + 1e-6 * (2 * repeat + len(name) % 2))
+                before, start = problem.sweep_seconds, time.perf_counter()
+                evaluate(changed)
+                taken[name].append((time.perf_counter() - start, problem.sweep_seconds - before))
+        for name, seconds in taken.items():
+            least = min(s for _, s in seconds)
+            more = [call - sweeps for call, sweeps in seconds]
+            rows.append({"size": size, "values": problem.size, "by": name, "seconds": seconds})
+            print(f"size {size:g}, {problem.size} values, {name:10s}: sweeps {1e3 * least:.2f} ms, a call {1e3 * min(more):.3f} ms more "
+                  f"({100 * min(more) / least:.2f} %), in the median {100 * statistics.median(m / s for m, (_, s) in zip(more, seconds)):.2f} %",
+                  flush=True)  # fmt: skip
+    program.write(options.json, rows)
+
+
+if __name__ == "__main__":
+    main()

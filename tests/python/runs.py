@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs: tables and fields are those of the files, scratch folders go with their runs, the page is made."""
+
+import csv
+import gc
+import json
+import sys
+import tempfile
+from pathlib import Path
+
+import h5py
+import numpy as np
+from common import SCENES, half_disc, raised, show
+
+import signorini
+
+KEPT = {"control.initial": ["0", "-0.9"], "output.fields": ["displacement", "velocity", "control", "adjoint", "stress"]}
+
+
+def tables(run: signorini.Run) -> None:
+    """Columns and values of every table are the file's."""
+    names = [file.stem for file in run.folder.glob("*.csv")]
+    assert {"steps", "contact", "history", "obstacles"} <= set(names), names
+    for name in names:
+        with open(run.folder / f"{name}.csv") as lines:
+            rows = list(csv.reader(lines))
+        table = run.table(name)
+        assert list(table.columns) == rows[0] and len(table) == len(rows) - 1
+        for column, text in zip(rows[0], rows[1]):
+            found = table[column].iloc[0]
+            assert str(found) == text or (text == "" and np.isnan(found)) or float(found) == float(text), (name, column, found, text)
+    assert run.steps["time"].iloc[-1] > 0 and (run.contact["force"] >= 0).all() and len(run.history) == 4
+    assert run.objective == run.history["objective"].iloc[-1]
+    # Without pandas the same as structured arrays.
+    pandas, sys.modules["pandas"] = sys.modules["pandas"], None
+    try:
+        plain = run.table("steps")
+    finally:
+        sys.modules["pandas"] = pandas
+    assert plain.dtype.names == tuple(run.steps.columns) and np.array_equal(plain["time"], run.steps["time"])
+
+
+def fields(run: signorini.Run, problem: signorini.Problem) -> None:
+    """Values are those that h5py reads, and those that the problem computes."""
+    for file, name in (("state", "displacement"), ("state", "velocity"), ("control", "control"), ("adjoint", "adjoint")):
+        field = run.field(name)
+        with h5py.File(run.folder / f"{file}.h5") as data:
+            assert np.array_equal(field.times, data["times"][:] if name != "control" else field.times)
+            stored = np.array([data[f"Function/{name}"][key][:] for key in sorted(data[f"Function/{name}"], key=lambda key: float(key.replace("_", ".")))])
+            assert np.array_equal(field.values, stored[..., :2]) and np.array_equal(field[-1], stored[-1, :, :2]), name
+            assert np.array_equal(field.mesh.points, data["Mesh/mesh/geometry"][:]) and np.array_equal(run.mesh.cells, data["Mesh/mesh/topology"][:])
+        assert field.values.shape == (len(field), len(run.mesh.points), 2) and not field.cellwise
+    u = problem.gather(run_control(run, problem))
+    states = problem.states(problem.scatter(u))
+    last = run.field("displacement")[-1]
+    nearest = [int(np.argmin(np.linalg.norm(run.mesh.points - point, axis=1))) for point in problem.nodes]
+    off = np.abs(states[-1] - last[nearest]).max()
+    show(f"the last displacement differs from the file's by {off:.1e} of {np.abs(last).max():.3g}")
+    assert off < 1e-9 * np.abs(last).max()
+    assert abs(problem.value(problem.scatter(u)) / run.objective - 1) < 1e-10
+    assert "no field" in raised(signorini.SceneError, lambda: run.field("no field"))
+
+
+def run_control(run: signorini.Run, problem: signorini.Problem) -> np.ndarray:
+    """The control that a run stored, as the problem's."""
+    nearest = [int(np.argmin(np.linalg.norm(run.mesh.points - point, axis=1))) for point in problem.points]
+    return run.field("control").values[:, nearest].reshape(problem.shape)
+
+
+def main() -> None:
+    scene = half_disc(3, **{key.replace(".", "__"): one for key, one in KEPT.items()}, optimizer__max_iterations=3)
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "out"
+        run = scene.optimize(out)
+        assert run.folder == out and run.manifest["verb"] == "optimize" and run.scene["mesh"]["size"] == 3
+        assert run.manifest == json.loads((out / "run.json").read_text())
+        tables(run)
+        fields(run, scene.problem())
+        assert (out / "scene.toml").read_text() == scene.text, "the scene as text is the run's"
+        page = signorini.read(out).show()
+        assert (out / "report.html").is_file() and page._repr_html_().startswith("<iframe")
+        assert "parameters" in raised(signorini.SceneError, lambda: run.parameters)
+        # A search is not overwritten by a motion unless that is asked for.
+        assert "replace" in raised(signorini.SceneError, lambda: scene.simulate(out))
+        assert scene.simulate(out, replace=True).manifest["verb"] == "simulate"
+    run = scene.simulate()
+    folder = run.folder
+    assert folder.is_dir() and len(run.steps) == 151
+    del run
+    gc.collect()
+    assert not folder.exists(), "a scratch folder goes with its run"
+    assert half_disc(3).check()
+    assert "files" not in sys.modules and "mesh" not in sys.modules, "names of scripts are not taken from users"
+    fit = signorini.Scene(SCENES / "find-the-wall.toml", {"mesh.size": 8e-3, "optimizer.max_iterations": 2}).optimize()
+    assert len(fit.parameters) == 2 and len(fit.measurements) > 10
+
+
+main()
