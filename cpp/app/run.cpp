@@ -165,7 +165,7 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
   if (request.study.budget)
     stop_after(*request.study.budget);
   study::Found best;
-  bool stopped = false;
+  bool stopped = false, answered = false;
   std::optional<ScratchFolder> scratch;
   if (scene.mesh.automatic()) { // from now on at a scale of sizes that vary
     scene::Scene simulated = scene;
@@ -181,11 +181,12 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
                          scratch.has_value());
     request.replace = true; // from now on it is this run's own
     best = found;
+    answered = true;
   };
   try {
     (void)study::find_size_and_step(world(), scene, asked, request.study, console, write);
   } catch (const Interrupted&) {
-    if (best.seconds == 0)
+    if (!answered)
       throw;
     stopped = true;
   }
@@ -193,15 +194,21 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
   forget_deadline();
   double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   MPI_Bcast(&passed, 1, MPI_DOUBLE, 0, world());
-  console.line(fmt::format("{:g} of {} asked, {:.2e} estimated (space {:.1e}, time {:.1e}): {}; {}, {:.2g} s "
-                           "in all, of which the run "
-                           "took {:.2g} s; half the error would take about {:.2g} s\nresults in {}",
-                           asked, request.study.quantities.front(), best.error(), best.space, best.time,
-                           met                ? "met"
-                           : stopped && !late ? "not met, interrupted"
-                           : late             ? "not met, the budget is spent"
-                                              : "not met",
-                           study::words(best.rung, scene), passed, best.seconds, best.half, out.string()));
+  const std::string asked_for = fmt::format("{:g} of {} asked", asked, request.study.quantities.front()),
+                    end = met                ? "met"
+                          : stopped && !late ? "not met, interrupted"
+                          : late             ? "not met, the budget is spent"
+                                             : "not met",
+                    resolution = study::words(best.rung, scene);
+  if (best.seconds == 0) // the first of all
+    console.line(fmt::format("{}, nothing tells the error of what there is so far: {}; {}, {:.2g} s in all",
+                             asked_for, end, resolution, passed));
+  else
+    console.line(fmt::format(
+        "{}, {:.2e} estimated (space {:.1e}, time {:.1e}): {}; {}, {:.2g} s in all, of which the run "
+        "took {:.2g} s; half the error would take about {:.2g} s",
+        asked_for, best.error(), best.space, best.time, end, resolution, passed, best.seconds, best.half));
+  console.line(fmt::format("results in {}", out.string()));
   return met ? exit_status::done : stopped && !late ? exit_status::interrupted : exit_status::check_failed;
 }
 

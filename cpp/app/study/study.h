@@ -40,9 +40,9 @@ struct Found {
 };
 
 /// Searches a size and a step as suggest() does, for the one quantity that the options name of the motion
-/// that simulate makes, and shows each that is better than all before to `better`; without a budget until the
-/// tolerance is met or nothing changes any more. Returns the best. Collective. Throws UserError,
-/// SolverFailure, Interrupted.
+/// that simulate makes, and shows each that is better than all before to `better`, first of all a coarse one
+/// of which no error is known (1); without a budget until the tolerance is met or nothing changes any more.
+/// Returns the best. Collective. Throws UserError, SolverFailure, Interrupted.
 Found find_size_and_step(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Options& options,
                          const Console& console, const std::function<void(const Found&)>& better);
 

@@ -83,11 +83,7 @@ public:
   /// The trial that meets it, else the last.
   /// That of degree 2 is tried once, where it costs less than the next step of the search.
   Trial operator()(Trials& trials) const {
-    const double size = scene_.mesh.size.value_or(scene_.mesh.scale);
-    const Rung own = trials.nearest(ladder(scene_, scene_.time.automatic()
-                                                       ? Choice{{size}, {}, {}, {}, {scene_.time.tolerance}}
-                                                       : Choice{{size}, {scene_.time.step}, {}, {}})
-                                        .front());
+    const Rung own = first(trials);
     std::optional<Rung> raised;
     if (trials.any_degree() && own.degree == 1)
       raised = own, raised->degree = 2;
@@ -132,6 +128,15 @@ public:
       last = trial;
     }
     return nearest;
+  }
+
+  /// The rung of the first trial: the scene's own size and step, or the nearest that a trial can have.
+  [[nodiscard]] Rung first(const Trials& trials) const {
+    const double size = scene_.mesh.size.value_or(scene_.mesh.scale);
+    return trials.nearest(ladder(scene_, scene_.time.automatic()
+                                             ? Choice{{size}, {}, {}, {}, {scene_.time.tolerance}}
+                                             : Choice{{size}, {scene_.time.step}, {}, {}})
+                              .front());
   }
 
   /// Ends at the first trial that meets the tolerance, even if a cheaper one would.
@@ -229,6 +234,9 @@ Found find_size_and_step(MPI_Comm comm, const scene::Scene& scene, double tolera
                   better(best);
                 });
   search.take_the_first();
+  // An answer early, though of an error that nothing tells yet.
+  best = {.rung = trials->runs(search.first(*trials)).front(), .space = 1, .time = 1};
+  better(best);
   (void)search(*trials);
   return best;
 }
