@@ -3,15 +3,19 @@
 #include <array>
 #include <concepts>
 #include <cstdint>
+#include <dolfinx/fem/Constant.h>
 #include <dolfinx/fem/CoordinateElement.h>
+#include <dolfinx/fem/Function.h>
 #include <dolfinx/fem/FunctionSpace.h>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/geometry/BoundingBoxTree.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <dolfinx/mesh/utils.h>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -113,6 +117,19 @@ auto create_functionspace(std::shared_ptr<dolfinx::mesh::Mesh<T>> mesh, const El
     return dolfinx::fem::create_functionspace<T>(
         mesh, std::make_shared<const dolfinx::fem::FiniteElement<T>>(
                   element, shape.empty() ? std::nullopt : std::optional(shape)));
+}
+
+/// A compiled expression of these functions and constants, by their names in UFL.
+template <std::floating_point T>
+auto create_expression(
+    const ufcx_expression& code,
+    const std::map<std::string, std::shared_ptr<const dolfinx::fem::Function<T>>>& functions,
+    const std::map<std::string, std::shared_ptr<const dolfinx::fem::Constant<T>>>& constants) {
+  using dolfinx::fem::create_expression;
+  if constexpr (requires { create_expression<T, T>(code, functions, constants); }) // until 0.10
+    return create_expression<T, T>(code, functions, constants);
+  else // no other mesh's entities
+    return create_expression<T, T>(code, functions, constants, {});
 }
 
 /// The boxes of these entities of a mesh.

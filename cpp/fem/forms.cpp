@@ -2,6 +2,7 @@
 #include "fem/forms.h"
 #include "base/counters.h"
 #include "base/digest.h"
+#include "base/dolfinx_versions.h"
 #include "fem/function.h"
 #include "viscoelasticity_tetrahedron_1.h"
 #include "viscoelasticity_tetrahedron_2.h"
@@ -236,7 +237,7 @@ struct CellFields::Expressions {
     constexpr double no_tau = 0;
     Field made{Function(cellwise(space.mesh(), shape(field))), {}, false};
     for (const Part& part : parts)
-      made.of_parts.push_back(dolfinx::fem::create_expression<PetscScalar, double>(
+      made.of_parts.push_back(dolfinx_versions::create_expression(
           code, motion, constants(part.material, no_tau)));
     return fields.emplace(field, std::move(made)).first->second;
   }
@@ -272,7 +273,7 @@ void CellFields::set(Vec y, Vec v) {
 std::span<const double> CellFields::operator()(CellField field) {
   const Function& values = expressions_->now(field);
   const auto& dofmap = *values.function_space()->dofmap();
-  return values.x()->array().first(
+  return std::span<const double>(values.x()->array()).first(
       static_cast<std::size_t>(dofmap.index_map->size_local() * dofmap.index_map_bs()));
 }
 
