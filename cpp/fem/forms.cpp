@@ -237,8 +237,8 @@ struct CellFields::Expressions {
     constexpr double no_tau = 0;
     Field made{Function(cellwise(space.mesh(), shape(field))), {}, false};
     for (const Part& part : parts)
-      made.of_parts.push_back(dolfinx_versions::create_expression(
-          code, motion, constants(part.material, no_tau)));
+      made.of_parts.push_back(
+          dolfinx_versions::create_expression(code, motion, constants(part.material, no_tau)));
     return fields.emplace(field, std::move(made)).first->second;
   }
 
@@ -273,8 +273,8 @@ void CellFields::set(Vec y, Vec v) {
 std::span<const double> CellFields::operator()(CellField field) {
   const Function& values = expressions_->now(field);
   const auto& dofmap = *values.function_space()->dofmap();
-  return std::span<const double>(values.x()->array()).first(
-      static_cast<std::size_t>(dofmap.index_map->size_local() * dofmap.index_map_bs()));
+  return std::span<const double>(values.x()->array())
+      .first(static_cast<std::size_t>(dofmap.index_map->size_local() * dofmap.index_map_bs()));
 }
 
 Largest CellFields::largest_von_mises() {
