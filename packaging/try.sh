@@ -44,6 +44,11 @@ assert {"objective.png", "control_magnitude.png", "contact_force.png", "energy.p
 print(f"try: J = {run['objective']['value']:.6e} after {run['optimizer']['iterations']} iterations ({run['stop_reason'] if 'stop_reason' in run else ''}), "
       f"a page of {len(page) / 1e6:.1f} MB, {len(figures)} figures")
 END
+user "python3 -c 'import signorini
+problem = signorini.Scene(\"$scene\", {\"mesh.size\": 2}).problem()
+J, derivative = problem.value_and_gradient(problem.first_guess())
+assert J > 0 and derivative.shape == problem.shape and derivative.any()
+print(f\"try: from Python J(0) = {J:.6e} at 2 m\")'" || fail "the Python module does not work"
 dpkg --verify signorini | grep . && fail "using the package has changed its files"
 status=0
 user signorini figures /nowhere 2>/tmp/error || status=$?

@@ -411,7 +411,7 @@ Keys<Optimizer> keys_of(Of<Optimizer>) {
       value("memory", &Optimizer::memory, Number{not_negative}, "bytes",
             "of the controls and gradients that a search stores, in single precision, on all ranks (see Long "
             "runs)",
-            {.otherwise = "`1e8`, at least the room of 128 controls"}, with_controls)};
+            {.otherwise = "`0`: `1e8`, at least the room of 128 controls"}, with_controls)};
 }
 
 Keys<Trajectory> keys_of(Of<Trajectory>) {

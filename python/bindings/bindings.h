@@ -8,5 +8,6 @@ namespace signorini::python {
 void bind_scene(nanobind::module_& module);
 void bind_control_problem(nanobind::module_& module);
 void bind_fit_problem(nanobind::module_& module);
+void bind_rows(nanobind::module_& module);
 
 } // namespace signorini::python

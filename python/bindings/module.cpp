@@ -34,4 +34,5 @@ NB_MODULE(_signorini, module) {
   python::bind_scene(module);
   python::bind_control_problem(module);
   python::bind_fit_problem(module);
+  python::bind_rows(module);
 }

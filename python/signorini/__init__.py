@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Optimal control of dynamic contact with exact discrete gradients.
+"""Optimal control of dynamic contact with exact discrete gradients::
 
     import signorini
     scene = signorini.Scene("scenes/half-disc.toml", {"mesh.size": 1})

@@ -233,37 +233,40 @@ class Problem:
         return (places[:, None] * components + np.arange(components)).ravel()
 
     @cached_property
-    def _widths(self) -> list[int]:
+    def _widths(self) -> np.ndarray:
         """Values of an interval, of each rank."""
-        return of_all(self.shape[1])
+        return np.array(of_all(self.shape[1]))
 
     @cached_property
-    def _own(self) -> np.ndarray:
-        """Which entries of a whole control are this rank's. (intervals × values)"""
-        own = np.argsort(self._order)[sum(self._widths[:RANK]) :][: self.shape[1]]
-        return np.arange(self.shape[0])[:, None] * len(self._order) + own
+    def _of_whole(self) -> tuple[np.ndarray, np.ndarray]:
+        """Where the columns of this rank's part begin in a whole control, and how far it is to the next row."""
+        first = sum(self._widths[:RANK])
+        own = np.argsort(self._order)[first : first + self.shape[1]]
+        return own, np.full_like(own, len(self._order))
 
     @cached_property
-    def _columns(self) -> np.ndarray:
-        """Which of the controls of all ranks, one after another, are the entries of a whole one."""
+    def _of_ranks(self) -> tuple[np.ndarray, np.ndarray]:
+        """The same of a whole control's columns in the controls of all ranks, one after another."""
         first = np.concatenate([[0], np.cumsum(self._widths)])
         rank = np.searchsorted(first, self._order, side="right") - 1
-        rows, width = self.shape[0], np.array(self._widths)
-        return rows * first[rank] + np.arange(rows)[:, None] * width[rank] + self._order - first[rank]
+        return self.shape[0] * first[rank] + self._order - first[rank], self._widths[rank]
 
-    def gather(self, u: ArrayLike) -> np.ndarray:
+    def gather(self, u: ArrayLike, divisor: np.ndarray | None = None) -> np.ndarray:
         """The whole of a control or derivative (intervals × all values) on every rank, places in the order of their coordinates,
-        whatever the number of ranks."""
-        local = np.ascontiguousarray(u, dtype=float).reshape(self.shape).ravel()
+        whatever the number of ranks; divided by another whole one, if that is given."""
+        values = np.ascontiguousarray(u, dtype=float).reshape(self.shape)
         if RANKS > 1:
-            everyone = np.empty(self._columns.size)
-            WORLD.Allgatherv(local, (everyone, [self.shape[0] * width for width in self._widths]))
-            local = everyone
-        return local[self._columns]
+            everyone = np.empty(self.shape[0] * len(self._order))
+            WORLD.Allgatherv(values.ravel(), (everyone, self.shape[0] * self._widths))
+            values = everyone
+        return _signorini.rows(values, *self._of_ranks, self.shape[0], divisor)
 
-    def scatter(self, whole: ArrayLike) -> np.ndarray:
-        """This rank's part of a whole control: gather()'s inverse."""
-        return np.asarray(whole, dtype=float).ravel()[self._own]  # by one index: by columns the result would be in another order
+    def scatter(self, whole: ArrayLike, divisor: np.ndarray | None = None) -> np.ndarray:
+        """This rank's part of a whole control, gather()'s inverse; divided by a control of this rank, if that is given."""
+        whole = np.ascontiguousarray(whole, dtype=float)
+        if whole.size != self.shape[0] * len(self._order):
+            raise ValueError(f"found an array of {whole.size} entries, allowed are {self.shape[0]} x {len(self._order)} of all ranks")
+        return _signorini.rows(whole, *self._of_whole, self.shape[0], divisor)
 
     def replicated(self) -> Replicated:
         """The problem in vectors that are whole on every rank, for optimizers that know no ranks."""
@@ -279,8 +282,8 @@ class Replicated:
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
-        self._scale = np.sqrt(problem.gather(problem.metric.weights))
-        self._scratch = np.empty_like(self._scale)  # new memory costs as much as the division
+        self._own_scale = np.sqrt(problem.metric.weights)
+        self._scale = problem.gather(self._own_scale)
 
     @property
     def size(self) -> int:
@@ -293,8 +296,7 @@ class Replicated:
 
     def control(self, x: ArrayLike) -> np.ndarray:
         """The control of x, this rank's part. (intervals × values)"""
-        np.divide(np.reshape(x, self._scale.shape), self._scale, out=self._scratch)
-        return self.problem.scatter(self._scratch)
+        return self.problem.scatter(x, self._own_scale)
 
     @property
     def start(self) -> np.ndarray:
@@ -325,6 +327,4 @@ class Replicated:
 
     def _by_x(self, derivative: np.ndarray) -> np.ndarray:
         """The derivative by x of one by u. (n)"""
-        whole = self.problem.gather(derivative)
-        whole /= self._scale
-        return whole.ravel()
+        return self.problem.gather(derivative, self._scale).ravel()

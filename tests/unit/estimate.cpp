@@ -137,7 +137,7 @@ TEST_CASE("what initial data lack by interpolation is estimated as functions of 
       "control={scale=1.0}",
       "time.end=0.2",
       "time.step=0.02",
-      "mesh.size=0.2",
+      "mesh.file=cube-even.geo",
       "objective={gamma=0.05, desired={displacement=[\"0.3*y\", \"0.2\", \"0\"]}}"};
   const std::vector<std::string> stabilized = with(plane, {"time.scheme=contact-stabilized"});
   const char
@@ -180,6 +180,7 @@ TEST_CASE("what initial data lack by interpolation is estimated as functions of 
     INFO(one.file << ": estimated " << run.error.initial << ", by functions of degree 2 " << lacks << ", J "
                   << run.J);
     CHECK(std::abs(lacks) > 1e-4 * run.J);
+    // Off by the order h² or better: 8.9, 5.0, 3.0, 1.7 % of the cube in 4 to 7 parts a side.
     CHECK(std::abs(run.error.initial / lacks - 1) < 0.05);
   }
 }

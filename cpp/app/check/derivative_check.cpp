@@ -108,13 +108,22 @@ private:
     return u;
   }
 
+  /// Relative to the sum of bounds of its terms, ‖dy_k‖ ‖w_k‖: where they cancel, so much of their rounding
+  /// stays.
   double transpose_defect() {
     const Waves waves(controls_);
-    double forward = 0;
-    problem_.linearised(d_, [&](int k, Vec dy) { forward += petsc::dot(dy, waves.at(k)); });
+    double forward = 0, size = 0;
+    problem_.linearised(d_, [&](int k, Vec dy) {
+      const Vec w = waves.at(k);
+      forward += petsc::dot(dy, w);
+      PetscReal one = 0, other = 0;
+      check(VecNorm(dy, NORM_2, &one));
+      check(VecNorm(w, NORM_2, &other));
+      size += one * other;
+    });
     const control::Control back = problem_.adjoint({controls_.space(), waves});
-    const double backward = controls_.product(back, d_);
-    return std::abs(forward - backward) / std::max(std::abs(forward), std::abs(backward));
+    const double defect = std::abs(forward - controls_.product(back, d_));
+    return defect > 0 ? defect / size : 0;
   }
 
   /// The sides of u on which J is compared with its slope; J is smooth there up to u.
