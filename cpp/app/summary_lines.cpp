@@ -77,12 +77,14 @@ void add_impact(const forward::Impact& impact, int dim, std::vector<std::string>
   if (std::ranges::count_if(impact.obstacles, &forward::Touch::occurred) > 1)
     lines.push_back(touch_line("all together", impact.all, dim));
   lines.push_back("  velocity of the centre of mass: " + velocities(impact.whole, impact.ended, dim) +
-                  (impact.whole.restitution ? "" : "; no restitution: " + impact.no_restitution));
+                  (!impact.whole.restitution   ? "; no restitution: " + impact.no_restitution
+                   : impact.bounces.size() > 1 ? fmt::format(" over all {} bounces", impact.bounces.size())
+                                               : ""));
   add_bounces(impact, dim, lines);
 }
 
 void add_energy(const forward::EnergyAccount& energy, int dim, std::vector<std::string>& lines) {
-  std::string text = fmt::format("energy: {:.4g} {} at the start",
+  std::string text = fmt::format("energy, kinetic and elastic: {:.4g} {} at the start",
                                  energy.kinetic_at_start + energy.elastic_at_start, per_depth("J", dim));
   const auto add = [&](const char* by, double work) {
     if (work != 0)

@@ -67,7 +67,9 @@ Json Number::schema() const {
 double NumberOrAuto::read(Reader& in, Name key, const Scene&) const {
   if (!in.is_text(key))
     return in.number(key, limits);
-  (void)in.choice(key, {"auto"});
+  if (const std::string found = in.text(key); found != "auto")
+    in.fail(key, fmt::format("found \"{}\", allowed is a number{} ({}), without quotes, or \"auto\"", found,
+                             limits.range(), limits.unit));
   return automatic;
 }
 
