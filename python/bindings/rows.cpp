@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <nanobind/stl/optional.h>
 #include <optional>
 #include <stdexcept>
 
