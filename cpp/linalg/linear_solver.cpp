@@ -114,9 +114,16 @@ double MumpsSolver::bytes() const {
   return megabyte * static_cast<double>(megabytes);
 }
 
-ConjugateGradients::ConjugateGradients(Mat matrix, double solves, double most) {
+ConjugateGradients::ConjugateGradients(Mat matrix, double solves, double most)
+    : matrix_(matrix), right_hand_side_(petsc::vector_of(matrix)), projected_(petsc::vector_of(matrix)) {
+  PetscInt owned = 0;
+  check(MatGetLocalSize(matrix, &owned, nullptr));
+  check(MatCreateShell(petsc::comm(matrix), owned, owned, PETSC_DETERMINE, PETSC_DETERMINE, this,
+                       operator_.put()));
+  // The operation's type has no arguments.
+  check(MatShellSetOperation(operator_, MATOP_MULT, reinterpret_cast<void (*)()>(multiply)));
   check(KSPCreate(petsc::comm(matrix), ksp_.put()));
-  check(KSPSetOperators(ksp_, matrix, matrix));
+  check(KSPSetOperators(ksp_, operator_, matrix));
   check(KSPSetType(ksp_, KSPCG));
   check(KSPSetNormType(ksp_, KSP_NORM_NATURAL));
   check(KSPSetInitialGuessNonzero(ksp_, PETSC_TRUE));
@@ -128,11 +135,11 @@ ConjugateGradients::ConjugateGradients(Mat matrix, double solves, double most) {
   check(KSPGetPC(ksp_, &shell));
   check(PCSetType(shell, PCSHELL));
   check(PCSetOptionsPrefix(shell, "step_projected_")); // -step_pc_… is the preconditioner inside
+  check(PCShellSetContext(shell, this));
   check(PCShellSetApply(shell, precondition));
+  check(KSPSetConvergenceTest(ksp_, converged, this, nullptr));
   check(KSPSetFromOptions(ksp_));
   check(KSPGetTolerances(ksp_, &tolerance_, nullptr, nullptr, nullptr));
-
-  projected_ = petsc::vector_of(matrix);
   choose_preconditioner(matrix, solves, most);
 }
 
@@ -161,7 +168,7 @@ ConjugateGradients::Trial ConjugateGradients::try_out(double most) const {
   check(VecSet(b, 1));
   check(KSPSetUp(ksp_));
   const Clock::time_point start = Clock::now();
-  Solve solve{.solver = *this, .trial = true};
+  Solve solve{.trial = true};
   if (std::isfinite(most))
     solve.until = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(most));
   run(b, x, solve);
@@ -175,31 +182,53 @@ ConjugateGradients::Trial ConjugateGradients::try_out(double most) const {
   return trial;
 }
 
+PetscErrorCode ConjugateGradients::project(Vec x) const {
+  try {
+    if (now_->project)
+      (*now_->project)(x);
+  } catch (...) { // no exception may propagate through PETSc's C code
+    return PETSC_ERR_LIB;
+  }
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode ConjugateGradients::multiply(Mat shell, Vec x, Vec y) {
+  PetscFunctionBeginUser;
+  void* context = nullptr;
+  PetscCall(MatShellGetContext(shell, static_cast<void*>(&context)));
+  const ConjugateGradients& self = *static_cast<const ConjugateGradients*>(context);
+  PetscCall(MatMult(self.matrix_, x, y));
+  if (!self.now_->started) { // by the guess; b·x would leave out what the forces of constraints do
+    self.now_->started = true;
+    PetscScalar energy = 0;
+    PetscCall(VecDot(x, y, &energy));
+    self.now_->scale = std::sqrt(std::abs(energy));
+  }
+  PetscCall(self.project(y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode ConjugateGradients::precondition(PC shell, Vec x, Vec y) {
   PetscFunctionBeginUser;
   void* context = nullptr;
-  PetscCall(PCShellGetContext(shell, &context));
-  const Solve& now = *static_cast<const Solve*>(context);
-  const ConjugateGradients& self = now.solver;
-  if (!now.project) {
+  PetscCall(PCShellGetContext(shell, static_cast<void*>(&context)));
+  const ConjugateGradients& self = *static_cast<const ConjugateGradients*>(context);
+  if (!self.now_->project) {
     PetscCall(self.preconditioner_->apply(x, y));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  try {
-    PetscCall(VecCopy(x, self.projected_));
-    (*now.project)(self.projected_);
-    PetscCall(self.preconditioner_->apply(self.projected_, y));
-    (*now.project)(y);
-  } catch (...) { // no exception may propagate through PETSc's C code
-    PetscFunctionReturn(PETSC_ERR_LIB);
-  }
+  PetscCall(VecCopy(x, self.projected_));
+  PetscCall(self.project(self.projected_));
+  PetscCall(self.preconditioner_->apply(self.projected_, y));
+  PetscCall(self.project(y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode ConjugateGradients::converged(KSP ksp, PetscInt iteration, PetscReal residual,
                                              KSPConvergedReason* reason, void* context) {
   PetscFunctionBeginUser;
-  Solve& now = *static_cast<Solve*>(context);
+  const ConjugateGradients& self = *static_cast<const ConjugateGradients*>(context);
+  Solve& now = *self.now_;
   *reason = KSP_CONVERGED_ITERATING;
   if (iteration == 0) // for a zero guess the residual measures the solution
     now.scale = std::max(now.scale, residual);
@@ -209,7 +238,7 @@ PetscErrorCode ConjugateGradients::converged(KSP ksp, PetscInt iteration, PetscR
     MPI_Bcast(&late, 1, MPI_INT, 0, PetscObjectComm(reinterpret_cast<PetscObject>(ksp)));
   if (!std::isfinite(residual)) {
     *reason = KSP_DIVERGED_NANORINF;
-  } else if (residual <= now.solver.tolerance_ * now.scale) {
+  } else if (residual <= self.tolerance_ * now.scale) {
     *reason = KSP_CONVERGED_RTOL;
   } else if (late) {
     *reason = KSP_DIVERGED_ITS;
@@ -229,22 +258,23 @@ PetscErrorCode ConjugateGradients::converged(KSP ksp, PetscInt iteration, PetscR
 }
 
 void ConjugateGradients::solve(Vec b, Vec x) const {
-  Solve solve{.solver = *this};
+  Solve solve;
   run(b, x, solve);
 }
 
 bool ConjugateGradients::solve(Vec b, Vec x, const Projector& project, const Judge& judge) const {
-  Solve solve{.solver = *this, .project = &project, .judge = judge ? &judge : nullptr};
+  Solve solve{.project = &project, .judge = judge ? &judge : nullptr};
   run(b, x, solve);
   return !solve.stopped;
 }
 
 void ConjugateGradients::run(Vec b, Vec x, Solve& solve) const {
-  PC shell = nullptr;
-  check(KSPGetPC(ksp_, &shell));
-  check(PCShellSetContext(shell, &solve));
-  check(KSPSetConvergenceTest(ksp_, converged, &solve, nullptr));
-  solve.scale = std::sqrt(std::abs(petsc::dot(b, x))); // energy norm of the guess: x·b ≈ x·Dx
+  now_ = &solve;
+  if (solve.project) {
+    check(VecCopy(b, right_hand_side_));
+    (*solve.project)(right_hand_side_);
+    b = right_hand_side_;
+  }
   check(KSPSolve(ksp_, b, x));
   if (solve.trial)
     return;

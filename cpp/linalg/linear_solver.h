@@ -72,7 +72,7 @@ private:
 /// trial takes so many fewer iterations by it that so many solves take less work. PETSc options with the
 /// prefix `-step_` are honoured, except for the convergence test: the residual in the norm of the
 /// preconditioner (natural norm), about the energy norm of the error, must fall below tolerance() times the
-/// energy norm of the solution.
+/// energy norm of the guess or, where that is larger, the residual of the guess.
 class ConjugateGradients final : public LinearSolver {
 public:
   /// Orthogonal projector onto a subspace of vectors, in place.
@@ -109,16 +109,18 @@ private:
 
   /// State of one solve.
   struct Solve {
-    const ConjugateGradients& solver;
     const Projector* project = nullptr;
     const Judge* judge = nullptr;
     std::ptrdiff_t asked = 0;                 ///< residuals of judged_at passed at the last call of the judge
     bool stopped = false;                     ///< by the judge
+    bool started = false;                     ///< the guess was multiplied
     double scale = 0;                         ///< norm of the solution to which residuals are relative
     std::optional<Clock::time_point> until{}; ///< end of a trial
     bool trial = false; ///< neither counted, nor is it a failure if it ends without a solution
   };
 
+  [[nodiscard]] PetscErrorCode project(Vec x) const;
+  static PetscErrorCode multiply(Mat shell, Vec x, Vec y);
   static PetscErrorCode precondition(PC shell, Vec x, Vec y);
   static PetscErrorCode converged(KSP ksp, PetscInt iteration, PetscReal residual, KSPConvergedReason* reason,
                                   void* context);
@@ -131,9 +133,16 @@ private:
   [[nodiscard]] Trial try_out(double most) const;
   void run(Vec b, Vec x, Solve& solve) const;
 
+  Mat matrix_;
+  /// P matrix, so that residuals stay in the subspace. Projected in the preconditioner P M⁻¹ P alone they
+  /// would keep the forces f of the constraints, and once the rest of them has fallen to ε|f|, with ε the
+  /// rounding of P, z·r would consist of that rounding and the directions lead off the subspace (Gould,
+  /// Hribar, Nocedal 2001). With both the rounding that is left is ε²|f|.
+  petsc::Matrix operator_;
   petsc::LinearSolver ksp_;
   std::unique_ptr<Preconditioner> preconditioner_;
-  petsc::Vector projected_;
+  petsc::Vector right_hand_side_, projected_; ///< scratch of solves on a subspace
+  mutable Solve* now_ = nullptr;              ///< the one under way
   double tolerance_ = 0;
   Trial trial_; ///< by the preconditioner chosen
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/collective.h"
+#include "base/counters.h"
 #include "base/error.h"
 #include "contact/placement.h"
 #include "contact_parts.h"
@@ -146,6 +147,57 @@ TEST_CASE("an iterative solve that does not converge ends with reason and residu
   CHECK_THAT(failure(parts, y),
              Catch::Matchers::StartsWith("the solve with the step operator D by CG with ") &&
                  Catch::Matchers::EndsWith(" failed: DIVERGED_ITS, residual # of # after 2 iterations"));
+}
+
+namespace {
+
+/// D p + Nμ = 0 with p·ν = value on a set: a motion that contact alone makes.
+struct Pushed {
+  const Parts parts{{"mesh.size=0.1", "solver.linear=iterative"}};
+  const contact::ActiveSet set{1, 2, 3, 6};
+  const petsc::Vector r = parts.space.vector();
+  petsc::Vector p = parts.space.vector();
+  std::vector<double> value = std::vector<double>(static_cast<std::size_t>(parts.pairs.count()), -0.1);
+  contact::Workspace work = parts.solver.contact()->workspace();
+
+  /// From the guess p.
+  void solve() { parts.solver.contact()->solve_guided(r, set, value, p, work); }
+
+  void check_solution() const {
+    petsc::Vector defect = parts.space.vector();
+    check(MatMult(parts.D, p, defect));
+    const double force = test::largest(defect);
+    CHECK(test::largest(work.mu) > 0.1 * force);
+    parts.N.add(1, work.mu, defect);
+    CHECK(test::largest(defect) < 1e-10 * force);
+    std::vector<double> normal(value.size());
+    parts.N.normal_components(p, normal);
+    for (int i : set)
+      CHECK(std::abs(normal[static_cast<std::size_t>(i)] - value[static_cast<std::size_t>(i)]) <
+            1e-14 * test::largest(p));
+  }
+};
+
+} // namespace
+
+TEST_CASE("conjugate gradients from a solution are done", "[contact]") {
+  Pushed pushed;
+  pushed.solve();
+  pushed.check_solution();
+  long& iterations = count("iterations of conjugate gradients");
+  const long before = iterations;
+  CHECK(before > 0);
+  pushed.solve(); // the residual is rounding, which it would be no use to lower
+  CHECK(iterations == before);
+  pushed.check_solution();
+}
+
+TEST_CASE("conjugate gradients keep what contact prescribes, however far residuals fall", "[contact]") {
+  // Below the rounding of the forces that keep the gaps closed, 1e-16 of them, by a factor of 1e4.
+  const Option option("-step_ksp_rtol", "1e-20");
+  Pushed pushed;
+  pushed.solve();
+  pushed.check_solution();
 }
 
 TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[contact]") {
