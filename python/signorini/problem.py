@@ -282,9 +282,9 @@ class Replicated:
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
-        self._own_scale = np.sqrt(problem.metric.weights)
-        self._scale = problem.gather(self._own_scale)
-        self._own_inverse, self._inverse = 1 / self._own_scale, 1 / self._scale  # a division takes longer than all the rest
+        scale = np.sqrt(problem.metric.weights)
+        self._scale = problem.gather(scale)
+        self._own_inverse, self._inverse = 1 / scale, 1 / self._scale  # a division takes longer than all the rest
 
     @property
     def size(self) -> int:
@@ -293,7 +293,7 @@ class Replicated:
 
     def vector(self, u: ArrayLike) -> np.ndarray:
         """x of a control. (n)"""
-        return (self._scale * self.problem.gather(u)).ravel()
+        return self.problem.gather(u, self._scale).ravel()
 
     def control(self, x: ArrayLike) -> np.ndarray:
         """The control of x, this rank's part. (intervals × values)"""
