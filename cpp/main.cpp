@@ -327,6 +327,12 @@ int guarded(int argc, char** argv, int rank, int ranks) {
 } // namespace
 
 int main(int argc, char** argv) {
+  std::string asks_help = "--help";
+  if (argc > 1 && std::string_view(argv[1]) == "help") { // "help" is --help, "help VERB" is "VERB --help"
+    argv[1] = argc > 2 ? argv[2] : asks_help.data();
+    if (argc > 2)
+      argv[2] = asks_help.data();
+  }
   if (argc > 1 && signorini::is_script_verb(argv[1])) {
     try {
       signorini::become_script({argv + 1, argv + argc + 1});

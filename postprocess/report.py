@@ -34,8 +34,9 @@ def page_of(folder: Path) -> Page:
     if is_study(folder):
         return report_study.page(StudyFolder(folder))
     if folder.is_dir() and not (folder / "scene.toml").is_file():
+        inside = sorted(str(path.parent) for name in ("scene.toml", "study.json") for path in folder.glob(f"*/{name}"))
         raise Unreadable(f"{folder}: this is the folder of neither a run nor a study, since there is no scene.toml "
-                         "and no study.json in it")
+                         f"and no study.json in it{'; allowed are ' if inside else ''}{', '.join(inside)}")
     return report_run.page(RunFolder(folder))
 
 

@@ -232,6 +232,9 @@ void print_info(const Problem& problem, int timed_steps, const Console& console)
                   megabytes(petsc::bytes(stepper.of_length(stepper.grid().first_length()).R)),
                   stepper.solver().tolerance() > 0 ? "D and its preconditioner" : "the factor of D",
                   megabytes(stepper.solver().memory().factor)));
+  console.line(
+      "M: mass, A: elasticity, B: viscosity, W: mass of density 1; D y = R y_before + τ M v_before + "
+      "forces is a step of length τ\n");
   constexpr const char* row = "{:<22}{:<24}{:>10}   {}";
   console.line(fmt::format(row, "effects", "adds matrices", "memory", "and in a step"));
   std::map<std::string, Cost> all = costs(problem);

@@ -5,6 +5,7 @@
 #include "base/threads.h"
 #include <algorithm>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace signorini {
 
@@ -70,7 +71,8 @@ io::Manifest manifest(const Problem& problem, const std::string& verb, const std
 }
 
 void finish(io::OutputFolder& folder, const Console& console) {
-  folder.publish();
+  if (const std::vector<std::string> outdated = folder.publish(); !outdated.empty())
+    console.line(fmt::format("removed, since they showed the run before: {}", fmt::join(outdated, ", ")));
   console.line(fmt::format("results in {}", folder.path().string()));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/petsc.h"
 #include "base/error.h"
+#include <cmath>
 #include <fmt/format.h>
 #include <new>
 #include <string>
@@ -114,6 +115,19 @@ double dot(Vec x, Vec y) {
   PetscScalar value = 0;
   check(VecDot(x, y, &value));
   return value;
+}
+
+void Pairing::add(Vec x, Vec y) {
+  PetscReal one = 0, other = 0;
+  check(VecNorm(x, NORM_2, &one));
+  check(VecNorm(y, NORM_2, &other));
+  value += dot(x, y);
+  size += one * other;
+}
+
+double Pairing::defect(double other) const {
+  const double difference = std::abs(other - value);
+  return difference > 0 ? difference / size : 0;
 }
 
 MPI_Comm comm(PetscObject object) {

@@ -139,6 +139,17 @@ double bytes(Mat matrix);
 /// x·y. Collective.
 double dot(Vec x, Vec y);
 
+/// A sum of products x·y with the sum of their bounds ‖x‖ ‖y‖. Where the terms cancel, so much of their
+/// rounding stays.
+struct Pairing {
+  double value = 0, size = 0;
+
+  /// Collective.
+  void add(Vec x, Vec y);
+  /// How far `other`, computed in another way, is from the value, in units of the size.
+  [[nodiscard]] double defect(double other) const;
+};
+
 /// The MPI communicator of a PETSc object. Not collective.
 MPI_Comm comm(PetscObject object);
 inline MPI_Comm comm(Vec x) { return comm(reinterpret_cast<PetscObject>(x)); }

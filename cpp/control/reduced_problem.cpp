@@ -147,15 +147,8 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
   const forward::DualAtStep derivative(stepper_.space(), along);
   const petsc::Vector work = stepper_.space().vector();
   OneSided slope{.contact = current_->trajectory.contact()};
-  slope.by_motion = objective_.alpha() * controls_.product(current_->u, d);
-  slope.size = objective_.alpha() * controls_.norm(current_->u) * controls_.norm(d);
-  const auto add = [&slope](Vec dual, Vec y) {
-    PetscReal one = 0, other = 0;
-    check(VecNorm(dual, NORM_2, &one));
-    check(VecNorm(y, NORM_2, &other));
-    slope.by_motion += petsc::dot(dual, y);
-    slope.size += one * other;
-  };
+  slope.by_motion = {.value = objective_.alpha() * controls_.product(current_->u, d),
+                     .size = objective_.alpha() * controls_.norm(current_->u) * controls_.norm(d)};
   const Step make = [&](const forward::LinearisedStep& step) {
     stepper_.one_sided_step(step, slope.contact[static_cast<std::size_t>(step.k)], work_);
   };
@@ -166,10 +159,10 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
       const forward::StateDual dual = derivative.at(state.k);
       if (dual.density) {
         check(MatMult(*stepper_.operators().W, dual.density, work));
-        add(work, state.y);
+        slope.by_motion.add(work, state.y);
       }
       if (dual.vector)
-        add(dual.vector, state.y);
+        slope.by_motion.add(dual.vector, state.y);
     });
   });
   slope.by_gradient = controls_.product(riesz(slope.contact, derivative, objective_.alpha(), current_->u), d);

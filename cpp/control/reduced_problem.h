@@ -60,8 +60,8 @@ public:
   /// piece of J in the direction d, which slides on the sets C_k that then stay closed. They agree up to
   /// rounding; without weak contact g is the gradient. Throws Interrupted.
   struct OneSided {
-    double by_motion = 0, by_gradient = 0;
-    double size = 0; ///< sum of bounds of by_motion's terms, the scale of its rounding
+    petsc::Pairing by_motion;
+    double by_gradient = 0;
     std::vector<contact::ContactSets> contact; ///< with C_k as active sets
   };
   OneSided one_sided_slope(const Control& d);

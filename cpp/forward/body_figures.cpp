@@ -56,9 +56,12 @@ void doubt_materials(const std::vector<scene::Material>& materials, std::vector<
   }
 }
 
-void doubt_sizes(const Stepper& stepper, const scene::Time& time, const BodyFigures& figures,
+void doubt_sizes(const Stepper& stepper, const scene::Scene& scene, const BodyFigures& figures,
                  std::vector<std::string>& doubts) {
-  constexpr const char* hint = "mesh.unit = \"mm\" takes a mesh in millimetres";
+  const scene::Time& time = scene.time;
+  const char* const hint = scene.mesh.unit == scene::LengthUnit::m
+                               ? "mesh.unit = \"mm\" takes a mesh in millimetres"
+                               : "mesh.unit = \"m\" takes a mesh in metres";
   const double length = std::ranges::max(figures.extent);
   const bool waves_known = doubts.empty(); // times that follow from doubtful speeds say nothing more
   if (length > longest || length < shortest)
@@ -137,7 +140,7 @@ BodyFigures body_figures(const Stepper& stepper, const scene::Scene& scene) {
   figures.crossing = std::ranges::max(figures.extent) / figures.pressure_waves[1];
   figures.crossing_steps = scene.time.automatic() ? 0 : figures.crossing / scene.time.step;
   doubt_materials(scene.materials, figures.doubts);
-  doubt_sizes(stepper, scene.time, figures, figures.doubts);
+  doubt_sizes(stepper, scene, figures, figures.doubts);
   doubt_normals(stepper, figures.doubts);
   doubt_bending(stepper, scene, figures, figures.doubts);
   return figures;

@@ -161,9 +161,14 @@ void OutputFolder::require_no_search(const fs::path& given) const {
   });
 }
 
-void OutputFolder::publish() {
+std::vector<std::string> OutputFolder::publish() {
   MPI_Barrier(comm_); // all ranks have closed their files
-  on_root(comm_, [&] { io::publish(folder_, staging_, file_names, drawings(folder_)); });
+  std::vector<std::string> outdated;
+  on_root(comm_, [&] {
+    outdated = drawings(folder_);
+    io::publish(folder_, staging_, file_names, outdated);
+  });
+  return outdated;
 }
 
 } // namespace signorini::io

@@ -38,8 +38,9 @@ public:
 
   /// Moves everything written into place, and removes files of an earlier run under the fixed names that this
   /// one did not write, and the page and figures that postprocess/ made of it; all of it, or nothing if it
-  /// throws. Collective. Throws UserError.
-  void publish();
+  /// throws. Returns the page and the figures that went, by their paths within the folder, on rank 0.
+  /// Collective. Throws UserError.
+  std::vector<std::string> publish();
 
   /// The files that run.json, written last, lists: those of this run, and a checkpoint that stays. On rank 0.
   [[nodiscard]] FolderLock::Names files() const;

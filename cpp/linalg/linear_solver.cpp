@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <memory>
 
 namespace signorini {
 using petsc::check;
@@ -269,7 +270,8 @@ bool ConjugateGradients::solve(Vec b, Vec x, const Projector& project, const Jud
 }
 
 void ConjugateGradients::run(Vec b, Vec x, Solve& solve) const {
-  now_ = &solve;
+  const auto ended = [this](Solve*) { now_ = nullptr; };
+  const std::unique_ptr<Solve, decltype(ended)> under_way(now_ = &solve, ended);
   if (solve.project) {
     check(VecCopy(b, right_hand_side_));
     (*solve.project)(right_hand_side_);

@@ -251,22 +251,30 @@ class Problem:
         rank = np.searchsorted(first, self._order, side="right") - 1
         return self.shape[0] * first[rank] + self._order - first[rank], self._widths[rank]
 
-    def gather(self, u: ArrayLike, factor: np.ndarray | None = None) -> np.ndarray:
+    def gather(self, u: ArrayLike) -> np.ndarray:
         """The whole of a control or derivative (intervals × all values) on every rank, places in the order of their coordinates,
-        whatever the number of ranks; times another whole one, entry by entry, if that is given."""
+        whatever the number of ranks."""
+        return self._gather(u, np.ones(self.shape[0]), np.ones(len(self._order)))
+
+    def scatter(self, whole: ArrayLike) -> np.ndarray:
+        """This rank's part of a whole control, gather()'s inverse."""
+        return self._scatter(whole, np.ones(self.shape[0]), np.ones(self.shape[1]))
+
+    def _gather(self, u: ArrayLike, row: np.ndarray, column: np.ndarray) -> np.ndarray:
+        """gather(), times a factor of each row and of each column."""
         values = np.ascontiguousarray(u, dtype=float).reshape(self.shape)
         if RANKS > 1:
             everyone = np.empty(self.shape[0] * len(self._order))
             WORLD.Allgatherv(values.ravel(), (everyone, self.shape[0] * self._widths))
             values = everyone
-        return _signorini.rows(values, *self._of_ranks, self.shape[0], factor)
+        return _signorini.rows(values, *self._of_ranks, row, column)
 
-    def scatter(self, whole: ArrayLike, factor: np.ndarray | None = None) -> np.ndarray:
-        """This rank's part of a whole control, gather()'s inverse; times a control of this rank, if that is given."""
+    def _scatter(self, whole: ArrayLike, row: np.ndarray, column: np.ndarray) -> np.ndarray:
+        """scatter(), times a factor of each row and of each column."""
         whole = np.ascontiguousarray(whole, dtype=float)
         if whole.size != self.shape[0] * len(self._order):
             raise ValueError(f"found an array of {whole.size} entries, allowed are {self.shape[0]} x {len(self._order)} of all ranks")
-        return _signorini.rows(whole, *self._of_whole, self.shape[0], factor)
+        return _signorini.rows(whole, *self._of_whole, row, column)
 
     def replicated(self) -> Replicated:
         """The problem in vectors that are whole on every rank, for optimizers that know no ranks."""
@@ -282,22 +290,24 @@ class Replicated:
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
-        scale = np.sqrt(problem.metric.weights)
-        self._scale = problem.gather(scale)
-        self._own_inverse, self._inverse = 1 / scale, 1 / self._scale  # a division takes longer than all the rest
+        # √w is the root of an interval's length times that of a place's weight.
+        self._row = np.sqrt(problem.lengths)
+        self._column = problem.gather(np.sqrt(problem.metric.weights))[0] / self._row[0]
+        self._own_inverse = self._row[0] / np.sqrt(problem.metric.weights[0])
+        self._row_inverse, self._column_inverse = 1 / self._row, 1 / self._column
 
     @property
     def size(self) -> int:
         """n."""
-        return self._scale.size
+        return self._row.size * self._column.size
 
     def vector(self, u: ArrayLike) -> np.ndarray:
         """x of a control. (n)"""
-        return self.problem.gather(u, self._scale).ravel()
+        return self.problem._gather(u, self._row, self._column).ravel()
 
     def control(self, x: ArrayLike) -> np.ndarray:
         """The control of x, this rank's part. (intervals × values)"""
-        return self.problem.scatter(x, self._own_inverse)
+        return self.problem._scatter(x, self._row_inverse, self._own_inverse)
 
     @property
     def start(self) -> np.ndarray:
@@ -328,4 +338,4 @@ class Replicated:
 
     def _by_x(self, derivative: np.ndarray) -> np.ndarray:
         """The derivative by x of one by u. (n)"""
-        return self.problem.gather(derivative, self._inverse).ravel()
+        return self.problem._gather(derivative, self._row_inverse, self._column_inverse).ravel()

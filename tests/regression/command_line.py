@@ -44,6 +44,7 @@ def completion(folder: Path) -> None:
         return set(done.stdout.splitlines()) - {""}
 
     verbs = set(re.findall(r"(?m)^  ([a-z]+) ", ok("--help")))
+    assert ok("help") == ok("--help") and all(ok("help", verb) == ok(verb, "--help") for verb in ("study", "report"))
     assert {"simulate", "completion"} < verbs and completed("") == verbs | {"--help", "--version"}
     assert completed("op") == {"optimize"} and completed("nonsense") == set()
     for verb in verbs:

@@ -193,6 +193,8 @@ def main() -> int:
 
         (folder / "empty").mkdir()
         refused(folder / "empty", "neither a run nor a study")
+        around = make(folder)
+        assert around.returncode == 2 and f"allowed are {folder / 'ball'}, {folder / 'bare'}, " in around.stderr, around.stderr
         refused(folder / "nowhere", "there is no such folder")
         damaged(folder / "disc", folder / "damaged", "run.json", lambda _: b"[]")
         damaged(folder / "disc", folder / "damaged", "run.json", lambda text: text.replace(b'"unknowns"', b'"known"'), "unknowns")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""signorini study: what it prices, runs, keeps and refuses; orders where the solution is known. With a further argument, `ranks`,
-what it does on two."""
+"""signorini study: what it prices, runs, keeps and refuses; with a further argument, `ranks`, what it does on two. How accurate its
+rungs are: study_accuracy.py."""
 
 import json
 import re
@@ -12,119 +12,11 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import HALF_DISC, SIGNORINI, SOURCE, captured, signorini, table  # noqa: E402
+from studies import DATA, IMPACT, pressure, study  # noqa: E402
 
 import numpy as np  # noqa: E402
 
-DATA = SOURCE / "tests" / "data"
-WAVE = SOURCE / "scenes" / "standing-wave.toml"
-IMPACT = SOURCE / "scenes" / "bar-impact.toml"
-BOUNCE = SOURCE / "scenes" / "bouncing-bar.toml"
 RING = SOURCE / "scenes" / "drop-ring.toml"
-PRESS = SOURCE / "scenes" / "hertz-press.toml"
-SCHEMES = (("contact-implicit", "consistent"), ("contact-stabilized", "consistent"), ("contact-implicit", "massless"))
-
-
-def study(scene: Path, out: Path | None, *options: object, ranks: int = 1, status: int = 0) -> subprocess.CompletedProcess:
-    command = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
-    command += [str(SIGNORINI), "study", str(scene), *(["--out", str(out)] if out else []), *map(str, options)]
-    done = captured(command, timeout=300)  # where none takes minutes
-    assert done.returncode == status, done.stdout + done.stderr
-    return done
-
-
-def order(folder: Path, quantity: str, kind: str, degree: int = 1, scheme: str = "contact-implicit", mass: str = "consistent") -> float:
-    found = [one for one in json.loads((folder / "study.json").read_text())["orders"]
-             if (one["quantity"], one["degree"], one["scheme"], one["mass"]) == (quantity, degree, scheme, mass)]  # fmt: skip
-    assert len(found) == 1, found
-    print(f"{folder.name}: {quantity}, degree {degree}, {scheme}, {mass}: order {found[0][kind]:.2f} in {kind}, "
-          f"{found[0]['scatter'][kind][0]:.2f} to {found[0]['scatter'][kind][1]:.2f}, "
-          f"{'' if found[0]['asymptotic'][kind] else 'not '}in the asymptotic range")
-    return found[0][kind]
-
-
-def orders(folder: Path) -> None:
-    """Of functions of degree r: r + 1 in space, where waves do not spoil it with their dispersion 2, and 2 in time; fronts of
-    an impact 2/3 of that (tests/verification/bar.py), of the contact-implicit scheme whose energy falls less."""
-    study(WAVE, folder / "wave", "--degrees", "1,2", "--sizes", "2,1,0.5,0.25", "--steps", "0.0666667,0.0333333,0.01666667,0.00833333")
-    for degree in (1, 2):
-        assert abs(order(folder / "wave", "displacement", "time", degree) - 2) < 0.2
-        assert abs(order(folder / "wave", "displacement", "both", degree) - 2) < 0.2
-    assert abs(order(folder / "wave", "displacement", "space", 1) - 2) < 0.3
-    assert order(folder / "wave", "displacement", "space", 2) > 2.5
-    study(IMPACT, folder / "impact", "--schemes", "contact-implicit,contact-stabilized,massless", *IMPACT_LADDER, "--quantity",
-          "displacement,impulse,contact_start,contact_time")  # fmt: skip
-    for scheme, mass in SCHEMES:
-        assert 0.4 < order(folder / "impact", "displacement", "both", 1, scheme, mass) < 1.1
-    errors = table(folder / "impact" / "study.csv")["displacement_error"]
-    assert min(errors) < 0.02 < max(errors)
-    study(BOUNCE, folder / "bounce", "--schemes", "contact-implicit,contact-stabilized,massless", "--sizes", "0.5,0.25,0.125",
-          "--set", "time.end=5.333333333333333", "--set", "time.step=0.005333333333333333", "--set", "exact.impulse=533.3333333333333",
-          "--set", "exact.contact_time=1.3333333333333333", "--steps", "0.0166667,0.00833333,0.00416667", "--quantity", "displacement")  # fmt: skip
-    for scheme, mass in SCHEMES:
-        assert 0.4 < order(folder / "bounce", "displacement", "both", 1, scheme, mass) < 1.3
-    # Hertz's solution is that of a half-plane: on this disc it holds to about (a/R)^2 = 0.7 %, and beyond nothing converges to it.
-    # Pressures of either degree come within it; those of nodes that functions of degree 2 give no share of their face would not.
-    study(PRESS, folder / "press", "--sizes", "16,4,1", "--steps", "0.1", "--degrees", "1,2", "--quantity", "pressure")
-    rows = table(folder / "press" / "study.csv")
-    for degree in (1, 2):
-        there = rows["degree"] == degree
-        errors = rows["pressure_error"][there]
-        print(f"Hertz, degree {degree}: pressure off by", *(f"{100 * error:.2f} %" for error in errors))
-        assert list(rows["size"][there]) == [16, 4, 1] and max(errors) > 0.04 and errors[-1] < 0.02
-
-
-IMPACT_SIZES, IMPACT_STEPS = (0.5, 0.25, 0.125, 0.0625), (120, 240, 480, 960)
-IMPACT_LADDER = ("--sizes", ",".join(map(str, IMPACT_SIZES)), "--steps", ",".join(f"{2 / n:.10g}" for n in IMPACT_STEPS))
-TRUTH = {"impulse": 200.0, "contact_start": 0.5, "contact_time": 2 / 3}  # of the bar's impact
-
-
-def recommended(folder: Path, title: str) -> list[tuple[float, float, float]]:
-    """Tolerance, size and step of what a study's sentences recommend for a quantity."""
-    said = [re.match(rf"for (\S+) % in {title}: size (\S+), step ([^,]+),", text)
-            for text in json.loads((folder / "study.json").read_text())["sentences"]]  # fmt: skip
-    return [(float(found[1]) / 100, float(found[2]), float(found[3])) for found in said if found]
-
-
-def promises(folder: Path) -> None:
-    """Ladders of three sizes and three steps of the bar's impact, for which it is not known that its solution is: what they recommend is as
-    accurate as they say, as are the rungs of the whole ladder that are finer, and the solution lies within the error bars. With the
-    differences to the finest rung alone it would not. Run after orders(), whose rungs it takes."""
-    text = re.sub(r"\[exact\].*?(?=\[output\])", "", IMPACT.read_text(), flags=re.DOTALL).replace("../meshes", str(SOURCE / "meshes"))
-    scene = folder / "bar-impact.toml"
-    scene.write_text(text)
-    whole = table(folder / "impact" / "study.csv")
-    named = {name: json.loads((folder / "impact" / "study.json").read_text())["quantities"][name]["title"] for name in TRUTH}
-    given, broken, broken_later, naive, naive_broken, bars, held = 0, 0, 0, 0, 0, 0, 0
-    for scheme, mass in SCHEMES:
-        own = (whole["scheme"] == scheme) & (whole["mass"] == mass)
-        for i in (0, 1):
-            for j in (0, 1):
-                steps = ",".join(f"{2 / n:.10g}" for n in IMPACT_STEPS[j : j + 3])
-                said = study(scene, folder / "impact", "--schemes", "massless" if mass == "massless" else scheme, "--sizes",
-                             ",".join(map(str, IMPACT_SIZES[i : i + 3])), "--steps", steps, "--quantity", ",".join(TRUTH))  # fmt: skip
-                assert "9 of 9 rungs were there already" in said.stdout
-                rows = table(folder / "impact" / "study.csv")
-                bar = {name: one["bar"] for name, one in json.loads((folder / "impact" / "study.json").read_text())["quantities"].items()}
-                finest = (rows["size"] == min(rows["size"])) & (rows["steps"] == max(rows["steps"]))
-                for name, truth in TRUTH.items():
-                    off = np.abs(whole[name] / truth - 1)
-                    bars += 1
-                    held += abs(rows[name][finest][0] / truth - 1) <= bar[name]["value"] * (1 + 1e-6) + 1e-9
-                    for tolerance, size, step in recommended(folder / "impact", named[name]):
-                        there = own & np.isclose(whole["size"], size) & np.isclose(whole["step"], step, rtol=1e-2)
-                        finer = own & (whole["size"] <= size * 1.001) & (whole["step"] <= step * 1.01)
-                        assert sum(there) == 1
-                        given += 1
-                        broken += off[there][0] > tolerance
-                        broken_later += max(off[finer]) > tolerance
-                    for tolerance in (0.1, 0.05, 0.01, 0.001):
-                        near = np.nonzero(rows[f"{name}_error"] <= tolerance)[0]
-                        if len(near):
-                            naive += 1
-                            naive_broken += abs(rows[name][near[np.argmin(rows["seconds"][near])]] / truth - 1) > tolerance
-    print(f"bar impact: {given} recommendations, {broken} off by more at the rung and {broken_later} there or later; by the differences to the "
-          f"finest rung {naive_broken} of {naive} would be; {held} of {bars} error bars hold")  # fmt: skip
-    assert given > 30 and broken == 0 and broken_later <= 0.05 * given and naive_broken > 0.1 * naive and held >= 0.95 * bars
 
 
 def columns(folder: Path) -> dict[str, np.ndarray]:
@@ -257,45 +149,6 @@ def interrupted(folder: Path) -> None:
     print(f"interrupted after {some} of 6 rungs")
 
 
-PATCH = """
-[mesh]
-file = "{mesh}"
-size = {size}
-[time]
-end = 10.0
-step = 0.02
-[material]
-density = 1.0
-young = 50.0
-poisson = 0.0
-viscosity = {{ bulk = 1.6666666666666667, shear = 2.5 }}   # the elastic moduli times 0.1 s
-[[clamp]]
-on = "top"
-value = {value}
-[contact]
-on = "bottom"
-obstacle = {{ shape = "half-space", point = {point}, normal = {normal} }}
-[exact]
-pressure = "2.5"   # 50 N/m2 times 0.1 m - 0.05 m over a height of 1 m
-"""
-
-
-def pressure(folder: Path, ranks: int = 1) -> None:
-    """Uniform strain is in the space of every mesh, and so a uniform pressure must come out on each, of both degrees. The slowest
-    motion, a quarter wave of shear, dies as exp(-3.1/s t) and leaves 1e-12 of it; see tests/verification/hard/discs.py."""
-    moved = '"t < 1 ? -0.1 * sin(pi*t/2)^2 : -0.1"'
-    for name, mesh, zeros in (("plane", "square.geo", 1), ("space", "cube.geo", 2)):
-        scene = folder / f"patch-{name}.toml"
-        zero = ", ".join(['"0"'] * zeros)
-        scene.write_text(PATCH.format(mesh=DATA / mesh, size=0.5, value=f"[{zero}, {moved}]", point=[0] * zeros + [-0.05],
-                                      normal=[0] * zeros + [1]))  # fmt: skip
-        out = folder / f"patch-{name}-{ranks}"
-        study(scene, out, "--sizes", "0.5", "--steps", "0.02", "--degrees", "1,2", "--quantity", "pressure", ranks=ranks)
-        rows = table(out / "study.csv")
-        print(f"uniform pressure, {name}, {ranks} ranks: off by", *(f"{error:.0e}" for error in rows["pressure_error"]))
-        assert sorted(rows["degree"]) == [1, 2] and max(rows["pressure_error"]) < 1e-10  # 500 steps, each to about 1e-14 of the stiffest
-
-
 def memory(folder: Path) -> None:
     """More steps than any machine has memory for the states of, in one sentence and before it is asked for."""
     of_study = ("--sizes", "0.5", "--steps", "7.5e-11")
@@ -320,48 +173,6 @@ def ranks(folder: Path) -> None:
         assert np.allclose(a, b, rtol=1e-6, atol=1e-9, equal_nan=True), (name, a, b)
     again = study(HALF_DISC, folder / "ranks-1", *choice, ranks=2).stdout
     assert again.count('the number of ranks was "1" and is "2"') == 4, again
-
-
-def suggestion(folder: Path) -> None:
-    """The tolerance is met by the moduli of the estimate's parts and in truth, beside a run with a quarter of the size and of the step,
-    whose error is a sixteenth of that."""
-    tolerance = 1e-2
-    said = study(HALF_DISC, None, "--suggest", tolerance, "--set", "mesh.size=3", "--set", "time.step=2.5e-4").stdout
-    # Parts of opposite sign make up for each other by chance.
-    tried = re.findall(r"estimated error at most (\S+) \(space (\S+), time (\S+)\)", said)
-    assert len(tried) >= 2 and any(float(space) * float(time) < 0 for _, space, time in tried), said
-    for error, *parts in tried:
-        assert abs(float(error) - sum(abs(float(part)) for part in parts)) < 0.02 * float(error), said
-    number = r"([\d.e+-]+)"
-    found = re.search(rf"0\.01 in J is met by: size {number}, step {number}, degree 1, by the moduli of their own estimate's parts {number}", said)
-    assert found, said
-    size, step, estimate = map(float, found.groups())
-    assert estimate <= tolerance
-    study(HALF_DISC, folder / "truth", "--sizes", f"{size},{size / 4}", "--steps", f"{step},{step / 4}", "--quantity", "J")
-    rows = table(folder / "truth" / "study.csv")
-    here = (rows["size"] == size) & (rows["steps"] == min(rows["steps"]))
-    assert sum(here) == 1 and sum(np.isnan(rows["J_error"])) == 1
-    error = rows["J_error"][here][0]
-    print(f"suggested size {size:g}, step {step:g} s: error {error:.1e}, by its estimate at most {estimate:.1e}")
-    assert error <= tolerance and error <= 2 * estimate
-    beyond = study(HALF_DISC, None, "--suggest", "1e-9", "--budget", "1e-9s", "--set", "mesh.size=3", status=1).stdout
-    assert "beyond the budget" in beyond and "not met" in beyond
-
-
-def contact_times(folder: Path) -> None:
-    """A bar in free flight touches at 1/2 s, wherever that is within a step, and is told so to rounding; it leaves at 7/6 s, where waves
-    have made its end less sharp. By whole steps start and time would be off by up to half a step and a step."""
-    ends = [2 / steps for steps in (97, 233, 391)]
-    study(IMPACT, folder / "times", "--schemes", "contact-implicit,contact-stabilized,massless", "--degrees", "1,2", "--sizes", "0.5,0.25",
-          "--steps", ",".join(f"{step:.12g}" for step in ends), "--quantity", "contact_start,contact_time")  # fmt: skip
-    rows = table(folder / "times" / "study.csv")
-    assert len(rows["rung"]) == 36 and set(rows["steps"]) == {97, 233, 391}
-    whole_steps = np.abs((np.floor(0.5 / rows["step"]) + 0.5) * rows["step"] - 0.5)
-    assert max(whole_steps / rows["step"]) > 0.2, "1/2 s is in the middle of all steps: the case says nothing"
-    late = np.abs(rows["contact_time"] - 2 / 3) / rows["step"]
-    print(f"start of contact off by at most {max(rows['contact_start_error']):.0e} of it, time by {np.median(late):.2f} steps, "
-          f"at most {max(late):.2f}")
-    assert max(rows["contact_start_error"]) < 1e-10
 
 
 SQUEEZED = """
@@ -402,20 +213,6 @@ def obstacles(folder: Path) -> None:
         wide = [line for line in said.splitlines() if len(line) > 80 and re.match(r"\s*(\d+ |rung )", line)]
         assert not [line for line in wide if " of " not in line], wide
         print(f"{name}: jaws push with {rows['impulse_1'][-1]:.4g} and {rows['impulse_2'][-1]:.4g} {unit}, in all {rows['impulse'][-1]:.1e}")
-
-
-def suggested_quantity(folder: Path) -> None:
-    """Without an objective: what is found for a tolerance is the exact value to that tolerance, and for any quantity of contact."""
-    number = r"([\d.e+-]+)"
-    for name, truth in (("impulse", 200.0), ("contact_time", 2 / 3)):
-        said = study(IMPACT, None, "--suggest", "5e-2", "--quantity", name, "--set", "mesh.size=0.5", "--set", "time.step=0.01").stdout
-        found = re.search(rf"0\.05 in .* is met by: size {number}, step {number}, degree [12], .* {number} \S.*, error bar {number} %", said)
-        assert found, said
-        value, bar = float(found[3]), float(found[4]) / 100
-        print(f"suggested for 5 % in {name}: size {found[1]}, step {found[2]} s: {abs(value / truth - 1):.1e} off, its error bar {bar:.1e}")
-        assert bar <= 5e-2 and abs(value / truth - 1) <= bar
-    beyond = study(IMPACT, None, "--suggest", "1e-9", "--quantity", "impulse", "--budget", "1e-9s", status=1).stdout
-    assert "beyond the budget" in beyond and "not met" in beyond
 
 
 def chosen_steps(folder: Path) -> None:
@@ -501,8 +298,7 @@ def main() -> int:
             own_density(folder, 2)
             ranks(folder)
             return 0
-        for part in (orders, promises, contact_times, obstacles, pressure, ladder, kept, interrupted, suggestion, suggested_quantity, chosen_steps,
-                     own_density, memory, refusals):  # fmt: skip
+        for part in (obstacles, ladder, kept, interrupted, chosen_steps, own_density, memory, refusals):
             part(folder)
     return 0
 

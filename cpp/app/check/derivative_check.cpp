@@ -79,9 +79,10 @@ public:
   void run(std::vector<CheckRow>& rows) {
     rows.push_back(below("transpose identity <S'd, w> = <d, S'*w>", transpose_defect(), sweeps_leave()));
     if (const int weak = weak_candidates(); weak > 0) {
-      console_.line(fmt::format("Contact is weak (closed without force) {} times: J may have a kink here, "
-                                "and slopes to one side alone.",
-                                weak));
+      console_.line(
+          fmt::format("Contact is weak {} times, a node at one step counting once: closed, "
+                      "but without force, so that J may have a kink here, and slopes to one side alone.",
+                      weak));
       const double plus = slope(Side::plus, rows);
       kink(plus, slope(Side::minus, rows));
       return;
@@ -108,22 +109,11 @@ private:
     return u;
   }
 
-  /// Relative to the sum of bounds of its terms, ‖dy_k‖ ‖w_k‖: where they cancel, so much of their rounding
-  /// stays.
   double transpose_defect() {
     const Waves waves(controls_);
-    double forward = 0, size = 0;
-    problem_.linearised(d_, [&](int k, Vec dy) {
-      const Vec w = waves.at(k);
-      forward += petsc::dot(dy, w);
-      PetscReal one = 0, other = 0;
-      check(VecNorm(dy, NORM_2, &one));
-      check(VecNorm(w, NORM_2, &other));
-      size += one * other;
-    });
-    const control::Control back = problem_.adjoint({controls_.space(), waves});
-    const double defect = std::abs(forward - controls_.product(back, d_));
-    return defect > 0 ? defect / size : 0;
+    petsc::Pairing forward;
+    problem_.linearised(d_, [&](int k, Vec dy) { forward.add(dy, waves.at(k)); });
+    return forward.defect(controls_.product(problem_.adjoint({controls_.space(), waves}), d_));
   }
 
   /// The sides of u on which J is compared with its slope; J is smooth there up to u.
@@ -160,12 +150,11 @@ private:
     const control::ReducedProblem::OneSided found = problem_.one_sided_slope(direction);
     const std::string along = side == Side::both ? "" : side == Side::plus ? " along +d" : " along -d";
     if (side != Side::both)
-      console_.line(fmt::format("Slope of J{}: {:.6e}.", along, found.by_motion));
-    const double defect = std::abs(found.by_motion - found.by_gradient);
+      console_.line(fmt::format("Slope of J{}: {:.6e}.", along, found.by_motion.value));
     rows.push_back(below(fmt::format("slope{}: gradient against linearised motion", along),
-                         defect > 0 ? defect / found.size : 0, sweeps_leave()));
+                         found.by_motion.defect(found.by_gradient), sweeps_leave()));
     taylor(side, along, found, rows);
-    return found.by_motion;
+    return found.by_motion.value;
   }
 
   void taylor(Side side, const std::string& along, const control::ReducedProblem::OneSided& found,
@@ -182,7 +171,7 @@ private:
     for (int j = 0; j < sizes; ++j) {
       const double epsilon = epsilon_of(j);
       const double remainder =
-          std::abs(problem_.value(moved(sign * epsilon)) - objective_ - epsilon * found.by_motion);
+          std::abs(problem_.value(moved(sign * epsilon)) - objective_ - epsilon * found.by_motion.value);
       const Switches changed = switches(found.contact, problem_.trial_trajectory().contact());
       const bool kept = changed.steps == 0;
       console_.line(fmt::format(
@@ -208,8 +197,8 @@ private:
       rows.push_back({difference, "no size keeps the active sets", "a size that keeps them", false});
     } else {
       const Fit fit = fitted(side, within);
-      rows.push_back(beyond_rounding(difference, std::abs(fit.slope / found.by_motion - 1),
-                                     fit.rounding / std::abs(found.by_motion)));
+      rows.push_back(beyond_rounding(difference, std::abs(fit.slope / found.by_motion.value - 1),
+                                     fit.rounding / std::abs(found.by_motion.value)));
     }
   }
 

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 namespace signorini {
 namespace {
@@ -53,6 +54,19 @@ void add_hardly_told(const std::vector<scene::Unknown>& unknowns, const optimize
         unknowns[j].logarithmic() && std::isfinite(deviation) && deviation > std::log(2))
       fit.untold.push_back(fmt::format("The data hardly tell {}: a standard deviation is a factor of {:.3g}.",
                                        unknowns[j].name, std::exp(std::min(deviation, 700.0))));
+}
+
+/// The pair of at least two unknowns of which the data tell the least apart.
+std::string largest_correlation(const io::Fit& fit) {
+  const std::size_t n = fit.unknowns.size();
+  std::size_t first = 0, second = 1;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j)
+      if (std::abs(fit.correlations[i * n + j]) > std::abs(fit.correlations[first * n + second]))
+        std::tie(first, second) = std::pair(i, j);
+  return fmt::format("{}: {:+.2f}, of {} and {}", n == 2 ? "correlation" : "largest correlation",
+                     fit.correlations[first * n + second], fit.unknowns[first].name,
+                     fit.unknowns[second].name);
 }
 
 } // namespace
@@ -136,6 +150,8 @@ std::vector<std::string> outcome_lines(const io::Fit& fit) {
         fmt::format("{:<{}}  {:>14.8g}  {:>12}  {:>12.6g}  {}{}", one.name, width, one.value,
                     std::isfinite(one.deviation) ? fmt::format("{:.3g}", one.deviation) : "not told",
                     one.start, one.unit, one.at_bound ? " (at its bound)" : ""));
+  if (fit.unknowns.size() > 1)
+    lines.push_back(largest_correlation(fit));
   for (const std::string& sentence : fit.untold)
     lines.push_back(sentence);
   for (const io::ComparedTime& one : fit.times)
