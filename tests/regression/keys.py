@@ -307,7 +307,10 @@ def viscosity() -> None:
     near(power(["x", "y"], 0.07, 0.03), 4 * (0.07 + 0.03 / 3), 1e-5)  # nothing along z
     near(power(["y", "0"], 0.07, 0.03), 0.03, 1e-5)  # shears
     elastic = simulate(edited("elastic.toml", (r"(?m)^viscosity.*\n", "")))
-    assert (elastic.steps["viscous_dissipation"] == 0).all() and (plain_run().steps["viscous_dissipation"][1:] > 0).all()
+    assert (elastic.steps["viscous_dissipation"] == 0).all()
+    lost, touched = plain_run().steps["viscous_dissipation"], np.argmax(plain_run().steps["active"] > 0)
+    # In flight nothing strains, and what is left is rounding, of either sign.
+    assert touched > 1 and (lost[touched:] > 0).all() and max(abs(lost[:touched])) < 1e-14 * max(lost)
 
 
 @key("material.on")
