@@ -258,7 +258,7 @@ class Problem:
 
     def scatter(self, whole: ArrayLike) -> np.ndarray:
         """This rank's part of a whole control, gather()'s inverse."""
-        return self._scatter(whole, np.ones(self.shape[0]), np.ones(self.shape[1]))
+        return self._scatter(whole, np.ones(self.shape[0]), np.ones(self.shape[1]), np.empty(self.shape))
 
     def _gather(self, u: ArrayLike, row: np.ndarray, column: np.ndarray) -> np.ndarray:
         """gather(), times a factor of each row and of each column."""
@@ -267,14 +267,17 @@ class Problem:
             everyone = np.empty(self.shape[0] * len(self._order))
             WORLD.Allgatherv(values.ravel(), (everyone, self.shape[0] * self._widths))
             values = everyone
-        return _signorini.rows(values, *self._of_ranks, row, column)
+        out = np.empty((len(row), len(column)))
+        _signorini.rows(values, *self._of_ranks, row, column, out)
+        return out
 
-    def _scatter(self, whole: ArrayLike, row: np.ndarray, column: np.ndarray) -> np.ndarray:
-        """scatter(), times a factor of each row and of each column."""
+    def _scatter(self, whole: ArrayLike, row: np.ndarray, column: np.ndarray, out: np.ndarray) -> np.ndarray:
+        """scatter(), times a factor of each row and of each column; into out."""
         whole = np.ascontiguousarray(whole, dtype=float)
         if whole.size != self.shape[0] * len(self._order):
             raise ValueError(f"found an array of {whole.size} entries, allowed are {self.shape[0]} x {len(self._order)} of all ranks")
-        return _signorini.rows(whole, *self._of_whole, row, column)
+        _signorini.rows(whole, *self._of_whole, row, column, out)
+        return out
 
     def replicated(self) -> Replicated:
         """The problem in vectors that are whole on every rank, for optimizers that know no ranks."""
@@ -295,6 +298,7 @@ class Replicated:
         self._column = problem.gather(np.sqrt(problem.metric.weights))[0] / self._row[0]
         self._own_inverse = self._row[0] / np.sqrt(problem.metric.weights[0])
         self._row_inverse, self._column_inverse = 1 / self._row, 1 / self._column
+        self._last = np.empty(problem.shape)  # the control that is looked at: new memory at each call would cost as much as the rest
 
     @property
     def size(self) -> int:
@@ -307,7 +311,10 @@ class Replicated:
 
     def control(self, x: ArrayLike) -> np.ndarray:
         """The control of x, this rank's part. (intervals × values)"""
-        return self.problem._scatter(x, self._row_inverse, self._own_inverse)
+        return self._control(x, np.empty(self.problem.shape))
+
+    def _control(self, x: ArrayLike, out: np.ndarray) -> np.ndarray:
+        return self.problem._scatter(x, self._row_inverse, self._own_inverse, out)
 
     @property
     def start(self) -> np.ndarray:
@@ -325,16 +332,16 @@ class Replicated:
 
     def value(self, x: ArrayLike) -> float:
         """J."""
-        return self.problem.value(self.control(x))
+        return self.problem.value(self._control(x, self._last))
 
     def value_and_gradient(self, x: ArrayLike) -> tuple[float, np.ndarray]:
         """J and its gradient by x. (n)"""
-        value, derivative = self.problem.value_and_gradient(self.control(x))
+        value, derivative = self.problem.value_and_gradient(self._control(x, self._last))
         return value, self._by_x(derivative)
 
     def hessian_product(self, x: ArrayLike, d: ArrayLike) -> np.ndarray:
         """The Hessian at x times d, with the active sets there. (n)"""
-        return self._by_x(self.problem.hessian_product(self.control(x), self.control(d)))
+        return self._by_x(self.problem.hessian_product(self._control(x, self._last), self.control(d)))
 
     def _by_x(self, derivative: np.ndarray) -> np.ndarray:
         """The derivative by x of one by u. (n)"""
