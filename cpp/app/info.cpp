@@ -226,12 +226,11 @@ void print_info(const Problem& problem, int timed_steps, const Console& console)
                   stepper.grid().equal() ? fmt::format("{} s", problem.scene.time.step) : "varying length",
                   stepper.solver().choice()));
   console.line(body_lines(problem));
-  console.line(
-      fmt::format("always: M {}, A {}, R {}, {} {}; a step: one solve with D, products with R and M\n",
-                  megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)),
-                  megabytes(petsc::bytes(stepper.of_length(stepper.grid().first_length()).R)),
-                  stepper.solver().tolerance() > 0 ? "D and its preconditioner" : "the factor of D",
-                  megabytes(stepper.solver().memory().factor)));
+  console.line(fmt::format("always: M {}, A {}, R {}, {} {}; a step: one solve with D, products with R and M",
+                           megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)),
+                           megabytes(petsc::bytes(stepper.of_length(stepper.grid().first_length()).R)),
+                           stepper.solver().tolerance() > 0 ? "D and its preconditioner" : "the factor of D",
+                           megabytes(stepper.solver().memory().factor)));
   console.line(
       "M: mass, A: elasticity, B: viscosity, W: mass of density 1; D y = R y_before + τ M v_before + "
       "forces is a step of length τ\n");
