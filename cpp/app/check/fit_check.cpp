@@ -35,7 +35,7 @@ public:
     rows.push_back(below("gradient: adjoint sweep against linearised motions", worst, sweeps_leave()));
     if (here_.weak > 0)
       console_.line(fmt::format("Contact is weak {} times, a node at one step counting once: closed, "
-                                "but without force, so that J may have a kink here.",
+                                "but without force, so that J may have a kink at the first guess.",
                                 here_.weak));
     for (std::size_t j = 0; j < x_.size(); ++j) {
       jacobian(j, {&linearised.jacobian[j * m], m}, rows);
