@@ -405,7 +405,7 @@ Keys<Optimizer> keys_of(Of<Optimizer>) {
       value("max_iterations", &Optimizer::max_iterations, Whole{0, 1'000'000}, "",
             "0: the first guess alone"),
       value("tolerance", &Optimizer::tolerance, Number{{.least = 0, .greatest = 1, .unit = "no unit"}},
-            "of the gradient norm, relative to the first guess's"),
+            "of the gradient norm, relative to the first guess's; of the decrement with `\"gauss-newton\"`"),
       value("checkpoint", &Optimizer::checkpoint, Whole{0, 1'000'000},
             "iterations from one to the next; 0: none", "see Long runs", {}, with_controls),
       value("memory", &Optimizer::memory, Number{not_negative}, "bytes",
