@@ -5,6 +5,7 @@ import subprocess
 from pathlib import Path
 
 from harness import SIGNORINI, SOURCE, captured, table
+from patch_scene import PRESSURE, patch
 
 DATA = SOURCE / "tests" / "data"
 IMPACT = SOURCE / "scenes" / "bar-impact.toml"
@@ -18,38 +19,11 @@ def study(scene: Path, out: Path | None, *options: object, ranks: int = 1, statu
     return done
 
 
-PATCH = """
-[mesh]
-file = "{mesh}"
-size = {size}
-[time]
-end = 10.0
-step = 0.02
-[material]
-density = 1.0
-young = 50.0
-poisson = 0.0
-viscosity = {{ bulk = 1.6666666666666667, shear = 2.5 }}   # the elastic moduli times 0.1 s
-[[clamp]]
-on = "top"
-value = {value}
-[contact]
-on = "bottom"
-obstacle = {{ shape = "half-space", point = {point}, normal = {normal} }}
-[exact]
-pressure = "2.5"   # 50 N/m2 times 0.1 m - 0.05 m over a height of 1 m
-"""
-
-
 def pressure(folder: Path, ranks: int = 1) -> None:
-    """Uniform strain is in the space of every mesh, and so a uniform pressure must come out on each, of both degrees. The slowest
-    motion, a quarter wave of shear, dies as exp(-3.1/s t) and leaves 1e-12 of it; see tests/verification/hard/discs.py."""
-    moved = '"t < 1 ? -0.1 * sin(pi*t/2)^2 : -0.1"'
-    for name, mesh, zeros in (("plane", "square.geo", 1), ("space", "cube.geo", 2)):
+    """The uniform pressure of the patch test, of both degrees; see tests/verification/hard/discs.py."""
+    for name, dim in (("plane", 2), ("space", 3)):
         scene = folder / f"patch-{name}.toml"
-        zero = ", ".join(['"0"'] * zeros)
-        scene.write_text(PATCH.format(mesh=DATA / mesh, size=0.5, value=f"[{zero}, {moved}]", point=[0] * zeros + [-0.05],
-                                      normal=[0] * zeros + [1]))  # fmt: skip
+        scene.write_text(patch(dim, size=0.5, step=0.02) + f'[exact]\npressure = "{PRESSURE}"\n')
         out = folder / f"patch-{name}-{ranks}"
         study(scene, out, "--sizes", "0.5", "--steps", "0.02", "--degrees", "1,2", "--quantity", "pressure", ranks=ranks)
         rows = table(out / "study.csv")
