@@ -3,9 +3,12 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstdlib>
+#include <cstring>
 #include <poll.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/uio.h>
+#include <sys/wait.h>
 #include <unistd.h>
 #ifdef __linux__
 #include <sys/prctl.h>
@@ -40,25 +43,97 @@ std::optional<std::string> read_all(int file, bool (*stop)()) {
   return std::nullopt;
 }
 
-int serve(int argc, char** argv, const std::function<std::string(const std::string&)>& answer) {
-  for (int signal : {SIGINT, SIGTERM, SIGUSR1}) // the parent decides when to stop
-    std::signal(signal, SIG_IGN);
+namespace {
+
+constexpr int idle = 10'000; // ms: what waits, loaded, holds some ten megabytes
+
+union Descriptors {
+  std::array<char, CMSG_SPACE(2 * sizeof(int))> bytes;
+  cmsghdr aligned;
+};
+
+bool receive_job(int socket, Job& job) {
+  pollfd ready{.fd = socket, .events = POLLIN, .revents = 0};
+  if (poll(&ready, 1, idle) <= 0)
+    return false;
+  Descriptors control{};
+  iovec data{.iov_base = &job.seconds, .iov_len = sizeof job.seconds};
+  msghdr message{};
+  message.msg_iov = &data;
+  message.msg_iovlen = 1;
+  message.msg_control = control.bytes.data();
+  message.msg_controllen = sizeof control.bytes;
+  if (recvmsg(socket, &message, 0) != static_cast<ssize_t>(sizeof job.seconds))
+    return false;
+  const cmsghdr* header = CMSG_FIRSTHDR(&message);
+  if (!header || header->cmsg_len != CMSG_LEN(2 * sizeof(int)))
+    return false;
+  std::array<int, 2> files{};
+  std::memcpy(files.data(), CMSG_DATA(header), sizeof files);
+  job.in = files[0];
+  job.out = files[1];
+  return true;
+}
+
+void die_with_parent() {
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
-  const rlimit none{.rlim_cur = 0, .rlim_max = 0};
-  setrlimit(RLIMIT_CORE, &none);
-  if (argc > 1 && *argv[1]) {
-    const auto seconds = static_cast<rlim_t>(std::strtoul(argv[1], nullptr, 10));
-    const rlimit time{.rlim_cur = seconds, .rlim_max = seconds};
-    setrlimit(RLIMIT_CPU, &time);
+}
+
+template <class Resource>
+void limit(Resource resource, rlim_t most) {
+  const rlimit both{.rlim_cur = most, .rlim_max = most};
+  setrlimit(resource, &both);
+}
+
+} // namespace
+
+bool send_job(int socket, const Job& job) {
+  int seconds = job.seconds;
+  iovec data{.iov_base = &seconds, .iov_len = sizeof seconds};
+  Descriptors control{};
+  msghdr message{};
+  message.msg_iov = &data;
+  message.msg_iovlen = 1;
+  message.msg_control = control.bytes.data();
+  message.msg_controllen = sizeof control.bytes;
+  cmsghdr* header = CMSG_FIRSTHDR(&message);
+  header->cmsg_level = SOL_SOCKET;
+  header->cmsg_type = SCM_RIGHTS;
+  header->cmsg_len = CMSG_LEN(2 * sizeof(int));
+  const std::array<int, 2> files{job.in, job.out};
+  std::memcpy(CMSG_DATA(header), files.data(), sizeof files);
+#ifdef MSG_NOSIGNAL
+  constexpr int quiet = MSG_NOSIGNAL;
+#else
+  constexpr int quiet = 0;
+#endif
+  return sendmsg(socket, &message, quiet) == static_cast<ssize_t>(sizeof seconds);
+}
+
+int serve(const std::function<std::string(const std::string&)>& answer) {
+  for (int signal : {SIGINT, SIGTERM, SIGUSR1}) // the parent decides when to stop
+    std::signal(signal, SIG_IGN);
+  die_with_parent();
+  limit(RLIMIT_CORE, 0);
+  for (Job job{}; receive_job(STDIN_FILENO, job);) {
+    const pid_t copy = fork(); // of a process without MPI and without threads
+    if (copy == 0) {
+      close(STDIN_FILENO);
+      die_with_parent();
+      if (job.seconds > 0)
+        limit(RLIMIT_CPU, static_cast<rlim_t>(job.seconds));
+      const std::optional<std::string> request = read_all(job.in, [] { return false; });
+      _exit(write_all(job.out, answer(*request)) ? 0 : 1);
+    }
+    close(job.in);
+    close(job.out);
+    int status = 0;
+    if (copy < 0 || waitpid(copy, &status, 0) < 0 || write(STDIN_FILENO, &status, sizeof status) < 0)
+      return 1;
   }
-  // What libraries print must not come between the answer's bytes.
-  const int out = dup(STDOUT_FILENO);
-  if (out < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
-    return 1;
-  const std::optional<std::string> request = read_all(STDIN_FILENO, [] { return false; });
-  return write_all(out, answer(*request) + whole) ? 0 : 1;
+  return 0;
 }
 
 } // namespace signorini::worker

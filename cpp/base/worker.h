@@ -4,14 +4,21 @@
 #include <optional>
 #include <string>
 
-/// Both ends of the pipes between a program and its workers; see base/subprocess.h.
+/// Both ends of what a program and its workers send each other; see base/subprocess.h.
 namespace signorini::worker {
 
-/// The main function of a worker: answers the one request of in_subprocess(). Arguments: the seconds of
-/// processor time that it may take, empty for any. `answer` must not throw.
-int serve(int argc, char** argv, const std::function<std::string(const std::string& request)>& answer);
+/// A request: files to read it from and to write the answer to, and the seconds of processor time that the
+/// answer may take, 0 for any.
+struct Job {
+  int in, out, seconds;
+};
 
-constexpr char whole = '.'; ///< the last byte of a complete answer
+/// The main function of a worker. Answers the requests of in_subprocess(), each in a copy (fork) of the
+/// process that waits here loaded, and lets go if none comes for ten seconds. `answer` must not throw.
+int serve(const std::function<std::string(const std::string& request)>& answer);
+
+/// False if the other end of `socket` is gone.
+bool send_job(int socket, const Job& job);
 
 /// False if not all can be written.
 bool write_all(int file, const std::string& text);

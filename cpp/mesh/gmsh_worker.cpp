@@ -26,4 +26,4 @@ std::string answer(const std::string& bytes) {
 } // namespace
 } // namespace signorini::mesh
 
-int main(int argc, char** argv) { return signorini::worker::serve(argc, argv, signorini::mesh::answer); }
+int main() { return signorini::worker::serve(signorini::mesh::answer); }
