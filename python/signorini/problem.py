@@ -239,35 +239,35 @@ class Problem:
 
     @cached_property
     def _of_whole(self) -> tuple[np.ndarray, np.ndarray]:
-        """Where the columns of this rank's part begin in a whole control, and how far it is to the next row."""
+        """Where the places of this rank's part begin in a row of a whole control, and how far it is to the next row."""
         first = sum(self._widths[:RANK])
-        own = np.argsort(self._order)[first : first + self.shape[1]]
+        own = np.argsort(self._order)[first : first + self.shape[1] : len(self.components)]
         return own, np.full_like(own, len(self._order))
 
     @cached_property
     def _of_ranks(self) -> tuple[np.ndarray, np.ndarray]:
-        """The same of a whole control's columns in the controls of all ranks, one after another."""
+        """The same of a whole control's places in the controls of all ranks, one after another."""
         first = np.concatenate([[0], np.cumsum(self._widths)])
-        rank = np.searchsorted(first, self._order, side="right") - 1
-        return self.shape[0] * first[rank] + self._order - first[rank], self._widths[rank]
+        places = self._order[:: len(self.components)]
+        rank = np.searchsorted(first, places, side="right") - 1
+        return self.shape[0] * first[rank] + places - first[rank], self._widths[rank]
 
     def gather(self, u: ArrayLike) -> np.ndarray:
         """The whole of a control or derivative (intervals × all values) on every rank, places in the order of their coordinates,
         whatever the number of ranks."""
-        return self._gather(u, np.ones(self.shape[0]), np.ones(len(self._order)))
+        return self._gather(u, np.ones(self.shape[0]), np.ones(len(self._order)), np.empty((self.shape[0], len(self._order))))
 
     def scatter(self, whole: ArrayLike) -> np.ndarray:
         """This rank's part of a whole control, gather()'s inverse."""
         return self._scatter(whole, np.ones(self.shape[0]), np.ones(self.shape[1]), np.empty(self.shape))
 
-    def _gather(self, u: ArrayLike, row: np.ndarray, column: np.ndarray) -> np.ndarray:
-        """gather(), times a factor of each row and of each column."""
+    def _gather(self, u: ArrayLike, row: np.ndarray, column: np.ndarray, out: np.ndarray) -> np.ndarray:
+        """gather(), times a factor of each row and of each column; into out."""
         values = np.ascontiguousarray(u, dtype=float).reshape(self.shape)
         if RANKS > 1:
             everyone = np.empty(self.shape[0] * len(self._order))
             WORLD.Allgatherv(values.ravel(), (everyone, self.shape[0] * self._widths))
             values = everyone
-        out = np.empty((len(row), len(column)))
         _signorini.rows(values, *self._of_ranks, row, column, out)
         return out
 
@@ -307,7 +307,7 @@ class Replicated:
 
     def vector(self, u: ArrayLike) -> np.ndarray:
         """x of a control. (n)"""
-        return self.problem._gather(u, self._row, self._column).ravel()
+        return self.problem._gather(u, self._row, self._column, np.empty((len(self._row), len(self._column)))).ravel()
 
     def control(self, x: ArrayLike) -> np.ndarray:
         """The control of x, this rank's part. (intervals × values)"""
@@ -345,4 +345,5 @@ class Replicated:
 
     def _by_x(self, derivative: np.ndarray) -> np.ndarray:
         """The derivative by x of one by u. (n)"""
-        return self.problem._gather(derivative, self._row_inverse, self._column_inverse).ravel()
+        out = derivative if RANKS == 1 else np.empty((len(self._row), len(self._column)))
+        return self.problem._gather(derivative, self._row_inverse, self._column_inverse, out).ravel()
