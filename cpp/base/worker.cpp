@@ -52,20 +52,25 @@ union Descriptors {
   cmsghdr aligned;
 };
 
+msghdr message(iovec& data, Descriptors& descriptors) {
+  msghdr one{};
+  one.msg_iov = &data;
+  one.msg_iovlen = 1;
+  one.msg_control = descriptors.bytes.data();
+  one.msg_controllen = sizeof descriptors.bytes;
+  return one;
+}
+
 bool receive_job(int socket, Job& job) {
   pollfd ready{.fd = socket, .events = POLLIN, .revents = 0};
   if (poll(&ready, 1, idle) <= 0)
     return false;
-  Descriptors control{};
+  Descriptors descriptors{};
   iovec data{.iov_base = &job.seconds, .iov_len = sizeof job.seconds};
-  msghdr message{};
-  message.msg_iov = &data;
-  message.msg_iovlen = 1;
-  message.msg_control = control.bytes.data();
-  message.msg_controllen = sizeof control.bytes;
-  if (recvmsg(socket, &message, 0) != static_cast<ssize_t>(sizeof job.seconds))
+  msghdr received = message(data, descriptors);
+  if (recvmsg(socket, &received, 0) != static_cast<ssize_t>(sizeof job.seconds))
     return false;
-  const cmsghdr* header = CMSG_FIRSTHDR(&message);
+  const cmsghdr* header = CMSG_FIRSTHDR(&received);
   if (!header || header->cmsg_len != CMSG_LEN(2 * sizeof(int)))
     return false;
   std::array<int, 2> files{};
@@ -91,14 +96,10 @@ void limit(Resource resource, rlim_t most) {
 
 bool send_job(int socket, const Job& job) {
   int seconds = job.seconds;
+  Descriptors descriptors{};
   iovec data{.iov_base = &seconds, .iov_len = sizeof seconds};
-  Descriptors control{};
-  msghdr message{};
-  message.msg_iov = &data;
-  message.msg_iovlen = 1;
-  message.msg_control = control.bytes.data();
-  message.msg_controllen = sizeof control.bytes;
-  cmsghdr* header = CMSG_FIRSTHDR(&message);
+  const msghdr sent = message(data, descriptors);
+  cmsghdr* header = CMSG_FIRSTHDR(&sent);
   header->cmsg_level = SOL_SOCKET;
   header->cmsg_type = SCM_RIGHTS;
   header->cmsg_len = CMSG_LEN(2 * sizeof(int));
@@ -109,7 +110,7 @@ bool send_job(int socket, const Job& job) {
 #else
   constexpr int quiet = 0;
 #endif
-  return sendmsg(socket, &message, quiet) == static_cast<ssize_t>(sizeof seconds);
+  return sendmsg(socket, &sent, quiet) == static_cast<ssize_t>(sizeof seconds);
 }
 
 int serve(const std::function<std::string(const std::string&)>& answer) {

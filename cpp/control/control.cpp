@@ -1,25 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "control/control.h"
-#include "base/counters.h"
-#include "base/error.h"
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
-#include <functional>
 
 namespace signorini::control {
-using petsc::check;
-
 namespace {
-long& spaces = count("control spaces");
-}
 
 /// Entries in a block of a level-2 operation, so that the block of the common vector stays in the cache.
 constexpr std::size_t block = 4096;
 /// Blocks read by such an operation, about 3 µs each, from which on it is divided among threads.
 constexpr std::size_t worth_threads = 64;
-
-namespace {
 
 /// The least power of two above `largest`, or 1 where there is none.
 double power_above(double largest) {
@@ -104,352 +94,24 @@ void Control::add(std::span<const double> a, std::span<const CompactControl> x) 
   }
 }
 
-namespace {
-
-std::optional<std::vector<double>> per_component(std::optional<std::vector<double>> bound, int dim,
-                                                 const std::vector<int>& components) {
-  if (!bound)
-    return bound;
-  if (bound->size() == 1)
-    bound->assign(static_cast<std::size_t>(dim), bound->front());
-  std::vector<double> own;
-  for (int c : components)
-    own.push_back((*bound)[static_cast<std::size_t>(c)]);
-  return own;
-}
-
-std::vector<int> ascending(std::vector<int> numbers) {
-  std::ranges::sort(numbers);
-  return numbers;
-}
-
-/// HRZ lumping: the diagonal of W, scaled to the total mass; positive for every degree. For degree 1 it is
-/// the row sums.
-petsc::Vector lump(Mat W) {
-  petsc::Vector diagonal = fem::diagonal(W), one = petsc::zero_like(diagonal),
-                mass = petsc::zero_like(diagonal);
-  check(VecSet(one, 1));
-  check(MatMult(W, one, mass));
-  PetscScalar whole = 0, trace = 0;
-  check(VecSum(mass, &whole));
-  check(VecSum(diagonal, &trace));
-  check(VecScale(diagonal, whole / trace));
-  return diagonal;
-}
-
-} // namespace
-
-ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::TimeGrid grid,
-                           const scene::Control& scene)
-    : space_(space), grid_(grid), scale_(scene.scale), constant_in_time_(scene.constant_in_time),
-      cellwise_(scene.space == scene::ControlValues::cellwise), on_(scene.on),
-      components_(ascending(fem::component_numbers(scene.components, space.dim()))),
-      lower_(per_component(scene.lower, space.dim(), components_)),
-      upper_(per_component(scene.upper, space.dim(), components_)) {
-  ++spaces;
-  if (scene.step)
-    own_.emplace(*scene.step, scene.intervals);
-  if (cellwise_)
-    take_cells(scene.on);
-  else
-    take_nodes(operators, scene.on);
-}
-
-void ControlSpace::take_cells(const std::optional<std::string>& on) {
-  matrix_ = fem::assemble_cellwise(space_, on, "control.on");
-  const petsc::Vector one = space_.vector();
-  check(VecSet(one, 1));
-  const auto volumes = [&] { // the nodal functions are a partition of unity
-    petsc::Vector x;
-    check(MatCreateVecs(matrix_, x.put(), nullptr));
-    check(MatMultTranspose(matrix_, one, x));
-    return x;
-  };
-  field_ = volumes();
-  keep_places(field_, space_.midpoints());
-  if (!everywhere_) {
-    std::vector<int> columns;
-    for (std::size_t i = 0; i < places_.size() * components_.size(); ++i)
-      columns.push_back(static_cast<int>(entry(i)));
-    matrix_ = fem::columns(matrix_, columns);
-  }
-  volumes_ = volumes();
-  make_work(volumes_);
-}
-
-void ControlSpace::take_nodes(const fem::Operators& operators, const std::optional<std::string>& on) {
-  petsc::Matrix part = on ? fem::assemble_L2(space_, *on, "control.on") : petsc::Matrix();
-  const Mat L2 = on ? Mat(part) : Mat(*operators.W);
-  field_ = space_.vector();
-  keep_places(fem::diagonal(L2), space_.points());
-  if (!everywhere_)
-    matrix_ = fem::among_nodes(L2, places_, static_cast<int>(components_.size()));
-  else if (on)
-    matrix_ = std::move(part);
-  mass_ = matrix_ ? Mat(matrix_) : L2;
-  make_work(petsc::vector_of(mass_));
-  if (bounded())
-    lumped_ = lump(mass_);
-}
-
-void ControlSpace::keep_places(Vec weights, const std::vector<double>& points) {
-  const auto dim = static_cast<std::size_t>(space_.dim());
-  const petsc::ReadArray weight(weights);
-  for (std::size_t place = 0; place < weight.size() / dim; ++place)
-    if (weight[place * dim] != 0) {
-      places_.push_back(static_cast<int>(place));
-      points_.insert(points_.end(), &points[3 * place], &points[3 * place] + 3);
-    }
-  everywhere_ = components_.size() == dim && places_.size() * dim == weight.size();
-  MPI_Allreduce(MPI_IN_PLACE, &everywhere_, 1, MPI_CXX_BOOL, MPI_LAND, space_.comm());
-}
-
-void ControlSpace::make_work(Vec values) {
-  for (petsc::Vector* vector : {&work_, &in_, &out_})
-    *vector = petsc::zero_like(values);
-  size_ = petsc::ReadArray(work_).size();
-}
-
-petsc::Vector ControlSpace::field() const { return petsc::zero_like(field_); }
-
-void ControlSpace::extend(std::span<const double> values, Vec field) const {
-  check(VecZeroEntries(field));
-  add(1, values, field);
-}
-
-void ControlSpace::add(double a, std::span<const double> values, Vec field) const {
-  const petsc::WriteArray to(field);
-  if (everywhere_) {
-    axpy(a, values, to);
-    return;
-  }
-  for (std::size_t i = 0; i < values.size(); ++i)
-    to[entry(i)] += a * values[i];
-}
-
-void ControlSpace::restrict(Vec field, std::span<double> values) const {
-  const petsc::ReadArray from(field);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] = from[everywhere_ ? i : entry(i)];
-}
-
-double ControlSpace::control_bytes() const {
-  PetscInt size = 0;
-  check(VecGetSize(work_, &size));
-  return sizeof(PetscScalar) * static_cast<double>(size) * count();
-}
-
-double ControlSpace::begin(int j) const {
-  return constant_in_time_ ? (j - 1) * grid_.end() : (own_ ? *own_ : grid_).time(j - 1);
-}
-
-double ControlSpace::middle(int j) const {
-  return constant_in_time_ ? 0 : (own_ ? *own_ : grid_).load_time(j);
-}
-
-double ControlSpace::length(int j) const {
-  return constant_in_time_ ? grid_.end() : (own_ ? *own_ : grid_).length(j);
-}
-
-Control ControlSpace::zero() const { return Control(size_, count()); }
-
-Control ControlSpace::constant(double value) const {
-  Control u = zero();
-  std::ranges::fill(u.values(), value);
-  return u;
-}
-
-Control ControlSpace::interpolate(const scene::Components& components, const std::string& key) const {
-  const scene::Field field(components, key, !constant_in_time_);
-  Control u = zero();
-  for (int j = 1; j <= u.count(); ++j)
-    if (j > 1 && !field.depends_on_time())
-      std::ranges::copy(u.at(1), u.at(j).begin());
-    else
-      fem::interpolate(space_.comm(), field, middle(j), points_, components_, u.at(j));
-  return u;
-}
-
-void ControlSpace::mass(std::span<const double> u, std::span<double> out) const {
-  const petsc::Placed x(in_, u), image(out_, out);
-  if (cellwise_)
-    check(VecPointwiseMult(image, volumes_, x));
-  else
-    check(MatMult(mass_, x, image));
-}
-
-Control ControlSpace::mass(const Control& u) const {
-  Control image = zero();
-  for (int j = 1; j <= u.count(); ++j)
-    mass(u.at(j), image.at(j));
-  return image;
-}
-
-double ControlSpace::sum(double mine) const {
-  MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_DOUBLE, MPI_SUM, space_.comm());
-  return mine;
-}
-
-double ControlSpace::product(const Control& u, const Control& w) const {
-  std::vector<double> image(size_); // of one interval: products are made often, and controls are long
-  double mine = 0;
-  for (int j = 1; j <= u.count(); ++j) {
-    mass(w.at(j), image);
-    mine += length(j) * dot(u.at(j), image);
-  }
-  return sum(mine);
-}
-
-double ControlSpace::product_at(int j, const Control& u, const Control& w) const {
-  std::vector<double> image(size_);
-  mass(w.at(j), image);
-  return sum(dot(u.at(j), image));
-}
-
-double ControlSpace::norm(const Control& u) const { return std::sqrt(product(u, u)); }
-
-double ControlSpace::inner(const Control& u, const Control& w) const {
-  if (!lumped_)
-    return product(u, w);
-  const petsc::ReadArray weight(lumped_);
-  double mine = 0;
-  for (int j = 1; j <= u.count(); ++j) {
-    const std::span<const double> a = u.at(j), b = w.at(j);
-    double here = 0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-      here += a[i] * (weight[i] * b[i]);
-    mine += length(j) * here;
-  }
-  return sum(mine);
-}
-
-Control ControlSpace::dual(const Control& u) const {
-  Control dual = lumped_ ? u : mass(u);
-  if (lumped_) {
-    const petsc::ReadArray weight(lumped_);
-    for (int j = 1; j <= u.count(); ++j)
-      std::ranges::transform(u.at(j), std::span<const double>(weight), dual.at(j).begin(), std::multiplies());
-  }
-  for (int j = 1; j <= u.count(); ++j)
-    signorini::scale(length(j), dual.at(j));
-  return dual;
-}
-
-Control ControlSpace::weights() const {
-  const petsc::Vector other = diagonal() ? petsc::Vector() : lump(mass_);
-  const petsc::ReadArray weight(cellwise_ ? volumes_ : lumped_ ? lumped_ : other);
-  Control all = zero();
-  for (int j = 1; j <= all.count(); ++j)
-    axpy(length(j), weight, all.at(j));
-  return all;
-}
-
-std::vector<double> ControlSpace::pairings(std::span<const Control> duals, std::span<const Compact> w) const {
-  const std::size_t values = size_ * static_cast<std::size_t>(count()), blocks = (values + block - 1) / block,
-                    each = duals.size() * w.size();
+std::vector<double> dots(std::span<const Control> u, std::span<const CompactControl> w) {
+  const std::size_t values = u.empty() ? 0 : u.front().values().size(), blocks = (values + block - 1) / block,
+                    each = u.size() * w.size();
   std::vector<double> parts(blocks * each); // added in their order, whatever the number of threads
 #pragma omp parallel for schedule(static) if (blocks * each >= worth_threads)
   for (std::size_t b = 0; b < blocks; ++b) {
     const std::size_t first = b * block, size = std::min(block, values - first);
     const std::vector<const float*> arrays = beginnings(w, first);
-    for (std::size_t i = 0; i < duals.size(); ++i)
-      dots(arrays, duals[i].values().subspan(first, size),
-           std::span(parts).subspan(b * each + i * w.size(), w.size()));
+    for (std::size_t i = 0; i < u.size(); ++i)
+      signorini::dots(arrays, u[i].values().subspan(first, size),
+                      std::span(parts).subspan(b * each + i * w.size(), w.size()));
   }
   std::vector<double> sums(each);
   for (std::size_t b = 0; b < blocks; ++b)
     axpy(1, std::span(parts).subspan(b * each, each), sums);
   for (std::size_t i = 0; i < each; ++i)
-    sums[i] *= w[i % w.size()].scale(); // of this rank
-  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, space_.comm());
+    sums[i] *= w[i % w.size()].scale();
   return sums;
-}
-
-void ControlSpace::to_inner(Control& gradient) const {
-  if (!lumped_)
-    return;
-  std::vector<double> image(size_);
-  const petsc::ReadArray weight(lumped_);
-  for (int j = 1; j <= gradient.count(); ++j) {
-    mass(gradient.at(j), image);
-    std::ranges::transform(image, std::span<const double>(weight), gradient.at(j).begin(), std::divides());
-  }
-}
-
-void ControlSpace::project(Control& u) const {
-  if (!bounded())
-    return;
-  const std::size_t n = components_.size();
-  const std::span<double> values = u.values(); // place by place in every step
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (lower_)
-      values[i] = std::max(values[i], (*lower_)[i % n]);
-    if (upper_)
-      values[i] = std::min(values[i], (*upper_)[i % n]);
-  }
-}
-
-void ControlSpace::zero_blocked(Control& w, const Control& u, const Control& d) const {
-  if (!bounded())
-    return;
-  const std::size_t n = components_.size();
-  const std::span<const double> at = u.values(), direction = d.values();
-  const std::span<double> values = w.values();
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if ((lower_ && at[i] <= (*lower_)[i % n] && direction[i] < 0) ||
-        (upper_ && at[i] >= (*upper_)[i % n] && direction[i] > 0))
-      values[i] = 0;
-}
-
-void ControlSpace::add_force(std::span<const double> u, forward::NodalForce sum) const {
-  if (acts_by_density()) {
-    add(scale_, u, sum.density);
-    return;
-  }
-  const petsc::Placed values(in_, u);
-  if (cellwise_) {
-    check(VecAXPBY(work_, scale_, 0, values));
-    check(MatMultAdd(matrix_, work_, sum.vector, sum.vector));
-  } else { // other basis functions vanish where the control acts
-    check(MatMult(mass_, values, work_));
-    add(scale_, petsc::ReadArray(work_), sum.vector);
-  }
-}
-
-void ControlSpace::add_riesz(int k, Vec p, Control& g) const {
-  const int j = interval(k);
-  const double weight = grid_.scheme(k).impulse() / length(j) * scale_; // divided by that of product()
-  if (cellwise_) {                                                      // the mean of p over each cell
-    check(MatMultTranspose(matrix_, p, work_));
-    check(VecPointwiseDivide(work_, work_, volumes_));
-    axpy(weight, petsc::ReadArray(work_), g.at(j));
-    return;
-  }
-  const petsc::ReadArray states(p);
-  if (everywhere_) {
-    axpy(weight, states, g.at(j));
-    return;
-  }
-  const std::span<double> values = g.at(j);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] += weight * states[entry(i)];
-}
-
-SampledForce::SampledForce(const ControlSpace& controls, const scene::Components& components,
-                           const std::string& key, bool within)
-    : controls_(controls), field_(components, key, !controls.constant_in_time()), within_(within),
-      values_(controls.size(), 1) {}
-
-void SampledForce::add(int k, forward::NodalForce sum) const {
-  const double t = controls_.middle(controls_.interval(k));
-  if (at_ < 0 || (field_.depends_on_time() && at_ != t)) {
-    fem::interpolate(controls_.space().comm(), field_, t, controls_.points(), controls_.components(),
-                     values_.at(1));
-    if (within_)
-      controls_.project(values_);
-  }
-  at_ = t;
-  controls_.add_force(values_.at(1), sum);
 }
 
 } // namespace signorini::control

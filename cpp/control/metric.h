@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "control/control.h"
+#include "control/control_space.h"
 
 namespace signorini::control {
 

@@ -3,6 +3,7 @@
 #include "adjoint/sweep.h"
 #include "base/progress.h"
 #include "base/timers.h"
+#include "control/control_force.h"
 #include "control/objective.h"
 #include "forward/trajectory.h"
 #include <memory>

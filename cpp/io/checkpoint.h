@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "base/hdf5.h"
-#include "control/control.h"
+#include "control/control_space.h"
 #include <filesystem>
 #include <functional>
 #include <memory>

@@ -27,8 +27,8 @@ void place_rows(const double* values, std::span<const std::int64_t> start,
     double* const to = ordered.data();
     for (std::size_t i = 0; i < start.size(); ++i) {
       const double* const from = values + start[i] + static_cast<std::int64_t>(j) * stride[i];
-      std::array<double, components>
-          scaled; // all are read before one is written, or they would not go in pairs
+      // All are read before one is written, or they would not go in pairs.
+      std::array<double, components> scaled;
       for (std::size_t c = 0; c < components; ++c)
         scaled[c] = from[c] * factor * column[i * components + c];
       std::copy(scaled.begin(), scaled.end(), to + i * components);

@@ -255,14 +255,16 @@ class Problem:
     def gather(self, u: ArrayLike) -> np.ndarray:
         """The whole of a control or derivative (intervals × all values) on every rank, places in the order of their coordinates,
         whatever the number of ranks."""
-        return self._gather(u, np.ones(self.shape[0]), np.ones(len(self._order)), np.empty((self.shape[0], len(self._order))))
+        return self._gather(u, np.ones(self.shape[0]), np.ones(len(self._order)))
 
     def scatter(self, whole: ArrayLike) -> np.ndarray:
         """This rank's part of a whole control, gather()'s inverse."""
-        return self._scatter(whole, np.ones(self.shape[0]), np.ones(self.shape[1]), np.empty(self.shape))
+        return self._scatter(whole, np.ones(self.shape[0]), np.ones(self.shape[1]))
 
-    def _gather(self, u: ArrayLike, row: np.ndarray, column: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """gather(), times a factor of each row and of each column; into out."""
+    def _gather(self, u: ArrayLike, row: np.ndarray, column: np.ndarray, out: np.ndarray | None = None) -> np.ndarray:
+        """gather(), times a factor of each row and of each column; into new memory, or out."""
+        if out is None:
+            out = np.empty((self.shape[0], len(self._order)))
         values = np.ascontiguousarray(u, dtype=float).reshape(self.shape)
         if RANKS > 1:
             everyone = np.empty(self.shape[0] * len(self._order))
@@ -271,8 +273,10 @@ class Problem:
         _signorini.rows(values, *self._of_ranks, row, column, out)
         return out
 
-    def _scatter(self, whole: ArrayLike, row: np.ndarray, column: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """scatter(), times a factor of each row and of each column; into out."""
+    def _scatter(self, whole: ArrayLike, row: np.ndarray, column: np.ndarray, out: np.ndarray | None = None) -> np.ndarray:
+        """scatter(), times a factor of each row and of each column; into new memory, or out."""
+        if out is None:
+            out = np.empty(self.shape)
         whole = np.ascontiguousarray(whole, dtype=float)
         if whole.size != self.shape[0] * len(self._order):
             raise ValueError(f"found an array of {whole.size} entries, allowed are {self.shape[0]} x {len(self._order)} of all ranks")
@@ -307,13 +311,13 @@ class Replicated:
 
     def vector(self, u: ArrayLike) -> np.ndarray:
         """x of a control. (n)"""
-        return self.problem._gather(u, self._row, self._column, np.empty((len(self._row), len(self._column)))).ravel()
+        return self.problem._gather(u, self._row, self._column).ravel()
 
     def control(self, x: ArrayLike) -> np.ndarray:
         """The control of x, this rank's part. (intervals × values)"""
-        return self._control(x, np.empty(self.problem.shape))
+        return self._control(x)
 
-    def _control(self, x: ArrayLike, out: np.ndarray) -> np.ndarray:
+    def _control(self, x: ArrayLike, out: np.ndarray | None = None) -> np.ndarray:
         return self.problem._scatter(x, self._row_inverse, self._own_inverse, out)
 
     @property
@@ -345,5 +349,5 @@ class Replicated:
 
     def _by_x(self, derivative: np.ndarray) -> np.ndarray:
         """The derivative by x of one by u. (n)"""
-        out = derivative if RANKS == 1 else np.empty((len(self._row), len(self._column)))
+        out = derivative if RANKS == 1 else None
         return self.problem._gather(derivative, self._row_inverse, self._column_inverse, out).ravel()

@@ -123,17 +123,10 @@ std::string failure(const Parts& parts, Vec y) {
   return "it did not fail";
 }
 
-/// A PETSc option for as long as this object lives.
-struct Option {
-  const char* name;
-  Option(const char* n, const char* value) : name(n) { check(PetscOptionsSetValue(nullptr, name, value)); }
-  ~Option() { (void)PetscOptionsClearValue(nullptr, name); }
-};
-
 } // namespace
 
 TEST_CASE("a VI that does not converge ends with reason and residual", "[contact]") {
-  const Option option("-full_vi_snes_max_it", "0");
+  const test::Option option("-full_vi_snes_max_it", "0");
   const Parts parts({"solver.vi=full"});
   petsc::Vector y = parts.space.vector();
   CHECK(failure(parts, y) ==
@@ -141,7 +134,7 @@ TEST_CASE("a VI that does not converge ends with reason and residual", "[contact
 }
 
 TEST_CASE("an iterative solve that does not converge ends with reason and residual", "[contact]") {
-  const Option option("-step_ksp_max_it", "2");
+  const test::Option option("-step_ksp_max_it", "2");
   const Parts parts({"solver.linear=iterative"});
   petsc::Vector y = parts.space.vector();
   CHECK_THAT(failure(parts, y),
@@ -194,7 +187,7 @@ TEST_CASE("conjugate gradients from a solution are done", "[contact]") {
 
 TEST_CASE("conjugate gradients keep what contact prescribes, however far residuals fall", "[contact]") {
   // Below the rounding of the forces that keep the gaps closed, 1e-16 of them, by a factor of 1e4.
-  const Option option("-step_ksp_rtol", "1e-20");
+  const test::Option option("-step_ksp_rtol", "1e-20");
   Pushed pushed;
   pushed.solve();
   pushed.check_solution();
@@ -209,7 +202,7 @@ TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[
   const petsc::Vector r = parts.pressing(2);
   petsc::Vector y = parts.space.vector(), z = parts.space.vector();
   const contact::ContactState usual = parts.solve(r, y);
-  const Option option("-condensed_vi_snes_max_it", "0");
+  const test::Option option("-condensed_vi_snes_max_it", "0");
   const forward::SolverChoice solver(Parts::copy(parts.D), &parts.pairs, parts.scene.solver, true);
   contact::ContactState other(parts.pairs.count());
   contact::Workspace work = solver.contact()->workspace();

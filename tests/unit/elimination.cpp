@@ -8,6 +8,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <fmt/format.h>
 #include <functional>
+#include <optional>
 
 using namespace signorini;
 using petsc::check;
@@ -177,11 +178,11 @@ TEST_CASE("MUMPS is given more space where what it set aside falls short", "[con
   // On several ranks it does at random, as they are loaded. Here it is told to set aside too little.
   if (ranks(MPI_COMM_WORLD) > 1)
     return; // a factorisation that fails there may leave messages to the next one
-  constexpr const char* relaxation = "-step_mat_mumps_icntl_14";
   const Parts parts({"mesh.size=0.02"});
   MumpsSolver usual(parts.D);
   usual.factorise();
-  petsc::check(PetscOptionsSetValue(nullptr, relaxation, "-50"));
+  std::optional<test::Option> relaxation;
+  relaxation.emplace("-step_mat_mumps_icntl_14", "-50");
   {
     petsc::Matrix matrix, factor;
     MatFactorInfo info;
@@ -198,7 +199,7 @@ TEST_CASE("MUMPS is given more space where what it set aside falls short", "[con
   }
   MumpsSolver tight(parts.D);
   tight.factorise();
-  petsc::check(PetscOptionsClearValue(nullptr, relaxation));
+  relaxation.reset();
   const petsc::Vector r = parts.pressing(0);
   petsc::Vector x = parts.space.vector(), y = parts.space.vector();
   usual.solve(r, x);

@@ -27,6 +27,20 @@ struct Ready {
       : scene(parse(source(file), overrides)), problem(MPI_COMM_WORLD, scene, {.sliding = true}, timers) {}
 };
 
+/// A PETSc option for as long as this object lives.
+class Option {
+public:
+  Option(const char* name, const char* value) : name_(name) {
+    petsc::check(PetscOptionsSetValue(nullptr, name, value));
+  }
+  ~Option() { (void)PetscOptionsClearValue(nullptr, name_); }
+  Option(const Option&) = delete;
+  Option& operator=(const Option&) = delete;
+
+private:
+  const char* name_;
+};
+
 inline const Console& silent() {
   static const Console console(false, false);
   return console;

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "control/control_space.h"
+#include "scene/expression.h"
+#include <string>
+#include <utility>
+
+namespace signorini::control {
+
+/// The force of a control that expressions give, evaluated as steps ask for it: not more than one interval is
+/// stored.
+class SampledForce final : public forward::Load {
+public:
+  /// `key` names it in messages; `within`: it is clipped to the bounds. `controls` must outlive this object.
+  /// Throws UserError.
+  SampledForce(const ControlSpace& controls, const scene::Components& components, const std::string& key,
+               bool within);
+  [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
+  [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
+  void add(int k, forward::NodalForce sum) const override;
+
+private:
+  const ControlSpace& controls_;
+  scene::Field field_;
+  bool within_;
+  mutable Control values_; ///< of the interval evaluated last
+  mutable double at_ = -1; ///< its time, s
+};
+
+/// The force s u_k of a control on the body, as a load.
+class ControlForce final : public forward::Load {
+public:
+  /// The references must outlive this object.
+  ControlForce(const ControlSpace& controls, const Control& u) : controls_(controls), u_(u) {}
+  [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
+  [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
+  void add(int k, forward::NodalForce sum) const override {
+    controls_.add_force(u_.at(controls_.interval(k)), sum);
+  }
+
+private:
+  const ControlSpace& controls_;
+  const Control& u_;
+};
+
+/// The same in a motion of other steps than those of the control.
+class HeldForce final : public forward::Load {
+public:
+  /// `grid`: of the motion. The references must outlive this object.
+  HeldForce(const ControlSpace& controls, const Control& u, forward::TimeGrid grid)
+      : controls_(controls), u_(u), grid_(std::move(grid)) {}
+  [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
+  [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
+  void add(int k, forward::NodalForce sum) const override {
+    controls_.add_force(u_.at(controls_.interval_at(grid_.load_time(k))), sum);
+  }
+
+private:
+  const ControlSpace& controls_;
+  const Control& u_;
+  forward::TimeGrid grid_;
+};
+
+} // namespace signorini::control

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "control/control.h"
+#include "fem/operators.h"
+#include "forward/load.h"
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace signorini::control {
+
+/// The space of controls: where they act, their products, their bounds, and how they enter the equation of
+/// motion. Nodal values of the displacement's degree ("nodal"), or one value for each cell ("cellwise"); on
+/// the whole body, a part of it or a surface (there a cell's value acts on those of its facets that lie on
+/// it). All members collective.
+///
+/// It is constant on each time step, or on intervals of its own (control.step, or the whole time), of which a
+/// step takes the one at its middle. u_j stores values only at the places (nodes or cells) and in the
+/// components where the control acts, (places × components), place by place; extend() gives the field. A
+/// control on a surface is thus small.
+///
+/// product() is that of L2(0,T; L2), Σ_j T_j (u_j, w_j), T_j the length of interval j, over the set on which
+/// the control acts. inner() is the
+/// product of the optimizer: the same where the mass matrix is diagonal or there are no bounds; else with the
+/// lumped mass matrix (HRZ), because clipping the values to the bounds is the projection onto the bounds
+/// exactly where the mass matrix is diagonal (docs/method.md section 6).
+class ControlSpace {
+public:
+  using Vector = Control;
+  using Compact = CompactControl;
+
+  /// The references must outlive this object. Throws UserError.
+  ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::TimeGrid grid,
+               const scene::Control& scene);
+
+  [[nodiscard]] Control zero() const;
+  /// The same number wherever the control acts.
+  [[nodiscard]] Control constant(double value) const;
+  /// Values at the nodes or midpoints, in the middle of each interval; of a control constant in time, at t =
+  /// 0. Throws UserError naming `key`.
+  [[nodiscard]] Control interpolate(const scene::Components& components, const std::string& key) const;
+
+  /// Values of an interval on this rank.
+  [[nodiscard]] std::size_t size() const { return size_; }
+  /// A zero field: a vector of V, or one for each cell (owned cells × dim).
+  [[nodiscard]] petsc::Vector field() const;
+  /// The field with these values, zero in places and components where the control does not act.
+  void extend(std::span<const double> values, Vec field) const;
+  /// The values of a field where the control acts.
+  void restrict(Vec field, std::span<double> values) const;
+
+  [[nodiscard]] double product(const Control& u, const Control& w) const;
+  /// (u_j, w_j)
+  [[nodiscard]] double product_at(int j, const Control& u, const Control& w) const;
+  [[nodiscard]] double norm(const Control& u) const;
+  [[nodiscard]] double inner(const Control& u, const Control& w) const;
+  /// The functional inner(u, ·), as the values that pairings() multiplies with those of w.
+  [[nodiscard]] Control dual(const Control& u) const;
+  /// Whether the matrix of dual() is diagonal.
+  [[nodiscard]] bool diagonal() const { return cellwise_ || lumped_; }
+  /// That diagonal, T_j included; where there are other entries, that of the lumped mass matrix (HRZ), which
+  /// resembles it on every mesh.
+  [[nodiscard]] Control weights() const;
+  /// inner(u_i, w_j) from the duals of u_i (duals × w), in one pass over the w_j and one reduction.
+  [[nodiscard]] std::vector<double> pairings(std::span<const Control> duals,
+                                             std::span<const Compact> w) const;
+  /// Converts the Riesz representative of a functional in product() to that in inner(), in place.
+  void to_inner(Control& gradient) const;
+
+  [[nodiscard]] bool bounded() const { return lower_ || upper_; }
+  /// Clips to the bounds: the projection in inner().
+  void project(Control& u) const;
+  /// Sets w to zero where u is at a bound and d points out of it.
+  void zero_blocked(Control& w, const Control& u, const Control& d) const;
+
+  /// Memory of one control, bytes. Collective.
+  [[nodiscard]] double control_bytes() const;
+  /// The same in single precision.
+  [[nodiscard]] double compact_bytes() const { return control_bytes() * sizeof(float) / sizeof(double); }
+  /// Memory of the matrix assembled for the control alone, bytes; 0 where W serves. Collective.
+  [[nodiscard]] double matrix_bytes() const { return matrix_ ? petsc::bytes(matrix_) : 0; }
+
+  [[nodiscard]] int steps() const { return grid_.steps(); }
+  [[nodiscard]] const fem::Space& space() const { return space_; }
+  /// The group where the control acts, absent: the body.
+  [[nodiscard]] const std::optional<std::string>& on() const { return on_; }
+  /// Whether a control has one value for each cell.
+  [[nodiscard]] bool cellwise() const { return cellwise_; }
+  /// Where the owned values are: nodes or midpoints of cells (places × 3), m.
+  [[nodiscard]] const std::vector<double>& points() const { return points_; }
+  /// Their numbers among the owned nodes or cells (places).
+  [[nodiscard]] const std::vector<int>& places() const { return places_; }
+  /// The components in which the control acts, ascending numbers.
+  [[nodiscard]] const std::vector<int>& components() const { return components_; }
+
+  /// Whether the control acts by a force density, else by forces on the nodes (forward::NodalForce).
+  [[nodiscard]] bool acts_by_density() const { return !on_ && !cellwise_; }
+  /// Adds the force s u, for the values u of an interval.
+  void add_force(std::span<const double> u, forward::NodalForce sum) const;
+
+  /// Adds to g the contribution of step k to the Riesz representative, in product(), of the functional
+  /// u ↦ Σ_k impulse() p_k · (force of u in step k): the transpose of add_force(). For nodal values of each
+  /// step it is (τ_k s/2) p_k (docs/method.md section 4).
+  void add_riesz(int k, Vec p, Control& g) const;
+
+  /// Number of intervals on which controls are constant.
+  [[nodiscard]] int count() const { return constant_in_time_ ? 1 : own_ ? own_->steps() : grid_.steps(); }
+  [[nodiscard]] bool constant_in_time() const { return constant_in_time_; }
+  /// Whether these are the time steps.
+  [[nodiscard]] bool stepwise() const { return !constant_in_time_ && !own_; }
+  /// The interval whose values step k takes.
+  [[nodiscard]] int interval(int k) const { return stepwise() ? k : interval_at(grid_.load_time(k)); }
+  /// The interval of a time, s.
+  [[nodiscard]] int interval_at(double t) const {
+    return constant_in_time_ ? 1 : (own_ ? *own_ : grid_).place(t).k;
+  }
+  /// When interval j begins, s; that after the last one begins at the end.
+  [[nodiscard]] double begin(int j) const;
+  /// The time for which a given control is evaluated on it, s: its middle, or 0 if it is the whole time.
+  [[nodiscard]] double middle(int j) const;
+  /// Its length T_j, s.
+  [[nodiscard]] double length(int j) const;
+  [[nodiscard]] const forward::TimeGrid& grid() const { return grid_; }
+
+private:
+  /// field += a · values.
+  void add(double a, std::span<const double> values, Vec field) const;
+  /// out_k = mass matrix · u_k, the matrix of product().
+  [[nodiscard]] Control mass(const Control& u) const;
+  /// The same of one interval.
+  void mass(std::span<const double> u, std::span<double> out) const;
+  /// The sum over all ranks.
+  [[nodiscard]] double sum(double mine) const;
+
+  /// The local entry of a field that holds an owned value.
+  [[nodiscard]] std::size_t entry(std::size_t value) const {
+    const std::size_t n = components_.size();
+    return static_cast<std::size_t>(places_[value / n] * space_.dim() + components_[value % n]);
+  }
+  /// Creates the work vectors in the layout of `values`.
+  void make_work(Vec values);
+  void take_cells(const std::optional<std::string>& on);
+  void take_nodes(const fem::Operators& operators, const std::optional<std::string>& on);
+  /// Takes the places where a field, its weights, is not zero.
+  void keep_places(Vec weights, const std::vector<double>& points);
+
+  const fem::Space& space_;
+  forward::TimeGrid grid_;
+  std::optional<forward::TimeGrid> own_; ///< intervals of its own
+  double scale_;
+  bool constant_in_time_, cellwise_;
+  std::optional<std::string> on_;
+  std::vector<int> components_;
+  std::vector<int> places_; ///< owned nodes or cells where the control acts, ascending local numbers
+  bool everywhere_ = false; ///< at all places and components of all ranks: values are a field
+  std::vector<double> points_;
+  petsc::Matrix matrix_;  ///< nodal: mass matrix, if it is not W; cellwise: ∫ u·φ (dofs × values)
+  Mat mass_ = nullptr;    ///< nodal: the mass matrix (values × values), matrix_ or W
+  petsc::Vector volumes_; ///< cellwise: the diagonal mass matrix
+  std::optional<std::vector<double>> lower_, upper_; ///< one entry per component of components_
+  std::size_t size_ = 0;
+  petsc::Vector work_, in_, out_, field_; ///< of values; in_, out_ on arrays of controls; a field
+  petsc::Vector lumped_; ///< diagonal of the lumped mass matrix; null where inner() is product()
+};
+
+} // namespace signorini::control
