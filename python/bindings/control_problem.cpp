@@ -3,6 +3,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "control/metric.h"
+#include "rows.h"
 #include "scene.h"
 #include <array>
 #include <chrono>
@@ -78,9 +79,9 @@ private:
   /// What `work` computes once the given control is the current one; a motion that is known is not made
   /// again.
   template <class Work>
-  auto at(const Given& given, Work&& work) {
+  auto at(const Given& given, Work&& work, const Rows* order = nullptr) {
     return compute([&] {
-      go_to(control(given));
+      go_to(control(given, order));
       return work();
     });
   }
@@ -122,10 +123,12 @@ public:
   [[nodiscard]] control::ReducedProblem& reduced() const { return all().problem.reduced; }
   [[nodiscard]] double seconds() const { return seconds_; }
 
-  /// A control of given values. Throws std::invalid_argument.
-  [[nodiscard]] Control control(const Given& given) const {
+  /// A control of given values, which `order` takes from a whole one's. Throws std::invalid_argument.
+  [[nodiscard]] Control control(const Given& given, const Rows* order = nullptr) const {
     const std::span<const double> values = values_of(given);
     const int count = controls().count();
+    if (order)
+      return {order->of(values), count};
     if (values.size() != controls().size() * static_cast<std::size_t>(count))
       throw std::invalid_argument(
           fmt::format("found an array of {} entries, allowed are {} x {} of this rank", values.size(), count,
@@ -135,17 +138,20 @@ public:
 
   [[nodiscard]] Control first_guess() const { return all().problem.first_guess(all().scene); }
 
-  double value(const Given& given) {
-    return at(given, [&] { return reduced().value().total(); });
+  double value(const Given& given, const Rows* order) {
+    return at(given, [&] { return reduced().value().total(); }, order);
   }
 
   /// J and its derivative.
-  std::pair<double, Array> value_and_derivative(const Given& given) {
+  std::pair<double, Array> value_and_derivative(const Given& given, const Rows* order) {
     double value = 0;
-    Control derivative = at(given, [&] {
-      value = reduced().value().total();
-      return swept([&] { return controls().dual(gradient()); });
-    });
+    Control derivative = at(
+        given,
+        [&] {
+          value = reduced().value().total();
+          return swept([&] { return controls().dual(gradient()); });
+        },
+        order);
     return {value, array_of(std::move(derivative))};
   }
 
@@ -154,9 +160,10 @@ public:
     return array_of(at(given, [&] { return gradient(); }));
   }
 
-  Array hessian_product(const Given& given, const Given& direction) {
-    return array_of(
-        at(given, [&, d = control(direction)] { return controls().dual(reduced().hessian_product(d)); }));
+  Array hessian_product(const Given& given, const Given& direction, const Rows* order) {
+    return array_of(at(
+        given, [&, d = control(direction, order)] { return controls().dual(reduced().hessian_product(d)); },
+        order));
   }
 
   std::tuple<double, double, double> parts(const Given& given) {
@@ -285,10 +292,12 @@ void bind_control_problem(nb::module_& module) {
   bound_class.def(nb::init<Scene&>())
       .def("zero", [](const Reduced& self) { return array_of(self.controls().zero()); })
       .def("first_guess", [](const Reduced& self) { return array_of(self.first_guess()); })
-      .def("value", &Reduced::value)
-      .def("value_and_derivative", &Reduced::value_and_derivative)
+      .def("value", &Reduced::value, nb::arg("u"), nb::arg("order") = nb::none())
+      .def("value_and_derivative", &Reduced::value_and_derivative, nb::arg("u"),
+           nb::arg("order") = nb::none())
       .def("representative", &Reduced::representative)
-      .def("hessian_product", &Reduced::hessian_product)
+      .def("hessian_product", &Reduced::hessian_product, nb::arg("u"), nb::arg("d"),
+           nb::arg("order") = nb::none())
       .def("parts", &Reduced::parts)
       .def("displacements", &Reduced::displacements)
       .def("active", &Reduced::active)

@@ -19,7 +19,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from . import _signorini
 from .world import RANK, RANKS, WORLD, of_all
@@ -49,15 +48,15 @@ class Metric:
     def __init__(self, problem: _signorini.ControlProblem) -> None:
         self._problem = problem
 
-    def product(self, u: ArrayLike, w: ArrayLike) -> float:
+    def product(self, u: np.ndarray, w: np.ndarray) -> float:
         """The product of two controls, over all ranks."""
         return self._problem.inner(u, w)
 
-    def apply(self, u: ArrayLike) -> np.ndarray:
+    def apply(self, u: np.ndarray) -> np.ndarray:
         """Matrix times control: the derivative of half the squared norm. (intervals × values)"""
         return self._problem.dual(u)
 
-    def apply_inverse(self, d: ArrayLike) -> np.ndarray:
+    def apply_inverse(self, d: np.ndarray) -> np.ndarray:
         """The Riesz representative of a derivative, to rounding. (intervals × values)"""
         return self._problem.riesz(d)
 
@@ -145,27 +144,27 @@ class Problem:
 
     # --- J and its derivatives ------------------------------------------------------------------------
 
-    def value(self, u: ArrayLike) -> float:
+    def value(self, u: np.ndarray) -> float:
         """J(u), by a forward sweep."""
         return self._problem.value(u)
 
-    def value_and_gradient(self, u: ArrayLike) -> tuple[float, np.ndarray]:
+    def value_and_gradient(self, u: np.ndarray) -> tuple[float, np.ndarray]:
         """J(u) and its *derivative* by the entries of u (intervals × values), by a forward and an adjoint sweep."""
         return self._problem.value_and_derivative(u)
 
-    def gradient(self, u: ArrayLike) -> np.ndarray:
+    def gradient(self, u: np.ndarray) -> np.ndarray:
         """The derivative alone."""
         return self.value_and_gradient(u)[1]
 
-    def representative(self, u: ArrayLike) -> np.ndarray:
+    def representative(self, u: np.ndarray) -> np.ndarray:
         """The gradient as a control: the Riesz representative of the derivative in the metric."""
         return self._problem.representative(u)
 
-    def riesz(self, derivative: ArrayLike) -> np.ndarray:
+    def riesz(self, derivative: np.ndarray) -> np.ndarray:
         """The Riesz representative of a derivative in the metric."""
         return self._problem.riesz(derivative)
 
-    def hessian_product(self, u: ArrayLike, d: ArrayLike) -> np.ndarray:
+    def hessian_product(self, u: np.ndarray, d: np.ndarray) -> np.ndarray:
         """The second derivative of J at u in the direction d, as a derivative (intervals × values), with the active sets of u's
         motion: by a linearised and an adjoint sweep. J is smooth where no small change of u changes these sets."""
         return self._problem.hessian_product(u, d)
@@ -174,7 +173,7 @@ class Problem:
         """What a derivative says of a change d of the control: the sum of all products of entries, over all ranks."""
         return float(sum(of_all(float(np.vdot(derivative, d)))))
 
-    def parts(self, u: ArrayLike) -> Parts:
+    def parts(self, u: np.ndarray) -> Parts:
         """The parts of J(u)."""
         return Parts(*self._problem.parts(u))
 
@@ -190,17 +189,17 @@ class Problem:
         """The nodes of this rank in the undeformed body, m. (nodes × dim)"""
         return self._problem.nodes()
 
-    def states(self, u: ArrayLike) -> np.ndarray:
+    def states(self, u: np.ndarray) -> np.ndarray:
         """The displacements of u's motion at all step_times, a copy, m. (steps + 1 × nodes × dim)"""
         return self._problem.displacements(u, 0, self._problem.steps + 1)
 
-    def displacement(self, u: ArrayLike, step: int) -> np.ndarray:
+    def displacement(self, u: np.ndarray, step: int) -> np.ndarray:
         """The displacement after a step, 0 being the start, m. (nodes × dim)"""
         if not 0 <= step <= self._problem.steps:
             raise IndexError(f"step: found {step}, allowed are 0 to {self._problem.steps}")
         return self._problem.displacements(u, step, 1)[0]
 
-    def active(self, u: ArrayLike) -> np.ndarray:
+    def active(self, u: np.ndarray) -> np.ndarray:
         """How many candidates of the whole body are in contact at the step_times; none counts at the start. (steps + 1)"""
         return np.array(self._problem.active(u), dtype=int)
 
@@ -252,36 +251,35 @@ class Problem:
         rank = np.searchsorted(first, places, side="right") - 1
         return self.shape[0] * first[rank] + places - first[rank], self._widths[rank]
 
-    def gather(self, u: ArrayLike) -> np.ndarray:
+    def _rows(self, places: tuple[np.ndarray, np.ndarray], row: np.ndarray | None, column: np.ndarray | None) -> _signorini.Rows:
+        """Takes these places of arrays of all ranks' values, times a factor of each row and of each column."""
+        width = len(places[0]) * len(self.components)
+        row = np.ones(self.shape[0]) if row is None else row
+        return _signorini.Rows(self.shape[0] * len(self._order), *places, row, np.ones(width) if column is None else column)
+
+    def _to_whole(self, row: np.ndarray | None = None, column: np.ndarray | None = None) -> _signorini.Rows:
+        return self._rows(self._of_ranks, row, column)
+
+    def _to_own(self, row: np.ndarray | None = None, column: np.ndarray | None = None) -> _signorini.Rows:
+        return self._rows(self._of_whole, row, column)
+
+    def _of_all(self, u: np.ndarray) -> np.ndarray:
+        """The controls of all ranks, one after another."""
+        values = np.ascontiguousarray(u, dtype=float).reshape(self.shape)
+        if RANKS == 1:
+            return values
+        everyone = np.empty(self.shape[0] * len(self._order))
+        WORLD.Allgatherv(values.ravel(), (everyone, self.shape[0] * self._widths))
+        return everyone
+
+    def gather(self, u: np.ndarray) -> np.ndarray:
         """The whole of a control or derivative (intervals × all values) on every rank, places in the order of their coordinates,
         whatever the number of ranks."""
-        return self._gather(u, np.ones(self.shape[0]), np.ones(len(self._order)))
+        return self._to_whole().of(self._of_all(u))
 
-    def scatter(self, whole: ArrayLike) -> np.ndarray:
+    def scatter(self, whole: np.ndarray) -> np.ndarray:
         """This rank's part of a whole control, gather()'s inverse."""
-        return self._scatter(whole, np.ones(self.shape[0]), np.ones(self.shape[1]))
-
-    def _gather(self, u: ArrayLike, row: np.ndarray, column: np.ndarray, out: np.ndarray | None = None) -> np.ndarray:
-        """gather(), times a factor of each row and of each column; into new memory, or out."""
-        if out is None:
-            out = np.empty((self.shape[0], len(self._order)))
-        values = np.ascontiguousarray(u, dtype=float).reshape(self.shape)
-        if RANKS > 1:
-            everyone = np.empty(self.shape[0] * len(self._order))
-            WORLD.Allgatherv(values.ravel(), (everyone, self.shape[0] * self._widths))
-            values = everyone
-        _signorini.rows(values, *self._of_ranks, row, column, out)
-        return out
-
-    def _scatter(self, whole: ArrayLike, row: np.ndarray, column: np.ndarray, out: np.ndarray | None = None) -> np.ndarray:
-        """scatter(), times a factor of each row and of each column; into new memory, or out."""
-        if out is None:
-            out = np.empty(self.shape)
-        whole = np.ascontiguousarray(whole, dtype=float)
-        if whole.size != self.shape[0] * len(self._order):
-            raise ValueError(f"found an array of {whole.size} entries, allowed are {self.shape[0]} x {len(self._order)} of all ranks")
-        _signorini.rows(whole, *self._of_whole, row, column, out)
-        return out
+        return self._to_own().of(whole)
 
     def replicated(self) -> Replicated:
         """The problem in vectors that are whole on every rank, for optimizers that know no ranks."""
@@ -298,27 +296,25 @@ class Replicated:
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         # √w is the root of an interval's length times that of a place's weight.
-        self._row = np.sqrt(problem.lengths)
-        self._column = problem.gather(np.sqrt(problem.metric.weights))[0] / self._row[0]
-        self._own_inverse = self._row[0] / np.sqrt(problem.metric.weights[0])
-        self._row_inverse, self._column_inverse = 1 / self._row, 1 / self._column
-        self._last = np.empty(problem.shape)  # the control that is looked at: new memory at each call would cost as much as the rest
+        row = np.sqrt(problem.lengths)
+        own = np.sqrt(problem.metric.weights[0]) / row[0]
+        column = problem.gather(np.tile(own, (len(row), 1)))[0]
+        self._vectors, self._derivatives = problem._to_whole(row, column), problem._to_whole(1 / row, 1 / column)
+        self._controls = problem._to_own(1 / row, 1 / own)
+        self._size = row.size * column.size
 
     @property
     def size(self) -> int:
         """n."""
-        return self._row.size * self._column.size
+        return self._size
 
-    def vector(self, u: ArrayLike) -> np.ndarray:
+    def vector(self, u: np.ndarray) -> np.ndarray:
         """x of a control. (n)"""
-        return self.problem._gather(u, self._row, self._column).ravel()
+        return self._vectors.of(self.problem._of_all(u)).ravel()
 
-    def control(self, x: ArrayLike) -> np.ndarray:
+    def control(self, x: np.ndarray) -> np.ndarray:
         """The control of x, this rank's part. (intervals × values)"""
-        return self._control(x)
-
-    def _control(self, x: ArrayLike, out: np.ndarray | None = None) -> np.ndarray:
-        return self.problem._scatter(x, self._row_inverse, self._own_inverse, out)
+        return self._controls.of(x)
 
     @property
     def start(self) -> np.ndarray:
@@ -334,20 +330,22 @@ class Replicated:
         sides = [np.full(self.size, beyond) if side is None else self.vector(side) for side, beyond in ((lower, -np.inf), (upper, np.inf))]
         return list(zip(*sides, strict=True))
 
-    def value(self, x: ArrayLike) -> float:
+    def value(self, x: np.ndarray) -> float:
         """J."""
-        return self.problem.value(self._control(x, self._last))
+        return self.problem._problem.value(x, self._controls)
 
-    def value_and_gradient(self, x: ArrayLike) -> tuple[float, np.ndarray]:
+    def value_and_gradient(self, x: np.ndarray) -> tuple[float, np.ndarray]:
         """J and its gradient by x. (n)"""
-        value, derivative = self.problem.value_and_gradient(self._control(x, self._last))
+        value, derivative = self.problem._problem.value_and_derivative(x, self._controls)
         return value, self._by_x(derivative)
 
-    def hessian_product(self, x: ArrayLike, d: ArrayLike) -> np.ndarray:
+    def hessian_product(self, x: np.ndarray, d: np.ndarray) -> np.ndarray:
         """The Hessian at x times d, with the active sets there. (n)"""
-        return self._by_x(self.problem.hessian_product(self._control(x, self._last), self.control(d)))
+        return self._by_x(self.problem._problem.hessian_product(x, d, self._controls))
 
     def _by_x(self, derivative: np.ndarray) -> np.ndarray:
-        """The derivative by x of one by u. (n)"""
-        out = derivative if RANKS == 1 else None
-        return self.problem._gather(derivative, self._row_inverse, self._column_inverse, out).ravel()
+        """The derivative by x of one by u, whose memory it takes. (n)"""
+        if RANKS > 1:
+            return self._derivatives.of(self.problem._of_all(derivative)).ravel()
+        self._derivatives.in_place(derivative)
+        return derivative.ravel()
