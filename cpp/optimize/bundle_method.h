@@ -105,11 +105,16 @@ private:
   /// The end of the rounds.
   Step over() { return {.certificate = std::move(smooth_), .over = true}; }
 
+  /// A vector without its blocked values.
+  Vector free(const P& problem, Vector x) const {
+    for (const Shared<Vector>& d : held_)
+      problem.zero_blocked(x, *bounds_at_, *d);
+    return x;
+  }
+
   /// Coordinates of the values of a gradient that are not blocked.
   Coordinates coordinates(const P& problem, Vector g) {
-    for (const Shared<Vector>& d : held_)
-      problem.zero_blocked(g, *bounds_at_, *d);
-    return span_.coordinates(problem, std::move(g));
+    return span_.coordinates(problem, free(problem, std::move(g)));
   }
 
   /// The cut of a gradient, as of the current point.
@@ -202,7 +207,8 @@ private:
       Direction direction = model_.minimise(span_.dimension());
       if (direction.subgradient.length == 0)
         return {std::move(direction), std::nullopt};
-      Vector d = span_.vector(direction.d, at.u);
+      // A short sum of long vectors has rounding where they have nothing, which would be blocked for ever.
+      Vector d = free(problem, span_.vector(direction.d, at.u));
       if (outward(problem, at.u, d) > options_.bundle.rounding * norm(direction.d)) {
         block(problem, d); // without a product, so that none is counted
         continue;
