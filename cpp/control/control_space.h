@@ -22,10 +22,9 @@ namespace signorini::control {
 /// control on a surface is thus small.
 ///
 /// product() is that of L2(0,T; L2), Σ_j T_j (u_j, w_j), T_j the length of interval j, over the set on which
-/// the control acts. inner() is the
-/// product of the optimizer: the same where the mass matrix is diagonal or there are no bounds; else with the
-/// lumped mass matrix (HRZ), because clipping the values to the bounds is the projection onto the bounds
-/// exactly where the mass matrix is diagonal (docs/method.md section 6).
+/// the control acts. inner() is the product of the optimizer: the same where the mass matrix is diagonal or
+/// there are no bounds; else with the lumped mass matrix (HRZ), because clipping the values to the bounds is
+/// the projection onto the bounds exactly where the mass matrix is diagonal (docs/method.md section 6).
 class ControlSpace {
 public:
   using Vector = Control;

@@ -106,7 +106,7 @@ private:
   Step over() { return {.certificate = std::move(smooth_), .over = true}; }
 
   /// A vector without its blocked values.
-  Vector free(const P& problem, Vector x) const {
+  Vector unblocked(const P& problem, Vector x) const {
     for (const Shared<Vector>& d : held_)
       problem.zero_blocked(x, *bounds_at_, *d);
     return x;
@@ -114,7 +114,7 @@ private:
 
   /// Coordinates of the values of a gradient that are not blocked.
   Coordinates coordinates(const P& problem, Vector g) {
-    return span_.coordinates(problem, free(problem, std::move(g)));
+    return span_.coordinates(problem, unblocked(problem, std::move(g)));
   }
 
   /// The cut of a gradient, as of the current point.
@@ -208,7 +208,7 @@ private:
       if (direction.subgradient.length == 0)
         return {std::move(direction), std::nullopt};
       // A short sum of long vectors has rounding where they have nothing, which would be blocked for ever.
-      Vector d = free(problem, span_.vector(direction.d, at.u));
+      Vector d = unblocked(problem, span_.vector(direction.d, at.u));
       if (outward(problem, at.u, d) > options_.bundle.rounding * norm(direction.d)) {
         block(problem, d); // without a product, so that none is counted
         continue;

@@ -79,9 +79,9 @@ private:
   /// What `work` computes once the given control is the current one; a motion that is known is not made
   /// again.
   template <class Work>
-  auto at(const Given& given, Work&& work, const Rows* order = nullptr) {
+  auto at(Control u, Work&& work) {
     return compute([&] {
-      go_to(control(given, order));
+      go_to(std::move(u));
       return work();
     });
   }
@@ -125,49 +125,44 @@ public:
 
   /// A control of given values, which `order` takes from a whole one's. Throws std::invalid_argument.
   [[nodiscard]] Control control(const Given& given, const Rows* order = nullptr) const {
-    const std::span<const double> values = values_of(given);
+    const std::span<const double> all = values_of(given);
+    std::vector<double> values = order ? order->of(all) : std::vector<double>(all.begin(), all.end());
     const int count = controls().count();
-    if (order)
-      return {order->of(values), count};
     if (values.size() != controls().size() * static_cast<std::size_t>(count))
       throw std::invalid_argument(
           fmt::format("found an array of {} entries, allowed are {} x {} of this rank", values.size(), count,
                       controls().size()));
-    return {{values.begin(), values.end()}, count};
+    return {std::move(values), count};
   }
 
   [[nodiscard]] Control first_guess() const { return all().problem.first_guess(all().scene); }
 
   double value(const Given& given, const Rows* order) {
-    return at(given, [&] { return reduced().value().total(); }, order);
+    return at(control(given, order), [&] { return reduced().value().total(); });
   }
 
   /// J and its derivative.
   std::pair<double, Array> value_and_derivative(const Given& given, const Rows* order) {
     double value = 0;
-    Control derivative = at(
-        given,
-        [&] {
-          value = reduced().value().total();
-          return swept([&] { return controls().dual(gradient()); });
-        },
-        order);
+    Control derivative = at(control(given, order), [&] {
+      value = reduced().value().total();
+      return swept([&] { return controls().dual(gradient()); });
+    });
     return {value, array_of(std::move(derivative))};
   }
 
   /// The gradient in the optimizer's product.
   Array representative(const Given& given) {
-    return array_of(at(given, [&] { return gradient(); }));
+    return array_of(at(control(given), [&] { return gradient(); }));
   }
 
   Array hessian_product(const Given& given, const Given& direction, const Rows* order) {
-    return array_of(at(
-        given, [&, d = control(direction, order)] { return controls().dual(reduced().hessian_product(d)); },
-        order));
+    const Control d = control(direction, order);
+    return array_of(at(control(given, order), [&] { return controls().dual(reduced().hessian_product(d)); }));
   }
 
   std::tuple<double, double, double> parts(const Given& given) {
-    return at(given, [&] {
+    return at(control(given), [&] {
       const control::Value& value = reduced().value();
       return std::tuple(value.tracking, value.terminal, value.control_cost);
     });
@@ -176,7 +171,7 @@ public:
   /// The displacements of some steps (steps × nodes × dim).
   Array displacements(const Given& given, int first, int count) {
     const auto dim = static_cast<std::size_t>(modules().space.dim());
-    std::vector<double> values = at(given, [&] {
+    std::vector<double> values = at(control(given), [&] {
       std::vector<double> all;
       for (int k = first; k < first + count; ++k) {
         const petsc::ReadArray y(reduced().trajectory().y(k));
@@ -191,7 +186,7 @@ public:
 
   /// How many candidates are in contact after each step, 0 being the initial state, of all ranks.
   std::vector<std::size_t> active(const Given& given) {
-    return at(given, [&] {
+    return at(control(given), [&] {
       std::vector<std::size_t> counts;
       for (const contact::ContactSets& sets : reduced().trajectory().contact())
         counts.push_back(sets.active.size());

@@ -236,6 +236,11 @@ class Problem:
         """Values of an interval, of each rank."""
         return np.array(of_all(self.shape[1]))
 
+    @property
+    def _size_of_all(self) -> int:
+        """Entries of a control on all ranks."""
+        return self.shape[0] * len(self._order)
+
     @cached_property
     def _of_whole(self) -> tuple[np.ndarray, np.ndarray]:
         """Where the places of this rank's part begin in a row of a whole control, and how far it is to the next row."""
@@ -255,7 +260,7 @@ class Problem:
         """Takes these places of arrays of all ranks' values, times a factor of each row and of each column."""
         width = len(places[0]) * len(self.components)
         row = np.ones(self.shape[0]) if row is None else row
-        return _signorini.Rows(self.shape[0] * len(self._order), *places, row, np.ones(width) if column is None else column)
+        return _signorini.Rows(self._size_of_all, *places, row, np.ones(width) if column is None else column)
 
     def _to_whole(self, row: np.ndarray | None = None, column: np.ndarray | None = None) -> _signorini.Rows:
         return self._rows(self._of_ranks, row, column)
@@ -268,7 +273,7 @@ class Problem:
         values = np.ascontiguousarray(u, dtype=float).reshape(self.shape)
         if RANKS == 1:
             return values
-        everyone = np.empty(self.shape[0] * len(self._order))
+        everyone = np.empty(self._size_of_all)
         WORLD.Allgatherv(values.ravel(), (everyone, self.shape[0] * self._widths))
         return everyone
 
@@ -301,12 +306,11 @@ class Replicated:
         column = problem.gather(np.tile(own, (len(row), 1)))[0]
         self._vectors, self._derivatives = problem._to_whole(row, column), problem._to_whole(1 / row, 1 / column)
         self._controls = problem._to_own(1 / row, 1 / own)
-        self._size = row.size * column.size
 
     @property
     def size(self) -> int:
         """n."""
-        return self._size
+        return self.problem._size_of_all
 
     def vector(self, u: np.ndarray) -> np.ndarray:
         """x of a control. (n)"""
