@@ -4,6 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <sys/time.h>
+#include <utility>
 
 namespace signorini {
 namespace {
@@ -53,10 +54,16 @@ StopOnInterrupt::StopOnInterrupt() {
   sigaction(SIGINT, &ours, nullptr);
 }
 
-StopOnInterrupt::~StopOnInterrupt() {
-  sigaction(SIGINT, &before_, nullptr);
+bool StopOnInterrupt::release() {
+  if (std::exchange(released_, true))
+    return false;
+  sigaction(SIGINT, &before_, nullptr); // first: a signal that comes now is the previous handler's
+  const bool asked = requested != 0;
   requested = 0;
+  return asked;
 }
+
+void request_stop() { requested = 1; }
 
 void ignore_broken_pipes() { std::signal(SIGPIPE, SIG_IGN); }
 

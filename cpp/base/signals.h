@@ -10,19 +10,24 @@ namespace signorini {
 /// ranks; at the others mpirun kills them.
 void catch_stop_signals();
 
-/// While it lives SIGINT asks for a stop, however often it comes; afterwards the handler that was there
-/// before has it again, and no request is left. For a library within a program that has handlers of its own.
-/// One at a time.
+/// Scope guard for a library within a program that has signal handlers of its own: SIGINT requests a stop,
+/// however often it comes; the destructor restores the previous handler. One at a time.
 class StopOnInterrupt {
 public:
   StopOnInterrupt();
-  ~StopOnInterrupt();
+  ~StopOnInterrupt() { (void)release(); }
+  /// Restores the previous handler. Returns whether a stop was requested, and clears the request.
+  bool release();
   StopOnInterrupt(const StopOnInterrupt&) = delete;
   StopOnInterrupt& operator=(const StopOnInterrupt&) = delete;
 
 private:
   struct sigaction before_{};
+  bool released_ = false;
 };
+
+/// Requests a stop, as the signals do.
+void request_stop();
 
 /// From now on a pipe that nobody reads any more fails writes to it instead of ending the process.
 void ignore_broken_pipes();

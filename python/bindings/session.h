@@ -31,15 +31,24 @@ inline std::mutex& computing() {
   return one;
 }
 
-/// Calls `work` while Python's other threads go on and Ctrl-C asks it to stop. If it is over before it has
-/// seen that, Python's own handler is told.
+/// Requests a stop if Ctrl-C came before a StopOnInterrupt stood: Python has noted it, and would raise
+/// KeyboardInterrupt only after the computation.
+inline void take_earlier_interrupt() {
+  const nanobind::gil_scoped_acquire python;
+  if (PyOS_InterruptOccurred())
+    request_stop();
+}
+
+/// Calls `work` without Python's lock, so that other threads run; Ctrl-C requests a stop. Passes a request
+/// that came too late for `work` on to Python's own handler.
 template <class Work>
 auto compute(Work&& work) {
   const nanobind::gil_scoped_release others;
   const std::lock_guard alone(computing());
-  const StopOnInterrupt stop;
+  StopOnInterrupt stop;
+  take_earlier_interrupt();
   auto result = work();
-  if (stop_requested())
+  if (stop.release())
     PyErr_SetInterrupt();
   return result;
 }

@@ -18,20 +18,33 @@ import os, signal, sys, threading, time
 sys.path.insert(0, {folder!r})
 from common import half_disc
 handler = signal.getsignal(signal.SIGINT)
+clock = time.pthread_getcpuclockid(threading.main_thread().ident)
+
+def interrupt_after(seconds):  # of the main thread's own work, which a busy machine does not change
+    start = time.clock_gettime(clock)
+    def wait():
+        while time.clock_gettime(clock) < start + seconds:
+            time.sleep(1e-4)
+        os.kill(os.getpid(), signal.SIGINT)
+    threading.Thread(target=wait, daemon=True).start()
+
 problem = half_disc(4, time__step=1e-7).problem()  # 75000 steps, of a second or more
 u = problem.zero()
-threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
-try:
-    problem.value(u)
-except KeyboardInterrupt:
-    print("interrupted", problem.sweeps.forward)
+for delay in (0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 5e-2):  # before the sweep, at its start, within
+    try:
+        interrupt_after(delay)
+        problem.value(u)
+    except KeyboardInterrupt:
+        assert problem.sweeps.forward == 0, "the sweep was not stopped"
+        print("interrupted", flush=True)
 assert signal.getsignal(signal.SIGINT) is handler
 short = half_disc(4)
 problem = short.problem()
 print("after", problem.value(problem.zero()) > 0, problem.sweeps.forward)
-threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
+long_run = half_disc(4, time__step=1e-7)
 try:
-    half_disc(4, time__step=1e-7).simulate()
+    interrupt_after(0.1)
+    long_run.simulate()
 except KeyboardInterrupt:
     print("run interrupted")
 print("run", short.simulate().manifest["stop_reason"])
@@ -84,7 +97,7 @@ def interrupts() -> None:
                           preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler), env=own_world())  # fmt: skip
     show(done.stdout)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.splitlines() == ["interrupted 0", "after True 1", "run interrupted", "run end of time", "outside"], done.stdout
+    assert done.stdout.splitlines() == ["interrupted"] * 7 + ["after True 1", "run interrupted", "run end of time", "outside"], done.stdout
 
 
 def own_world() -> dict[str, str]:
