@@ -16,6 +16,14 @@ double power_above(double largest) {
   return largest > 0 && std::isfinite(largest) ? std::ldexp(1, std::ilogb(largest) + 1) : 1;
 }
 
+/// Where the values of each begin.
+std::vector<const float*> beginnings(std::span<const CompactControl> x, std::size_t first) {
+  std::vector<const float*> all;
+  for (const CompactControl& one : x)
+    all.push_back(one.values().data() + first);
+  return all;
+}
+
 } // namespace
 
 CompactControl::CompactControl(const Control& u) : count_(u.count()) {
@@ -52,11 +60,11 @@ void CompactControl::combine(std::vector<CompactControl>& x,
 #pragma omp parallel for schedule(static) if (parts * n >= worth_threads)
   for (std::size_t part = 0; part < parts; ++part) {
     const std::size_t first = part * rows, size = std::min(rows, values - first);
-    std::vector<double> before, after(size * m);
-    before.reserve(size * n);
-    for (const CompactControl& one : x)
-      before.insert(before.end(), &one.values()[first], &one.values()[first] + size);
-    multiply(before, scaled, after, n);
+    const std::vector<const float*> before = beginnings(x, first);
+    std::vector<double> after(size * m);
+    // Not by BLAS: products at the same time share a buffer in builds for one thread, as Debian's.
+    for (std::size_t j = 0; j < m; ++j)
+      signorini::add(std::span(scaled).subspan(j * n, n), before, std::span(after).subspan(j * size, size));
     for (std::size_t j = 0; j < m; ++j)
       std::copy_n(&after[j * size], size, results[j].begin() + static_cast<std::ptrdiff_t>(first));
   }
@@ -68,18 +76,6 @@ Control::Control(const CompactControl& u)
       size_(u.values().size() / static_cast<std::size_t>(u.count())), count_(u.count()) {
   scale(u.scale());
 }
-
-namespace {
-
-/// Where the values of each begin.
-std::vector<const float*> beginnings(std::span<const CompactControl> x, std::size_t first) {
-  std::vector<const float*> all;
-  for (const CompactControl& one : x)
-    all.push_back(one.values().data() + first);
-  return all;
-}
-
-} // namespace
 
 void Control::add(std::span<const double> a, std::span<const CompactControl> x) {
   std::vector<double> factors(x.size());

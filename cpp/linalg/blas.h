@@ -21,7 +21,9 @@ void add(std::span<const double> a, std::span<const float* const> x, std::span<d
 /// x_i·y (arrays), for arrays x_i of the length of y.
 void dots(std::span<const float* const> x, std::span<const double> y, std::span<double> products);
 
-/// C = A B, for A (m × n), B (n × k) and C, column by column; m·n within 32 bits.
+/// C = A B, for A (m × n), B (n × k) and C, column by column; m·n within 32 bits. Not within a parallel
+/// region: OpenBLAS built for one thread, as Debian's libopenblas0-serial, mixes up products at the same
+/// time.
 void multiply(std::span<const double> A, std::span<const double> B, std::span<double> C, std::size_t n);
 
 } // namespace signorini
