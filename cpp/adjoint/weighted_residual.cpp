@@ -129,8 +129,7 @@ private:
     check(VecWAXPY(change_, -1, now_, later_));
     check(VecAXPBYPCZ(moves_, 0.5 / between, -0.5 / between, 0, motion_.later.y, motion_.before.y));
     sum_ -= squared / 6 * weighed(change_, body.A);
-    const bool lengths_change = jump != 0;
-    if (lengths_change)
+    if (jump != 0) // lengths change
       sum_ += jump / 12 * weighed(at_end(tau, tau_later), body.A);
     if (body.B) {
       check(VecAXPBYPCZ(moves_, 1 / tau_later, 1 / tau, 0, motion_.later.y, motion_.before.y));
@@ -138,9 +137,7 @@ private:
       sum_ -= squared / (12 * between) * weighed(change_, *body.B);
     }
     check(VecWAXPY(moves_, -1, force_, force_later_));
-    sum_ += squared / (24 * between) * dot(change_, moves_);
-    if (lengths_change)
-      sum_ += jump / (24 * between) * dot(at_end(tau, tau_later), moves_);
+    sum_ += squared / (12 * between) * dot(change_, moves_);
   }
 
   /// π(t_k) from the middles of the steps beside it.
@@ -163,11 +160,6 @@ private:
       sum_ -= tau * tau / 6 * weighed(change_, A);
     }
     sum_ -= tau * tau / 12 * weighed(now_, A);
-    if (steps_ > 1) {
-      const double between = (tau + grid_.length(2)) / 2;
-      check(VecWAXPY(moves_, -1, force_, force_later_));
-      sum_ -= tau * tau / (24 * between) * dot(now_, moves_);
-    }
   }
 
   const forward::Stepper& stepper_;

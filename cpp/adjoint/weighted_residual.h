@@ -50,9 +50,9 @@ struct Weighted {
 ///     δv_0·M ω_0⁺ + δy_0·((τ_1/2 B − τ_1²/4 A) p_1⁺ + M (ω_0 − ω_1)/τ_1)
 /// without the direct dependence of J on y_0.
 /// Time: y is taken as piecewise quadratic, with the run's v piecewise linear, and π = τ_k/2 p_k in the
-/// middle of step k as the dual of a force per time, linear between; the residual of the equation of motion
-/// within the steps contributes
-///     Σ_k −τ_k²/12 ∫ π'·(2 A v + B v') dt + τ_k²/24 ∫ π'·f' dt + [τ_k²/12 π·A v + τ_k²/24 π·f'] over step k
+/// middle of step k as the dual of a force per time, linear between; loads act by their means over the steps.
+/// The residual of the equation of motion within the steps contributes
+///     Σ_k −τ_k²/12 ∫ π'·(2 A v + B v' − f') dt + [τ_k²/12 π·A v] over step k
 /// of which the brackets leave the values at 0 and, where lengths change, the difference of both τ².
 ///
 /// `enriched` is null without a space part. `by_nodes`, if given, receives the bubbles' share of that part

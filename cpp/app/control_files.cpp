@@ -29,8 +29,11 @@ void write_control(const io::OutputFolder& folder, const Problem& problem,
   };
   write(scene::StoredField::control, controls.cellwise() ? cellwise : nodal, [&](auto&& store) {
     const petsc::Vector field = controls.field();
+    std::vector<double> mean(controls.size());
     for (int k : steps) {
-      controls.extend(u.at(controls.interval(k)), field);
+      std::ranges::fill(mean, 0);
+      controls.for_each_interval(k, [&](int j, double part) { axpy(part, u.at(j), mean); });
+      controls.extend(mean, field);
       store(k, field);
     }
   });

@@ -31,7 +31,8 @@ public:
     [[nodiscard]] bool has_density() const override { return loads_.controls_.acts_by_density(); }
     [[nodiscard]] bool has_vector() const override { return !has_density(); }
     void add(int k, forward::NodalForce sum) const override {
-      loads_.controls_.add_force(loads_.enriched(u_.at(k)), sum);
+      loads_.controls_.for_each_interval(
+          k, [&](int j, double part) { loads_.controls_.add_force(loads_.enriched(u_.at(j)), sum, part); });
     }
 
   private:

@@ -5,19 +5,24 @@ namespace signorini::control {
 
 SampledForce::SampledForce(const ControlSpace& controls, const scene::Components& components,
                            const std::string& key, bool within)
-    : controls_(controls), field_(components, key, !controls.constant_in_time()), within_(within),
-      values_(controls.size(), 1) {}
+    : controls_(controls),
+      profile_(controls.space().comm(), scene::Field(components, key, !controls.constant_in_time()),
+               controls.points(), controls.grid().end()),
+      within_(within), values_(controls.size(), 1) {}
 
 void SampledForce::add(int k, forward::NodalForce sum) const {
-  const double t = controls_.middle(controls_.interval(k));
-  if (at_ < 0 || (field_.depends_on_time() && at_ != t)) {
-    fem::interpolate(controls_.space().comm(), field_, t, controls_.points(), controls_.components(),
-                     values_.at(1));
-    if (within_)
-      controls_.project(values_);
-  }
-  at_ = t;
-  controls_.add_force(values_.at(1), sum);
+  controls_.for_each_interval(k, [&](int j, double part) {
+    const double begin = controls_.begin(j);
+    const std::pair of(begin, begin + controls_.length(j));
+    const bool first = of_.second == 0;
+    if (first || (profile_.field().depends_on_time() && of_ != of)) {
+      profile_.mean(of.first, of.second, controls_.components(), values_.at(1));
+      if (within_)
+        controls_.project(values_);
+      of_ = of;
+    }
+    controls_.add_force(values_.at(1), sum, part);
+  });
 }
 
 } // namespace signorini::control

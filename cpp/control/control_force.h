@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "control/control_space.h"
-#include "scene/expression.h"
+#include "fem/time_profile.h"
 #include <string>
 #include <utility>
 
 namespace signorini::control {
 
-/// The force of a control that expressions give, evaluated as steps ask for it: not more than one interval is
-/// stored.
+/// The force of a control that expressions give, its mean over each interval, evaluated as steps ask for it:
+/// not more than one interval is stored.
 class SampledForce final : public forward::Load {
 public:
   /// `key` names it in messages; `within`: it is clipped to the bounds. `controls` must outlive this object.
@@ -18,13 +18,15 @@ public:
   [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
   [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
   void add(int k, forward::NodalForce sum) const override;
+  /// As SceneLoad's.
+  [[nodiscard]] double variation(double from, double to) const { return profile_.variation(from, to); }
 
 private:
   const ControlSpace& controls_;
-  scene::Field field_;
+  fem::TimeProfile profile_;
   bool within_;
-  mutable Control values_; ///< of the interval evaluated last
-  mutable double at_ = -1; ///< its time, s
+  mutable Control values_;                     ///< of the interval evaluated last
+  mutable std::pair<double, double> of_{0, 0}; ///< from its begin to its end, s
 };
 
 /// The force s u_k of a control on the body, as a load.
@@ -35,7 +37,7 @@ public:
   [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
   [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
   void add(int k, forward::NodalForce sum) const override {
-    controls_.add_force(u_.at(controls_.interval(k)), sum);
+    controls_.for_each_interval(k, [&](int j, double part) { controls_.add_force(u_.at(j), sum, part); });
   }
 
 private:
@@ -52,7 +54,8 @@ public:
   [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
   [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
   void add(int k, forward::NodalForce sum) const override {
-    controls_.add_force(u_.at(controls_.interval_at(grid_.load_time(k))), sum);
+    controls_.for_each_interval(grid_.time(k - 1), grid_.time(k),
+                                [&](int j, double part) { controls_.add_force(u_.at(j), sum, part); });
   }
 
 private:

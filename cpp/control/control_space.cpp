@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "control/control_space.h"
 #include "base/counters.h"
+#include "fem/time_profile.h"
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -149,8 +150,13 @@ double ControlSpace::begin(int j) const {
   return constant_in_time_ ? (j - 1) * grid_.end() : (own_ ? *own_ : grid_).time(j - 1);
 }
 
-double ControlSpace::middle(int j) const {
-  return constant_in_time_ ? 0 : (own_ ? *own_ : grid_).load_time(j);
+std::pair<int, int> ControlSpace::intervals(double from, double to) const {
+  if (constant_in_time_)
+    return {1, 1};
+  const forward::TimeGrid& grid = own_ ? *own_ : grid_;
+  constexpr double rounding = 1e-9; // of the time between
+  const double hair = rounding * (to - from);
+  return {grid.place(from + hair).k, grid.place(to - hair).k};
 }
 
 double ControlSpace::length(int j) const {
@@ -166,13 +172,14 @@ Control ControlSpace::constant(double value) const {
 }
 
 Control ControlSpace::interpolate(const scene::Components& components, const std::string& key) const {
-  const scene::Field field(components, key, !constant_in_time_);
+  const fem::TimeProfile profile(space_.comm(), scene::Field(components, key, !constant_in_time_), points_,
+                                 grid_.end());
   Control u = zero();
   for (int j = 1; j <= u.count(); ++j)
-    if (j > 1 && !field.depends_on_time())
+    if (j > 1 && !profile.field().depends_on_time())
       std::ranges::copy(u.at(1), u.at(j).begin());
     else
-      fem::interpolate(space_.comm(), field, middle(j), points_, components_, u.at(j));
+      profile.mean(begin(j), begin(j) + length(j), components_, u.at(j));
   return u;
 }
 
@@ -292,38 +299,40 @@ void ControlSpace::zero_blocked(Control& w, const Control& u, const Control& d) 
       values[i] = 0;
 }
 
-void ControlSpace::add_force(std::span<const double> u, forward::NodalForce sum) const {
+void ControlSpace::add_force(std::span<const double> u, forward::NodalForce sum, double weight) const {
+  const double factor = weight * scale_;
   if (acts_by_density()) {
-    add(scale_, u, sum.density);
+    add(factor, u, sum.density);
     return;
   }
   const petsc::Placed values(in_, u);
   if (cellwise_) {
-    check(VecAXPBY(work_, scale_, 0, values));
+    check(VecAXPBY(work_, factor, 0, values));
     check(MatMultAdd(matrix_, work_, sum.vector, sum.vector));
   } else { // other basis functions vanish where the control acts
     check(MatMult(mass_, values, work_));
-    add(scale_, petsc::ReadArray(work_), sum.vector);
+    add(factor, petsc::ReadArray(work_), sum.vector);
   }
 }
 
 void ControlSpace::add_riesz(int k, Vec p, Control& g) const {
-  const int j = interval(k);
-  const double weight = grid_.scheme(k).impulse() / length(j) * scale_; // divided by that of product()
-  if (cellwise_) {                                                      // the mean of p over each cell
+  const double factor = grid_.scheme(k).impulse() * scale_;
+  const auto weight = [&](int j, double part) { return part * factor / length(j); }; // length: of product()
+  if (cellwise_) { // the mean of p over each cell
     check(MatMultTranspose(matrix_, p, work_));
     check(VecPointwiseDivide(work_, work_, volumes_));
-    axpy(weight, petsc::ReadArray(work_), g.at(j));
+    for_each_interval(k,
+                      [&](int j, double part) { axpy(weight(j, part), petsc::ReadArray(work_), g.at(j)); });
     return;
   }
   const petsc::ReadArray states(p);
-  if (everywhere_) {
-    axpy(weight, states, g.at(j));
-    return;
-  }
-  const std::span<double> values = g.at(j);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] += weight * states[entry(i)];
+  for_each_interval(k, [&](int j, double part) {
+    if (everywhere_)
+      return axpy(weight(j, part), states, g.at(j));
+    const std::span<double> values = g.at(j);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] += weight(j, part) * states[entry(i)];
+  });
 }
 
 } // namespace signorini::control

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace signorini::control {
@@ -17,7 +18,7 @@ namespace signorini::control {
 /// it). All members collective.
 ///
 /// It is constant on each time step, or on intervals of its own (control.step, or the whole time), of which a
-/// step takes the one at its middle. u_j stores values only at the places (nodes or cells) and in the
+/// step takes the mean over its duration. u_j stores values only at the places (nodes or cells) and in the
 /// components where the control acts, (places × components), place by place; extend() gives the field. A
 /// control on a surface is thus small.
 ///
@@ -37,8 +38,7 @@ public:
   [[nodiscard]] Control zero() const;
   /// The same number wherever the control acts.
   [[nodiscard]] Control constant(double value) const;
-  /// Values at the nodes or midpoints, in the middle of each interval; of a control constant in time, at t =
-  /// 0. Throws UserError naming `key`.
+  /// Values at the nodes or midpoints, the exact mean over each interval. Throws UserError naming `key`.
   [[nodiscard]] Control interpolate(const scene::Components& components, const std::string& key) const;
 
   /// Values of an interval on this rank.
@@ -96,8 +96,8 @@ public:
 
   /// Whether the control acts by a force density, else by forces on the nodes (forward::NodalForce).
   [[nodiscard]] bool acts_by_density() const { return !on_ && !cellwise_; }
-  /// Adds the force s u, for the values u of an interval.
-  void add_force(std::span<const double> u, forward::NodalForce sum) const;
+  /// Adds the force s u, for the values u of an interval, times `weight`.
+  void add_force(std::span<const double> u, forward::NodalForce sum, double weight = 1) const;
 
   /// Adds to g the contribution of step k to the Riesz representative, in product(), of the functional
   /// u ↦ Σ_k impulse() p_k · (force of u in step k): the transpose of add_force(). For nodal values of each
@@ -109,21 +109,37 @@ public:
   [[nodiscard]] bool constant_in_time() const { return constant_in_time_; }
   /// Whether these are the time steps.
   [[nodiscard]] bool stepwise() const { return !constant_in_time_ && !own_; }
-  /// The interval whose values step k takes.
-  [[nodiscard]] int interval(int k) const { return stepwise() ? k : interval_at(grid_.load_time(k)); }
-  /// The interval of a time, s.
-  [[nodiscard]] int interval_at(double t) const {
-    return constant_in_time_ ? 1 : (own_ ? *own_ : grid_).place(t).k;
+  /// Calls visit(j, part) for the intervals between two times (s); the parts of that time that they take add
+  /// up to one.
+  template <class Visit>
+  void for_each_interval(double from, double to, Visit&& visit) const {
+    const auto [first, last] = intervals(from, to);
+    if (first == last)
+      return visit(first, 1.0);
+    const double start = begin(first + 1), stop = begin(last);
+    visit(first, (start - from) / (to - from));
+    for (int j = first + 1; j < last; ++j)
+      visit(j, length(j) / (to - from));
+    visit(last, (to - stop) / (to - from));
+  }
+  /// Those whose values act in step k.
+  template <class Visit>
+  void for_each_interval(int k, Visit&& visit) const {
+    if (stepwise())
+      return visit(k, 1.0);
+    for_each_interval(grid_.time(k - 1), grid_.time(k), visit);
   }
   /// When interval j begins, s; that after the last one begins at the end.
   [[nodiscard]] double begin(int j) const;
-  /// The time for which a given control is evaluated on it, s: its middle, or 0 if it is the whole time.
-  [[nodiscard]] double middle(int j) const;
+  /// Its middle, s; 0 of a control that is constant in time.
+  [[nodiscard]] double middle(int j) const { return constant_in_time_ ? 0 : begin(j) + length(j) / 2; }
   /// Its length T_j, s.
   [[nodiscard]] double length(int j) const;
   [[nodiscard]] const forward::TimeGrid& grid() const { return grid_; }
 
 private:
+  /// The first and the last interval between two times; overlaps by rounding do not count.
+  [[nodiscard]] std::pair<int, int> intervals(double from, double to) const;
   /// field += a · values.
   void add(double a, std::span<const double> values, Vec field) const;
   /// out_k = mass matrix · u_k, the matrix of product().

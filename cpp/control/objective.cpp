@@ -84,24 +84,33 @@ double Objective::quadrature_error(const std::vector<double>& squared_distances,
     return sum;
   };
   double error = 0;
-  std::vector<double> times, values;
   if (tracking_ > 0) {
+    std::vector<double> times, values;
     for (int k = 0; k <= steps; ++k) {
       times.push_back(grid_.time(k));
       values.push_back(squared_distances[static_cast<std::size_t>(k)] / 2);
     }
     error -= tracking_ / 12 * changes(times, values);
   }
-  if (alpha_ > 0 && u.count() == steps) {
-    times.clear();
-    values.clear();
-    for (int k = 1; k <= steps; ++k) {
-      times.push_back(grid_.load_time(k));
-      values.push_back(controls_.product_at(k, u, u) / 2);
-    }
-    error += alpha_ / 24 * changes(times, values);
-  }
+  if (alpha_ > 0 && u.count() == steps)
+    error += alpha_ / 24 * variation(u);
   return error;
+}
+
+double Objective::variation(const Control& u) const {
+  const int steps = grid_.steps();
+  Control change(controls_.size(), 1);
+  double sum = 0;
+  for (int k = 1; k < steps; ++k) {
+    const double tau = grid_.length(k), later = grid_.length(k + 1), between = (tau + later) / 2;
+    for (std::size_t i = 0; i < change.at(1).size(); ++i)
+      change.at(1)[i] = u.at(k + 1)[i] - u.at(k)[i];
+    // From middle to middle, and beyond the first and the last one.
+    const double first = k == 1 ? 2 : 1, last = k + 1 == steps ? 2 : 1,
+                 squares = (first * std::pow(tau, 3) + last * std::pow(later, 3)) / 2;
+    sum += squares * controls_.product_at(1, change, change) / (between * between);
+  }
+  return sum;
 }
 
 void Objective::add_derivative(int k, Vec y, forward::StateDual sum) const {

@@ -37,9 +37,8 @@ public:
   void add_second_derivative(int k, Vec dy, forward::StateDual sum) const;
 
   /// The time integrals of J less their quadrature, to leading order: −τ_k²/12 times the change of
-  /// d/dt ½ θ ‖e‖² over step k (trapezoidal rule), summed, and, where the control varies in time, +τ_k²/24
-  /// times that of d/dt α/2 ‖u‖² (midpoint rule, u_k being the value in the middle of step k). Zero for fewer
-  /// than three steps.
+  /// d/dt ½ θ ‖e‖² over step k (trapezoidal rule), summed, and, where the control varies in time,
+  /// +τ_k²/12 ∫ α/2 ‖u'‖² dt (u_k being the mean over step k). Zero for fewer than three steps.
   [[nodiscard]] double quadrature_error(const std::vector<double>& squared_distances, const Control& u) const;
 
   /// α: the derivative by the control is α u.
@@ -59,6 +58,8 @@ public:
   [[nodiscard]] double weight(int k) const { return tracking_weight(k) + terminal_weight(k); }
 
 private:
+  /// Σ_k τ_k² ∫ ‖u'‖² dt over step k.
+  [[nodiscard]] double variation(const Control& u) const;
   [[nodiscard]] double tracking_weight(int k) const;
   [[nodiscard]] double terminal_weight(int k) const;
   double squared_distance(int k, Vec y) const;

@@ -80,26 +80,16 @@ std::vector<int> Space::nodes_on(const std::string& group, const std::string& ke
 }
 
 void Space::interpolate(const scene::Field& field, double t, Vec out) const {
-  std::vector<int> all(static_cast<std::size_t>(dim()));
-  std::iota(all.begin(), all.end(), 0);
   const petsc::WriteArray values(out);
-  fem::interpolate(comm(), field, t, points_, all, values);
+  const auto dim = static_cast<std::size_t>(mesh_->dim());
+  together(comm(), [&] {
+    for (std::size_t i = 0; 3 * i < points_.size(); ++i)
+      field.evaluate(&points_[3 * i], t, &values[dim * i]);
+  });
 }
 
 std::vector<double> Space::midpoints() const {
   return dolfinx::mesh::compute_midpoints(*mesh_->dolfinx(), dim(), mesh_->owned_cells());
-}
-
-void interpolate(MPI_Comm comm, const scene::Field& field, double t, const std::vector<double>& points,
-                 const std::vector<int>& components, std::span<double> values) {
-  together(comm, [&] {
-    std::vector<double> all(field.size());
-    for (std::size_t i = 0, value = 0; 3 * i < points.size(); ++i) {
-      field.evaluate(&points[3 * i], t, all.data());
-      for (int c : components)
-        values[value++] = all[static_cast<std::size_t>(c)];
-    }
-  });
 }
 
 } // namespace signorini::fem

@@ -61,11 +61,6 @@ private:
   std::shared_ptr<dolfinx::fem::FunctionSpace<double>> V_;
 };
 
-/// Evaluates `components` of a field at points (n × 3), m, and time t, s, into `out` (n × components).
-/// Collective. Throws UserError on every rank if a value is not finite.
-void interpolate(MPI_Comm comm, const scene::Field& field, double t, const std::vector<double>& points,
-                 const std::vector<int>& components, std::span<double> out);
-
 /// Numbers of components along each axis of a value: none of a scalar, (dim) of a vector.
 using Shape = std::vector<std::size_t>;
 

@@ -51,43 +51,76 @@ void assemble(Functional functional, const fem::Operators& operators, Vec out) {
 
 SceneLoad::SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, TimeGrid grid)
     : space_(space), grid_(grid) {
-  if (scene.body) {
-    body_.emplace(Term{scene::Field(*scene.body, "load.body", true), space.vector()});
-    evaluate(*body_, 0);
-  }
-  if (scene.gravity) {
-    forces_.push_back(
-        {scene::Field(*scene.gravity, "load.gravity", true), space.vector(), {}, M, space.vector()});
-    evaluate(forces_.back(), 0);
-  }
+  if (scene.body)
+    body_.emplace(term(*scene.body, "load.body"));
+  const auto add = [&](Term made, Mat product) {
+    made.product = product;
+    made.force = space.vector();
+    multiply(forces_.emplace_back(std::move(made)));
+  };
+  if (scene.gravity)
+    add(term(*scene.gravity, "load.gravity"), M);
   for (std::size_t i = 0; i < scene.tractions.size(); ++i) {
     const auto key = [&](const char* name) { return fmt::format("load.traction[{}].{}", i, name); };
     const scene::Traction& traction = scene.tractions[i];
     (void)space.mesh().facets(traction.on, key("on")); // throws if the group is not a surface
-    petsc::Matrix surface = fem::assemble_L2(space, traction.on, key("on"));
-    const Mat product = surface;
-    forces_.push_back({scene::Field(traction.value, key("value"), true), space.vector(), std::move(surface),
-                       product, space.vector()});
-    evaluate(forces_.back(), 0);
+    Term made = term(traction.value, key("value"));
+    made.surface = fem::assemble_L2(space, traction.on, key("on"));
+    const Mat product = made.surface;
+    add(std::move(made), product);
   }
 }
 
-void SceneLoad::evaluate(const Term& term, int k) const {
-  ++evaluations;
-  space_.interpolate(term.field, k > 0 ? grid_.load_time(k) : grid_.first_length() / 2, term.nodal);
+SceneLoad::Term SceneLoad::term(const scene::Components& components, const std::string& key) const {
+  Term made{{space_.comm(), scene::Field(components, key, true), space_.points(), grid_.end()},
+            space_.vector()};
+  if (!made.profile.field().depends_on_time()) {
+    ++evaluations;
+    space_.interpolate(made.profile.field(), 0, made.nodal);
+  }
+  return made;
+}
+
+void SceneLoad::multiply(const Term& term) {
   if (term.product)
     check(MatMult(term.product, term.nodal, term.force));
 }
 
 void SceneLoad::add_term(const Term& term, int k, Vec out) const {
-  if (term.field.depends_on_time())
-    evaluate(term, k);
+  if (term.profile.field().depends_on_time()) {
+    ++evaluations;
+    term.profile.mean(grid_.time(k - 1), grid_.time(k), petsc::WriteArray(term.nodal));
+    multiply(term);
+  }
   check(VecAXPY(out, 1, term.product ? term.force : term.nodal));
 }
 
+template <class Visit>
+void SceneLoad::for_each(Visit&& visit) const {
+  if (body_)
+    visit(*body_);
+  std::ranges::for_each(forces_, visit);
+}
+
 bool SceneLoad::depends_on_time() const {
-  return (body_ && body_->field.depends_on_time()) ||
-         std::ranges::any_of(forces_, [](const Term& term) { return term.field.depends_on_time(); });
+  bool any = false;
+  for_each([&](const Term& term) { any |= term.profile.field().depends_on_time(); });
+  return any;
+}
+
+double SceneLoad::variation(double from, double to) const {
+  double most = 0;
+  for_each([&](const Term& term) { most = std::max(most, term.profile.variation(from, to)); });
+  return most;
+}
+
+std::vector<std::pair<std::string, double>> SceneLoad::unresolved() const {
+  std::vector<std::pair<std::string, double>> found;
+  for_each([&](const Term& term) {
+    if (term.profile.unresolved() > 0)
+      found.emplace_back(term.profile.field().key(), term.profile.unresolved());
+  });
+  return found;
 }
 
 double SceneLoad::surface_bytes() const {

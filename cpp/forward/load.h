@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "fem/operators.h"
+#include "fem/time_profile.h"
 #include "forward/time_grid.h"
-#include "scene/expression.h"
 #include <initializer_list>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace signorini::forward {
@@ -66,7 +68,8 @@ public:
   [[nodiscard]] virtual Vec y(int k) const = 0;
 };
 
-/// The body force, the weight and the tractions of a scene; evaluated again only if they depend on time.
+/// The body force, the weight and the tractions of a scene, each by its exact mean over a step; evaluated
+/// again only if they depend on time.
 class SceneLoad final : public Load {
 public:
   /// `M`: the mass matrix by which gravity acts, and inertia too: then a free body falls without strain.
@@ -75,27 +78,37 @@ public:
 
   [[nodiscard]] bool has_density() const override { return body_.has_value(); }
   [[nodiscard]] bool has_vector() const override { return !forces_.empty(); }
-  /// Adds f(t_{k−1/2}).
+  /// Adds the mean of f over step k.
   void add(int k, NodalForce sum) const override;
 
   /// Whether any part of it is evaluated in every step.
   [[nodiscard]] bool depends_on_time() const;
+  /// The part of a load's impulse by which it varies about its mean between two times (s), the largest of all
+  /// loads; fem::TimeProfile::variation(). Collective.
+  [[nodiscard]] double variation(double from, double to) const;
+  /// Loads of which the mean is not known to its tolerance: their keys, and the part of the time, relative,
+  /// in which it is not.
+  [[nodiscard]] std::vector<std::pair<std::string, double>> unresolved() const;
   /// Memory of the surfaces' mass matrices, bytes. Collective.
   [[nodiscard]] double surface_bytes() const;
 
 private:
-  /// An expression, its nodal values, and what it contributes: these for a body force; their product with the
+  /// A load, its nodal values, and what it contributes: these for a body force; their product with the
   /// surface's mass matrix for a traction, with M for gravity.
   struct Term {
-    scene::Field field;
+    fem::TimeProfile profile;
     petsc::Vector nodal;
     petsc::Matrix surface{}; ///< null for a body force and gravity
     Mat product = nullptr;   ///< surface or M; null for a body force
     petsc::Vector force{};   ///< product · nodal
   };
-  /// At step k; 0: before there are steps.
-  void evaluate(const Term& term, int k) const;
+  /// Evaluated unless it depends on time.
+  [[nodiscard]] Term term(const scene::Components& components, const std::string& key) const;
+  static void multiply(const Term& term);
   void add_term(const Term& term, int k, Vec out) const;
+  /// Calls visit(term) for all.
+  template <class Visit>
+  void for_each(Visit&& visit) const;
 
   const fem::Space& space_;
   TimeGrid grid_;

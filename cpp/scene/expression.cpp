@@ -44,18 +44,24 @@ struct Field::Impl {
   Components text;
   std::string key;
   std::array<double, 4> variables{};
-  std::vector<mu::Parser> parsers; ///< of time series, without an expression
-  bool depends_on_time = false, depends_on_place = false;
+  /// Of a component.
+  struct Component {
+    mu::Parser parser; ///< without an expression for a time series
+    Enclosure enclosure;
+    bool depends_on_time = false, depends_on_place = false;
+  };
+  std::vector<Component> of;
 };
 
 Field::Field(Components components, const std::string& key, bool time) : impl_(std::make_unique<Impl>()) {
   impl_->text = std::move(components);
   impl_->key = key;
-  impl_->parsers.reserve(impl_->text.size());
+  impl_->of.reserve(impl_->text.size());
   for (const auto& [text, series, factor, shift] : impl_->text) {
-    mu::Parser& parser = impl_->parsers.emplace_back();
+    Impl::Component& component = impl_->of.emplace_back();
+    mu::Parser& parser = component.parser;
     if (series) {
-      impl_->depends_on_time = true;
+      component.depends_on_time = true;
       continue;
     }
     parser.ClearConst();
@@ -75,7 +81,9 @@ Field::Field(Components components, const std::string& key, bool time) : impl_(s
       if (values != 1)
         throw mu::ParserError("a comma makes it a list; a decimal number has a point");
       for (const auto& [name, value] : parser.GetUsedVar())
-        (name == "t" ? impl_->depends_on_time : impl_->depends_on_place) = true;
+        (name == "t" ? component.depends_on_time : component.depends_on_place) = true;
+      if (component.depends_on_time)
+        component.enclosure = Enclosure(text);
     } catch (const mu::ParserError& error) {
       const int position = std::min(error.GetPos(), static_cast<int>(text.size()));
       throw UserError(
@@ -91,21 +99,46 @@ Field::Field(Field&&) noexcept = default;
 Field& Field::operator=(Field&&) noexcept = default;
 
 std::size_t Field::size() const { return impl_->text.size(); }
-bool Field::depends_on_time() const { return impl_->depends_on_time; }
-bool Field::depends_on_place() const { return impl_->depends_on_place; }
+bool Field::depends_on_time() const {
+  return std::ranges::any_of(impl_->of, &Impl::Component::depends_on_time);
+}
+bool Field::depends_on_time(std::size_t component) const { return impl_->of[component].depends_on_time; }
+bool Field::depends_on_place() const {
+  return std::ranges::any_of(impl_->of, &Impl::Component::depends_on_place);
+}
+bool Field::depends_on_place(std::size_t component) const { return impl_->of[component].depends_on_place; }
+const std::string& Field::key() const { return impl_->key; }
+
+double Field::value(std::size_t component, const double* x, double t) const {
+  impl_->variables = {x[0], x[1], x[2], t};
+  const Expression& expression = impl_->text[component];
+  const double value =
+      expression.shift +
+      expression.factor * (expression.series ? (*expression.series)(t) : impl_->of[component].parser.Eval());
+  if (!std::isfinite(value))
+    throw UserError(fmt::format("{}: the expression \"{}\" is {} at x = {}, y = {}, z = {}, t = {}; it must "
+                                "be finite in the whole body at all times",
+                                impl_->key, expression, value, x[0], x[1], x[2], t));
+  return value;
+}
 
 void Field::evaluate(const double* x, double t, double* values) const {
-  impl_->variables = {x[0], x[1], x[2], t};
-  for (std::size_t i = 0; i < impl_->parsers.size(); ++i) {
-    const Expression& expression = impl_->text[i];
-    values[i] = expression.shift +
-                expression.factor * (expression.series ? (*expression.series)(t) : impl_->parsers[i].Eval());
-    if (!std::isfinite(values[i]))
-      throw UserError(
-          fmt::format("{}: the expression \"{}\" is {} at x = {}, y = {}, z = {}, t = {}; it must "
-                      "be finite in the whole body at all times",
-                      impl_->key, impl_->text[i], values[i], x[0], x[1], x[2], t));
-  }
+  for (std::size_t i = 0; i < size(); ++i)
+    values[i] = value(i, x, t);
+}
+
+const TimeSeries* Field::series(std::size_t component) const { return impl_->text[component].series.get(); }
+
+Interval Field::enclose(std::size_t component, const Box& box) const {
+  const Expression& expression = impl_->text[component];
+  return expression.shift + expression.factor * impl_->of[component].enclosure(box);
+}
+
+std::vector<double> Field::knots() const {
+  std::vector<double> all;
+  for (const Impl::Component& component : impl_->of)
+    all.insert(all.end(), component.enclosure.knots().begin(), component.enclosure.knots().end());
+  return all;
 }
 
 std::optional<double> Field::slope(std::size_t component, double t, bool after) const {

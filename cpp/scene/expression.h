@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "scene/enclosure.h"
 #include "scene/scene.h"
 #include <array>
 #include <memory>
@@ -25,13 +26,27 @@ public:
 
   /// Number of components.
   [[nodiscard]] std::size_t size() const;
+  /// Whether an expression uses t, or is a time series.
   [[nodiscard]] bool depends_on_time() const;
+  [[nodiscard]] bool depends_on_time(std::size_t component) const;
   /// Whether an expression uses x, y or z.
   [[nodiscard]] bool depends_on_place() const;
+  [[nodiscard]] bool depends_on_place(std::size_t component) const;
+  /// Name in messages.
+  [[nodiscard]] const std::string& key() const;
 
   /// Evaluates at the point `x` (3), m, and time `t`, s, into `values` (size()). Throws UserError, naming
   /// key, point and time, if a value is not finite.
   void evaluate(const double* x, double t, double* values) const;
+  /// The same of one component.
+  [[nodiscard]] double value(std::size_t component, const double* x, double t) const;
+
+  /// The time series of a component, null for an expression.
+  [[nodiscard]] const TimeSeries* series(std::size_t component) const;
+  /// Bounds of the values of a component that is an expression.
+  [[nodiscard]] Interval enclose(std::size_t component, const Box& box) const;
+  /// Times at which an expression compares t with numbers, s; those of all components, in no order.
+  [[nodiscard]] std::vector<double> knots() const;
 
   /// The slope by time of a component that is a time series, per second: TimeSeries::slope().
   [[nodiscard]] std::optional<double> slope(std::size_t component, double t, bool after) const;

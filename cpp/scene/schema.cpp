@@ -252,7 +252,7 @@ Keys<Control> keys_of(Of<Control>) {
       value("constant_in_time", &Control::constant_in_time, Flag{}, "", "the same at all times"),
       value("step", &Control::step, Number{above_zero}, "s",
             "length of the intervals on which the control is constant, of which `time.end` is a whole "
-            "multiple; a time step takes the one at its middle",
+            "multiple; a time step takes the mean over its duration",
             {.otherwise = "the time steps"}),
       value("space", &Control::space, Choice<ControlValues>{}, "",
             "values at the displacement's own nodes, of degree 2 midpoints of edges too, or in the cells"),

@@ -69,17 +69,17 @@ def manifest(out: Path) -> dict:
 def main() -> int:
     with tempfile.TemporaryDirectory() as scratch:
         run = Runs(Path(scratch))
-        middles = TAU * (np.arange(5) + 0.5)
-        sums = TAU * np.concatenate([[0], np.cumsum(middles**2)])
+        sums = (TAU * np.arange(6)) ** 3 / 3
         momentum = lambda out: table(out / "probes.csv")["body.momentum_y"]  # noqa: E731
-        check("a load is taken at the middle of a step", momentum(run('[load]\nbody = ["0", "t^2"]')), sums)
+        check("a load gives its exact impulse in a step", momentum(run('[load]\nbody = ["0", "t^2"]')), sums)
         check("gravity too", momentum(run('[load]\ngravity = ["0", "t^2"]')), sums)
         tracked = '[objective]\ndesired = { displacement = ["0", "t"] }\n[optimizer]\nmax_iterations = 0\n'
         control = '[control]\nscale = 1.0\ninitial = ["0", "t^2"]\n'
         check("a control too", momentum(run(control)), sums)
-        wide = run(control + "step = 0.25\n", time__step=TAU / 2)  # two intervals of five steps each
-        check("with intervals of its own at their middle, a step the one at its own",
-              momentum(wide), TAU / 2 * np.cumsum([0] + 5 * [0.125**2] + 5 * [0.375**2]))  # fmt: skip
+        wide = run(control + "step = 0.25\n")  # two intervals, which meet in the middle of the third step
+        means = np.diff([0, 0.25**3, 0.5**3]) / 3 / 0.25
+        check("with intervals of its own it is the mean over each, a step's the mean of what it overlaps",
+              momentum(wide), TAU * np.cumsum([0, means[0], means[0], means.mean(), means[1], means[1]]))  # fmt: skip
         desired = run('[control]\nscale = 1.0\n' + tracked, "optimize")
         check("a desired displacement at its end", table(desired / "steps.csv")["tracking_error"], TAU * np.arange(6))
         zero = run('[load]\ntraction = [ { on = "bottom", value = ["0", "sin(10*pi*x)^2"] } ]')  # 0 at the nodes, every 0.1 m
