@@ -13,7 +13,7 @@ void write_control(const io::OutputFolder& folder, const Problem& problem,
   const scene::Output& output = problem.scene.output;
   std::vector<int> steps;
   for (int k = 1; k <= problem.steps(); ++k)
-    if (stored(k, output.every, k == problem.steps()))
+    if (stored(problem.stepper.grid(), k, output.every, k == problem.steps()))
       steps.push_back(k);
   using enum io::Values;
   const auto write = [&](scene::StoredField field, io::Values values, auto&& at) {

@@ -2,16 +2,32 @@
 #include "app/motion_writer.h"
 #include "base/error.h"
 #include "io/motion_tables.h"
+#include <cmath>
 #include <fmt/format.h>
+#include <iterator>
 #include <utility>
 
 namespace signorini {
 using Field = scene::StoredField;
 
+bool stored(const forward::TimeGrid& grid, int k, int every, bool last) {
+  if (last || k == 0 || every > 0)
+    return last || k == 0 || k % every == 0;
+  constexpr double hair = 1e-9; // of a part
+  const auto part = [&](int step) {
+    return std::floor(scene::Output::most_frames * grid.time(step) / grid.end() + hair);
+  };
+  return part(k) > part(k - 1);
+}
+
 MotionWriter::MotionWriter(const Problem& problem, const io::OutputFolder& folder,
-                           const control::Objective* objective, bool controlled)
+                           const control::Objective* objective, bool controlled,
+                           const forward::StepErrors* errors)
     : problem_(problem), objective_(objective), plausibility_(problem.stepper, problem.scene),
-      forces_(problem.stepper), resolution_(problem.stepper, problem.scene) {
+      passage_(problem.stepper), forces_(problem.stepper), resolution_(problem.stepper, problem.scene),
+      errors_(errors) {
+  if (!errors && !problem.stepper.grid().equal())
+    errors_ = &own_errors_.emplace(problem.stepper, problem.scene);
   const auto timer = problem.timers.time("output");
   const scene::Output& output = problem.scene.output;
   const bool probed = problem.probes && output.table(scene::StoredTable::probes);
@@ -60,10 +76,11 @@ void MotionWriter::open_state(const io::OutputFolder& folder) {
                                       {Field::pressure, nodal_scalar}})
     if (output.field(field))
       fields.push_back({scene::name(field), values});
-  // Steps of varying length are not known yet; the disk is asked for what so many take.
+  // Steps of varying length may not be known yet; the disk is asked for what so many take.
   constexpr int usual_steps = 1000;
-  const int steps = problem_.stepper.grid().complete() ? problem_.steps() : usual_steps;
-  const auto times = static_cast<std::size_t>((steps - 1) / output.every + 2);
+  const int steps = problem_.stepper.grid().complete() ? problem_.steps() : usual_steps,
+            stored = output.every > 0 ? (steps - 1) / output.every : scene::Output::most_frames;
+  const auto times = static_cast<std::size_t>(stored + 2);
   if (!fields.empty())
     state_.emplace(problem_.space, folder, "state.xdmf", fields, times);
   if (output.field(Field::strain) || output.field(Field::stress) || output.field(Field::von_mises))
@@ -79,10 +96,13 @@ void MotionWriter::operator()(const forward::Frame& frame) {
     if (balance_)
       weigh(frame, balance);
     plausibility_.observe(frame, balance_ ? &balance : nullptr);
+    passage_.observe(frame);
+    if (own_errors_)
+      own_errors_->observe(frame);
   }
   const auto timer = problem_.timers.time("output");
   add_rows(frame, balance);
-  if (stored(frame.k, problem_.scene.output.every, frame.last))
+  if (stored(problem_.stepper.grid(), frame.k, problem_.scene.output.every, frame.last))
     store(frame);
 }
 
@@ -164,8 +184,15 @@ void MotionWriter::store_fields(const forward::Frame& frame) {
 
 std::vector<forward::Warning> MotionWriter::warnings() {
   std::vector<forward::Warning> found = plausibility_.warnings();
-  for (forward::Warning& warning : resolution_.warnings())
-    found.push_back(std::move(warning));
+  const auto add = [&](std::vector<forward::Warning> warnings) {
+    std::ranges::move(warnings, std::back_inserter(found));
+  };
+  add(resolution_.warnings());
+  add(passage_.warnings());
+  if (problem_.scene_load)
+    add(problem_.scene_load->warnings());
+  if (errors_)
+    add(errors_->warnings());
   return found;
 }
 

@@ -4,7 +4,9 @@
 #include "forward/contact_resolution.h"
 #include "forward/invariants.h"
 #include "forward/motion_summary.h"
+#include "forward/passage.h"
 #include "forward/plausibility.h"
+#include "forward/step_errors.h"
 #include "io/contact_table.h"
 #include "io/csv_tables.h"
 #include "io/fields.h"
@@ -13,17 +15,19 @@
 
 namespace signorini {
 
-/// Whether a run stores fields and contact of step k: every n-th, and the last that it makes.
-inline bool stored(int k, int every, bool last) { return k % every == 0 || last; }
+/// Whether a run stores fields and contact of step k: every n-th or, where that is 0, the first after each of
+/// Output::most_frames equal parts of the time; the initial state, and the last step that it makes.
+bool stored(const forward::TimeGrid& grid, int k, int every, bool last);
 
 /// Writes steps.csv, contact.csv, obstacles.csv, probes.csv and state.xdmf of a motion frame by frame, as the
 /// scene's [output] asks, sums it up, and monitors its invariants and plausibility.
 class MotionWriter {
 public:
-  /// `objective` is null in a run without one; `controlled`: whether a control acts. Collective. The
-  /// arguments must outlive this object. Throws UserError, WriteFailure.
+  /// `objective` is null in a run without one; `controlled`: whether a control acts; `errors`: of the steps,
+  /// where they are chosen while the motion is made. Collective. The arguments must outlive this object.
+  /// Throws UserError, WriteFailure.
   MotionWriter(const Problem& problem, const io::OutputFolder& folder, const control::Objective* objective,
-               bool controlled);
+               bool controlled, const forward::StepErrors* errors = nullptr);
 
   /// Takes the frame after the last one, from frame 0 on. Collective. Throws UserError, WriteFailure; with
   /// run.invariants = "stop" SolverFailure at the step that violates an invariant.
@@ -60,8 +64,11 @@ private:
   std::optional<forward::Balance> balance_;
   std::optional<forward::Invariants> invariants_;
   forward::Plausibility plausibility_;
+  forward::Passage passage_;
   forward::ObstacleForces forces_;
   forward::ContactResolution resolution_;
+  std::optional<forward::StepErrors> own_errors_; ///< of steps that were chosen before
+  const forward::StepErrors* errors_;             ///< null for steps of one length
   std::optional<forward::MotionSummary> summary_;
   std::optional<io::TextFile> steps_, contact_, obstacles_, probes_;
   std::optional<contact::Pressure> pressure_;

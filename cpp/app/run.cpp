@@ -71,15 +71,18 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   const forward::ForceAtStep load = given.load();
   std::optional<RunObjective> objective;
   const std::string unknown = start_objective(problem, given, objective);
-  MotionWriter recorder(problem, folder, nullptr, given.acts());
+  const forward::TimeGrid& grid = problem.stepper.grid();
+  std::optional<forward::StepControl> control;
+  if (!grid.equal())
+    control.emplace(problem.stepper, scene);
+  MotionWriter recorder(problem, folder, nullptr, given.acts(), control ? &control->errors() : nullptr);
   std::optional<SyntheticData> data;
   if (request.measure)
     data.emplace(problem.stepper, scene);
   constexpr int per_mille = 1000;
-  int steps = 0, rejected = 0;
+  int steps = 0;
   {
     const auto timer = timers.time("forward");
-    const forward::TimeGrid& grid = problem.stepper.grid();
     Progress progress(console, grid.equal() ? "steps" : "per mille of the time",
                       static_cast<std::size_t>(grid.equal() ? grid.steps() : per_mille));
     const auto watch = [&](const forward::Frame& frame) {
@@ -91,13 +94,8 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
       progress.update(static_cast<std::size_t>(
           grid.equal() ? frame.k : std::floor(per_mille * grid.time(frame.k) / grid.end())));
     };
-    if (grid.equal()) {
-      steps = forward::integrate(problem.stepper, problem.initial, load, grid.steps(), watch);
-    } else {
-      forward::StepControl control(problem.stepper, scene);
-      steps = forward::integrate_choosing(problem.stepper, problem.initial, load, control, watch);
-      rejected = control.rejected();
-    }
+    steps = control ? forward::integrate_choosing(problem.stepper, problem.initial, load, *control, watch)
+                    : forward::integrate(problem.stepper, problem.initial, load, grid.steps(), watch);
   }
   if (steps == 0) // no result that could replace an earlier run's
     throw Interrupted();
@@ -106,7 +104,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   folder.write("scene.toml", scene::echo(told, problem.space.dim()));
   io::Manifest m = manifest(problem, "simulate", complete ? "end of time" : "interrupted", steps);
   if (m.lengths)
-    m.lengths->rejected = rejected;
+    m.lengths->rejected = control->rejected();
   add_watched(m, recorder, scene.run, console);
   m.accuracy = accuracy;
   if (objective && complete)

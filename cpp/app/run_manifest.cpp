@@ -49,6 +49,7 @@ io::Manifest manifest(const Problem& problem, const std::string& verb, const std
   const forward::TimeGrid& grid = problem.stepper.grid();
   m.steps_done = steps_done;
   m.steps_asked = grid.steps();
+  m.wave_time = problem.stepper.wave_time();
   if (!grid.equal()) {
     io::Lengths& lengths = m.lengths.emplace();
     lengths.shortest = grid.end();
@@ -57,6 +58,7 @@ io::Manifest manifest(const Problem& problem, const std::string& verb, const std
       lengths.longest = std::max(lengths.longest, grid.length(k));
     }
     lengths.factorisations = problem.stepper.factorisations();
+    lengths.seconds = problem.stepper.factorisation_seconds();
   }
   m.dim = problem.space.dim();
   m.body = forward::body_figures(problem.stepper, problem.scene);

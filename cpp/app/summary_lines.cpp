@@ -126,10 +126,13 @@ std::string cost_line(const io::Manifest& manifest, const scene::Scene& scene, c
       "{} steps in {:.2g} s, their balances in {:.2g} s, output in {:.2g} s: {:.3g} MB", manifest.steps_done,
       seconds("forward"), seconds("balances"), seconds("output"), bytes / 1e6);
   if (fields || scene.output.table(scene::StoredTable::contact))
-    text += fmt::format(", fields and contact of {} (output.every = {})",
-                        scene.output.every == 1 ? "every step"
-                                                : fmt::format("one step in {}", scene.output.every),
-                        scene.output.every);
+    text += scene.output.every == 0
+                ? fmt::format(", fields and contact at {} times (output.every = 1: of every step)",
+                              scene::Output::most_frames)
+                : fmt::format(", fields and contact of {} (output.every = {})",
+                              scene.output.every == 1 ? "every step"
+                                                      : fmt::format("one step in {}", scene.output.every),
+                              scene.output.every);
   constexpr double noticeable = 1; // s
   if (seconds("output") > std::max(noticeable, 2 * seconds("forward")))
     text += "; output took longest: output.every, output.fields and output.tables say what is stored";

@@ -48,6 +48,9 @@ public:
   /// Whether the obstacle moves.
   [[nodiscard]] bool moves() const { return moves_; }
 
+  /// Whether the body is inside of it, a ball or cylinder.
+  [[nodiscard]] bool surrounds() const { return inside_; }
+
   /// Whether the surface may be curved, so that points that move along it leave the range of their
   /// half-space. Signed distances count as curved.
   [[nodiscard]] bool curved() const { return !std::holds_alternative<scene::HalfSpace>(shape_); }

@@ -18,8 +18,9 @@ public:
   [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
   [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
   void add(int k, forward::NodalForce sum) const override;
-  /// As SceneLoad's.
-  [[nodiscard]] double variation(double from, double to) const { return profile_.variation(from, to); }
+  [[nodiscard]] double variation(double from, double to) const override {
+    return profile_.variation(from, to);
+  }
 
 private:
   const ControlSpace& controls_;
@@ -39,6 +40,9 @@ public:
   void add(int k, forward::NodalForce sum) const override {
     controls_.for_each_interval(k, [&](int j, double part) { controls_.add_force(u_.at(j), sum, part); });
   }
+  [[nodiscard]] double variation(double from, double to) const override {
+    return controls_.variation(u_, from, to);
+  }
 
 private:
   const ControlSpace& controls_;
@@ -56,6 +60,9 @@ public:
   void add(int k, forward::NodalForce sum) const override {
     controls_.for_each_interval(grid_.time(k - 1), grid_.time(k),
                                 [&](int j, double part) { controls_.add_force(u_.at(j), sum, part); });
+  }
+  [[nodiscard]] double variation(double from, double to) const override {
+    return controls_.variation(u_, from, to);
   }
 
 private:

@@ -3,6 +3,7 @@
 #include "base/counters.h"
 #include "fem/time_profile.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -161,6 +162,20 @@ std::pair<int, int> ControlSpace::intervals(double from, double to) const {
 
 double ControlSpace::length(int j) const {
   return constant_in_time_ ? grid_.end() : (own_ ? *own_ : grid_).length(j);
+}
+
+double ControlSpace::variation(const Control& u, double from, double to) const {
+  std::array<double, 2> most{}; // of the intervals: variation, integral
+  for (std::size_t i = 0; i < size_; ++i) {
+    double mean = 0, off = 0, whole = 0;
+    for_each_interval(from, to, [&](int j, double part) { mean += part * u.at(j)[i]; });
+    for_each_interval(from, to, [&](int j, double part) { off += part * std::abs(u.at(j)[i] - mean); });
+    for (int j = 1; off > 0 && j <= u.count(); ++j)
+      whole += length(j) * std::abs(u.at(j)[i]);
+    most = {std::max(most[0], off * (to - from)), std::max(most[1], whole)};
+  }
+  MPI_Allreduce(MPI_IN_PLACE, most.data(), 2, MPI_DOUBLE, MPI_MAX, space_.comm());
+  return most[1] > 0 ? most[0] / most[1] : 0;
 }
 
 Control ControlSpace::zero() const { return Control(size_, count()); }

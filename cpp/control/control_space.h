@@ -129,6 +129,10 @@ public:
       return visit(k, 1.0);
     for_each_interval(grid_.time(k - 1), grid_.time(k), visit);
   }
+  /// Of the modulus of u, the largest of its values: ∫ |u − ū| dt between two times, ū the mean there, over
+  /// ∫ |u| dt.
+  [[nodiscard]] double variation(const Control& u, double from, double to) const;
+
   /// When interval j begins, s; that after the last one begins at the end.
   [[nodiscard]] double begin(int j) const;
   /// Its middle, s; 0 of a control that is constant in time.

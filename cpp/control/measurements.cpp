@@ -106,7 +106,7 @@ std::vector<std::pair<int, double>> Measurements::at(double t, bool force) const
   if (!alternate_) { // forces of steps stand in their middle, and none before the first and after the last
     const int k = std::clamp(part < 0.5 ? step - 1 : step, 1, std::max(1, steps_ - 1)),
               next = std::min(k + 1, steps_);
-    const double from = grid.load_time(k), to = grid.load_time(next),
+    const double from = grid.middle(k), to = grid.middle(next),
                  weight = next > k ? std::clamp((t - from) / (to - from), 0.0, 1.0) : 0;
     return {{k, 1 - weight}, {next, weight}};
   }

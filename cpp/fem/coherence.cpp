@@ -57,7 +57,7 @@ std::vector<std::int64_t> global_nodes(const Space& space) {
 
 } // namespace
 
-int connected_parts(const Space& space) {
+ConnectedParts connected_parts(const Space& space) {
   const auto dofmap = space.dolfinx()->dofmap();
   const std::vector<std::int64_t> global = global_nodes(space);
   Sets here(global.size());
@@ -87,9 +87,12 @@ int connected_parts(const Space& space) {
   Sets all(number.size());
   for (const auto& [a, b] : joined)
     all.unite(number.at(a), number.at(b));
-  int parts = 0;
+  ConnectedParts parts;
+  std::vector<int> of_set(number.size());
   for (std::size_t i = 0; i < number.size(); ++i)
-    parts += all.first(i) == i;
+    of_set[i] = all.first(i) == i ? parts.count++ : of_set[all.first(i)];
+  for (std::size_t i = 0; i < owned; ++i)
+    parts.of_node.push_back(of_set[number.at(global[here.first(i)])]);
   return parts;
 }
 

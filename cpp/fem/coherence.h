@@ -2,11 +2,17 @@
 #pragma once
 #include "fem/space.h"
 #include <cstdint>
+#include <vector>
 
 namespace signorini::fem {
 
-/// Number of connected parts of the mesh; parts are connected if they share a node. Collective.
-int connected_parts(const Space& space);
+/// The connected parts of the mesh, which share no node.
+struct ConnectedParts {
+  int count = 0;
+  std::vector<int> of_node; ///< the number of its part, of each owned node, the same on every rank
+};
+/// Collective.
+ConnectedParts connected_parts(const Space& space);
 
 /// Number of facets of a group, on all ranks, with a cell on either side. Collective. Throws UserError naming
 /// `key`, as mesh::Mesh::facets does.

@@ -325,7 +325,7 @@ double TimeProfile::largest(double from, double to, bool ends, Measure&& measure
       for (std::size_t i = 0; i < places(c); ++i) {
         values_.clear();
         if (ends)
-          for (const double t : {from, to})
+          for (const double t : {from, to, (from + to) / 2})
             values_.push_back(field_.value(c, place(c, i), t));
         for (const Node& node : nodes_)
           values_.push_back(field_.value(c, place(c, i), node.t));
@@ -352,19 +352,17 @@ double TimeProfile::variation(double from, double to) const {
 }
 
 double TimeProfile::deviation(double from, double to) const {
-  if (!(range_ > 0))
-    return 0;
-  return largest(from, to, true,
-                 [&](std::span<const double> values) {
-                   double most = 0;
-                   for (std::size_t i = 0; i < nodes_.size(); ++i) {
-                     const double part = (nodes_[i].t - from) / (to - from);
-                     most =
-                         std::max(most, std::abs(values[i + 2] - (1 - part) * values[0] - part * values[1]));
-                   }
-                   return most;
-                 }) /
-         range_;
+  constexpr std::size_t ends = 3;
+  return largest(from, to, true, [&](std::span<const double> values) {
+    double most = 0;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      const double s = (nodes_[i].t - from) / (to - from), parabola = (1 - s) * (1 - 2 * s) * values[0] +
+                                                                      s * (2 * s - 1) * values[1] +
+                                                                      4 * s * (1 - s) * values[2];
+      most = std::max(most, std::abs(values[i + ends] - parabola));
+    }
+    return most;
+  });
 }
 
 std::vector<double> TimeProfile::times(double from, double to) const {

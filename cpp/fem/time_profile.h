@@ -26,9 +26,10 @@ public:
   /// ∫ |f − f̄| dt over that time, f̄ the mean there, relative to ∫ |f| dt over the run: the largest of all
   /// points and components.
   [[nodiscard]] double variation(double from, double to) const;
-  /// The largest distance of f from the line through its values at the two times, relative to the range of f
-  /// over the run.
+  /// The largest distance of f from the parabola through its values at the two times and in their middle.
   [[nodiscard]] double deviation(double from, double to) const;
+  /// The range of f over the run: the largest of all points and components.
+  [[nodiscard]] double range() const { return range_; }
 
   /// Times between the two at which changes show (s), ascending.
   [[nodiscard]] std::vector<double> times(double from, double to) const;
@@ -65,7 +66,7 @@ private:
   /// Of a component over a time, which a step or the run takes.
   void set_nodes(std::size_t component, double from, double to) const;
   /// The largest of all ranks, time-dependent components and points of measure(values), the values at
-  /// nodes_, preceded by those at `from` and `to` if `ends`.
+  /// nodes_, preceded by those at `from`, `to` and between if `ends`.
   template <class Measure>
   [[nodiscard]] double largest(double from, double to, bool ends, Measure&& measure) const;
   /// The points at which a component may differ.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/body_figures.h"
 #include "fem/deformation.h"
+#include "fem/wave_time.h"
 #include <algorithm>
 #include <cmath>
 #include <dolfinx/mesh/Mesh.h>
@@ -20,12 +21,6 @@ constexpr double longest = 1000, shortest = 1e-5;
 /// Times of the body that an obstacle may be away.
 constexpr double farthest = 10;
 
-/// Speeds of pressure and shear waves.
-std::array<double, 2> waves(const scene::Material& material) {
-  const double nu = material.poisson, shear = material.young / (2 * (1 + nu)) / material.density;
-  return {std::sqrt(shear * 2 * (1 - nu) / (1 - 2 * nu)), std::sqrt(shear)};
-}
-
 double mass(const Stepper& stepper) {
   const petsc::Vector along_x = stepper.space().vector(), image = petsc::zero_like(along_x);
   {
@@ -40,7 +35,7 @@ double mass(const Stepper& stepper) {
 void doubt_materials(const std::vector<scene::Material>& materials, std::vector<std::string>& doubts) {
   for (std::size_t i = 0; i < materials.size(); ++i) {
     const std::string key = materials.size() == 1 ? "material" : fmt::format("material[{}]", i);
-    const double speed = waves(materials[i])[0], density = materials[i].density;
+    const double speed = fem::wave_speeds(materials[i])[0], density = materials[i].density;
     if (density > densest)
       doubts.push_back(fmt::format("{}.density is {:.4g} kg/m³, more than that of any solid", key, density));
     else if (speed > fastest)
@@ -132,8 +127,8 @@ BodyFigures body_figures(const Stepper& stepper, const scene::Scene& scene) {
   figures.mass = mass(stepper);
   std::vector<double> pressure, shear;
   for (const scene::Material& material : scene.materials) {
-    pressure.push_back(waves(material)[0]);
-    shear.push_back(waves(material)[1]);
+    pressure.push_back(fem::wave_speeds(material)[0]);
+    shear.push_back(fem::wave_speeds(material)[1]);
   }
   figures.pressure_waves = {std::ranges::min(pressure), std::ranges::max(pressure)};
   figures.shear_waves = {std::ranges::min(shear), std::ranges::max(shear)};

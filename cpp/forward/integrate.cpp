@@ -147,27 +147,14 @@ int integrate_choosing(const Stepper& stepper, const Initial& initial, const For
     return Frame{k,       integrator.y0(), integrator.v0(),   motion.acting,
                  state.y, state.v,         motion.contact(k), false};
   };
-  const auto begin = [&](int level) {
-    grid.clear();
-    motion.two[0] = contact::ContactState(candidates(stepper));
-    integrator.restart();
-    set_initial_gaps(stepper, state.y, motion.contact(0));
-    control.start(state.y, state.v, level);
-  };
-  for (begin(0); !grid.complete() && !stopped();)
-    control.size_up(advance());
-  // The first step has none before it to be compared with: how long it may be, the second one tells.
-  begin(0);
-  for (bool good = false; !good && !stopped();) {
-    (void)control.accepts(advance(), motion.contact(0));
-    good = grid.complete() || control.accepts(advance(), motion.contact(1));
-    begin(good ? grid.level(1) : control.level());
-  }
+  integrator.restart();
+  set_initial_gaps(stepper, state.y, motion.contact(0));
+  control.start(state.y, state.v, load);
   bool last = stopped();
   show({0, nullptr, nullptr, {}, state.y, state.v, motion.contact(0), last});
   while (!last) {
     const Frame made = advance();
-    if (!control.accepts(made, motion.contact(made.k - 1))) {
+    if (!control.accepts(made)) {
       grid.remove();
       integrator.take_back();
       continue;

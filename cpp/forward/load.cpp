@@ -38,6 +38,14 @@ Part SumAtStep<Part>::at(int k) const {
   return sum;
 }
 
+template <class Part>
+double SumAtStep<Part>::variation(double from, double to) const {
+  double most = 0;
+  for (const StepByStep<Part>* term : terms_)
+    most = std::max(most, term->variation(from, to));
+  return most;
+}
+
 template class SumAtStep<NodalForce>;
 template class SumAtStep<StateDual>;
 
@@ -114,11 +122,18 @@ double SceneLoad::variation(double from, double to) const {
   return most;
 }
 
-std::vector<std::pair<std::string, double>> SceneLoad::unresolved() const {
-  std::vector<std::pair<std::string, double>> found;
+std::vector<Warning> SceneLoad::warnings() const {
+  constexpr double noticeable = 1e-9;
+  std::vector<Warning> found;
   for_each([&](const Term& term) {
-    if (term.profile.unresolved() > 0)
-      found.emplace_back(term.profile.field().key(), term.profile.unresolved());
+    if (const double off = term.profile.unresolved(); off > noticeable)
+      found.push_back(
+          {"load not integrated",
+           fmt::format(
+               "{}: the expression changes faster than it can be integrated: its impulse may be off by "
+               "{:.2g} of it",
+               term.profile.field().key(), off),
+           off, noticeable});
   });
   return found;
 }

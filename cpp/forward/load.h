@@ -3,10 +3,10 @@
 #include "fem/operators.h"
 #include "fem/time_profile.h"
 #include "forward/time_grid.h"
+#include "forward/warning.h"
 #include <initializer_list>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace signorini::forward {
@@ -33,6 +33,12 @@ public:
   [[nodiscard]] virtual bool has_vector() const = 0;
   /// Adds the force or dual of step k to `sum`.
   virtual void add(int k, Part sum) const = 0;
+  /// ∫ |f − f̄| dt between two times (s), f̄ the mean there, over ∫ |f| dt of the motion; 0 of what is constant
+  /// or no function of time. Collective.
+  [[nodiscard]] virtual double variation(double from, double to) const {
+    (void)from, (void)to;
+    return 0;
+  }
 };
 
 using Load = StepByStep<NodalForce>;
@@ -48,6 +54,8 @@ public:
 
   /// The sum at step k; valid until the next call.
   [[nodiscard]] Part at(int k) const;
+  /// The largest variation of a term.
+  [[nodiscard]] double variation(double from, double to) const;
 
 private:
   std::vector<const StepByStep<Part>*> terms_;
@@ -83,12 +91,9 @@ public:
 
   /// Whether any part of it is evaluated in every step.
   [[nodiscard]] bool depends_on_time() const;
-  /// The part of a load's impulse by which it varies about its mean between two times (s), the largest of all
-  /// loads; fem::TimeProfile::variation(). Collective.
-  [[nodiscard]] double variation(double from, double to) const;
-  /// Loads of which the mean is not known to its tolerance: their keys, and the part of the time, relative,
-  /// in which it is not.
-  [[nodiscard]] std::vector<std::pair<std::string, double>> unresolved() const;
+  [[nodiscard]] double variation(double from, double to) const override;
+  /// Loads of which the means are not known to their tolerance.
+  [[nodiscard]] std::vector<Warning> warnings() const;
   /// Memory of the surfaces' mass matrices, bytes. Collective.
   [[nodiscard]] double surface_bytes() const;
 

@@ -35,7 +35,7 @@ std::optional<double> restitution(const Rebound& rebound) {
 
 MotionSummary::MotionSummary(const Stepper& stepper, const scene::Scene& scene)
     : stepper_(stepper), held_(!scene.clamps.empty()), moving_(stepper.pairs() && stepper.pairs()->moving()),
-      last_(scene.contacts.size() + 1, Last{.open = least_open}) {
+      last_(scene.contacts.size() + 1, Last{.open = least_open}), records_(last_.size()) {
   const BodyFigures figures = body_figures(stepper, scene);
   impact_.mass = figures.mass;
   crossing_ = figures.crossing;
@@ -66,6 +66,8 @@ void MotionSummary::observe(const Frame& frame, const StepBalance& balance, cons
   for (std::size_t i = 0; i < forces.each().size(); ++i)
     take(frame, forces.each()[i], impact_.obstacles[i], last_[i]);
   take(frame, forces.all(), impact_.all, last_.back());
+  for (std::size_t i = 0; i < records_.size(); ++i)
+    records_[i].add(stepper_.grid().time(frame.k), last_[i].normal_force);
 }
 
 void MotionSummary::rebound(const Frame& frame, const ObstacleForce& now, const std::array<double, 3>& before,
@@ -126,6 +128,16 @@ std::optional<Impact> MotionSummary::impact() const {
   if (impact_.obstacles.empty())
     return std::nullopt;
   Impact impact = impact_;
+  const auto sum_up = [&](const ImpulseRecord& record, Touch& touch) {
+    constexpr double part = 0.01;
+    const auto [begin, end] = record.between(part, 1 - part);
+    touch.impulse_duration = end - begin;
+    touch.sustained_over = sustained * stepper_.wave_time();
+    touch.sustained_peak = record.largest_mean(touch.sustained_over).force;
+  };
+  for (std::size_t i = 0; i < impact.obstacles.size(); ++i)
+    sum_up(records_[i], impact.obstacles[i]);
+  sum_up(records_.back(), impact.all);
   impact.ended = open_steps_ >= least_open;
   impact.no_restitution = unfit();
   if (!impact.no_restitution.empty())

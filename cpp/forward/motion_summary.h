@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "forward/balance.h"
+#include "forward/impulse_record.h"
 #include "forward/obstacle_forces.h"
 #include <array>
 #include <optional>
@@ -24,6 +25,9 @@ struct Touch {
   bool peak_at_onset = false;      ///< whether a wave has not crossed the body since contact began: then it
                                    ///< is of what hits, and as a rule depends on step and size
   double largest_step = 0;         ///< the same of a single step
+  double impulse_duration = 0;     ///< from 1 to 99 % of the normal impulse, s
+  double sustained_peak = 0; ///< largest mean of the sum of the moduli over `sustained_over`, or two steps
+  double sustained_over = 0; ///< four times that in which a wave crosses an element in contact, s
 
   [[nodiscard]] bool occurred() const { return contact_time > 0; }
 };
@@ -95,6 +99,7 @@ private:
   EnergyAccount energy_;
   Impact impact_;
   std::vector<Last> last_;                       ///< of each obstacle, and of all
+  std::vector<ImpulseRecord> records_;           ///< likewise, of the sum of the moduli
   std::array<double, 3> momentum_{}, impulse_{}; ///< of contact, before the last bounce
   int open_steps_ = 0;                           ///< without a candidate in contact, since the last one with
 };

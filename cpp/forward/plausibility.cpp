@@ -132,7 +132,7 @@ std::string Plausibility::where(const Worst& worst) const {
 
 void Plausibility::add_of_mesh(std::vector<Warning>& warnings) const {
   const fem::Space& space = stepper_.space();
-  const int parts = fem::connected_parts(space);
+  const int parts = fem::connected_parts(space).count;
   if (parts > 1)
     warnings.push_back(
         {"parts of the mesh",

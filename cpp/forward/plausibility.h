@@ -2,17 +2,11 @@
 #pragma once
 #include "fem/deformation.h"
 #include "forward/balance.h"
+#include "forward/warning.h"
 #include <string>
 #include <vector>
 
 namespace signorini::forward {
-
-/// A reason to doubt the results of a run.
-struct Warning {
-  std::string name;    ///< of the kind of warning
-  std::string message; ///< with value and place
-  double value, limit; ///< the value, and the limit above which there is a warning
-};
 
 /// Checks whether a motion is within the model's assumptions: small strain, obstacles linearised about the
 /// undeformed body, one body. The model gives an answer for any other motion too, and no solver notices. A

@@ -4,9 +4,11 @@
 #include "base/error.h"
 #include "contact/lcp/primal_dual.h"
 #include "contact/massless.h"
+#include "fem/wave_time.h"
 #include "linalg/threaded_product.h"
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace signorini::forward {
 using petsc::check;
@@ -15,11 +17,43 @@ namespace {
 long &steps = count("steps"), &linearised_steps = count("linearised steps"),
      &adjoint_steps = count("adjoint steps");
 
+/// At contact and at loads that vary over time; everywhere, where they act in the body or there are none.
+double wave_time(const fem::Space& space, const scene::Scene& scene) {
+  std::vector<fem::Surface> surfaces;
+  for (std::size_t i = 0; i < scene.contacts.size(); ++i)
+    surfaces.push_back({scene.contacts[i].on, scene::contact_key(scene.contacts, i) + ".on"});
+  const auto varies = [](const scene::Components& load, const std::string& key) {
+    return scene::Field(load, key, true).depends_on_time();
+  };
+  bool everywhere = surfaces.empty();
+  if (scene.load) {
+    const scene::Load& load = *scene.load;
+    everywhere = everywhere || (load.body && varies(*load.body, "load.body")) ||
+                 (load.gravity && varies(*load.gravity, "load.gravity"));
+    for (std::size_t i = 0; i < load.tractions.size(); ++i) {
+      const std::string key = fmt::format("load.traction[{}]", i);
+      if (varies(load.tractions[i].value, key + ".value"))
+        surfaces.push_back({load.tractions[i].on, key + ".on"});
+    }
+  }
+  if (everywhere)
+    surfaces.clear();
+  return fem::least_wave_time(space, scene.materials, surfaces);
 }
+
+/// Waves cross an element in contact within two steps or more.
+double shortest_step(const scene::Time& time, double wave_time) {
+  constexpr double usual_tolerance = 1e-2;
+  return std::ldexp(wave_time, -1 - time.refined) *
+         std::min(1.0, std::sqrt(time.tolerance / usual_tolerance));
+}
+
+} // namespace
 
 Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene,
                  Needs needs, std::optional<TimeGrid> grid)
-    : space_(space), operators_(operators), grid_(grid ? *grid : TimeGrid(scene.time)),
+    : space_(space), operators_(operators), wave_time_(forward::wave_time(space, scene)),
+      grid_(grid ? *grid : TimeGrid(scene.time, shortest_step(scene.time, wave_time_))),
       clamped_(space, scene.clamps) {
   if (!scene.contacts.empty())
     pairs_.emplace(space, clamped_, scene.contacts, scene.time);

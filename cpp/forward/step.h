@@ -83,6 +83,8 @@ public:
   [[nodiscard]] const StepOperators::OfLength& of_length(double tau) const { return lengths_->at(tau); }
   /// Number of lengths that were factorised, each time counted.
   [[nodiscard]] int factorisations() const { return lengths_->made(); }
+  /// Seconds that these took.
+  [[nodiscard]] double factorisation_seconds() const { return lengths_->seconds(); }
   /// Whether contact nodes carry no mass.
   [[nodiscard]] bool massless() const { return massless_.has_value(); }
   /// The mass matrix M of this run: the body's, or with massless contact EᵀME (docs/method.md section 2).
@@ -93,6 +95,9 @@ public:
   [[nodiscard]] const PrescribedMotion* motion() const { return motion_ ? &*motion_ : nullptr; }
   /// Null without contact.
   [[nodiscard]] const contact::ContactPairs* pairs() const { return pairs_ ? &*pairs_ : nullptr; }
+
+  /// The least time in which a pressure wave crosses an element in contact, or under a load that varies, s.
+  [[nodiscard]] double wave_time() const { return wave_time_; }
 
   /// Memory of what the scheme adds to contact-implicit stepping, bytes. Collective.
   [[nodiscard]] double scheme_bytes() const;
@@ -155,6 +160,7 @@ private:
 
   const fem::Space& space_;
   const fem::Operators& operators_;
+  double wave_time_;
   TimeGrid grid_;
   fem::DirichletDofs clamped_;
   std::optional<PrescribedMotion> motion_;

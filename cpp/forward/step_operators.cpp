@@ -2,6 +2,7 @@
 #include "forward/step_operators.h"
 #include "linalg/threaded_product.h"
 #include <algorithm>
+#include <chrono>
 
 namespace signorini::forward {
 
@@ -25,7 +26,9 @@ const StepOperators::OfLength& StepOperators::at(double tau) const {
     held -= lengths_.back().bytes;
     lengths_.pop_back();
   }
+  const auto start = std::chrono::steady_clock::now();
   lengths_.push_front(make(tau));
+  seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ++made_;
   return lengths_.front();
 }

@@ -35,8 +35,9 @@ public:
   /// Those of a length; valid until the next call. Collective. Throws SolverFailure.
   const OfLength& at(double tau) const;
 
-  /// Number of lengths that were factorised, each time counted.
+  /// Number of lengths that were factorised, each time counted, and how long that took, s.
   [[nodiscard]] int made() const { return made_; }
+  [[nodiscard]] double seconds() const { return seconds_; }
 
 private:
   [[nodiscard]] OfLength make(double tau) const;
@@ -53,6 +54,7 @@ private:
   mutable EliminationOrder order_;      ///< likewise
   mutable std::list<OfLength> lengths_; ///< the one used last in front
   mutable int made_ = 0;
+  mutable double seconds_ = 0;
 };
 
 } // namespace signorini::forward

@@ -8,22 +8,24 @@ namespace signorini::forward {
 
 namespace {
 
-constexpr int usual_levels = 20, most_levels = 40; // of a double's 52 bits
-constexpr double rounding = 1e-9;                  // of divisions of decimal fractions
+constexpr int most_levels = 40;   // of a double's 52 bits
+constexpr double rounding = 1e-9; // of divisions of decimal fractions
 
 } // namespace
 
-Ladder::Ladder(const scene::Time& time)
+Ladder::Ladder(const scene::Time& time, double floor)
     : end(time.end), longest(time.longest ? static_cast<int>(std::ceil(end / *time.longest - rounding))
                                           : scene::Time::usual_longest),
-      levels(usual_levels) {
+      levels(0) {
+  while (levels < most_levels && length(levels) > floor)
+    ++levels;
   if (time.shortest)
-    levels = std::clamp(static_cast<int>(std::floor(std::log2(length(0) / *time.shortest) + rounding)), 0,
-                        most_levels);
+    levels =
+        std::clamp(static_cast<int>(std::floor(std::log2(length(0) / *time.shortest) + rounding)), 0, levels);
 }
 
-TimeGrid::TimeGrid(const scene::Time& time)
-    : TimeGrid(time.automatic() ? TimeGrid(Ladder(time)) : TimeGrid(time.step, time.steps)) {}
+TimeGrid::TimeGrid(const scene::Time& time, double floor)
+    : TimeGrid(time.automatic() ? TimeGrid(Ladder(time, floor)) : TimeGrid(time.step, time.steps)) {}
 
 TimeGrid::TimeGrid(double tau, int steps) : steps_(std::make_shared<Steps>(Steps{tau, steps, {}, {}})) {}
 
@@ -53,7 +55,7 @@ double TimeGrid::length(int k) const {
   return static_cast<double>(steps_->ticks[i] - steps_->ticks[i - 1]) * steps_->tick;
 }
 
-double TimeGrid::load_time(int k) const {
+double TimeGrid::middle(int k) const {
   return equal() ? (k - 0.5) * steps_->tick : time(k - 1) + length(k) / 2;
 }
 
@@ -62,7 +64,7 @@ double TimeGrid::end() const { return equal() ? time(steps()) : steps_->ladder->
 double TimeGrid::longest() const { return equal() ? steps_->tick : steps_->ladder->length(0); }
 
 double TimeGrid::first_length() const {
-  return steps() > 0 ? length(1) : steps_->ladder->length(steps_->ladder->levels / 2);
+  return steps() > 0 ? length(1) : steps_->ladder->length(steps_->ladder->levels);
 }
 
 TimeGrid::Place TimeGrid::place(double t) const {

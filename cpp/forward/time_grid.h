@@ -17,8 +17,9 @@ struct Ladder {
   int longest; ///< number of longest steps to it
   int levels;
 
-  /// Of a scene with steps of varying length.
-  explicit Ladder(const scene::Time& time);
+  /// Of a scene with steps of varying length: the shortest is the longest that is no longer than `floor` (s)
+  /// or, if that is longer, than time.shortest.
+  Ladder(const scene::Time& time, double floor);
   Ladder(double to, int longest_steps, int halvings) : end(to), longest(longest_steps), levels(halvings) {}
 
   /// τ_max 2^−level, s.
@@ -35,8 +36,8 @@ public:
   TimeGrid(double tau, int steps);
   /// No steps yet.
   explicit TimeGrid(const Ladder& ladder);
-  /// Of a scene: all steps, or none yet if their lengths vary.
-  explicit TimeGrid(const scene::Time& time);
+  /// Of a scene: all steps, or none yet if their lengths vary; `floor` as of Ladder.
+  explicit TimeGrid(const scene::Time& time, double floor = 0);
 
   /// N, so far.
   [[nodiscard]] int steps() const;
@@ -51,13 +52,13 @@ public:
   /// τ_k, k = 1 … N; for k = 0, where states have no step that led to them, first_length().
   [[nodiscard]] double length(int k) const;
   [[nodiscard]] Scheme scheme(int k) const { return {length(k)}; }
-  /// Loads are constant on (t_{k−1}, t_k); the load is the one at its middle.
-  [[nodiscard]] double load_time(int k) const;
+  /// The middle of step k.
+  [[nodiscard]] double middle(int k) const;
   /// The last time, of the motion.
   [[nodiscard]] double end() const;
   /// The longest length that a step may have.
   [[nodiscard]] double longest() const;
-  /// The length of the first step; if there is none yet, a usual one of the ladder.
+  /// The length of the first step; if there is none yet, the shortest.
   [[nodiscard]] double first_length() const;
   /// Where a time from 0 to the end is: in step k, at the part of it that is returned too, t = t_{k−1} + part
   /// τ_k; times between two steps count to the former, 0 to the first.

@@ -92,6 +92,9 @@ ordered_json touch(const forward::Touch& one, int dim) {
   json["peak_at_onset"] = one.peak_at_onset;
   json["normal_peak"] = one.normal_peak;
   json["largest_step"] = one.largest_step;
+  json["impulse_duration"] = one.impulse_duration;
+  json["sustained_peak"] = one.sustained_peak;
+  json["sustained_over"] = one.sustained_over;
   return json;
 }
 
@@ -241,12 +244,13 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
                   {"crossing_time", m.body.crossing},
                   {"doubts", m.body.doubts}};
   json["candidates"] = m.candidates;
-  json["steps"] = {{"asked", m.steps_asked}, {"done", m.steps_done}};
+  json["steps"] = {{"asked", m.steps_asked}, {"done", m.steps_done}, {"wave_time", m.wave_time}};
   if (m.lengths)
     json["steps"].update({{"shortest", m.lengths->shortest},
                           {"longest", m.lengths->longest},
                           {"made_again", m.lengths->rejected},
-                          {"factorisations", m.lengths->factorisations}});
+                          {"factorisations", m.lengths->factorisations},
+                          {"factorisation_seconds", m.lengths->seconds}});
   json["solver"] = m.solver;
   if (!m.control_unit.empty())
     json["control_unit"] = m.control_unit;

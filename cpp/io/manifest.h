@@ -61,6 +61,7 @@ struct Lengths {
   double shortest = 0, longest = 0; ///< s
   int rejected = 0;                 ///< steps that were made again
   int factorisations = 0;           ///< of the step operators of as many lengths, each time counted
+  double seconds = 0;               ///< of these
 };
 
 /// The contents of run.json.
@@ -73,6 +74,7 @@ struct Manifest {
   int steps_asked = 0;              ///< of the whole motion
   std::optional<Lengths> lengths{}; ///< of steps of varying length
   int steps_done = 0;
+  double wave_time = 0;     ///< forward::Stepper::wave_time(), s
   std::string control_unit; ///< of control.scale, empty without a control
   std::string solver;       ///< of the steps, and the reason of its choice
   double peak_memory = 0;   ///< bytes, summed over the ranks

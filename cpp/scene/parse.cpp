@@ -47,8 +47,8 @@ Scene parse(const std::string& text, const std::filesystem::path& file,
   scene.name = file.stem().string();
   scene.solver.memory = machine_memory() / 2;
   schema::read(in, scene);
-  if (scene.output.every == 0)
-    scene.output.every = scene.time.automatic() ? Output::of_varying : Output::automatic(scene.time.steps);
+  if (scene.output.every == 0 && !scene.time.automatic())
+    scene.output.every = Output::automatic(scene.time.steps);
   if (series)
     scene.digest_of_series = series->text();
   return scene;

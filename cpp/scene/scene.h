@@ -71,7 +71,10 @@ struct Time {
   std::optional<double> longest, shortest;            ///< bounds of the lengths of such steps, s
 
   static constexpr double least_tolerance = 1e-12, most_tolerance = 0.5;
-  static constexpr int usual_longest = 10;       ///< longest steps to the end, where `longest` is not given
+  /// Halvings of the shortest step; of verification, and no key.
+  int refined = 0;
+
+  static constexpr int usual_longest = 8;        ///< longest steps to the end, where `longest` is not given
   static constexpr int most_steps = 100'000'000; ///< beyond any run, and within 32-bit integers
 
   [[nodiscard]] bool stabilized() const { return scheme == TimeScheme::contact_stabilized; }
@@ -299,7 +302,7 @@ struct Probe {
 
 /// Table [output].
 struct Output {
-  int every = 0; ///< steps between stored fields; 0 until automatic() sets it
+  int every = 0; ///< steps between stored fields; 0: of steps of varying length, most_frames at most
   std::vector<StoredField> fields{StoredField::displacement, StoredField::velocity, StoredField::control,
                                   StoredField::adjoint}; ///< stored where a run has them
   std::vector<StoredTable> tables{StoredTable::steps,       StoredTable::contact, StoredTable::obstacles,
@@ -307,7 +310,6 @@ struct Output {
                                   StoredTable::measurements}; ///< likewise
   std::vector<Probe> probes;
 
-  static constexpr int of_varying = 5;    ///< `every` for steps of varying length where it is not given
   static constexpr int most_frames = 300; ///< stored after the first where `every` is not given
   /// The least of 1, 2, 5, 10, 20, … that makes of so many steps no more than most_frames.
   [[nodiscard]] static int automatic(int steps);

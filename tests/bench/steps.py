@@ -1,28 +1,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What steps of varying length save: errors and seconds beside those of steps of one length.
+"""What steps of varying length save: errors and cost beside those of steps of one length.
 
 usage: ./dev bench steps [SCENE …] [--json FILE]
 
 By default the rubber ring and the hard ball that are dropped 0.2 m, which touch once, the half disc that is pushed onto its plane, and the bar that
-hits it. Of drops, errors of the duration of contact, from the first touch to the last release within a part of a step, and of
-its impulse; of the others, the error of the displacement of a point of the contact surface, in the mean square over time. All are relative to the
-motion of the smallest tolerance; seconds are those of the time steps with their factorisations. About ten minutes, most of it
-for steps of one length.
+hits it. Of drops, errors of the duration of contact, from 1 to 99 % of the impulse, of the impulse and of the sustained peak; of the others, the error of the
+displacement of a point of the contact surface, in the mean square over time. All are relative to the motion of the shortest
+steps of one length, within eight or so of which a wave crosses an element in contact: still shorter ones let single nodes bounce. Seconds are those of the time steps, and of the factorisations apart. The last columns are the steps, repeated ones included, and the seconds without
+factorisations over those of steps of one length with the same error, by interpolation between these. About fifteen minutes, most of it for steps
+of one length.
 """
 
 import json
 import tempfile
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import program
 
 SCENES = {  # tolerances, and numbers of steps of one length
-    "drop-ring": ((1e-4, 1e-3, 5e-3, 2e-2, 1e-1), (10000, 2500, 1000, 500, 250)),
-    "drop-ball": ((1e-4, 1e-3, 3e-3, 1e-2, 1e-1), (20500, 10250, 5125)),
-    "half-disc": ((1e-6, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2), (4800, 2400, 1200, 600, 300, 150, 75)),
-    "bar-impact": ((1e-6, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2), (7680, 3840, 1920, 960, 480, 240, 120)),
+    "drop-ring": ((1e-3, 5e-3, 1e-2, 2e-2), (40000, 10000, 5000, 2500, 1000, 500, 250)),
+    "drop-ball": ((1e-3, 3e-3, 1e-2), (82000, 41000, 20500, 10250, 5125)),
+    "half-disc": ((1e-3, 3e-3, 1e-2, 3e-2), (9600, 4800, 2400, 1200, 600, 300, 150, 75)),
+    "bar-impact": ((1e-3, 3e-3, 1e-2, 3e-2), (15360, 7680, 3840, 1920, 960, 480, 240, 120)),
 }
 CONTINUOUS = {  # a point of the contact surface, and what else the scene takes
     "half-disc": ("[0, -15]", {"mesh.size": 0.25, "control.initial": '["0", "-1"]'}),
@@ -30,22 +32,11 @@ CONTINUOUS = {  # a point of the contact surface, and what else the scene takes
 }
 
 
-def contact(file: Path) -> tuple[float, float]:
-    """Duration (s) and impulse (N s) of contact."""
-    steps = np.genfromtxt(file, delimiter=",", names=True)
-    time, gap, force = steps["time"], steps["min_gap"], steps["normal_force"]
-    length = np.diff(time, prepend=np.nan)
-    touching = np.flatnonzero(force > 0)
-    assert len(touching) > 1, "no contact occurred"
-    first, last = touching[0], touching[-1]
-    assert last + 2 < len(time), "contact had not ended"
-
-    def crossing(near: int, far: int, between: float, step: float) -> float:
-        return min(step, between * gap[near] / (gap[far] - gap[near])) if gap[far] > gap[near] else step / 2
-
-    start = time[first - 1] + crossing(first - 1, first - 2, length[first - 1], length[first])
-    end = time[last + 1] - crossing(last + 1, last + 2, length[last + 2], length[last + 1])
-    return end - start, float(np.sum(length[1:] * force[1:]))
+def contact(run: dict) -> tuple[float, float, float]:
+    """Duration (s), impulse (N s) and sustained peak (N) of contact."""
+    found = run["impact"]["all"]
+    assert found["contact_time"] > 0 and run["impact"]["ended"], "no contact occurred, or it had not ended"
+    return found["impulse_duration"], found["normal_impulse"], found["sustained_peak"]
 
 
 def motion(file: Path) -> np.ndarray:
@@ -68,36 +59,58 @@ def measure(folder: Path, scene: str, settings: dict[str, object]) -> dict:
     program.output("signorini", "simulate", program.ROOT / "scenes" / f"{scene}.toml", "--out", out, "--quiet",
                    *program.sets({"output.fields": "[]", "output.tables": '["steps", "probes"]', **settings}))
     run = json.loads((out / "run.json").read_text())
-    found = {"motion": motion(out / "probes.csv")} if scene in CONTINUOUS else dict(zip(("duration", "impulse"), contact(out / "steps.csv")))
-    seconds = run["timings"]["forward"]["seconds"] + run["timings"]["solver"]["seconds"] - run["timings"]["balances"]["seconds"]
-    return {"scene": scene, "steps": run["steps"]["done"], "seconds": seconds, "found": found,
-            **{key: run["steps"][key] for key in ("made_again", "factorisations") if key in run["steps"]}}  # fmt: skip
+    found = {"motion": motion(out / "probes.csv")} if scene in CONTINUOUS else dict(zip(("duration", "impulse", "peak"), contact(run)))
+    seconds = {phase: run["timings"][phase]["seconds"] for phase in ("forward", "solver", "balances")}
+    factors = run["steps"].get("factorisation_seconds", seconds["solver"])
+    return {"scene": scene, "steps": run["steps"]["done"], "again": run["steps"].get("made_again", 0), "lengths": run["steps"].get("factorisations", 1),
+            "seconds": seconds["forward"] + seconds["solver"] - seconds["balances"] - factors, "factor_seconds": factors, "found": found}  # fmt: skip
+
+
+def over_uniform(row: dict, uniform: list[dict], cost: Callable[[dict], float]) -> float | None:
+    """The cost of a row over that of equal steps with the same error, the largest of all quantities; absent beyond their range."""
+    ratios = []
+    for name, error in row["errors"].items():
+        known = sorted((one["errors"][name], cost(one)) for one in uniform)
+        errors, costs = (np.log([one[i] for one in known]) for i in (0, 1))
+        if not errors[0] <= np.log(error) <= errors[-1]:
+            return None
+        ratios.append(cost(row) / np.exp(np.interp(np.log(error), errors, costs)))
+    return max(ratios)
 
 
 def main() -> None:
     parser = program.options("bench steps", __doc__)
-    parser.add_argument("scenes", nargs="*", choices=[*SCENES, []], default=list(SCENES), metavar="SCENE")
+    parser.add_argument("scenes", nargs="*", metavar="SCENE")
     options = parser.parse_args()
+    if unknown := set(options.scenes) - set(SCENES):
+        parser.error(f"no scene {', '.join(unknown)}; choose from {', '.join(SCENES)}")
     rows = []
-    for scene in options.scenes:
+    for scene in options.scenes or SCENES:
         tolerances, counts = SCENES[scene]
         time = tomllib.loads((program.ROOT / "scenes" / f"{scene}.toml").read_text())["time"]
-        exact = None
+        of_scene: list[dict] = []
         for tolerance, count in [(t, None) for t in tolerances] + [(None, n) for n in counts]:
             kept = {key: value for key, value in time.items() if key not in ("step", "tolerance") and (tolerance or key in ("end", "scheme"))}
             table = {**kept, **({"step": "auto", "tolerance": tolerance} if tolerance else {"step": time["end"] / count})}
             settings = {"time": "{" + ", ".join(f"{key} = {json.dumps(value)}" for key, value in table.items()) + "}"}
             with tempfile.TemporaryDirectory() as folder:
                 row = measure(Path(folder), scene, settings)
-            exact = exact or row
+            of_scene.append(row)
             row["tolerance"] = tolerance
-            row["errors"] = {name: float(np.linalg.norm(value - exact["found"][name]) / np.linalg.norm(exact["found"][name]))
+        finest = next(row for row in of_scene if row["tolerance"] is None)
+        for row in of_scene:
+            row["errors"] = {name: float(np.linalg.norm(value - finest["found"][name]) / np.linalg.norm(finest["found"][name]))
                              for name, value in row["found"].items()}  # fmt: skip
-            if row is exact:
-                print(f"{scene:<11}{'steps':>7}{'again':>7}{'lengths':>9}{'seconds':>9}" + "".join(f"{name:>12}" for name in row["errors"]))
-            rows.append({key: value for key, value in row.items() if key != "found"})
-            print(f"{'':<11}{row['steps']:>7}{row.get('made_again', ''):>7}{row.get('factorisations', 1):>9}"
-                  f"{row['seconds']:>9.2f}" + "".join(f"{'-' if row is exact else f'{error:.1e}':>12}" for error in row["errors"].values()), flush=True)  # fmt: skip
+        uniform = [row for row in of_scene if row["tolerance"] is None and row is not finest]
+        print(f"{scene:<11}{'steps':>7}{'again':>7}{'lengths':>9}{'seconds':>9}{'factors':>9}" + "".join(f"{name:>12}" for name in row["errors"]) + "  over one length")
+        for row in of_scene:
+            if row["tolerance"]:
+                row["over_steps"] = over_uniform(row, uniform, lambda one: one["steps"] + one["again"])
+                row["over_seconds"] = over_uniform(row, uniform, lambda one: one["seconds"])
+            ratios = [f"{row[key]:.2f} of {key[5:]}" for key in ("over_steps", "over_seconds") if row.get(key)]
+            print(f"{row['tolerance'] or '':<11}{row['steps']:>7}{row['again']:>7}{row['lengths']:>9}{row['seconds']:>9.2f}{row['factor_seconds']:>9.2f}"
+                  + "".join(f"{'-' if row is finest else f'{error:.1e}':>12}" for error in row["errors"].values()) + "  " + ", ".join(ratios), flush=True)  # fmt: skip
+        rows += [{key: value for key, value in row.items() if key != "found"} for row in of_scene]
     program.write(options.json, rows)
 
 
