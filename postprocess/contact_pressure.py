@@ -25,7 +25,7 @@ def draw(run: RunFolder) -> list[Path]:
         raise NotInRun("the run wrote no contact pressure")
     place = along_surface(arc_of(contact)) if run.dim == 2 else around_contact(contact)
     times, pressure = contact.times, contact.pressure[1:]
-    if run.scene["output"]["every"] == 1 and len(times) > 3:
+    if run.stores_every_step and len(times) > 3:
         # The mean of two steps is that about the time between them.
         times, pressure = (times[1:] + times[:-1]) / 2, (pressure[1:] + pressure[:-1]) / 2
     factor, unit = style.prefixed(pressure, "Pa")

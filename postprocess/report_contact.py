@@ -134,7 +134,7 @@ def surface_views(run: RunFolder, contact: Contact, place: Place) -> dict[str, d
     for what, (of, unit) in values.items():
         if of is None:
             continue
-        if run.scene["output"]["every"] == 1 and len(times) > 2:
+        if run.stores_every_step and len(times) > 2:
             views[f"{what}, mean of two steps"] = surface_map(times[1:-1], place, (of[2:] + of[1:-1]) / 2, unit, what, axis)
         # What acts in a step that ends at a stored time.
         views[f"{what} of each step"] = surface_map(run.middles(times[1:]), place, of[1:], unit, what, axis)

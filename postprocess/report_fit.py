@@ -90,8 +90,8 @@ def correlations(run: RunFolder) -> list[Table]:
 
 def times(run: RunFolder) -> list[Table]:
     compared = run.manifest["fit"]["contact_times"]
-    rows = [[one["name"], f"{one['value']:.5g}", shown(one["simulated"], 5)] for one in compared]
-    return [Table("Contact times, which were not fitted", ["Time", "Measured (s)", "Simulated (s)"], rows)] if rows else []
+    rows = [[one["name"], one["unit"], f"{one['value']:.5g}", shown(one["simulated"], 5)] for one in compared]
+    return [Table("Figures of contact, which were not fitted", ["Figure", "Unit", "Measured", "Simulated"], rows)] if rows else []
 
 
 def band(x: np.ndarray, low: np.ndarray, high: np.ndarray, name: str) -> dict:

@@ -16,10 +16,12 @@ def impact(run: RunFolder) -> list[Table]:
     rows = [touch(run, one["name"], one) for one in given["obstacles"]]
     if len(rows) > 1:
         rows.append(touch(run, "all", given["all"]))
-    title = "Forces are added by their moduli; the peak is that of the mean of two steps. The force of a step acts all through it."
+    title = (f"Forces are added by their moduli; the force of a step acts all through it. Sustained: the largest mean over "
+             f"{quantity(given['all']['sustained_over'], 's')}, in which a wave crosses four elements. † need not converge with step and size.")
     if any(one.get("peak_at_onset") for one in [*given["obstacles"], given["all"]]):
-        title += " ∗ as contact begins, before a wave has crossed the body: such a peak may depend on step and size."
-    head = ["Obstacle", "Contact from", "to", "In contact for", "Impulse", "Resultant of it", "Peak force", "at"]
+        title += " ∗ as contact begins, before a wave has crossed the body."
+    head = ["Obstacle", "Contact from †", "to †", "In contact for †", "1 to 99 % of the impulse in", "Impulse", "Resultant of it",
+            "Sustained peak force", "Peak of two steps †", "at"]  # fmt: skip
     tables = [Table(title, head, rows)]
     if given["velocity_before"]:
         body = [["Mass", quantity(given["mass"] * 1000, per_depth("g", run.dim))],
@@ -46,10 +48,11 @@ def impact(run: RunFolder) -> list[Table]:
 def touch(run: RunFolder, name: str, given: dict) -> list[str]:
     """A row of what touched, of dashes where nothing did."""
     if not given["contact_time"]:
-        return [name, "never", *["–"] * 6]
+        return [name, "never", *["–"] * 8]
     force, impulse = per_depth("N", run.dim), per_depth("N s", run.dim)
     return [name, quantity(given["start"], "s"), quantity(given["end"], "s"), quantity(given["contact_time"], "s"),
-            quantity(given["normal_impulse"], impulse), vector(given["impulse"], impulse), quantity(given["normal_peak"], force),
+            quantity(given["impulse_duration"], "s"), quantity(given["normal_impulse"], impulse), vector(given["impulse"], impulse),
+            quantity(given["sustained_peak"], force), quantity(given["normal_peak"], force),
             quantity(given["peak_time"], "s") + (" ∗" if given.get("peak_at_onset") else "")]  # fmt: skip
 
 

@@ -90,7 +90,7 @@ def facts(run: RunFolder) -> list[tuple[str, str]]:
 
 def accuracy(given: dict) -> str:
     """What was asked of the answer, and what is estimated."""
-    met = "met" if given["estimated"] <= given["asked"] else "not met"
+    met = "met" if given["met"] else f"not verified, {given['doubt']}" if given["doubt"] else "not met"
     return (f"{given['asked']:g} of {given['quantity']} asked, {given['estimated']:.2g} estimated: {met} "
             f"(space {given['space']:.1g}, time {given['time']:.1g}, search {given['search']:.1g})")  # fmt: skip
 

@@ -313,8 +313,12 @@ class RunFolder:
 
     @property
     def stored_steps(self) -> int:
-        """How many steps have rows in contact.csv: the initial state, every so manyth, and the last one."""
-        return -(-self.steps_done // self.scene["output"]["every"]) + 1
+        """How many steps have rows in contact.csv: the initial state, some of the others, and the last one."""
+        return self.told(lambda: int(self.manifest["steps"]["stored"]))
+
+    @property
+    def stores_every_step(self) -> bool:
+        return self.stored_steps == self.steps_done + 1
 
     def check_time(self, time: float) -> None:
         """Raises Unreadable if the run did not reach the time (s)."""

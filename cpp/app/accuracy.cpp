@@ -5,7 +5,7 @@
 #include "app/run_manifest.h"
 #include "app/search_level.h"
 #include "app/study/density.h"
-#include "app/study/ladder.h"
+#include "app/study/measured.h"
 #include "base/signals.h"
 #include "mesh/size_field.h"
 #include "optimize/lbfgs.h"
@@ -36,6 +36,8 @@ constexpr std::array beginnings{4.0, 2.0, 1.0};
 constexpr int least_steps = 10;
 /// Each is to leave less than half of the error.
 constexpr std::size_t most_rounds = 20;
+/// Rounds whose estimate is small enough and that something puts in doubt.
+constexpr int most_doubted = 3;
 
 /// Sizes and steps of a round.
 struct Resolution {
@@ -124,7 +126,8 @@ private:
   /// again by them, and a .msh is refined.
   [[nodiscard]] bool sizes_vary() const { return scene_.mesh.automatic() || scene_.mesh.meshed(); }
 
-  [[nodiscard]] bool met() const { return !records_.empty() && parts_.sum() <= trusted * asked_.error; }
+  [[nodiscard]] bool enough(const Parts& parts) const { return parts.sum() <= trusted * asked_.error; }
+  [[nodiscard]] bool met() const { return !records_.empty() && enough(parts_) && doubt_.empty(); }
   [[nodiscard]] double passed() const {
     double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     MPI_Bcast(&seconds, 1, MPI_DOUBLE, 0, comm_);
@@ -174,6 +177,9 @@ private:
     const adjoint::ErrorParts error = estimate_error(problem, control_problem, &by_cells);
     parts.time = std::abs(error.time) / J;
     parts.space = error.sum_of_moduli() / J - parts.time;
+    doubt_.clear();
+    if (enough(parts))
+      verify(problem, control_problem, parts);
     // No fewer steps than the least, whatever the multiple.
     const double step = scene_.time.automatic()
                             ? resolution.step
@@ -189,7 +195,13 @@ private:
       row.size = problem.mesh.diameter() / std::pow(problem.mesh.cells(), 1.0 / problem.mesh.dim());
     row.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     // Written even if the time is up by now: there is an answer, and it is the best so far.
-    const io::Accuracy accuracy{"J", asked_.error, parts.space, parts.time, parts.search};
+    const io::Accuracy accuracy{.quantity = "J",
+                                .asked = asked_.error,
+                                .space = parts.space,
+                                .time = parts.time,
+                                .search = parts.search,
+                                .met = enough(parts) && doubt_.empty(),
+                                .doubt = doubt_};
     record.store(last_->state());
     folder.write("indicators.csv", indicators());
     write_optimum(folder, problem, told, control_problem, record,
@@ -200,6 +212,15 @@ private:
         records_.size() + 1, row.free_unknowns, row.steps, row.objective, parts.sum(), parts.space,
         parts.time, parts.search, row.forward_sweeps, row.adjoint_sweeps, row.seconds, passed()));
     records_.push_back(std::move(row));
+  }
+
+  /// Compares J with that of half the steps, which may say more of them than the estimate, and looks for what
+  /// they may have missed.
+  void verify(const Problem& problem, const ControlProblem& control_problem, Parts& parts) {
+    const Verified found = verify_with_half_steps(problem, control_problem);
+    parts.time = std::max(parts.time, found.change / std::abs(control_problem.reduced.value().total()));
+    const study::Quantity J{"J", "J", ""};
+    doubt_ = study::Measured{.warnings = found.warnings}.doubt(J);
   }
 
   /// indicators.csv: the corners of each cell (m) and its share in the error of J in space, relative.
@@ -267,6 +288,10 @@ private:
       ended_ = fmt::format("its estimate does not fall in {} rounds", most_rounds);
       return std::nullopt;
     }
+    if (!doubt_.empty() && ++doubted_ == most_doubted) {
+      ended_ = doubt_;
+      return std::nullopt;
+    }
     Resolution next = aimed_at(aimed * asked_.error);
     if (asked_.budget && !fits(next)) {
       ended_ = fmt::format("a next round is beyond the budget of {:.3g} s", *asked_.budget);
@@ -331,10 +356,11 @@ private:
                                    "steps, {:.2g} s in {} rounds, of which the last took {:.2g} s; half the "
                                    "error would take about {:.2g} s",
                                    asked_.error, parts_.sum(), parts_.space, parts_.time, parts_.search,
-                                   met()          ? "met"
-                                   : late         ? "not met, the budget is spent"
-                                   : interrupted_ ? "not met, interrupted"
-                                                  : "not met, " + ended_,
+                                   met()            ? std::string("met")
+                                   : late           ? "not met, the budget is spent"
+                                   : interrupted_   ? "not met, interrupted"
+                                   : doubt_.empty() ? "not met, " + ended_
+                                                    : "not verified, " + doubt_,
                                    last.free_unknowns, last.steps, passed(), records_.size(), last.seconds,
                                    cost(aimed_at(parts_.sum() / 2)));
     return text + fmt::format("\nresults in {}", out_.string());
@@ -352,7 +378,8 @@ private:
   std::vector<double> by_cells_; ///< indicators of its mesh
   double space_order_ = 2, time_order_ = 2;
   std::vector<io::CoarseLevel> records_;
-  std::string ended_;
+  std::string ended_, doubt_; ///< why there is no further round; why the last is not verified
+  int doubted_ = 0;           ///< rounds
   bool interrupted_ = false;
 };
 

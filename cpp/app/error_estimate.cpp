@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/error_estimate.h"
+#include "app/study/ladder.h"
 #include "base/error.h"
+#include "control/interpolation.h"
+#include "forward/step_warnings.h"
 
 namespace signorini {
 using petsc::check;
@@ -209,6 +212,29 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
     *by_cells = body->by_cells(by_nodes);
   parts.time += control_problem.objective.quadrature_error(reduced.squared_distances(), reduced.control());
   return parts;
+}
+
+Verified verify_with_half_steps(const Problem& problem, const ControlProblem& control_problem) {
+  const control::ReducedProblem& reduced = control_problem.reduced;
+  Verified found;
+  {
+    forward::StepWarnings watch(problem.stepper, problem.scene, problem.scene_loads());
+    const int done = forward::integrate(problem.stepper, problem.initial, reduced.load(), problem.steps(),
+                                        [&](const forward::Frame& frame) { watch.observe(frame); });
+    if (done < problem.steps())
+      throw Interrupted();
+    found.warnings = watch.warnings();
+  }
+  const scene::Scene halved = study::on_rung(problem.scene, study::own_rung(problem.scene).with_steps(0.5));
+  const Console silent(false, false);
+  Timers timers;
+  const Problem finer(problem.discretisation, halved, search_needs(halved), timers);
+  if (!finer.stepper.grid().complete())
+    choose_steps(finer, control_problem.controls, reduced.control(), silent);
+  ControlProblem there(finer, silent);
+  const control::Interpolation interpolate(control_problem.controls, there.controls);
+  found.change = std::abs(there.reduced.value(interpolate(reduced.control())) - reduced.value().total());
+  return found;
 }
 
 } // namespace signorini

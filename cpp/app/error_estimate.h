@@ -2,6 +2,8 @@
 #pragma once
 #include "adjoint/weighted_residual.h"
 #include "app/problem.h"
+#include "forward/warning.h"
+#include <vector>
 
 namespace signorini {
 
@@ -15,5 +17,14 @@ namespace signorini {
 /// part's shares, of each cell owned. Collective. Throws SolverFailure, Interrupted, WriteFailure.
 adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem& control_problem,
                                    std::vector<double>* by_cells = nullptr);
+
+/// What half the steps, under the same control, change of J, and what the steps of this run may have missed.
+struct Verified {
+  double change = 0; ///< modulus
+  std::vector<forward::Warning> warnings;
+};
+/// One forward sweep on either grid; steps of varying length are chosen anew. Collective. Throws UserError,
+/// SolverFailure, Interrupted.
+Verified verify_with_half_steps(const Problem& problem, const ControlProblem& control_problem);
 
 } // namespace signorini

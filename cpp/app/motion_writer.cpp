@@ -24,10 +24,8 @@ MotionWriter::MotionWriter(const Problem& problem, const io::OutputFolder& folde
                            const control::Objective* objective, bool controlled,
                            const forward::StepErrors* errors)
     : problem_(problem), objective_(objective), plausibility_(problem.stepper, problem.scene),
-      passage_(problem.stepper), forces_(problem.stepper), resolution_(problem.stepper, problem.scene),
-      errors_(errors) {
-  if (!errors && !problem.stepper.grid().equal())
-    errors_ = &own_errors_.emplace(problem.stepper, problem.scene);
+      forces_(problem.stepper), resolution_(problem.stepper, problem.scene),
+      step_warnings_(problem.stepper, problem.scene, problem.scene_loads(), errors) {
   const auto timer = problem.timers.time("output");
   const scene::Output& output = problem.scene.output;
   const bool probed = problem.probes && output.table(scene::StoredTable::probes);
@@ -96,13 +94,11 @@ void MotionWriter::operator()(const forward::Frame& frame) {
     if (balance_)
       weigh(frame, balance);
     plausibility_.observe(frame, balance_ ? &balance : nullptr);
-    passage_.observe(frame);
-    if (own_errors_)
-      own_errors_->observe(frame);
+    step_warnings_.observe(frame);
   }
   const auto timer = problem_.timers.time("output");
   add_rows(frame, balance);
-  if (stored(problem_.stepper.grid(), frame.k, problem_.scene.output.every, frame.last))
+  if (signorini::stored(problem_.stepper.grid(), frame.k, problem_.scene.output.every, frame.last))
     store(frame);
 }
 
@@ -152,6 +148,7 @@ void MotionWriter::store(const forward::Frame& frame) {
   }
   if (state_)
     store_fields(frame);
+  ++stored_;
 }
 
 void MotionWriter::store_fields(const forward::Frame& frame) {
@@ -159,7 +156,7 @@ void MotionWriter::store_fields(const forward::Frame& frame) {
   const double t = problem_.stepper.grid().time(frame.k);
   const auto write = [&](Field field, auto&& values) {
     if (output.field(field))
-      state_->write(scene::name(field), stored_, t, values());
+      state_->write(scene::name(field), static_cast<std::size_t>(stored_), t, values());
   };
   write(Field::displacement, [&] { return frame.y1; });
   write(Field::velocity, [&] { return frame.v1; });
@@ -179,7 +176,6 @@ void MotionWriter::store_fields(const forward::Frame& frame) {
     return contact::at_nodes(problem_.space, *problem_.stepper.pairs(),
                              (*pressure_)(frame.contact.lambda, impulse));
   });
-  ++stored_;
 }
 
 std::vector<forward::Warning> MotionWriter::warnings() {
@@ -188,11 +184,7 @@ std::vector<forward::Warning> MotionWriter::warnings() {
     std::ranges::move(warnings, std::back_inserter(found));
   };
   add(resolution_.warnings());
-  add(passage_.warnings());
-  if (problem_.scene_load)
-    add(problem_.scene_load->warnings());
-  if (errors_)
-    add(errors_->warnings());
+  add(step_warnings_.warnings());
   return found;
 }
 

@@ -4,9 +4,8 @@
 #include "forward/contact_resolution.h"
 #include "forward/invariants.h"
 #include "forward/motion_summary.h"
-#include "forward/passage.h"
 #include "forward/plausibility.h"
-#include "forward/step_errors.h"
+#include "forward/step_warnings.h"
 #include "io/contact_table.h"
 #include "io/csv_tables.h"
 #include "io/fields.h"
@@ -41,6 +40,9 @@ public:
   /// The sums of the motion; null without the balances of its steps, for which nothing has asked.
   [[nodiscard]] const forward::MotionSummary* summary() const { return summary_ ? &*summary_ : nullptr; }
 
+  /// Times at which fields and contact were stored.
+  [[nodiscard]] int stored() const { return stored_; }
+
   /// The largest von Mises stress of a cell at the stored times; absent if no stress is stored.
   [[nodiscard]] const std::optional<io::LargestStress>& von_mises() const { return von_mises_; }
 
@@ -64,19 +66,17 @@ private:
   std::optional<forward::Balance> balance_;
   std::optional<forward::Invariants> invariants_;
   forward::Plausibility plausibility_;
-  forward::Passage passage_;
   forward::ObstacleForces forces_;
   forward::ContactResolution resolution_;
-  std::optional<forward::StepErrors> own_errors_; ///< of steps that were chosen before
-  const forward::StepErrors* errors_;             ///< null for steps of one length
+  forward::StepWarnings step_warnings_;
   std::optional<forward::MotionSummary> summary_;
   std::optional<io::TextFile> steps_, contact_, obstacles_, probes_;
   std::optional<contact::Pressure> pressure_;
   std::optional<io::ContactTable> contact_table_;
   std::optional<io::FieldFile> state_;
-  std::size_t stored_ = 0; ///< number of times in it
   std::optional<fem::CellFields> cell_fields_;
   std::optional<io::LargestStress> von_mises_;
+  int stored_ = 0;             ///< times
   std::string text_;           ///< buffer of rows
   std::vector<double> values_; ///< buffer of a row
 };

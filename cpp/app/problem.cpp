@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/signals.h"
+#include "control/interpolation.h"
 #include "forward/step_control.h"
 #include "io/stored_control.h"
 #include "io/stored_field.h"
@@ -263,6 +264,14 @@ void choose_steps(const Problem& problem, const forward::ForceAtStep& load, cons
   console.line(
       fmt::format("{} steps, of {:.3g} s to {:.3g} s, chosen by a motion in which {} were made again",
                   grid.steps(), shortest, longest, control.rejected()));
+}
+
+void choose_steps(const Problem& problem, const control::ControlSpace& from, const control::Control& u,
+                  const Console& console) {
+  const control::ControlSpace held(problem.space, problem.operators, from.grid(), *problem.scene.control);
+  const control::Control here = control::Interpolation(from, held)(u);
+  const control::HeldForce force(held, here, problem.stepper.grid());
+  choose_steps(problem, problem.load(&force), console);
 }
 
 void choose_steps(const Problem& problem, const Console& console) {

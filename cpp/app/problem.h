@@ -39,7 +39,7 @@ struct Problem {
   std::optional<forward::Probes> probes; ///< absent if the scene has none
 
   /// The scene's loads, null if it has none.
-  [[nodiscard]] const forward::Load* scene_loads() const { return scene_load ? &*scene_load : nullptr; }
+  [[nodiscard]] const forward::SceneLoad* scene_loads() const { return scene_load ? &*scene_load : nullptr; }
   /// All forces on the body: the scene's loads and, if given, a control's, which must outlive the result.
   /// Collective.
   [[nodiscard]] forward::ForceAtStep load(const forward::Load* control = nullptr) const {
@@ -98,6 +98,9 @@ private:
 void choose_steps(const Problem& problem, const Console& console);
 /// The same by a motion under `load`, whether or not they are known.
 void choose_steps(const Problem& problem, const forward::ForceAtStep& load, const Console& console);
+/// The same by a motion under a control of other steps, or of another mesh.
+void choose_steps(const Problem& problem, const control::ControlSpace& from, const control::Control& u,
+                  const Console& console);
 
 /// The control problem of a scene: control, objective, desired motion and reduced problem.
 struct ControlProblem {

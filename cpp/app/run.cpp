@@ -174,7 +174,12 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
     scene.mesh.size.reset();
   }
   const auto write = [&](const study::Found& found) {
-    const io::Accuracy accuracy{request.study.quantities.front(), asked, found.space, found.time, 0};
+    const io::Accuracy accuracy{.quantity = request.study.quantities.front(),
+                                .asked = asked,
+                                .space = found.space,
+                                .time = found.time,
+                                .met = found.error() <= asked && found.doubt.empty(),
+                                .doubt = found.doubt};
     (void)simulate_scene(study::on_rung(scene, found.rung), out, request, Console(false, false), accuracy,
                          scratch.has_value());
     request.replace = true; // from now on it is this run's own
@@ -188,15 +193,16 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
       throw;
     stopped = true;
   }
-  const bool late = time_is_up(world()), met = best.error() <= asked;
+  const bool late = time_is_up(world()), met = best.error() <= asked && best.doubt.empty();
   forget_deadline();
   double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   MPI_Bcast(&passed, 1, MPI_DOUBLE, 0, world());
   const std::string asked_for = fmt::format("{:g} of {} asked", asked, request.study.quantities.front()),
-                    end = met                ? "met"
-                          : stopped && !late ? "not met, interrupted"
-                          : late             ? "not met, the budget is spent"
-                                             : "not met",
+                    end = met                  ? std::string("met")
+                          : stopped && !late   ? "not met, interrupted"
+                          : late               ? "not met, the budget is spent"
+                          : best.doubt.empty() ? "not met"
+                                               : "not verified, " + best.doubt,
                     resolution = study::words(best.rung, scene);
   if (best.seconds == 0) // the first of all
     console.line(fmt::format("{}, nothing tells the error of what there is so far: {}; {}, {:.2g} s in all",

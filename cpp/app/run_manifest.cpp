@@ -85,6 +85,7 @@ void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Ru
     manifest.impact = summary->impact();
   }
   manifest.von_mises = recorder.von_mises();
+  manifest.stored = recorder.stored();
   if (recorder.invariants())
     manifest.invariants.assign(recorder.invariants()->defects().begin(),
                                recorder.invariants()->defects().end());

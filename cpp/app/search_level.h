@@ -98,11 +98,7 @@ private:
       choose_steps(problem, silent);
       return problem;
     }
-    const control::ControlSpace& from = last->control_problem_.controls;
-    const control::ControlSpace held(problem.space, problem.operators, from.grid(), *problem.scene.control);
-    const control::Control u = control::Interpolation(from, held)(last->last_->current.u);
-    const control::HeldForce force(held, u, problem.stepper.grid());
-    choose_steps(problem, problem.load(&force), silent);
+    choose_steps(problem, last->control_problem_.controls, last->last_->current.u, silent);
     return problem;
   }
 

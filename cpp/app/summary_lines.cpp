@@ -35,11 +35,14 @@ std::string touch_line(const std::string& name, const forward::Touch& touch, int
                                  : "";
   const std::array<double, 3>& J = touch.impulse;
   return fmt::format(
-      "  {}: from {:.6g} to {:.6g} s{}, impulse {}{} {}, peak {:.4g}{} {} at {:.6g} s{}", name, touch.start,
-      touch.end, closed, components(J, dim), by_modulus(std::hypot(J[0], J[1], J[2]), touch.normal_impulse),
-      per_depth("N s", dim), touch.peak, by_modulus(touch.peak, touch.normal_peak), per_depth("N", dim),
-      touch.peak_time,
-      touch.peak_at_onset ? ", as contact begins: it may depend on time.step and mesh.size" : "");
+      "  {}: from {:.6g} to {:.6g} s{}, impulse {}{} {}, peak of two steps {:.4g}{} {} at {:.6g} s{}\n"
+      "    1 to 99 % of the impulse within {:.4g} s, sustained peak {:.4g} {}, the largest mean over {:.3g} "
+      "s",
+      name, touch.start, touch.end, closed, components(J, dim),
+      by_modulus(std::hypot(J[0], J[1], J[2]), touch.normal_impulse), per_depth("N s", dim), touch.peak,
+      by_modulus(touch.peak, touch.normal_peak), per_depth("N", dim), touch.peak_time,
+      touch.peak_at_onset ? ", as contact begins" : "", touch.impulse_duration, touch.sustained_peak,
+      per_depth("N", dim), touch.sustained_over);
 }
 
 /// Velocities before and after, and what restitution that is.
@@ -71,7 +74,8 @@ void add_impact(const forward::Impact& impact, int dim, std::vector<std::string>
     return;
   }
   lines.emplace_back(
-      "contact (the force of a step acts from the time before to its own; peaks are means of two steps):");
+      "contact (impulse, the time from 1 to 99 % of it and the sustained peak converge with step and size; "
+      "first and last touch and the peak of two steps need not):");
   for (const forward::Touch& one : impact.obstacles)
     lines.push_back(touch_line(one.name, one, dim));
   if (std::ranges::count_if(impact.obstacles, &forward::Touch::occurred) > 1)

@@ -8,7 +8,9 @@ SampledForce::SampledForce(const ControlSpace& controls, const scene::Components
     : controls_(controls),
       profile_(controls.space().comm(), scene::Field(components, key, !controls.constant_in_time()),
                controls.points(), controls.grid().end()),
-      within_(within), values_(controls.size(), 1) {}
+      within_(within), values_(controls.size(), 1) {
+  profile_.require_resolved();
+}
 
 void SampledForce::add(int k, forward::NodalForce sum) const {
   controls_.for_each_interval(k, [&](int j, double part) {

@@ -189,6 +189,7 @@ Control ControlSpace::constant(double value) const {
 Control ControlSpace::interpolate(const scene::Components& components, const std::string& key) const {
   const fem::TimeProfile profile(space_.comm(), scene::Field(components, key, !constant_in_time_), points_,
                                  grid_.end());
+  profile.require_resolved();
   Control u = zero();
   for (int j = 1; j <= u.count(); ++j)
     if (j > 1 && !profile.field().depends_on_time())

@@ -32,7 +32,8 @@ public:
   void observe(const forward::Frame& frame, const forward::Tangents& tangents,
                const forward::ParameterRates& rates);
 
-  /// Number of values of all measurements together, and the first of each; contact times have none.
+  /// Number of values of all measurements together, and the first of each; those that are not fitted have
+  /// none.
   [[nodiscard]] std::size_t count() const { return samples_.size(); }
   [[nodiscard]] const std::vector<std::size_t>& first() const { return first_; }
 

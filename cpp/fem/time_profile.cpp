@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fem/time_profile.h"
 #include "base/collective.h"
+#include "base/error.h"
 #include <algorithm>
 #include <array>
 #include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
+#include <fmt/format.h>
 #include <numeric>
 
 namespace signorini::fem {
@@ -375,6 +377,14 @@ std::vector<double> TimeProfile::times(double from, double to) const {
     }
   std::ranges::sort(all);
   return all;
+}
+
+void TimeProfile::require_resolved() const {
+  if (unresolved() > noticeable)
+    throw UserError(fmt::format("{}: found an expression that changes faster than it can be integrated, its "
+                                "means may be off by {:.2g} of it; "
+                                "allowed are slower ones, or a time series",
+                                field_.key(), unresolved()));
 }
 
 } // namespace signorini::fem

@@ -36,6 +36,9 @@ public:
 
   /// By how much the integral may be off, relative, where the panels do not integrate to their tolerance.
   [[nodiscard]] double unresolved() const { return std::min(unresolved_, 1.0); }
+  static constexpr double noticeable = 1e-9; ///< of that
+  /// Throws UserError where it is noticeable.
+  void require_resolved() const;
 
 private:
   /// A time, and its weight in a mean.

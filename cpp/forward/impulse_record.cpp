@@ -41,6 +41,12 @@ std::pair<double, double> ImpulseRecord::between(double from, double to) const {
   return {time_of(from * total()), time_of(to * total())};
 }
 
+double ImpulseRecord::duration() const {
+  constexpr double part = 0.01;
+  const auto [begin, end] = between(part, 1 - part);
+  return end - begin;
+}
+
 ImpulseRecord::Mean ImpulseRecord::largest_mean(double window) const {
   Mean most{.over = window};
   for (std::size_t i = 1; i < times_.size(); ++i) {

@@ -23,6 +23,8 @@ public:
   [[nodiscard]] double mean(double from, double to) const { return (until(to) - until(from)) / (to - from); }
   /// The times between which the impulse grows from a part of the whole to another; 0 and 0 without any.
   [[nodiscard]] std::pair<double, double> between(double from, double to) const;
+  /// The time in which the impulse grows from 1 to 99 % of the whole, s.
+  [[nodiscard]] double duration() const;
   /// A mean force (N), the time over which it is one, and the end of that (s).
   struct Mean {
     double force = 0, over = 0, end = 0;

@@ -123,7 +123,7 @@ double SceneLoad::variation(double from, double to) const {
 }
 
 std::vector<Warning> SceneLoad::warnings() const {
-  constexpr double noticeable = 1e-9;
+  constexpr double noticeable = fem::TimeProfile::noticeable;
   std::vector<Warning> found;
   for_each([&](const Term& term) {
     if (const double off = term.profile.unresolved(); off > noticeable)

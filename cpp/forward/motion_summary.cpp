@@ -129,9 +129,7 @@ std::optional<Impact> MotionSummary::impact() const {
     return std::nullopt;
   Impact impact = impact_;
   const auto sum_up = [&](const ImpulseRecord& record, Touch& touch) {
-    constexpr double part = 0.01;
-    const auto [begin, end] = record.between(part, 1 - part);
-    touch.impulse_duration = end - begin;
+    touch.impulse_duration = record.duration();
     touch.sustained_over = sustained * stepper_.wave_time();
     touch.sustained_peak = record.largest_mean(touch.sustained_over).force;
   };

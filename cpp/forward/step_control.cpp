@@ -191,8 +191,10 @@ int StepControl::next(int level) {
 }
 
 int StepControl::longest_within(double time) const {
+  constexpr double hair = 1e-9; // where a length fills the time, in any unit
   int level = floor_;
-  while (level >= flight_levels && stepper_.grid().ladder()->length(level - flight_levels) <= time)
+  while (level >= flight_levels &&
+         stepper_.grid().ladder()->length(level - flight_levels) <= (1 + hair) * time)
     level -= flight_levels;
   return level;
 }

@@ -20,6 +20,10 @@ constexpr double trapezoidal = 12;
 constexpr int few_steps = 10;
 /// Of the tolerance: what errors in contact may add up to.
 constexpr double most_accumulated = 5;
+/// Part of the shortest step by which touches may differ as rounding turns a body.
+constexpr double most_turned = 0.2;
+/// Part of their errors with which the shortest steps count in a flight between two touches; by trials.
+constexpr double of_shortest = 0.2;
 
 /// Factors of values at times t, the newest first, in the distance of the newest from the line through the
 /// others.
@@ -75,7 +79,7 @@ void StepErrors::start(Vec y, Vec v) {
   vibration_ = {};
   flight_ = {};
   forces_of_two_ = {};
-  last_force_ = last_length_ = contact_error_ = scale_ = 0;
+  last_force_ = last_length_ = contact_error_ = scale_ = drift_ = 0;
   if (const contact::ContactPairs* pairs = stepper_.pairs())
     contact::NormalOperator(*pairs).gap(pairs->psi(0, *psi_), y, gaps_);
 }
@@ -112,7 +116,7 @@ void StepErrors::set_mean(const Frame& frame) {
   means_[0].middle = stepper_.grid().middle(frame.k);
 }
 
-double StepErrors::error(const Frame& frame, bool abrupt) {
+double StepErrors::error_of(const Frame& frame, bool abrupt) {
   const std::array times{means_[0].middle, means_[1].middle, means_[2].middle};
   const double tau = stepper_.grid().length(frame.k);
   // Of a smooth motion the distance grows with that of the earlier steps; of a sudden change it does not.
@@ -173,9 +177,13 @@ StepErrors::Step StepErrors::judge(const Frame& frame) {
   set_mean(frame);
   const double tau = stepper_.grid().length(frame.k);
   Step step;
-  // The first step has no history, and the shortest ones are what others are measured by.
-  const bool judges = known_ > 1 && stepper_.grid().level(frame.k) < stepper_.grid().ladder()->levels;
-  step.error = error_ = judges ? error(frame, frame.contact.active != active_) : 0;
+  // The first step has no history, and the shortest ones are what others are measured by: they count where
+  // vibration goes on to the next touch.
+  const bool shortest = stepper_.grid().level(frame.k) >= stepper_.grid().ladder()->levels;
+  const bool judges = known_ > 1 && (!shortest || (!contact_.lasts && contact_.steps > 0));
+  const double error = judges ? error_of(frame, frame.contact.active != active_) : 0;
+  error_ = shortest ? of_shortest * error : error;
+  step.error = shortest ? 0 : error;
   if (const contact::ContactPairs* pairs = stepper_.pairs()) {
     double force = 0;
     for (const double lambda : frame.contact.lambda)
@@ -269,6 +277,8 @@ void StepErrors::take_contact(const Frame& frame) {
   double force = 0;
   for (const double lambda : frame.contact.lambda)
     force += lambda / stepper_.grid().scheme(frame.k).impulse();
+  if (any && begins_.empty() && !gaps_before_.empty())
+    judge_flight(frame);
   if (any && !contact_.lasts) {
     if (const double error = std::min(flight_.error, without_phases()); error > vibration_.error)
       vibration_ = {begin, std::ranges::max(reach_), error};
@@ -291,14 +301,28 @@ void StepErrors::take_contact(const Frame& frame) {
     flight_.error += error_;
   } else {
     flight_ = {};
-    contact_error_ += error_;
-    if (stepper_.grid().level(frame.k) < stepper_.grid().ladder()->levels)
+    if (stepper_.grid().level(frame.k) < stepper_.grid().ladder()->levels) {
+      contact_error_ += error_;
       first_long_ = std::min(first_long_, begin);
+    }
   }
   contact_.lasts = lasts;
   force_.add(end, force);
   last_force_ = force, last_length_ = tau;
   forces_of_two_ = {force_of_two_, forces_of_two_[0]};
+}
+
+void StepErrors::judge_flight(const Frame& frame) {
+  double speed = 0;
+  for (const int i : frame.contact.active)
+    if (const auto at = static_cast<std::size_t>(i); last_length_ > 0)
+      speed = std::max(speed, (gaps_before_[at] - gaps_[at]) / last_length_);
+  // What rounding of A y turns a body by that flies without strain, as measured; y grows with the time.
+  constexpr double turned = 0.05;
+  const double time = stepper_.grid().time(frame.k) / stepper_.wave_time(),
+               window = speed * stepper_.wave_time();
+  if (window > 0)
+    drift_ = turned * std::numeric_limits<double>::epsilon() * time * time * size(frame.y0) / window;
 }
 
 void StepErrors::end_contact() {
@@ -332,6 +356,16 @@ std::vector<Warning> StepErrors::warnings() const {
                      "add up to {:.2g} of it, {:g} are meant (time.tolerance)",
                      vibration_.amplitude / scale_, vibration_.time, vibration_.error / scale_, tolerance_),
          vibration_.error / scale_, tolerance_});
+  const TimeGrid& grid = stepper_.grid();
+  if (const double most = most_turned * grid.ladder()->length(grid.ladder()->levels) / stepper_.wave_time();
+      drift_ > most)
+    found.push_back(
+        {"rounding in flight",
+         fmt::format("the body flies so long before it touches at t = {:.6g} s that rounding may turn "
+                     "it: by {:.2g} of what it moves while a wave crosses an element, {:.2g} "
+                     "are meant; let it begin nearer to the touch",
+                     begins_.front(), drift_, most),
+         drift_, most});
   if (const double sum = contact_error_ / scale_, most = most_accumulated * tolerance_; sum > most)
     found.push_back(
         {"accumulated error",
@@ -376,7 +410,7 @@ std::optional<Warning> StepErrors::peak_warning() const {
   if (!(excess > most))
     return std::nullopt;
   return Warning{
-      "peak of the mesh",
+      peak_of_the_mesh,
       fmt::format("the largest force is {:.4g} in the mean over {:.2g} s and {:.4g} over twice that: "
                   "the size of the elements and the steps decide how large a peak is; let the mesh be "
                   "finer, lower time.tolerance, or compare impulses",

@@ -9,6 +9,9 @@
 
 namespace signorini::forward {
 
+/// The kind of warnings by which peaks of the force are in doubt, and nothing else.
+constexpr const char* peak_of_the_mesh = "peak of the mesh";
+
 /// Local errors of a motion in steps of varying length, by its own displacements and forces, and what they
 /// are judged by (docs/method.md section 11). No figure changes where the body moves by a uniform velocity.
 class StepErrors {
@@ -98,7 +101,7 @@ private:
   [[nodiscard]] double relative_rounding() const;
   [[nodiscard]] double rounding(Vec y);
   void set_mean(const Frame& frame);
-  [[nodiscard]] double error(const Frame& frame, bool abrupt);
+  [[nodiscard]] double error_of(const Frame& frame, bool abrupt);
   /// Whether a candidate that is open before the step and after it was not within it, by the parabola through
   /// three gaps.
   [[nodiscard]] bool passes(const Frame& frame) const;
@@ -106,6 +109,8 @@ private:
   void take_deformation(const Frame& frame);
   void take_contact(const Frame& frame);
   void end_contact();
+  /// Before the first touch.
+  void judge_flight(const Frame& frame);
   /// Where the largest force is that of a single wave, which the mesh and the steps decide.
   [[nodiscard]] std::optional<Warning> peak_warning() const;
 
@@ -119,7 +124,7 @@ private:
   petsc::Vector difference_, work_;
   std::array<Mean, 3> means_; ///< of the step judged, and the accepted ones before it, the latest first
   int known_ = 0;             ///< accepted ones among them
-  double error_ = 0;          ///< of the step judged
+  double error_ = 0;          ///< of the step judged, as it counts in a flight
   std::optional<contact::ContactPairs::Gaps> psi_;
   std::vector<double> normal_;
   RigidState rigid_state_;
@@ -142,6 +147,7 @@ private:
   struct Vibration {
     double time = 0, amplitude = 0, error = 0; ///< of a touch; relative
   } vibration_;
+  double drift_ = 0;           ///< by rounding, before the first touch; relative
   Contact coarsest_;           ///< of few steps, that of the largest impulse
   std::vector<double> begins_; ///< of contact, s
   double first_long_ = 0;      ///< begin of the first step in contact that is longer than the shortest, s

@@ -9,9 +9,9 @@
 
 namespace signorini::io {
 
-/// What was measured, read from the files of a scene's measurements: empty for contact times. Collective;
-/// rank 0 reads. Throws UserError naming key, file and line if a file cannot be read, has times outside of
-/// the motion, or tells no deviation where the scene does not.
+/// What was measured, read from the files of a scene's measurements: empty for those that are not fitted.
+/// Collective; rank 0 reads. Throws UserError naming key, file and line if a file cannot be read, has times
+/// outside of the motion, or tells no deviation where the scene does not.
 std::vector<control::Data> read_data(MPI_Comm comm, const scene::Scene& scene);
 
 /// The text of a measurement's file: columns of times and of the values named, those of several measurements
@@ -34,10 +34,10 @@ struct Comparison {
   std::vector<double> times, data, deviations, simulated;
 };
 
-/// A contact time beside the simulated one, which is not fitted.
-struct ComparedTime {
-  std::string name;
-  double value, deviation, simulated; ///< s; deviation 0: not given, simulated nan: no contact
+/// A figure of the whole contact beside the simulated one, which is not fitted.
+struct ComparedFigure {
+  std::string name, unit;
+  double value, deviation, simulated; ///< deviation 0: not given, simulated nan: no contact
 };
 
 /// The outcome of a fit.
@@ -47,7 +47,7 @@ struct Fit {
   std::vector<double> singular_values;
   std::vector<std::string> untold; ///< sentences: what the data do not tell
   std::vector<Comparison> measurements;
-  std::vector<ComparedTime> times;
+  std::vector<ComparedFigure> compared;
   double value = 0;     ///< J
   double misfit = 0;    ///< root mean square of the residuals of the data, in standard deviations
   long data = 0;        ///< values

@@ -171,7 +171,9 @@ void add_search(ordered_json& json, const Manifest& m, const scene::Scene& scene
                         {"estimated", m.accuracy->estimated()},
                         {"space", m.accuracy->space},
                         {"time", m.accuracy->time},
-                        {"search", m.accuracy->search}};
+                        {"search", m.accuracy->search},
+                        {"met", m.accuracy->met},
+                        {"doubt", m.accuracy->doubt}};
   if (m.kink) {
     ordered_json weak = ordered_json::array();
     for (const WeakContact& contact : m.kink->weak)
@@ -210,8 +212,9 @@ void add_fit(ordered_json& json, const Fit& fit) {
     correlations.push_back(std::vector<double>(&fit.correlations[i * n], &fit.correlations[i * n] + n));
   for (const Comparison& one : fit.measurements)
     measurements.push_back({{"name", one.name}, {"values", one.times.size()}});
-  for (const ComparedTime& one : fit.times)
+  for (const ComparedFigure& one : fit.compared)
     times.push_back({{"name", one.name},
+                     {"unit", one.unit},
                      {"value", one.value},
                      {"deviation", one.deviation},
                      {"simulated", finite(one.simulated)}});
@@ -244,7 +247,8 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
                   {"crossing_time", m.body.crossing},
                   {"doubts", m.body.doubts}};
   json["candidates"] = m.candidates;
-  json["steps"] = {{"asked", m.steps_asked}, {"done", m.steps_done}, {"wave_time", m.wave_time}};
+  json["steps"] = {
+      {"asked", m.steps_asked}, {"done", m.steps_done}, {"stored", m.stored}, {"wave_time", m.wave_time}};
   if (m.lengths)
     json["steps"].update({{"shortest", m.lengths->shortest},
                           {"longest", m.lengths->longest},

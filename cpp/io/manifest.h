@@ -52,7 +52,9 @@ struct CoarseLevel {
 struct Accuracy {
   std::string quantity;
   double asked = 0, space = 0, time = 0;
-  double search = 0; ///< what the optimizer has left
+  double search = 0;   ///< what the optimizer has left
+  bool met = false;    ///< with half the steps too, and without a doubt
+  std::string doubt{}; ///< why it is not verified though the estimate is small, in words
   [[nodiscard]] double estimated() const { return space + time + search; }
 };
 
@@ -74,6 +76,7 @@ struct Manifest {
   int steps_asked = 0;              ///< of the whole motion
   std::optional<Lengths> lengths{}; ///< of steps of varying length
   int steps_done = 0;
+  int stored = 0;           ///< times at which fields and contact were stored
   double wave_time = 0;     ///< forward::Stepper::wave_time(), s
   std::string control_unit; ///< of control.scale, empty without a control
   std::string solver;       ///< of the steps, and the reason of its choice

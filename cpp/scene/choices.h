@@ -78,9 +78,19 @@ enum class ParameterScale { linear, logarithmic };
 constexpr Names<2> names(ParameterScale) { return {"linear", "log"}; }
 
 /// What is measured; docs/method.md section 10.
-enum class Quantity { displacement, velocity, force, impulse, contact_start, contact_time };
-constexpr Names<6> names(Quantity) {
-  return {"displacement", "velocity", "force", "impulse", "contact-start", "contact-time"};
+enum class Quantity {
+  displacement,
+  velocity,
+  force,
+  impulse,
+  contact_start,
+  contact_time,
+  impulse_duration,
+  sustained_peak
+};
+constexpr Names<8> names(Quantity) {
+  return {"displacement", "velocity",         "force",         "impulse", "contact-start",
+          "contact-time", "impulse-duration", "sustained-peak"};
 }
 
 /// docs/method.md section 6.

@@ -208,12 +208,14 @@ void require_rules(Reader& in, Measurement& measurement, const Scene& scene) {
     if (measurement.obstacle)
       require_obstacle(in, *measurement.obstacle, scene);
   }
-  require_where(in, "component", measurement.fitted(), measurement.fitted(), "has no effect on a time");
+  require_where(in, "component", measurement.fitted(), measurement.fitted(),
+                "has no effect on what is compared alone");
   require_where(in, "file", measurement.fitted(), measurement.fitted(),
-                "has no effect on a time, which is compared by value");
+                "has no effect on what is compared alone, by value");
   require_where(in, "value", !measurement.fitted(), !measurement.fitted(), "has no effect beside a file");
   require_where(in, "column", false, measurement.fitted(), "has no effect without a file");
-  require_where(in, "noise", false, measurement.fitted(), "has no effect on a time; allowed is deviation");
+  require_where(in, "noise", false, measurement.fitted(),
+                "has no effect on what is compared alone; allowed is deviation");
   if (measurement.deviation && measurement.noise)
     in.fail("noise", "found beside deviation, allowed is one of them");
 }

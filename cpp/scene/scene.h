@@ -71,9 +71,6 @@ struct Time {
   std::optional<double> longest, shortest;            ///< bounds of the lengths of such steps, s
 
   static constexpr double least_tolerance = 1e-12, most_tolerance = 0.5;
-  /// Halvings of the shortest step; of verification, and no key.
-  int refined = 0;
-
   static constexpr int usual_longest = 8;        ///< longest steps to the end, where `longest` is not given
   static constexpr int most_steps = 100'000'000; ///< beyond any run, and within 32-bit integers
 
@@ -233,15 +230,15 @@ struct Measurement {
   std::optional<std::vector<double>> point;  ///< of the undeformed body, m
   std::optional<std::string> on;             ///< in place of a point: mean over this physical group
   std::optional<std::string> obstacle;       ///< of a force; absent: all obstacles together
-  std::optional<Component> component;        ///< set for every quantity but contact times
-  std::optional<std::filesystem::path> file; ///< CSV of times and values, absolute; of contact times none
+  std::optional<Component> component;        ///< set for every quantity that is fitted
+  std::optional<std::filesystem::path> file; ///< CSV of times and values, absolute; set where it is fitted
   std::string column = "value";
-  std::optional<double> value;     ///< of a contact time, s
+  std::optional<double> value;     ///< of a figure of the whole contact, s or N
   std::optional<double> deviation; ///< standard; absent: the file's column "deviation" tells it
   std::optional<double> noise;     ///< likewise, relative to the largest value
 
-  /// Whether the misfit counts in J; contact times are compared alone.
-  [[nodiscard]] bool fitted() const { return of != Quantity::contact_start && of != Quantity::contact_time; }
+  /// Whether the misfit counts in J; figures of the whole contact are compared alone.
+  [[nodiscard]] bool fitted() const { return of < Quantity::contact_start; }
 };
 
 /// Table [optimizer]; docs/method.md section 6.

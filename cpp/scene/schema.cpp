@@ -364,10 +364,12 @@ Keys<Unknown> keys_of(Of<Unknown>) {
 
 Keys<Measurement> keys_of(Of<Measurement>) {
   return {
-      required("of", &Measurement::of, Choice<Quantity>{}, "",
-               "in a table `[[measurement]]`: of a point or group; of what an obstacle does to the body, its "
-               "resultant force (with the contact-implicit scheme the mean of two steps) and impulse so far; "
-               "contact times are compared, not fitted"),
+      required(
+          "of", &Measurement::of, Choice<Quantity>{}, "",
+          "in a table `[[measurement]]`: of a point or group; of what an obstacle does to the body, its "
+          "resultant force (with the contact-implicit scheme the mean of two steps) and impulse so far; "
+          "contact times, the time from 1 to 99 % of the impulse and the sustained peak are compared, not "
+          "fitted"),
       value("name", &Measurement::name, Text{"text"}, "", "in tables",
             {.otherwise = "by order, `\"measurement 1\"` …"}),
       value("point", &Measurement::point, Numbers{}, "m", "of the undeformed body", {.otherwise = "none"}),
@@ -376,12 +378,12 @@ Keys<Measurement> keys_of(Of<Measurement>) {
       value("obstacle", &Measurement::obstacle, Text{"name of an obstacle"}, "", "of a force or an impulse",
             {.otherwise = "all together"}),
       value("component", &Measurement::component, Choice<Component>{}, "", "of the quantity",
-            {.otherwise = "required but for times"}),
+            {.otherwise = "required where fitted"}),
       value("file", &Measurement::file, Path{}, "",
             "CSV of its own times and values, relative to the scene file; `simulate --measure` writes it",
-            {.otherwise = "required but for times", .part = Part::none}),
+            {.otherwise = "required where fitted", .part = Part::none}),
       value("column", &Measurement::column, Text{"text"}, "", "of the values in the file"),
-      value("value", &Measurement::value, Number{above_zero}, "s", "of a contact time",
+      value("value", &Measurement::value, Number{above_zero}, "s or N", "of what is compared",
             {.otherwise = "none"}),
       value("deviation", &Measurement::deviation, Number{above_zero}, "",
             "standard, of each value, in its unit", {.otherwise = "the file's column `deviation`"}),

@@ -73,7 +73,12 @@ class Run:
             self._run = _run_folder.RunFolder(folder)
 
     def __repr__(self) -> str:
-        return f"<signorini.Run {self.folder}: {self._run.identity}>"
+        return "\n".join([f"<signorini.Run {self.folder}: {self._run.identity}>", *(f"warning: {text}" for text in self.warnings)])
+
+    @property
+    def warnings(self) -> list[str]:
+        """What makes the results mean less than they seem to, in sentences."""
+        return [one["message"] for one in self.manifest.get("warnings", [])]
 
     @property
     def manifest(self) -> dict:

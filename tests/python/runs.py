@@ -90,6 +90,9 @@ def main() -> None:
     gc.collect()
     assert not folder.exists(), "a scratch folder goes with its run"
     assert half_disc(3).check()
+    ring = signorini.Scene(SCENES / "drop-ring.toml", {"mesh.size": 8e-3, "time.end": 0.25}).simulate()
+    assert ring.warnings == [one["message"] for one in ring.manifest["warnings"]] and ring.warnings, "nothing to be warned of"
+    assert all(f"warning: {text}" in repr(ring) for text in ring.warnings)
     assert "files" not in sys.modules and "mesh" not in sys.modules, "names of scripts are not taken from users"
     fit = signorini.Scene(SCENES / "find-the-wall.toml", {"mesh.size": 8e-3, "optimizer.max_iterations": 2}).optimize()
     assert len(fit.parameters) == 2 and len(fit.measurements) > 10

@@ -899,9 +899,13 @@ def measured_noise() -> None:
 
 @key("measurement.value")
 def compared_time() -> None:
-    done = fit(measurement=[measured("displacement", "top.displacement_y", **TOP), {"of": "contact-start", "value": 1e-3, "deviation": 1e-4}])
-    found = done.manifest["fit"]["contact_times"][0]
+    figures = [{"of": "contact-start", "value": 1e-3, "deviation": 1e-4}, {"of": "impulse-duration", "value": 1e-3}, {"of": "sustained-peak", "value": 10.0}]
+    done = fit(measurement=[measured("displacement", "top.displacement_y", **TOP), *figures])
+    found, duration, peak = done.manifest["fit"]["contact_times"]
     assert found["value"] == 1e-3 and abs(found["simulated"] - 1e-3) < 1e-4 and "measured 0.001 s" in done.stdout
+    touch = done.manifest["impact"]["all"]
+    assert duration["simulated"] == touch["impulse_duration"] > 0 and peak["simulated"] == touch["sustained_peak"] > 0
+    assert (duration["unit"], peak["unit"]) == ("s", "N/m") and "measured 10 N/m, simulated" in done.stdout
 
 
 @key("unknown.of", "unknown.on", "unknown.name", "unknown.start")

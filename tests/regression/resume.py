@@ -119,6 +119,19 @@ def interrupted(folder: Path, whole: list[str]) -> None:
     print(f"SIGINT after iteration {rows - 1}: the same to the last bit when resumed")
 
 
+def chosen(folder: Path) -> None:
+    """Steps that the motion chose stay: those of the checkpoint."""
+    auto = {"time__step": '"auto"', "time__tolerance": "1e-2", "time__end": "7.5e-3", "mesh__size": "2"}
+    whole, out = folder / "chosen", folder / "chosen-resumed"
+    complete(whole, **auto, optimizer__max_iterations="12")
+    complete(out, **auto, optimizer__max_iterations="5")
+    assert "resumed after iteration 5" in complete(out, "--resume", **auto, optimizer__max_iterations="12")
+    assert results(out) == results(whole)
+    lengths = np.diff(table(whole / "steps.csv")["time"])
+    assert max(lengths) > 1.5 * min(lengths), "all are of one length"
+    print(f"chosen steps: {len(lengths)} of two lengths or more, the same to the last bit when resumed")
+
+
 def ranks(folder: Path) -> None:
     """From one rank to two and back: J as that of the run in one piece, until kinks magnify the rounding."""
     whole, out = folder / "whole", folder / "ranks"
@@ -209,6 +222,7 @@ def main() -> int:
         options.kills and kills(folder, whole, seconds, options.kills)
         methods(folder)
         interrupted(folder, whole)
+        chosen(folder)
         refused(folder)
     return 0
 

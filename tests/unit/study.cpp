@@ -198,7 +198,7 @@ TEST_CASE("the finest rung's error bar is that of its row and its column, and of
     result.measured->unknowns = 12;
   CHECK_FALSE(errors(D, same, {}).bar->size);
   CHECK(errors(D, same, {}).bar->step);
-  CHECK(words(*errors(D, same, {}).bar) == "error bar 7.5 % of the step alone");
+  CHECK(words(*errors(D, same, {}).bar) == "error bar 7.5 % of the step alone, sizes not verified");
   // J of one rung beside another of half the size: parts of opposite sign do not make up for each other.
   const Quantity J{"J", "J", ""};
   std::vector<Result> two{run(2, 10, 1, 0), run(1, 10, 2, 0)};
@@ -234,14 +234,14 @@ TEST_CASE("nothing is promised that the finest rung itself may be off by", "[stu
   REQUIRE(said.size() == 1);
   CHECK(said[0] ==
         "10 % in Q is out of this ladder's reach: its best is 33 % (finest rung: error bar 22 % of "
-        "the step alone)");
+        "the step alone, sizes not verified)");
   // Ten times as near it is promised, with the bar beside it.
   const std::vector<Result> nearer = chain({{1, 1.088}, {2, 1.044}, {4, 1.022}, {8, 1.011}});
   const std::string first = sentences(errors(D, nearer, {}), nearer, scene).front();
   CHECK(first ==
         "for 10 % in Q: " + words(nearer[0].rung, scene) +
             ", 1 s (off by at most 7.7 % there and at all finer rungs; finest rung: error bar 2.2 % of "
-            "the step alone)");
+            "the step alone, sizes not verified)");
   // Of a chatter nothing is known but how much it is.
   const std::vector<Result> chatter = chain({{1, 1}, {2, 1.004}, {4, 0.998}, {8, 1.001}});
   const Errors found_chatter = errors(D, chatter, {});

@@ -19,7 +19,7 @@ void wave(const fem::Space& space, const std::vector<double>& points, const std:
 control::Control wave(const control::ControlSpace& controls, int which) {
   control::Control u = controls.zero();
   const double end = controls.grid().end();
-  for (int j = 1; j <= u.count(); ++j) // in the middle of each interval, like every other control
+  for (int j = 1; j <= u.count(); ++j) // in the middle of each interval
     wave(controls.space(), controls.points(), controls.components(),
          u.count() == 1 ? 0 : (controls.begin(j) + controls.length(j) / 2) / end, which, u.at(j));
   return u;
@@ -35,8 +35,17 @@ control::Control evaluation_point(const Problem& problem, const ControlProblem& 
   if (control_problem.reference) {
     description = "the reference control, disturbed by a fifth of its size";
     control::Control u = *control_problem.reference;
-    const control::Control disturbance = wave(control_problem.controls, 2);
-    u.add(0.2 * control_problem.controls.norm(u) / control_problem.controls.norm(disturbance), disturbance);
+    constexpr int which = 2;
+    const control::ControlSpace& controls = control_problem.controls;
+    control::Control disturbance = wave(controls, which);
+    const double part = 0.2 * controls.norm(u) / controls.norm(disturbance);
+    for (int j = 1; j <= disturbance.count() && disturbance.count() > 1; ++j) {
+      // The mean over an interval, like every other control: of one wave whatever the steps.
+      const double half = (1 + which) * M_PI * controls.length(j) / controls.grid().end();
+      for (double& value : disturbance.at(j))
+        value *= std::sin(half) / half;
+    }
+    u.add(part, disturbance);
     return u;
   }
   description = "the first guess";

@@ -231,7 +231,7 @@ int fit_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   const GivenControl given(problem);
   Simulated simulated = simulate_measured(problem, fit, given.load(), recorder);
   io::Fit result = outcome(fit, end.last, simulated.values);
-  result.times = std::move(simulated.times);
+  result.compared = std::move(simulated.compared);
   if (scene.output.table(scene::StoredTable::history))
     folder.write("history.csv", search.history());
   if (scene.output.table(scene::StoredTable::parameters))

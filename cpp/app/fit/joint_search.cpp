@@ -200,7 +200,7 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
       fit,
       {.number = log.iterations(), .x = x, .at = fit.evaluate(x, &joint.force(), forward::Stops::ignored)},
       simulated.values);
-  result.times = std::move(simulated.times);
+  result.compared = std::move(simulated.compared);
   if (scene.output.table(scene::StoredTable::parameters))
     folder.write("parameters.csv", io::parameters_table(result));
   if (scene.output.table(scene::StoredTable::measurements))

@@ -26,14 +26,14 @@ std::string pair_of_logs(const std::string& a, const std::string& b, double slop
                      slope > 0 ? "/" : "times", power(a, std::abs(slope)));
 }
 
-/// A contact time that was compared, in words.
-std::string simulated(const io::ComparedTime& one) {
+/// A figure that was compared, in words.
+std::string simulated(const io::ComparedFigure& one) {
   if (std::isnan(one.simulated))
     return "no contact";
   const std::string deviations = one.deviation > 0 ? fmt::format(", {:+.2f} standard deviations",
                                                                  (one.simulated - one.value) / one.deviation)
                                                    : "";
-  return fmt::format("{:.6g} s{}", one.simulated, deviations);
+  return fmt::format("{:.6g} {}{}", one.simulated, one.unit, deviations);
 }
 
 /// dJ/dθ and the standard deviations of θ.
@@ -154,8 +154,9 @@ std::vector<std::string> outcome_lines(const io::Fit& fit) {
     lines.push_back(largest_correlation(fit));
   for (const std::string& sentence : fit.untold)
     lines.push_back(sentence);
-  for (const io::ComparedTime& one : fit.times)
-    lines.push_back(fmt::format("{}: measured {:.6g} s, simulated {}", one.name, one.value, simulated(one)));
+  for (const io::ComparedFigure& one : fit.compared)
+    lines.push_back(
+        fmt::format("{}: measured {:.6g} {}, simulated {}", one.name, one.value, one.unit, simulated(one)));
   lines.push_back(fmt::format("misfit of {} values: {:.3g} standard deviations (root mean square)", fit.data,
                               fit.misfit));
   return lines;

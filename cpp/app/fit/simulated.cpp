@@ -1,57 +1,36 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/fit/simulated.h"
-#include "forward/contact_times.h"
+#include "app/study/contact_watch.h"
+#include <algorithm>
 #include <limits>
-#include <numeric>
 
 namespace signorini {
 namespace {
 
-/// Contact times of the measurements that ask for them, of a motion that is looked at frame by frame.
-class TimesCompared {
-public:
-  TimesCompared(const forward::Stepper& stepper, const scene::Scene& scene) {
-    for (const scene::Measurement& measurement : scene.measurements) {
-      if (measurement.fitted())
-        continue;
-      const contact::ContactPairs& pairs = *stepper.pairs();
-      std::vector<int> candidates;
-      for (int i = 0; i < pairs.count(); ++i)
-        if (const auto obstacle = static_cast<std::size_t>(pairs.obstacles()[static_cast<std::size_t>(i)]);
-            !measurement.obstacle || scene.contacts[obstacle].name == *measurement.obstacle)
-          candidates.push_back(i);
-      watched_.push_back({measurement, forward::ContactTimes(stepper.grid(), candidates)});
-    }
+/// The figures of contact that are measured and not fitted, of a motion that `watch` has seen.
+std::vector<io::ComparedFigure> compared(const Problem& problem, const study::ContactWatch& watch) {
+  const scene::Scene& scene = problem.scene;
+  const std::map<std::string, double> numbers = watch.numbers(scene.time.end);
+  std::vector<io::ComparedFigure> all;
+  for (const scene::Measurement& one : scene.measurements) {
+    if (one.fitted())
+      continue;
+    std::string obstacle;
+    if (one.obstacle && scene.contacts.size() > 1)
+      obstacle = study::suffix(static_cast<int>(
+          std::ranges::find(scene.contacts, *one.obstacle, &scene::Contact::name) - scene.contacts.begin()));
+    std::string quantity = scene::name(one.of);
+    std::ranges::replace(quantity, '-', '_');
+    const bool touched = numbers.at("contact_time" + obstacle) > 0;
+    const double none =
+        one.of == scene::Quantity::contact_time ? 0 : std::numeric_limits<double>::quiet_NaN();
+    const bool force = one.of == scene::Quantity::sustained_peak;
+    const char* unit = !force ? "s" : problem.space.dim() == 2 ? "N/m" : "N";
+    all.push_back({one.name, unit, *one.value, one.deviation.value_or(0),
+                   touched ? numbers.at(quantity + obstacle) : none});
   }
-
-  void observe(const forward::Frame& frame) {
-    for (auto& [measurement, times] : watched_)
-      times.observe(frame.k, frame.contact);
-  }
-
-  [[nodiscard]] std::vector<io::ComparedTime> compared() const {
-    std::vector<io::ComparedTime> all;
-    for (const auto& [measurement, times] : watched_) {
-      const auto intervals = times.intervals();
-      const bool start = measurement.of == scene::Quantity::contact_start;
-      double simulated = start ? std::numeric_limits<double>::quiet_NaN() : 0;
-      if (!intervals.empty())
-        simulated =
-            start ? intervals.front().start
-                  : std::accumulate(intervals.begin(), intervals.end(), 0.0,
-                                    [](double sum, const auto& one) { return sum + one.end - one.start; });
-      all.push_back({measurement.name, *measurement.value, measurement.deviation.value_or(0), simulated});
-    }
-    return all;
-  }
-
-private:
-  struct Watched {
-    const scene::Measurement& measurement;
-    forward::ContactTimes times;
-  };
-  std::vector<Watched> watched_;
-};
+  return all;
+}
 
 } // namespace
 
@@ -59,17 +38,17 @@ Simulated simulate_measured(const Problem& problem, const FitProblem& fit, const
                             MotionWriter& recorder) {
   const auto timer = problem.timers.time("replay");
   control::Measurements measurements(problem.stepper, problem.scene, fit.times());
-  TimesCompared compared(problem.stepper, problem.scene);
+  study::ContactWatch contact(problem.stepper);
   forward::integrate(
       problem.stepper, problem.initial, load, problem.steps(),
       [&](const forward::Frame& frame) {
         recorder(frame);
         measurements.observe(frame);
-        compared.observe(frame);
+        contact(frame);
       },
       forward::Stops::ignored);
   recorder.finish();
-  return {measurements.values(), compared.compared()};
+  return {measurements.values(), compared(problem, contact)};
 }
 
 } // namespace signorini

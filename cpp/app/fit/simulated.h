@@ -9,7 +9,7 @@ namespace signorini {
 /// What a motion gives of what was measured.
 struct Simulated {
   std::vector<double> values;
-  std::vector<io::ComparedTime> times;
+  std::vector<io::ComparedFigure> compared;
 };
 
 /// Makes the motion once more, for its files and for this. A request to stop is ignored. Collective. Throws

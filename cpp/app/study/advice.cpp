@@ -14,9 +14,10 @@ std::string grounds(const Errors& errors, double envelope) {
   return text;
 }
 
-/// The rung with the smallest envelope, and the cheapest of those within a tolerance.
+/// The rung with the smallest envelope, the cheapest of those within a tolerance that no warning puts in
+/// doubt, and the cheapest of the others.
 struct Best {
-  std::optional<std::size_t> nearest, cheapest;
+  std::optional<std::size_t> nearest, cheapest, doubted;
 };
 
 Best best(const Errors& errors, const std::vector<Result>& results, double tolerance) {
@@ -27,9 +28,12 @@ Best best(const Errors& errors, const std::vector<Result>& results, double toler
       continue;
     if (!found.nearest || *envelope < *errors.envelope[*found.nearest])
       found.nearest = i;
-    if (*envelope <= tolerance &&
-        (!found.cheapest || results[i].measured->seconds < results[*found.cheapest].measured->seconds))
-      found.cheapest = i;
+    if (*envelope > tolerance)
+      continue;
+    const bool doubted = !results[i].measured->doubt(errors.quantity).empty();
+    std::optional<std::size_t>& cheapest = doubted ? found.doubted : found.cheapest;
+    if (!cheapest || results[i].measured->seconds < results[*cheapest].measured->seconds)
+      cheapest = i;
   }
   return found;
 }
@@ -41,7 +45,7 @@ std::string percent(double value, int digits) { return fmt::format("{:.{}g} %", 
 std::string words(const ReferenceBar& bar) {
   std::string text = fmt::format("error bar {}", percent(bar.value));
   if (!bar.adjoint && !(bar.size && bar.step))
-    text += fmt::format(" of the {} alone", bar.size ? "size" : "step");
+    text += bar.size ? " of the size alone, steps not verified" : " of the step alone, sizes not verified";
   return bar.asymptotic ? text : text + ", not in the asymptotic range";
 }
 
@@ -60,11 +64,18 @@ std::vector<std::string> sentences(const Errors& errors, const std::vector<Resul
   const double bar = errors.bar ? errors.bar->value : 0;
   std::vector<std::string> texts;
   for (double target : {0.1, 0.05, 0.01, 0.001}) {
-    const auto [nearest, cheapest] = best(errors, results, target - bar);
+    const auto [nearest, cheapest, doubted] = best(errors, results, target - bar);
     if (cheapest) {
       texts.push_back(fmt::format("for {} % in {}: {}, {:.2g} s ({})", 100 * target, title,
                                   words(results[*cheapest].rung, scene), results[*cheapest].measured->seconds,
                                   grounds(errors, *errors.envelope[*cheapest])));
+      continue;
+    }
+    if (doubted) {
+      texts.push_back(fmt::format("{} % in {} is not verified: {} ({}), but {}", 100 * target, title,
+                                  words(results[*doubted].rung, scene),
+                                  grounds(errors, *errors.envelope[*doubted]),
+                                  results[*doubted].measured->doubt(errors.quantity)));
       continue;
     }
     const double reach = *errors.envelope[*nearest] + bar;

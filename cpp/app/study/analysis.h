@@ -48,6 +48,14 @@ struct Orders {
 /// estimates, and the sum of the moduli of its parts.
 Errors errors(const Quantity& quantity, const std::vector<Result>& results, const Exact& exact);
 
+/// What an estimate of J's error says of it at most: twice itself, as it was of 59 runs of 61
+/// (tests/verification/effectivity.py), and the sum of the moduli of its parts, which make up for each other
+/// by chance.
+double most(const adjoint::ErrorParts& estimate);
+
+/// The distance of a run's quantity to another's, relative; absent where one is not finite.
+std::optional<double> distance(const Quantity& quantity, const Measured& run, const Measured& known);
+
 /// Observed orders: in space at the shortest step and in time at the smallest size from the differences of
 /// neighbouring rungs, in both along rungs that refine both, there from the errors if the exact value is
 /// known. Needs three rungs, two with an exact value.

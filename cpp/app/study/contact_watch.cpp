@@ -9,17 +9,18 @@ namespace {
 
 double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
 
-/// The end of the names that belong to an obstacle of the scene, by its number.
-std::string suffix(int obstacle) { return fmt::format("_{}", obstacle + 1); }
-
 } // namespace
+
+std::string suffix(int obstacle) { return fmt::format("_{}", obstacle + 1); }
 
 std::vector<Quantity> contact_quantities(const scene::Scene& scene, int dim) {
   const std::string each = dim == 2 ? "/m" : "";
   std::vector<Quantity> all;
   const auto add = [&](const std::string& end, const std::string& of) {
     all.push_back({"impulse" + end, "impulse of contact" + of, "N s" + each});
-    all.push_back({"peak_force" + end, "peak force" + of, "N" + each});
+    all.push_back({"impulse_duration" + end, "time from 1 to 99 % of the impulse" + of, "s"});
+    all.push_back({"sustained_peak" + end, "sustained peak force" + of, "N" + each});
+    all.push_back({"peak_force" + end, "peak force of two steps" + of, "N" + each});
     all.push_back({"contact_start" + end, "start of contact" + of, "s"});
     all.push_back({"contact_time" + end, "time in contact" + of, "s"});
   };
@@ -37,13 +38,13 @@ ContactWatch::ContactWatch(const forward::Stepper& stepper) : stepper_(stepper) 
     return;
   std::vector<int> all(static_cast<std::size_t>(pairs->count()));
   std::iota(all.begin(), all.end(), 0);
-  parts_.push_back({"", {stepper.grid(), all}});
+  parts_.push_back({"", {stepper.grid(), all}, {}});
   for (int obstacle = 0; pairs->obstacle_count() > 1 && obstacle < pairs->obstacle_count(); ++obstacle) {
     std::vector<int> own;
     for (const int i : all)
       if (pairs->obstacles()[static_cast<std::size_t>(i)] == obstacle)
         own.push_back(i);
-    parts_.push_back({suffix(obstacle), {stepper.grid(), std::move(own)}});
+    parts_.push_back({suffix(obstacle), {stepper.grid(), std::move(own)}, {}});
   }
 }
 
@@ -57,17 +58,24 @@ void ContactWatch::operator()(const forward::Frame& frame) {
   const contact::ContactPairs& pairs = *stepper_.pairs();
   const auto dim = static_cast<std::size_t>(pairs.dim());
   std::vector<Force> forces(parts_.size());
+  std::vector<double> moduli(parts_.size());
   for (std::size_t i = 0; i < frame.contact.lambda.size(); ++i) {
     const double force = frame.contact.lambda[i] / stepper_.grid().scheme(frame.k).impulse();
+    const std::size_t own = parts_.size() > 1 ? static_cast<std::size_t>(pairs.obstacles()[i]) + 1 : 0;
+    moduli[0] += std::abs(force);
+    if (own > 0)
+      moduli[own] += std::abs(force);
     for (std::size_t c = 0; c < dim; ++c) {
       const double on_body = -force * pairs.normals()[i * dim + c];
       forces[0][c] += on_body;
-      if (parts_.size() > 1)
-        forces[static_cast<std::size_t>(pairs.obstacles()[i]) + 1][c] += on_body;
+      if (own > 0)
+        forces[own][c] += on_body;
     }
   }
-  for (std::size_t part = 0; part < parts_.size(); ++part)
+  for (std::size_t part = 0; part < parts_.size(); ++part) {
     add_force(forces[part], stepper_.grid().length(frame.k), parts_[part]);
+    parts_[part].record.add(stepper_.grid().time(frame.k), moduli[part]);
+  }
 }
 
 void ContactWatch::add_force(const Force& force, double tau, Part& part) const {
@@ -90,6 +98,9 @@ std::map<std::string, double> ContactWatch::numbers(double end) const {
     for (const auto& [start, until] : intervals)
       time += until - start;
     all["impulse" + part.suffix] = length(part.impulse);
+    all["impulse_duration" + part.suffix] = part.record.duration();
+    all["sustained_peak" + part.suffix] =
+        part.record.largest_mean(forward::sustained * stepper_.wave_time()).force;
     all["peak_force" + part.suffix] = part.peak;
     all["contact_start" + part.suffix] = intervals.empty() ? end : intervals.front().start;
     all["contact_time" + part.suffix] = time;

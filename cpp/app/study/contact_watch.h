@@ -2,15 +2,19 @@
 #pragma once
 #include "app/study/measured.h"
 #include "forward/contact_times.h"
+#include "forward/impulse_record.h"
 #include "forward/integrate.h"
 #include <array>
 
 namespace signorini::study {
 
-/// Impulse, peak force and times of contact: the quantities of a scene that has contact, of all obstacles
+/// Impulse, forces and times of contact: the quantities of a scene that has contact, of all obstacles
 /// together and, where there are several, of each under the same names with its number. `dim` tells the
 /// units: in the plane forces are per metre.
 std::vector<Quantity> contact_quantities(const scene::Scene& scene, int dim);
+
+/// The end of the names that belong to one of several obstacles of a scene, by its index.
+std::string suffix(int obstacle);
 
 /// Measures them frame by frame.
 class ContactWatch {
@@ -30,7 +34,8 @@ private:
   struct Part {
     std::string suffix; ///< of the quantities' names
     forward::ContactTimes times;
-    Force before{}, impulse{}; ///< N (in the plane N/m) and N s (N s/m)
+    forward::ImpulseRecord record; ///< of the sum of the forces' moduli
+    Force before{}, impulse{};     ///< N (in the plane N/m) and N s (N s/m)
     double peak = 0;
   };
   void add_force(const Force& force, double tau, Part& part) const;

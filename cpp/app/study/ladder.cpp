@@ -130,6 +130,14 @@ std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
   return rungs;
 }
 
+Rung own_rung(const scene::Scene& scene) {
+  return {.size = scene.mesh.size.value_or(scene.mesh.scale),
+          .steps = scene.time.steps,
+          .degree = scene.mesh.degree,
+          .scheme = own_scheme(scene),
+          .tolerance = scene.time.automatic() ? scene.time.tolerance : 0};
+}
+
 scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
   scene::Scene changed = scene;
   if (rung.graded) {

@@ -58,6 +58,9 @@ SchemeAndMass scheme_and_mass(Scheme scheme);
 /// UserError.
 std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice);
 
+/// The rung of the scene's own size, steps, degree and scheme.
+Rung own_rung(const scene::Scene& scene);
+
 /// The scene with the size, step, degree and scheme of a rung.
 scene::Scene on_rung(const scene::Scene& scene, const Rung& rung);
 

@@ -10,6 +10,7 @@
 #include "contact/pressure.h"
 #include "forward/balance.h"
 #include "forward/step_control.h"
+#include "forward/step_warnings.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -63,7 +64,8 @@ private:
 class Watch {
 public:
   Watch(const Problem& problem, const Samples& samples, const std::vector<Quantity>& wanted)
-      : problem_(problem), wanted_(wanted), weigh_(problem.stepper), contact_(problem.stepper) {
+      : problem_(problem), wanted_(wanted), weigh_(problem.stepper),
+        warnings_(problem.stepper, problem.scene, problem.scene_loads()), contact_(problem.stepper) {
     if (has(wanted, "displacement"))
       displacement_.emplace(samples, problem.space);
     if (has(wanted, "pressure"))
@@ -71,6 +73,7 @@ public:
   }
 
   void operator()(const forward::Frame& frame) {
+    warnings_.observe(frame);
     const forward::StepBalance balance = weigh_(frame);
     const double tau = problem_.stepper.grid().length(std::max(frame.k, 1)),
                  t = problem_.stepper.grid().time(frame.k);
@@ -106,6 +109,7 @@ public:
         measured.numbers[name] = value;
     if (pressure_)
       measured.numbers["pressure"] = pressure_error();
+    measured.warnings = warnings_.warnings();
   }
 
 private:
@@ -136,6 +140,7 @@ private:
   const Problem& problem_;
   const std::vector<Quantity>& wanted_;
   forward::Balance weigh_;
+  forward::StepWarnings warnings_;
   ContactWatch contact_;
   std::optional<Series> displacement_;
   std::optional<contact::Pressure> pressure_;

@@ -2,6 +2,7 @@
 #pragma once
 #include "adjoint/weighted_residual.h"
 #include "app/study/ladder.h"
+#include "forward/warning.h"
 #include <optional>
 #include <span>
 
@@ -11,6 +12,9 @@ struct Quantity {
   std::string name, title, unit;
   bool field = false;
   bool absolute = false; ///< already relative: errors are plain differences
+
+  /// Whether a warning of a motion puts it in doubt: what is of peaks alone does not, but for these.
+  [[nodiscard]] bool doubted_by(const forward::Warning& warning) const;
 };
 
 /// What is measured of a run. A field is compared in its norm, a number by its modulus.
@@ -23,6 +27,10 @@ struct Measured {
   std::map<std::string, std::vector<double>>
       fields; ///< by quantity: samples, scaled so that their sum of squares is the norm's
   std::optional<adjoint::ErrorParts> estimate; ///< of the error of J, J(exact) − J
+  std::vector<forward::Warning> warnings;      ///< of what its steps may have missed
+
+  /// The warnings that put a quantity in doubt, in words; empty without.
+  [[nodiscard]] std::string doubt(const Quantity& quantity) const;
 
   /// The number of a quantity, or the samples of a field.
   [[nodiscard]] std::span<const double> values(const Quantity& quantity) const {

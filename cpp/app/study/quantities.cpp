@@ -2,6 +2,7 @@
 #include "app/study/quantities.h"
 #include "app/study/contact_watch.h"
 #include "base/error.h"
+#include "forward/step_errors.h"
 #include "scene/names.h"
 #include <algorithm>
 #include <fmt/format.h>
@@ -24,6 +25,19 @@ std::vector<Quantity> quantities(const scene::Scene& scene, int dim) {
   if (scene.exact && scene.exact->pressure)
     all.push_back({"pressure", "pressure at the end", "", false, true});
   return all;
+}
+
+bool Quantity::doubted_by(const forward::Warning& warning) const {
+  return warning.name != forward::peak_of_the_mesh || name.starts_with("peak_force") ||
+         name.starts_with("sustained_peak");
+}
+
+std::string Measured::doubt(const Quantity& quantity) const {
+  std::string text;
+  for (const forward::Warning& warning : warnings)
+    if (quantity.doubted_by(warning))
+      text += fmt::format("{}{}", text.empty() ? "" : "; ", warning.message);
+  return text;
 }
 
 std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::string>& names, int dim) {

@@ -36,6 +36,9 @@ Json to_json(const Measured& measured) {
             {"memory", measured.memory},     {"numbers", measured.numbers}, {"fields", Json::object()}};
   for (const auto& [name, values] : measured.fields)
     json["fields"][name] = packed(values);
+  json["warnings"] = Json::array();
+  for (const forward::Warning& one : measured.warnings)
+    json["warnings"].push_back({one.name, one.message, one.value, one.limit});
   if (const auto& estimate = measured.estimate) {
     json["estimate"] = {
         {"time", estimate->time}, {"initial", estimate->initial}, {"desired", estimate->desired}};
@@ -54,6 +57,8 @@ Measured from_json(const Json& json) {
   measured.numbers = json.at("numbers").get<std::map<std::string, double>>();
   for (const auto& [name, values] : json.at("fields").items())
     measured.fields[name] = unpacked(values);
+  for (const Json& one : json.at("warnings"))
+    measured.warnings.push_back({one.at(0), one.at(1), one.at(2), one.at(3)});
   if (json.contains("estimate")) {
     const Json& parts = json.at("estimate");
     measured.estimate = {std::nullopt, parts.at("time"), parts.at("initial"), parts.at("desired")};
@@ -228,6 +233,11 @@ std::string json(const scene::Scene& scene, const std::vector<Result>& results,
   json["files"] = file_names;
   json["rungs"] =
       std::ranges::count_if(results, [](const Result& result) { return result.measured.has_value(); });
+  json["warnings"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < results.size(); ++i)
+    if (results[i].measured)
+      for (const forward::Warning& one : results[i].measured->warnings)
+        json["warnings"].push_back({{"rung", i + 1}, {"name", one.name}, {"message", one.message}});
   json["quantities"] = nlohmann::ordered_json::object();
   for (const Errors& one : errors)
     json["quantities"][one.quantity.name] = {{"title", one.quantity.title},

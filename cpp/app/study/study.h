@@ -36,6 +36,7 @@ struct Found {
   double space = 0, time = 0;
   double seconds = 0; ///< of the rung alone
   double half = 0;    ///< expected of all that half the error would take, s
+  std::string doubt;  ///< why it is not verified though its error is small, in words
   [[nodiscard]] double error() const { return space + time; }
 };
 

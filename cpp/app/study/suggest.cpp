@@ -102,21 +102,27 @@ public:
       better_(trial, seconds(trials, towards(trial, trial.error() / 2), prices));
     };
     show(last);
-    if (last.error() <= tolerance_ && !economises_)
+    if (last.meets(tolerance_) && !economises_)
       return last;
-    constexpr int most = 8;
+    constexpr int most = 8, most_doubted = 3;
+    int doubted = 0;
     for (int i = 0; i < most; ++i) {
       Rung next = proposed(last);
+      if (!last.doubt.empty()) {
+        if (++doubted == most_doubted)
+          break;
+        next = finer(trials, last.rung);
+      }
       if (raised && last.error() > tolerance_ &&
           seconds(trials, *raised, prices) < seconds(trials, next, prices))
         next = *std::exchange(raised, std::nullopt);
       if (next == last.rung || beyond_budget(trials, next, prices))
         break;
       const Trial trial = run(trials, next);
-      if (trial.error() < nearest.error())
+      if (trial.error() < nearest.error() || trial.meets(tolerance_))
         show(trial);
-      if (trial.error() <= tolerance_)
-        return nearest.error() <= tolerance_ && nearest.seconds < trial.seconds ? nearest : trial;
+      if (trial.meets(tolerance_))
+        return nearest.meets(tolerance_) && nearest.seconds < trial.seconds ? nearest : trial;
       if (trial.error() < nearest.error())
         nearest = trial;
       if (trial.rung.degree == last.rung.degree) {
@@ -131,13 +137,7 @@ public:
   }
 
   /// The rung of the first trial: the scene's own size and step, or the nearest that a trial can have.
-  [[nodiscard]] Rung first(const Trials& trials) const {
-    const double size = scene_.mesh.size.value_or(scene_.mesh.scale);
-    return trials.nearest(ladder(scene_, scene_.time.automatic()
-                                             ? Choice{{size}, {}, {}, {}, {scene_.time.tolerance}}
-                                             : Choice{{size}, {scene_.time.step}, {}, {}})
-                              .front());
-  }
+  [[nodiscard]] Rung first(const Trials& trials) const { return trials.nearest(own_rung(scene_)); }
 
   /// Ends at the first trial that meets the tolerance, even if a cheaper one would.
   void take_the_first() { economises_ = false; }
@@ -150,10 +150,29 @@ public:
   }
 
 private:
+  /// Tries a rung, and verifies it if its error is small enough.
   [[nodiscard]] Trial run(Trials& trials, const Rung& rung) const {
-    const Trial trial = trials.run(rung);
+    Trial trial = trials.run(rung);
     console_.line(fmt::format("{}: {}", words(trial.rung, scene_), trial.said));
+    if (trial.error() > tolerance_)
+      return trial;
+    try {
+      trials.verify(trial);
+    } catch (const Interrupted&) {
+      trial.doubt = "no run with half its steps has ended";
+      better_(trial, trial.seconds);
+      throw;
+    }
+    console_.line(fmt::format("{}: {}{}", words(trial.rung, scene_), trial.grounds,
+                              trial.doubt.empty() ? "" : "; not verified: " + trial.doubt));
     return trial;
+  }
+
+  /// Of what a warning may be cured by.
+  [[nodiscard]] static Rung finer(const Trials& trials, Rung rung) {
+    constexpr double steps = 0.5, size = 0.7;
+    rung.size = std::stod(fmt::format("{:.2g}", size * rung.size));
+    return trials.nearest(rung.with_steps(steps));
   }
 
   /// Of what the search may come to.
@@ -210,10 +229,12 @@ int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Op
   constexpr double usual_budget = 600; // s, as --help says
   const Search search(comm, scene, tolerance, options.budget.value_or(usual_budget), samples, console);
   const Trial found = search(*trials);
-  const bool met = found.error() <= tolerance;
+  const bool met = found.meets(tolerance);
   console.line(fmt::format("{:g} in {} is {}: {}, {}, {:.2g} s; found in {:.2g} s", tolerance, quantity.title,
-                           met ? "met by" : "not met; the nearest is", words(found.rung, scene),
-                           found.grounds, found.seconds, search.passed()));
+                           met                   ? "met by"
+                           : found.doubt.empty() ? "not met; the nearest is"
+                                                 : "not verified (" + found.doubt + "); the nearest is",
+                           words(found.rung, scene), found.grounds, found.seconds, search.passed()));
   return met ? 0 : 1;
 }
 
@@ -230,7 +251,7 @@ Found find_size_and_step(MPI_Comm comm, const scene::Scene& scene, double tolera
   Found best;
   Search search(comm, simulated, tolerance, options.budget.value_or(std::numeric_limits<double>::infinity()),
                 samples, console, [&](const Trial& trial, double half) {
-                  best = {trial.rung, trial.space, trial.time, trial.seconds, half};
+                  best = {trial.rung, trial.space, trial.time, trial.seconds, half, trial.doubt};
                   better(best);
                 });
   search.take_the_first();

@@ -56,6 +56,7 @@ void Summary::show(const Console& console) const {
   if (std::ranges::any_of(results_, [](const Result& result) { return result.rung.graded; }))
     console.line("~: sizes that vary with the error, as many elements as of that size");
   show_orders(console);
+  show_warnings(console);
   console.line("");
   for (const std::string& sentence : sentences_)
     console.line(sentence);
@@ -82,6 +83,13 @@ void Summary::show_rungs(const Console& console) const {
                                size(results_[i]), step(results_[i]), rung.degree, scene::name(rung.scheme),
                                run->unknowns, run->seconds, run->memory / 1e6));
   }
+}
+
+void Summary::show_warnings(const Console& console) const {
+  for (std::size_t i = 0; i < results_.size(); ++i)
+    if (results_[i].measured)
+      for (const forward::Warning& one : results_[i].measured->warnings)
+        console.line(fmt::format("warning: rung {}: {}", i + 1, one.message));
 }
 
 void Summary::show_errors(const Errors& errors, const Console& console) const {

@@ -23,6 +23,7 @@ private:
   /// The length of a rung's steps, or the tolerance by which they were chosen.
   [[nodiscard]] std::string step(const Result& result) const;
   void show_rungs(const Console& console) const;
+  void show_warnings(const Console& console) const;
   void show_errors(const Errors& errors, const Console& console) const;
   void show_orders(const Console& console) const;
 

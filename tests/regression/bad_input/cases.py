@@ -89,6 +89,8 @@ def type_cases() -> list[Case]:
                "an array of one expression per space dimension"),
         edited("one velocity for a list", 'velocity = ["0", "0"]', "velocity = -3", "initial.velocity: found -3", '["0", -3] in the plane',
                never=("9.81",)),
+        edited("control that changes too fast", "scale = 1e6", 'scale = 1e6\ninitial = ["sin(1e12*t)", "0"]', "control.initial: found an expression that changes faster",
+               "time series", at=""),
         edited("one expression for a control", "scale = 1e6", 'scale = 1e6\ninitial = "sin(t)"', "control.initial: found",
                '["0", "0", "sin(t)"] in space', never=("9.81",), at="initial ="),
         edited("table for a list", 'velocity = ["0", "0"]', "velocity = { x = 1 }", "initial.velocity: found", "2 in the plane and 3 in space",
