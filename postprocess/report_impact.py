@@ -16,12 +16,11 @@ def impact(run: RunFolder) -> list[Table]:
     rows = [touch(run, one["name"], one) for one in given["obstacles"]]
     if len(rows) > 1:
         rows.append(touch(run, "all", given["all"]))
-    title = (f"Forces are added by their moduli; the force of a step acts all through it. Sustained: the largest mean over "
-             f"{quantity(given['all']['sustained_over'], 's')}, in which a wave crosses four elements. † need not converge with step and size.")
+    title = (f"Forces are added by their moduli; the force of a step acts all through it. 1 to 99 %: of the impulse. Sustained: the largest mean "
+             f"over {quantity(given['all']['sustained_over'], 's')}, in which a wave crosses four elements. † need not converge with step and size.")
     if any(one.get("peak_at_onset") for one in [*given["obstacles"], given["all"]]):
         title += " ∗ as contact begins, before a wave has crossed the body."
-    head = ["Obstacle", "Contact from †", "to †", "In contact for †", "1 to 99 % of the impulse in", "Impulse", "Resultant of it",
-            "Sustained peak force", "Peak of two steps †", "at"]  # fmt: skip
+    head = ["Obstacle", "Contact from †", "to †", "In contact for †", "1 to 99 % in", "Impulse", "Resultant of it", "Sustained peak", "Peak of two steps †"]
     tables = [Table(title, head, rows)]
     if given["velocity_before"]:
         body = [["Mass", quantity(given["mass"] * 1000, per_depth("g", run.dim))],
@@ -48,12 +47,12 @@ def impact(run: RunFolder) -> list[Table]:
 def touch(run: RunFolder, name: str, given: dict) -> list[str]:
     """A row of what touched, of dashes where nothing did."""
     if not given["contact_time"]:
-        return [name, "never", *["–"] * 8]
+        return [name, "never", *["–"] * 7]
     force, impulse = per_depth("N", run.dim), per_depth("N s", run.dim)
     return [name, quantity(given["start"], "s"), quantity(given["end"], "s"), quantity(given["contact_time"], "s"),
             quantity(given["impulse_duration"], "s"), quantity(given["normal_impulse"], impulse), vector(given["impulse"], impulse),
-            quantity(given["sustained_peak"], force), quantity(given["normal_peak"], force),
-            quantity(given["peak_time"], "s") + (" ∗" if given.get("peak_at_onset") else "")]  # fmt: skip
+            quantity(given["sustained_peak"], force),
+            f"{quantity(given['normal_peak'], force)} at {quantity(given['peak_time'], 's')}{' ∗' if given.get('peak_at_onset') else ''}"]  # fmt: skip
 
 
 def vector(components: list[float], unit: str) -> str:

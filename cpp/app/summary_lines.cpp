@@ -132,7 +132,7 @@ std::string cost_line(const io::Manifest& manifest, const scene::Scene& scene, c
   if (fields || scene.output.table(scene::StoredTable::contact))
     text += scene.output.every == 0
                 ? fmt::format(", fields and contact at {} times (output.every = 1: of every step)",
-                              scene::Output::most_frames)
+                              manifest.stored)
                 : fmt::format(", fields and contact of {} (output.every = {})",
                               scene.output.every == 1 ? "every step"
                                                       : fmt::format("one step in {}", scene.output.every),

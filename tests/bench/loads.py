@@ -5,8 +5,8 @@ usage: ./dev bench loads [--count N] [--seed TEXT] [--orders N] [--json FILE]
 
 Pulses of 1e-5 of the run up to all of it, as expressions with a jump, a kink or neither, as series at 10 kHz, and local in space, push a free
 block in chosen steps or in steps of one length: its momentum at the end is the integral to 1e-9. Some of them push a block at rest onto a
-plane, of which a quantity is ordered by --accuracy: where it is said to be met, a run of a quarter of the size and an eighth of the step
-differs by no more than twice what was asked. About half a second a history, and ten an order.
+plane, of which a quantity is ordered by --accuracy: where it is said to be met, a run of a quarter of the size and of the steps (an eighth of
+those of one length) differs by no more than twice what was asked. About half a second a history, and ten an order.
 """
 
 import json
@@ -126,16 +126,14 @@ def ordered(case: dict, asked: float, quantity: str, folder: Path) -> dict:
     row = {"quantity": quantity, "met": run["accuracy"]["met"], "said": re.sub(r"\nresults in .*", "", said).splitlines()[-1]}
     if not row["met"]:
         return row
-    size = next(float(found) for found in re.findall(r"size = ([\d.e-]+)", (folder / "run" / "scene.toml").read_text()))
-    step = case["end"] / run["steps"]["done"]
-    chosen = "" if case["steps"] else f"tolerance = {re.search(r'tolerance = (\S+)', (folder / 'run' / 'scene.toml').read_text())[1]}"
-    finest = min(step, run["steps"].get("shortest", step))
-    choice = ["--sizes", f"{size!r},{size / 4!r}", "--steps", f"{finest / 2!r}" if chosen else f"{step!r},{step / 8!r}"]
-    if chosen:
-        choice += ["--tolerances", chosen.split()[-1]]
+    echo = (folder / "run" / "scene.toml").read_text()
+    size = next(float(found) for found in re.findall(r"size = ([\d.e-]+)", echo))
+    finer = 16 if not case["steps"] else 8  # steps go with the root of the tolerance
+    option, value = ("--steps", case["end"] / run["steps"]["done"]) if case["steps"] else ("--tolerances", float(re.search(r"tolerance = (\S+)", echo)[1]))
+    choice = ["--sizes", f"{size!r},{size / 4!r}", option, f"{value!r},{value / finer!r}"]
     program.output("signorini", "study", folder / "scene.toml", *choice, "--quantity", quantity, "--out", folder / "truth", "--quiet", OMP_NUM_THREADS=1)
     rows = np.genfromtxt(folder / "truth" / "study.csv", delimiter=",", names=True)
-    own = np.isclose(rows["size"], size) & (np.isfinite(rows["tolerance"]) if chosen else rows["steps"] == min(rows["steps"]))
+    own = np.isclose(rows["size"], size) & (rows["steps"] == min(rows["steps"][np.isclose(rows["size"], size)]))
     error = rows[f"{quantity}_error"]
     reference = np.flatnonzero(np.isnan(error))
     assert sum(own) == 1 and len(reference) == 1 and rows["size"][reference[0]] < size / 2, rows

@@ -57,7 +57,9 @@ double Complementarity::negligible_motion(std::span<const double> lambda, double
   // Forces follow from gaps by S⁻¹, whose rounding is that of S times its condition number, up to 1e6 for a
   // stiff body without clamps; the residual r − D y is known to the accuracy of its terms.
   constexpr double relative = 1e-10;
-  return relative * largest + accuracy(tolerance) * size;
+  constexpr double underflow = // below which numbers have fewer digits, as the begin of a smooth load may be
+      std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
+  return relative * largest + accuracy(tolerance) * size + underflow;
 }
 
 void Complementarity::classify(ContactState& state, Vec y, double tolerance) const {
