@@ -345,7 +345,9 @@ int main(int argc, char** argv) {
   char** const dashes =
       std::find_if(argv, argv + argc, [](const char* a) { return std::string_view(a) == "--"; });
   const int own = static_cast<int>(dashes - argv);
-  std::vector<char*> petsc_arguments{argv[0]};
+  // A file .petscrc in a folder from elsewhere could load code and overwrite files.
+  std::string no_file = "-skip_petscrc";
+  std::vector<char*> petsc_arguments{argv[0], no_file.data()};
   if (own < argc)
     petsc_arguments.insert(petsc_arguments.end(), dashes + 1, argv + argc);
   signorini::catch_stop_signals(); // before libraries start, so that no signal is missed

@@ -47,9 +47,10 @@ std::string start_objective(const Problem& problem, const GivenControl& given,
   return {};
 }
 
+/// `whole`: a motion that is interrupted is not written, which would take the place of a whole one.
 int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, const Request& request,
                    const Console& console, const std::optional<io::Accuracy>& accuracy = {},
-                   bool keep_mesh = false) {
+                   bool keep_mesh = false, bool whole = false) {
   io::OutputFolder folder(world(), out);
   scene::Scene told = scene;
   mesh::Meshing meshing;
@@ -97,9 +98,9 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
     steps = control ? forward::integrate_choosing(problem.stepper, problem.initial, load, *control, watch)
                     : forward::integrate(problem.stepper, problem.initial, load, grid.steps(), watch);
   }
-  if (steps == 0) // no result that could replace an earlier run's
-    throw Interrupted();
   const bool complete = problem.stepper.grid().complete() && steps == problem.steps();
+  if (steps == 0 || (whole && !complete)) // no result that could replace an earlier run's
+    throw Interrupted();
   recorder.finish();
   folder.write("scene.toml", scene::echo(told, problem.space.dim()));
   io::Manifest m = manifest(problem, "simulate", complete ? "end of time" : "interrupted", steps);
@@ -181,7 +182,7 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
                                 .met = found.error() <= asked && found.doubt.empty(),
                                 .doubt = found.doubt};
     (void)simulate_scene(study::on_rung(scene, found.rung), out, request, Console(false, false), accuracy,
-                         scratch.has_value());
+                         scratch.has_value(), answered);
     request.replace = true; // from now on it is this run's own
     best = found;
     answered = true;
@@ -267,11 +268,20 @@ void require_size(const scene::Scene& scene, const Request& request) {
                                 request.verb));
 }
 
+/// Nothing tells the error of a fit's misfit. Throws UserError.
+void require_no_order_of_a_fit(const scene::Scene& scene, const Request& request) {
+  if (request.verb == "optimize" && !scene.unknowns.empty() && (request.accuracy || request.study.budget))
+    throw UserError(fmt::format("{}: found with tables [[unknown]], allowed without; "
+                                "optimizer.tolerance and optimizer.max_iterations end a fit",
+                                request.accuracy ? "--accuracy" : "--budget"));
+}
+
 } // namespace
 
 int run(const Request& request, const Console& console) {
   use_threads(world(), request.threads);
   const auto [scene, text, home] = read_scene(world(), request.scene, request.overrides);
+  require_no_order_of_a_fit(scene, request);
   require_size(scene, request);
   const std::filesystem::path out =
       request.out.empty() ? usual_folder(request.verb, scene.name, home) : request.out;

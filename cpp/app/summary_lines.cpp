@@ -90,8 +90,12 @@ void add_impact(const forward::Impact& impact, int dim, std::vector<std::string>
 void add_energy(const forward::EnergyAccount& energy, int dim, std::vector<std::string>& lines) {
   std::string text = fmt::format("energy, kinetic and elastic: {:.4g} {} at the start",
                                  energy.kinetic_at_start + energy.elastic_at_start, per_depth("J", dim));
+  constexpr double rounding = 1e-12;
+  const double largest =
+      std::max({energy.kinetic_at_start + energy.elastic_at_start, std::abs(energy.load_work),
+                std::abs(energy.other_work), std::abs(energy.contact_work), energy.viscous_dissipation});
   const auto add = [&](const char* by, double work) {
-    if (work != 0)
+    if (std::abs(work) > rounding * largest)
       text += fmt::format(", {:+.4g} by {}", work, by);
   };
   add("loads", energy.load_work);

@@ -60,13 +60,15 @@ void Plausibility::observe(const Frame& frame, const StepBalance* balance) {
 void Plausibility::look(Vec y, int k) {
   const double t = stepper_.grid().time(k);
   const fem::Deformation now = fem::deformation(stepper_.space(), y);
-  const auto take = [t](Worst& worst, double value, const std::array<double, 3>& at) {
+  const auto take = [t](Worst& worst, double value, const std::array<double, 3>& at, double limit) {
+    if (value > limit)
+      worst.passed = std::min(worst.passed, t);
     if (value > (1 + fem::tie) * worst.value) // of frames that are equal but for rounding, the first
-      worst = {value, t, at};
+      worst = {value, t, at, worst.passed};
   };
-  take(strain_, now.strain.value, now.strain.at);
-  take(rotation_, now.rotation.value, now.rotation.at);
-  take(inverted_, static_cast<double>(now.inverted), {});
+  take(strain_, now.strain.value, now.strain.at, small_strain);
+  take(rotation_, now.rotation.value, now.rotation.at, small_rotation);
+  take(inverted_, static_cast<double>(now.inverted), {}, 0);
   if (stepper_.pairs())
     look_at_contact(y, k);
 }
@@ -118,7 +120,7 @@ void Plausibility::look_at_contact(Vec y, int k) {
   const auto take = [&](Worst& worst, Row row) {
     row = largest(stepper_.space().comm(), row);
     if (row[0] > worst.value)
-      worst = {row[0], t, {row[2], row[3], row[4]}};
+      worst = {row[0], t, {row[2], row[3], row[4]}, worst.passed};
   };
   take(slip_, slip);
   take(gap_, gap);
@@ -128,6 +130,10 @@ std::string Plausibility::where(const Worst& worst) const {
   return fmt::format("at ({:.6g}) m, t = {:.6g} s",
                      fmt::join(worst.at.begin(), worst.at.begin() + stepper_.space().dim(), ", "),
                      worst.time);
+}
+
+std::string Plausibility::since(const Worst& worst) {
+  return fmt::format("(first exceeded by t = {:.6g} s)", worst.passed);
 }
 
 void Plausibility::add_of_mesh(std::vector<Warning>& warnings) const {
@@ -163,14 +169,14 @@ std::vector<Warning> Plausibility::warnings() {
   add_of_mesh(found);
   if (strain_.value > small_strain)
     found.push_back({"large strain",
-                     fmt::format("a principal strain is {:.3g} {}: small strain is meant for less than {}",
-                                 strain_.value, where(strain_), small_strain),
+                     fmt::format("a principal strain is {:.4g} {}: small strain is meant for less than {} {}",
+                                 strain_.value, where(strain_), small_strain, since(strain_)),
                      strain_.value, small_strain});
   if (rotation_.value > small_rotation)
     found.push_back(
         {"large rotation",
-         fmt::format("the body turns by {:.3g} degrees {}: small strain is meant for less than {:.3g}",
-                     degrees(rotation_.value), where(rotation_), degrees(small_rotation)),
+         fmt::format("the body turns by {:.4g} degrees {}: small strain is meant for less than {:.3g} {}",
+                     degrees(rotation_.value), where(rotation_), degrees(small_rotation), since(rotation_)),
          degrees(rotation_.value), degrees(small_rotation)});
   if (inverted_.value > 0)
     found.push_back(

@@ -3,6 +3,7 @@
 #include "fem/deformation.h"
 #include "forward/balance.h"
 #include "forward/warning.h"
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -29,16 +30,19 @@ public:
   [[nodiscard]] std::vector<Warning> warnings();
 
 private:
-  /// The largest value of a kind so far, whether or not it is above the limit, with its time and place.
+  /// The largest value of a kind so far, whether or not it is above the limit, with its time and place, and
+  /// the first time that is looked at at which it was above.
   struct Worst {
     double value = 0, time = 0;
     std::array<double, 3> at{};
+    double passed = std::numeric_limits<double>::infinity();
   };
 
   void look(Vec y, int k);
   void look_at_contact(Vec y, int k);
   void add_of_mesh(std::vector<Warning>& warnings) const;
   [[nodiscard]] std::string where(const Worst& worst) const;
+  [[nodiscard]] static std::string since(const Worst& worst);
 
   const Stepper& stepper_;
   const scene::Scene& scene_;

@@ -226,6 +226,10 @@ void add_fit(ordered_json& json, const Fit& fit) {
 
 } // namespace
 
+std::string lines(const ordered_json& json) {
+  return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
 std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& timers) {
   char host[256] = "";
   gethostname(host, sizeof host - 1);
@@ -289,7 +293,7 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
   json["files"] = m.files;
   json["counters"] = counts();
   json["peak_memory_bytes"] = m.peak_memory;
-  return json.dump(2) + "\n";
+  return lines(json);
 }
 
 } // namespace signorini::io

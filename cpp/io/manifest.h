@@ -97,6 +97,9 @@ struct Manifest {
   std::vector<std::string> files; ///< of the run
 };
 
+/// A document as text of lines; of names that are not UTF-8, as files may have, what is not is replaced.
+std::string lines(const nlohmann::ordered_json& json);
+
 /// Versions of this program and of its main libraries.
 nlohmann::ordered_json versions();
 /// The same on one line.

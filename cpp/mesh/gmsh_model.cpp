@@ -323,6 +323,31 @@ private:
   std::vector<Facet> facets_; ///< of every cell, sorted; a facet between two cells appears twice
 };
 
+/// Takes away what the .geo has meshed itself (Mesh 2; Save …), which gmsh would keep whatever size is asked
+/// for; false where there is nothing else, as of a mesh that it merges. Throws UserError where that has a
+/// size.
+bool is_to_be_meshed(const scene::Mesh& mesh) {
+  std::vector<std::size_t> nodes;
+  std::vector<double> coordinates, parameters;
+  gmsh::model::mesh::getNodes(nodes, coordinates, parameters);
+  if (nodes.empty())
+    return true;
+  gmsh::vectorpair entities;
+  gmsh::model::getEntities(entities);
+  const bool discrete = std::ranges::any_of(entities, [](const auto& entity) {
+    std::string type;
+    gmsh::model::getType(entity.first, entity.second, type);
+    return type.starts_with("Discrete");
+  });
+  if (!discrete)
+    gmsh::model::mesh::clear();
+  else if (mesh.size || mesh.automatic() || mesh.scale != 1)
+    throw UserError(fmt::format("mesh.size: has no effect on {}, which merges a mesh and has no geometry; "
+                                "allowed without a size, or with a .geo that has one",
+                                mesh.file.string()));
+  return !discrete;
+}
+
 } // namespace
 
 RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
@@ -353,7 +378,8 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
         set_size(*mesh.size / metres);
       }
       gmsh::option::setNumber("Mesh.MeshSizeFactor", mesh.scale);
-      gmsh::model::mesh::generate(gmsh::model::getDimension());
+      if (is_to_be_meshed(mesh))
+        gmsh::model::mesh::generate(gmsh::model::getDimension());
     }
     if (const std::string error = complaint(""); !error.empty())
       throw cannot_read(error);

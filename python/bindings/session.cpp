@@ -24,11 +24,13 @@ void start() {
   PetscBool started = PETSC_FALSE;
   petsc::check(PetscInitialized(&started));
   if (!started) {
-    // PETSc refers to these to its end. Signals are Python's.
+    // PETSc refers to these to its end. Signals are Python's, and a file .petscrc in a folder from elsewhere
+    // could load code and overwrite files.
     static std::array<char, 10> program{"signorini"};
     static std::array<char, 19> no_signals{"-no_signal_handler"};
-    static std::array<char*, 3> words{program.data(), no_signals.data(), nullptr};
-    int count = 2;
+    static std::array<char, 14> no_file{"-skip_petscrc"};
+    static std::array<char*, 4> words{program.data(), no_signals.data(), no_file.data(), nullptr};
+    int count = 3;
     char** arguments = words.data();
     petsc::check(PetscInitialize(&count, &arguments, nullptr, nullptr));
     petsc::check(PetscOptionsSetValue(nullptr, "-options_left", "0"));

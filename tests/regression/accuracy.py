@@ -96,7 +96,8 @@ def budget_is_kept(folder: Path) -> None:
         start = time.perf_counter()
         run, said = order(verb, scene, out, "--accuracy", "1e-5", "--budget", f"{seconds}s", *more, status=1)
         passed = time.perf_counter() - start
-        assert "budget" in said and run["accuracy"]["estimated"] > 1e-5
+        assert "budget" in said and run["accuracy"]["estimated"] > 1e-5 and not run["accuracy"]["met"]
+        assert run["steps"]["done"] == run["steps"]["asked"], "what the budget cut off stands in place of a whole answer"
         assert 0.2 * seconds < passed < 1.1 * seconds + 1, f"{passed} of {seconds} s"  # and the start of the program
         assert not list(out.glob(".unfinished*")) and (out / "state.h5").is_file()
         print(f"budget of {verb}: {passed:.1f} of {seconds} s, estimated {run['accuracy']['estimated']:.1e}")

@@ -11,6 +11,9 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import SIGNORINI, SOURCE, attempt, signorini, table  # noqa: E402
+from soft_scenes import soft  # noqa: E402
+
+import numpy as np  # noqa: E402
 
 DATA = SOURCE / "tests" / "data"
 BLOCK = DATA / "block.toml"
@@ -46,6 +49,16 @@ def are_told(folder: Path) -> None:
     signorini("optimize", BLOCK, out, **GENTLE, mesh__file=str(DATA / "apart.geo"), optimizer__max_iterations=1,
               output__tables=[], output__fields=[])  # fmt: skip
     assert "parts of the mesh" in warnings(out)
+
+
+def first_exceeded(folder: Path) -> None:
+    """A body that spins freely turns by ω t in the linear model, and by 5 degrees at 0.218 s: the look after that is at 0.25 s."""
+    scene = folder / "spinning.toml"
+    scene.write_text(soft("square.geo", 0.5, 1.0, 0.0625) + '[initial]\nvelocity = ["-0.4*y", "0.4*x"]\n')
+    signorini("simulate", scene, folder / "spinning")
+    found = warnings(folder / "spinning")
+    assert abs(found["large rotation"]["value"] - np.degrees(0.4)) < 1e-9, found
+    assert "(first exceeded by t = 0.25 s)" in found["large rotation"]["message"], found
 
 
 def shipped_scenes(folder: Path) -> None:
@@ -96,6 +109,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         weight_of_a_stiff_body_in_short_steps(Path(folder))
         are_told(Path(folder))
+        first_exceeded(Path(folder))
         nodes_at_one_place(Path(folder))
         shipped_scenes(Path(folder))
     return 0

@@ -265,7 +265,7 @@ std::string json(const scene::Scene& scene, const std::vector<Result>& results,
            {"both", asymptotic(one.both)}}}});
   }
   json["sentences"] = sentences;
-  return json.dump(2) + "\n";
+  return io::lines(json);
 }
 
 } // namespace signorini::study

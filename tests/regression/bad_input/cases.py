@@ -858,6 +858,8 @@ def fit_cases() -> list[Case]:
         return measurement(name, force, "measurement[0].file: ", *expect, verb="optimize", prepare=prepare)
 
     return [
+        measurement("accuracy of a fit", force, "--accuracy: found with tables [[unknown]]", "optimizer.tolerance", verb="optimize",
+                    options=("--accuracy", "1e-2")),
         unknown("unknown of nothing", 'name = "a"', "unknown[0].of: missing"),
         unknown("unknown that is not there", 'of = "yuong"', 'unknown[0].of: found "yuong"', "young"),
         unknown("unknown with a number for a name", 'of = "young"\nname = 1', "unknown[0].name: found 1"),
