@@ -2,6 +2,8 @@
 """Steps that the motion chooses: cases in which a longer look back would be too late, figures that nothing may change, and
 orders of an accuracy that must not be called met.
 
+    chosen_steps.py SIGNORINI SOURCE [frames [CASES]]
+
 Each case is held against steps of one length that need not be chosen, or against what is known exactly. With a further argument,
 `frames`, the choice itself is: the same steps, to the last bit, of bodies that are moved, mirrored, moved along the plane or given
 in other units by powers of two, and on several ranks; in any other unit the same but for ties, of which a change of the tolerance in
@@ -38,7 +40,7 @@ def warned(of: dict) -> list[str]:
 
 def near_at_the_start(folder: Path, figures: Figures) -> None:
     """Impacts within the first two steps, of whatever length: as with steps of one length, eight in the time t_w."""
-    ball = {"initial": {"velocity": ["0", "0", "-1.98"]}, "contact__obstacle__point": [0, 0, -0.0201], "mesh__size": 6e-3}
+    ball = {"initial": {"velocity": ["0", "0", "-1.98"]}, "contact__obstacle__point": [0, 0, -0.0201], "mesh__size": 8e-3}
     ring = {"initial": {"velocity": ["0", "-1.98"]}, "contact__obstacle__point": [0, -0.101]}
     cases = ((BALL, ball, {"quantity": "contact-force", "scheme": "contact-stabilized"}, 0.2, 2e-3, (1e-2,)),
              (RING, ring, {"quantity": "contact-force", "scheme": "contact-stabilized"}, 0.08, 0.08, (1e-2, 1e-3)))  # fmt: skip
@@ -238,7 +240,7 @@ def choices(folder: Path, figures: Figures) -> None:
               POWERS: {"unit": (2.0**-20, 2.0**10, 2.0**7)}, "2 ranks": {"ranks": 2}, "3 ranks": {"ranks": 3}}  # fmt: skip
     others = {"mm, ms, g": (1e3, 1e3, 1e3), "inch, h, lb": (39.37, 1 / 3600, 2.2046)}
     counts = dict.fromkeys([*frames, *others], 0)
-    seeds = range(12)
+    seeds = range(int(sys.argv[4]) if sys.argv[4:] else 6)
     for seed in seeds:
         case = Case(seed)
         times, levels = case.steps(folder)
@@ -273,7 +275,7 @@ def first_difference(one: np.ndarray, other: np.ndarray) -> str:
 def main() -> int:
     figures = Figures()
     with tempfile.TemporaryDirectory() as name:
-        for part in (choices,) if sys.argv[3:] == ["frames"] else CASES:
+        for part in (choices,) if sys.argv[3:4] == ["frames"] else CASES:
             part(Path(name), figures)
     return int(figures.failed)
 
