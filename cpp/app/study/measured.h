@@ -12,6 +12,7 @@ struct Quantity {
   std::string name, title, unit;
   bool field = false;
   bool absolute = false; ///< already relative: errors are plain differences
+  bool limited = true;   ///< whether it converges with steps and mesh in every motion
 
   /// Whether a warning of a motion puts it in doubt: what is of peaks alone does not, but for these.
   [[nodiscard]] bool doubted_by(const forward::Warning& warning) const;

@@ -95,7 +95,8 @@ void Summary::show_warnings(const Console& console) const {
 void Summary::show_errors(const Errors& errors, const Console& console) const {
   const Quantity& quantity = errors.quantity;
   const std::string unit = quantity.unit.empty() || quantity.field ? "" : ", " + quantity.unit;
-  console.line(fmt::format("\n{}{}: {}", quantity.title, unit, against(errors)));
+  console.line(fmt::format("\n{}{}: {}{}", quantity.title, unit, against(errors),
+                           quantity.limited ? "" : "; it need not converge"));
   console.line(fmt::format("{:>4} {:>10} {:>11} {:>13} {:>9} {:>9} {:>9} {:>8}", "rung",
                            scene_.mesh.size ? "size, m" : "scale", "step, s", quantity.field ? "" : "value",
                            "error", "at most", "estimate", "est/err"));
