@@ -179,7 +179,7 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
                                 .asked = asked,
                                 .space = found.space,
                                 .time = found.time,
-                                .met = found.error() <= asked && found.doubt.empty(),
+                                .met = found.meets(asked),
                                 .doubt = found.doubt};
     (void)simulate_scene(study::on_rung(scene, found.rung), out, request, Console(false, false), accuracy,
                          scratch.has_value(), answered);
@@ -194,7 +194,7 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
       throw;
     stopped = true;
   }
-  const bool late = time_is_up(world()), met = best.error() <= asked && best.doubt.empty();
+  const bool late = time_is_up(world()), met = best.meets(asked);
   forget_deadline();
   double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   MPI_Bcast(&passed, 1, MPI_DOUBLE, 0, world());

@@ -38,6 +38,7 @@ struct Found {
   double half = 0;    ///< expected of all that half the error would take, s
   std::string doubt;  ///< why it is not verified though its error is small, in words
   [[nodiscard]] double error() const { return space + time; }
+  [[nodiscard]] bool meets(double tolerance) const { return error() <= tolerance && doubt.empty(); }
 };
 
 /// Searches a size and a step as suggest() does, for the one quantity that the options name of the motion
