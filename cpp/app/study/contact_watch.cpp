@@ -32,62 +32,45 @@ std::vector<Quantity> contact_quantities(const scene::Scene& scene, int dim) {
   return all;
 }
 
-ContactWatch::ContactWatch(const forward::Stepper& stepper) : stepper_(stepper) {
+ContactWatch::ContactWatch(const forward::Stepper& stepper) : stepper_(stepper), forces_(stepper) {
   const contact::ContactPairs* pairs = stepper.pairs();
   if (!pairs)
     return;
   std::vector<int> all(static_cast<std::size_t>(pairs->count()));
   std::iota(all.begin(), all.end(), 0);
-  parts_.push_back({"", {stepper.grid(), all}, {}});
+  parts_.push_back({"", {stepper.grid(), all}});
   for (int obstacle = 0; pairs->obstacle_count() > 1 && obstacle < pairs->obstacle_count(); ++obstacle) {
     std::vector<int> own;
     for (const int i : all)
       if (pairs->obstacles()[static_cast<std::size_t>(i)] == obstacle)
         own.push_back(i);
-    parts_.push_back({suffix(obstacle), {stepper.grid(), std::move(own)}, {}});
+    parts_.push_back({suffix(obstacle), {stepper.grid(), std::move(own)}});
   }
 }
 
 void ContactWatch::operator()(const forward::Frame& frame) {
   if (parts_.empty())
     return;
+  forces_.observe(frame);
   for (Part& part : parts_)
     part.times.observe(frame.k, frame.contact);
   if (frame.k == 0)
     return;
-  const contact::ContactPairs& pairs = *stepper_.pairs();
-  const auto dim = static_cast<std::size_t>(pairs.dim());
-  std::vector<Force> forces(parts_.size());
-  std::vector<double> moduli(parts_.size());
-  for (std::size_t i = 0; i < frame.contact.lambda.size(); ++i) {
-    const double force = frame.contact.lambda[i] / stepper_.grid().scheme(frame.k).impulse();
-    const std::size_t own = parts_.size() > 1 ? static_cast<std::size_t>(pairs.obstacles()[i]) + 1 : 0;
-    moduli[0] += std::abs(force);
-    if (own > 0)
-      moduli[own] += std::abs(force);
-    for (std::size_t c = 0; c < dim; ++c) {
-      const double on_body = -force * pairs.normals()[i * dim + c];
-      forces[0][c] += on_body;
-      if (own > 0)
-        forces[own][c] += on_body;
-    }
-  }
-  for (std::size_t part = 0; part < parts_.size(); ++part) {
-    add_force(forces[part], stepper_.grid().length(frame.k), parts_[part]);
-    parts_[part].record.add(stepper_.grid().time(frame.k), moduli[part]);
-  }
+  const double t = stepper_.grid().time(frame.k);
+  parts_.front().add(t, forces_.all());
+  for (std::size_t part = 1; part < parts_.size(); ++part)
+    parts_[part].add(t, forces_.each()[part - 1]);
 }
 
-void ContactWatch::add_force(const Force& force, double tau, Part& part) const {
-  Force mean{};
-  for (std::size_t c = 0; c < force.size(); ++c) {
-    // Forces of contact-implicit steps alternate, their means over two steps do not (docs/method.md section
-    // 2).
-    mean[c] = (force[c] + part.before[c]) / 2;
-    part.impulse[c] += tau * force[c];
-  }
-  part.peak = std::max(part.peak, length(mean));
-  part.before = force;
+void ContactWatch::Part::add(double t, const forward::ObstacleForce& now) {
+  // Forces of contact-implicit steps alternate, their means over two steps do not (docs/method.md section 2).
+  std::array<double, 3> mean{};
+  for (std::size_t c = 0; c < mean.size(); ++c)
+    mean[c] = (now.force[c] + before[c]) / 2;
+  peak = std::max(peak, length(mean));
+  before = now.force;
+  impulse = now.impulse;
+  record.add(t, now.normal_force);
 }
 
 std::map<std::string, double> ContactWatch::numbers(double end) const {

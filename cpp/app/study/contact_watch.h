@@ -3,7 +3,7 @@
 #include "app/study/measured.h"
 #include "forward/contact_times.h"
 #include "forward/impulse_record.h"
-#include "forward/integrate.h"
+#include "forward/obstacle_forces.h"
 #include <array>
 
 namespace signorini::study {
@@ -29,18 +29,19 @@ public:
   [[nodiscard]] std::map<std::string, double> numbers(double end) const;
 
 private:
-  using Force = std::array<double, 3>;
   /// What is known of one obstacle, or of all.
   struct Part {
     std::string suffix; ///< of the quantities' names
     forward::ContactTimes times;
-    forward::ImpulseRecord record; ///< of the sum of the forces' moduli
-    Force before{}, impulse{};     ///< N (in the plane N/m) and N s (N s/m)
+    forward::ImpulseRecord record{};           ///< of the sum of the forces' moduli
+    std::array<double, 3> before{}, impulse{}; ///< N (in the plane N/m) and N s (N s/m)
     double peak = 0;
+    /// Takes the force of a step that ends at `t` (s).
+    void add(double t, const forward::ObstacleForce& now);
   };
-  void add_force(const Force& force, double tau, Part& part) const;
 
   const forward::Stepper& stepper_;
+  forward::ObstacleForces forces_;
   std::vector<Part> parts_; ///< that of all obstacles first
 };
 
