@@ -30,7 +30,7 @@ constexpr double search_part = 0.05;
 constexpr int most_iterations = 1000;
 /// Least factor of size and step from round to round: the estimate of a coarse mesh tells little of one much
 /// finer.
-constexpr double reach = 1.0 / 3;
+constexpr double trusted_reach = 1.0 / 3;
 /// Multiples of the scene's size and step to begin with, the first that can be.
 constexpr std::array beginnings{4.0, 2.0, 1.0};
 constexpr int least_steps = 10;
@@ -299,7 +299,7 @@ private:
     }
     if (sizes_vary()) {
       const double part = next.size / resolution_.size;
-      next.sizes = mesh::sizes_by(last_->problem().mesh, by_cells_, part * part, 1 / reach);
+      next.sizes = mesh::sizes_by(last_->problem().mesh, by_cells_, part * part, 1 / trusted_reach);
     }
     return next;
   }
@@ -319,7 +319,8 @@ private:
     return true;
   }
 
-  [[nodiscard]] Resolution aimed_at(double error) const {
+  /// `reach`: the least factor of size and step.
+  [[nodiscard]] Resolution aimed_at(double error, double reach = trusted_reach) const {
     const int dim = last_->problem().mesh.dim();
     const double of_space = dim * study::step_power(dim) / space_order_, of_time = 1 / time_order_;
     // A part that is small already leaves its share to the other.
@@ -328,7 +329,7 @@ private:
       space = error - parts_.time;
     else if (parts_.space < space && parts_.time > time)
       time = error - parts_.space;
-    const auto factor = [](double part, double target, double slope) {
+    const auto factor = [reach](double part, double target, double slope) {
       constexpr double worth = 0.95;
       const double f = part > target ? std::max(reach, std::pow(target / part, 1 / slope)) : 1.0;
       return f < worth ? f : 1.0;
@@ -353,8 +354,8 @@ private:
     const io::CoarseLevel& last = records_.back();
     std::string text = fmt::format("{:g} of J asked, {:.2e} estimated (space {:.1e}, time {:.1e}, search "
                                    "{:.1e}): {}; {} unknowns and {} "
-                                   "steps, {:.2g} s in {} rounds, of which the last took {:.2g} s; half the "
-                                   "error would take about {:.2g} s",
+                                   "steps, {:.2g} s in {} rounds, of which the last took {:.2g} s; {} "
+                                   "would take about {:.2g} s",
                                    asked_.error, parts_.sum(), parts_.space, parts_.time, parts_.search,
                                    met()            ? std::string("met")
                                    : late           ? "not met, the budget is spent"
@@ -362,7 +363,9 @@ private:
                                    : doubt_.empty() ? "not met, " + ended_
                                                     : "not verified, " + doubt_,
                                    last.free_unknowns, last.steps, passed(), records_.size(), last.seconds,
-                                   cost(aimed_at(parts_.sum() / 2)));
+                                   enough(parts_) ? "half the error" : "what is asked",
+                                   enough(parts_) ? cost(aimed_at(parts_.sum() / 2))
+                                                  : cost(aimed_at(aimed * asked_.error, 0)));
     return text + fmt::format("\nresults in {}", out_.string());
   }
 

@@ -25,6 +25,7 @@ MotionWriter::MotionWriter(const Problem& problem, const io::OutputFolder& folde
                            const forward::StepErrors* errors)
     : problem_(problem), objective_(objective), plausibility_(problem.stepper, problem.scene),
       forces_(problem.stepper), resolution_(problem.stepper, problem.scene),
+      loss_(problem.stepper, problem.scene),
       step_warnings_(problem.stepper, problem.scene, problem.scene_loads(), errors) {
   const auto timer = problem.timers.time("output");
   const scene::Output& output = problem.scene.output;
@@ -32,7 +33,7 @@ MotionWriter::MotionWriter(const Problem& problem, const io::OutputFolder& folde
   const bool reactions = probed && problem.probes->need_reactions();
   if (output.table(scene::StoredTable::steps) || problem.scene.run.watched() || reactions) {
     balance_.emplace(problem.stepper, forward::Balance::Wanted{reactions, controlled, problem.scene_loads()});
-    invariants_.emplace(problem.stepper);
+    invariants_.emplace(problem.stepper, forward::body_figures(problem.stepper, problem.scene));
     summary_.emplace(problem.stepper, problem.scene);
   }
   open_tables(folder, probed);
@@ -81,8 +82,11 @@ void MotionWriter::open_state(const io::OutputFolder& folder) {
   const auto times = static_cast<std::size_t>(stored + 2);
   if (!fields.empty())
     state_.emplace(problem_.space, folder, "state.xdmf", fields, times);
-  if (output.field(Field::strain) || output.field(Field::stress) || output.field(Field::von_mises))
+  const bool stresses = output.field(Field::stress) || output.field(Field::von_mises);
+  if (output.field(Field::strain) || stresses)
     cell_fields_.emplace(problem_.space, fem::parts(problem_.mesh, problem_.scene.materials));
+  if (stresses)
+    largest_stress_.emplace(problem_.space, fem::parts(problem_.mesh, problem_.scene.materials));
 }
 
 void MotionWriter::operator()(const forward::Frame& frame) {
@@ -106,6 +110,7 @@ void MotionWriter::weigh(const forward::Frame& frame, forward::StepBalance& bala
   balance = (*balance_)(frame);
   invariants_->observe(frame, balance);
   summary_->observe(frame, balance, forces_);
+  loss_.observe(balance);
   if (problem_.scene.run.invariants == scene::OnViolation::stop)
     if (const auto violation = invariants_->violation(problem_.scene.run.tolerance))
       throw SolverFailure(fmt::format("step {} (t = {:.6g} s): {}", frame.k,
@@ -166,11 +171,8 @@ void MotionWriter::store_fields(const forward::Frame& frame) {
                                         {Field::stress, fem::CellField::stress},
                                         {Field::von_mises, fem::CellField::von_mises}})
     write(field, [&] { return (*cell_fields_)(of_cells); });
-  if (output.field(Field::stress) || output.field(Field::von_mises)) {
-    const fem::Largest now = cell_fields_->largest_von_mises();
-    if (!von_mises_ || now.value > von_mises_->largest.value)
-      von_mises_ = {now, t};
-  }
+  if (largest_stress_)
+    largest_stress_->observe(*cell_fields_, frame.y1, frame.v1, t);
   write(Field::pressure, [&] {
     const double impulse = problem_.stepper.grid().scheme(frame.k).impulse();
     return contact::at_nodes(problem_.space, *problem_.stepper.pairs(),
@@ -185,6 +187,9 @@ std::vector<forward::Warning> MotionWriter::warnings() {
   };
   add(resolution_.warnings());
   add(step_warnings_.warnings());
+  add(loss_.warnings());
+  if (largest_stress_)
+    add(largest_stress_->warnings());
   return found;
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "app/problem.h"
+#include "forward/contact_loss.h"
 #include "forward/contact_resolution.h"
 #include "forward/invariants.h"
+#include "forward/largest_stress.h"
 #include "forward/motion_summary.h"
 #include "forward/plausibility.h"
 #include "forward/step_warnings.h"
@@ -43,8 +45,10 @@ public:
   /// Times at which fields and contact were stored.
   [[nodiscard]] int stored() const { return stored_; }
 
-  /// The largest von Mises stress of a cell at the stored times; absent if no stress is stored.
-  [[nodiscard]] const std::optional<io::LargestStress>& von_mises() const { return von_mises_; }
+  /// The largest von Mises stress of a cell at the stored times; absent if no stress is stored. Collective.
+  [[nodiscard]] std::optional<forward::LargestStress::Peak> von_mises() {
+    return largest_stress_ ? largest_stress_->peak() : std::nullopt;
+  }
 
   /// Warnings where the motion leaves the range of the model, or the mesh does not resolve it. Collective.
   [[nodiscard]] std::vector<forward::Warning> warnings();
@@ -68,6 +72,7 @@ private:
   forward::Plausibility plausibility_;
   forward::ObstacleForces forces_;
   forward::ContactResolution resolution_;
+  forward::ContactLoss loss_;
   forward::StepWarnings step_warnings_;
   std::optional<forward::MotionSummary> summary_;
   std::optional<io::TextFile> steps_, contact_, obstacles_, probes_;
@@ -75,7 +80,7 @@ private:
   std::optional<io::ContactTable> contact_table_;
   std::optional<io::FieldFile> state_;
   std::optional<fem::CellFields> cell_fields_;
-  std::optional<io::LargestStress> von_mises_;
+  std::optional<forward::LargestStress> largest_stress_;
   int stored_ = 0;             ///< times
   std::string text_;           ///< buffer of rows
   std::vector<double> values_; ///< buffer of a row

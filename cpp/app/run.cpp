@@ -211,8 +211,9 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
   else
     console.line(fmt::format(
         "{}, {:.2e} estimated (space {:.1e}, time {:.1e}): {}; {}, {:.2g} s in all, of which the run "
-        "took {:.2g} s; half the error would take about {:.2g} s",
-        asked_for, best.error(), best.space, best.time, end, resolution, passed, best.seconds, best.half));
+        "took {:.2g} s; {} would take about {:.2g} s",
+        asked_for, best.error(), best.space, best.time, end, resolution, passed, best.seconds,
+        best.error() > asked ? "what is asked" : "half the error", best.further));
   console.line(fmt::format("results in {}", out.string()));
   return met ? exit_status::done : stopped && !late ? exit_status::interrupted : exit_status::check_failed;
 }

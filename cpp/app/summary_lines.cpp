@@ -116,9 +116,11 @@ std::vector<std::string> summary_lines(const io::Manifest& manifest) {
     add_energy(*manifest.energy, manifest.dim, lines);
   if (manifest.von_mises)
     lines.push_back(
-        fmt::format("largest von Mises stress of the stored times: {:.4g} Pa in the cell at {} m, {:.6g} s",
-                    manifest.von_mises->largest.value,
-                    components(manifest.von_mises->largest.at, manifest.dim), manifest.von_mises->time));
+        fmt::format("largest von Mises stress of the stored times: {:.4g} Pa in the cell at {} m, {:.6g} s; "
+                    "{:.4g} Pa recovered from the cells around it",
+                    manifest.von_mises->stress.largest.value,
+                    components(manifest.von_mises->stress.largest.at, manifest.dim), manifest.von_mises->time,
+                    manifest.von_mises->stress.recovered));
   return lines;
 }
 

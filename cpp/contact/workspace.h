@@ -46,12 +46,13 @@ struct Workspace {
   }
 
   Prediction prediction;
-  std::vector<double> gap0;          ///< predicted gaps, m
-  ActiveSet set, next, wrong;        ///< that of an iterate, the one after it, where they differ
-  ActiveSet factorised, independent; ///< the set of `factor`; the independent part of a set
-  std::vector<double> factor;        ///< Cholesky factor of S_AA
-  std::vector<double> normal, mu;    ///< ν·y; forces of a sliding solve (m)
-  std::vector<double> b;             ///< right-hand side on a set
+  std::vector<double> gap0;           ///< predicted gaps, m
+  ActiveSet set, next, wrong;         ///< that of an iterate, the one after it, where they differ
+  ActiveSet factorised, independent;  ///< the set of `factor`; the independent part of a set
+  std::vector<double> factor;         ///< Cholesky factor of S_AA
+  std::vector<double> normal, mu;     ///< ν·y; forces of a sliding solve (m)
+  std::vector<double> b;              ///< right-hand side on a set
+  petsc::Vector residual, correction; ///< made when a solution is first refined
   GoldfarbIdnaniWork dual;
   std::unique_ptr<CondensedVi> condensed; ///< made when it is first needed
 };

@@ -19,7 +19,8 @@ double part(double value, double whole) { return value <= 0 ? 0 : value / whole;
 
 } // namespace
 
-Invariants::Invariants(const Stepper& stepper) : stepper_(stepper) {
+Invariants::Invariants(const Stepper& stepper, const BodyFigures& body)
+    : stepper_(stepper), mass_(body.mass), crossing_(body.crossing) {
   PetscReal largest = 0;
   check(VecNorm(fem::diagonal(stepper.operators().A), NORM_INFINITY, &largest));
   stiffness_ = largest;
@@ -45,11 +46,11 @@ void Invariants::observe(const Frame& frame, const StepBalance& balance) {
   const double unit = frame.k > 0 ? stepper_.grid().scheme(frame.k).impulse() : 1; // of λ by forces
   for (double lambda : state.lambda)
     contact_force_ = std::max(contact_force_, std::abs(lambda) / unit);
+  const double scale = std::max(contact_force_, std::sqrt(2 * energy_ * mass_) / crossing_);
   for (std::size_t i = 0; i < state.lambda.size(); ++i) {
     now_[2] = worst_of(now_[2], part(-state.gap[i], length));
-    now_[3] = worst_of(now_[3], part(-state.lambda[i] / unit, contact_force_));
-    now_[4] =
-        worst_of(now_[4], part(std::abs(state.lambda[i] / unit * state.gap[i]), contact_force_ * length));
+    now_[3] = worst_of(now_[3], part(-state.lambda[i] / unit, scale));
+    now_[4] = worst_of(now_[4], part(std::abs(state.lambda[i] / unit * state.gap[i]), scale * length));
   }
   for (std::size_t j = 0; j < now_.size(); ++j)
     if (worse(now_[j], defects_[j].worst)) {

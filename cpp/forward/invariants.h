@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "forward/balance.h"
+#include "forward/body_figures.h"
 #include <array>
 #include <string>
 
 namespace signorini::forward {
 
 /// Monitors what the scheme conserves exactly (docs/method.md section 2), step by step: each defect is
-/// relative to the largest quantity of its kind in the run so far, or to the body's diameter.
+/// relative to the largest quantity of its kind in the run so far, or to the body's diameter. Contact forces
+/// are relative to at least the force with which a body of the run's energy meets an obstacle: what momentum
+/// that is, within the time that a wave takes across the body. At a touch there may be none yet.
 class Invariants {
 public:
   struct Defect {
@@ -17,7 +20,7 @@ public:
   };
 
   /// Collective. `stepper` must outlive this object.
-  explicit Invariants(const Stepper& stepper);
+  Invariants(const Stepper& stepper, const BodyFigures& body);
 
   /// Updates the defects by the frame that follows the last one, and its balance.
   void observe(const Frame& frame, const StepBalance& balance);
@@ -39,13 +42,14 @@ public:
 
 private:
   const Stepper& stepper_;
-  double stiffness_ = 0; ///< largest diagonal entry of A, as its norm
+  double stiffness_ = 0;   ///< largest diagonal entry of A, as its norm
+  double mass_, crossing_; ///< of the body, kg (in 2D kg/m); of a wave, s
   double energy_ = 0, forces_ = 0, contact_force_ = 0;
   std::array<Defect, 5> defects_{{{"energy law, residual beyond rounding / largest energy"},
                                   {"momentum law, residual / largest forces"},
                                   {"penetration / diameter"},
-                                  {"adhesion / largest force"},
-                                  {"force x gap / (largest x diameter)"}}};
+                                  {"adhesion / force scale"},
+                                  {"force x gap / (force scale x diameter)"}}};
   std::array<double, 5> now_{};
 };
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/solver_choice.h"
 #include "base/collective.h"
-#include "contact/solver/condensed.h"
 #include "contact/solver/full.h"
 #include "contact/solver/projected.h"
 #include <algorithm>
@@ -33,7 +32,8 @@ double dense_bytes(const contact::ContactPairs* pairs) {
 } // namespace
 
 SolverChoice::SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene,
-                           bool sliding, double solves, const EliminationOrder& order)
+                           bool sliding, double solves, const EliminationOrder& order,
+                           contact::Residual residual)
     : D_(std::move(D)), full_(pairs && scene.vi == scene::ViMethod::full) {
   std::unique_ptr<contact::FullSolver> full;
   if (full_)
@@ -46,7 +46,7 @@ SolverChoice::SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, 
     factorise(pairs, scene, solves, order);
   }
   if (pairs && (!full_ || sliding))
-    contact_ = by_linear(*pairs, scene);
+    contact_ = by_linear(*pairs, scene, std::move(residual));
   if (full_) {
     full->slide_by(std::move(contact_));
     contact_ = std::move(full);
@@ -129,7 +129,8 @@ void SolverChoice::iterate(std::unique_ptr<ConjugateGradients> solver, const std
 }
 
 std::unique_ptr<contact::ContactStepSolver> SolverChoice::by_linear(const contact::ContactPairs& pairs,
-                                                                    const scene::Solver& scene) const {
+                                                                    const scene::Solver& scene,
+                                                                    contact::Residual residual) const {
   if (iterative_)
     return std::make_unique<contact::ProjectedSolver>(pairs, *iterative_, D_);
   std::unique_ptr<contact::Elimination> elimination;
@@ -138,7 +139,7 @@ std::unique_ptr<contact::ContactStepSolver> SolverChoice::by_linear(const contac
   else
     elimination = std::make_unique<contact::StoredColumnsElimination>(
         pairs, *mumps_, petsc::vector_of(D_), scene.memory - linear_->bytes() - dense_bytes(&pairs));
-  return std::make_unique<contact::CondensedSolver>(pairs, D_, std::move(elimination));
+  return std::make_unique<contact::CondensedSolver>(pairs, D_, std::move(elimination), std::move(residual));
 }
 
 SolverChoice::Memory SolverChoice::memory() const {

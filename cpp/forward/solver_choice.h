@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "contact/pairs.h"
-#include "contact/solver/contact_step_solver.h"
+#include "contact/solver/condensed.h"
 #include "forward/solver_prices.h"
 #include "linalg/sparse_cholesky.h"
 #include <memory>
@@ -18,9 +18,10 @@ public:
   /// contact; `sliding`: linearised or transposed steps are wanted; `solves`: expected, by which times are
   /// compared, 0 to choose by memory alone. Collective, with the same choice on every rank. The references
   /// must outlive this object. `order`: the elimination order of a matrix with the same entries, if one is
-  /// known. Throws SolverFailure.
+  /// known; `residual`: of D, which is not kept where it is factorised, for CondensedSolver. Throws
+  /// SolverFailure.
   SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene, bool sliding,
-               double solves = 0, const EliminationOrder& order = {});
+               double solves = 0, const EliminationOrder& order = {}, contact::Residual residual = {});
 
   /// Whether D is not factorised.
   [[nodiscard]] bool iterates() const { return iterative_ != nullptr; }
@@ -56,8 +57,8 @@ private:
                           std::string& times);
   void iterate(std::unique_ptr<ConjugateGradients> solver, const std::string& why);
   /// The solver that has D condensed or projected, as the linear solver allows.
-  [[nodiscard]] std::unique_ptr<contact::ContactStepSolver> by_linear(const contact::ContactPairs& pairs,
-                                                                      const scene::Solver& scene) const;
+  [[nodiscard]] std::unique_ptr<contact::ContactStepSolver>
+  by_linear(const contact::ContactPairs& pairs, const scene::Solver& scene, contact::Residual residual) const;
 
   petsc::Matrix D_; ///< null once it is factorised
   std::unique_ptr<LinearSolver> linear_;

@@ -33,6 +33,18 @@ const StepOperators::OfLength& StepOperators::at(double tau) const {
   return lengths_.front();
 }
 
+contact::Residual StepOperators::residual(double tau, Mat R) const {
+  return [this, R, a = 2 * Scheme{tau}.stiffness()](Vec y, Vec r, Vec out) {
+    const petsc::Vector free = petsc::copy(y);
+    clamped_.clear(free);
+    petsc::check(MatMult(A_, free, out)); // D y = R y + 2 stiffness() A y
+    petsc::check(VecScale(out, a));
+    petsc::check(MatMultAdd(R, free, out, out));
+    petsc::check(VecAYPX(out, -1, r));
+    clamped_.clear(out);
+  };
+}
+
 StepOperators::OfLength StepOperators::make(double tau) const {
   OfLength made{.tau = tau};
   petsc::Matrix D = assemble_(tau);
@@ -42,7 +54,8 @@ StepOperators::OfLength StepOperators::make(double tau) const {
     made.whole_D = fem::symmetric_half(D);
   made.clamped_diagonal = clamped_.decouple(D);
   fem::attach_rigid_motions(D, space_);
-  made.solver = std::make_unique<SolverChoice>(std::move(D), pairs_, scene_, sliding_, solves_, order_);
+  made.solver = std::make_unique<SolverChoice>(std::move(D), pairs_, scene_, sliding_, solves_, order_,
+                                               residual(tau, made.R));
   if (made_ == 0) {
     scene_.linear = made.solver->iterates() ? scene::LinearMethod::iterative : scene::LinearMethod::direct;
     order_ = made.solver->order();

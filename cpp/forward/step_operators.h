@@ -41,6 +41,8 @@ public:
 
 private:
   [[nodiscard]] OfLength make(double tau) const;
+  /// Of D, by products with R and A.
+  [[nodiscard]] contact::Residual residual(double tau, Mat R) const;
 
   const fem::Space& space_;
   Mat A_;

@@ -275,8 +275,9 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
   if (m.impact)
     json["impact"] = impact_json(*m.impact, m.dim);
   if (m.von_mises)
-    json["largest_von_mises"] = {{"value", m.von_mises->largest.value},
-                                 {"point", vector(m.von_mises->largest.at, m.dim)},
+    json["largest_von_mises"] = {{"value", m.von_mises->stress.largest.value},
+                                 {"recovered", m.von_mises->stress.recovered},
+                                 {"point", vector(m.von_mises->stress.largest.at, m.dim)},
                                  {"time", m.von_mises->time}};
   if (m.energy)
     json["energy"] = energy_json(*m.energy);

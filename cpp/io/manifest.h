@@ -5,6 +5,7 @@
 #include "fem/deformation.h"
 #include "forward/body_figures.h"
 #include "forward/invariants.h"
+#include "forward/largest_stress.h"
 #include "forward/motion_summary.h"
 #include "forward/plausibility.h"
 #include "io/fit_tables.h"
@@ -29,12 +30,6 @@ struct Kink {
   double length, radius;
   int gradients;
   std::vector<WeakContact> weak;
-};
-
-/// The largest von Mises stress of a cell at the stored times.
-struct LargestStress {
-  fem::Largest largest; ///< Pa, at the middle of the cell
-  double time = 0;      ///< s
 };
 
 /// A search on a coarse mesh before that of the scene's.
@@ -84,11 +79,11 @@ struct Manifest {
   int dim = 2;
   forward::BodyFigures body;
   std::optional<control::Value> objective;
-  std::optional<forward::EnergyAccount> energy;        ///< of the motion stored; absent if not summed up
-  std::optional<forward::Impact> impact;               ///< likewise, and in a scene without contact
-  std::optional<LargestStress> von_mises;              ///< likewise; absent if no stress is stored
-  std::vector<forward::Invariants::Defect> invariants; ///< of the motion stored; empty if not monitored
-  std::vector<forward::Warning> warnings;              ///< of the motion stored
+  std::optional<forward::EnergyAccount> energy;          ///< of the motion stored; absent if not summed up
+  std::optional<forward::Impact> impact;                 ///< likewise, and in a scene without contact
+  std::optional<forward::LargestStress::Peak> von_mises; ///< likewise; absent if no stress is stored
+  std::vector<forward::Invariants::Defect> invariants;   ///< of the motion stored; empty if not monitored
+  std::vector<forward::Warning> warnings;                ///< of the motion stored
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
   std::vector<CoarseLevel> coarse_levels; ///< the coarsest first
   std::optional<Kink> kink;

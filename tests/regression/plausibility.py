@@ -4,6 +4,7 @@ have nothing of it. A mesh with nodes at one place is a mesh like others. Short 
 """
 
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -17,7 +18,7 @@ import numpy as np  # noqa: E402
 
 DATA = SOURCE / "tests" / "data"
 BLOCK = DATA / "block.toml"
-GENTLE = {"initial__velocity": ["0", "-0.01"], "load__body": ["0", "-0.1"],
+GENTLE = {"contact__mass": "massless", "initial__velocity": ["0", "-0.01"], "load__body": ["0", "-0.1"],
           "contact__obstacle": {"shape": "half-space", "point": [0, -1e-3], "normal": [0, 1]}}  # fmt: skip
 # Coarse and short. What is told of them is true: the bar meets a wall at a third of its waves' speed, the disc that is caught is
 # soft. All are one body, held and touched where they should be.
@@ -59,6 +60,99 @@ def first_exceeded(folder: Path) -> None:
     found = warnings(folder / "spinning")
     assert abs(found["large rotation"]["value"] - np.degrees(0.4)) < 1e-9, found
     assert "(first exceeded by t = 0.25 s)" in found["large rotation"]["message"], found
+
+
+CANTILEVER = """
+Point(1) = {0, 0, 0, 0.01}; Point(2) = {0.28, 0, 0, 0.01}; Point(3) = {0.3, 0, 0, 0.01};
+Point(4) = {0.3, 0.02, 0, 0.01}; Point(5) = {0, 0.02, 0, 0.01};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 5}; Line(5) = {5, 1};
+Curve Loop(1) = {1:5}; Plane Surface(1) = {1};
+Physical Curve("tip") = {2}; Physical Curve("root") = {5}; Physical Surface("body") = {1};
+"""
+
+
+def energy_lost(folder: Path) -> None:
+    """A steel cantilever swings against a stop under its tip, in steps of 20 µs, in which a wave goes through twenty elements: contact takes
+    a fifth of the energy. It falls with the step, as is told, to the 1 µs that a wave takes through an element."""
+    scene, out = folder / "stop.toml", folder / "stop"
+    (folder / "stop.geo").write_text(CANTILEVER)
+    scene.write_text("""
+mesh = { file = "stop.geo", size = 0.01 }
+time = { end = 1e-3, step = 2e-5 }
+material = { density = 7800.0, young = 2.1e11, poisson = 0.3 }
+initial = { velocity = ["0", "-11*x*x"] }
+output = { fields = [] }
+[[clamp]]
+on = "root"
+[contact]
+on = "tip"
+obstacle = { shape = "half-space", point = [0, -1e-4], normal = [0, 1] }
+""")
+
+    def lost(**overrides: object) -> tuple[float, str]:
+        signorini("simulate", scene, out, **overrides)
+        steps = table(out / "steps.csv")
+        assert (steps["contact_force_y"] > 0).sum() > 3, "hardly any contact: the case says nothing"
+        part = -steps["contact_work"].sum() / (steps["kinetic_energy"] + steps["elastic_energy"]).max()
+        told = warnings(out).get("energy lost in contact")
+        assert (told is not None) == (part > 0.03) and (not told or abs(told["value"] / part - 1) < 1e-9), (part, told)
+        return part, told["message"] if told else ""
+
+    for scheme in ("contact-implicit", "contact-stabilized"):
+        part, told = lost(time__scheme=scheme)
+        step = float(re.search(r"falls with the step \(time.step\) to (\S+) s", told)[1])
+        least, _ = lost(time__scheme=scheme, time__step=1e-3 / round(1e-3 / step))
+        print(f"{scheme}: contact takes {part:.3f} of the energy with steps of 20 µs, {least:.3f} with {step:g} s")
+        assert part > 0.1 and abs(step / 1e-6 - 1) < 0.1 and least < part / 3
+    part, told = lost(time__step=5e-7, contact__mass="massless")
+    print(f"massless, 0.5 µs: {part:.3f}")
+    assert part < 0.03 and not told
+    lost_to_a_moving_stop = {"shape": "half-space", "point": [0, "-1e-4 + 0*t"], "normal": [0, 1]}
+    signorini("simulate", scene, out, contact__obstacle=lost_to_a_moving_stop)
+    assert "energy lost in contact" not in warnings(out)
+
+
+ANGLE = """
+h = 0.1;
+Point(1) = {0, 0, 0, h}; Point(2) = {1, 0, 0, h}; Point(3) = {1, 0.4, 0, h}; Point(4) = {0.4, 0.4, 0, h};
+Point(5) = {0.4, 1, 0, h}; Point(6) = {0, 1, 0, h};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 5}; Line(5) = {5, 6}; Line(6) = {6, 1};
+Curve Loop(1) = {1:6}; Plane Surface(1) = {1};
+Physical Curve("foot") = {1}; Physical Curve("tip") = {2}; Physical Curve("head") = {5}; Physical Surface("body") = {1};
+"""
+
+
+def stress_at_a_corner(folder: Path) -> None:
+    """An angle, held at its head and pulled at its tip: the stress at the corner that points into it, of 270 degrees, grows as the elements
+    become smaller, r^(λ−1) with λ = 0.5445 (Williams 1952), and the warning names it. In a block under uniform pressure there is none."""
+    (folder / "angle.geo").write_text(ANGLE)
+    thick = ANGLE.replace('Physical Curve("foot") = {1}; Physical Curve("tip") = {2}; Physical Curve("head") = {5}; Physical Surface("body") = {1};',
+                          'e[] = Extrude {0, 0, 0.3} { Surface{1}; };\nPhysical Volume("body") = {e[1]}; Physical Surface("tip") = {e[3]}; '
+                          'Physical Surface("head") = {e[6]};')  # fmt: skip
+    (folder / "thick.geo").write_text(thick)
+    for dim, sizes in ((2, (0.1, 0.05, 0.025)), (3, (0.15,))):
+        scene, out = folder / "angle.toml", folder / "angle"
+        across = ["0", "-1"] + ["0"] * (dim - 2)
+        scene.write_text(soft("square.geo", 0.1, 1.0, 0.1).replace(str(DATA / "square.geo"), str(folder / ("angle.geo" if dim == 2 else "thick.geo")))
+                         + f'[[clamp]]\non = "head"\n[[load.traction]]\non = "tip"\nvalue = {json.dumps(across)}\n'
+                         + '[output]\nfields = ["stress", "von_mises"]\nevery = 1\n')  # fmt: skip
+        largest = []
+        for size in sizes:
+            for degree, ranks in ((1, 1), (1, 2), (2, 1)) if size == sizes[0] else ((1, 1),):
+                signorini("simulate", scene, out, ranks, mesh__size=size, mesh__degree=degree)
+                found = json.loads((out / "run.json").read_text())["largest_von_mises"]
+                told = warnings(out)["stress of the mesh"]
+                assert abs(told["value"] / (found["value"] / found["recovered"]) - 1) < 1e-12 and told["limit"] == 1.3
+                assert "at the corner (0.4, 0.4" in told["message"] and "around which 0.75 of the full angle" in told["message"], told
+                if (degree, ranks) == (1, 1):
+                    largest.append(found["value"])
+                elif degree == 1:
+                    assert abs(found["value"] / largest[-1] - 1) < 1e-9, "on two ranks it is another"
+        print(f"{dim} dimensions: largest von Mises stress {', '.join(f'{value:.3g}' for value in largest)} Pa with elements of {sizes} m")
+        assert all(1.25 < fine / coarse < 1.5 for coarse, fine in zip(largest, largest[1:], strict=False)), largest
+    signorini("simulate", BLOCK, folder / "even", **GENTLE, output__fields=["von_mises"])
+    found = json.loads((folder / "even" / "run.json").read_text())["largest_von_mises"]
+    assert found["value"] > 0 and "stress of the mesh" not in warnings(folder / "even")
 
 
 def shipped_scenes(folder: Path) -> None:
@@ -110,6 +204,8 @@ def main() -> int:
         weight_of_a_stiff_body_in_short_steps(Path(folder))
         are_told(Path(folder))
         first_exceeded(Path(folder))
+        energy_lost(Path(folder))
+        stress_at_a_corner(Path(folder))
         nodes_at_one_place(Path(folder))
         shipped_scenes(Path(folder))
     return 0

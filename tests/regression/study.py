@@ -12,6 +12,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import HALF_DISC, SIGNORINI, SOURCE, captured, signorini, table  # noqa: E402
+from soft_scenes import soft  # noqa: E402
 from studies import DATA, IMPACT, pressure, study  # noqa: E402
 
 import numpy as np  # noqa: E402
@@ -269,6 +270,30 @@ def own_density(folder: Path, ranks: int = 1) -> None:
     print("a .geo that sets its own density: run, studied in time, refused where sizes matter")
 
 
+def stress(folder: Path) -> None:
+    """The largest stress is that of a run that stores all steps, and in doubt where the mesh makes it; no other quantity is for that."""
+    scene = folder / "thrown.toml"
+    scene.write_text(soft("square.geo", 0.25, 0.4, 0.02) + """
+[contact]
+on = "bottom"
+obstacle = { shape = "half-space", point = [0, -0.1], normal = [0.3, 1] }
+
+[initial]
+velocity = ["0", "-1"]
+""")
+    study(scene, folder / "stress", "--sizes", "0.5,0.25", "--steps", "0.02", "--quantity", "largest_von_mises,impulse")
+    rows = table(folder / "stress" / "study.csv")
+    told = {warning["rung"] for warning in json.loads((folder / "stress" / "study.json").read_text())["warnings"]}
+    assert told
+    for rung, size, value, impulse in zip(rows["rung"], rows["size"], rows["largest_von_mises"], rows["impulse"]):
+        signorini("simulate", scene, folder / "one", mesh__size=float(size), output__fields=["von_mises"], output__every=1)
+        run = json.loads((folder / "one" / "run.json").read_text())
+        assert impulse > 0 and value == run["largest_von_mises"]["value"], (value, run["largest_von_mises"])
+        assert (rung in told) == any(warning["name"] == "stress of the mesh" for warning in run["warnings"]), told
+    said = study(scene, folder / "unasked", "--sizes", "0.5,0.25", "--steps", "0.02").stdout
+    assert "von Mises" not in said, "it was computed though nothing stores it"
+
+
 def refusals(folder: Path) -> None:
     for options, fragments in (
         (("--quantity", "impuls"), ("--quantity", "impuls", 'did you mean "impulse"?')),
@@ -299,7 +324,7 @@ def main() -> int:
             own_density(folder, 2)
             ranks(folder)
             return 0
-        for part in (obstacles, ladder, kept, interrupted, chosen_steps, own_density, memory, refusals):
+        for part in (obstacles, ladder, kept, interrupted, chosen_steps, own_density, memory, stress, refusals):
             part(folder)
     return 0
 

@@ -34,15 +34,18 @@ TEST_CASE("defects of a motion are weighed by what the run has seen", "[forward]
   const petsc::Vector zero = ready.problem.space.vector();
   const double length = ready.problem.space.mesh().diameter();
   const auto m = static_cast<std::size_t>(stepper.pairs()->count());
-  forward::Invariants invariants(stepper);
+  const forward::BodyFigures body = forward::body_figures(stepper, ready.problem.scene);
+  forward::Invariants invariants(stepper, body);
   int k = 0;
   const auto observe = [&](const forward::StepBalance& balance, const contact::ContactState& contact) {
     invariants.observe({++k, zero, zero, {}, zero, zero, contact, false}, balance);
   };
   const contact::ContactState open(static_cast<int>(m));
   contact::ContactState pressed = open;
-  pressed.lambda[1] = 4;
-  // The scales: energy 3 + 1, forces 8, contact force 4. No defect.
+  // The scales: energy 3 + 1, forces 8, and the contact force of an impact with this energy, of which the
+  // pressed node has half. No defect.
+  const double meeting = std::sqrt(2 * 4 * body.mass) / body.crossing * stepper.grid().scheme(1).impulse();
+  pressed.lambda[1] = meeting / 2;
   observe({.kinetic_energy = 3, .elastic_energy = 1, .momentum_scale = 8}, pressed);
   CHECK_FALSE(invariants.violation(0));
   CHECK(invariants.largest_energy() == 4);
@@ -71,10 +74,10 @@ TEST_CASE("defects of a motion are weighed by what the run has seen", "[forward]
   inside.gap[m - 1] = -0.001 * length;
   observe({}, inside);
   is({0, 0, 0.001, 0, 0});
-  adhering.lambda[0] = -0.004;
+  adhering.lambda[0] = -0.001 * meeting;
   observe({}, adhering);
   is({0, 0, 0, 0.001, 0});
-  apart.lambda[2] = 2;
+  apart.lambda[2] = meeting / 2;
   apart.gap[2] = 0.004 * length;
   observe({}, apart);
   is({0, 0, 0, 0, 0.002});
@@ -82,7 +85,7 @@ TEST_CASE("defects of a motion are weighed by what the run has seen", "[forward]
   observe({}, open);
   CHECK_FALSE(invariants.violation(0));
   CHECK(invariants.defects()[2].step == k - 3);
-  adhering.lambda[0] = -0.04;
+  adhering.lambda[0] = -0.01 * meeting;
   adhering.gap[3] = -0.002 * length;
   observe({.energy_residual = 0.004}, adhering);
   CHECK(invariants.violation(1e-3)->starts_with(invariants.defects()[3].name));

@@ -206,7 +206,7 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
     const io::ContactTable contact_table(pairs, pressure, ready.scene.contacts);
     for (const bool tracking : {false, true}) {
       std::string steps = io::steps_header(dim, tracking), contact = contact_table.header();
-      forward::Invariants invariants(problem.stepper);
+      forward::Invariants invariants(problem.stepper, forward::body_figures(problem.stepper, problem.scene));
       forward::Balance weigh(problem.stepper);
       std::vector<forward::StepBalance> balance;
       std::vector<contact::ContactState> states;

@@ -56,7 +56,7 @@ void invariants(const Problem& problem, const forward::ForceAtStep& load, std::v
   if (pairs)
     contact.emplace(problem.stepper);
   forward::Balance weigh(problem.stepper);
-  forward::Invariants watch(problem.stepper);
+  forward::Invariants watch(problem.stepper, forward::body_figures(problem.stepper, problem.scene));
   const int done = forward::integrate(problem.stepper, problem.initial, load, problem.steps(),
                                       [&](const forward::Frame& frame) {
                                         const forward::StepBalance balance = weigh(frame);

@@ -3,12 +3,14 @@
 #include "app/check/evaluation_point.h"
 #include "app/error_estimate.h"
 #include "app/study/contact_watch.h"
+#include "app/study/quantities.h"
 #include "base/collective.h"
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "contact/pressure.h"
 #include "forward/balance.h"
+#include "forward/largest_stress.h"
 #include "forward/step_control.h"
 #include "forward/step_warnings.h"
 #include <algorithm>
@@ -70,6 +72,11 @@ public:
       displacement_.emplace(samples, problem.space);
     if (has(wanted, "pressure"))
       pressure_.emplace(problem.space, *problem.stepper.pairs(), problem.scene.contacts);
+    if (has(wanted, of_stress)) {
+      const std::vector<fem::Part> parts = fem::parts(problem.mesh, problem.scene.materials);
+      fields_.emplace(problem.space, parts);
+      stress_.emplace(problem.space, parts);
+    }
   }
 
   void operator()(const forward::Frame& frame) {
@@ -91,6 +98,10 @@ public:
           check(VecAXPY(y, tau / 2 * s * (1 - s), frame.v0));
         }
       });
+    if (stress_) {
+      fields_->set(frame.y1, frame.v1);
+      stress_->observe(*fields_, frame.y1, frame.v1, t);
+    }
     if (pressure_ && frame.k > 0) {
       constexpr std::size_t kept = 2;
       if (last_forces_.size() == kept)
@@ -110,6 +121,10 @@ public:
     if (pressure_)
       measured.numbers["pressure"] = pressure_error();
     measured.warnings = warnings_.warnings();
+    if (stress_) {
+      measured.numbers[of_stress] = stress_->peak()->stress.largest.value;
+      std::ranges::move(stress_->warnings(), std::back_inserter(measured.warnings));
+    }
   }
 
 private:
@@ -144,6 +159,8 @@ private:
   ContactWatch contact_;
   std::optional<Series> displacement_;
   std::optional<contact::Pressure> pressure_;
+  std::optional<fem::CellFields> fields_;
+  std::optional<forward::LargestStress> stress_;
   std::vector<std::vector<double>> last_forces_;
   double energy_ = 0, lost_ = 0;
 };

@@ -2,6 +2,7 @@
 #include "app/study/quantities.h"
 #include "app/study/contact_watch.h"
 #include "base/error.h"
+#include "forward/largest_stress.h"
 #include "forward/step_errors.h"
 #include "scene/names.h"
 #include <algorithm>
@@ -16,6 +17,7 @@ std::vector<Quantity> quantities(const scene::Scene& scene, int dim) {
     if (scene.control->space == scene::ControlValues::nodal)
       all.push_back({"gradient", "gradient", "", true});
   }
+  all.push_back({of_stress, "largest von Mises stress of all steps", "Pa", false, false, false});
   if (scene.contacts.empty())
     return all;
   std::ranges::move(contact_quantities(scene, dim), std::back_inserter(all));
@@ -28,6 +30,8 @@ std::vector<Quantity> quantities(const scene::Scene& scene, int dim) {
 }
 
 bool Quantity::doubted_by(const forward::Warning& warning) const {
+  if (warning.name == forward::stress_of_the_mesh)
+    return name == of_stress;
   return warning.name != forward::peak_of_the_mesh || name.starts_with("peak_force") ||
          name.starts_with("sustained_peak");
 }
@@ -58,8 +62,11 @@ std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::s
       wanted.push_back(*found);
   }
   if (wanted.empty())
-    std::ranges::copy_if(all, std::back_inserter(wanted),
-                         [](const Quantity& quantity) { return quantity.name != "gradient"; });
+    std::ranges::copy_if(all, std::back_inserter(wanted), [&](const Quantity& quantity) {
+      using enum scene::StoredField;
+      const bool stored = scene.output.field(stress) || scene.output.field(von_mises);
+      return quantity.name != "gradient" && (quantity.name != of_stress || stored);
+    });
   return wanted;
 }
 

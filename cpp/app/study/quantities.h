@@ -4,12 +4,15 @@
 
 namespace signorini::study {
 
-/// The quantities that can be compared in a scene: displacement, energy_loss where it has contact with
-/// obstacles at rest, contact_quantities() with contact, pressure where the exact one is given, J and
-/// gradient with an objective. `dim` tells the units.
+constexpr const char* of_stress = "largest_von_mises"; ///< the name of that quantity
+
+/// The quantities that can be compared in a scene: displacement, the largest von Mises stress, energy_loss
+/// where it has contact with obstacles at rest, contact_quantities() with contact, pressure where the exact
+/// one is given, J and gradient with an objective. `dim` tells the units.
 std::vector<Quantity> quantities(const scene::Scene& scene, int dim);
 
-/// Those of these names or, if there are none, all but the gradient. Throws UserError.
+/// Those of these names or, if there are none, all but the gradient and, where the scene stores none, the
+/// stress. Throws UserError.
 std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::string>& names, int dim);
 
 } // namespace signorini::study

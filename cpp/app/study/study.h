@@ -35,8 +35,9 @@ struct Found {
   Rung rung;
   double space = 0, time = 0;
   double seconds = 0; ///< of the rung alone
-  double half = 0;    ///< expected of all that half the error would take, s
-  std::string doubt;  ///< why it is not verified though its error is small, in words
+  double further =
+      0;             ///< expected of all that the tolerance would take or, where it is met, half the error, s
+  std::string doubt; ///< why it is not verified though its error is small, in words
   [[nodiscard]] double error() const { return space + time; }
   [[nodiscard]] bool meets(double tolerance) const { return error() <= tolerance && doubt.empty(); }
 };

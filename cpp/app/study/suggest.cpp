@@ -70,10 +70,10 @@ void require_size(const scene::Scene& scene, const Quantity& quantity, const cha
 /// Goes from trial to trial until one meets the tolerance.
 class Search {
 public:
-  using Better = std::function<void(const Trial&, double half)>;
+  using Better = std::function<void(const Trial&, double further)>;
 
-  /// `better` is shown each trial that is better than all before, and the seconds that half its error would
-  /// take.
+  /// `better` is shown each trial that is better than all before, and the seconds that the tolerance would
+  /// take or, where it is met, half the trial's error.
   Search(
       MPI_Comm comm, const scene::Scene& scene, double tolerance, double budget, const Samples& samples,
       const Console& console, Better better = [](const Trial&, double) {})
@@ -90,16 +90,16 @@ public:
     const Prices prices = priced(trials, own, raised);
     Trial last = run(trials, own), nearest = last;
     double r = trials.order(), q = trials.order();
-    const auto towards = [&](const Trial& from, double error) {
-      return trials.nearest(proposal(from, error, samples_.dim, r, q, trials.reach()));
+    constexpr double aim =
+        0.8; // of the tolerance, so that a little more error than foreseen does not cost another run
+    const auto towards = [&](const Trial& from, double error, double reach) {
+      return trials.nearest(proposal(from, error, samples_.dim, r, q, reach));
     };
-    const auto proposed = [&](const Trial& from) {
-      constexpr double aim =
-          0.8; // of the tolerance, so that a little more error than foreseen does not cost another run
-      return towards(from, aim * tolerance_);
-    };
+    const auto proposed = [&](const Trial& from) { return towards(from, aim * tolerance_, trials.reach()); };
     const auto show = [&](const Trial& trial) {
-      better_(trial, seconds(trials, towards(trial, trial.error() / 2), prices));
+      constexpr double any_reach = 1e6; // of a rung that is not run
+      const double error = trial.error() > tolerance_ ? aim * tolerance_ : trial.error() / 2;
+      better_(trial, seconds(trials, towards(trial, error, any_reach), prices));
     };
     show(last);
     if (last.meets(tolerance_) && !economises_)
@@ -116,8 +116,16 @@ public:
       if (raised && last.error() > tolerance_ &&
           seconds(trials, *raised, prices) < seconds(trials, next, prices))
         next = *std::exchange(raised, std::nullopt);
-      if (next == last.rung || beyond_budget(trials, next, prices))
+      if (next == last.rung)
         break;
+      if (beyond_budget(trials, next, prices)) {
+        const std::optional<Rung> fitting = within_budget(trials, last.rung, next, raised, prices);
+        if (!fitting)
+          break;
+        next = *fitting;
+        if (next == raised)
+          raised.reset();
+      }
       const Trial trial = run(trials, next);
       if (trial.error() < nearest.error() || trial.meets(tolerance_))
         show(trial);
@@ -204,6 +212,33 @@ private:
     return beyond;
   }
 
+  /// Where `next` is not: degree 2 at the size that it was priced for, or a part of the way from `last`;
+  /// absent if that is little.
+  [[nodiscard]] std::optional<Rung> within_budget(const Trials& trials, const Rung& last, const Rung& next,
+                                                  const std::optional<Rung>& raised,
+                                                  const Prices& prices) const {
+    constexpr double worth = 0.9; // the least change of a size or a step
+    std::vector<Rung> others;
+    if (raised)
+      others.push_back(*raised);
+    for (const double part : {0.75, 0.5, 0.25}) {
+      const double wider = std::pow(next.size / last.size, part),
+                   longer = std::pow(next.step_width() / last.step_width(), part);
+      Rung between = next;
+      between.size = std::stod(fmt::format("{:.2g}", last.size * wider));
+      if (std::min(wider, longer) < worth)
+        others.push_back(trials.nearest(between.with_steps(longer * last.step_width() / next.step_width())));
+    }
+    const double left = budget_ - passed();
+    for (const Rung& rung : others)
+      if (seconds(trials, rung, prices) <= left) {
+        console_.line(
+            fmt::format("instead: {}, about {:.2g} s", words(rung, scene_), seconds(trials, rung, prices)));
+        return rung;
+      }
+    return std::nullopt;
+  }
+
   MPI_Comm comm_;
   const scene::Scene& scene_;
   double tolerance_;
@@ -250,8 +285,8 @@ Found find_size_and_step(MPI_Comm comm, const scene::Scene& scene, double tolera
   const std::unique_ptr<Trials> trials = ladder_trials(comm, simulated, samples, quantity_of(samples.dim));
   Found best;
   Search search(comm, simulated, tolerance, options.budget.value_or(std::numeric_limits<double>::infinity()),
-                samples, console, [&](const Trial& trial, double half) {
-                  best = {trial.rung, trial.space, trial.time, trial.seconds, half, trial.doubt};
+                samples, console, [&](const Trial& trial, double further) {
+                  best = {trial.rung, trial.space, trial.time, trial.seconds, further, trial.doubt};
                   better(best);
                 });
   search.take_the_first();

@@ -46,7 +46,7 @@ Complementarity::Complementarity(const ContactPairs& pairs, Mat D)
 
 double Complementarity::negligible_gap(double deepest, double size) const {
   constexpr double relative = 1e-10; // rounding of S times its condition number, as below
-  return std::min(gap_tolerance_, relative * deepest + accuracy(0) * size);
+  return std::max(std::min(gap_tolerance_, relative * deepest), accuracy(0) * size);
 }
 
 double Complementarity::negligible_motion(std::span<const double> lambda, double size,

@@ -19,9 +19,9 @@ double deepest(std::span<const double> gap0) { return std::max(0.0, -std::ranges
 } // namespace
 
 CondensedSolver::CondensedSolver(const ContactPairs& pairs, Mat D,
-                                 std::unique_ptr<const Elimination> elimination)
-    : pairs_(pairs), delassus_(pairs, std::move(elimination)), complementarity_(pairs, D),
-      length_unit_(pairs.gap_tolerance()) {}
+                                 std::unique_ptr<const Elimination> elimination, Residual residual)
+    : pairs_(pairs), delassus_(pairs, std::move(elimination)), complementarity_(pairs, D), N_(pairs),
+      residual_(std::move(residual)), length_unit_(pairs.gap_tolerance()) {}
 
 Workspace CondensedSolver::workspace() const {
   Workspace work = delassus_.workspace();
@@ -145,6 +145,38 @@ void CondensedSolver::decided(ContactState& state, Workspace& work) const {
   MPI_Bcast(&state.vi_iterations, 1, MPI_INT, 0, comm);
 }
 
+void CondensedSolver::refine(Vec r, std::span<const double> psi, ContactState& state, Vec y,
+                             Workspace& work) const {
+  if (!work.residual) {
+    work.residual = petsc::zero_like(y);
+    work.correction = petsc::zero_like(y);
+  }
+  constexpr int most = 20;
+  for (int i = 0; i < most; ++i) {
+    // A pass gains the digits that the free motion of what is left of r has fewer than that of r.
+    constexpr int passes = 3;
+    for (int pass = 0; pass < passes; ++pass) {
+      N_.set_normal(work.set, psi, y);
+      residual_(y, r, work.residual);
+      N_.add(-1, state.lambda, work.residual);
+      delassus_.solve_guided(work.residual, work.set, {}, work.correction, work);
+      check(VecAXPY(y, 1, work.correction));
+      for (int j : work.set)
+        state.lambda[static_cast<std::size_t>(j)] += work.mu[static_cast<std::size_t>(j)];
+    }
+    N_.set_normal(work.set, psi, y);
+    N_.gap(psi, y, state.gap);
+    next_set(pairs_, work.set, state.lambda, state.gap, work.next);
+    if (work.next == work.set || complementarity_.holds_within(length_unit_, state.lambda, state.gap))
+      return;
+    std::swap(work.set, work.next);
+    std::ranges::set_difference(work.next, work.set, std::back_inserter(work.wrong = {}));
+    for (int j : work.wrong)
+      state.lambda[static_cast<std::size_t>(j)] = 0;
+    ++state.vi_iterations;
+  }
+}
+
 void CondensedSolver::solve(Vec r, std::span<const double> psi, const ActiveSet& previous,
                             ContactState& state, Vec y, Workspace& work) const {
   state.vi_iterations = 0;
@@ -182,6 +214,10 @@ void CondensedSolver::solve(Vec r, std::span<const double> psi, const ActiveSet&
     std::ranges::fill(state.lambda, 0);
   }
   delassus_.finish_closed(work.set, psi, state.lambda, state.gap, y, work);
+  if (residual_ && std::ranges::any_of(work.set, [&](int i) {
+        return std::abs(state.gap[static_cast<std::size_t>(i)]) > length_unit_;
+      }))
+    refine(r, psi, state, y, work);
   complementarity_.classify(state, y);
 }
 

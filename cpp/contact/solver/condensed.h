@@ -3,8 +3,12 @@
 #include "contact/delassus_operator.h"
 #include "contact/lcp/complementarity.h"
 #include "contact/solver/contact_step_solver.h"
+#include <functional>
 
 namespace signorini::contact {
+
+/// out ← r − D y at the dofs that no clamp holds, and zero at the others. Collective.
+using Residual = std::function<void(Vec y, Vec r, Vec out)>;
 
 /// Solves the step's VI condensed to the m candidates (docs/method.md section 5): with the predicted gaps g⁰
 /// = g(D⁻¹r), 0 ≤ λ ⟂ g = g⁰ + Sλ ≥ 0 and y = D⁻¹(r − Nλ). No VI is solved if no predicted gap is negative.
@@ -13,12 +17,16 @@ namespace signorini::contact {
 /// VI in the gaps, 0 ≤ g ⟂ S⁻¹(g − g⁰) ≥ 0: S⁻¹, unlike S, is close to an M-matrix, for which reduced-space
 /// Newton does not cycle. A dual active-set method replaces PETSc's solver where candidates are linearly
 /// dependent, so that S is singular, and is the last resort where both others fail. Active sets that depend
-/// on LAPACK's rounding are determined on rank 0.
+/// on LAPACK's rounding are determined on rank 0. Gaps found so are known to the rounding of the motion
+/// without contact, which in a step that is long beside a fall through the body is more than a gap may be:
+/// there they are refined from the residual.
 class CondensedSolver final : public ContactStepSolver {
 public:
-  /// Takes the elimination of the step operator `D`. Collective. `pairs` and what the elimination refers to
-  /// must outlive this object. PETSc options with the prefix `-condensed_vi_` are honoured.
-  CondensedSolver(const ContactPairs& pairs, Mat D, std::unique_ptr<const Elimination> elimination);
+  /// Takes the elimination of the step operator `D`, and its `residual`, without which no solution is
+  /// refined. Collective. `pairs` and what these refer to must outlive this object. PETSc options with the
+  /// prefix `-condensed_vi_` are honoured.
+  CondensedSolver(const ContactPairs& pairs, Mat D, std::unique_ptr<const Elimination> elimination,
+                  Residual residual);
 
   [[nodiscard]] Workspace workspace() const override;
   void solve(Vec r, std::span<const double> psi, const ActiveSet& previous, ContactState& state, Vec y,
@@ -51,6 +59,9 @@ private:
   /// Finds work.set by find_set() where S is regular and of a size that PETSc can handle, else by
   /// find_independent_set().
   void search(ContactState& state, Workspace& work) const;
+  /// Makes the solution found on work.set as exact as a number of its own size can be, and work.set the one
+  /// that it then asks for, by iterative refinement with the gaps on the set held at zero. Collective.
+  void refine(Vec r, std::span<const double> psi, ContactState& state, Vec y, Workspace& work) const;
   /// Broadcasts the set, λ and number of steps that rank 0 found. Collective.
   void decided(ContactState& state, Workspace& work) const;
   [[nodiscard]] std::unique_ptr<CondensedVi> make_vi() const;
@@ -58,6 +69,8 @@ private:
   const ContactPairs& pairs_;
   DelassusOperator delassus_;
   Complementarity complementarity_;
+  NormalOperator N_;
+  Residual residual_;
   double length_unit_; ///< of gaps in PETSc's VI: a negligible gap, m
 };
 
