@@ -12,6 +12,8 @@ namespace signorini {
 std::string body_lines(const Problem& problem) {
   const forward::BodyFigures figures = forward::body_figures(problem.stepper, problem.scene);
   std::string text = figures.line();
+  for (const std::string& note : figures.notes)
+    text += "\nnote: " + note;
   for (const std::string& doubt : figures.doubts)
     text += "\ndoubt: " + doubt;
   return text;

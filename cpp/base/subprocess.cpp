@@ -155,9 +155,9 @@ std::optional<std::string> in_subprocess(const std::filesystem::path& program, c
     // One that had waited may have let go in the same moment.
     return waited ? in_subprocess(program, request, seconds) : std::nullopt;
   }
-  if (!WIFEXITED(*status) || WEXITSTATUS(*status) != 0)
+  if (!WIFEXITED(*status))
     return std::nullopt;
-  return text;
+  return WEXITSTATUS(*status) == 0 ? text : "";
 }
 
 std::filesystem::path own_folder() {

@@ -8,10 +8,11 @@ namespace signorini {
 
 /// Has a worker, a program whose main function is worker::serve(), answer `request`, for libraries that may
 /// crash or corrupt their memory: each request in a process of its own, which a worker that has been started
-/// before has loaded already. Returns the answer; empty if that process crashed or took more than `seconds`
-/// of processor time. This process is not copied (fork), which MPI does not allow once it has started. Not
-/// collective; on one thread at a time. Throws std::runtime_error if no process can be started, Interrupted
-/// if this process was asked to stop meanwhile; then the worker is gone, with all that it started.
+/// before has loaded already. Returns the answer; "" if that process exited without one, nothing if it
+/// crashed or took more than `seconds` of processor time. This process is not copied (fork), which MPI does
+/// not allow once it has started. Not collective; on one thread at a time. Throws std::runtime_error if no
+/// process can be started, Interrupted if this process was asked to stop meanwhile; then the worker is gone,
+/// with all that it started.
 std::optional<std::string> in_subprocess(const std::filesystem::path& program, const std::string& request,
                                          std::optional<unsigned> seconds = {});
 

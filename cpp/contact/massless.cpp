@@ -4,12 +4,14 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "contact/node_basis.h"
+#include "fem/coherence.h"
 #include "linalg/dense.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
+#include <numeric>
 #include <petscblaslapack.h>
 #include <set>
 
@@ -158,17 +160,48 @@ std::map<PetscInt, Point> places(const fem::Space& space, const std::vector<Surr
   return places;
 }
 
+/// Whether each pair's node can touch its obstacle: whether a facet of the boundary there faces it. The nodes
+/// of a plate's upper side never touch a floor, and their mass is where that of the lower side goes. Of nodes
+/// within the body it is not known. Collective.
+std::vector<bool> facing(const fem::Space& space, const ContactPairs& pairs) {
+  const auto dim = static_cast<std::size_t>(pairs.dim()), count = static_cast<std::size_t>(pairs.count());
+  std::map<PetscInt, const ContactPairs::Node*> in_pairs; // by the first dof
+  for (const ContactPairs::Node& node : pairs.nodes())
+    in_pairs[pairs.first_dofs()[static_cast<std::size_t>(node.first)]] = &node;
+  std::vector<int> seen(2 * count); // on the boundary; facing
+  for (const fem::OutwardNormal& here : fem::outward_normals(space)) {
+    const auto found = in_pairs.find(here.first_dof);
+    if (found == in_pairs.end())
+      continue;
+    for (auto pair = static_cast<std::size_t>(found->second->first);
+         pair < static_cast<std::size_t>(found->second->last); ++pair) {
+      const double* towards = &pairs.normals()[pair * dim];
+      seen[2 * pair] = 1;
+      if (std::inner_product(towards, towards + dim, here.n.begin(), 0.0) > NodeBasis::parallel)
+        seen[2 * pair + 1] = 1;
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, seen.data(), static_cast<int>(seen.size()), MPI_INT, MPI_MAX, space.comm());
+  std::vector<bool> faces(count);
+  for (std::size_t i = 0; i < count; ++i)
+    faces[i] = seen[2 * i] == 0 || seen[2 * i + 1] != 0;
+  return faces;
+}
+
 using Block = std::array<double, 9>; // dim × dim, row by row
 
 /// The nodes with constraints against massless obstacles, with the directions of these.
 using Bases = std::map<PetscInt, NodeBasis>;
 
-/// `massless`: of the scene's obstacles.
-Bases massless_directions(const ContactPairs& pairs, const std::vector<bool>& massless) {
+/// `massless`: of the scene's obstacles. Collective.
+Bases massless_directions(const fem::Space& space, const ContactPairs& pairs,
+                          const std::vector<bool>& massless) {
+  const std::vector<bool> faces = facing(space, pairs);
   Bases bases;
   for (int i = 0; i < pairs.count(); ++i)
-    if (massless[static_cast<std::size_t>(pairs.obstacles()[i])])
-      bases.try_emplace(pairs.first_dofs()[i] / pairs.dim(), pairs.dim())
+    if (massless[static_cast<std::size_t>(pairs.obstacles()[static_cast<std::size_t>(i)])] &&
+        faces[static_cast<std::size_t>(i)])
+      bases.try_emplace(pairs.first_dofs()[static_cast<std::size_t>(i)] / pairs.dim(), pairs.dim())
           .first->second.add(pairs.direction(i));
   return bases;
 }
@@ -239,7 +272,7 @@ petsc::Matrix massless(const fem::Space& space, const ContactPairs& pairs, const
   PetscInt begin = 0, end = 0;
   check(MatGetOwnershipRange(rows, &begin, &end));
 
-  const Bases bases = massless_directions(pairs, massless);
+  const Bases bases = massless_directions(space, pairs, massless);
   std::vector<int> owned; // the first pair of each of these nodes
   for (const ContactPairs::Node& here : pairs.nodes())
     if (const PetscInt first = pairs.first_dofs()[here.first];
@@ -264,10 +297,11 @@ petsc::Matrix massless(const fem::Space& space, const ContactPairs& pairs, const
       const PetscInt node = pairs.first_dofs()[here.candidate] / dim;
       const auto [neighbours, weights] = combination(node, here, bases, place, dim);
       if (weights.empty())
-        throw UserError(fmt::format(
-            "contact.mass: found \"massless\" where the node at {} has only contact nodes around it, "
-            "allowed are meshes with others near",
-            point_text(&pairs.points()[3 * static_cast<std::size_t>(here.candidate)])));
+        throw UserError(
+            fmt::format("contact.mass: found \"massless\" where the node at {} has only contact nodes around "
+                        "it to take its "
+                        "mass; set mesh.degree = 2, a finer mesh, or contact.on = a smaller group",
+                        point_text(&pairs.points()[3 * static_cast<std::size_t>(here.candidate)])));
       const Block onto = projector(bases.at(node), dim);
       Block block{};
       for (int i = 0; i < dim * dim; ++i)

@@ -11,7 +11,8 @@ std::vector<bool> massless_obstacles(const std::vector<scene::Contact>& contacts
 /// replaces the velocity of each contact node in the directions of its constraints by the extrapolation from
 /// nodes within the body, so that contact nodes carry no mass in these directions. E preserves velocity
 /// fields that are linear in space, and with them the mass, its first moments and the moments of inertia;
-/// where too few nodes are near for that, only the mass. `massless` says for each of the scene's obstacles
+/// where too few nodes are near for that, only the mass. Candidates whose boundary faces away from the
+/// obstacle keep their mass: they cannot touch it. `massless` says for each of the scene's obstacles
 /// whether its candidates lose their mass. Stored in blocks (BAIJ), with the pattern of M and entries between
 /// the nodes extrapolated from. Collective. Throws UserError if all nodes near a candidate are such contact
 /// nodes too.

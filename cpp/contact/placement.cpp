@@ -74,16 +74,19 @@ void place_outside(const ContactPairs& pairs, Vec y) {
         ++all;
         inside += g[i] < -allowed;
       }
-    if (inside == all && all > 1)
-      throw UserError(
-          fmt::format("{}: the node at {} starts {:.6g} m inside the obstacle, as do all {} candidates, "
-                      "allowed are bodies that "
-                      "start outside (the obstacle's normal points out of it; this one may be reversed)",
-                      pairs.key(obstacles[deepest]), shown(pairs, deepest), -g[deepest], all));
-    throw UserError(fmt::format(
-        "{}: the node at {} starts {:.6g} m inside the obstacle, allowed are bodies that start outside (the "
-        "obstacle's normal points out of it) and initial = \"project\", which moves such nodes out of it",
-        pairs.key(obstacles[deepest]), shown(pairs, deepest), -g[deepest]));
+    // A normal that points the wrong way puts bodies deep inside; a face drawn by other digits does not.
+    constexpr double shallow = 1e-3; // of the body
+    const bool slight = -g[deepest] < shallow * pairs.diameter();
+    const char* cure =
+        slight ? "move it, or set contact.initial = \"project\", which moves such nodes out"
+        : inside == all && all > 1
+            ? "move it, or turn the obstacle's normal, which points out of it and may be reversed"
+            : "move it, or turn the obstacle's normal, which points out of it, or set "
+              "contact.initial = \"project\", which moves such nodes out";
+    throw UserError(
+        fmt::format("{}: the node at {} starts {:.6g} m inside the obstacle{}; bodies start outside: {}",
+                    pairs.key(obstacles[deepest]), shown(pairs, deepest), -g[deepest],
+                    inside == all && all > 1 ? fmt::format(", as do all {} candidates", all) : "", cure));
   }
   together(pairs.comm(), [&] {
     for (const ContactPairs::Node& here : pairs.nodes()) {

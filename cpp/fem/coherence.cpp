@@ -5,8 +5,10 @@
 #include <dolfinx/fem/FunctionSpace.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <dolfinx/mesh/utils.h>
+#include <functional>
 #include <map>
 #include <numeric>
+#include <span>
 
 namespace signorini::fem {
 
@@ -104,27 +106,65 @@ std::int64_t inner_facets(const mesh::Mesh& mesh, const std::string& group, cons
                               facets, [&](std::int32_t f) { return !std::ranges::binary_search(outer, f); }));
 }
 
-std::int64_t facets_among(const Space& space, const std::string& group, const std::string& key,
-                          const std::vector<PetscInt>& first_dofs) {
+namespace {
+
+/// Calls visit(facet, cell, nodes) with the local numbers of each facet, a cell of it, and its nodes.
+void each_facet(
+    const Space& space, const std::vector<std::int32_t>& all,
+    const std::function<void(std::int32_t, std::int32_t, const std::vector<std::int32_t>&)>& visit) {
   const auto topology = space.mesh().dolfinx()->topology();
   const int dim = space.dim();
   const auto cells = topology->connectivity(dim - 1, dim), facets = topology->connectivity(dim, dim - 1);
   const auto dofmap = space.dolfinx()->dofmap();
   const auto closure =
       dofmap->element_dof_layout().entity_closure_dofs_all()[static_cast<std::size_t>(dim) - 1];
-  const std::vector<std::int64_t> global = global_nodes(space);
-  std::int64_t count = 0;
-  for (std::int32_t facet : owned_facets(space.mesh(), group, key)) {
+  for (const std::int32_t facet : all) {
     const std::int32_t cell = cells->links(facet).front();
     const auto around = facets->links(cell);
     const auto which = static_cast<std::size_t>(std::ranges::find(around, facet) - around.begin());
-    count += std::ranges::all_of(closure.at(which), [&](int dof) {
-      const std::int32_t node = dofmap->cell_dofs(cell)[static_cast<std::size_t>(dof)];
-      return std::ranges::binary_search(first_dofs,
-                                        static_cast<PetscInt>(global[static_cast<std::size_t>(node)] * dim));
-    });
+    std::vector<std::int32_t> nodes;
+    for (const int dof : closure.at(which))
+      nodes.push_back(dofmap->cell_dofs(cell)[static_cast<std::size_t>(dof)]);
+    visit(facet, cell, nodes);
   }
+}
+
+} // namespace
+
+std::int64_t facets_among(const Space& space, const std::string& group, const std::string& key,
+                          const std::vector<PetscInt>& first_dofs) {
+  const std::vector<std::int64_t> global = global_nodes(space);
+  std::int64_t count = 0;
+  each_facet(space, owned_facets(space.mesh(), group, key),
+             [&](std::int32_t, std::int32_t, const std::vector<std::int32_t>& nodes) {
+               count += std::ranges::all_of(nodes, [&](std::int32_t node) {
+                 return std::ranges::binary_search(
+                     first_dofs, static_cast<PetscInt>(global[static_cast<std::size_t>(node)] * space.dim()));
+               });
+             });
   return sum(space.comm(), count);
+}
+
+std::vector<OutwardNormal> outward_normals(const Space& space) {
+  const auto mesh = space.mesh().dolfinx();
+  const int dim = space.dim();
+  const std::vector<std::int64_t> global = global_nodes(space);
+  std::vector<OutwardNormal> found;
+  each_facet(
+      space, dolfinx::mesh::exterior_facet_indices(*mesh->topology()),
+      [&](std::int32_t facet, std::int32_t cell, const std::vector<std::int32_t>& nodes) {
+        const std::vector<double> n = dolfinx::mesh::cell_normals(*mesh, dim - 1, std::span(&facet, 1)),
+                                  on = dolfinx::mesh::compute_midpoints(*mesh, dim - 1, std::span(&facet, 1)),
+                                  within = dolfinx::mesh::compute_midpoints(*mesh, dim, std::span(&cell, 1));
+        double outward = 0;
+        for (std::size_t c = 0; c < 3; ++c)
+          outward += n[c] * (on[c] - within[c]);
+        const double sign = outward < 0 ? -1 : 1;
+        for (const std::int32_t node : nodes)
+          found.push_back({static_cast<PetscInt>(global[static_cast<std::size_t>(node)] * dim),
+                           {sign * n[0], sign * n[1], sign * n[2]}});
+      });
+  return found;
 }
 
 } // namespace signorini::fem

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "fem/space.h"
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -22,5 +23,14 @@ std::int64_t inner_facets(const mesh::Mesh& mesh, const std::string& group, cons
 /// of nodes, ascending, of all ranks. Collective. Throws UserError naming `key`, as mesh::Mesh::facets does.
 std::int64_t facets_among(const Space& space, const std::string& group, const std::string& key,
                           const std::vector<PetscInt>& first_dofs);
+
+/// A node of the boundary and the normal of a facet there.
+struct OutwardNormal {
+  PetscInt first_dof;      ///< of the node, global
+  std::array<double, 3> n; ///< of length 1, out of the body
+};
+
+/// One for each facet of the boundary that this rank owns and each of its nodes. Collective.
+std::vector<OutwardNormal> outward_normals(const Space& space);
 
 } // namespace signorini::fem

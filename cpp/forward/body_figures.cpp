@@ -124,6 +124,7 @@ BodyFigures body_figures(const Stepper& stepper, const scene::Scene& scene) {
   BodyFigures figures;
   figures.extent = stepper.space().mesh().extent();
   figures.dim = stepper.space().dim();
+  figures.notes = stepper.space().mesh().notes();
   figures.mass = mass(stepper);
   std::vector<double> pressure, shear;
   for (const scene::Material& material : scene.materials) {

@@ -17,6 +17,7 @@ struct BodyFigures {
   double crossing = 0;             ///< time in which the fastest wave comes across the greatest extent, s
   double crossing_steps = 0;       ///< time steps in it; 0: their length varies
   std::vector<std::string> doubts; ///< what is implausible, one sentence each
+  std::vector<std::string> notes;  ///< how the mesh was understood, likewise; on rank 0 only
 
   /// In words, without the doubts.
   [[nodiscard]] std::string line() const;

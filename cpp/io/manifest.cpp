@@ -249,7 +249,8 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
                   {"pressure_waves", m.body.pressure_waves},
                   {"shear_waves", m.body.shear_waves},
                   {"crossing_time", m.body.crossing},
-                  {"doubts", m.body.doubts}};
+                  {"doubts", m.body.doubts},
+                  {"notes", m.body.notes}};
   json["candidates"] = m.candidates;
   json["steps"] = {
       {"asked", m.steps_asked}, {"done", m.steps_done}, {"stored", m.stored}, {"wave_time", m.wave_time}};

@@ -16,9 +16,9 @@ std::optional<std::string> ask(const GmshRequest& request, std::optional<unsigne
 
 void write_msh(const RawMesh& mesh, const std::filesystem::path& file, scene::LengthUnit unit) {
   const std::optional<std::string> said = ask({.mesh{.file = file, .size{}, .unit = unit}, .written = mesh});
-  if (!said || said->front() == failed)
+  if (!said || !said->starts_with(done))
     throw UserError(fmt::format("{}: gmsh cannot write it ({}), allowed is a file that can be written",
-                                file.string(), said ? said->substr(1) : "it crashes"));
+                                file.string(), said && !said->empty() ? said->substr(1) : "it crashes"));
 }
 
 RawMesh read_gmsh(const scene::Mesh& mesh, const Meshing& meshing) {
@@ -35,6 +35,10 @@ RawMesh read_gmsh(const scene::Mesh& mesh, const Meshing& meshing) {
     throw UserError(fmt::format(
         "{}: gmsh crashes on this file or does not come to its end, allowed are whole .geo and .msh files",
         mesh.file.string()));
+  if (answer->empty())
+    throw UserError(
+        fmt::format("{}: gmsh ended before the end of this file; take out what ends it, such as Exit",
+                    mesh.file.string()));
   if (answer->front() == failed)
     throw UserError(answer->substr(1));
   return unpacked(std::string_view(*answer).substr(1));

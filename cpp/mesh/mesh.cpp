@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <numeric>
+#include <utility>
 
 namespace signorini::mesh {
 namespace {
@@ -59,11 +60,8 @@ std::vector<std::int32_t> owned_of(const dolfinx::mesh::Topology& topology,
   const std::vector<std::int64_t>& row = topology.original_cell_index.front();
   std::vector<std::int32_t> cells;
   for (std::int32_t cell = 0; cell < topology.index_map(topology.dim())->size_local(); ++cell)
-    for (std::size_t r = 0; r < ranges.size(); r += 2)
-      if (ranges[r] <= row[cell] && row[cell] < ranges[r + 1]) {
-        cells.push_back(cell);
-        break;
-      }
+    if ((std::ranges::upper_bound(ranges, row[cell]) - ranges.begin()) % 2 == 1) // ranges ascend
+      cells.push_back(cell);
   return cells;
 }
 
@@ -71,7 +69,10 @@ std::vector<std::int32_t> owned_of(const dolfinx::mesh::Topology& topology,
 RawMesh kept(const RawMesh& raw, scene::Mesh scene, const std::filesystem::path& file) {
   write_msh(raw, file, scene.unit);
   scene.file = file;
-  return read_gmsh(scene);
+  RawMesh again = read_gmsh(scene);
+  again.unusable = raw.unusable;
+  again.notes = raw.notes;
+  return again;
 }
 
 } // namespace
@@ -89,6 +90,7 @@ Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh, const Meshing& meshing)
   });
   if (stop_requested(comm))
     throw Interrupted();
+  notes_ = std::exchange(raw.notes, {}); // no part of what tells meshes apart
   if (rank(comm) == 0)
     dim_ = raw.dim, extent_ = bounding_box(raw), digest_ = Digest().add(packed(raw)).text();
   MPI_Bcast(&dim_, 1, MPI_INT, 0, comm);
@@ -101,19 +103,28 @@ Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh, const Meshing& meshing)
   topology->create_connectivity(dim_ - 1, dim_);
   topology->create_connectivity(dim_, dim_ - 1);
 
-  std::string lines; // per group: its dimension, 0 if empty and else 1, its name
+  std::string lines; // per group: its dimension, 0 if empty and else 1, its name; 2: a line says why not
   for (const auto& [name, dim] : raw.other_groups)
     lines += fmt::format("{}1{}\n", dim, name);
   for (const auto& [name, facets] : raw.facets)
     lines += fmt::format("{}{:d}{}\n", dim_ - 1, !facets.empty(), name);
   for (const auto& [name, ranges] : raw.parts)
     lines += fmt::format("{}{:d}{}\n", dim_, !ranges.empty(), name);
+  for (const auto& [dim, groups] : raw.unusable)
+    for (const auto& [name, why] : groups)
+      lines += fmt::format("{}2{}\n{}\n", dim, name, why);
   lines = broadcast(comm, lines);
   for (std::size_t start = 0, end; (end = lines.find('\n', start)) != std::string::npos; start = end + 1) {
     const int dim = lines[start] - '0';
     const std::string name = lines.substr(start + 2, end - start - 2);
     Group& group = groups_[dim][name];
     group.empty = lines[start + 1] == '0';
+    if (lines[start + 1] == '2') {
+      const std::size_t why = end + 1;
+      end = lines.find('\n', why);
+      group.unusable = lines.substr(why, end - why);
+      continue;
+    }
     if (dim == dim_ - 1)
       group.entities = local_facets(*mesh_, raw.facets[name]);
     else if (dim == dim_)
@@ -124,12 +135,18 @@ Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh, const Meshing& meshing)
 int Mesh::find(const std::string& group, const std::string& key, const std::vector<int>& dims) const {
   std::vector<int> found;
   std::vector<std::string> names, kinds, lists;
+  std::string unusable;
   bool empty = false;
   for (int dim : dims) {
     constexpr std::array words{"point", "curve", "surface", "volume"};
     kinds.emplace_back(words.at(dim));
     std::vector<std::string> own;
     for (const auto& [name, g] : groups_.at(dim)) {
+      if (!g.unusable.empty()) {
+        if (name == group)
+          unusable = g.unusable;
+        continue;
+      }
       own.push_back(name);
       if (name == group)
         g.empty ? void(empty = true) : found.push_back(dim);
@@ -145,6 +162,8 @@ int Mesh::find(const std::string& group, const std::string& key, const std::vect
     throw UserError(
         fmt::format("{}: {} has a {} group and a {} group \"{}\", allowed is a name that one of them has",
                     key, file_, kinds[0], kinds[1], group));
+  if (!unusable.empty())
+    throw UserError(fmt::format("{}: the group \"{}\" of {} {}", key, group, file_, unusable));
   if (empty)
     throw UserError(fmt::format("{}: the group \"{}\" of {} has no elements, allowed is a {} with elements",
                                 key, group, file_, kind));

@@ -66,12 +66,16 @@ public:
   /// Digest of points, cells and groups as read, which tells meshes apart; empty on ranks other than 0.
   [[nodiscard]] const std::string& digest() const { return digest_; }
 
+  /// How the file was understood where it leaves that open, a sentence each; empty on ranks other than 0.
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+
   [[nodiscard]] std::shared_ptr<dolfinx::mesh::Mesh<double>> dolfinx() const { return mesh_; }
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
 
 private:
   MPI_Comm comm_;
   std::string file_, digest_;
+  std::vector<std::string> notes_;
   int dim_ = 0;
   std::array<double, 3> extent_{};
   std::int64_t cells_ = 0;
@@ -79,6 +83,7 @@ private:
   struct Group {
     std::vector<std::int32_t> entities; ///< on this rank; empty for groups of neither cells nor facets
     bool empty = true;                  ///< whether it has no elements in the file
+    std::string unusable{};             ///< why, if it is
   };
   using Groups = std::map<std::string, Group>;
   std::array<Groups, 4> groups_; ///< by dimension

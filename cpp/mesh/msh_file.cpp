@@ -3,9 +3,11 @@
 #include "base/error.h"
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <fmt/format.h>
 #include <fstream>
 #include <iterator>
@@ -35,22 +37,36 @@ void require_beginning(const std::string& file, std::string_view text) {
   std::string found;
   for (char c : line.substr(0, shown))
     found += ' ' <= c && c <= '~' ? c : '?';
-  throw UserError(fmt::format("{}: not a .msh file: {}, allowed are files whose first line is $MeshFormat",
-                              file,
-                              text.empty() ? "found an empty file"
-                                           : fmt::format("found \"{}{}\" on its first line", found,
-                                                         line.size() > shown ? "..." : "")));
+  throw UserError(fmt::format(
+      "{}: not a .msh file of gmsh: {}, allowed are files whose first line is $MeshFormat; convert others "
+      "with gmsh or meshio",
+      file,
+      text.empty()
+          ? "found an empty file"
+          : fmt::format("found \"{}{}\" on its first line", found, line.size() > shown ? "..." : "")));
 }
 
-/// Throws UserError unless the file ends with a section: gmsh may accept a truncated file without an error.
+/// Throws UserError unless the last section that begins also ends: gmsh may accept a truncated file without
+/// an error. Binary data may end without the end of a line, and text may stand behind all sections.
 void require_end(const std::string& file, std::string_view text) {
-  const std::size_t last = text.find_last_not_of(" \t\r\n"), line = text.rfind('\n', last);
-  if (text.substr(line == std::string_view::npos ? 0 : line + 1).starts_with("$End"))
+  const std::size_t end = text.rfind("$End");
+  std::size_t begin = text.rfind("\n$");
+  while (begin != std::string_view::npos && begin > 0 && begin + 2 < text.size() &&
+         std::isalpha(static_cast<unsigned char>(text[begin + 2])) == 0) // no section's name, but data
+    begin = text.rfind("\n$", begin - 1);
+  if (end != std::string_view::npos && (begin == std::string_view::npos || begin < end))
     return;
-  throw UserError(fmt::format(
-      "{}: not a whole .msh file: its last line is not the end of a section ($End...); allowed are "
-      "complete .msh files",
-      file));
+  throw UserError(
+      fmt::format("{}: not a whole .msh file: it lacks the end of a section ($End...); write it anew", file));
+}
+
+/// The number behind a heading such as $MeshFormat; 0 if there is none.
+double number_behind(std::string_view heading, std::string_view text) {
+  constexpr std::size_t longest = 20;
+  const std::size_t at = text.find(heading);
+  return at == std::string_view::npos
+             ? 0
+             : std::strtod(std::string(text.substr(at + heading.size(), longest)).c_str(), nullptr);
 }
 
 } // namespace
@@ -81,6 +97,9 @@ MshFile::MshFile(const std::filesystem::path& file) {
                                 file.string()));
   require_beginning(file.string(), text);
   require_end(file.string(), text);
+  version_ = number_behind("$MeshFormat", text);
+  if (version_ < 3)
+    elements_ = static_cast<std::size_t>(std::max(0.0, number_behind("\n$Elements", text)));
   copy_ = nameless_file();
   for (std::size_t done = 0; done < text.size();) {
     const ssize_t count = copy_ < 0 ? -1 : write(copy_, text.data() + done, text.size() - done);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
@@ -20,8 +21,15 @@ public:
   /// Path under which this process can open the copy; unrelated to the file's own.
   [[nodiscard]] const std::string& path() const { return path_; }
 
+  /// Of its format, such as 2.2 or 4.1.
+  [[nodiscard]] double version() const { return version_; }
+  /// Number of elements that it announces, 0 if its format does not.
+  [[nodiscard]] std::size_t elements() const { return elements_; }
+
 private:
   int copy_ = -1;
+  double version_ = 0;
+  std::size_t elements_ = 0;
   std::string path_;
 };
 

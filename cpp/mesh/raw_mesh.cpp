@@ -15,12 +15,17 @@ public:
     bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
   }
   void add(const std::string& text) { add(std::vector<char>(text.begin(), text.end())); }
+  void add(const std::vector<std::string>& texts) {
+    add_number(texts.size());
+    for (const std::string& text : texts)
+      add(text);
+  }
   void add(int value) { add_number(static_cast<std::uint64_t>(value)); }
-  template <class T>
-  void add(const std::map<std::string, T>& groups) {
-    add_number(groups.size());
-    for (const auto& [name, value] : groups) {
-      add(name);
+  template <class Key, class T>
+  void add(const std::map<Key, T>& values) {
+    add_number(values.size());
+    for (const auto& [key, value] : values) {
+      add(key);
       add(value);
     }
   }
@@ -44,13 +49,18 @@ public:
     text.resize(number());
     read(text.data(), text.size());
   }
+  void get(std::vector<std::string>& texts) {
+    texts.resize(number());
+    for (std::string& text : texts)
+      get(text);
+  }
   void get(int& value) { value = static_cast<int>(number()); }
-  template <class T>
-  void get(std::map<std::string, T>& groups) {
+  template <class Key, class T>
+  void get(std::map<Key, T>& values) {
     for (std::uint64_t left = number(); left > 0; --left) {
-      std::string name;
-      get(name);
-      get(groups[name]);
+      Key key{};
+      get(key);
+      get(values[key]);
     }
   }
 
@@ -77,6 +87,8 @@ void each_part(Packing&& packing, Mesh& mesh) {
   packing(mesh.facets);
   packing(mesh.parts);
   packing(mesh.other_groups);
+  packing(mesh.unusable);
+  packing(mesh.notes);
 }
 
 } // namespace

@@ -15,9 +15,12 @@ struct RawMesh {
   std::vector<std::int64_t> cells; ///< (cells × (dim + 1)), rows into points
   /// Boundary group → (facets × dim), rows into points.
   std::map<std::string, std::vector<std::int64_t>> facets;
-  /// Group of cells → (ranges × 2): first row into cells and one past the last.
+  /// Group of cells → (ranges × 2), ascending: first row into cells and one past the last.
   std::map<std::string, std::vector<std::int64_t>> parts;
   std::map<std::string, int> other_groups; ///< groups of lower dimensions → that dimension
+  /// Dimension → group of cells or facets that cannot be used → why, as a predicate with what to do.
+  std::map<int, std::map<std::string, std::string>> unusable;
+  std::vector<std::string> notes; ///< how the file was understood, a sentence each
 };
 
 /// Serialises a mesh to bytes, for another process on this machine or a digest.

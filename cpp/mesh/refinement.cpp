@@ -87,6 +87,8 @@ public:
     RawMesh fine;
     fine.dim = raw_.dim;
     fine.other_groups = raw_.other_groups;
+    fine.unusable = raw_.unusable;
+    fine.notes = raw_.notes;
     for (std::size_t row = 0; row < shape[0]; ++row)
       for (std::size_t c = 0; c < 3; ++c)
         fine.points.push_back(c < shape[1] ? points[row * shape[1] + c] : 0);

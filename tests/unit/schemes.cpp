@@ -90,6 +90,34 @@ TEST_CASE("massless contact keeps the mass, its moments and the moments of inert
   }
 }
 
+TEST_CASE("candidates that face away from the obstacle keep their mass", "[contact]") {
+  for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
+    // All sides of a square are candidates, of which the lower one alone faces the floor.
+    const Moved body("tests/data/block.toml",
+                     {degree, "contact.on=boundary", "contact.obstacle.normal=[0, 1]"});
+    petsc::Vector x = body.space.vector();
+    const auto m = static_cast<std::size_t>(body.pairs.count());
+    int below = 0;
+    for (std::size_t i = 0; i < m; ++i) {
+      std::vector<double> one(m, 0.0);
+      one[i] = 1;
+      check(VecZeroEntries(x));
+      body.N.add(1, one, x);
+      const double mass = product(body.after, x, x), before = product(body.before, x, x);
+      if (body.pairs.points()[3 * i + 1] < 1e-12) {
+        ++below;
+        CHECK(std::abs(mass) < 1e-14 * before);
+      } else {
+        CHECK(mass > 0.1 * before);
+      }
+    }
+    REQUIRE(below > 3);
+    REQUIRE(below < static_cast<int>(m) / 2);
+    body.space.interpolate(scene::Field({"0", "1"}, "test", false), 0, x);
+    CHECK(std::abs(product(body.after, x, x) - 1) < 1e-12); // of the unit square of density 1
+  }
+}
+
 TEST_CASE("the predictor goes to the nearest place in the norm of the mass", "[forward]") {
   for (const auto& [file, overrides] : std::vector<std::pair<std::string, std::vector<std::string>>>{
            {"tests/data/block.toml", {}},

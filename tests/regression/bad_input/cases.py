@@ -656,8 +656,9 @@ def mesh_file_cases() -> list[Case]:
         meshed("geometry that includes a missing file", 'Include "points.geo";\n' + GEO, "points.geo", **geo),
         meshed("geometry that is empty", "", re.compile("no elements|empty"), **geo),
         meshed("geometry without surface", before(GEO, "Curve Loop"), "curve", "triangles", **geo),
-        meshed("geometry without groups", before(GEO, "Physical"), "surface 1", "no physical group", **geo),
-        meshed("geometry of a solid without a group", SPACE_GEO, "volume 1", "no physical group", "Physical Volume", **geo),
+        meshed("geometry without groups", before(GEO, "Physical"), "contact.on: ", '"bottom"', "curve groups of the file: boundary", **geo),
+        meshed("geometry that ends gmsh", GEO + "Exit;\n", "gmsh ended before the end of this file", "take out", "Exit", **geo),
+        meshed("geometry that ends gmsh at once, two ranks", "Exit 3;\n" + GEO, "gmsh ended", "Exit", ranks=2, **geo),
         meshed("geometry of a surface in space", GEO + "Rotate { {1, 0, 0}, {0, 0, 0}, Pi/2 } { Surface{1}; }\n",
                "plane z = 0", "1 m", "tetrahedra", **geo),
         meshed("mesh is empty", "", re.compile("empty|no elements|cannot read")),
@@ -692,7 +693,7 @@ def mesh_content_cases() -> list[Case]:
     triangle = (TRIANGLE, BODY, 1)
     return [
         meshed("no groups", square2(groups=(), elements=[(kind, 0, entity, nodes) for kind, _, entity, nodes in
-                                                         square_elements()]), "surface 1", "no physical group"),
+                                                         square_elements()]), "contact.on: ", '"bottom"', "curve groups of the file: boundary"),
         meshed("surface without a group", square2(points=[*square_points(), (0.0, -1.0, 0.0)], elements=with_element(
             (TRIANGLE, 0, 7, (1, 10, 2)))), "surface 7", "no physical group", "Physical Surface"),
         edited("misspelt group of contact", 'on = "bottom"', 'on = "botom"', "contact.on: ", "square.msh", '"botom"',
@@ -710,9 +711,8 @@ def mesh_content_cases() -> list[Case]:
                "elements", edits=(('on = "bottom"', 'on = "nothing"'),)),
         meshed("group of a curve without elements", square4(empty_curve=True), "contact.on: ", '"nothing"',
                "has no elements", edits=(('on = "bottom"', 'on = "nothing"'),)),
-        meshed("a solid beside a plane body", square2(points=[*square_points(), (0.0, 0.0, 1.0)], groups=(
-            *GROUPS, (3, 9, "solid")), elements=with_element((TETRAHEDRON, 9, 1, (1, 2, 4, 10)))), "node", "no cell",
-               earlier=True),
+        Case("a solid beside a plane body", ("contact.obstacle.point: ", "the mesh is 3-dimensional"), earlier=True, mesh=square2(
+            points=[*square_points(), (0.0, 0.0, 1.0)], groups=(*GROUPS, (3, 9, "solid")), elements=with_element((TETRAHEDRON, 9, 1, (1, 2, 4, 10))))),
         meshed("mesh of curves", square2(elements=[e for e in square_elements() if e[0] == LINE]), "curve",
                "triangles"),
         meshed("mesh of a point", square2(elements=[(15, 0, 1, (1,))]), "point", "triangles"),
@@ -723,9 +723,9 @@ def mesh_content_cases() -> list[Case]:
                                                           elements=with_element((QUADRILATERAL, BODY, 1, (3, 10, 11, 6)))),
                "Quadrilateral", "straight triangles"),
         meshed("triangles of second order", square2(elements=[(TRIANGLE_6, BODY, 1, (1, 3, 7, 2, 5, 4))]), "Triangle 6",
-               "straight triangles"),
+               "straight triangles", "Mesh.ElementOrder = 1"),
         meshed("edges of second order", square2(elements=[e for e in square_elements() if e[1] != BOTTOM] +
-                                                [(LINE_3, BOTTOM, BOTTOM, (1, 3, 2))]), "Line 3"),
+                                                [(LINE_3, BOTTOM, BOTTOM, (1, 3, 2))]), "contact.on: ", "Line 3", "Mesh.ElementOrder = 1"),
         meshed("node off the plane", square2(points=moved(5, (0.0, 0.5, 0.1))), "plane z = 0", "0.1 m", "tetrahedra"),
         meshed("node off the plane, two ranks", square2(points=moved(5, (0.0, 0.5, 0.1))), "plane z = 0", "0.1 m",
                ranks=2),
@@ -742,7 +742,7 @@ def mesh_content_cases() -> list[Case]:
         meshed("edge with a node that is missing", square2(elements=with_element((LINE, BOTTOM, BOTTOM, (3, 77)))),
                "77"),
         meshed("edge with a node of no triangle", square2(points=[*square_points(), (1.0, 0.0, 0.0)], elements=with_element(
-            (LINE, BOTTOM, BOTTOM, (3, 10)))), "node 10", "no cell"),
+            (LINE, BOTTOM, BOTTOM, (3, 10)))), "contact.on: ", '"bottom"', "the edge at (0.5, 0)", "no triangle"),
         meshed("edge of no triangle", square2(elements=with_element((LINE, BOTTOM, BOTTOM, (2, 9)))), "bottom",
                "triangle"),
         meshed("group of edges of no triangle", square2(elements=[e for e in square_elements() if e[1] != BOTTOM] + [
@@ -750,6 +750,8 @@ def mesh_content_cases() -> list[Case]:
         meshed("triangle twice", square2(elements=with_element((*triangle, (1, 2, 5)))), re.compile("twice|share|overlap")),
         meshed("triangles that overlap", square2(points=moved(5, (0.75, 0.5, 0.0))), "two triangles", "the edge at (",
                "overlap", "either side"),
+        meshed("group named as the number of another", square2(groups=((2, BODY, "body"), (1, TOP, "top"), (1, BOTTOM, "4"))), "contact.on: ",
+               '"4"', "no name but this number", "give that one a name", edits=(('on = "bottom"', 'on = "4"'),)),
         edited("all contact nodes clamped", 'on = "bottom"', 'on = "top"', "contact.on: ", '"top"', "clamped",
                "nodes that can move", at="", earlier=True),
         edited("all contact nodes clamped, two ranks", 'on = "bottom"', 'on = "top"', "contact.on: ", "clamped", at="",
@@ -760,6 +762,8 @@ def mesh_content_cases() -> list[Case]:
                "0.25 m inside", at="", ranks=2),
         edited("body moved into the obstacle", 'displacement = ["0", "0"]', 'displacement = ["0", "-0.2*(1 - y)"]',
                "contact: ", "node at", "0.1 m inside the obstacle", at=""),
+        edited("body in the obstacle by rounding", "point = [0, -0.1]", "point = [0, 1e-9]", "contact: ", "1e-09 m inside", "as do all 3 candidates",
+               'contact.initial = "project"', at="", never=("reversed",)),
         Case("normal that points into the obstacle", ("contact: ", "inside the obstacle", "normal"),
              edits=(("normal = [0, 1]", "normal = [0, -1]"),)),
     ]
@@ -802,13 +806,13 @@ def space_cases() -> list[Case]:
         solid("tetrahedra of second order", cube2(points=[*cube_points(), *edges], elements=[
             (TETRAHEDRON_10, BODY, 1, (1, 2, 4, 8, 9, 10, 11, 12, 13, 14))]), "Tetrahedron 10", "straight tetrahedra"),
         solid("quadrilaterals for a side", cube2(elements=[*no_bottom, (QUADRILATERAL, BOTTOM, BOTTOM, (1, 2, 4, 3))]),
-              "Quadrilateral", "straight triangles"),
+              "contact.on: ", "Quadrilateral", "straight triangles"),
         solid("face of no tetrahedron", cube2(elements=[*no_bottom, (TRIANGLE, BOTTOM, BOTTOM, (1, 2, 3))]),
               "the face at (-0.5, -0.5, 0)", '"bottom"', "the face of no tetrahedron"),
         solid("face with a node that is missing", cube2(elements=with_space_element((TRIANGLE, TOP, TOP, (5, 6, 77)))),
               "77"),
         solid("face with a node of no tetrahedron", cube2(points=[*cube_points(), beyond], elements=with_space_element(
-            (TRIANGLE, TOP, TOP, (5, 6, 9)))), "node 9", "no cell"),
+            (TRIANGLE, TOP, TOP, (5, 6, 9)))), "clamp", '"top"', "the face at (-0.5, -0.5, 1)", "no tetrahedron"),
         solid("tetrahedron with a node that is missing", cube2(elements=with_space_element((*tetrahedron, (1, 2, 4, 77)))),
               "77"),
         solid("corner that is no number", cube2(points=moved_corner(7, (float("nan"), 0.5, 1.0))), "node 7", "nan",
