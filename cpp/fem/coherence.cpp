@@ -5,7 +5,6 @@
 #include <dolfinx/fem/FunctionSpace.h>
 #include <dolfinx/mesh/Mesh.h>
 #include <dolfinx/mesh/utils.h>
-#include <functional>
 #include <map>
 #include <numeric>
 #include <span>
@@ -108,25 +107,30 @@ std::int64_t inner_facets(const mesh::Mesh& mesh, const std::string& group, cons
 
 namespace {
 
-/// Calls visit(facet, cell, nodes) with the local numbers of each facet, a cell of it, and its nodes.
-void each_facet(
-    const Space& space, const std::vector<std::int32_t>& all,
-    const std::function<void(std::int32_t, std::int32_t, const std::vector<std::int32_t>&)>& visit) {
-  const auto topology = space.mesh().dolfinx()->topology();
-  const int dim = space.dim();
-  const auto cells = topology->connectivity(dim - 1, dim), facets = topology->connectivity(dim, dim - 1);
+/// A cell of each facet.
+std::vector<std::int32_t> cells_of(const Space& space, const std::vector<std::int32_t>& facets) {
+  const auto cells = space.mesh().dolfinx()->topology()->connectivity(space.dim() - 1, space.dim());
+  std::vector<std::int32_t> found;
+  for (const std::int32_t facet : facets)
+    found.push_back(cells->links(facet).front());
+  return found;
+}
+
+/// Local numbers of the nodes of each facet.
+std::vector<std::vector<std::int32_t>> nodes_of(const Space& space, const std::vector<std::int32_t>& facets) {
+  const auto of_cell = space.mesh().dolfinx()->topology()->connectivity(space.dim(), space.dim() - 1);
   const auto dofmap = space.dolfinx()->dofmap();
   const auto closure =
-      dofmap->element_dof_layout().entity_closure_dofs_all()[static_cast<std::size_t>(dim) - 1];
-  for (const std::int32_t facet : all) {
-    const std::int32_t cell = cells->links(facet).front();
-    const auto around = facets->links(cell);
-    const auto which = static_cast<std::size_t>(std::ranges::find(around, facet) - around.begin());
-    std::vector<std::int32_t> nodes;
+      dofmap->element_dof_layout().entity_closure_dofs_all()[static_cast<std::size_t>(space.dim()) - 1];
+  const std::vector<std::int32_t> cells = cells_of(space, facets);
+  std::vector<std::vector<std::int32_t>> nodes(facets.size());
+  for (std::size_t i = 0; i < facets.size(); ++i) {
+    const auto around = of_cell->links(cells[i]);
+    const auto which = static_cast<std::size_t>(std::ranges::find(around, facets[i]) - around.begin());
     for (const int dof : closure.at(which))
-      nodes.push_back(dofmap->cell_dofs(cell)[static_cast<std::size_t>(dof)]);
-    visit(facet, cell, nodes);
+      nodes[i].push_back(dofmap->cell_dofs(cells[i])[static_cast<std::size_t>(dof)]);
   }
+  return nodes;
 }
 
 } // namespace
@@ -134,36 +138,39 @@ void each_facet(
 std::int64_t facets_among(const Space& space, const std::string& group, const std::string& key,
                           const std::vector<PetscInt>& first_dofs) {
   const std::vector<std::int64_t> global = global_nodes(space);
+  const auto among = [&](std::int32_t node) {
+    return std::ranges::binary_search(
+        first_dofs, static_cast<PetscInt>(global[static_cast<std::size_t>(node)] * space.dim()));
+  };
   std::int64_t count = 0;
-  each_facet(space, owned_facets(space.mesh(), group, key),
-             [&](std::int32_t, std::int32_t, const std::vector<std::int32_t>& nodes) {
-               count += std::ranges::all_of(nodes, [&](std::int32_t node) {
-                 return std::ranges::binary_search(
-                     first_dofs, static_cast<PetscInt>(global[static_cast<std::size_t>(node)] * space.dim()));
-               });
-             });
+  for (const auto& nodes : nodes_of(space, owned_facets(space.mesh(), group, key)))
+    count += std::ranges::all_of(nodes, among);
   return sum(space.comm(), count);
 }
 
 std::vector<OutwardNormal> outward_normals(const Space& space) {
-  const auto mesh = space.mesh().dolfinx();
+  const auto& mesh = *space.mesh().dolfinx();
   const int dim = space.dim();
   const std::vector<std::int64_t> global = global_nodes(space);
+  const std::vector<std::int32_t> facets = dolfinx::mesh::exterior_facet_indices(*mesh.topology()),
+                                  cells = cells_of(space, facets);
+  const std::vector<std::vector<std::int32_t>> nodes = nodes_of(space, facets);
+  const std::vector<double> normals = dolfinx::mesh::cell_normals(mesh, dim - 1, std::span(facets)),
+                            on = dolfinx::mesh::compute_midpoints(mesh, dim - 1, std::span(facets)),
+                            within = dolfinx::mesh::compute_midpoints(mesh, dim, std::span(cells));
   std::vector<OutwardNormal> found;
-  each_facet(
-      space, dolfinx::mesh::exterior_facet_indices(*mesh->topology()),
-      [&](std::int32_t facet, std::int32_t cell, const std::vector<std::int32_t>& nodes) {
-        const std::vector<double> n = dolfinx::mesh::cell_normals(*mesh, dim - 1, std::span(&facet, 1)),
-                                  on = dolfinx::mesh::compute_midpoints(*mesh, dim - 1, std::span(&facet, 1)),
-                                  within = dolfinx::mesh::compute_midpoints(*mesh, dim, std::span(&cell, 1));
-        double outward = 0;
-        for (std::size_t c = 0; c < 3; ++c)
-          outward += n[c] * (on[c] - within[c]);
-        const double sign = outward < 0 ? -1 : 1;
-        for (const std::int32_t node : nodes)
-          found.push_back({static_cast<PetscInt>(global[static_cast<std::size_t>(node)] * dim),
-                           {sign * n[0], sign * n[1], sign * n[2]}});
-      });
+  for (std::size_t i = 0; i < facets.size(); ++i) {
+    std::array<double, 3> n{};
+    double outward = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      n[c] = normals[3 * i + c];
+      outward += n[c] * (on[3 * i + c] - within[3 * i + c]);
+    }
+    if (outward < 0)
+      n = {-n[0], -n[1], -n[2]};
+    for (const std::int32_t node : nodes[i])
+      found.push_back({static_cast<PetscInt>(global[static_cast<std::size_t>(node)] * dim), n});
+  }
   return found;
 }
 

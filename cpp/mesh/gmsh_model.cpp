@@ -197,8 +197,7 @@ private:
     used.erase(last, end);
     double extent = 0, off_plane = 0;
     for (std::int64_t tag : used) {
-      if (!drawn_row_.contains(tag))
-        fail(fmt::format("an element refers to node {}, which the file does not have", tag));
+      require_node(tag);
       number_[tag] = static_cast<std::int64_t>(raw_.points.size() / 3);
       const std::array<double, 3> x = drawn(tag);
       if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
@@ -212,6 +211,11 @@ private:
       fail(fmt::format(
           "the triangles leave the plane z = 0 by {} m, allowed are triangles in that plane, or tetrahedra",
           off_plane));
+  }
+
+  void require_node(std::int64_t tag) const {
+    if (!drawn_row_.contains(tag))
+      fail(fmt::format("an element refers to node {}, which the file does not have", tag));
   }
 
   /// Coordinates of a node of the file, m.
@@ -401,6 +405,7 @@ private:
         return;
       }
       const std::vector<std::int64_t> tags = entity_tags(group.dim, entity);
+      std::ranges::for_each(tags, [&](std::int64_t tag) { require_node(tag); });
       for (std::size_t i = 0; i < tags.size(); i += raw_.dim) {
         const std::span own(&tags[i], raw_.dim);
         if (!std::ranges::all_of(own, [&](std::int64_t tag) { return number_.contains(tag); }) ||

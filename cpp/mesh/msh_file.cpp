@@ -60,13 +60,11 @@ void require_end(const std::string& file, std::string_view text) {
       fmt::format("{}: not a whole .msh file: it lacks the end of a section ($End...); write it anew", file));
 }
 
-/// The number behind a heading such as $MeshFormat; 0 if there is none.
-double number_behind(std::string_view heading, std::string_view text) {
+/// What follows a heading such as $MeshFormat, where a number should.
+std::string behind(std::string_view heading, std::string_view text) {
   constexpr std::size_t longest = 20;
   const std::size_t at = text.find(heading);
-  return at == std::string_view::npos
-             ? 0
-             : std::strtod(std::string(text.substr(at + heading.size(), longest)).c_str(), nullptr);
+  return at == std::string_view::npos ? "" : std::string(text.substr(at + heading.size(), longest));
 }
 
 } // namespace
@@ -97,9 +95,9 @@ MshFile::MshFile(const std::filesystem::path& file) {
                                 file.string()));
   require_beginning(file.string(), text);
   require_end(file.string(), text);
-  version_ = number_behind("$MeshFormat", text);
+  version_ = std::strtod(behind("$MeshFormat", text).c_str(), nullptr);
   if (version_ < 3)
-    elements_ = static_cast<std::size_t>(std::max(0.0, number_behind("\n$Elements", text)));
+    elements_ = std::strtoull(behind("\n$Elements", text).c_str(), nullptr, 10);
   copy_ = nameless_file();
   for (std::size_t done = 0; done < text.size();) {
     const ssize_t count = copy_ < 0 ? -1 : write(copy_, text.data() + done, text.size() - done);
