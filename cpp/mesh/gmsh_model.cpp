@@ -15,6 +15,7 @@
 #include <iterator>
 #include <limits>
 #include <span>
+#include <sstream>
 #include <string_view>
 #include <unordered_map>
 
@@ -98,10 +99,10 @@ struct Facet {
 class Extraction {
 public:
   /// `entities_are_groups`: of elements read with Mesh.SwitchElementTags, whose entities are numbered as
-  /// their groups.
-  Extraction(const scene::Mesh& mesh, bool entities_are_groups)
+  /// their groups. `names`: of groups, where the file has them.
+  Extraction(const scene::Mesh& mesh, bool entities_are_groups, MshFile::GroupNames names)
       : file_(mesh.file.string()), metres_(scene::metres(mesh.unit)),
-        entities_are_groups_(entities_are_groups) {}
+        entities_are_groups_(entities_are_groups), names_(std::move(names)) {}
 
   RawMesh run() {
     require_dimension();
@@ -347,14 +348,20 @@ private:
     return groups;
   }
 
+  /// Of a group, and whether that is its number.
+  [[nodiscard]] std::pair<std::string, bool> name_of(int dim, int tag) const {
+    std::string name;
+    if (const auto found = names_.find({dim, tag}); found != names_.end())
+      name = found->second;
+    else
+      gmsh::model::getPhysicalName(dim, tag, name);
+    return name.empty() ? std::pair{std::to_string(tag), true} : std::pair{name, false};
+  }
+
   void collect_groups() {
     std::map<std::pair<int, std::string>, bool> numbers; // whether a name is the number of a group without
     for (const PhysicalGroup& group : physical_groups()) {
-      std::string name;
-      gmsh::model::getPhysicalName(group.dim, group.tag, name);
-      const bool number = name.empty();
-      if (number)
-        name = std::to_string(group.tag);
+      const auto [name, number] = name_of(group.dim, group.tag);
       if (numbers.try_emplace({group.dim, name}, number).first->second != number)
         raw_.unusable[group.dim][name] = "cannot be told from another, which has no name but this number; "
                                          "give that one a name";
@@ -365,12 +372,34 @@ private:
       else
         raw_.other_groups[name] = group.dim;
     }
+    find_incomplete_groups();
     for (auto& [name, cells] : part_rows_)
       raw_.parts[name] = ranges(cells);
     for (const auto& [name, reason] : raw_.unusable[raw_.dim])
       raw_.parts.erase(name);
     for (const auto& [name, reason] : raw_.unusable[raw_.dim - 1])
       raw_.facets.erase(name);
+  }
+
+  /// gmsh leaves entities that a .geo does not draw, or no longer after a boolean operation, out of groups.
+  void find_incomplete_groups() {
+    std::vector<std::string> log;
+    gmsh::logger::get(log);
+    constexpr std::string_view skipping = "Skipping unknown ";
+    for (const std::string& line : log) {
+      const std::size_t at = line.find(skipping);
+      if (at == std::string::npos) // curve 9 in physical curve 2
+        continue;
+      std::istringstream words(line.substr(at + skipping.size()));
+      std::string what, in, physical, group;
+      int entity = 0, tag = 0;
+      words >> what >> entity >> in >> physical >> group >> tag;
+      for (int dim = raw_.dim - 1; words && dim <= raw_.dim; ++dim)
+        if (group == kind(dim))
+          raw_.unusable[dim][name_of(dim, tag).first] = fmt::format(
+              "lists {} {}, which is not drawn (any more, after boolean operations); correct the list", what,
+              entity);
+    }
   }
 
   void add_part(const std::string& name, const PhysicalGroup& group) {
@@ -485,6 +514,7 @@ private:
   std::string file_;
   double metres_; ///< length of the file's unit
   bool entities_are_groups_;
+  MshFile::GroupNames names_;
   std::map<std::pair<int, int>, std::vector<int>> entities_of_; ///< of groups, if these are entities
   RawMesh raw_;
   std::vector<double> drawn_; ///< coordinates of all nodes of the file, in its unit
@@ -630,7 +660,7 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
       throw cannot_read(error);
     if (msh)
       require_all(*msh, file);
-    RawMesh raw = Extraction(mesh, groups_per_cell).run();
+    RawMesh raw = Extraction(mesh, groups_per_cell, msh ? msh->group_names() : MshFile::GroupNames()).run();
     raw.notes.insert(raw.notes.end(), notes.begin(), notes.end());
     if (!msh && !meshing.keep.empty()) {
       gmsh::option::setNumber("Mesh.Binary", 1);

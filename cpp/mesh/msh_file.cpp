@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 #include <unistd.h>
@@ -67,6 +68,22 @@ std::string behind(std::string_view heading, std::string_view text) {
   return at == std::string_view::npos ? "" : std::string(text.substr(at + heading.size(), longest));
 }
 
+MshFile::GroupNames names_in(std::string_view text) {
+  MshFile::GroupNames names;
+  const std::size_t begin = text.find("\n$PhysicalNames"), end = text.find("\n$EndPhysicalNames");
+  if (begin == std::string_view::npos || end == std::string_view::npos || end < begin)
+    return names;
+  std::istringstream lines{std::string(text.substr(begin + 1, end - begin))};
+  for (std::string line; std::getline(lines, line);) { // such as: 1 2 "bottom"
+    const std::size_t first = line.find('"'), last = line.rfind('"');
+    std::istringstream numbers(line.substr(0, first));
+    int dim = 0, tag = 0;
+    if (first != std::string::npos && first + 1 < last && numbers >> dim >> tag)
+      names[{dim, tag}] = line.substr(first + 1, last - first - 1);
+  }
+  return names;
+}
+
 } // namespace
 
 namespace {
@@ -96,6 +113,7 @@ MshFile::MshFile(const std::filesystem::path& file) {
   require_beginning(file.string(), text);
   require_end(file.string(), text);
   version_ = std::strtod(behind("$MeshFormat", text).c_str(), nullptr);
+  group_names_ = names_in(text);
   if (version_ < 3)
     elements_ = std::strtoull(behind("\n$Elements", text).c_str(), nullptr, 10);
   copy_ = nameless_file();

@@ -2,7 +2,9 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <string>
+#include <utility>
 
 namespace signorini::mesh {
 
@@ -26,10 +28,15 @@ public:
   /// Number of elements that it announces, 0 if its format does not.
   [[nodiscard]] std::size_t elements() const { return elements_; }
 
+  using GroupNames = std::map<std::pair<int, int>, std::string>; ///< dimension and number → name
+  /// Names of groups: gmsh drops a name that a second group has too.
+  [[nodiscard]] const GroupNames& group_names() const { return group_names_; }
+
 private:
   int copy_ = -1;
   double version_ = 0;
   std::size_t elements_ = 0;
+  GroupNames group_names_;
   std::string path_;
 };
 

@@ -180,7 +180,8 @@ Keys<Contact> keys_of(Of<Contact>) {
                    {.effect = "contact"}),
           obstacle(),
           value("mass", &Contact::mass, Choice<ContactMass>{}, "",
-                "`\"massless\"`: candidates have no mass towards the obstacle, their neighbours have it; not "
+                "`\"massless\"`: candidates that face the obstacle have no mass towards it, their neighbours "
+                "have it; not "
                 "with `\"contact-stabilized\"`",
                 {.effect = "massless contact"}),
           value("initial", &Contact::initial, Choice<ContactStart>{}, "",
