@@ -330,8 +330,21 @@ def meshes_of_others(folder: Path) -> None:
     assert not failures, "\n".join(failures)
 
 
+def kept_meshes(folder: Path) -> None:
+    """The mesh that a run keeps of a .geo has all cells, which no group need have, and is read as they were."""
+    (folder / "drawn.geo").write_text(SQUARE + 'Physical Curve("bottom") = {1};\n')
+    text = Foreign("", "", ()).scene("drawn.geo").replace('file = "drawn.geo"', 'file = "drawn.geo"\nsize = "auto"')
+    (folder / "scene.toml").write_text(text)
+    run(folder, "simulate", "scene.toml", "--out", "first", "--accuracy", "0.5", "--quantity", "displacement", "--quiet")
+    run(folder, "simulate", "first/scene.toml", "--out", "second", "--quiet")
+    first, second = (json.loads((folder / out / "run.json").read_text()) for out in ("first", "second"))
+    same = ("cells", "candidates", "body")
+    assert [first[key] for key in same] == [second[key] for key in same] and first["body"]["notes"] == [CELL], (first["body"], second["body"])
+    print(f"kept and read again: {first['cells']} cells, {first['candidates']} candidates")
+
+
 def main() -> int:
-    for test in (meshes_itself, options_of_petsc, names_in_bytes, meshes_of_others):
+    for test in (meshes_itself, options_of_petsc, names_in_bytes, meshes_of_others, kept_meshes):
         with tempfile.TemporaryDirectory() as folder:
             test(Path(folder))
     return 0
