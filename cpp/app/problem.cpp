@@ -152,7 +152,7 @@ void require_memory(const Problem& problem, const control::ControlSpace& control
 
 control::Control first_guess(const control::ControlSpace& controls, const scene::Control& scene) {
   if (scene.stored)
-    return io::stored_control(controls, scene.stored->folder, "control.initial.run");
+    return io::stored_control(controls, scene, scene.stored->folder, "control.initial.run");
   return scene.initial ? controls.interpolate(*scene.initial, "control.initial") : controls.zero();
 }
 

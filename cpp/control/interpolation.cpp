@@ -15,6 +15,11 @@ Interpolation::Interpolation(const ControlSpace& from, const ControlSpace& to)
     first_ += places[static_cast<std::size_t>(r)];
 }
 
+double Interpolation::farthest() const {
+  const std::vector<double>& distances = sampler_.distances();
+  return distances.empty() ? 0 : *std::ranges::max_element(distances);
+}
+
 Control Interpolation::operator()(const Control& u) const {
   const double end = to_.grid().end();
   Control result = to_.zero();

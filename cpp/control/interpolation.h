@@ -17,6 +17,9 @@ public:
   /// the other in the body. Collective.
   Interpolation(const ControlSpace& from, const ControlSpace& to);
 
+  /// The largest distance of a place of `to` from the set on which controls of `from` act, m.
+  [[nodiscard]] double farthest() const;
+
   /// Collective.
   [[nodiscard]] Control operator()(const Control& u) const;
 

@@ -7,9 +7,12 @@
 #include "scene/compatibility.h"
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 namespace signorini::io {
 namespace fs = std::filesystem;
@@ -18,80 +21,136 @@ namespace {
 
 constexpr double rounding = 1e-9; // of times, relative
 
+/// The value of J's part of the control in the last row of a checkpoint; nan if it has none. Collective.
+double last_objective(CheckpointReader& checkpoint) {
+  if (checkpoint.has("history")) {
+    constexpr std::size_t columns = 11, objective = 1;
+    std::vector<double> history;
+    checkpoint("history", history);
+    return history.size() < columns ? std::nan("") : history[history.size() - columns + objective];
+  }
+  std::string rows; // of a joint search: those of its history.csv
+  checkpoint("rows", rows);
+  rows.erase(rows.find_last_not_of('\n') + 1);
+  std::istringstream row(rows.substr(rows.rfind('\n') + 1));
+  constexpr int tracking = 2, misfit = 5;
+  double sum = 0;
+  std::string cell;
+  for (int column = 0; column < misfit && std::getline(row, cell, ','); ++column)
+    if (column >= tracking)
+      sum += std::strtod(cell.c_str(), nullptr);
+  return sum;
+}
+
 /// Whether the folder's checkpoint is of the run whose results are there, or of one that was killed: an
 /// earlier run's stays where a later one writes none. Collective.
 bool is_of_the_run(CheckpointReader& checkpoint, const fs::path& folder, MPI_Comm comm) {
-  std::vector<double> history;
-  checkpoint("history", history);
+  const double last = last_objective(checkpoint);
   int same = 1;
   if (rank(comm) == 0) {
-    constexpr std::size_t columns = 11, objective = 1;
     std::ifstream in(folder / "run.json", std::ios::binary);
     if (in) {
       const nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
       const double value = run.is_object() && run.contains("objective")
                                ? run["objective"].value("value", std::nan(""))
                                : std::nan("");
-      same = history.size() >= columns &&
-             std::abs(history[history.size() - columns + objective] - value) <= rounding * std::abs(value);
+      same = std::abs(last - value) <= rounding * std::abs(value);
     }
   }
   MPI_Bcast(&same, 1, MPI_INT, 0, comm);
   return same != 0;
 }
 
-/// The time step of the run that wrote a resolved scene. Throws UserError.
-double step_of(const std::string& scene, const std::string& key, const fs::path& file) {
-  const std::optional<double> step = scene::time_step(scene);
-  if (!step || !(*step > 0))
-    throw UserError(
-        fmt::format("{}: {}: found no time.step, allowed is what a run left", key, file.string()));
-  return *step;
+std::string where(const std::string& on) { return on.empty() ? "the body" : fmt::format("\"{}\"", on); }
+
+/// Why a control of an earlier run cannot be one of this scene; empty if it can.
+std::string otherness(const scene::ControlKeys& there, const control::ControlSpace& controls,
+                      const scene::Control& here) {
+  if (std::abs(there.scale - here.scale) > rounding * here.scale)
+    return fmt::format(
+        "found a control with control.scale = {:.10g}, this scene has {:.10g}; allowed is the same",
+        there.scale, here.scale);
+  if (there.on != here.on.value_or(""))
+    return fmt::format(
+        "found a control on {}, this scene's acts on {}; allowed is the same group (control.on)",
+        where(there.on), where(here.on.value_or("")));
+  const std::vector<scene::Component> all = scene::components(controls.space().dim());
+  std::vector<std::string> acting;
+  for (const int component : controls.components())
+    acting.push_back(scene::name(all[static_cast<std::size_t>(component)]));
+  for (const std::string& component : there.components)
+    if (std::ranges::find(acting, component) == acting.end())
+      return fmt::format(
+          "found a control of {}, this scene's acts in {}; allowed are its components and more "
+          "(control.components)",
+          fmt::join(there.components, ", "), fmt::join(acting, ", "));
+  return {};
 }
 
-/// The times between which the stored control is constant, s (rows + 1): of a checkpoint that does not have
-/// them, of the steps of the run that wrote the resolved scene. Throws UserError.
-std::vector<double> edges_of(CheckpointReader& in, const std::string& scene, int rows, const std::string& key,
-                             const fs::path& file) {
+/// The times between which a control of an earlier run is constant, s, by its scene; empty if they are not
+/// known, with steps of varying length.
+std::vector<double> edges_of(const scene::ControlKeys& keys) {
+  if (keys.constant_in_time)
+    return {0, keys.end};
+  const double length = keys.step > 0 ? keys.step : keys.time_step;
   std::vector<double> edges;
-  if (in.has("edges")) {
-    in("edges", edges);
-    if (edges.size() != static_cast<std::size_t>(rows) + 1 || !std::ranges::is_sorted(edges))
-      in.fail("\"edges\" is damaged; allowed is a whole checkpoint");
-    return edges;
-  }
-  const double step = step_of(scene, key, file);
-  for (int j = 0; j <= rows; ++j)
-    edges.push_back(j * step);
+  if (length > 0)
+    for (long j = 0; j <= std::lround(keys.end / length); ++j)
+      edges.push_back(static_cast<double>(j) * length);
   return edges;
 }
 
-/// Fails unless a stored control that is constant between `edges` can be one of `controls`.
-void require_fitting_time(const CheckpointReader& in, const control::ControlSpace& controls,
-                          const std::vector<double>& edges) {
+/// The same of a checkpoint with so many rows. Throws UserError.
+std::vector<double> edges_of(CheckpointReader& in, const scene::ControlKeys& keys, int rows) {
+  std::vector<double> edges;
+  if (in.has("edges")) // not of a joint search
+    in("edges", edges);
+  else
+    edges = edges_of(keys);
+  if (edges.size() != static_cast<std::size_t>(rows) + 1 || !std::ranges::is_sorted(edges))
+    in.fail("\"edges\" is damaged or missing; allowed is a whole checkpoint");
+  return edges;
+}
+
+/// Which of the intervals between `edges` a time is in, from 0.
+int interval_at(const std::vector<double>& edges, double t) {
+  const auto after = std::ranges::upper_bound(edges, t);
+  return std::clamp(static_cast<int>(after - edges.begin()) - 1, 0, static_cast<int>(edges.size()) - 2);
+}
+
+/// The middle of an interval of this run.
+double middle(const control::ControlSpace& controls, int j) {
+  return controls.begin(j) + controls.length(j) / 2;
+}
+
+/// Why a stored control that is constant between `edges` cannot be one of `controls`; empty if it can.
+std::string untimely(const control::ControlSpace& controls, const std::vector<double>& edges) {
   const double end = controls.grid().end();
   if (edges.size() == 2)
-    return;
+    return {};
   if (controls.constant_in_time())
-    in.fail(
-        "found a control that changes in time, allowed is one that is constant (control.constant_in_time)");
+    return "found a control that changes in time, allowed is one that is constant (control.constant_in_time)";
   if (edges.back() < (1 - rounding) * end)
-    in.fail(fmt::format(
+    return fmt::format(
         "found a control from 0 to {:.6g} s, allowed is one that covers this run, from 0 to {:.6g} s",
-        edges.back(), end));
+        edges.back(), end);
+  return {};
 }
+
+/// The name of the last control in a checkpoint; that of a joint search has unknowns beside it.
+std::string name_in(const CheckpointReader& in) { return in.has("u/control") ? "u/control" : "u"; }
 
 /// Of checkpoint.h5 of the same places.
 control::Control as_it_was(CheckpointReader& in, const control::ControlSpace& controls,
-                           const std::string& scene, const std::string& key, const fs::path& file) {
+                           const scene::ControlKeys& keys) {
   std::vector<double> edges;
-  return in.control("u", [&](int j, int rows) {
+  return in.control(name_in(in), [&](int j, int rows) {
     if (edges.empty()) {
-      edges = edges_of(in, scene, rows, key, file);
-      require_fitting_time(in, controls, edges);
+      edges = edges_of(in, keys, rows);
+      if (const std::string problem = untimely(controls, edges); !problem.empty())
+        in.fail(problem);
     }
-    const auto after = std::ranges::upper_bound(edges, controls.begin(j) + controls.length(j) / 2);
-    return std::clamp(static_cast<int>(after - edges.begin()) - 1, 0, rows - 1);
+    return interval_at(edges, middle(controls, j));
   });
 }
 
@@ -114,9 +173,22 @@ int dimension(const control::ControlSpace& controls) {
   return controls.on() ? mesh.group_dimension(*controls.on(), "control.on") : mesh.dim();
 }
 
-/// Of checkpoint.h5 of a run on another mesh, which is made again from its scene.
+/// Fails unless the control acts on one place in two meshes: each may be off by the chords of its boundary.
+void require_same_place(const CheckpointReader& in, const control::Interpolation& there_to_here,
+                        const control::Interpolation& here_to_there, double diameter) {
+  constexpr double chords = 0.02; // of the body: those of elements of half the radius
+  const double distance = std::max(there_to_here.farthest(), here_to_there.farthest());
+  if (distance > chords * diameter)
+    in.fail(
+        fmt::format("found a control on a set up to {:.4g} m away from this scene's, whose body is {:.4g} m "
+                    "large; allowed is that of the same body in the same place",
+                    distance, diameter));
+}
+
+/// Of checkpoint.h5 of a run on another mesh, which is set up again from its scene.
 control::Control interpolated(const CheckpointReader& known, const control::ControlSpace& controls,
-                              const std::string& text, const fs::path& file, const std::string& key) {
+                              const scene::ControlKeys& keys, const std::string& text, const fs::path& file,
+                              const std::string& key) {
   std::optional<EarlierRun> run;
   try {
     run.emplace(controls.space().comm(), scene::parse(text, file.parent_path() / "scene.toml"));
@@ -132,24 +204,29 @@ control::Control interpolated(const CheckpointReader& known, const control::Cont
   if (run->mesh.dim() != controls.space().dim() || there != here)
     known.fail(fmt::format("found a control on a set of {} dimensions, allowed are {} as in this scene",
                            there, here));
+  const control::Interpolation to_here(run->controls, controls);
+  require_same_place(known, to_here, {controls, run->controls}, controls.space().mesh().diameter());
   const auto row = [&](int j, int rows) {
     if (j == 1)
-      require_fitting_time(in, controls, edges_of(in, text, rows, key, file));
+      if (const std::string problem = untimely(controls, edges_of(in, keys, rows)); !problem.empty())
+        in.fail(problem);
     return std::min(j, rows) - 1;
   };
-  const control::Control u = in.control("u", row);
-  return control::Interpolation(run->controls, controls)(u);
+  return to_here(in.control(name_in(in), row));
 }
 
-/// Of control.h5, where the value of a step stands at its end.
-control::Control as_stored(const control::ControlSpace& controls, const fs::path& folder,
-                           const std::string& key) {
+/// Of control.h5, where the value of a step stands at its end: `why` it is not read from checkpoint.h5.
+control::Control as_stored(const control::ControlSpace& controls, const scene::Control& here,
+                           const fs::path& folder, const std::string& key, const std::string& why) {
   const MPI_Comm comm = controls.space().comm();
-  const fs::path echo = folder / "scene.toml";
+  const fs::path echo = folder / "scene.toml", file = folder / "control.h5";
+  const auto fail = [&](const std::string& problem) {
+    throw UserError(fmt::format("{}: {}: {}", key, file.string(), problem));
+  };
   std::string scene;
   on_root(comm, [&] {
     std::error_code none;
-    if (!fs::is_regular_file(folder / "control.h5", none) || !fs::is_regular_file(echo, none))
+    if (!fs::is_regular_file(file, none) || !fs::is_regular_file(echo, none))
       throw UserError(
           fmt::format("{}: {} has neither a checkpoint.h5 nor a control.h5 of its run, allowed is the "
                       "folder of an optimize that left one",
@@ -161,12 +238,28 @@ control::Control as_stored(const control::ControlSpace& controls, const fs::path
                       key, folder.string()));
     scene = scene::read_file(echo);
   });
-  const double step = step_of(broadcast(comm, scene), key, echo), end = controls.grid().end();
-  StoredField stored(controls.space(), folder / "control.h5", "control", key, end, false);
+  const std::optional<scene::ControlKeys> keys = scene::control_keys(broadcast(comm, scene));
+  if (!keys || !(keys->time_step > 0))
+    throw UserError(
+        fmt::format("{}: {}: found no time.step, allowed is what a run left", key, echo.string()));
+  const std::vector<double> edges = edges_of(*keys);
+  for (const std::string& problem : {otherness(*keys, controls, here), untimely(controls, edges)})
+    if (!problem.empty())
+      fail(problem);
+  StoredField stored(controls.space(), file, "control", key, controls.grid().end(), false);
+  const double hair = rounding * keys->end;
   control::Control u = controls.zero();
   const petsc::Vector field = controls.field();
   for (int j = 1; j <= u.count(); ++j) {
-    stored.at(std::min(controls.begin(j) + controls.length(j) / 2 + step / 2, end), field);
+    const auto i = static_cast<std::size_t>(interval_at(edges, middle(controls, j)));
+    // The first step stored that is within the interval: others have the mean of several.
+    const auto step = std::ranges::lower_bound(stored.times(), edges[i] + keys->time_step - hair);
+    if (step == stored.times().end() || *step > edges[i + 1] + hair)
+      fail(fmt::format(
+          "found no step stored between {:.6g} and {:.6g} s, whose control is thus not known, and {}; "
+          "allowed is a run with a checkpoint (optimizer.checkpoint), or with output.every = 1",
+          edges[i], edges[i + 1], why));
+    stored.at(*step, field);
     controls.restrict(field, u.at(j));
   }
   return u;
@@ -174,8 +267,8 @@ control::Control as_stored(const control::ControlSpace& controls, const fs::path
 
 } // namespace
 
-control::Control stored_control(const control::ControlSpace& controls, const fs::path& folder,
-                                const std::string& key) {
+control::Control stored_control(const control::ControlSpace& controls, const scene::Control& scene,
+                                const fs::path& folder, const std::string& key) {
   const MPI_Comm comm = controls.space().comm();
   const fs::path file = folder / "checkpoint.h5";
   int there = 0;
@@ -184,17 +277,22 @@ control::Control stored_control(const control::ControlSpace& controls, const fs:
     there = fs::is_regular_file(file, none);
   }
   MPI_Bcast(&there, 1, MPI_INT, 0, comm);
-  if (there != 0) {
-    CheckpointReader in(controls, file, key);
-    if (is_of_the_run(in, folder, comm)) {
-      std::string scene;
-      in("scene", scene);
-      if (!in.matches_places())
-        return interpolated(in, controls, scene, file, key);
-      return as_it_was(in, controls, scene, key, file);
-    }
-  }
-  return as_stored(controls, folder, key);
+  if (there == 0)
+    return as_stored(controls, scene, folder, key, "there is no checkpoint.h5");
+  CheckpointReader in(controls, file, key);
+  if (!is_of_the_run(in, folder, comm))
+    return as_stored(controls, scene, folder, key, "checkpoint.h5 is of another run");
+  std::string text;
+  in("scene", text);
+  const std::optional<scene::ControlKeys> keys = scene::control_keys(text);
+  if (!keys)
+    in.fail("\"scene\" is damaged; allowed is a whole checkpoint");
+  if (const std::string problem = otherness(*keys, controls, scene); !problem.empty())
+    in.fail(problem);
+  const bool same_components = keys->components.size() == controls.components().size();
+  if (same_components && in.matches_places())
+    return as_it_was(in, controls, *keys);
+  return interpolated(in, controls, *keys, text, file, key);
 }
 
 } // namespace signorini::io

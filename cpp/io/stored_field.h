@@ -17,6 +17,9 @@ public:
   StoredField(const fem::Space& space, const std::filesystem::path& file, const std::string& field,
               const std::string& key, double end, bool at_start = true);
 
+  /// When it is stored, s, ascending.
+  [[nodiscard]] const std::vector<double>& times() const { return times_; }
+
   /// The field at time t (s), linear between two stored times, which are kept: cheap for monotonic t; before
   /// the first time the field there. Collective. Throws UserError if its values are damaged.
   void at(double t, Vec out);

@@ -61,12 +61,28 @@ std::map<std::string, std::string> posed(const std::string& scene, Part besides)
 
 } // namespace
 
-std::optional<double> time_step(const std::string& scene) {
+std::optional<ControlKeys> control_keys(const std::string& scene) {
+  toml::table root;
   try {
-    return toml::parse(scene)["time"]["step"].value<double>();
+    root = toml::parse(scene);
   } catch (const toml::parse_error&) {
     return std::nullopt;
   }
+  const toml::table* control = root["control"].as_table();
+  const std::optional<double> end = root["time"]["end"].value<double>();
+  if (!control || !end)
+    return std::nullopt;
+  ControlKeys keys{.scale = (*control)["scale"].value_or(1.0),
+                   .on = (*control)["on"].value_or(std::string()),
+                   .components = {},
+                   .constant_in_time = (*control)["constant_in_time"].value_or(false),
+                   .step = (*control)["step"].value_or(0.0),
+                   .time_step = root["time"]["step"].value_or(0.0),
+                   .end = *end};
+  if (const toml::array* components = (*control)["components"].as_array())
+    for (const toml::node& one : *components)
+      keys.components.push_back(one.value_or(std::string()));
+  return keys;
 }
 
 Difference difference(const std::string& first, const std::string& second, Part besides) {

@@ -2,11 +2,23 @@
 #pragma once
 #include "scene/key_reference.h"
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace signorini::scene {
 
-/// The time step of a resolved scene, s; absent if the text is none.
-std::optional<double> time_step(const std::string& scene);
+/// How the control of a resolved scene acts, and on which intervals it is constant.
+struct ControlKeys {
+  double scale = 1;
+  std::string on;                      ///< empty: the body
+  std::vector<std::string> components; ///< empty: all
+  bool constant_in_time = false;
+  double step = 0;      ///< s, of its own intervals; 0: the time steps
+  double time_step = 0; ///< s; 0: of varying length
+  double end = 0;       ///< s
+};
+/// Reads them; absent if the text is no resolved scene with a control.
+std::optional<ControlKeys> control_keys(const std::string& scene);
 
 /// A key in which two problems differ, as "key = value" of the first and of the second.
 struct Difference {

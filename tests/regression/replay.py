@@ -2,6 +2,7 @@
 """J of a simulation, and a control that an earlier run left: applied again, or gone on from, on other ranks and with other steps."""
 
 import json
+import re
 import shutil
 import sys
 import tempfile
@@ -123,6 +124,24 @@ def without_a_checkpoint(folder: Path) -> None:
     for setting in ({"mesh__degree": 2}, {"control__space": "cellwise"}, {"mesh__size": 0.5}, {"time__end": 1.2}):
         refused = attempt("simulate", BLOCK, again, **start, **setting)
         assert refused.returncode == 2 and "control.initial.run: " in refused.stderr, (setting, refused.stderr)
+    # What lies between stored steps is not known, unless the control is the same there.
+    some = {"optimizer__max_iterations": 2, "output__every": 7, "optimizer__checkpoint": 0}
+    between = "found no step stored between"
+    signorini("optimize", BLOCK, out, **some)
+    for setting, text in (({}, f"{between} 0 and 0.02 s, whose control is thus not known, and checkpoint.h5 is of another run"),
+                          ({"control__constant_in_time": True}, "found a control that changes in time, allowed is one that is constant"),
+                          ({"control__step": 0.3}, between)):  # fmt: skip
+        refused = attempt("simulate", BLOCK, again, **start, **setting)
+        assert refused.returncode == 2 and "control.h5: " in refused.stderr and text in refused.stderr, (setting, refused.stderr)
+    (out / "checkpoint.h5").unlink()
+    refused = attempt("simulate", BLOCK, again, 2, **start)
+    assert refused.returncode == 2 and "and there is no checkpoint.h5; allowed" in refused.stderr, refused.stderr
+    for setting in ({"control__constant_in_time": True}, {"control__step": 0.2}):  # within each interval a step is stored
+        signorini("optimize", BLOCK, out, **some, **setting)
+        for ranks in (1, 2):
+            signorini("simulate", BLOCK, again, ranks, **start, **setting)
+            assert objective(again)["control_cost"] > 0
+            same(objective(again), objective(out), ROUNDING if ranks == 1 else RANKS)
     killed = folder / "killed"  # such a search has left no run.json
     killed.mkdir()
     shutil.copy(folder / "optimum-0" / "checkpoint.h5", killed)
@@ -131,10 +150,64 @@ def without_a_checkpoint(folder: Path) -> None:
     print("without a checkpoint of its own a run's control is read from its fields")
 
 
+def of_another_kind(folder: Path) -> None:
+    """A control is that of the same components, group, scale and place, or it is refused; components that it lacks are zero."""
+    free = {"contact__obstacle__point": [0, -100], "load__body": ["0", "0"], "optimizer__start": "guess"}  # all momentum is the control's
+    optimum = {}
+    for name, settings in (("x", {"control__components": ["x"], "objective__desired": {"control": ["0.3", "0"]}}),
+                           ("xy", {}), ("top", {"control__on": "top"})):  # fmt: skip
+        optimum[name] = folder / name
+        signorini("optimize", BLOCK, optimum[name], **free, **settings, optimizer__max_iterations=2)
+    y = {"control__components": ["y"], "objective__desired": {"control": ["0", "-1"]}}
+    far = folder / "far.geo"
+    far.write_text(re.sub(r"= \{(\d, \d, 0)\}", r"= {10\1}", (SOURCE / "tests" / "data" / "square.geo").read_text()))
+    for number, (name, settings, text) in enumerate((
+        ("x", y, "checkpoint.h5: found a control of x, this scene's acts in y;"),
+        ("xy", y, "found a control of x, y, this scene's acts in y;"),
+        ("xy", y | {"mesh__size": 0.3}, "found a control of x, y, this scene's acts in y;"),
+        ("top", {"control__on": "left"}, 'found a control on "top", this scene\'s acts on "left"'),
+        ("top", {}, 'found a control on "top", this scene\'s acts on the body'),
+        ("xy", {"control__scale": 1e3}, "found a control with control.scale = 1, this scene has 1000"),
+        ("xy", {"mesh__file": str(far)}, "found a control on a set up to 100 m away"),
+        ("top", {"mesh__file": str(far), "control__on": "top"}, "found a control on a set up to 100 m away"),
+    )):  # fmt: skip
+        for ranks in (1, 2) if number in (0, 6) else (1,):
+            refused = attempt("simulate", BLOCK, folder / "refused", ranks, control__initial={"run": str(optimum[name])}, **free, **settings)
+            assert refused.returncode == 2 and "control.initial.run: " in refused.stderr and text in refused.stderr, (text, refused.stderr)
+            assert not (folder / "refused" / "run.json").exists()
+    for ranks in (1, 2):
+        for out, settings in (("as-x", {"control__components": ["x"], "objective__desired": {"control": ["0.3", "0"]}}), ("as-xy", {})):
+            signorini("simulate", BLOCK, folder / out, ranks, control__initial={"run": str(optimum["x"])}, **free, **settings)
+        a, b = table(folder / "as-xy" / "steps.csv"), table(folder / "as-x" / "steps.csv")
+        work = abs(b["external_work"]).max()  # of the control alone
+        assert work > 1e-5, work
+        for name in ("external_work", "kinetic_energy", "elastic_energy"):
+            assert np.allclose(a[name], b[name], rtol=0, atol=RANKS * work), name
+    print("a control of other components, on another group, in another unit or place is refused")
+
+
+def of_a_joint_search(folder: Path) -> None:
+    """Beside unknowns: with the fitted modulus the motion and J of the optimum again."""
+    data, optimum, again = folder / "data.csv", folder / "joint", folder / "again-joint"
+    tables = {"objective__desired": {"displacement": ["0.1*t", "-0.1"]}, "unknown": [{"of": "young", "start": 50.0}],
+              "measurement": [{"of": "displacement", "component": "y", "point": [0.5, 1], "file": str(data), "deviation": 0.01}]}  # fmt: skip
+    data.write_text("time,value\n" + "".join(f"{0.02 * k:.17g},{-0.03 * k:.17g}\n" for k in range(31)))
+    for settings in ({}, {"control__constant_in_time": True}, {"control__step": 0.1}):
+        signorini("optimize", BLOCK, optimum, **tables, **settings, optimizer__max_iterations=3)
+        young = table(optimum / "parameters.csv")["value"][0]
+        assert abs(young / 50 - 1) > 1e-3 and (table(optimum / "steps.csv")["active"] > 0).any()
+        for ranks in (1, 2):
+            signorini("simulate", BLOCK, again, ranks, material__young=float(young), control__initial={"run": str(optimum)},
+                      objective__desired=tables["objective__desired"], **settings)  # fmt: skip
+            assert objective(again)["control_cost"] > 0
+            same(objective(again), objective(optimum), RANKS)
+    print("the control of a search with unknowns is applied again")
+
+
 def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name).resolve()
-        for part in (of_every_kind, replayed, gone_on_from, without_a_checkpoint):
+        for part in (of_every_kind, replayed, gone_on_from, without_a_checkpoint, of_another_kind, of_a_joint_search):
             part(folder)
     return 0
 
