@@ -62,7 +62,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   if (!request.replace)
     folder.require_no_search(out);
   if (request.measure)
-    require_measurable(world(), scene, request.replace);
+    require_measurable(world(), scene, out, request.replace);
   Timers timers;
   const Problem problem(std::make_shared<const Discretisation>(world(), scene, timers, meshing), scene,
                         simulation_needs(scene), timers);
@@ -282,6 +282,7 @@ void require_no_order_of_a_fit(const scene::Scene& scene, const Request& request
 int run(const Request& request, const Console& console) {
   use_threads(world(), request.threads);
   const auto [scene, text, home] = read_scene(world(), request.scene, request.overrides);
+  print_doubts(doubts_about_series(world(), scene), console);
   require_no_order_of_a_fit(scene, request);
   require_size(scene, request);
   const std::filesystem::path out =

@@ -38,6 +38,30 @@ std::string headline(const Problem& problem) {
                      on.empty() ? "none" : on, problem.stepper.solver().choice());
 }
 
+std::vector<scene::TableDoubt> doubts_about_series(MPI_Comm comm, const scene::Scene& scene) {
+  std::vector<scene::TableDoubt> found;
+  for (const scene::NamedSeries& one : scene::time_series(scene)) {
+    std::string text;
+    on_root(comm, [&] { text = scene::read_file(one.file); });
+    for (scene::TableDoubt& doubt :
+         scene::doubts_as_input(scene::read_column(broadcast(comm, text), one.column), scene.time.end)) {
+      doubt.message = fmt::format("{}: {}: {}", one.key, one.file.string(), doubt.message);
+      found.push_back(std::move(doubt));
+    }
+  }
+  return found;
+}
+
+void print_doubts(const std::vector<scene::TableDoubt>& doubts, const Console& console) {
+  for (const scene::TableDoubt& doubt : doubts)
+    console.line("warning: " + doubt.message);
+}
+
+void add_doubts(io::Manifest& manifest, const std::vector<scene::TableDoubt>& doubts) {
+  for (const scene::TableDoubt& doubt : doubts)
+    manifest.warnings.push_back({"table", doubt.message, doubt.value, doubt.limit});
+}
+
 io::Manifest manifest(const Problem& problem, const std::string& verb, const std::string& stop_reason,
                       int steps_done) {
   io::Manifest m;
@@ -68,6 +92,7 @@ io::Manifest manifest(const Problem& problem, const std::string& verb, const std
     m.control_unit =
         control->on && problem.mesh.group_dimension(*control->on, "control.on") < problem.mesh.dim() ? "N/m²"
                                                                                                      : "N/m³";
+  add_doubts(m, doubts_about_series(problem.space.comm(), problem.scene));
   m.solver = problem.stepper.solver().choice();
   m.peak_memory = peak_memory();
   MPI_Allreduce(MPI_IN_PLACE, &m.peak_memory, 1, MPI_DOUBLE, MPI_SUM, problem.space.comm());
@@ -95,9 +120,10 @@ void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Ru
     if (run.watched() && !(defect.worst <= run.tolerance))
       console.line(fmt::format("warning: {} is {:.2e} at step {}, allowed is {:.0e} (run.tolerance)",
                                defect.name, defect.worst, defect.step, run.tolerance));
-  manifest.warnings = recorder.warnings();
-  for (const forward::Warning& warning : manifest.warnings)
+  for (forward::Warning& warning : recorder.warnings()) {
     console.line("warning: " + warning.message);
+    manifest.warnings.push_back(std::move(warning));
+  }
 }
 
 } // namespace signorini

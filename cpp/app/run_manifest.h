@@ -3,6 +3,7 @@
 #include "app/motion_writer.h"
 #include "io/manifest.h"
 #include "io/output_folder.h"
+#include "scene/table.h"
 
 /// Output common to the verbs that write results.
 namespace signorini {
@@ -17,6 +18,13 @@ std::string body_lines(const Problem& problem);
 
 /// The run about to be made, in words. Collective.
 std::string headline(const Problem& problem);
+
+/// Doubts about the tables that a scene reads its time series from. Collective. Throws UserError.
+std::vector<scene::TableDoubt> doubts_about_series(MPI_Comm comm, const scene::Scene& scene);
+/// Prints doubts about tables as warnings.
+void print_doubts(const std::vector<scene::TableDoubt>& doubts, const Console& console);
+/// Adds them to the warnings of run.json.
+void add_doubts(io::Manifest& manifest, const std::vector<scene::TableDoubt>& doubts);
 
 /// The part of run.json that is common to all runs. Collective.
 io::Manifest manifest(const Problem& problem, const std::string& verb, const std::string& stop_reason,

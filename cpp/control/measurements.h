@@ -3,7 +3,7 @@
 #include "adjoint/parameter_sweep.h"
 #include "fem/sampler.h"
 #include "forward/tangents.h"
-#include "scene/scene.h"
+#include "scene/table.h"
 #include <array>
 #include <span>
 #include <string>
@@ -14,6 +14,7 @@ namespace signorini::control {
 /// What was measured of one quantity: values in SI at ascending times.
 struct Data {
   std::vector<double> times, values, deviations; ///< s; deviations are standard
+  std::vector<scene::TableDoubt> doubts{};       ///< about the table that they come from
 };
 
 /// The quantities that a scene measures (docs/method.md section 10), along a motion and its derivatives by

@@ -2,29 +2,47 @@
 #include "io/fit_tables.h"
 #include "base/collective.h"
 #include "base/error.h"
-#include "scene/time_series.h"
+#include "scene/table.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <iterator>
 
 namespace signorini::io {
 namespace {
 
 /// Throws UserError unless all times are within the motion, up to rounding.
-void require_within(const control::Data& data, double end) {
+void require_within(const control::Data& data, double end, const std::string& hint) {
   const double hair = 1e-9 * end;
   for (const double t : {data.times.front(), data.times.back()})
     if (t < -hair || t > end + hair)
-      throw UserError(
-          fmt::format("found the time {:.10g} s, allowed are times of the motion, 0 to {:.10g} s", t, end));
+      throw UserError(fmt::format(
+          "found the time {:.10g} s, allowed are times of the motion, 0 to {:.10g} s{}", t, end, hint));
+}
+
+/// The units that a measured quantity may have.
+std::vector<std::string> units(scene::Quantity of) {
+  switch (of) {
+  case scene::Quantity::displacement:
+    return {"m"};
+  case scene::Quantity::velocity:
+    return {"m/s"};
+  case scene::Quantity::force:
+    return {"N", "N/m"}; // in the plane
+  case scene::Quantity::impulse:
+    return {"N s", "N s/m"};
+  default: // of the whole contact, in no table
+    return {};
+  }
 }
 
 control::Data data_of(const scene::Measurement& measurement, const std::string& text, double end) {
-  const scene::TimeSeries series(text, measurement.column);
-  control::Data data{.times = series.times(), .values = series.values(), .deviations = {}};
-  require_within(data, end);
+  const scene::TableColumn given = scene::read_column(text, measurement.column, units(measurement.of));
+  control::Data data{.times = given.times,
+                     .values = given.values,
+                     .deviations = {},
+                     .doubts = scene::doubts_as_data(given, end)};
+  require_within(data, end, scene::unit_hint(given));
   double deviation = measurement.deviation.value_or(0);
   if (measurement.noise) {
     for (const double value : data.values)
@@ -36,9 +54,9 @@ control::Data data_of(const scene::Measurement& measurement, const std::string& 
   if (deviation > 0) {
     data.deviations.assign(data.values.size(), deviation);
   } else {
-    if (!scene::TimeSeries::has_column(text, column))
+    if (!scene::has_column(text, column))
       throw UserError("found no column \"deviation\", allowed is one, or the key deviation or noise");
-    data.deviations = scene::TimeSeries(text, column).values();
+    data.deviations = scene::read_column(text, column, units(measurement.of)).values;
     if (std::ranges::any_of(data.deviations, [](double x) { return !(x > 0); }))
       throw UserError("found a deviation of 0 or less, allowed are numbers greater than 0");
   }
@@ -66,6 +84,8 @@ std::vector<control::Data> read_data(MPI_Comm comm, const scene::Scene& scene) {
     text = broadcast(comm, text);
     try {
       all.back() = data_of(measurement, text, scene.time.end);
+      for (scene::TableDoubt& doubt : all.back().doubts)
+        doubt.message = fmt::format("{}: {}: {}", key, measurement.file->string(), doubt.message);
     } catch (const UserError& error) {
       throw UserError(fmt::format("{}: {}: {}", key, measurement.file->string(), error.what()));
     }
@@ -75,7 +95,10 @@ std::vector<control::Data> read_data(MPI_Comm comm, const scene::Scene& scene) {
 
 std::string data_table(const std::vector<double>& times, const std::vector<std::string>& names,
                        const std::vector<std::vector<double>>& columns) {
-  std::string text = fmt::format("time,{}\n", fmt::join(names, ","));
+  std::string text = "time";
+  for (const std::string& name : names)
+    text += name.find_first_of(",;\t") == std::string::npos ? "," + name : ",\"" + name + '"';
+  text += '\n';
   for (std::size_t k = 0; k < times.size(); ++k) {
     fmt::format_to(std::back_inserter(text), "{:.17g}", times[k]);
     for (const std::vector<double>& column : columns)

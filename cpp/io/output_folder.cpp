@@ -61,6 +61,11 @@ void clear_unfinished(const fs::path& folder) {
 
 } // namespace
 
+bool OutputFolder::writes(std::string_view name) {
+  return std::ranges::find(file_names, name) != file_names.end() || name == checkpoint ||
+         name.starts_with(unfinished);
+}
+
 OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder, std::string_view given)
     : comm_(comm), folder_(fs::absolute(folder)) {
   std::string staging;

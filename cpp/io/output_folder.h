@@ -23,6 +23,9 @@ public:
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
+  /// Whether runs write files of that name into their folders.
+  [[nodiscard]] static bool writes(std::string_view name);
+
   /// The path at which to write the file `name` until publish().
   [[nodiscard]] std::filesystem::path staged(const std::string& name) const { return staging_ / name; }
 

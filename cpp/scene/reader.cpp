@@ -2,7 +2,10 @@
 #include "scene/reader.h"
 #include "base/error.h"
 #include "scene/expression.h"
+#include "scene/key_reference.h"
 #include "scene/kinds.h"
+#include "scene/table.h"
+#include "scene/units.h"
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -226,6 +229,16 @@ bool Reader::flag(const std::string& key) {
   return value->get();
 }
 
+namespace {
+
+/// The units of a key's values; none if they have no fixed unit.
+std::vector<std::string> units(const std::string& key) {
+  const auto line = std::ranges::find(keys(), without_numbers(key), &KeyLine::name);
+  return line != keys().end() && unit(line->unit) ? std::vector{line->unit} : std::vector<std::string>();
+}
+
+} // namespace
+
 Expression Reader::series(const toml::table& table, const std::string& key, std::optional<double> end) const {
   if (!end)
     fail(key, fmt::format("found {}, allowed are expressions of place alone", shown(table)));
@@ -238,9 +251,12 @@ Expression Reader::series(const toml::table& table, const std::string& key, std:
       std::filesystem::weakly_canonical(std::filesystem::absolute(source_.file).parent_path() / given, error);
   if (error)
     fail(key, fmt::format("found a path that cannot be followed ({}), allowed is another", error.message()));
+  std::string hint;
   const auto made = [&] {
     try {
-      return TimeSeries(source_.open(file), column);
+      const std::string content = source_.open(file);
+      hint = unit_hint(read_column(content, column, units(full(key))));
+      return TimeSeries(content, column);
     } catch (const UserError& problem) {
       fail(key, fmt::format("{}: {}", given.string(), problem.what()));
     }
@@ -249,8 +265,8 @@ Expression Reader::series(const toml::table& table, const std::string& key, std:
   if (made.begin() > rounding * *end || made.end() < (1 - rounding) * *end)
     fail(key,
          fmt::format("{}: found times from {:.6g} to {:.6g} s, allowed are those that cover the run, from 0 "
-                     "to {:.6g} s",
-                     given.string(), made.begin(), made.end(), *end));
+                     "to {:.6g} s{}",
+                     given.string(), made.begin(), made.end(), *end, hint));
   return {fmt::format("{{ file = {}, column = {} }}", kind::written(file.string()), kind::written(column)),
           made};
 }

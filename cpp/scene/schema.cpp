@@ -213,7 +213,9 @@ Keys<StoredControl> keys_of(Of<StoredControl>) {
   return {required(
       "run", &StoredControl::folder, Path{}, "",
       "in place of expressions: the folder of an earlier `optimize`, relative to the scene file, of the same "
-      "body on any mesh with any steps; interpolated where they are others",
+      "body in the same place, with the same `control.scale`, `control.on` and no other components, on any "
+      "mesh "
+      "with any steps; interpolated where they are others",
       {.part = Part::none})};
 }
 
@@ -381,7 +383,9 @@ Keys<Measurement> keys_of(Of<Measurement>) {
       value("component", &Measurement::component, Choice<Component>{}, "", "of the quantity",
             {.otherwise = "required where fitted"}),
       value("file", &Measurement::file, Path{}, "",
-            "CSV of its own times and values, relative to the scene file; `simulate --measure` writes it",
+            "CSV of its own times and values, relative to the scene file; `simulate --measure` writes it; "
+            "names of columns "
+            "may end with units, as `time [ms]`",
             {.otherwise = "required where fitted", .part = Part::none}),
       value("column", &Measurement::column, Text{"text"}, "", "of the values in the file"),
       value("value", &Measurement::value, Number{above_zero}, "s or N", "of what is compared",

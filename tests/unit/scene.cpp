@@ -5,11 +5,15 @@
 #include "scene/compatibility.h"
 #include "scene/expression.h"
 #include "scene/names.h"
+#include "scene/table.h"
+#include "scene/units.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
 #include <fmt/format.h>
 #include <fstream>
 #include <set>
+#include <string_view>
 #include <tuple>
 #include <unistd.h>
 
@@ -209,8 +213,92 @@ TEST_CASE("a time series is linear between its times", "[scene]") {
         {"t;v\n0;1\n1;2,5\n", "v", "found \"2,5\""},
         {"t,v\n0,1\n1,inf\n", "v", "found \"inf\""},
         {"t,v\n0,1\n", "v", "found 1 line of numbers"},
-        {"", "v", "found 0 lines"}})
-    CHECK_THROWS_WITH(scene::TimeSeries(text, column), ContainsSubstring(problem));
+        {"", "v", "found 0 lines"},
+        {"t,v\n0,0\n0,0,-1,5\n", "v", "line 3: found 4 cells below 2 names"}, // decimal commas
+        {"t,v,w\n0,0,1\n1,-1,000,1\n", "v", "line 3: found 4 cells below 3 names"},
+        {"t,v\n0,0\n1,\"-1,000\"\n", "v", "line 3: found \"-1,000\" in column 2"},
+        {"t,v\n0,0\n1,\"-1\n", "v", "line 3: found \"\"-1\" in column 2"},
+        {"t,v,v\n0,0,1\n1,1,2\n", "v", "found \"v\" in column 2 and \"v\" in column 3"},
+        {"t,v,t\n0,0,1\n1,1,2\n", "v", "found \"t\" in column 1 and \"t\" in column 3"},
+        {"t,v [mm],v [m]\n0,0,1\n1,1,2\n", "v", "found \"v [mm]\" in column 2 and \"v [m]\" in column 3"},
+        {"v,w\n0,0\n1,1\n", "v", "no column of times"},
+        {"t,v [mV]\n0,0\n1,1\n", "v", "unknown unit in \"v [mV]\""},
+        {"t,v [s]\n0,0\n1,1\n", "v", "\"v [s]\", which cannot be converted to m"},
+        {"time [mm],v\n0,0\n1,1\n", "v", "times in the unit of \"time [mm]\""},
+        {"stamp [ticks],v\n0,0\n1,1\n", "v", "times in the unit of \"stamp [ticks]\""}})
+    CHECK_THROWS_WITH(scene::read_column(text, column, {"m"}), ContainsSubstring(problem));
+}
+
+TEST_CASE("columns are converted by the units of their names", "[scene]") {
+  for (const char* text :
+       {"time [ms],x [mm]\n0,5\n250,7\n", "x (mm);t (ms)\n5;0\n7;250\n",
+        "\"Zeit [ms]\",\"x [mm]\"\n0,\"5\"\n250,\"7\"\n", "Time [min],x [um]\n0,5e3\n0.25e0,7e3\n",
+        "x [mm],TIME (ms)\n5,0,\n7,250,\n"}) { // a separator at the end is no cell
+    INFO(text);
+    const scene::TableColumn column = scene::read_column(text, "x", {"m"});
+    CHECK((column.times.front() == 0 && scene::unit_hint(column).empty()));
+    CHECK(std::abs(column.times.back() - (std::string_view(text).starts_with("Time [min") ? 15 : 0.25)) <
+          1e-15);
+    CHECK(std::abs(column.values.front() - 5e-3) < 1e-17);
+    CHECK(std::abs(column.values.back() - 7e-3) < 1e-17);
+    CHECK(scene::TimeSeries(text, "x").values() == column.values);
+    CHECK((scene::has_column(text, "x") && !scene::has_column(text, "y")));
+  }
+  // A name that matches whole is that name, whose values are as they are; it is said.
+  const scene::TableColumn whole = scene::read_column("t,x [mm]\n0,5\n1,7\n", "x [mm]", {"m"});
+  CHECK(whole.values == std::vector<double>{5, 7});
+  CHECK_THAT(scene::doubts_as_input(whole, 1).at(0).message, ContainsSubstring("column = \"x\" converts it"));
+  CHECK(scene::doubts_as_data(whole, 1).size() == 1);
+  CHECK(scene::doubts_as_input(scene::read_column("t,x [1]\n0,5\n1,7\n", "x [1]"), 1).empty());
+  // Of both names the one that matches whole counts, and a bracket within a name is part of it.
+  CHECK(scene::TimeSeries("t,x [mm],x\n0,5,8\n1,7,9\n", "x").values() == std::vector<double>{8, 9});
+  CHECK(scene::TimeSeries("t,x (filtered)\n0,5\n1,7\n", "x (filtered)").values() ==
+        std::vector<double>{5, 7});
+  for (const auto& [text, factor, dimension] : {std::tuple{"kN/mm^2", 1e9, std::array{-1, 1, -2}},
+                                                {"N/mm\u00b2", 1e6, std::array{-1, 1, -2}},
+                                                {"MPa", 1e6, std::array{-1, 1, -2}},
+                                                {"m/s\u00b2", 1.0, std::array{1, 0, -2}},
+                                                {"km/h", 1 / 3.6, std::array{1, 0, -1}},
+                                                {"N s", 1.0, std::array{1, 1, -1}},
+                                                {"mN\u00b7s", 1e-3, std::array{1, 1, -1}},
+                                                {"g/cm^3", 1e3, std::array{-3, 1, 0}},
+                                                {"1/ms", 1e3, std::array{0, 0, -1}},
+                                                {"m s^-1", 1.0, std::array{1, 0, -1}},
+                                                {"\u00b5s", 1e-6, std::array{0, 0, 1}}}) {
+    INFO(text);
+    const auto found = scene::unit(text);
+    REQUIRE(found);
+    CHECK(std::abs(found->factor / factor - 1) < 1e-14);
+    CHECK(found->dimension == dimension);
+  }
+  for (const char* none : {"", "mV", "kmin", "m//s", "m/", "/s", "m^", "m^x", "x", "5", "s2s"})
+    CHECK_FALSE(scene::unit(none));
+}
+
+TEST_CASE("a table that a run hardly uses is doubted", "[scene]") {
+  using Text = std::string;
+  const auto table = [](const Text& names, double last, int rows) {
+    Text text = names + "\n";
+    for (int i = 0; i < rows; ++i)
+      text += fmt::format("{},{}\n", last * i / (rows - 1), i);
+    return scene::read_column(text, "v");
+  };
+  const auto one = [](const std::vector<scene::TableDoubt>& doubts, const char* text, double value) {
+    REQUIRE(doubts.size() == 1);
+    CHECK_THAT(doubts.front().message, ContainsSubstring(text));
+    CHECK(std::abs(doubts.front().value / value - 1) < 1e-12);
+    CHECK(doubts.front().value > doubts.front().limit);
+  };
+  one(scene::doubts_as_input(table("t,v", 10, 11), 0.5), "uses one of 10 intervals", 10);
+  one(scene::doubts_as_input(table("t,v", 10, 11), 1), "a column \"t [ms]\" is converted", 10);
+  CHECK(scene::doubts_as_input(table("t,v", 10, 11), 1.5).empty());
+  one(scene::doubts_as_input(table("t,v", 1000, 100'001), 0.5), "less than a thousandth of the table", 2000);
+  CHECK(scene::doubts_as_input(table("t [s],v", 1000, 100'001), 0.5).empty());
+  CHECK(scene::doubts_as_input(table("t,v", 1, 2), 0.5).empty()); // all that it has
+  one(scene::doubts_as_data(table("t,v", 1, 11), 1.2), "the data end at 1 s, the run at 1.2 s", 2);
+  CHECK(scene::doubts_as_data(table("t,v", 1, 11), 1.1).empty()); // sampled as densely
+  one(scene::doubts_as_data(table("t,v", 1e-3, 11), 2), "less than a thousandth of the run's 2 s", 2000);
+  one(scene::doubts_as_data(table("t [s],v", 1e-3, 11), 2), "nothing is fitted to the rest", 19990);
 }
 
 TEST_CASE("a time series stands where an expression of time may", "[scene]") {
@@ -235,6 +323,11 @@ TEST_CASE("a time series stands where an expression of time may", "[scene]") {
     CHECK(echo.find("column = \"v\"") != std::string::npos);
     const auto again = scene::parse(echo, file, {}, [](const auto&) { return "t,v\n0,1\n1,3\n"; });
     CHECK(scene::echo(again, 2) == echo);
+    const std::vector<scene::NamedSeries> found = scene::time_series(scene);
+    CHECK(found.size() == (setting.find("radius") == std::string::npos ? 1 : 2));
+    CHECK((found.at(0).file == std::filesystem::weakly_canonical(file.parent_path() / "a.csv") &&
+           found.at(0).column == "v"));
+    CHECK(setting.starts_with(found.at(0).key.substr(0, found.at(0).key.find_first_of(".["))));
     CHECK(scene.digest_of_series != made(setting, "t,v\n0,1\n1,4\n").digest_of_series);
     CHECK_THROWS_WITH(made(setting, "t,v\n0,1\n0.5,3\n"),
                       ContainsSubstring("from 0 to 0.5 s") && ContainsSubstring("0 to 0.6 s"));
@@ -247,6 +340,10 @@ TEST_CASE("a time series stands where an expression of time may", "[scene]") {
   CHECK((value[0] == 0 && value[1] == 1.5));
   CHECK((!load.slope(0, 0.25, true) && load.slope(1, 0.25, true) == 2));
   CHECK_THROWS_WITH(made("initial.velocity=" + pair), ContainsSubstring("place alone"));
+  CHECK_THROWS_WITH(made("load.gravity=" + pair, "t,v [kN]\n0,1\n1,3\n"),
+                    ContainsSubstring("load.gravity: ") && ContainsSubstring("cannot be converted to m/s²"));
+  CHECK(made("load.body=" + pair, "t [ms],v [kN/m^3]\n0,1\n1e3,3\n").load->body->back().series->values() ==
+        std::vector<double>{1e3, 3e3});
   CHECK_THROWS_WITH(made("load.body=[0, {file = \"a.csv\"}]"),
                     ContainsSubstring("load.body.column: missing"));
   CHECK_THROWS_WITH(made("load.body=[0, {file = \"a.csv\", colum = \"v\"}]"),

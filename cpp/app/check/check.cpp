@@ -3,6 +3,7 @@
 #include "app/check/derivative_check.h"
 #include "app/check/evaluation_point.h"
 #include "app/check/fit_check.h"
+#include "app/run_manifest.h"
 #include "base/error.h"
 #include "forward/invariants.h"
 #include <algorithm>
@@ -100,6 +101,7 @@ bool check_scene(const Problem& problem, const Console& console) {
     console.line("The scene has no contact: what follows checks a linear problem.");
   if (!scene.unknowns.empty()) {
     const FitProblem fit(problem.discretisation, scene, problem.timers);
+    print_doubts(fit.doubts(), console);
     check_fit(fit, problem.stepper.solver().tolerance(), console, rows);
     const scene::Scene start = fit.scene_at(fit.start());
     const Problem started(problem.discretisation, start, check_needs(scene), problem.timers);

@@ -222,6 +222,7 @@ int fit_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   console.line(fmt::format("fit of {} unknown{} to {} values of {} measurement{}", scene.unknowns.size(),
                            scene.unknowns.size() == 1 ? "" : "s", fit.count(), scene.measurements.size(),
                            scene.measurements.size() == 1 ? "" : "s"));
+  print_doubts(fit.doubts(), console);
   Search search(fit, folder, console);
   const optimize::GaussNewtonResult end = search.run(resume);
 
@@ -246,6 +247,7 @@ int fit_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   for (const std::string& line : outcome_lines(result))
     console.line(line);
   io::Manifest m = manifest(problem, "optimize", stop_words(end.stop), problem.steps());
+  add_doubts(m, fit.doubts());
   add_watched(m, recorder, scene.run, console);
   m.iterations = end.last.number;
   m.forward_sweeps = fit.sweeps();

@@ -71,6 +71,13 @@ std::vector<std::vector<double>> FitProblem::times() const {
   return times;
 }
 
+std::vector<scene::TableDoubt> FitProblem::doubts() const {
+  std::vector<scene::TableDoubt> all;
+  for (const control::Data& one : data_)
+    all.insert(all.end(), one.doubts.begin(), one.doubts.end());
+  return all;
+}
+
 std::vector<double> FitProblem::residuals(const std::vector<double>& simulated,
                                           std::span<const double> x) const {
   std::vector<double> r;

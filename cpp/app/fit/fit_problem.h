@@ -54,6 +54,8 @@ public:
   [[nodiscard]] Gradient value(std::span<const double> x) const;
 
   [[nodiscard]] const std::vector<control::Data>& data() const { return data_; }
+  /// Doubts about their tables.
+  [[nodiscard]] std::vector<scene::TableDoubt> doubts() const;
   /// Values of all measurements.
   [[nodiscard]] std::size_t count() const { return count_; }
   /// Times at which each measurement has values, s.

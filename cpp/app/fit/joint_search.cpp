@@ -181,6 +181,7 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   console.line(headline(base));
   const ControlProblem control(base, console);
   const FitProblem fit(base.discretisation, scene, timers);
+  print_doubts(fit.doubts(), console);
   JointVector guess(control.first_guess(scene), fit.start());
   control.controls.project(guess.u);
   JointProblem joint(fit, control, guess, timers);
@@ -209,6 +210,7 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   for (const std::string& line : outcome_lines(result))
     console.line(line);
   io::Manifest m = manifest(joint.problem(), "optimize", optimize::name(end.stop), joint.problem().steps());
+  add_doubts(m, fit.doubts());
   add_watched(m, recorder, scene.run, console);
   m.objective = joint.value().control;
   m.iterations = log.iterations();

@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/fit/synthetic_data.h"
 #include "base/collective.h"
+#include "base/digest.h"
 #include "base/error.h"
 #include "io/fit_tables.h"
+#include "io/output_folder.h"
+#include "scene/table.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
 #include <map>
 #include <random>
+#include <unistd.h>
+#include <utility>
 
 namespace signorini {
+namespace fs = std::filesystem;
+
 namespace {
 
 std::vector<double> ends_of_steps(const scene::Time& time) {
@@ -20,30 +27,104 @@ std::vector<double> ends_of_steps(const scene::Time& time) {
   return times;
 }
 
-/// Writes files, all of them or none but for a failure between two renames. Throws UserError.
-void write_files(const std::map<std::filesystem::path, std::string>& files) {
-  const auto part = [](const std::filesystem::path& file) {
-    return std::filesystem::path(file.string() + ".part");
-  };
-  std::error_code error;
-  for (const auto& [file, text] : files) {
-    std::filesystem::create_directories(file.parent_path(), error);
-    std::ofstream out(part(file), std::ios::binary);
-    out << text << std::flush;
-    if (out)
-      continue;
-    for (const auto& [other, ignored] : files)
-      std::filesystem::remove(part(other), error);
-    throw UserError(fmt::format(
-        "{}: the data cannot be written there, allowed is a folder that can be written", file.string()));
+constexpr const char* author = "signorini simulate --measure";
+
+fs::path note_of(const fs::path& file) { return file.string() + ".measured"; }
+
+/// The digests in a note, empty without one: of the file as it was written, and of the one that it replaced.
+/// A process that is killed between note and file thus leaves a file that the note knows.
+std::vector<std::string> digests_in(const fs::path& note) {
+  std::vector<std::string> digests;
+  std::ifstream in(note, std::ios::binary);
+  std::string line;
+  if (!std::getline(in, line) || line.find(author) == std::string::npos)
+    return {};
+  while (std::getline(in, line))
+    if (!line.starts_with('#'))
+      digests.push_back(line);
+  return digests;
+}
+
+std::string digest_of(const fs::path& file) { return Digest().add(scene::read_file(file)).text(); }
+
+/// Writes a file beside its place, under a name that no other process takes. Throws UserError.
+fs::path staged(const fs::path& file, const std::string& text) {
+  const fs::path part = file.parent_path() / fmt::format(".{}.{}", file.filename().string(), getpid());
+  std::ofstream out(part, std::ios::binary);
+  out << text << std::flush;
+  if (out)
+    return part;
+  std::error_code ignored;
+  fs::remove(part, ignored);
+  throw UserError(fmt::format("{}: the data cannot be written there, allowed is a folder that can be written",
+                              file.string()));
+}
+
+/// Writes files and their notes, all of them or none but for a failure between two renames. Throws UserError.
+void write_files(const std::map<fs::path, std::string>& files) {
+  std::vector<std::pair<fs::path, fs::path>> moves; // in this order: the note precedes its file
+  try {
+    for (const auto& [file, text] : files) {
+      std::error_code error;
+      fs::create_directories(file.parent_path(), error);
+      std::string note = fmt::format("# {} as {} wrote it, and as it was before.\n"
+                                     "# --replace overwrites it while its digest is one of these.\n{}\n",
+                                     file.filename().string(), author, Digest().add(text).text());
+      if (fs::exists(file))
+        note += digest_of(file) + '\n';
+      moves.emplace_back(staged(note_of(file), note), note_of(file));
+      moves.emplace_back(staged(file, text), file);
+    }
+  } catch (const UserError&) {
+    std::error_code ignored;
+    for (const auto& [part, place] : moves)
+      fs::remove(part, ignored);
+    throw;
   }
-  for (const auto& [file, text] : files)
-    std::filesystem::rename(part(file), file);
+  for (const auto& [part, place] : moves)
+    fs::rename(part, place);
+}
+
+/// Throws UserError unless a file may be written.
+void require_ours(const fs::path& file, const scene::Scene& scene, const fs::path& out, bool replace) {
+  std::error_code none;
+  if (fs::weakly_canonical(file.parent_path(), none) == fs::weakly_canonical(fs::absolute(out), none) &&
+      io::OutputFolder::writes(file.filename().string()))
+    throw UserError(fmt::format(
+        "--measure: {} is a file of the run itself; allowed is another measurement.file", file.string()));
+  const fs::path note = note_of(file);
+  const std::vector<std::string> known = digests_in(note);
+  if (known.empty() && fs::exists(fs::symlink_status(note, none)))
+    throw UserError(fmt::format(
+        "--measure: {} is in the way of the note beside the data; allowed is to move it", note.string()));
+  if (!fs::exists(fs::symlink_status(file, none)))
+    return;
+  if (!replace)
+    throw UserError(
+        fmt::format("--measure: {} is there already and stays as it is: a fit takes these data; allowed "
+                    "with --replace",
+                    file.string()));
+  for (const scene::NamedSeries& series : scene::time_series(scene))
+    if (fs::equivalent(series.file, file, none))
+      throw UserError(fmt::format("--measure: {} is a table that the scene reads; allowed is another "
+                                  "measurement.file",
+                                  file.string()));
+  if (known.empty() || !fs::is_regular_file(file, none))
+    throw UserError(
+        fmt::format("--measure: {} was not written by simulate --measure (there is no {}), and stays as "
+                    "it is; allowed is another measurement.file, or to move it",
+                    file.string(), note.filename().string()));
+  if (std::ranges::find(known, digest_of(file)) == known.end())
+    throw UserError(
+        fmt::format("--measure: {} has changed since simulate --measure wrote it, and stays as it is; "
+                    "allowed is another measurement.file, or to move it",
+                    file.string()));
 }
 
 } // namespace
 
-void require_measurable(MPI_Comm comm, const scene::Scene& scene, bool replace) {
+void require_measurable(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
+                        bool replace) {
   if (std::ranges::none_of(scene.measurements, &scene::Measurement::fitted))
     throw UserError("--measure: found a scene without measurements of values, allowed with [[measurement]]");
   std::map<std::filesystem::path, std::vector<std::string>> columns;
@@ -55,6 +136,11 @@ void require_measurable(MPI_Comm comm, const scene::Scene& scene, bool replace) 
       throw UserError(fmt::format("--measure: {} has neither deviation nor noise, allowed with one of them",
                                   scene::measurement_key(i)));
     std::vector<std::string>& names = columns[*one.file];
+    if (one.column == "time")
+      throw UserError(
+          fmt::format("--measure: {}.column: found \"time\", which is the column of times, allowed is "
+                      "another",
+                      scene::measurement_key(i)));
     if (std::ranges::find(names, one.column) != names.end())
       throw UserError(fmt::format("--measure: {}.column: found \"{}\", which another measurement has in the "
                                   "same file, allowed is another",
@@ -63,8 +149,7 @@ void require_measurable(MPI_Comm comm, const scene::Scene& scene, bool replace) 
   }
   on_root(comm, [&] {
     for (const auto& [file, names] : columns)
-      if (!replace && std::filesystem::exists(file))
-        throw UserError(fmt::format("--measure: {} is there already, allowed with --replace", file.string()));
+      require_ours(file, scene, out, replace);
   });
 }
 

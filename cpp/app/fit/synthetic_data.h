@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "control/measurements.h"
+#include <filesystem>
 #include <string>
 #include <vector>
 
 namespace signorini {
 
-/// Throws UserError unless the files of a scene's measurements can be made by a simulation: each measurement
-/// has a deviation, and no file is there yet unless it may be replaced. Collective.
-void require_measurable(MPI_Comm comm, const scene::Scene& scene, bool replace);
+/// Throws UserError unless a simulation into the folder `out` can write the files of a scene's measurements:
+/// each measurement has a deviation, and each file is absent or, with `replace`, as SyntheticData::write()
+/// left it. Files that the run itself reads or writes are refused. Collective.
+void require_measurable(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
+                        bool replace);
 
 /// Data for a fit from a simulation: what the scene's measurements are at the ends of all steps. All members
 /// collective.
@@ -20,8 +23,9 @@ public:
   /// Takes the frame after the last one, from frame 0 on.
   void observe(const forward::Frame& frame) { measurements_.observe(frame); }
 
-  /// Writes the files with normal noise of the deviations that the scene says, by a seed; 0: none. Returns
-  /// what was written, in words. Throws UserError.
+  /// Writes the files with normal noise of the deviations that the scene says, by a seed; 0: none. Beside
+  /// each goes a note, FILE.measured, with its digest and that of the file that it replaces. Returns what was
+  /// written, in words. Throws UserError.
   [[nodiscard]] std::vector<std::string> write(int seed) const;
 
 private:

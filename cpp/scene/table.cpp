@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/table.h"
+#include "base/error.h"
+#include "scene/names.h"
+#include "scene/schema.h"
+#include "scene/units.h"
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <optional>
+#include <string_view>
+#include <toml++/toml.hpp>
+
+namespace signorini::scene {
+namespace {
+
+constexpr std::string_view blanks = " \t\r";
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(blanks);
+  return first == std::string_view::npos ? std::string_view()
+                                         : text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+/// Calls visit(c, i) for the characters of a line that are in no quoted cell.
+template <class Visit>
+void outside_quotes(std::string_view line, Visit&& visit) {
+  bool quoted = false, start = true; // of a cell: a quote within one is part of its text
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (c == '"' && (quoted || start)) {
+      quoted = !quoted;
+    } else if (!quoted) {
+      visit(c, i);
+      start = c == ',' || c == ';' || c == '\t' || (start && c == ' ');
+    }
+  }
+}
+
+/// The cells of a line without blanks and quotes around them.
+std::vector<std::string_view> cells(std::string_view line, char separator) {
+  std::vector<std::string_view> found;
+  std::size_t start = 0;
+  const auto add = [&](std::size_t end) {
+    std::string_view cell = trimmed(line.substr(start, end - start));
+    if (cell.size() > 1 && cell.starts_with('"') && cell.ends_with('"'))
+      cell = trimmed(cell.substr(1, cell.size() - 2));
+    found.push_back(cell);
+    start = end + 1;
+  };
+  outside_quotes(line, [&](char c, std::size_t i) {
+    if (c == separator)
+      add(i);
+  });
+  add(line.size());
+  return found;
+}
+
+/// The separator that the line of names has, in the order in which others may stand in names.
+char separator(std::string_view names) {
+  char found = ',';
+  outside_quotes(names, [&](char c, std::size_t) {
+    if (c == '\t' || (c == ';' && found == ','))
+      found = c;
+  });
+  return found;
+}
+
+/// Calls visit(line, number of the line) for the lines of a table, without those that are empty or comments,
+/// until it returns false.
+template <class Visit>
+void for_each_line(std::string_view text, Visit&& visit) {
+  if (text.starts_with("\xef\xbb\xbf")) // the mark by which some programs begin UTF-8
+    text.remove_prefix(3);
+  for (int number = 1; !text.empty(); ++number) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    if (!trimmed(line).empty() && !line.starts_with('#') && !visit(line, number))
+      return;
+  }
+}
+
+std::optional<double> number(std::string_view text) {
+  if (text.starts_with('+'))
+    text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() && std::isfinite(value)
+             ? std::optional(value)
+             : std::nullopt;
+}
+
+/// A name of a column as name and unit: "x [mm]" or "x (mm)".
+struct Name {
+  std::string_view base, unit; ///< unit: what is in the brackets; without them empty
+  bool square = false;
+
+  explicit Name(std::string_view whole) : base(whole) {
+    square = whole.ends_with(']');
+    if (!square && !whole.ends_with(')'))
+      return;
+    const std::size_t open = whole.rfind(square ? '[' : '(');
+    if (open == std::string_view::npos || open == 0)
+      return;
+    base = trimmed(whole.substr(0, open));
+    unit = trimmed(whole.substr(open + 1, whole.size() - open - 2));
+  }
+};
+
+bool is_time(std::string_view name) {
+  constexpr std::string_view time = "time";
+  return std::ranges::equal(name, time, {}, [](unsigned char c) { return std::tolower(c); });
+}
+bool is_t(std::string_view name) { return name == "t"; }
+
+/// A column of a table, and SI units in one of its unit.
+struct Column {
+  std::size_t place = 0;
+  double factor = 1;
+  bool whole = true; ///< whether it was found by its whole name
+};
+
+/// The only one of the names that `matches`; absent if there is none. Throws UserError if there are several.
+template <class Matches>
+std::optional<std::size_t> only(const std::vector<std::string_view>& names, Matches&& matches) {
+  const auto first = std::ranges::find_if(names, matches);
+  if (first == names.end())
+    return std::nullopt;
+  if (const auto other = std::find_if(first + 1, names.end(), matches); other != names.end())
+    throw UserError(
+        fmt::format("found \"{}\" in column {} and \"{}\" in column {}; rename all but the one that is meant",
+                    *first, first - names.begin() + 1, *other, other - names.begin() + 1));
+  return static_cast<std::size_t>(first - names.begin());
+}
+
+/// Throws UserError unless a unit is one of those that are `allowed`, all if there are none.
+void require_unit(std::string_view name, const Unit& found, const std::vector<std::string>& allowed) {
+  if (!allowed.empty() && std::ranges::none_of(allowed, [&](const std::string& one) {
+        return unit(one).value_or(Unit{}).dimension == found.dimension;
+      }))
+    throw UserError(fmt::format("found the unit of column \"{}\", which cannot be converted to {}", name,
+                                fmt::join(allowed, " or ")));
+}
+
+/// Finds a quantity: by its whole name, else by its name before a unit. Throws UserError.
+Column quantity_of(const std::vector<std::string_view>& names, const std::string& column,
+                   const std::vector<std::string>& units) {
+  if (const auto place = only(names, [&](std::string_view name) { return name == column; }))
+    return {.place = *place};
+  const auto place = only(names, [&](std::string_view name) {
+    const Name parts(name);
+    return parts.base == column && (parts.square || unit(parts.unit));
+  });
+  if (!place) {
+    const std::vector<std::string> known(names.begin(), names.end());
+    const std::string near = nearest(column, known);
+    throw UserError(fmt::format("found no column \"{}\"{}, allowed: {}", column,
+                                near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near),
+                                list(known)));
+  }
+  const std::optional<Unit> found = unit(Name(names[*place]).unit);
+  if (!found)
+    throw UserError(
+        fmt::format("found an unknown unit in \"{}\"; units are products of m, g, s, min, h, N and "
+                    "Pa with prefixes, as in [kN] and [m/s^2]; \"{}\" as column is unconverted",
+                    names[*place], names[*place]));
+  require_unit(names[*place], *found, units);
+  return {*place, found->factor, false};
+}
+
+/// Finds the times: the column "time" or "t", with a unit or without, else the first. Throws UserError.
+Column times_of(const std::vector<std::string_view>& names) {
+  std::optional<std::size_t> place;
+  for (bool (*const named)(std::string_view) : {is_time, is_t}) {
+    if (!place)
+      place = only(names, named);
+    if (!place)
+      place = only(names, [named](std::string_view name) { return named(Name(name).base); });
+  }
+  const std::string_view name = names[place.value_or(0)];
+  const Name parts(name);
+  const std::optional<Unit> found = unit(parts.unit);
+  if (parts.unit.empty() || (!parts.square && !found))
+    return {.place = place.value_or(0)};
+  if (!found || found->dimension != unit("s")->dimension)
+    throw UserError(fmt::format("found times in the unit of \"{}\"; allowed are those of times, as in \"time "
+                                "[ms]\"",
+                                name));
+  return {place.value_or(0), found->factor, false};
+}
+
+} // namespace
+
+TableColumn read_column(const std::string& text, const std::string& column,
+                        const std::vector<std::string>& units) {
+  TableColumn found;
+  std::size_t columns = 0;
+  Column time, quantity;
+  char between = ',';
+  for_each_line(text, [&](std::string_view line, int number_of_line) {
+    if (columns == 0) {
+      between = separator(line);
+      const std::vector<std::string_view> names = cells(line, between);
+      columns = names.size();
+      quantity = quantity_of(names, column, units);
+      time = times_of(names);
+      if (const std::string_view base = Name(names[time.place]).base;
+          time.place == quantity.place && !is_time(base) && !is_t(base))
+        throw UserError(fmt::format("found no column of times beside \"{}\"; name it \"time\"", column));
+      if (time.whole)
+        found.time_name = names[time.place];
+      if (const auto given = unit(Name(column).unit); quantity.whole && given && given->factor != 1)
+        found.unconverted = column;
+      return true;
+    }
+    const std::vector<std::string_view> row = cells(line, between);
+    if (const auto extra = std::ranges::find_if(row.begin() + std::min(columns, row.size()), row.end(),
+                                                [](std::string_view cell) { return !cell.empty(); });
+        extra != row.end())
+      throw UserError(fmt::format("line {}: found {} cells below {} names; numbers need a decimal point, and "
+                                  "no separator within them",
+                                  number_of_line, row.size(), columns));
+    const auto at = [&](std::size_t i) {
+      const std::string_view cell = i < row.size() ? row[i] : std::string_view();
+      const std::optional<double> value = number(cell);
+      if (!value)
+        throw UserError(fmt::format("line {}: found \"{}\" in column {}, allowed is a number with a decimal "
+                                    "point",
+                                    number_of_line, cell.substr(0, 40), i + 1));
+      return *value;
+    };
+    const double t = time.factor * at(time.place);
+    if (!found.times.empty() && !(t > found.times.back()))
+      throw UserError(fmt::format("line {}: found the time {} s behind {} s, allowed are times that ascend",
+                                  number_of_line, t, found.times.back()));
+    found.times.push_back(t);
+    found.values.push_back(quantity.factor * at(quantity.place));
+    return true;
+  });
+  if (found.times.size() < 2)
+    throw UserError(fmt::format("found {} line{} of numbers, allowed are two and more behind one of names",
+                                found.times.size(), found.times.size() == 1 ? "" : "s"));
+  return found;
+}
+
+bool has_column(const std::string& text, const std::string& column) {
+  bool found = false;
+  for_each_line(text, [&](std::string_view line, int) {
+    for (const std::string_view name : cells(line, separator(line)))
+      found = found || name == column || (Name(name).base == column && unit(Name(name).unit));
+    return false;
+  });
+  return found;
+}
+
+std::string unit_hint(const TableColumn& column) {
+  return column.time_name.empty()
+             ? ""
+             : fmt::format("; times without a unit are in s, a column \"{} [ms]\" is converted",
+                           column.time_name);
+}
+
+namespace {
+
+constexpr double plausible_ratio = 1000; ///< of the spans of a table and of a run
+
+std::vector<TableDoubt> doubt_about_the_unit(const TableColumn& column) {
+  if (column.unconverted.empty())
+    return {};
+  const double factor = unit(Name(column.unconverted).unit)->factor;
+  return {{fmt::format("column \"{}\" is taken as SI, unconverted; column = \"{}\" converts it",
+                       column.unconverted, Name(column.unconverted).base),
+           std::max(factor, 1 / factor), 1}};
+}
+
+} // namespace
+
+std::vector<TableDoubt> doubts_as_input(const TableColumn& column, double end) {
+  const std::vector<double>& times = column.times;
+  std::vector<TableDoubt> doubts = doubt_about_the_unit(column);
+  const double hair = 1e-9 * end, intervals = static_cast<double>(times.size() - 1);
+  const auto used = std::ranges::lower_bound(times, end - hair) - (std::ranges::upper_bound(times, hair) - 1);
+  if (used == 1 && intervals > 1)
+    doubts.push_back(
+        {fmt::format("the run, from 0 to {:.6g} s, uses one of {} intervals of the table, from {:.6g} "
+                     "to {:.6g} s{}",
+                     end, intervals, times.front(), times.back(), unit_hint(column)),
+         intervals, 1});
+  else if (!column.time_name.empty() && times.back() - times.front() > plausible_ratio * end)
+    doubts.push_back(
+        {fmt::format("the run, from 0 to {:.6g} s, uses less than a thousandth of the table, from "
+                     "{:.6g} to {:.6g} s{}",
+                     end, times.front(), times.back(), unit_hint(column)),
+         (times.back() - times.front()) / end, plausible_ratio});
+  return doubts;
+}
+
+std::vector<TableDoubt> doubts_as_data(const TableColumn& column, double end) {
+  const std::vector<double>& times = column.times;
+  std::vector<TableDoubt> doubts = doubt_about_the_unit(column);
+  const double span = times.back() - times.front(), rest = end - times.back();
+  double longest = 0;
+  for (std::size_t i = 1; i < times.size(); ++i)
+    longest = std::max(longest, times[i] - times[i - 1]);
+  if (!column.time_name.empty() && span < end / plausible_ratio)
+    doubts.push_back({fmt::format("the times span {:.3g} s, less than a thousandth of the run's {:.6g} s{}",
+                                  span, end, unit_hint(column)),
+                      end / span, plausible_ratio});
+  else if (constexpr double rounding = 1e-9; rest > longest + rounding * end)
+    doubts.push_back(
+        {fmt::format("the data end at {:.6g} s, the run at {:.6g} s: nothing is fitted to the rest",
+                     times.back(), end),
+         rest / longest, 1});
+  return doubts;
+}
+
+namespace {
+
+void find_series(const toml::node& node, const std::string& key, std::vector<NamedSeries>& found) {
+  if (const toml::array* array = node.as_array()) {
+    const bool tables = array->is_array_of_tables() && array->size() > 1;
+    for (std::size_t i = 0; i < array->size(); ++i)
+      find_series((*array)[i], tables ? fmt::format("{}[{}]", key, i) : key, found);
+  }
+  const toml::table* table = node.as_table();
+  if (!table)
+    return;
+  const auto file = (*table)["file"].value<std::string>(), column = (*table)["column"].value<std::string>();
+  if (file && column && table->size() == 2)
+    found.push_back({key, *file, *column});
+  else
+    for (const auto& [name, child] : *table)
+      find_series(child, key.empty() ? std::string(name.str()) : key + "." + std::string(name.str()), found);
+}
+
+} // namespace
+
+std::vector<NamedSeries> time_series(const Scene& scene) {
+  std::vector<NamedSeries> found;
+  find_series(toml::parse(schema::write(scene)), "", found);
+  return found;
+}
+
+} // namespace signorini::scene

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <optional>
+#include <string_view>
+
+namespace signorini::scene {
+
+/// A unit of measurement in terms of SI.
+struct Unit {
+  double factor = 1;              ///< SI units in one of it
+  std::array<int, 3> dimension{}; ///< exponents of m, kg and s
+
+  friend bool operator==(const Unit& a, const Unit& b) = default;
+};
+
+/// The unit that a text such as `ms`, `kN`, `N/mm²`, `m/s^2` or `N s` names: a product of m, g, s, min, h, N
+/// and Pa with SI prefixes and whole exponents. Absent if it names none.
+std::optional<Unit> unit(std::string_view text);
+
+} // namespace signorini::scene
