@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/run_manifest.h"
 #include "base/collective.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"
 #include <algorithm>
@@ -41,12 +42,15 @@ std::string headline(const Problem& problem) {
 std::vector<scene::TableDoubt> doubts_about_series(MPI_Comm comm, const scene::Scene& scene) {
   std::vector<scene::TableDoubt> found;
   for (const scene::NamedSeries& one : scene::time_series(scene)) {
-    std::string text;
-    on_root(comm, [&] { text = scene::read_file(one.file); });
-    for (scene::TableDoubt& doubt :
-         scene::doubts_as_input(scene::read_column(broadcast(comm, text), one.column), scene.time.end)) {
-      doubt.message = fmt::format("{}: {}: {}", one.key, one.file.string(), doubt.message);
-      found.push_back(std::move(doubt));
+    try {
+      std::string text;
+      on_root(comm, [&] { text = scene::read_file(one.file); });
+      const scene::TableColumn column = scene::read_column(broadcast(comm, text), one.column);
+      for (scene::TableDoubt& doubt : scene::doubts_as_input(column, scene.time.end)) {
+        doubt.message = fmt::format("{}: {}: {}", one.key, one.file.string(), doubt.message);
+        found.push_back(std::move(doubt));
+      }
+    } catch (const UserError&) { // gone or changed since the scene was read, which is no reason to lose a run
     }
   }
   return found;

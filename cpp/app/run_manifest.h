@@ -19,7 +19,7 @@ std::string body_lines(const Problem& problem);
 /// The run about to be made, in words. Collective.
 std::string headline(const Problem& problem);
 
-/// Doubts about the tables that a scene reads its time series from. Collective. Throws UserError.
+/// Doubts about the tables that a scene reads its time series from, as far as they can be read. Collective.
 std::vector<scene::TableDoubt> doubts_about_series(MPI_Comm comm, const scene::Scene& scene);
 /// Prints doubts about tables as warnings.
 void print_doubts(const std::vector<scene::TableDoubt>& doubts, const Console& console);

@@ -340,7 +340,10 @@ void find_series(const toml::node& node, const std::string& key, std::vector<Nam
 
 std::vector<NamedSeries> time_series(const Scene& scene) {
   std::vector<NamedSeries> found;
-  find_series(toml::parse(schema::write(scene)), "", found);
+  try {
+    find_series(toml::parse(schema::write(scene)), "", found);
+  } catch (const toml::parse_error&) { // paths need not be UTF-8
+  }
   return found;
 }
 

@@ -81,8 +81,14 @@ void write_files(const std::map<fs::path, std::string>& files) {
       fs::remove(part, ignored);
     throw;
   }
-  for (const auto& [part, place] : moves)
-    fs::rename(part, place);
+  for (const auto& [part, place] : moves) {
+    std::error_code error;
+    fs::rename(part, place, error);
+    if (error)
+      throw UserError(
+          fmt::format("{}: the data cannot be written there ({}), allowed is a folder that can be written",
+                      place.string(), error.message()));
+  }
 }
 
 /// Throws UserError unless a file may be written.
