@@ -158,9 +158,13 @@ def of_another_kind(folder: Path) -> None:
                            ("xy", {}), ("top", {"control__on": "top"})):  # fmt: skip
         optimum[name] = folder / name
         signorini("optimize", BLOCK, optimum[name], **free, **settings, optimizer__max_iterations=2)
+    square = (SOURCE / "tests" / "data" / "square.geo").read_text()
+    far, wide = folder / "far.geo", folder / "wide.geo"
+    far.write_text(re.sub(r"= \{(\d, \d, 0)\}", r"= {10\1}", square))
+    wide.write_text(re.sub(r"= \{1, (\d, 0)\}", r"= {3, \1}", square))
+    optimum["wide"] = folder / "wide"
+    signorini("optimize", BLOCK, optimum["wide"], **free, mesh__file=str(wide), optimizer__max_iterations=1)
     y = {"control__components": ["y"], "objective__desired": {"control": ["0", "-1"]}}
-    far = folder / "far.geo"
-    far.write_text(re.sub(r"= \{(\d, \d, 0)\}", r"= {10\1}", (SOURCE / "tests" / "data" / "square.geo").read_text()))
     for number, (name, settings, text) in enumerate((
         ("x", y, "checkpoint.h5: found a control of x, this scene's acts in y;"),
         ("xy", y, "found a control of x, y, this scene's acts in y;"),
@@ -170,6 +174,8 @@ def of_another_kind(folder: Path) -> None:
         ("xy", {"control__scale": 1e3}, "found a control with control.scale = 1, this scene has 1000"),
         ("xy", {"mesh__file": str(far)}, "found a control on a set up to 100 m away"),
         ("top", {"mesh__file": str(far), "control__on": "top"}, "found a control on a set up to 100 m away"),
+        ("wide", {}, "found a control on a set up to 2 m away"),
+        ("xy", {"mesh__file": str(wide)}, "found a control on a set up to 2 m away"),
     )):  # fmt: skip
         for ranks in (1, 2) if number in (0, 6) else (1,):
             refused = attempt("simulate", BLOCK, folder / "refused", ranks, control__initial={"run": str(optimum[name])}, **free, **settings)
@@ -201,6 +207,14 @@ def of_a_joint_search(folder: Path) -> None:
                       objective__desired=tables["objective__desired"], **settings)  # fmt: skip
             assert objective(again)["control_cost"] > 0
             same(objective(again), objective(optimum), RANKS)
+    # A checkpoint that an earlier search left there is not this one's.
+    old = objective(optimum)
+    signorini("optimize", BLOCK, optimum, **tables, optimizer__max_iterations=6, optimizer__checkpoint=0)
+    assert (optimum / "checkpoint.h5").exists() and abs(objective(optimum)["control_cost"] / old["control_cost"] - 1) > 1e-3
+    young = table(optimum / "parameters.csv")["value"][0]
+    signorini("simulate", BLOCK, again, material__young=float(young), control__initial={"run": str(optimum)},
+              objective__desired=tables["objective__desired"])  # fmt: skip
+    same(objective(again), objective(optimum), RANKS)
     print("the control of a search with unknowns is applied again")
 
 
