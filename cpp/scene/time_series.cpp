@@ -27,10 +27,6 @@ TimeSeries::TimeSeries(const std::string& text, const std::string& column) {
   values_ = std::move(found.values);
 }
 
-bool TimeSeries::has_column(const std::string& text, const std::string& column) {
-  return scene::has_column(text, column);
-}
-
 double TimeSeries::operator()(double t) const {
   const auto above = std::ranges::upper_bound(times_, t);
   if (above == times_.begin())

@@ -16,9 +16,8 @@ std::string read_file(const std::filesystem::path& file);
 /// A quantity that a table gives at times, linear between them and constant beyond.
 class TimeSeries {
 public:
-  /// From the text of a CSV file: numbers behind one line of names, separated by commas, semicolons or tabs;
-  /// lines that begin with # are left out. Times (s) are in the column "time" or "t", else in the first.
-  /// Throws UserError naming the line, or the column that is not there.
+  /// From a column of the text of a CSV file, as read_column() reads it. Throws UserError naming line or
+  /// column.
   TimeSeries(const std::string& text, const std::string& column);
 
   [[nodiscard]] double operator()(double t) const;
@@ -31,12 +30,7 @@ public:
   [[nodiscard]] double begin() const { return times_.front(); }
   [[nodiscard]] double end() const { return times_.back(); }
 
-  /// Whether a file's line of names has a column.
-  [[nodiscard]] static bool has_column(const std::string& text, const std::string& column);
-
 private:
-  void add(double time, double value, int line);
-
   std::vector<double> times_, values_; ///< times ascending, at least two
 };
 
