@@ -38,8 +38,8 @@ def impact(run: RunFolder) -> list[Table]:
         most = 20
         title = f"Bounces one by one{f', the first {most} of {len(bounces)}' if len(bounces) > most else ''}: velocities of the centre of mass"
         impulse, force = per_depth("N s", run.dim), per_depth("N", run.dim)
-        tables.append(Table(title, ["Contact from", "to", "Impulse", "Peak force", "Velocity before", "Velocity after", "Restitution"], [
-            [quantity(one["start"], "s"), quantity(one["end"], "s"), vector(one["impulse"], impulse), quantity(one["peak"], force), vector(one["velocity_before"], "m/s"), vector(one["velocity_after"], "m/s"),
+        tables.append(Table(title, ["Contact from", "to", "Touches", "Impulse", "Peak force", "Velocity before", "Velocity after", "Restitution"], [
+            [quantity(one["start"], "s"), quantity(one["end"], "s"), str(one.get("touches", 1)), vector(one["impulse"], impulse), quantity(one["peak"], force), vector(one["velocity_before"], "m/s"), vector(one["velocity_after"], "m/s"),
              "–" if one["restitution"] is None else f"{one['restitution']:.4g}"] for one in bounces[:most]]))  # fmt: skip
     return tables
 

@@ -6,6 +6,7 @@
 #include "base/collective.h"
 #include "base/memory.h"
 #include "forward/binomial_checkpointing.h"
+#include "forward/first_touch.h"
 #include "forward/state_store.h"
 #include "io/manifest.h"
 #include "optimize/options.h"
@@ -226,6 +227,8 @@ void print_info(const Problem& problem, int timed_steps, const Console& console)
                   stepper.grid().equal() ? fmt::format("{} s", problem.scene.time.step) : "varying length",
                   stepper.solver().choice()));
   console.line(body_lines(problem));
+  for (const std::string& line : forward::first_touch_lines(stepper, problem.scene))
+    console.line(line);
   console.line(fmt::format("always: M {}, A {}, R {}, {} {}; a step: one solve with D, products with R and M",
                            megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)),
                            megabytes(petsc::bytes(stepper.of_length(stepper.grid().first_length()).R)),

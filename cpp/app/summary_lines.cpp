@@ -27,9 +27,13 @@ std::string by_modulus(double resultant, double normal) {
   return normal - resultant > alike * normal ? fmt::format(" ({:.4g} by modulus)", normal) : "";
 }
 
+std::string nearest(const forward::Touch& touch) {
+  return fmt::format("the least gap was {:.4g} m, at {:.6g} s", touch.least_gap, touch.least_gap_time);
+}
+
 std::string touch_line(const std::string& name, const forward::Touch& touch, int dim) {
   if (!touch.occurred())
-    return fmt::format("  {}: not touched", name);
+    return fmt::format("  {}: not touched; {}", name, nearest(touch));
   const std::string closed = touch.contact_time < 0.999 * (touch.end - touch.start)
                                  ? fmt::format(", {:.4g} s of it with a force", touch.contact_time)
                                  : "";
@@ -53,9 +57,11 @@ std::string velocities(const forward::Rebound& rebound, bool ended, int dim) {
 }
 
 std::string bounce_line(const forward::Rebound& one, std::size_t which, std::size_t of, bool ended, int dim) {
-  return fmt::format("  bounce {} of {}: from {:.6g} to {:.6g} s, impulse {} {}, peak {:.4g} {}; {}", which,
-                     of, one.start, one.end, components(one.impulse, dim), per_depth("N s", dim), one.peak,
-                     per_depth("N", dim), velocities(one, ended, dim));
+  return fmt::format("  bounce {} of {}: from {:.6g} to {:.6g} s{}, impulse {} {}, peak {:.4g} {}; {}", which,
+                     of, one.start, one.end,
+                     one.touches > 1 ? fmt::format(" in {} touches", one.touches) : "",
+                     components(one.impulse, dim), per_depth("N s", dim), one.peak, per_depth("N", dim),
+                     velocities(one, ended, dim));
 }
 
 /// The first of several bounces one by one.
@@ -68,9 +74,18 @@ void add_bounces(const forward::Impact& impact, int dim, std::vector<std::string
     lines.emplace_back("  the others are in run.json, as impact.bounces");
 }
 
+/// Number of bounces and touches; empty of a single touch.
+std::string over_all(const forward::Impact& impact) {
+  const std::size_t bounces = impact.bounces.size(), touches = static_cast<std::size_t>(impact.whole.touches);
+  if (touches == 1)
+    return "";
+  const std::string text = bounces == 1 ? " over one bounce" : fmt::format(" over all {} bounces", bounces);
+  return touches == bounces ? text : text + fmt::format(" of {} touches", touches);
+}
+
 void add_impact(const forward::Impact& impact, int dim, std::vector<std::string>& lines) {
   if (!impact.all.occurred()) {
-    lines.emplace_back("contact: none");
+    lines.push_back("contact: none; " + nearest(impact.all));
     return;
   }
   lines.emplace_back(
@@ -81,9 +96,8 @@ void add_impact(const forward::Impact& impact, int dim, std::vector<std::string>
   if (std::ranges::count_if(impact.obstacles, &forward::Touch::occurred) > 1)
     lines.push_back(touch_line("all together", impact.all, dim));
   lines.push_back("  velocity of the centre of mass: " + velocities(impact.whole, impact.ended, dim) +
-                  (!impact.whole.restitution   ? "; no restitution: " + impact.no_restitution
-                   : impact.bounces.size() > 1 ? fmt::format(" over all {} bounces", impact.bounces.size())
-                                               : ""));
+                  over_all(impact) +
+                  (impact.whole.restitution ? "" : "; no restitution: " + impact.no_restitution));
   add_bounces(impact, dim, lines);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/approach.h"
+#include "forward/first_touch.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,16 +9,6 @@ namespace signorini::forward {
 namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
-
-/// The least s ≥ 0 at which g + v s + a s²/2 is 0 or less.
-double first_root(double g, double v, double a) {
-  if (g <= 0)
-    return 0;
-  const double square = v * v - 2 * a * g;
-  if (square < 0 || (v >= 0 && a >= 0))
-    return never;
-  return 2 * g / (std::sqrt(square) - v); // the smaller root, without cancellation
-}
 
 /// The fields by which an obstacle moves.
 std::vector<scene::Field> fields_of(const scene::Obstacle& obstacle) {

@@ -2,6 +2,7 @@
 #include "forward/body_figures.h"
 #include "fem/deformation.h"
 #include "fem/wave_time.h"
+#include "forward/first_touch.h"
 #include <algorithm>
 #include <cmath>
 #include <dolfinx/mesh/Mesh.h>
@@ -18,7 +19,7 @@ namespace {
 constexpr double fastest = 20e3, densest = 25e3, heavy = 2000, slow_if_heavy = 100;
 /// Beyond these a body is drawn in another unit more likely than not, m.
 constexpr double longest = 1000, shortest = 1e-5;
-/// Times of the body that an obstacle may be away.
+/// Times of the body that an obstacle may be away if the body does not fly there.
 constexpr double farthest = 10;
 
 double mass(const Stepper& stepper) {
@@ -73,9 +74,12 @@ void doubt_sizes(const Stepper& stepper, const scene::Scene& scene, const BodyFi
                     time.step, 1 / figures.crossing_steps, length));
   if (!stepper.pairs() || stepper.pairs()->moving())
     return;
-  if (const double gap = std::ranges::min(stepper.pairs()->psi()); gap > farthest * length)
-    doubts.push_back(
-        fmt::format("the obstacle is {:.3g} m away from a body of {:.3g} m; {}", gap, length, hint));
+  const double gap = std::ranges::min(stepper.pairs()->psi());
+  if (gap > farthest * length && std::ranges::none_of(first_touches(stepper, scene), &FirstTouch::occurs))
+    doubts.push_back(fmt::format(
+        "the obstacle is {:.3g} m away from a body of {:.3g} m, which its initial velocity and the loads do "
+        "not bring there before {:.3g} s; {}",
+        gap, length, time.end, hint));
 }
 
 /// A body that is inside of an obstacle but for its surface, which may stand on it.

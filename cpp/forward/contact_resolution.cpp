@@ -5,6 +5,8 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <limits>
+#include <numbers>
 #include <numeric>
 
 namespace signorini::forward {
@@ -19,8 +21,10 @@ struct Neighbour {
   double distance, xi, eta, rise; ///< m; of the gap over that at the centre
 };
 
-/// Two unit vectors normal to ν and to each other.
-std::array<Point, 2> tangents(const double* nu) {
+/// Two unit vectors normal to ν and to each other; in the plane one, and zero.
+std::array<Point, 2> tangents(const double* nu, std::size_t dim) {
+  if (dim == 2)
+    return {Point{-nu[1], nu[0], 0}, Point{}};
   Point first{};
   const auto least = static_cast<std::size_t>(
       std::min_element(nu, nu + 3, [](double a, double b) { return std::abs(a) < std::abs(b); }) - nu);
@@ -37,9 +41,10 @@ std::array<Point, 2> tangents(const double* nu) {
 
 /// The nearest candidates of the same obstacle, in ascending distance.
 std::vector<Neighbour> neighbours(const contact::ContactPairs& pairs, std::size_t centre) {
-  constexpr std::size_t most = 18; // two rings of triangles
+  const auto dim = static_cast<std::size_t>(pairs.dim());
+  const std::size_t most = dim == 2 ? 4 : 18; // two on either side, two rings of triangles
   const std::vector<double>& x = pairs.points();
-  const std::array<Point, 2> along = tangents(&pairs.normals()[3 * centre]);
+  const std::array<Point, 2> along = tangents(&pairs.normals()[dim * centre], dim);
   std::vector<Neighbour> all;
   for (std::size_t i = 0; i < pairs.psi().size(); ++i) {
     if (i == centre || pairs.obstacles()[i] != pairs.obstacles()[centre])
@@ -58,26 +63,26 @@ std::vector<Neighbour> neighbours(const contact::ContactPairs& pairs, std::size_
   return all;
 }
 
-/// The mean curvature of the gap there, 1/m, by a paraboloid of revolution with its lowest point anywhere,
-/// fitted by least squares; nothing where there are too few candidates. `h`: their spacing, m.
-std::optional<double> curvature(const std::vector<Neighbour>& around, double h) {
-  std::vector<double> normal(16);
-  std::array<double, 4> right{};
-  const auto add = [&](const std::array<double, 4>& row, double rise) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      for (std::size_t j = 0; j < 4; ++j)
-        normal[4 * i + j] += row[i] * row[j];
+/// The mean curvature of the gap there, 1/m, by a paraboloid of revolution, in the plane a parabola, with its
+/// lowest point anywhere, fitted by least squares; nothing where there are too few candidates. `h`: their
+/// spacing, m.
+std::optional<double> curvature(const std::vector<Neighbour>& around, double h, std::size_t dim) {
+  const std::size_t n = dim + 1;
+  std::vector<double> normal(n * n), right(n);
+  const auto add = [&](double xi, double eta, double rise) {
+    const std::array<double, 4> row{1, xi, dim == 2 ? (xi * xi) / 2 : eta, (xi * xi + eta * eta) / 2};
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j)
+        normal[n * i + j] += row[i] * row[j];
       right[i] += row[i] * rise;
     }
   };
-  add({1, 0, 0, 0}, 0);
-  for (const Neighbour& one : around) {
-    const double xi = one.xi / h, eta = one.eta / h;
-    add({1, xi, eta, (xi * xi + eta * eta) / 2}, one.rise);
-  }
+  add(0, 0, 0);
+  for (const Neighbour& one : around)
+    add(one.xi / h, one.eta / h, one.rise);
   if (!solve_dense(normal, right))
     return std::nullopt;
-  return right[3] / (h * h);
+  return right.back() / (h * h);
 }
 
 } // namespace
@@ -85,29 +90,34 @@ std::optional<double> curvature(const std::vector<Neighbour>& around, double h) 
 Spacing spacing_for(const contact::ContactPairs& pairs, int candidate, int most, double force,
                     double modulus) {
   const std::vector<Neighbour> around = neighbours(pairs, static_cast<std::size_t>(candidate));
-  const std::size_t ring = std::min<std::size_t>(4, around.size());
+  const bool plane = pairs.dim() == 2;
+  const std::size_t ring = std::min<std::size_t>(plane ? 2 : 4, around.size());
   if (ring == 0)
     return {pairs.diameter(), 0};
   Spacing spacing;
   for (std::size_t i = 0; i < ring; ++i)
     spacing.found += around[i].distance / static_cast<double>(ring);
-  // As many nodes as now stand for an area that five should stand for: the least that a zone asks for.
-  const double finer = spacing.found * std::sqrt(static_cast<double>(most) / wanted);
-  const std::optional<double> bend = curvature(around, spacing.found);
+  // As many nodes as now stand for an area, in the plane a length, that five should stand for: the least that
+  // a zone asks for.
+  const double share = static_cast<double>(most) / wanted,
+               finer = spacing.found * (plane ? share : std::sqrt(share));
+  const std::optional<double> bend = curvature(around, spacing.found, static_cast<std::size_t>(pairs.dim()));
   if (bend && *bend * spacing.found > 1) // the gap opens as fast as the nodes are apart
     return {spacing.found, 0};
   spacing.enough = finer;
   if (bend && *bend > 0) {
-    const double radius = std::cbrt(3 * force / (4 * modulus * *bend)); // Hertz
-    // So that the ring around a node in the middle is within the zone; forces on coarse meshes are too large.
+    const double radius = plane ? std::sqrt(4 * force / (std::numbers::pi * modulus * *bend)) // Hertz
+                                : std::cbrt(3 * force / (4 * modulus * *bend));
+    // So that the ring around a node in the middle, in the plane two nodes on either side of it, is within
+    // the zone; forces on coarse meshes are too large.
     constexpr double part = 0.7;
-    spacing.enough = std::min(finer, part * radius);
+    spacing.enough = std::min(finer, part * (plane ? radius / 2 : radius));
   }
   return spacing;
 }
 
 ContactResolution::ContactResolution(const Stepper& stepper, const scene::Scene& scene)
-    : stepper_(stepper), scene_(scene), zones_(stepper.space().dim() == 3 ? scene.contacts.size() : 0) {}
+    : stepper_(stepper), scene_(scene), zones_(scene.contacts.size()) {}
 
 void ContactResolution::observe(const Frame& frame, const ObstacleForces& forces) {
   for (std::size_t o = 0; o < zones_.size(); ++o) {
@@ -131,9 +141,22 @@ void ContactResolution::observe(const Frame& frame, const ObstacleForces& forces
 std::vector<Warning> ContactResolution::warnings() const {
   std::vector<Warning> found;
   for (std::size_t o = 0; o < zones_.size(); ++o)
-    if (zones_[o].candidate >= 0 && zones_[o].most <= few)
+    if (zones_[o].candidate >= 0 && zones_[o].most <= few && !whole_face(static_cast<int>(o), zones_[o]))
       found.push_back(warning(static_cast<int>(o), zones_[o]));
   return found;
+}
+
+bool ContactResolution::whole_face(int obstacle, const Zone& zone) const {
+  const contact::ContactPairs& pairs = *stepper_.pairs();
+  int count = 0;
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (std::size_t i = 0; i < pairs.psi().size(); ++i)
+    if (pairs.obstacles()[i] == obstacle) {
+      ++count;
+      least = std::min(least, pairs.psi()[i]);
+      most = std::max(most, pairs.psi()[i]);
+    }
+  return count > 1 && count == zone.most && most - least <= pairs.gap_tolerance();
 }
 
 Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
@@ -146,7 +169,7 @@ Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
   std::string message = fmt::format(
       "the mesh is too coarse at ({:.6g}) m, t = {:.6g} s: at most {} touch{} \"{}\" at once, and the force "
       "and the motion are those of single nodes; nodes there are {:.3g} m apart",
-      fmt::join(x, x + 3, ", "), zone.time, zone.most == 1 ? "one node" : "two nodes",
+      fmt::join(x, x + pairs.dim(), ", "), zone.time, zone.most == 1 ? "one node" : "two nodes",
       zone.most == 1 ? "es" : "", scene_.contacts[static_cast<std::size_t>(obstacle)].name, spacing.found);
   if (spacing.enough > 0) {
     const double ratio = spacing.enough / spacing.found;

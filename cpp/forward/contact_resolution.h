@@ -5,7 +5,7 @@
 
 namespace signorini::forward {
 
-/// Checks whether a contact zone in space has more than a node or two, whose forces depend on the mesh. The
+/// Checks whether a contact zone has more than a node or two, whose forces depend on the mesh. The
 /// spacing that would put five nodes into it comes from Hertz's theory, by the largest force, the curvature
 /// of the gap and the stiffest material.
 class ContactResolution {
@@ -22,16 +22,18 @@ public:
 private:
   struct Zone {
     int most = 0;       ///< candidates in contact at once
-    double last = 0;    ///< force of the last step, N
-    double force = 0;   ///< the largest mean of two steps in a row, N
+    double last = 0;    ///< force of the last step, N, in the plane N/m
+    double force = 0;   ///< the largest mean of two steps in a row, N or N/m
     double time = 0;    ///< of that, s
     int candidate = -1; ///< with the largest force then
   };
   [[nodiscard]] Warning warning(int obstacle, const Zone& zone) const;
+  /// Whether a flat face touches with all of its two nodes, as that of a bar one element wide.
+  [[nodiscard]] bool whole_face(int obstacle, const Zone& zone) const;
 
   const Stepper& stepper_;
   const scene::Scene& scene_;
-  std::vector<Zone> zones_; ///< of each obstacle; empty in the plane
+  std::vector<Zone> zones_; ///< of each obstacle
 };
 
 /// The spacing of candidates at one of them, and what would put five or more of them into the contact zone.
@@ -40,8 +42,8 @@ struct Spacing {
       enough = 0;   ///< m; 0 at an edge or a corner of the body, where there is none
 };
 
-/// For a zone in space with `most` candidates around `candidate` that carries `force` (N) on a body with the
-/// plane-strain modulus E/(1 − ν²) (Pa). Not collective.
+/// For a zone with `most` candidates around `candidate` that carries `force` (N, in the plane N/m) on a body
+/// with the plane-strain modulus E/(1 − ν²) (Pa). Not collective.
 Spacing spacing_for(const contact::ContactPairs& pairs, int candidate, int most, double force,
                     double modulus);
 

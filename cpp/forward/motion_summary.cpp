@@ -3,7 +3,6 @@
 #include "forward/body_figures.h"
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace signorini::forward {
 namespace {
@@ -12,29 +11,30 @@ constexpr int least_open = 2; // steps; single ones without contact occur in res
 
 double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
 
-double product(const std::array<double, 3>& x, const std::array<double, 3>& y) {
-  return std::inner_product(x.begin(), x.end(), y.begin(), 0.0);
-}
-
 std::array<double, 3> over(std::array<double, 3> x, double divisor) {
   for (double& component : x)
     component /= divisor;
   return x;
 }
 
-/// That of a free body thrown back by an obstacle at rest.
-std::optional<double> restitution(const Rebound& rebound) {
-  const double towards = product(rebound.before, rebound.impulse),
-               away = product(rebound.after, rebound.impulse);
-  if (!(towards < 0 && away > 0)) // a body that still comes nearer is about to touch again
-    return std::nullopt;
-  return -away / towards;
+/// Components that no clamp holds on any node. Collective.
+std::array<bool, 3> free_components(const Stepper& stepper) {
+  const int dim = stepper.space().dim();
+  std::array<int, 3> clamped{};
+  for (const int dof : stepper.clamped().dofs())
+    clamped[static_cast<std::size_t>(dof % dim)] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, clamped.data(), 3, MPI_INT, MPI_MAX, stepper.space().comm());
+  std::array<bool, 3> free{};
+  for (std::size_t c = 0; c < static_cast<std::size_t>(dim); ++c)
+    free[c] = clamped[c] == 0;
+  return free;
 }
 
 } // namespace
 
 MotionSummary::MotionSummary(const Stepper& stepper, const scene::Scene& scene)
-    : stepper_(stepper), held_(!scene.clamps.empty()), moving_(stepper.pairs() && stepper.pairs()->moving()),
+    : stepper_(stepper), free_(free_components(stepper)),
+      moving_(stepper.pairs() && stepper.pairs()->moving()),
       last_(scene.contacts.size() + 1, Last{.open = least_open}), records_(last_.size()) {
   const BodyFigures figures = body_figures(stepper, scene);
   impact_.mass = figures.mass;
@@ -47,6 +47,15 @@ void MotionSummary::observe(const Frame& frame, const StepBalance& balance, cons
   energy_.kinetic_at_end = balance.kinetic_energy;
   energy_.elastic_at_end = balance.elastic_energy;
   const std::array<double, 3> before = std::exchange(momentum_, balance.momentum);
+  const auto note_gap = [t = stepper_.grid().time(frame.k)](const ObstacleForce& now, Touch& touch) {
+    if (now.min_gap < touch.least_gap) {
+      touch.least_gap = now.min_gap;
+      touch.least_gap_time = t;
+    }
+  };
+  for (std::size_t i = 0; i < impact_.obstacles.size(); ++i)
+    note_gap(forces.each()[i], impact_.obstacles[i]);
+  note_gap(forces.all(), impact_.all);
   if (frame.k == 0) {
     energy_.kinetic_at_start = balance.kinetic_energy;
     energy_.elastic_at_start = balance.elastic_energy;
@@ -76,23 +85,22 @@ void MotionSummary::rebound(const Frame& frame, const ObstacleForce& now, const 
   const auto begun = [&] {
     return Rebound{.start = grid.time(frame.k - 1), .before = over(before, impact_.mass)};
   };
-  if (impact_.bounces.empty())
+  if (touches_.empty())
     impact_.whole = begun();
-  if (impact_.bounces.empty() || open_steps_ >= least_open) {
-    if (!impact_.bounces.empty())
-      impulse_ = impact_.whole.impulse;
-    impact_.bounces.push_back(begun());
+  if (touches_.empty() || open_steps_ >= least_open) {
+    impulse_ = impact_.whole.impulse;
+    touches_.push_back(begun());
   }
-  for (Rebound* one : {&impact_.whole, &impact_.bounces.back()}) {
+  Rebound& touch = touches_.back();
+  for (Rebound* one : {&impact_.whole, &touch}) {
     one->end = grid.time(frame.k);
     one->after = over(after, impact_.mass);
     one->impulse = now.impulse;
   }
-  Rebound& bounce = impact_.bounces.back();
   for (std::size_t c = 0; c < 3; ++c)
-    bounce.impulse[c] -= impulse_[c];
+    touch.impulse[c] -= impulse_[c];
   const double mean = (last_.back().normal_force + now.normal_force) / 2;
-  bounce.peak = std::max(bounce.peak, mean);
+  touch.peak = std::max(touch.peak, mean);
   impact_.whole.peak = std::max(impact_.whole.peak, mean);
 }
 
@@ -138,6 +146,8 @@ std::optional<Impact> MotionSummary::impact() const {
   sum_up(records_.back(), impact.all);
   impact.ended = open_steps_ >= least_open;
   impact.no_restitution = unfit();
+  impact.whole.touches = static_cast<int>(touches_.size());
+  impact.bounces = bounces();
   if (!impact.no_restitution.empty())
     return impact;
   for (Rebound& bounce : impact.bounces)
@@ -146,17 +156,61 @@ std::optional<Impact> MotionSummary::impact() const {
   if (!impact.ended)
     impact.no_restitution = "contact has not ended";
   else if (impact.whole.restitution = restitution(impact.whole); !impact.whole.restitution)
-    impact.no_restitution = product(impact.whole.before, impact.whole.impulse) < 0
+    impact.no_restitution = along(impact.whole.before, impact.whole.impulse) < 0
                                 ? "the body still comes nearer"
                                 : "the body did not come nearer before";
   return impact;
 }
 
+std::vector<Rebound> MotionSummary::bounces() const {
+  const bool fit = unfit().empty();
+  std::vector<Rebound> all;
+  for (const Rebound& touch : touches_) {
+    all.push_back(touch);
+    while (all.size() > 1 && one_bounce(all[all.size() - 2], all.back(), fit)) {
+      const Rebound last = all.back();
+      all.pop_back();
+      Rebound& bounce = all.back();
+      bounce.end = last.end;
+      bounce.after = last.after;
+      bounce.touches += last.touches;
+      bounce.peak = std::max(bounce.peak, last.peak);
+      for (std::size_t c = 0; c < 3; ++c)
+        bounce.impulse[c] += last.impulse[c];
+    }
+  }
+  return all;
+}
+
+bool MotionSummary::one_bounce(const Rebound& first, const Rebound& second, bool fit) const {
+  constexpr double brief = 0.5; // of the shorter one: a body at rest after a bounce is in contact for long
+  const double pause = second.start - first.end,
+               shorter = std::min(first.end - first.start, second.end - second.start);
+  return pause <= std::max(brief * shorter, 2 * crossing_) || (fit && along(first.after, first.impulse) <= 0);
+}
+
+double MotionSummary::along(const std::array<double, 3>& velocity,
+                            const std::array<double, 3>& impulse) const {
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c)
+    if (free_[c])
+      sum += velocity[c] * impulse[c];
+  return sum;
+}
+
+std::optional<double> MotionSummary::restitution(const Rebound& rebound) const {
+  const double towards = along(rebound.before, rebound.impulse), away = along(rebound.after, rebound.impulse);
+  if (!(towards < 0 && away > 0)) // a body that still comes nearer is about to touch again
+    return std::nullopt;
+  return -away / towards;
+}
+
 std::string MotionSummary::unfit() const {
   if (!impact_.all.occurred())
     return "nothing was touched";
-  if (held_)
-    return "the body is clamped";
+  constexpr double rounding = 1e-12;
+  if (const std::array<double, 3>& J = impact_.whole.impulse; along(J, J) <= rounding * length(J) * length(J))
+    return "clamps hold the body against the obstacle";
   if (moving_)
     return "an obstacle moves";
   return std::ranges::count_if(impact_.obstacles, &Touch::occurred) > 1 ? "several obstacles were touched"

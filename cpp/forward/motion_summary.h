@@ -4,6 +4,7 @@
 #include "forward/impulse_record.h"
 #include "forward/obstacle_forces.h"
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,19 +29,22 @@ struct Touch {
   double impulse_duration = 0;     ///< from 1 to 99 % of the normal impulse, s
   double sustained_peak = 0; ///< largest mean of the sum of the moduli over `sustained_over`, or two steps
   double sustained_over = 0; ///< four times that in which a wave crosses an element in contact, s
+  double least_gap = std::numeric_limits<double>::infinity(); ///< of a candidate at the end of a step, m
+  double least_gap_time = 0;                                  ///< the first, s
 
   [[nodiscard]] bool occurred() const { return contact_time > 0; }
 };
 
-/// What contact did to the motion of the body as a whole.
+/// Effect of contact on the motion of the body as a whole.
 struct Rebound {
   double start = 0, end = 0;       ///< as those of a Touch, s
+  int touches = 1;                 ///< between two, no candidate is in contact for two steps or more
   std::array<double, 3> impulse{}; ///< of all obstacles, N s, in 2D N s/m
   double peak = 0;                 ///< Touch::normal_peak of these steps
   std::array<double, 3> before{},  ///< velocity of the centre of mass at the start, m/s
       after{};                     ///< at the end
-  /// −(after·n)/(before·n) along the direction n of the impulse; only of a body without clamps that moved
-  /// towards one obstacle at rest, touched no other, and left it.
+  /// −(after·n)/(before·n) along n, the part of the impulse in components that no clamp holds; only of a body
+  /// that moved towards one obstacle at rest, touched no other, and left it.
   std::optional<double> restitution;
 };
 
@@ -51,7 +55,7 @@ struct Impact {
   Touch all;
   bool ended = false;           ///< whether no candidate was in contact in the last two steps
   Rebound whole;                ///< from the first contact to the last
-  std::vector<Rebound> bounces; ///< one by one: between two, no candidate is in contact for two steps or more
+  std::vector<Rebound> bounces; ///< one by one: touches with longer pauses between them than within
   std::string no_restitution;   ///< why the whole has none; empty if it has one
 };
 
@@ -92,15 +96,28 @@ private:
                const std::array<double, 3>& after);
   /// Why nothing that contact did here is a restitution; empty if it may be.
   [[nodiscard]] std::string unfit() const;
+  /// Touches grouped: a flutter is one bounce.
+  [[nodiscard]] std::vector<Rebound> bounces() const;
+  /// Whether a pause between two rebounds is no flight: short beside both, or shorter than a wave takes
+  /// across the body and back, the least that a bounce lasts; or the body, if `fit` for a restitution, has
+  /// not turned.
+  [[nodiscard]] bool one_bounce(const Rebound& first, const Rebound& second, bool fit) const;
+  /// −(after·n)/(before·n), if the body came nearer and left.
+  [[nodiscard]] std::optional<double> restitution(const Rebound& rebound) const;
+  /// The product of a velocity and an impulse in the components that no clamp holds.
+  [[nodiscard]] double along(const std::array<double, 3>& velocity,
+                             const std::array<double, 3>& impulse) const;
 
   const Stepper& stepper_;
-  bool held_, moving_;
+  std::array<bool, 3> free_{}; ///< components that no clamp holds
+  bool moving_;
   double crossing_; ///< of a wave, s
   EnergyAccount energy_;
   Impact impact_;
-  std::vector<Last> last_;                       ///< of each obstacle, and of all
-  std::vector<ImpulseRecord> records_;           ///< likewise, of the sum of the moduli
-  std::array<double, 3> momentum_{}, impulse_{}; ///< of contact, before the last bounce
+  std::vector<Last> last_;             ///< of each obstacle, and of all
+  std::vector<ImpulseRecord> records_; ///< likewise, of the sum of the moduli
+  std::vector<Rebound> touches_;
+  std::array<double, 3> momentum_{}, impulse_{}; ///< of contact, before the last touch
   int open_steps_ = 0;                           ///< without a candidate in contact, since the last one with
 };
 

@@ -25,6 +25,15 @@ constexpr double small_gap_error = 0.05;
 
 double degrees(double angle) { return angle * 180 / std::numbers::pi; }
 
+/// A value above a limit in four digits, or as many as it takes to show that it is.
+std::string above(double value, double limit) {
+  int digits = 4;
+  std::string text = fmt::format("{:.{}g}", value, digits);
+  while (!(std::stod(text) > limit) && digits < std::numeric_limits<double>::max_digits10)
+    text = fmt::format("{:.{}g}", value, ++digits);
+  return text;
+}
+
 /// Value, a second figure and place (3), ordered by the value.
 using Row = std::array<double, 5>;
 /// The largest of all ranks' rows. Collective.
@@ -168,15 +177,17 @@ std::vector<Warning> Plausibility::warnings() {
   std::vector<Warning> found;
   add_of_mesh(found);
   if (strain_.value > small_strain)
-    found.push_back({"large strain",
-                     fmt::format("a principal strain is {:.4g} {}: small strain is meant for less than {} {}",
-                                 strain_.value, where(strain_), small_strain, since(strain_)),
-                     strain_.value, small_strain});
+    found.push_back(
+        {"large strain",
+         fmt::format("a principal strain is {} {}: small strain is meant for less than {} {}",
+                     above(strain_.value, small_strain), where(strain_), small_strain, since(strain_)),
+         strain_.value, small_strain});
   if (rotation_.value > small_rotation)
     found.push_back(
         {"large rotation",
-         fmt::format("the body turns by {:.4g} degrees {}: small strain is meant for less than {:.3g} {}",
-                     degrees(rotation_.value), where(rotation_), degrees(small_rotation), since(rotation_)),
+         fmt::format("the body turns by {} degrees {}: small strain is meant for less than {:.3g} {}",
+                     above(degrees(rotation_.value), degrees(small_rotation)), where(rotation_),
+                     degrees(small_rotation), since(rotation_)),
          degrees(rotation_.value), degrees(small_rotation)});
   if (inverted_.value > 0)
     found.push_back(
@@ -187,17 +198,17 @@ std::vector<Warning> Plausibility::warnings() {
     found.push_back(
         {"motion beyond an obstacle's radius",
          fmt::format(
-             "the node {} has come {:.3g} radii of the obstacle along it: the obstacle that it sees is the "
+             "the node {} has come {} radii of the obstacle along it: the obstacle that it sees is the "
              "half-space that was next to it in the undeformed body",
-             where(slip_), slip_.value),
+             where(slip_), above(slip_.value, 1)),
          slip_.value, 1});
   if (gap_.value > small_gap_error)
     found.push_back(
         {"linearised gap",
          fmt::format(
-             "the gap of the node {} is off by {:.3g} of its displacement, since the obstacle is linearised "
+             "the gap of the node {} is off by {} of its displacement, since the obstacle is linearised "
              "about the undeformed body: it is meant to be off by less than {}",
-             where(gap_), gap_.value, small_gap_error),
+             where(gap_), above(gap_.value, small_gap_error), small_gap_error),
          gap_.value, small_gap_error});
   return found;
 }

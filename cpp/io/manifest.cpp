@@ -95,6 +95,8 @@ ordered_json touch(const forward::Touch& one, int dim) {
   json["impulse_duration"] = one.impulse_duration;
   json["sustained_peak"] = one.sustained_peak;
   json["sustained_over"] = one.sustained_over;
+  json["least_gap"] = one.least_gap;
+  json["least_gap_time"] = one.least_gap_time;
   return json;
 }
 
@@ -106,6 +108,7 @@ ordered_json number(const std::optional<double>& value) {
 ordered_json bounce(const forward::Rebound& one, int dim) {
   return {{"start", one.start},
           {"end", one.end},
+          {"touches", one.touches},
           {"impulse", vector(one.impulse, dim)},
           {"peak", one.peak},
           {"velocity_before", vector(one.before, dim)},

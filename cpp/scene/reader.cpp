@@ -6,6 +6,7 @@
 #include "scene/kinds.h"
 #include "scene/table.h"
 #include "scene/units.h"
+#include "scene/refusals.h"
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -177,6 +178,8 @@ std::size_t Reader::choice(const std::string& key, const std::vector<std::string
     return static_cast<std::size_t>(known - former.begin());
   const auto found = std::ranges::find(allowed, value);
   if (found == allowed.end()) {
+    if (const std::string refused = refusal(without_numbers(full(key)), value); !refused.empty())
+      fail(key, fmt::format("found \"{}\", {}", value, refused));
     const std::string near = nearest(value, allowed);
     fail(key, fmt::format("found \"{}\"{}, allowed: {}", value,
                           near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), list(allowed)));
@@ -344,6 +347,18 @@ std::vector<Reader> Reader::tables(const std::string& key, bool needed) {
   for (std::size_t i = 0; i < array->size(); ++i)
     readers.emplace_back(*array->get(i)->as_table(), fmt::format("{}[{}]", full(key), i), source_);
   return readers;
+}
+
+void Reader::refuse() const {
+  const std::set<std::string> choosing{"model", "law", "type", "kind"};
+  for (const auto& [key, value] : table_) {
+    const std::string name{key.str()};
+    if (known_.contains(name))
+      continue;
+    const std::string chosen = choosing.contains(name) ? value.value_or(std::string()) : "";
+    if (const std::string refused = refusal(without_numbers(full(name)), chosen); !refused.empty())
+      fail(name, refused);
+  }
 }
 
 void Reader::finish() const {

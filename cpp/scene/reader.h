@@ -82,6 +82,8 @@ public:
   /// Readers of an array of tables; none if the key is absent, and of an empty array unless one is needed.
   std::vector<Reader> tables(const std::string& key, bool needed);
 
+  /// Throws UserError for the first key that was never accessed and asks for an effect that the model lacks.
+  void refuse() const;
   /// Throws UserError for the first key that was never accessed, suggesting the nearest one that was.
   void finish() const;
 

@@ -71,6 +71,7 @@ template <class T>
 void read_keys(Reader& in, T& to, const Scene& scene) {
   for (const Key<T>& key : table<T>())
     (void)in.has(key.name); // none of them is a misspelling of another
+  in.refuse();              // before a key that is missing for the sake of such a one
   for (const Key<T>& key : table<T>())
     key.read(in, to, scene);
   require_rules(in, to, scene);

@@ -165,6 +165,27 @@ def few_nodes(folder: Path) -> None:
     print(f"size 4: {said['message']}; size {size}: {fine} touch")
 
 
+def few_nodes_in_the_plane(folder: Path) -> None:
+    """The half disc likewise; the block, whose face is flat, touches with all of its nodes, be they two."""
+    out = folder / "few"
+
+    def run(size: float) -> tuple[int, list[str]]:
+        signorini("simulate", SOURCE / "scenes" / "half-disc.toml", out, mesh__size=size, control__initial=["0", "-1"], output__fields=[],
+                  output__tables=["steps"])  # fmt: skip
+        return int(table(out / "steps.csv")["active"].max()), [one["message"] for one in told(out)["warnings"] if one["name"] == "few nodes in contact"]
+
+    nodes, said = run(5)
+    assert nodes == 1 and len(said) == 1 and "one node touches \"obstacle 1\"" in said[0], (nodes, said)
+    size = float(re.search(r"\(mesh.size = (\S+)\)", said[0])[1])
+    nodes, nothing = run(size)
+    assert 5 <= nodes < 20 and not nothing, (size, nodes, nothing)
+    flat = {"contact__obstacle__normal": [0, 1], "output__fields": [], "output__tables": ["steps"]}
+    signorini("simulate", BLOCK, out, mesh__size=2, **flat)
+    found = [one["name"] for one in told(out)["warnings"]]
+    assert table(out / "steps.csv")["active"].max() == 2 and "few nodes in contact" not in found, found
+    print(f"in the plane: size 5: {said[0]}; size {size}: {nodes} touch")
+
+
 def stored_steps(folder: Path) -> None:
     out = folder / "stored"
     done = signorini("simulate", BLOCK, out, time__step=1e-3)
@@ -204,7 +225,7 @@ def advice(folder: Path) -> None:
 
 def main() -> int:
     with tempfile.TemporaryDirectory() as name:
-        for part in (gripper, impact, probes, half_landed, few_nodes, stored_steps, advice):
+        for part in (gripper, impact, probes, half_landed, few_nodes, few_nodes_in_the_plane, stored_steps, advice):
             part(Path(name))
     return 0
 

@@ -9,6 +9,7 @@
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
 #include <fmt/format.h>
+#include <numbers>
 #include <numeric>
 
 using namespace signorini;
@@ -169,7 +170,7 @@ TEST_CASE("restitution from velocities is that from the impulse", "[forward]") {
     CHECK(std::abs(0.5 + energy.contact_work - energy.viscous_dissipation - end) < 1e-12);
   }
   // None where it would have no meaning.
-  for (const Settings& other : {Settings{"clamp=[{ on=\"top\", components=[\"x\"] }]"},
+  for (const Settings& other : {Settings{"clamp=[{ on=\"top\", components=[\"y\"], value=[\"-t\"] }]"},
                                 {"time.end=0.14"},
                                 {"contact.obstacle.point=[0, \"-0.1 + 0.01*t\"]"}}) {
     const forward::Impact impact = *Watched("tests/data/block.toml", with(thrown, other)).summary->impact();
@@ -181,6 +182,74 @@ TEST_CASE("restitution from velocities is that from the impulse", "[forward]") {
       *Watched("tests/data/block.toml", with(thrown, {"time.end=0.08"})).summary->impact();
   CHECK_FALSE(none.all.occurred());
   CHECK_FALSE(none.whole.restitution);
+}
+
+TEST_CASE("clamps of a symmetry leave restitution as it is", "[forward]") {
+  // Without lateral contraction a flat block moves along y alone, but for its chatter, whether or not x is
+  // clamped.
+  const Settings falling{"contact.obstacle.normal=[0, 1]", "load.body=[\"0\", \"0\"]", "material.poisson=0",
+                         "material.viscosity={ bulk=0, shear=0 }"},
+      symmetric{"clamp=[{ on=\"left\", components=[\"x\"] }]"};
+  for (const Settings& scheme : schemes) {
+    const auto impact = [&](const Settings& more) {
+      return *Watched("tests/data/block.toml", with(with(falling, scheme), more)).summary->impact();
+    };
+    const forward::Impact free = impact({}), clamped = impact(symmetric);
+    REQUIRE(free.whole.restitution);
+    REQUIRE(clamped.whole.restitution);
+    CHECK(*free.whole.restitution > 0.3);
+    CHECK(std::abs(*free.whole.restitution - *clamped.whole.restitution) < 0.005); // of chatter
+    const double before = clamped.whole.before[1];
+    CHECK(std::abs((clamped.all.impulse[1] / clamped.mass + before) / -before - *clamped.whole.restitution) <
+          1e-11);
+    CHECK(clamped.no_restitution.empty());
+    // Neither of a clamp along the impulse, nor of both components.
+    for (const char* other : {"clamp=[{ on=\"top\", components=[\"y\"], value=[\"-t\"] }]",
+                              "clamp=[{ on=\"top\", value=[\"0\", \"-t\"] }]"}) {
+      const forward::Impact held = impact({other});
+      CHECK(held.all.occurred());
+      CHECK_FALSE(held.whole.restitution);
+      CHECK(held.no_restitution == "clamps hold the body against the obstacle");
+    }
+  }
+}
+
+TEST_CASE("the least gap and its time are those of the candidates", "[forward]") {
+  // Up by 0.1 m/s, and an obstacle that comes to 0.02 m of it at 0.3 s.
+  const Watched motion(
+      "tests/data/block.toml",
+      {"contact.obstacle={ shape=\"half-space\", point=[0, \"0.1*t - 0.02 - abs(t - 0.3)\"], "
+       "normal=[0, 1] }",
+       "load.body=[\"0\", \"0\"]", "initial.velocity=[\"0\", \"0.1\"]"});
+  const forward::Impact impact = *motion.summary->impact();
+  for (const forward::Touch* touch : {&impact.all, &impact.obstacles.front()}) {
+    CHECK_FALSE(touch->occurred());
+    CHECK(std::abs(touch->least_gap - 0.02) < 1e-12);
+    CHECK(std::abs(touch->least_gap_time - 0.3) < 1e-12);
+  }
+}
+
+TEST_CASE("a flutter of contact is one bounce", "[forward]") {
+  // Six times in 16 s by the exact solution; a flutter follows one of the contacts.
+  const Watched motion("scenes/bouncing-bar.toml", {});
+  const forward::Impact impact = *motion.summary->impact();
+  int touches = 0, open = 2;
+  for (std::size_t k = 1; k < motion.all.size(); ++k) {
+    touches += motion.all[k].normal_force > 0 && open >= 2;
+    open = motion.all[k].active > 0 ? 0 : open + 1;
+  }
+  REQUIRE(touches > 6);
+  CHECK(impact.whole.touches == touches);
+  CHECK(impact.bounces.size() == 6);
+  int sum = 0;
+  double last = 0;
+  for (const forward::Rebound& bounce : impact.bounces) {
+    sum += bounce.touches;
+    CHECK(bounce.start - last > 2 * 10 / 30.0); // a wave's way there and back, at 30 m/s
+    CHECK(bounce.restitution);
+    last = bounce.end;
+  }
+  CHECK(sum == touches);
 }
 
 TEST_CASE("bounces are told one by one, with free fall between them", "[forward]") {
@@ -393,6 +462,18 @@ TEST_CASE("a contact zone's spacing comes from Hertz's radius and the curvature 
     CHECK(std::abs(large.enough / (large.found * std::sqrt(0.4)) - 1) <
           1e-12); // at most what five nodes ask for
   }
+  // In the plane: of a half-width a under F, a² = 4 F R/(π E*); two nodes on either side within 0.7 a.
+  const test::Ready ready("scenes/half-disc.toml", {"mesh.size=1"});
+  const contact::ContactPairs& pairs = *ready.problem.stepper.pairs();
+  const auto lowest = std::ranges::min_element(pairs.psi()) - pairs.psi().begin();
+  const auto spacing = [&](double half, int most) {
+    return forward::spacing_for(pairs, static_cast<int>(lowest), most,
+                                std::numbers::pi * modulus * half * half / (4 * R), modulus);
+  };
+  const forward::Spacing small = spacing(0.5, 1), large = spacing(30, 2);
+  CHECK((small.found > 0.5 && small.found < 1.5));
+  CHECK(std::abs(small.enough / (0.35 * 0.5) - 1) < 0.1);
+  CHECK(std::abs(large.enough / (large.found * 0.4) - 1) < 1e-12);
 }
 
 TEST_CASE("frames are stored a few hundred times, where nothing else is said", "[scene]") {

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/refusals.h"
+#include <algorithm>
+#include <cctype>
+#include <fmt/format.h>
+
+namespace signorini::scene {
+namespace {
+
+/// An effect that the model lacks, by the keys with which scenes ask for it.
+struct Refusal {
+  const char* effect;
+  const char* instead;            ///< what the model has in its place
+  std::vector<std::string> words; ///< of a key's last name or of its value, which separate at _, - and space
+  std::vector<std::string> keys = {}; ///< whole ones
+};
+
+/// All of them: an effect that is added to the model leaves this table.
+const std::vector<Refusal>& refusals() {
+  static const std::vector<Refusal> all{
+      {"friction",
+       "contact forces act along the normal alone",
+       {"friction", "frictional", "mu", "coulomb", "tresca", "tangential", "stick", "slip"},
+       {"contact.obstacle.surface_velocity"}},
+      {"contact between bodies",
+       "a scene has one deformable body, obstacles are rigid",
+       {"slave", "master", "against", "self", "bodies", "tie"},
+       {"contact.with", "contact.target", "contact.obstacle.young", "contact.obstacle.poisson",
+        "contact.obstacle.material"}},
+      {"obstacles that move freely",
+       "an obstacle's motion is prescribed, such as point = [\"0\", \"-0.1*t\"]",
+       {},
+       {"contact.obstacle.mass", "contact.obstacle.density", "contact.obstacle.inertia",
+        "contact.obstacle.stiffness", "contact.obstacle.damping", "contact.obstacle.force",
+        "contact.obstacle.velocity"}},
+      {"penalty or compliance of contact",
+       "contact is the condition gap >= 0, without parameters",
+       {"penalty", "compliance"},
+       {"contact.stiffness", "contact.damping"}},
+      {"a prescribed coefficient of restitution",
+       "restitution follows from the body's vibration and material.viscosity",
+       {"restitution"}},
+      {"adhesion", "contact forces only push", {"adhesion", "adhesive", "cohesion", "cohesive", "glue"}},
+      {"large rotations and strains",
+       "strain is linear, obstacles are linearised about the undeformed body",
+       {"large", "finite", "nonlinear", "nlgeom", "kinematics", "corotational", "lagrangian"}},
+      {"nonlinear materials",
+       "materials are linear: young, poisson and Kelvin-Voigt viscosity",
+       {"hyperelastic", "hookean", "neohookean", "mooney", "ogden", "yield", "plastic", "plasticity",
+        "hardening", "damage", "fracture"},
+       {"material.model", "material.law", "material.type"}},
+      {"relaxation and Rayleigh damping",
+       "damping is material.viscosity = { bulk, shear }",
+       {"prony", "relaxation", "maxwell", "rayleigh", "moduli"},
+       {"material.damping", "damping"}},
+      {"anisotropic materials", "materials are isotropic", {"orthotropic", "anisotropic", "fibre", "fiber"}},
+      {"heat", "there is no temperature", {"temperature", "thermal", "heat", "conductivity"}},
+      {"plane stress and axial symmetry",
+       "a body in the plane is in plane strain, per metre of depth",
+       {"axisymmetric", "thickness"},
+       {"mesh.model", "material.plane_stress", "mesh.plane_stress", "plane_stress"}},
+      {"elastic foundations and absorbing boundaries",
+       "a boundary is free, clamped, loaded or in contact",
+       {"foundation", "spring", "springs", "winkler", "absorbing"}},
+      {"forces on points",
+       "loads act on bodies and groups of their boundary: load.traction",
+       {},
+       {"load.point", "load.points", "load.force", "load.nodal"}}};
+  return all;
+}
+
+/// The words of a name, in lower case.
+std::vector<std::string> words(std::string_view name) {
+  std::vector<std::string> found(1);
+  for (const char c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      found.back() += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    else
+      found.emplace_back();
+  return found;
+}
+
+} // namespace
+
+std::string refusal(std::string_view key, std::string_view value) {
+  const auto named = words(key.substr(key.rfind('.') + 1)), valued = words(value);
+  const auto asks_by = [](const std::vector<std::string>& words, const Refusal& one) {
+    return std::ranges::find_first_of(words, one.words) != words.end();
+  };
+  for (const Refusal& one : refusals())
+    if (std::ranges::find(one.keys, key) != one.keys.end() || asks_by(named, one) || asks_by(valued, one))
+      return fmt::format("not in this model: {}; {}; see \"Not in this model\" in docs/modelling.md",
+                         one.effect, one.instead);
+  return {};
+}
+
+std::vector<std::string> refused_effects() {
+  std::vector<std::string> all;
+  for (const Refusal& one : refusals())
+    all.emplace_back(one.effect);
+  return all;
+}
+
+} // namespace signorini::scene

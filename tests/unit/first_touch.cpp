@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "forward/first_touch.h"
+#include "fixtures.h"
+#include "forward/body_figures.h"
+#include "forward/obstacle_forces.h"
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+
+using namespace signorini;
+using Catch::Matchers::ContainsSubstring;
+using Settings = std::vector<std::string>;
+
+namespace {
+
+/// The unit's block above a floor 0.1 m below, at rest and without loads.
+Settings above_floor(const Settings& more) {
+  Settings all{"contact.obstacle={ name=\"floor\", shape=\"half-space\", point=[0, -0.1], normal=[0, 1] }",
+               "initial.velocity=[\"0\", \"0\"]", "load.body=[\"0\", \"0\"]"};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+forward::FirstTouch touch(const Settings& more) {
+  const test::Ready ready("tests/data/block.toml", above_floor(more));
+  return forward::first_touches(ready.problem.stepper, ready.scene).at(0);
+}
+
+std::string line(const Settings& more) {
+  const test::Ready ready("tests/data/block.toml", above_floor(more));
+  return forward::first_touch_lines(ready.problem.stepper, ready.scene).at(0);
+}
+
+struct Case {
+  Settings settings;
+  double time, speed, tolerance = 1e-8; ///< of loads that vary: half an interval's change of the force
+};
+
+const std::vector<Case> cases{
+    {{"initial.velocity=[\"0\", \"-1\"]"}, 0.1, 1},
+    {{"initial.velocity=[\"0\", \"-1\"]", "load.body=[\"0\", \"-1\"]"}, std::sqrt(1.2) - 1, std::sqrt(1.2)},
+    {{"load.gravity=[0, -2]"}, std::sqrt(0.1), 2 * std::sqrt(0.1)},
+    {{"load.body=[\"0\", \"-6*t\"]"}, std::cbrt(0.1), 3 * std::pow(0.1, 2 / 3.0), 1e-4},
+    {{"contact.obstacle.point=[0, \"-0.1 + 0.5*t\"]"}, 0.2, 0.5},
+    {{"contact.obstacle.point=[0, \"-0.1 + 0.5*t\"]", "clamp=[{ on=\"top\" }]"}, 0.2, 0.5},
+    {{"initial.velocity=[\"0.5 - y\", \"x - 0.5\"]"}, 0.2, 0.5}, // spins: a corner comes down by t/2
+    {{"initial.velocity=[\"0\", \"-1\"]", "clamp=[{ on=\"top\", components=[\"x\"] }]"}, 0.1, 1},
+    {{"initial.velocity=[\"0\", \"-1\"]", "initial.displacement=[\"0\", \"-0.05\"]"}, 0.05, 1},
+    {{"initial.velocity=[\"0\", \"-1\"]", "mesh.degree=2", "time.step=\"auto\""}, 0.1, 1},
+    {{"contact.obstacle.point=[0, 0]"}, 0, 0}};
+
+} // namespace
+
+TEST_CASE("a rigid body first touches when closed forms say so", "[forward]") {
+  for (const Case& one : cases) {
+    INFO(one.settings.front());
+    const forward::FirstTouch found = touch(one.settings);
+    CHECK(found.flies);
+    CHECK(std::abs(found.time - one.time) <= one.tolerance);
+    CHECK(std::abs(found.speed - one.speed) <= std::max(one.tolerance, 1e-8));
+  }
+  // Thrown up by 1 m/s under 4 m/s² it falls back to where it was in half a second, and 0.1 m more.
+  const forward::FirstTouch back = touch({"initial.velocity=[\"0\", \"1\"]", "load.gravity=[0, -4]"});
+  CHECK(std::abs(back.time - (1 + std::sqrt(1.8)) / 4) < 1e-8);
+  // Nearest at the turn, 0.1 − 0.3²/(2·0.9), and never there.
+  const forward::FirstTouch turns = touch({"initial.velocity=[\"0\", \"-0.3\"]", "load.gravity=[0, 0.9]"});
+  CHECK((!turns.occurs() && turns.flies));
+  CHECK(std::abs(turns.nearest - 0.05) < 1e-8);
+  CHECK(std::abs(turns.nearest_time - 1 / 3.0) < 1e-8);
+  const forward::FirstTouch clamped = touch({"clamp=[{ on=\"top\" }]", "load.gravity=[0, -1]"});
+  CHECK((!clamped.flies && !clamped.occurs() && std::abs(clamped.gap - 0.1) < 1e-12));
+}
+
+TEST_CASE("the first touch of a run is the one that was foreseen", "[forward]") {
+  for (const Settings& settings :
+       {cases[0].settings, cases[2].settings, cases[3].settings, cases[4].settings}) {
+    const test::Ready ready("tests/data/block.toml", above_floor(settings));
+    const Problem& problem = ready.problem;
+    forward::ObstacleForces forces(problem.stepper);
+    double first = -1;
+    forward::integrate(problem.stepper, problem.initial, problem.load(), problem.steps(),
+                       [&](const forward::Frame& frame) {
+                         forces.observe(frame);
+                         if (first < 0 && forces.all().normal_force > 0)
+                           first = problem.stepper.grid().time(frame.k);
+                       });
+    const double foreseen = forward::first_touches(problem.stepper, ready.scene).at(0).time;
+    REQUIRE(first > 0);
+    CHECK((first > foreseen - 1e-9 && first - foreseen < 2 * ready.scene.time.step));
+  }
+}
+
+TEST_CASE("the first touch in words", "[forward]") {
+  CHECK(line(cases[0].settings) == "first touch of \"floor\": at 0.1 s with 1 m/s, by the rigid motion from "
+                                   "a gap of 0.1 m, without the control");
+  CHECK_THAT(line({}),
+             ContainsSubstring("none before 0.6 s by the rigid motion, without the control; gap 0.1 m"));
+  CHECK_THAT(line({"clamp=[{ on=\"top\" }]"}),
+             ContainsSubstring("by deformation alone, clamps hold the body"));
+  CHECK_THAT(line({"contact.obstacle.point=[0, 0]"}), ContainsSubstring("\"floor\": at the start"));
+}
+
+TEST_CASE("an obstacle far away is in doubt only where the body does not fly there", "[forward]") {
+  const auto doubts = [](const Settings& settings) {
+    const test::Ready ready("tests/data/block.toml", settings);
+    return forward::body_figures(ready.problem.stepper, ready.scene).doubts;
+  };
+  // Fifteen times the body away, a drop test: 15 m by a fall from rest take √3 s.
+  const Settings drop{"contact.obstacle={ shape=\"half-space\", point=[0, -15], normal=[0, 1] }",
+                      "initial.velocity=[\"0\", \"0\"]", "load.gravity=[0, -10]", "load.body=[\"0\", \"0\"]",
+                      "time={ end=2, step=0.02 }"};
+  CHECK(doubts(drop).empty());
+  Settings brief = drop;
+  brief.emplace_back("time.end=1.5");
+  REQUIRE(doubts(brief).size() == 1);
+  CHECK_THAT(doubts(brief).front(),
+             ContainsSubstring("the obstacle is 15 m away from a body of 1 m, which") &&
+                 ContainsSubstring("before 1.5 s") && ContainsSubstring("mesh.unit"));
+}
