@@ -12,7 +12,7 @@ from harness import SIGNORINI, SOURCE, captured, signorini, table, toml  # noqa:
 import numpy as np  # noqa: E402
 
 BLOCK = SOURCE / "tests" / "data" / "block.toml"
-ROUNDING = 1e-11  # which contact multiplies
+ROUNDING = 1e-12  # which contact multiplies
 RANKS = 1e-9  # on several ranks sums are in another order, and contact multiplies that
 T, STEP = 0.6, 0.02
 COLUMNS = ("kinetic_energy", "elastic_energy", "external_work", "contact_force_y", "active")
