@@ -13,6 +13,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from harness import SOURCE, signorini, stored, table  # noqa: E402
+from studies import study  # noqa: E402
 
 SQUARE = f"""
 [mesh]
@@ -64,6 +65,68 @@ class Runs:
 
 def manifest(out: Path) -> dict:
     return json.loads((out / "run.json").read_text())
+
+
+def acts_in_time(run: Runs, folder: Path) -> None:
+    """Time series and moving clamps."""
+    (folder / "series.csv").write_text("time,push\n0,0\n0.15,3\n0.5,-1\n")
+    series = run(f'[load]\nbody = ["0", {{ file = "{folder}/series.csv", column = "push" }}]\n')
+    fine = np.linspace(0, 0.5, 1001)  # so that trapezoids are exact: 0.15 is among them
+    push = np.interp(fine, [0, 0.15, 0.5], [0, 3, -1])
+    impulse = np.concatenate([[0], np.cumsum((push[1:] + push[:-1]) / 2 * np.diff(fine))])[::200]
+    check("a time series is linear between its times, and gives its exact impulse", table(series / "probes.csv")["body.momentum_y"], impulse)
+    moved = run('[[clamp]]\non = "left"\nvalue = ["0.01*t^2", "0"]\n[[output.probe]]\nname = "left"\non = "left"\n')
+    t, probes = TAU * np.arange(6), table(moved / "probes.csv")
+    check("a clamp has its value at the end of a step", probes["left.displacement_x"], 0.01 * t**2)
+    check("and its derivative", probes["left.velocity_x"], 0.02 * t)
+
+
+def active_and_weak(run: Runs) -> None:
+    stands = CONTACT.split("[initial]")[0].replace("-0.1", "0")
+    for load, weak in (("0", 11), ("-1", 0)):
+        steps = table(run(stands + f'[load]\nbody = ["0", "{load}"]\n', time__scheme="contact-stabilized") / "steps.csv")
+        what = "without a force" if weak else "under its weight"
+        check(f"of a body that stands {what} all candidates are active, {weak} of them weak",
+              [steps["active"][1:].tolist(), steps["weak"][1:].tolist()], [[11] * 5, [weak] * 5])  # fmt: skip
+
+
+def gradient_norms(run: Runs) -> None:
+    """By the adjoint state that is stored, in L2(0,T; L2); with bounds, by the lumped mass matrix, that which does not point out of them."""
+    alpha, scale = 0.3, 2.0
+    text = f'[control]\nscale = {scale}\ninitial = INITIAL\nBOUNDS[objective]\ndesired = {{ displacement = ["(sin(3*y) - 0.5)*t", "-x*t"] }}\n' \
+           f"alpha = {alpha}\n[optimizer]\nmax_iterations = 0\n"  # fmt: skip
+    for initial, bounds in (((0.1, -0.2), ""), ((0, 0), "lower = 0\nupper = 1e3\n")):
+        out = run(text.replace("BOUNDS", bounds).replace("INITIAL", str([str(part) for part in initial])), "optimize", time__end=0.4)
+        points, cells, p = stored(out, "adjoint", "adjoint")
+        g = alpha * np.array(initial) + TAU * scale / 2 * p[..., :2]
+        sides = points[cells[:, 1:], :2] - points[cells[:, :1], :2]
+        area = abs(np.linalg.det(sides)) / 2
+        mass = np.zeros((len(points), len(points)))
+        for i in range(3):
+            for j in range(3):
+                np.add.at(mass, (cells[:, i], cells[:, j]), area / 12 * (1 + (i == j)))
+        if bounds:  # the control is at the lower ones
+            assert (g > 0).any() and (g < 0).any(), "all gradients point the same way"
+            lumped = mass.sum(axis=1)
+            g, mass = np.minimum(np.einsum("ij,kjc->kic", mass / lumped[:, None], g), 0), np.diag(lumped)
+        norm = np.sqrt(TAU * np.einsum("kic,ij,kjc->", g, mass, g))
+        check(f"gradient_norm {'with' if bounds else 'without'} bounds", table(out / "history.csv")["gradient_norm"][0], norm)
+
+
+def studies(run: Runs) -> None:
+    """Against statements that are wrong by a known part, and against the finest rung."""
+    def rows(name: str, text: str, *options: str) -> dict[str, np.ndarray]:
+        scene = run.folder / f"study-{name}.toml"
+        scene.write_text(SQUARE + text)
+        study(scene, run.folder / f"study-{name}", "--sizes", "0.25", *options)
+        return table(run.folder / f"study-{name}" / "study.csv")
+
+    flight = rows("flight", CONTACT.replace("-0.1", "-9") + '[exact]\ndisplacement = ["0", "-1.25*t"]\n', "--steps", "0.1", "--quantity", "displacement")
+    check("the error of a field is relative to its norm", flight["displacement_error"], [0.2])
+    hit = rows("hit", CONTACT.replace("-0.1", "-0.12") + "[exact]\nimpulse = 2\n", "--steps", "0.05,0.0125", "--quantity", "impulse,energy_loss")
+    assert np.min(hit["impulse"]) > 0 and np.ptp(hit["energy_loss"]) > 1e-3, hit
+    check("that of a number to its value", hit["impulse_error"], abs(hit["impulse"] / 2 - 1))
+    check("that of energy_loss is a plain difference", hit["energy_loss_error"], hit["energy_loss"])  # exact: none
 
 
 def main() -> int:
@@ -119,6 +182,11 @@ def main() -> int:
         check("steps.csv after optimize belongs to the last iterate", 5e-3 / 4 * (error[1:] + error[:-1]).sum(), J["tracking"])
         check("the end state counts without a half", 1e-2 * error[-1], J["terminal"])
         check("the last row of history.csv too", table(found / "history.csv")["objective"][-1], J["value"])
+
+        acts_in_time(run, Path(scratch))
+        active_and_weak(run)
+        gradient_norms(run)
+        studies(run)
 
         nodal = run(control + tracked, "optimize", control__space="P1", mesh__degree=2)
         cells = run(control + tracked, "optimize", control__space="P0", mesh__degree=2)
