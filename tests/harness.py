@@ -3,6 +3,7 @@
 
 import csv
 import json
+import re
 import subprocess
 import sys
 import xml.etree.ElementTree as xml
@@ -61,19 +62,30 @@ def toml(value: object) -> str:
     return json.dumps(value)
 
 
+# Numbers that a table may lack, empty or nan; anywhere else their absence is an error (docs/reference/files.md).
+MAY_LACK = {
+    "steps.csv": re.compile("min_gap"),  # without a candidate
+    "obstacles.csv": re.compile(".*min_gap"),
+    "history.csv": re.compile("relative_distance_to_reference"),
+    "study.csv": re.compile(r"tolerance|displacement|velocity|stress|strain|von_mises|pressure|.+_(error|estimate|effectivity|envelope)|J_estimate_.+"),
+}
+
+
 def table(file: Path) -> dict[str, np.ndarray]:
-    """The columns of a CSV file."""
+    """The columns of a CSV file: numbers, NaN where MAY_LACK allows none; texts if one is no number. Raises ValueError for numbers that lack."""
     with open(file) as lines:
         rows = list(csv.DictReader(lines))
-    return {key: column([row[key] for row in rows]) for key in rows[0]}
+    return {key: column([row[key] for row in rows], f"{file}: {key}", file.name in MAY_LACK and bool(MAY_LACK[file.name].fullmatch(key))) for key in rows[0]}
 
 
-def column(texts: list[str]) -> np.ndarray:
-    """Numbers, NaN where there is none; texts if one is no number."""
+def column(texts: list[str], name: str, may_lack: bool) -> np.ndarray:
     try:
-        return np.array([float(text) if text else np.nan for text in texts])
+        numbers = np.array([float(text) if text else np.nan for text in texts])
     except ValueError:
         return np.array(texts)
+    if np.isnan(numbers).any() and not may_lack:
+        raise ValueError(f"{name}: no number in row {int(np.isnan(numbers).argmax()) + 1}")
+    return numbers
 
 
 def stored(out: Path, file: str, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -12,6 +12,7 @@ import json
 import tempfile
 from pathlib import Path
 
+import numpy as np
 import program
 from program import ROOT
 
@@ -104,7 +105,7 @@ def main() -> int:
                     rows += best.values()
                     auto = best["auto"]
                     cells = [f"{best[linear]['seconds']:9.2f} ({best[linear]['phases']['solver']:7.2f})" for linear in WAYS]
-                    ratio = auto["seconds"] / min(best[linear]["seconds"] for linear in WAYS[1:])
+                    ratio = auto["seconds"] / np.min([best[linear]["seconds"] for linear in WAYS[1:]])
                     print(f"{case:10s} {auto['free_unknowns']:8d}  {verb:8s}  {ranks:5d}  {auto['sweeps']:6d}   {cells[0]:>22s}  {cells[1]:>19s}"
                           f"  {cells[2]:>19s}   {ratio:9.2f}  {auto['solver']}", flush=True)  # fmt: skip
     program.write(given.json, rows)

@@ -13,6 +13,7 @@ import json
 import tempfile
 from pathlib import Path
 
+import numpy as np
 import program
 
 SCENE = program.ROOT / "scenes" / "half-disc.toml"
@@ -45,14 +46,14 @@ def measured(folder: Path, size: float, iterations: int, repeats: int) -> dict:
     for _ in range(repeats):
         for start, found in runs.items():
             found.append(run(folder, size, start, iterations if start == "guess" else iterations // 2))
-    least = min(row["objective"] for found in runs.values() for one in found for row in one["history"])
+    least = np.min([row["objective"] for found in runs.values() for one in found for row in one["history"]])
     result = {"size": size, "unknowns": runs["guess"][0]["unknowns"], "least": least}
     for start, found in runs.items():
         to_value = [reached(one, least + NEAR) for one in found]
-        result[start] = {**to_value[0], "seconds": min(one["seconds"] for one in to_value),
+        result[start] = {**to_value[0], "seconds": np.min([one["seconds"] for one in to_value]),
                          "first": found[0]["history"][0]["objective"], "last": found[0]["history"][-1]["objective"]}  # fmt: skip
     result["levels"] = runs["coarse"][0]["levels"]
-    result["seconds_of_levels"] = min(sum(level["seconds"] for level in one["levels"]) for one in runs["coarse"])
+    result["seconds_of_levels"] = np.min([sum(level["seconds"] for level in one["levels"]) for one in runs["coarse"]])
     return result
 
 

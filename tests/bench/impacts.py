@@ -150,7 +150,7 @@ class Motion:
             return 0.0
         begin, end = self.time[closed[0] - 1], self.time[closed[0]]
         for k in closed[1:]:
-            if self.time[k - 1] - end > max(0.25 * (end - begin), pause):
+            if self.time[k - 1] - end > np.maximum(0.25 * (end - begin), pause):
                 break
             end = self.time[k]
         return float(np.interp(end, self.time, self.sums))
@@ -178,7 +178,7 @@ def compared(case: dict, tolerances: list[float], quantity: str, folder: Path) -
                                   {"end": end, "step": "auto", "tolerance": tolerance, "quantity": quantity})
               for tolerance in tolerances}  # fmt: skip
     wave = chosen[tolerances[0]].manifest["steps"]["wave_time"]
-    later = flight - min(flight, 0.4 * case["contact"])
+    later = flight - np.minimum(flight, 0.4 * case["contact"])
     fine = []
     for part in FINE:
         count = math.ceil((end - later) / (wave / part))

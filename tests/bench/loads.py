@@ -133,7 +133,7 @@ def ordered(case: dict, asked: float, quantity: str, folder: Path) -> dict:
     choice = ["--sizes", f"{size!r},{size / 4!r}", option, f"{value!r},{value / finer!r}"]
     program.output("signorini", "study", folder / "scene.toml", *choice, "--quantity", quantity, "--out", folder / "truth", "--quiet", OMP_NUM_THREADS=1)
     rows = np.genfromtxt(folder / "truth" / "study.csv", delimiter=",", names=True)
-    own = np.isclose(rows["size"], size) & (rows["steps"] == min(rows["steps"][np.isclose(rows["size"], size)]))
+    own = np.isclose(rows["size"], size, rtol=1e-12, atol=0) & (rows["steps"] == np.min(rows["steps"][np.isclose(rows["size"], size, rtol=1e-12, atol=0)]))
     error = rows[f"{quantity}_error"]
     reference = np.flatnonzero(np.isnan(error))
     assert sum(own) == 1 and len(reference) == 1 and rows["size"][reference[0]] < size / 2, rows

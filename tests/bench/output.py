@@ -12,6 +12,7 @@ import json
 import tempfile
 from pathlib import Path
 
+import numpy as np
 import program
 from program import ROOT
 
@@ -69,7 +70,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         for size in given.sizes:
             for ranks in given.ranks:
-                for frames, every in [*((frames, 1) for frames in given.frames), (min(given.frames), None)]:
+                for frames, every in [*((frames, 1) for frames in given.frames), (int(np.min(given.frames)), None)]:
                     rows.append(row(Path(name), size, frames, ranks, every))
                     show(rows[-1])
     program.write(given.json, rows)

@@ -75,7 +75,7 @@ def over_uniform(row: dict, uniform: list[dict], cost: Callable[[dict], float]) 
         if not errors[0] <= np.log(error) <= errors[-1]:
             return None
         ratios.append(cost(row) / np.exp(np.interp(np.log(error), errors, costs)))
-    return max(ratios)
+    return np.max(ratios)
 
 
 def main() -> None:

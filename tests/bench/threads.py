@@ -10,6 +10,7 @@ by CHOLMOD. About ten minutes.
 import json
 from pathlib import Path
 
+import numpy as np
 import program
 
 SCENES = program.ROOT / "scenes"
@@ -39,7 +40,7 @@ def main() -> None:
             for number in options.threads:
                 taken, unknowns = gradient(scene, settings, number)
                 seconds[number].append(taken)
-        least = {number: min(taken) for number, taken in seconds.items()}
+        least = {number: np.min(taken) for number, taken in seconds.items()}
         rows.append({"scene": scene, "unknowns": unknowns, "seconds_per_step": seconds})
         print(f"{scene:10s} {unknowns:8d} unknowns: " + ", ".join(
             f"{number} thread{'s' if number > 1 else ''} {1e3 * least[number]:.2f} ms (median {1e3 * sorted(seconds[number])[len(seconds[number]) // 2]:.2f}),"

@@ -7,6 +7,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
+
 SCRIPT = Path(__file__).parent / "optimizers.py"
 SAME = 1e-6  # of J, as rounding grows over the iterations; 1e-10 is usual
 ITERATIONS = 8
@@ -21,7 +23,7 @@ def main() -> None:
                             "--iterations", str(ITERATIONS), "--found", file], check=True)  # fmt: skip
             found[ranks] = json.loads(file.read_text())
     assert len(found[1]) == len(found[2]) == ITERATIONS
-    worst = max(abs(two / one - 1) for one, two in zip(found[1], found[2]))
+    worst = np.max([abs(two / one - 1) for one, two in zip(found[1], found[2])])
     print(f"J of {ITERATIONS} iterations differs by {worst:.1e} at most")
     assert worst < SAME
 

@@ -10,6 +10,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
+
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import HALF_DISC, SIGNORINI, SOURCE, attempt, captured, signorini, table  # noqa: E402
 
@@ -38,7 +40,7 @@ def same_optimum(folder: Path) -> None:
         for out in outs:
             done = signorini("optimize", HALF_DISC, out, **DISC | {"optimizer__start": out.name, "optimizer__method": method} | changes)
         J = [table(out / "history.csv")["objective"] for out in outs]
-        least = min(J[0].min(), J[1].min())
+        least = np.minimum(J[0].min(), J[1].min())
         print(f"{method}, {changes}: J {J[0][-1]:.9f} from the first guess, {J[1][-1]:.9f} from coarse meshes")
         assert abs(J[0][-1] - J[1][-1]) < NEAR
         if not changes:

@@ -97,17 +97,14 @@ def is_told(prefix: Path) -> None:
     assert "-F _signorini" in run("bash", "-c", '. "$1" && complete -p signorini', "bash", completion).stdout
     manual = prefix / "share" / "man" / "man1" / "signorini.1"
     program = prefix / "bin" / "signorini"
-    if shutil.which("man"):
-        made = run("man", "--warnings", "-E", "UTF-8", "-l", manual, env=ENV | {"MANWIDTH": "120", "MANROFFOPT": "-rHY=0"})
-        assert not made.stderr, made.stderr
-        page = re.sub(".\b", "", made.stdout)
-        options = set(re.findall(r"--[a-z][a-z-]+", run(program, "simulate", "--help").stdout))
-        keys = re.findall(r"(?m)^[a-z_.]+$", run(program, "keys").stdout)
-        missing = [word for word in (*options, *keys, "signorini report", "signorini plot", "--time", "GNU General") if word not in page]
-        assert len(options) > 8 and len(keys) > 60 and not missing, f"not in the manual: {missing}"
-        print(f"the manual has {len(page.splitlines())} lines, {len(keys)} keys in them")
-    else:
-        print("no man here: the manual was not looked at")
+    made = run("man", "--warnings", "-E", "UTF-8", "-l", manual, env=ENV | {"MANWIDTH": "120", "MANROFFOPT": "-rHY=0"})
+    assert not made.stderr, made.stderr
+    page = re.sub(".\b", "", made.stdout)
+    options = set(re.findall(r"--[a-z][a-z-]+", run(program, "simulate", "--help").stdout))
+    keys = re.findall(r"(?m)^[a-z_.]+$", run(program, "keys").stdout)
+    missing = [word for word in (*options, *keys, "signorini report", "signorini plot", "--time", "GNU General") if word not in page]
+    assert len(options) > 8 and len(keys) > 60 and not missing, f"not in the manual: {missing}"
+    print(f"the manual has {len(page.splitlines())} lines, {len(keys)} keys in them")
 
 
 def builds_others(prefix: Path, folder: Path) -> None:

@@ -13,6 +13,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from browser import BODY, Reader, browser, make, page_of  # noqa: E402
 from harness import HALF_BALL, HALF_DISC, SIGNORINI, SOURCE, signorini, table  # noqa: E402
@@ -152,7 +154,7 @@ def cut_anywhere(folder: Path, study: Path) -> None:
         whole = path.read_bytes()
         read()
         lines = whole.rindex(b"\n", 0, whole.rindex(b"\n", 0, -1)) if file.endswith(".csv") else len(whole)  # before the last two
-        for length in [*range(0, lines, max(1, lines // 200)), *range(lines, len(whole)), len(whole) - 1]:
+        for length in [*range(0, lines, np.maximum(1, lines // 200)), *range(lines, len(whole)), len(whole) - 1]:
             path.write_bytes(whole[:length])
             try:
                 read()

@@ -80,7 +80,7 @@ def kills(folder: Path, whole: list[str], seconds: float, count: int) -> None:
     assert results(out) == whole, "the result differs from that of a run in one piece"
     left = [path.name for path in out.iterdir() if path.name.startswith(".")]
     assert not left, f"{left} were left behind"
-    assert from_checkpoint >= max(1, count // 4), f"{from_checkpoint} of {count} killed runs had a checkpoint to go on from"
+    assert from_checkpoint >= np.maximum(1, count // 4), f"{from_checkpoint} of {count} killed runs had a checkpoint to go on from"
     print(f"kill -9: {count} times, {from_checkpoint} of them in a run that had been resumed; {completed + 1} runs came to their end, "
           "all with the results of a run in one piece")  # fmt: skip
 
@@ -128,7 +128,7 @@ def chosen(folder: Path) -> None:
     assert "resumed after iteration 5" in complete(out, "--resume", **auto, optimizer__max_iterations="12")
     assert results(out) == results(whole)
     lengths = np.diff(table(whole / "steps.csv")["time"])
-    assert max(lengths) > 1.5 * min(lengths), "all are of one length"
+    assert np.max(lengths) > 1.5 * np.min(lengths), "all are of one length"
     print(f"chosen steps: {len(lengths)} of two lengths or more, the same to the last bit when resumed")
 
 

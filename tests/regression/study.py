@@ -66,7 +66,7 @@ def ladder(folder: Path) -> None:
         beaten = np.isnan(e) or bool(((rows["seconds"] < s) & (rows["J_envelope"] <= e)).any())
         assert front == (not beaten)
     effectivity = rows["J_effectivity"][np.isfinite(rows["J_effectivity"])]
-    print(f"effectivity of {len(effectivity)} estimates of J's error: {min(effectivity):.2f} to {max(effectivity):.2f}")
+    print(f"effectivity of {len(effectivity)} estimates of J's error: {np.min(effectivity):.2f} to {np.max(effectivity):.2f}")
     assert len(effectivity) > 10 and 0.5 < np.median(effectivity) < 2
 
 
@@ -209,7 +209,7 @@ def obstacles(folder: Path) -> None:
         given = json.loads((out / "study.json").read_text())["quantities"]
         assert [given[f"impulse{end}"]["unit"] for end in ("", "_1", "_2")] == [unit] * 3 and given["peak_force_2"]["unit"] == unit.replace(" s", "")
         assert (rows["impulse_1"] > 10 * rows["impulse"]).all() and (rows["contact_time_1"] > 0.3).all()
-        assert np.allclose(rows["impulse"], np.abs(rows["impulse_1"] - rows["impulse_2"]), atol=1e-12 * max(rows["impulse_1"]))
+        assert np.allclose(rows["impulse"], np.abs(rows["impulse_1"] - rows["impulse_2"]), rtol=0, atol=1e-12 * np.max(rows["impulse_1"]))
         assert f"impulse of contact, obstacle 2, {unit}: " in said
         wide = [line for line in said.splitlines() if len(line) > 80 and re.match(r"\s*(\d+ |rung )", line)]
         assert not [line for line in wide if " of " not in line], wide
@@ -227,11 +227,11 @@ def chosen_steps(folder: Path) -> None:
     assert "steps chosen" in said, said
     rows = table(out / "study.csv")
     chosen = np.isfinite(rows["tolerance"])
-    assert sorted(rows["tolerance"][chosen]) == sorted(tolerances) and max(rows["contact_time"]) > 0.03, "no contact occurred"
+    assert sorted(rows["tolerance"][chosen]) == sorted(tolerances) and np.max(rows["contact_time"]) > 0.03, "no contact occurred"
     for tolerance, error, steps in zip(rows["tolerance"][chosen], rows["contact_start_error"][chosen], rows["steps"][chosen]):
         print(f"tolerance {tolerance:g}: {steps:.0f} steps, start of contact off by {error:.1e}")
-        assert error <= min(tolerance, min(rows["contact_start_error"][~chosen]))
-    assert min(rows["steps"][chosen]) < min(rows["steps"][~chosen])
+        assert error <= np.minimum(tolerance, np.min(rows["contact_start_error"][~chosen]))
+    assert np.min(rows["steps"][chosen]) < np.min(rows["steps"][~chosen])
     again = study(RING, out, *choice, "--set", f"exact.contact_start={touch}").stdout
     assert "5 of 5 rungs were there already" in again, again
     reported = captured([sys.executable, SOURCE / "postprocess" / "report.py", out])
@@ -242,7 +242,7 @@ def chosen_steps(folder: Path) -> None:
     with_J = study(DATA / "block.toml", folder / "chosen-J", "--sizes", "0.5", "--set", 'time={end=0.6, step="auto", tolerance=1e-3}',
                    "--quantity", "J,impulse").stdout  # fmt: skip
     values = table(folder / "chosen-J/study.csv")
-    assert len(values["J"]) == 3 and max(values["impulse"]) > 0 and max(abs(values["J"] / values["J"][-1] - 1)) < 0.05, with_J
+    assert len(values["J"]) == 3 and np.max(values["impulse"]) > 0 and np.max(abs(values["J"] / values["J"][-1] - 1)) < 0.05, with_J
     done = captured([SIGNORINI, "simulate", RING, "--out", folder / "ordered", "--accuracy", "1e-2", "--quantity", "contact_start",
                      "--set", "mesh.size=8e-3"])  # fmt: skip
     assert done.returncode == 0 and "met; size" in done.stdout and ", tolerance " in done.stdout, done.stdout + done.stderr

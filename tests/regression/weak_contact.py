@@ -8,6 +8,8 @@ import re
 import sys
 from pathlib import Path
 
+import numpy as np
+
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import SOURCE, attempt  # noqa: E402
 
@@ -29,7 +31,7 @@ def main() -> int:
             weak = int(re.search(r"Contact is weak (\d+) times", done.stdout).group(1))
             slopes = [float(x) for x in re.findall(r"Slope of J along [+-]d: ([-+.e\d]+)\.$", done.stdout, re.MULTILINE)]
             assert weak > 50 and len(slopes) == 2
-            assert abs(slopes[0] + slopes[1]) > 0.1 * max(map(abs, slopes)), slopes
+            assert abs(slopes[0] + slopes[1]) > 0.1 * np.max(list(map(abs, slopes))), slopes
             assert "Verdict: a kink along d" in done.stdout, done.stdout
             # By the gradient of the piece of J on each side, and by the order of what is left of J there.
             wanted = {f"{what} along {side}d{more}" for side in "+-"

@@ -98,8 +98,8 @@ def compare_solvers(folder: Path) -> bool:
             out = folder / "other"
             signorini("simulate", scene, out, **(overrides | other))
             pairs = list(zip(displacements(condensed), displacements(out), strict=True))
-            size = max(abs(a).max() for a, _ in pairs)
-            difference = max(abs(a - b).max() for a, b in pairs) / size
+            size = np.max([abs(a).max() for a, _ in pairs])
+            difference = np.max([abs(a - b).max() for a, b in pairs]) / size
             sets = same_sets(condensed, out)
             print(f"{name}: condensed and {title} differ by {difference:.1e} of the largest displacement, "
                   f"active sets {'equal' if sets else 'differ'} at all {len(pairs) - 1} steps")  # fmt: skip
@@ -116,7 +116,7 @@ def compare_contact_over_ranks(folder: Path, name: str, scene: Path, **overrides
         tables.append(table(out / "contact.csv"))
         assert same_sets(folder / "ranks-1", out)
         assert "obstacle" not in tables[0] or np.array_equal(tables[0]["obstacle"], tables[-1]["obstacle"])
-    worst = max(abs(other[key] - tables[0][key]).max() / abs(tables[0][key]).max() for other in tables[1:] for key in ("gap", "force", "area", "pressure"))
+    worst = np.max([abs(other[key] - tables[0][key]).max() / abs(tables[0][key]).max() for other in tables[1:] for key in ("gap", "force", "area", "pressure")])
     print(f"{name}: gaps, forces and pressures over the ranks differ by {worst:.1e} of the largest")
     return worst <= 1e-9
 
@@ -136,8 +136,8 @@ def compare_ranks(folder: Path, scene: Path, iterations: int = 3, **overrides: o
         assert same_sets(folder / "ranks-1", out)
 
     def worst(row: int) -> float:
-        return max(relative(other[key][row], histories[0][key][row])
-                   for other in histories[1:] for key in ("objective", "gradient_norm"))  # fmt: skip
+        return np.max([relative(other[key][row], histories[0][key][row])
+                   for other in histories[1:] for key in ("objective", "gradient_norm")])  # fmt: skip
 
     print(f"{scene.stem}: largest relative difference over the ranks {worst(0):.1e}, after {iterations} iterations {worst(iterations):.1e}")
     return worst(0) <= 1e-9 and worst(iterations) <= 1e-6

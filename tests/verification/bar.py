@@ -148,7 +148,7 @@ def compare(motion: Motion, figures: Figures) -> None:
     figures.show("gap: error / (10 m/s x delay)", deviation.max(), 0, 1)
     # What the node that hits has of kinetic energy may be lost, at most that of an element at each impact.
     figures.show("energy at the end, of the first", 1 - motion.energy_loss(), 1, len(contacts) / motion.elements)
-    figures.show("largest rise of energy in a step", max(0, np.diff(motion.energy).max()), 0, ROUNDING)
+    figures.show("largest rise of energy in a step", np.maximum(0, np.diff(motion.energy).max()), 0, ROUNDING)
 
 
 def rates(case: Case, courant: float, folder: Path, figures: Figures) -> None:

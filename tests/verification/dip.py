@@ -65,7 +65,7 @@ def half_disc(size: float, out: Path, figures: Figures) -> tuple[float, float]:
         lowest = np.where(curvature > 0, np.clip(-slope / (2 * curvature), 0, 1), 0)
     least = np.minimum(0, first + slope * lowest + curvature * lowest**2)
     h = np.linalg.norm(points[2::2] - points[:-2:2], axis=1).max()
-    half_width = max(abs(points[:, 0])[(force > 0).any(axis=0)].max(), h)
+    half_width = np.maximum(abs(points[:, 0])[(force > 0).any(axis=0)].max(), h)
     return show(f"half disc, size {size:g} m", gap, force, least, h, hertz(half_width, h), figures), h
 
 
@@ -89,8 +89,8 @@ def half_ball(size: float, step: float, out: Path, figures: Figures) -> None:
             faces.append(six)
     faces = np.array(faces)
     least = np.minimum(0, np.einsum("pn,sfn->sfp", shape_functions(20), gap[:, faces]).min(axis=2))
-    h = max(np.linalg.norm(points[faces[:, i]] - points[faces[:, j]], axis=1).max() for i, j in ((0, 1), (1, 2), (0, 2)))
-    half_width = max(np.linalg.norm(points[:, :2], axis=1)[(force > 0).any(axis=0)].max(), h)
+    h = np.max([np.linalg.norm(points[faces[:, i]] - points[faces[:, j]], axis=1).max() for i, j in ((0, 1), (1, 2), (0, 2))])
+    half_width = np.maximum(np.linalg.norm(points[:, :2], axis=1)[(force > 0).any(axis=0)].max(), h)
     show(f"half ball, size {size:g} m", gap, force, least, h, 4 / np.pi * hertz(half_width, h), figures)
 
 

@@ -46,7 +46,7 @@ def drop(size: float, out: Path, figures: Figures, sag: float = 0, **overrides: 
     figures.show("speed of the two steps before, m/s", (gap[falling - 2] - gap[falling]) / (2 * step), 1,
                  1.001 * ACCELERATION * step + sag * WAVE / size)  # fmt: skip
     # Sums of the works of up to 8000 steps.
-    figures.show("largest rise of energy / of the impact", max(0, np.diff(energy).max()) / impact, 0, 1e-11)
+    figures.show("largest rise of energy / of the impact", np.maximum(0, np.diff(energy).max()) / impact, 0, 1e-11)
     mass = 2 * impact  # at 1 m/s
     left = pushed[-1]
     rebound = step * force.sum() / mass - ACCELERATION * time[left]

@@ -15,6 +15,8 @@ import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import SIGNORINI, SOURCE, captured, table, toml  # noqa: E402
 
@@ -85,7 +87,7 @@ def reference(case: Case, out: Path, finest: tuple[float, float]) -> tuple[float
     fine = study(case, out / "fine", (size,), (step, 2 * step), ALL[:1], 2)
     wide = study(case, out / "wide", (2 * size,), (2 * step,), ALL[:1], 2)
     by_steps = dict(zip(fine["steps"], fine["J"]))
-    best, longer = by_steps[max(by_steps)], by_steps[min(by_steps)]
+    best, longer = by_steps[np.max(list(by_steps))], by_steps[np.min(list(by_steps))]
     corrections = (best - longer) / 3, (longer - wide["J"][0]) / 3
     return best + sum(corrections), sum(map(abs, corrections))
 
@@ -116,7 +118,7 @@ def main() -> int:
                           f"  {' '.join(f'{part * abs(found / J):+.1e}' for part in parts)}")  # fmt: skip
     good = sum(LEAST <= e <= LARGEST for e in effectivities)
     print(f"{good} of {len(effectivities)} runs between {LEAST} and {LARGEST}; {dropped} are not told from the reference's own error")
-    enough = len(effectivities) >= 3 * max(dropped, 1)
+    enough = len(effectivities) >= 3 * np.maximum(dropped, 1)
     return 0 if enough and good >= SHARE * len(effectivities) else 1
 
 

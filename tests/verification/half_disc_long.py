@@ -4,7 +4,6 @@
 import json
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -14,7 +13,7 @@ import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 
 STEP_OF_FIGURES = 35  # t = 0.00175 s
-MINUTES = 10
+TRIALS = 1.5  # forward sweeps an iteration, for the line search; 1.38 found
 
 
 def field(out: Path, name: str, step: int) -> np.ndarray:
@@ -33,10 +32,8 @@ def near(points: np.ndarray, targets: np.ndarray) -> np.ndarray:
 def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "out"
-        start = time.perf_counter()
         signorini("optimize", HALF_DISC, out, optimizer__method="projected-gradient", optimizer__max_iterations=1000,
                   optimizer__tolerance=0)  # fmt: skip
-        minutes = (time.perf_counter() - start) / 60
         history, steps, contact = (table(out / f"{name}.csv") for name in ("history", "steps", "contact"))
         run = json.loads((out / "run.json").read_text())
         with h5py.File(out / "control.h5") as file:
@@ -44,10 +41,11 @@ def main() -> int:
         u, p = (field(out, name, STEP_OF_FIGURES) for name in ("control", "adjoint"))
 
     sweeps = run["timings"]["forward"], run["timings"]["adjoint"]
-    print(f"{minutes:.1f} min; {history['forward_sweeps'][-1]:.0f} forward and {history['adjoint_sweeps'][-1]:.0f} adjoint "
+    print(f"{history['forward_sweeps'][-1]:.0f} forward and {history['adjoint_sweeps'][-1]:.0f} adjoint "
           f"sweeps, {1e3 * sweeps[0]['seconds'] / sweeps[0]['calls']:.0f} and "
           f"{1e3 * sweeps[1]['seconds'] / sweeps[1]['calls']:.0f} ms each")  # fmt: skip
-    assert minutes < MINUTES and len(history["iteration"]) == 1001
+    assert len(history["iteration"]) == 1001
+    assert 1000 < history["forward_sweeps"][-1] < TRIALS * 1000 and 1000 < history["adjoint_sweeps"][-1] <= 1002
     J, distance = history["objective"], history["relative_distance_to_reference"]
     print(f"J: {J[0]:.5f}, {J[100]:.5f} (100), {J[600]:.6f} (600), {J[-1]:.6f}; distance to the reference control: "
           f"{distance[100]:.4f} (100), {distance[200]:.4f} (200), {distance[-1]:.4f}, least at {distance.argmin()}")  # fmt: skip
@@ -60,7 +58,7 @@ def main() -> int:
     active = now & (contact["force"] > 0)
     assert active.sum() > 3, "no contact at t = 0.00175"
     touching = near(points, np.column_stack([contact["x"], contact["y"]])[active])
-    clamped = np.isclose(points[:, 1], points[:, 1].max())
+    clamped = np.isclose(points[:, 1], points[:, 1].max(), rtol=0, atol=1e-9)
     size = np.linalg.norm(u, axis=1).max()
     print(f"control at t = 0.00175: largest {size:.3f}, on the clamp {abs(u[clamped]).max():.1e}, normal at the "
           f"{touching.sum()} active nodes {abs(u[touching, 1]).max():.1e}, of the adjoint state {abs(p[touching, 1]).max():.1e}")  # fmt: skip

@@ -115,7 +115,7 @@ def main() -> int:
         coarse, fine = (press(size, "traction", Path(folder), figures) for size in SIZES)
         for load in ("body force", "moved clamp"):
             press(SIZES[0], load, Path(folder), figures)
-    figures.show("profile: error at h/2 beyond half of that at h", max(0, fine - coarse / 2), 0, HERTZ)
+    figures.show("profile: error at h/2 beyond half of that at h", np.maximum(0, fine - coarse / 2), 0, HERTZ)
     return 1 if figures.failed else 0
 
 

@@ -105,11 +105,11 @@ def patch(dim: int, degree: int, scheme: str, ranks: int, folder: Path, figures:
     for axis, name in enumerate(axes):
         own = now & (contact["obstacle"] == f"obstacle {axis + 1}")
         expected = -stress[axis, axis]
-        pressure = max(pressure, abs(contact["pressure"][own] / expected - 1).max())
+        pressure = np.maximum(pressure, abs(contact["pressure"][own] / expected - 1).max())
         assert abs(contact["area"][own].sum() - 1) < 1e-12, "areas do not add up to the side's"
         for other, direction in enumerate(axes):
             assert (contact[f"normal_{direction}"][own] == (other == axis)).all()
-        force = max(force, abs((contact["force"][own]).sum() / expected - 1), abs(steps[f"contact_force_{name}"][-1] / expected - 1))
+        force = np.max([force, abs((contact["force"][own]).sum() / expected - 1), abs(steps[f"contact_force_{name}"][-1] / expected - 1)])
     print(f"patch, {dim} dimensions, degree {degree}, {scheme}, {ranks} ranks, {now.sum()} candidates:")
     figures.show("pressure of contact.csv, off by", pressure, 0, 1e-10)
     figures.show("force, off by", force, 0, 1e-10)

@@ -93,7 +93,7 @@ def compare(name: str, scene: Path, folder: Path, variants: dict[str, dict], siz
         (straight, active), (turned, turned_active) = found
         same = np.array_equal(active, turned_active)
         worst = {key: abs(turned[key] - straight[key]).max() / abs(straight[key]).max() for key in straight}
-        holds &= same and max(worst.values()) <= TOLERANCE
+        holds &= same and np.max(list(worst.values())) <= TOLERANCE
         print(f"{name}, {title}: {(active > 0).sum()} steps in contact, active candidates {'equal' if same else 'differ'} at all "
               "steps; relative differences " + ", ".join(f"{key} {value:.1e}" for key, value in worst.items()))  # fmt: skip
     return holds

@@ -66,7 +66,7 @@ def difference(a: dict, b: dict) -> float:
     if (a["stop"], a["weak"], len(a["J"])) != (b["stop"], b["weak"], len(b["J"])) or (a["sweeps"] != b["sweeps"]).any():
         return np.inf
     values = [(a[key], b[key]) for key in ("J", "|g|", "step", "control")] + ([(a["kink"], b["kink"])] if a["kink"] else [])
-    return max(np.max(np.abs(np.subtract(x, y)) / np.max(np.abs(x))) for x, y in values)
+    return np.max([np.max(np.abs(np.subtract(x, y)) / np.max(np.abs(x))) for x, y in values])
 
 
 def main() -> int:
@@ -76,7 +76,7 @@ def main() -> int:
         out = Path(folder) / "out"
         for (scene, (*_, most)), method in product(SCENES.items(), METHODS):
             # projected-gradient does not get to a certificate, of the others lbfgs gets there first
-            enough = min(most, 100) if method == METHODS[0] else 1000 if (scene, method) == ("half disc", "lbfgs") else most
+            enough = int(np.minimum(most, 100)) if method == METHODS[0] else 1000 if (scene, method) == ("half disc", "lbfgs") else most
             for iterations, pairs, allowed in ((enough, EXACT, 0), (FEW[method], ROUNDED, SAME)):
                 given = searched(out, scene, method, iterations, 1, 1)
                 kinks += bool(given["kink"])

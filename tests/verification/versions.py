@@ -96,7 +96,7 @@ def main() -> int:
                 found = case(name, folder, ranks)
                 same = found.pop("steps in contact") == expected["steps in contact"]
                 worst = {key: relative(value, expected[key]) for key, value in found.items()}
-                holds &= same and max(worst.values()) <= TOLERANCE
+                holds &= same and np.max(list(worst.values())) <= TOLERANCE
                 print(f"{name}, {ranks} rank{'s'[: ranks - 1]}: {expected['steps in contact']} steps in contact "
                       f"{'as recorded' if same else 'NOT AS RECORDED'}; relative differences " +
                       ", ".join(f"{key} {value:.1e}" for key, value in worst.items()))  # fmt: skip

@@ -149,7 +149,7 @@ def measure(size: float, programs: list[str], repeats: int, threads: int) -> lis
         bench = Bench(size, Path(folder), threads)
         turns = [[1e3 / bench.steps * bench.seconds(program) for program in programs] for _ in range(repeats)]
         for program, times in zip(programs, zip(*turns)):
-            milliseconds = min(times)
+            milliseconds = np.min(times)
             motion = bench.motion(program)
             if program == REFERENCE:
                 first, reference, contact = milliseconds, motion, bench.contact()

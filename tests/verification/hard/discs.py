@@ -40,7 +40,7 @@ def drops(folder: Path, table: Table) -> None:
             steps = read(out / "steps.csv")
             total = energy(steps) - np.cumsum(steps["external_work"])
             impact = steps["kinetic_energy"][round(disc_drop.TOUCH / disc_drop.SIZES[size])]
-            rise = max(0, np.diff(total).max()) / impact
+            rise = np.maximum(0, np.diff(total).max()) / impact
             table.row(f"D1, {scheme}, elements of {size:g} m",
                       f"{(steps['contact_force_y'] > 0).sum()} steps in contact; {worst}; largest rise of energy {rise:.0e}, lost "
                       f"{lost[size]:.1e} of the impact's", not worst.failed)  # fmt: skip

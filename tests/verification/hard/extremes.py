@@ -111,7 +111,7 @@ def thrown(folder: Path, table: Table) -> None:
         impulse = STEP * np.array([single[f"contact_force_{axis}"].sum() for axis in "xy"])
         change = momentum(out, -1) - momentum(out, 0)
         off = abs(change - impulse).max() / impulse[1]
-        rise = max(0, np.diff(e).max()) / e[0]
+        rise = np.maximum(0, np.diff(e).max()) / e[0]
         speed = impulse[1] - 1  # of the centre, whose mass is 1 kg/m and whose speed was -1 m/s
         # Without mass at the contact its velocity is no part of the momentum, and the program's own law stands for it.
         law = re.search(r"momentum law.*?(\d\.\d+e[+-]\d+)", attempt("check", scene, **overrides).stdout)
@@ -129,7 +129,7 @@ def thrown(folder: Path, table: Table) -> None:
             lower = contact["force"][contact["obstacle"] == "obstacle 2"].sum() / contact["force"].sum()
             apart = abs(steps["contact_force_y"] - single["contact_force_y"]).max() / single["contact_force_y"].max()
             energies = abs(energy(steps) - e).max() / e[0]
-            pull = max(0, -contact["force"].min()) / contact["force"].max()
+            pull = np.maximum(0, -contact["force"].min()) / contact["force"].max()
             # Gaps and pulls as in `check`.
             holds = apart <= small and energies <= small and pull <= 1e-10 and contact["gap"].min() >= -1e-10
             table.row(f"free block on {title}, {way}",

@@ -15,6 +15,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
 from table import SCHEMES, Table
 
 from harness import HALF_DISC, SOURCE, attempt
@@ -62,7 +63,7 @@ def judged(scene: Path, over: dict) -> tuple[float, float, str, bool]:
     if not found:
         return float("nan"), 0, done.stdout[-300:] + done.stderr, False
     radius, derivative, changes, slope = (float(value) for value in found.groups()[:4])
-    off = abs(derivative - slope) / max(abs(derivative), abs(slope))
+    off = abs(derivative - slope) / np.maximum(abs(derivative), abs(slope))
     useful = found.group(5) == "and what"
     text = f"{derivative:10.3e}, macroscopic {slope:10.3e}, {100 * off:5.1f} % off, sets kept within {radius:.0e}, {changes:.0f} changes in 0.1"
     return off, radius, text, done.returncode == 0 and useful == (off <= ALIKE)

@@ -100,11 +100,11 @@ def grazing(folder: Path, scheme: str, over: dict, lines: Table) -> None:
 
     # A parabola is summed up in TURN steps, of gaps and places of about a metre: ten roundings each.
     rounding = 10 * TURN * EPSILON
-    gap = max(abs(steps["min_gap"].min() - (far.min() - level + depth)) for depth, steps in zip(depths, above))
+    gap = np.max([abs(steps["min_gap"].min() - (far.min() - level + depth)) for depth, steps in zip(depths, above)])
     # The jump is a difference of places, its work that with the load.
-    idle = max(abs(work(steps)) for steps in above)
+    idle = np.max([abs(work(steps)) for steps in above])
     lines.row(f"{scheme}, turns above the plane",
-              f"{sum(map(touched, above))} steps in contact, impulse {max(map(impulse, above)):.0e}, work of contact {idle:.0e} <= "
+              f"{sum(map(touched, above))} steps in contact, impulse {np.max(list(map(impulse, above))):.0e}, work of contact {idle:.0e} <= "
               f"{rounding * MASS * PUSH:.0e}, least gap off by {gap:.0e} <= {rounding:.0e} m",
               not any(map(touched, above)) and not any(map(impulse, above)) and idle <= rounding * MASS * PUSH
               and gap <= rounding)  # fmt: skip
@@ -183,7 +183,7 @@ obstacle = {{ shape = "half-space", point = [0, 0], normal = [0, 1] }}
 
 def report(lines: Table, case: str, steps: dict[str, np.ndarray], drift: float, most: float) -> None:
     pushed = int((steps["contact_force_y"] > 0).sum())
-    deepest = max(0, -steps["min_gap"].min())  # of a block 1 m high
+    deepest = np.maximum(0, -steps["min_gap"].min())  # of a block 1 m high
     lines.row(case, f"contact in {pushed} of {REST} steps, force at the end {steps['contact_force_y'][-1]:.12f} of 1 N/m, drift "
               f"{drift:.0e} <= {most:.0e} m, penetration {deepest:.0e} <= {PENETRATION:.0e} m, kinetic energy "
               f"{steps['kinetic_energy'][-1]:.0e} J/m",

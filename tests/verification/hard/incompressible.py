@@ -65,7 +65,7 @@ def drops(folder: Path, table: Table) -> None:
                 total = energy(steps) - np.cumsum(steps["external_work"])
                 impact = steps["kinetic_energy"][round(TOUCH / STEP)]
                 touched = int((steps["contact_force_y"] > 0).sum())
-                rise, off = max(0, np.diff(total).max()) / impact, abs(steps["energy_residual"]).max() / impact
+                rise, off = np.maximum(0, np.diff(total).max()) / impact, abs(steps["energy_residual"]).max() / impact
                 # The elastic forces of a displacement cancel where it is rigid, but for eps y|A|y: a few of 1e-16 (5 m)² K of
                 # each of some 1000 unknowns over the impact's 630 J, with K = E / 3 (1 - 2 nu) of E = 50 Pa.
                 rounding = 1e-13 / (1 - 2 * nu)
@@ -73,7 +73,7 @@ def drops(folder: Path, table: Table) -> None:
                 allowed = rounding + (2 * 2 / STEP * 1e-12 * FALL if way == "conjugate gradients" else 0)
                 table.row(f"D1 at nu = {nu}, degree {degree}, {way}",
                           f"{touched} steps in contact; energy law to {off:.0e}, largest rise {rise:.0e} (<= {allowed:.0e}), lost "
-                          f"{-total[-1] / impact:.4f} of the impact's", touched > 100 and max(rise, off) <= allowed)  # fmt: skip
+                          f"{-total[-1] / impact:.4f} of the impact's", touched > 100 and np.maximum(rise, off) <= allowed)  # fmt: skip
 
 
 def main() -> int:

@@ -99,10 +99,10 @@ def weighed(scene: Path, overrides: dict, out: Path) -> tuple[str, bool]:
     closed = 1e-10
     negligible = closed * 6 * ASPECT / 2 * (YOUNG * 0.7 / (1.3 * 0.4) / 2 + (0.05 + 4 / 3 * 0.05) / 1e-3)
     open_under_force = abs(contact["force"] * contact["gap"]).max() / largest
-    penetration, adhesion = max(0, -contact["gap"].min()), max(0, -contact["force"].min())
+    penetration, adhesion = np.maximum(0, -contact["gap"].min()), np.maximum(0, -contact["force"].min())
     return (f"{(steps['contact_force_y'] > 0).sum()} steps in contact, energy law {off:.1e} (<= {rounding:.0e}), penetration "
             f"{penetration:.0e} m, force x gap {open_under_force:.0e} m, adhesion {adhesion:.0e} N (<= {negligible:.0e}) of {largest:.0e}",
-            off <= rounding and max(penetration, open_under_force) <= closed and adhesion <= negligible)  # fmt: skip
+            off <= rounding and np.maximum(penetration, open_under_force) <= closed and adhesion <= negligible)  # fmt: skip
 
 
 def main() -> int:

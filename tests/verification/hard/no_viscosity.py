@@ -104,7 +104,7 @@ def between_walls(folder: Path, over: dict) -> tuple[int, float, float, float]:
     impacts = 1 + int((np.diff(sides[sides != 0]) != 0).sum()) if sides.any() else 0
     total = energy(found)
     reach = 10 * gap / (speed * STEP)  # what sticks out of a body that rings, and slides on, is not far from its place
-    return impacts, max(0, np.diff(total).max() / total[0]), rounding(COURANT, reach), 1 - total[-1] / total[0]
+    return impacts, np.maximum(0, np.diff(total).max() / total[0]), rounding(COURANT, reach), 1 - total[-1] / total[0]
 
 
 def bouncing(folder: Path, over: dict) -> tuple[int, float, float, float]:
@@ -124,7 +124,7 @@ body = ["0", "{-weight}"]
     impacts = 1 + int((np.diff(touched) > 20).sum()) if len(touched) else 0
     fall = np.pi * weight * height
     reach = height / (np.sqrt(2 * weight * height) * STEP)
-    return impacts, max(0, np.diff(total).max() / fall), rounding(COURANT, reach), -total[-1] / fall
+    return impacts, np.maximum(0, np.diff(total).max() / fall), rounding(COURANT, reach), -total[-1] / fall
 
 
 def main() -> int:

@@ -13,6 +13,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
 from table import SCHEMES, Table
 
 from harness import HALF_DISC, signorini, table
@@ -60,7 +61,7 @@ def main() -> int:
                 signorini("optimize", HALF_DISC, out, mesh__size=2.0, control__initial=FAR, output__fields=[], **(over | given))
                 history, run = table(out / "history.csv"), json.loads((out / "run.json").read_text())
                 objective, norm = history["objective"], history["gradient_norm"]
-                rise = max(objective[1:] / objective[:-1]) - 1
+                rise = np.max(objective[1:] / objective[:-1]) - 1
                 reasons.add(run["stop_reason"])
                 lines.row(f"{scheme}, {method}, {case}",
                           f"J {objective[0]:.2e} -> {objective[-1]:.4e} in {len(objective) - 1} iterations, |g| by {norm[-1] / norm[0]:.0e}, "

@@ -106,13 +106,13 @@ def main() -> int:
             for factors in FACTORS:
                 found = simulate(Path(name), dim, *map(float, factors), over)
                 for key in worst:
-                    worst[key] = max(worst[key], abs(found[key] - base[key]).max() / abs(base[key]).max())
+                    worst[key] = np.maximum(worst[key], abs(found[key] - base[key]).max() / abs(base[key]).max())
                 same &= all(np.array_equal(found[key], base[key]) for key in ("set", "active", "weak"))
             lines.row(f"{'plane' if dim == 2 else 'space'}, {scheme}",
                       f"contact in {contact} of {STEPS} steps, {changes} changes of the set, {pushed.any(axis=0).sum()} candidates; "
                       f"{len(FACTORS)} scales differ by " + ", ".join(f"{key} {value:.0e}" for key, value in worst.items())
                       + f" <= {TOLERANCE:.0e}, sets {'equal' if same else 'DIFFER'}",
-                      contact > 5 and changes > 3 and same and max(worst.values()) <= TOLERANCE)  # fmt: skip
+                      contact > 5 and changes > 3 and same and np.max(list(worst.values())) <= TOLERANCE)  # fmt: skip
     return 1 if lines.failed else 0
 
 

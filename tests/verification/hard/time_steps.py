@@ -90,8 +90,8 @@ def throw(folder: Path, name: str, courant: float, over: dict) -> tuple[int, int
     found = thrown(folder, name, courant, over)
     first, steps = energy(found)[0], len(found["time"]) - 1
     change = np.diff(energy(found)) / first
-    return (steps, int((found["contact_force_y"] > 0).sum()), max(0, change.max()),
-            max(0, found["contact_work"].max() / first), -change.sum())  # fmt: skip
+    return (steps, int((found["contact_force_y"] > 0).sum()), np.maximum(0, change.max()),
+            np.maximum(0, found["contact_work"].max() / first), -change.sum())  # fmt: skip
 
 
 def flight(folder: Path, courant: float) -> float:
@@ -100,7 +100,7 @@ def flight(folder: Path, courant: float) -> float:
     for name in THROWS:
         found = thrown(folder, name, courant, {"contact__obstacle__point": [0, -1e9]})
         assert not found["active"].any(), "it met the plane"
-        largest = max(largest, abs(energy(found) / energy(found)[0] - 1).max())
+        largest = np.maximum(largest, abs(energy(found) / energy(found)[0] - 1).max())
     return largest
 
 
@@ -127,12 +127,12 @@ def main() -> int:
                 thrown = [throw(Path(folder), name, courant, over) for name in THROWS]
                 steps = thrown[0][0]
                 contact, rise, work, loss = zip(*(figures[1:] for figures in thrown))
-                worst = max(worst, max(rise) if decade <= 0 else 0)
-                holds = min(contact) > 0 and max(rise) <= AGAIN * kept[decade] <= AGAIN * rounding(courant, steps) and max(work) <= pulling(steps)
+                worst = np.maximum(worst, np.max(rise) if decade <= 0 else 0)
+                holds = np.min(contact) > 0 and np.max(rise) <= AGAIN * kept[decade] <= AGAIN * rounding(courant, steps) and np.max(work) <= pulling(steps)
                 lines.row(f"{scheme}, Courant number 1e{decade:+d}",
-                          f"contact in {'+'.join(map(str, contact))} of {steps} steps; rise {max(rise):.1e} <= "
-                          f"{AGAIN} * {kept[decade]:.1e} in free flight, work of contact {max(work):.1e} <= {pulling(steps):.1e}, "
-                          f"loss {min(loss):.1e} to {max(loss):.1e}", holds)  # fmt: skip
+                          f"contact in {'+'.join(map(str, contact))} of {steps} steps; rise {np.max(rise):.1e} <= "
+                          f"{AGAIN} * {kept[decade]:.1e} in free flight, work of contact {np.max(work):.1e} <= {pulling(steps):.1e}, "
+                          f"loss {np.min(loss):.1e} to {np.max(loss):.1e}", holds)  # fmt: skip
             print(f"      {scheme}: worst rise up to Courant number 1: {worst:.1e} of the first energy")
     return 1 if lines.failed else 0
 
