@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -88,11 +89,14 @@ def sizes_where_they_matter(folder: Path) -> None:
 
 
 def budget_is_kept(folder: Path) -> None:
-    # Coarse enough for a first answer to come early on a slow machine.
+    # The budget is some first answers long, however busy the machine is.
     coarse = ("--quantity", "contact_time", "--set", "mesh.size=4", "--set", "time.step=0.04")
-    for verb, scene, seconds, more in (("optimize", HALF_DISC, 3.0, ()), ("simulate", DROP, 4.0, coarse)):
+    for verb, scene, more in (("optimize", HALF_DISC, ()), ("simulate", DROP, coarse)):
         out = folder / f"budget-{verb}"
-        run, said = order(verb, scene, out, "--accuracy", "1e-5", "--budget", f"{seconds}s", *more, status=1)
+        start = time.perf_counter()
+        order(verb, scene, out, "--accuracy", "0.5", *more)
+        seconds = 5 * (time.perf_counter() - start)
+        run, said = order(verb, scene, out, "--accuracy", "1e-5", "--budget", f"{seconds:.2f}s", *more, status=1)
         assert "budget" in said and run["accuracy"]["estimated"] > 1e-5 and not run["accuracy"]["met"]
         assert run["steps"]["done"] == run["steps"]["asked"], "what the budget cut off stands in place of a whole answer"
         # What was asked is far beyond it; that the run ends is what keeping it means.
@@ -102,7 +106,7 @@ def budget_is_kept(folder: Path) -> None:
         if verb == "optimize":  # whose error is known from the first round on
             further = re.search(r"what is asked would take about (\S+) s", said)
             assert float(further[1]) > seconds, said
-        print(f"budget of {verb}: {seconds} s, estimated {run['accuracy']['estimated']:.1e}")
+        print(f"budget of {verb}: {seconds:.1f} s, estimated {run['accuracy']['estimated']:.1e}")
 
 
 def interrupted_keeps_the_best(folder: Path) -> None:
