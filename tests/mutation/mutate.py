@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How many mistakes the tests notice: changes single tokens of the sources, each in turn, and runs the tests.
 
-    mutate.py CHECKOUT BUILD COUNT SEED    draws that many mutants of the parts below
-    mutate.py CHECKOUT BUILD FILE.diff…    tries again what an earlier call wrote
+    mutate.py CHECKOUT BUILD COUNT SEED [PARTS]    draws that many mutants of the parts below: solvers, or outputs
+    mutate.py CHECKOUT BUILD FILE.diff…            tries again what an earlier call wrote
 
-All is done in copies below BUILD. A mutant is drawn from all tokens alike (sites.py says which, and what becomes of them)
-and counts if it compiles. It meets the unit tests of its part, the derivative tests and the unit tests of what is built on the part, on
-one rank and then on two, until one fails, ends by a signal or takes too long. Those that none of them notices are printed at the
-end and left in BUILD/survivors. Each test must pass with the sound code before it judges a mutant. The exit status is 1 if fewer than 90 % were noticed.
+All is done in copies below BUILD. A mutant is drawn from all tokens alike (sites.py and python_sites.py say which, and what becomes
+of them) and counts if it compiles. It meets the tests that watch its part, on one rank and then on two, until one fails, ends by a
+signal or takes too long. Those that none of them notices are printed at the end and left in BUILD/survivors. Each test must pass with
+the sound code before it judges a mutant. The exit status is 1 if fewer than 90 % were noticed.
 """
 
 import collections
@@ -26,20 +26,33 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from python_sites import PythonSource
 from sites import Source
 
-# The parts, and what is tested beside a part's own unit tests: by `check`, and by the unit tests of what is built on it.
-BESIDE = {
-    "contact": [r"derivative\.", r"unit\.forward\.", r"unit\.(adjoint|control)\."],
-    "forward": [r"derivative\.", r"unit\.(contact|adjoint|control)\."],  # the tests of contact make steps
-    "adjoint": [r"derivative\.", r"unit\.control\."],
-    "control": [r"derivative\.", r"unit\.adjoint\."],
+# The parts, and the tests that watch them, in the order in which a mutant meets them.
+SOLVERS = {
+    "contact": [r"unit\.contact\.", r"derivative\.", r"unit\.forward\.", r"unit\.(adjoint|control)\."],
+    "forward": [r"unit\.forward\.", r"derivative\.", r"unit\.(contact|adjoint|control)\."],  # the tests of contact make steps
+    "adjoint": [r"unit\.adjoint\.", r"derivative\.", r"unit\.control\."],
+    "control": [r"unit\.control\.", r"derivative\.", r"unit\.adjoint\."],
     "linalg": [r"unit\.(base|optimize|contact)\."],  # its tests are among those of base
-    "optimize": [],
+    "optimize": [r"unit\.optimize\."],
 }
+RUNS = [r"regression\.values", r"regression\.(outputs|tables|definitions|time-series|desired-run)$"]
+OUTPUTS = {
+    "io": [r"unit\.io\.", *RUNS, r"regression\.(docs|resume|bad-input|keys|study)$", r"verification\.fits\.exact", r"python\.(runs|fits)"],
+    "app": [r"unit\.study\.", *RUNS, r"unit\.control\.np", r"regression\.(command-line|docs|plausibility|check-refuses|weak-contact)$", r"verification\.fits\.exact",
+            r"python\.(runs|fits)", r"regression\.(resume|study|keys|bad-input|coarse-start|study-accuracy|accuracy)$"],  # fmt: skip
+    "postprocess": [r"regression\.values", r"regression\.(postprocess|watch)$", r"python\.runs", r"regression\.(figures|pages|report)$"],
+    "python": [r"python\.(fits|runs|derivatives|errors)", r"python\.(optimizers|ranks)"],
+}  # fmt: skip
+# What takes long meets those alone that all others let through.
+SLOW = re.compile(r"regression\.(resume|study|keys|bad-input|coarse-start|study-accuracy|accuracy|figures|pages|report)$|python\.(optimizers|ranks)")
+GROUPS = {"solvers": SOLVERS, "outputs": OUTPUTS}
+WATCHED_BY = SOLVERS | OUTPUTS
 MOST_RANKS = 2
 PROGRAMS = ["signorini", "signorini-unit"]
-COPIED = ["CMakeLists.txt", "cpp", "forms", "meshes", "scenes", "tests"]
+COPIED = ["CHANGELOG.md", "CMakeLists.txt", "README.md", "cpp", "docs", "forms", "meshes", "packaging", "postprocess", "python", "scenes", "tests"]
 ENOUGH = 0.9
 PATIENCE = 10  # times the seconds of the sound code, and seconds beside: other work on the machine makes no mutant
 
@@ -54,13 +67,18 @@ class Test:
     def ranks(self) -> int:
         return int(self.command[self.command.index("-n") + 1]) if "-n" in self.command else 1
 
+    @property
+    def slow(self) -> bool:
+        return self.ranks > 1 or SLOW.match(self.name) is not None
+
 
 class Copy:
     """The sources in a folder of their own, where they are changed, built and tested."""
 
-    def __init__(self, checkout: Path, build: Path):
-        self.checkout, self.build, self.source = checkout, build, build / "source"
-        self.passed = build / "passed.json"  # the seconds of the tests that the sound code has passed, and the sources' hash
+    def __init__(self, checkout: Path, root: Path):
+        # The build lies to its sources as that of the checkout does: ccache has compiled most of it.
+        self.checkout, self.source, self.build = checkout, root / "source", root / "source" / "build"
+        self.passed = root / "passed.json"  # the seconds of the tests that the sound code has passed, and the sources' hash
 
     def refresh(self) -> None:
         """Makes the copy like the checkout, whatever an earlier call left, and builds it."""
@@ -68,13 +86,10 @@ class Copy:
         for name in COPIED:
             place(self.checkout / name, self.source / name)
         if not (self.build / "build.ninja").exists():
-            # Less optimization than a release's: what is compiled is run for a few seconds.
-            run(["cmake", "-S", self.source, "-B", self.build, "-G", "Ninja", "-Wno-dev", "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG",
-                 "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache", "-DCMAKE_C_COMPILER_LAUNCHER=ccache"])
-        run(["cmake", "--build", self.build, "--target", *PROGRAMS])
-        (self.build / "sound").mkdir(exist_ok=True)
-        for program in PROGRAMS:
-            shutil.copy2(self.build / program, self.build / "sound" / program)
+            run(["cmake", "-S", self.source, "-B", self.build, "-G", "Ninja", "-Wno-dev", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache",
+                 "-DCMAKE_C_COMPILER_LAUNCHER=ccache"])
+        run(["cmake", "--build", self.build])
+        self.sound_build = True
         digest = hashlib.sha256()
         for file in sorted(path for name in COPIED for path in [self.source / name, *(self.source / name).rglob("*")] if path.is_file()):
             digest.update(file.read_bytes())
@@ -85,8 +100,7 @@ class Copy:
     def tests(self, part: str) -> list[Test]:
         """The tests that a mutant of the part meets, in this order."""
         listed = json.loads(run(["ctest", "--test-dir", self.build, "--show-only=json-v1"]))
-        which = [rf"unit\.{part}\."] + BESIDE[part]
-        found = []
+        which, found = WATCHED_BY[part], []
         for test in listed["tests"]:
             place_in_order = next((i for i, name in enumerate(which) if re.match(name, test["name"])), None)
             if place_in_order is None:
@@ -99,10 +113,9 @@ class Copy:
             found.append((one.ranks, place_in_order, one))
         return [test for ranks, _, test in sorted(found, key=lambda entry: entry[:2]) if ranks <= MOST_RANKS]
 
-    def attempt(self, test: Test, limit: float | None, sound: bool = False) -> tuple[str, str]:
+    def attempt(self, test: Test, limit: float | None) -> tuple[str, str]:
         """How a test ends, "" if well, and what it printed."""
-        folder = self.build / "sound" if sound else self.build
-        command = [str(folder / Path(word).name) if is_program(word) else word for word in test.command]
+        command = [str(self.build / Path(word).name) if is_program(word) else word for word in test.command]
         process = subprocess.Popen(command, cwd=self.build, env=os.environ | test.environment, stdout=subprocess.PIPE,
                                    stderr=subprocess.STDOUT, text=True, errors="replace", start_new_session=True)
         try:
@@ -119,28 +132,35 @@ class Copy:
         by_signal = process.returncode < 0 or process.returncode > 128 or "SIGSEGV" in printed or "SIGABRT" in printed
         return "crash" if by_signal else "test failed", printed
 
-    def patience(self, test: Test) -> float:
-        """The seconds that a mutant may take for a test, from those of the sound code, which must pass it."""
-        if test.name not in self.seconds:
-            begin = time.monotonic()
-            end, printed = self.attempt(test, None, sound=True)
-            if end:
-                raise SystemExit(f"the sound code fails {test.name} ({end}):\n{printed}")
-            self.seconds[test.name] = time.monotonic() - begin
-            self.passed.write_text(json.dumps({"sources": self.sources, "seconds": self.seconds}))
-        return PATIENCE * (self.seconds[test.name] + 1)
+    def measure(self, test: Test) -> None:
+        """The seconds of the sound code, which must pass the test."""
+        begin = time.monotonic()
+        end, printed = self.attempt(test, None)
+        if end:
+            raise SystemExit(f"the sound code fails {test.name} ({end}):\n{printed}")
+        self.seconds[test.name] = time.monotonic() - begin
+        self.passed.write_text(json.dumps({"sources": self.sources, "seconds": self.seconds}))
+
+    def put(self, file: Path, text: str) -> bool:
+        """Writes a file and builds what depends on it; whether that compiles."""
+        file.write_text(text)
+        if file.suffix == ".py" and self.sound_build:
+            return True
+        self.sound_build = file.suffix == ".py"
+        return not subprocess.run(["cmake", "--build", self.build, "--target", *PROGRAMS, "signorini_python"], capture_output=True).returncode
 
     def outcome(self, file: Path, mutated: str, tests: list[Test]) -> tuple[str, str] | None:
         """How a mutant ends and by which test, "" if by none; nothing if it does not compile."""
         sound = file.read_text()
-        programs = sorted({Path(word).name for test in tests for word in test.command if is_program(word)})
-        file.write_text(mutated)
         try:
-            if subprocess.run(["cmake", "--build", self.build, "--target", *programs], capture_output=True).returncode:
+            if not self.put(file, mutated):
                 return None
             for test in tests:
-                end, _ = self.attempt(test, self.patience(test))
-                if end:
+                if test.name not in self.seconds:
+                    self.put(file, sound)
+                    self.measure(test)
+                    self.put(file, mutated)
+                if end := self.attempt(test, PATIENCE * (self.seconds[test.name] + 1))[0]:
                     return end, test.name
             return "", ""
         finally:
@@ -184,10 +204,19 @@ def place(original: Path, copy: Path) -> None:
         shutil.copymode(original, copy)
 
 
-def drawn(cpp: Path, seed: int):
+def files_of(source: Path, part: str) -> list[Path]:
+    """The sources of a part, of the Python module without its examples."""
+    folders = [source / "cpp" / part] if (source / "cpp" / part).is_dir() else [source / part]
+    if part == "python":
+        folders = [source / part / "bindings", source / part / "signorini"]
+    return [file for folder in folders for file in sorted(folder.rglob("*")) if file.suffix in (".h", ".cpp", ".py")]
+
+
+def drawn(source: Path, group: str, seed: int):
     """Mutants without end of the draw: each token's at most once, all tokens alike."""
-    files = [file for part in sorted(BESIDE) for file in sorted((cpp / part).rglob("*")) if file.suffix in (".h", ".cpp")]
-    sites = [site for file in files for site in Source(file).mutants()]
+    files = [file for part in sorted(GROUPS[group]) for file in files_of(source, part)]
+    sites = [site for file in files for site in
+             (PythonSource(file) if file.suffix == ".py" else Source(file, printed=group == "outputs")).mutants()]  # fmt: skip
     print(f"{len(sites)} tokens of {len(files)} files may change", flush=True)
     generator = random.Random(seed)
     generator.shuffle(sites)
@@ -228,27 +257,25 @@ class Trial:
 
     file: Path
     mutated: str
+    part: str
     where: str
     diff: Path
     change: str
     end: str = ""
     by: str = ""
 
-    @property
-    def part(self) -> str:
-        return next(folder.name for folder in self.file.parents if folder.parent.name == "cpp")
-
 
 def try_all(copy: Copy, mutants, count: int, diffs) -> tuple[list[Trial], int]:
-    """The first `count` mutants that compile, and how many did not. All meet the tests on one rank first, and what they let through
-    those on two: what is slow comes last."""
+    """The first `count` mutants that compile, and how many did not. All meet the quick tests on one rank first, and what they let through
+    those that are slow and those on two."""
     trials, not_compiled = [], 0
-    tests = {part: copy.tests(part) for part in BESIDE}
+    tests = {part: copy.tests(part) for part in WATCHED_BY}
     for diff, (file, mutated, kind) in zip(diffs, mutants):
         change = difference(file, mutated, copy.source)
         line = re.search(r"^@@ -(\d+)", change, re.MULTILINE).group(1)
-        trial = Trial(file, mutated, f"{kind} {file.relative_to(copy.source)}:{line}", diff, change)
-        if attempt(copy, trial, [test for test in tests[trial.part] if test.ranks == 1]):
+        name = file.relative_to(copy.source)
+        trial = Trial(file, mutated, name.parts[name.parts[0] == "cpp"], f"{kind} {name}:{line}", diff, change)
+        if attempt(copy, trial, [test for test in tests[trial.part] if not test.slow]):
             trials.append(trial)
             report(len(trials), count, trial)
             if len(trials) == count:
@@ -257,7 +284,7 @@ def try_all(copy: Copy, mutants, count: int, diffs) -> tuple[list[Trial], int]:
             not_compiled += 1
     for number, trial in enumerate(trials, 1):
         if not trial.end:
-            attempt(copy, trial, [test for test in tests[trial.part] if test.ranks > 1])
+            attempt(copy, trial, [test for test in tests[trial.part] if test.slow])
             report(number, count, trial)
     return trials, not_compiled
 
@@ -280,10 +307,10 @@ def report(number: int, count: int, trial: Trial) -> None:
 
 def table(trials: list[Trial]) -> str:
     ways = ["test failed", "crash", "time-out"]
-    lines = [f"{'part':10}{'killed/tried':>14}" + "".join(f"{way:>13}" for way in ways)]
+    lines = [f"{'part':12}{'killed/tried':>14}" + "".join(f"{way:>13}" for way in ways)]
     for part in sorted({trial.part for trial in trials}) + ["all"]:
         ends = collections.Counter(trial.end for trial in trials if part in (trial.part, "all"))
-        lines.append(f"{part:10}{f'{ends.total() - ends[str()]}/{ends.total()}':>14}" + "".join(f"{ends[way]:13}" for way in ways))
+        lines.append(f"{part:12}{f'{ends.total() - ends[str()]}/{ends.total()}':>14}" + "".join(f"{ends[way]:13}" for way in ways))
     return "\n".join(lines)
 
 
@@ -291,8 +318,10 @@ def main() -> int:
     checkout, build, *rest = sys.argv[1:]
     copy = Copy(Path(checkout), Path(build))
     again = bool(rest) and all(name.endswith(".diff") for name in rest)
+    group = rest.pop() if len(rest) == 3 and rest[2] in GROUPS else "solvers"
     if not again and not (len(rest) == 2 and all(re.fullmatch(r"\d+", number) for number in rest) and int(rest[0]) > 0):
-        print(f"mutate: found '{' '.join(rest)}', allowed are COUNT SEED (whole numbers, COUNT above 0) or FILE.diff…", file=sys.stderr)
+        print(f"mutate: found '{' '.join(rest)}'; give COUNT SEED [{' | '.join(GROUPS)}] (whole numbers, COUNT above 0) or FILE.diff…",
+              file=sys.stderr)  # fmt: skip
         return 2
     begin = time.monotonic()
     copy.refresh()
@@ -301,8 +330,8 @@ def main() -> int:
     if again:
         trials, not_compiled = try_all(copy, list(read_again(copy.source, rest)), len(rest), [survivors / Path(name).name for name in rest])
     else:
-        numbered = (survivors / f"{rest[1]}-{number}.diff" for number in itertools.count(1))
-        trials, not_compiled = try_all(copy, drawn(copy.source / "cpp", int(rest[1])), int(rest[0]), numbered)
+        numbered = (survivors / f"{group}-{rest[1]}-{number}.diff" for number in itertools.count(1))
+        trials, not_compiled = try_all(copy, drawn(copy.source, group, int(rest[1])), int(rest[0]), numbered)
     survived = [trial for trial in trials if not trial.end]
     print(f"\n{table(trials)}\n{not_compiled} more did not compile; {(time.monotonic() - begin) / 60:.0f} min")
     for trial in survived:

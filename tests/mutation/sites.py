@@ -12,7 +12,7 @@ statement   an expression's statement, or break or continue, left out
 argument    two neighbouring arguments of a call exchanged
 
 Left alone is what has no effect on results, or is a choice where another would be as right: comments, texts,
-preprocessor lines, template arguments and what they must fulfil, messages of errors, counters, timers and reserve(), calls
+preprocessor lines, template arguments and what they must fulfil, messages of errors (and, unless what is `printed` counts, other texts), counters, timers and reserve(), calls
 that give back what a library lent, first values of variables that PETSc writes, numbers with an exponent, constexpr
 values and those of structs of options (tolerances, limits), -1 where it says "none", and the arguments of functions that are symmetric in them. The sources are taken to be formatted as .clang-format says: an operator of two operands has
 spaces around it, brackets of a template have none.
@@ -42,7 +42,8 @@ SYMMETRIC = {"dot", "hypot", "max", "min", "swap", "product", "inner", "product_
 KEYWORDS = set("""alignas alignof asm auto case catch class const constexpr consteval constinit decltype default delete do else enum
     explicit extern for friend goto if inline mutable namespace new noexcept operator private protected public return sizeof static
     static_assert struct switch template throw try typedef typename union using virtual volatile while concept requires""".split())
-NO_EFFECT = re.compile(r"reserve$|format$|.*(Restore|Destroy)")  # on results; the latter are PETSc's names
+RESTORED = re.compile(r"reserve$|.*(Restore|Destroy)")  # the latter are PETSc's names
+NO_EFFECT = re.compile(rf"format$|{RESTORED.pattern}")  # on results, but for what is printed
 
 
 @dataclass(frozen=True)
@@ -71,8 +72,9 @@ class Token:
 class Source:
     """The tokens of a file, with those marked that are left alone."""
 
-    def __init__(self, file: Path):
+    def __init__(self, file: Path, printed: bool = False):
         self.file, self.text = file, file.read_text()
+        self.no_effect = RESTORED if printed else NO_EFFECT
         self.tokens = [Token(m.lastgroup, m.group(), *m.span()) for m in TOKEN.finditer(self.text)
                        if m.lastgroup not in ("blank", "directive")]
         self.inside: list[int] = []  # of each token: the bracket that it stands in
@@ -140,7 +142,7 @@ class Source:
                 self.skip(i, i + 2)
             elif token.text == "auto" and self.at(i + 1).startswith("timer"):
                 self.skip(i, self.end_of_statement(i))
-            elif token.text in ("reserve", "format") and self.at(i + 1) == "(":
+            elif token.text in ("reserve", "format") and self.no_effect.match(token.text) and self.at(i + 1) == "(":
                 self.skip(i, self.closing[i + 1])
             elif token.text in counters:
                 self.skip(i - 1, i + 2)  # with the operator before or behind it
@@ -237,7 +239,7 @@ class Source:
         return spans
 
     def exchanged_arguments(self, i: int) -> list[Mutant]:
-        if self.at(i) in KEYWORDS | SYMMETRIC or NO_EFFECT.match(self.at(i)) or self.at(i + 1) != "(":
+        if self.at(i) in KEYWORDS | SYMMETRIC or self.no_effect.match(self.at(i)) or self.at(i + 1) != "(":
             return []
         spans = self.arguments(i + 1)
         if any(a > b or self.declares(a, b + 2) for a, b in spans):
@@ -265,7 +267,7 @@ class Source:
         if self.at(i) in ("break", "continue"):
             return [self.mutant(i, end, ";", "statement")]
         calls_or_changes = any(self.at(j) in ("(", "++", "--") or re.fullmatch(r"[-+*/|&]?=", self.at(j)) for j in range(i, end))
-        if (self.at(i) in KEYWORDS or not calls_or_changes or self.declares(i, end) or any(map(NO_EFFECT.match, words))
+        if (self.at(i) in KEYWORDS or not calls_or_changes or self.declares(i, end) or any(map(self.no_effect.match, words))
                 or (self.at(i + 1) == "(" and any(self.declares(a, b + 2) for a, b in self.arguments(i + 1)))  # a constructor
                 or words[0].startswith("require")):
             return []

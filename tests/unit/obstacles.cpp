@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
 #include "contact/obstacle.h"
+#include <algorithm>
 #include <array>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
+#include <fmt/format.h>
 #include <numbers>
 #include <vector>
 
@@ -158,4 +160,50 @@ TEST_CASE("a signed distance is linearised by its derivatives", "[contact]") {
                       ContainsSubstring("no slope") && ContainsSubstring("(0.5, 0, 0)"));
   for (const char* infinite : {"1/y", "sqrt(y - 1)", "sqrt(y)"}) // the last one beside the node
     CHECK_THROWS_WITH(made(scene::SignedDistance{infinite}, 2).at(x.data()), ContainsSubstring("x = 0.5"));
+}
+
+TEST_CASE("heights and normals change with an obstacle's parameters as differences say", "[contact]") {
+  constexpr double h = 1e-5, tolerance = 1e-7; // of second order
+  const auto matches = [&](const auto& with, const scene::ObstacleRate& rate) {
+    const contact::Obstacle before = made(with(-h)), here = made(with(0)), after = made(with(h));
+    double largest = 0;
+    for (const Point& x : points(3)) {
+      const contact::Obstacle::Plane p = before.at(x.data()), q = after.at(x.data()),
+                                     found = here.derivative(x.data(), here.place(0), rate);
+      CHECK(std::abs(found.height - (q.height - p.height) / (2 * h)) < tolerance);
+      for (std::size_t c = 0; c < 3; ++c)
+        CHECK(std::abs(found.normal[c] - (q.normal[c] - p.normal[c]) / (2 * h)) < tolerance);
+      largest = std::max({largest, std::abs(found.height), distance(found.normal, {})});
+    }
+    CHECK(largest > 0.1);
+  };
+  for (const scene::Side side : {scene::Side::outside, scene::Side::inside}) {
+    const auto number = [](double x) { return fmt::format("{:.17g}", x); };
+    const Point way{0.3, -0.2, 0.5};
+    const auto moved = [&](double s) {
+      return scene::Components{number(0.1 + way[0] * s), number(0.03 + way[1] * s), number(way[2] * s)};
+    };
+    matches([&](double s) { return scene::Obstacle(scene::Ball{moved(s), 0.4, side}); }, {.point = way});
+    matches([&](double s) { return scene::Obstacle(scene::Ball{moved(0), number(0.4 + s), side}); },
+            {.radius = 1});
+    matches([&](double s) { return scene::Obstacle(scene::Cylinder{moved(s), {1, 2, 2}, 0.4, side}); },
+            {.point = way});
+    matches(
+        [&](double s) {
+          return scene::Obstacle(scene::Cylinder{moved(0), {1, 2, 2}, number(0.4 + s), side});
+        },
+        {.radius = 1});
+  }
+  matches(
+      [](double s) {
+        return scene::Obstacle(
+            scene::HalfSpace{{"0.1", "0.2", fmt::format("{:.17g}", 0.3 + s)}, {0, 0.6, 0.8}});
+      },
+      {.point = {0, 0, 1}});
+  matches(
+      [](double s) {
+        return scene::Obstacle(
+            scene::HalfSpace{{"0.1", "0.2", "0.3"}, {-std::sin(s), 0.6 * std::cos(s), 0.8 * std::cos(s)}});
+      },
+      {.normal = {-1, 0, 0}});
 }

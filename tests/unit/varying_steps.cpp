@@ -229,3 +229,54 @@ TEST_CASE("a control on intervals of its own sees the mean of the gradients of t
                   problem.controls.product_at(3, g, g)) *
                      0.08) < 1e-12 * problem.controls.product(g, g));
 }
+
+TEST_CASE("steps chosen by the energy are judged by that of their errors", "[forward]") {
+  // A free block that vibrates, of an energy far from 1.
+  for (const char* velocity :
+       {"initial.velocity=[\"0.02*x - 0.01\", \"-0.05*y\"]", "initial.velocity=[\"2*x - 1\", \"-5*y\"]"}) {
+    const test::Ready ready("tests/data/block.toml",
+                            {"contact.obstacle.point=[0, -100]", "load={body=[\"0\", \"0\"]}", velocity,
+                             "time={end=40, step=\"auto\", tolerance=1e-1, quantity=\"energy\"}"});
+    const Problem& problem = ready.problem;
+    const Mat A = problem.stepper.operators().A;
+    forward::StepErrors errors(problem.stepper, ready.scene);
+    forward::StepControl control(problem.stepper, ready.scene);
+    const petsc::Vector Ax = problem.space.vector();
+    const auto energy = [&](Vec x) {
+      check(MatMult(A, x, Ax));
+      return petsc::dot(Ax, x);
+    };
+    std::vector<petsc::Vector> y;
+    double largest = 0;
+    int judged = 0;
+    const forward::TimeGrid& grid = problem.stepper.grid();
+    forward::integrate_choosing(problem.stepper, problem.initial, problem.load(), control,
+                                [&](const forward::Frame& frame) {
+                                  y.push_back(petsc::copy(frame.y1));
+                                  largest = std::max(largest, energy(frame.y1));
+                                  if (frame.k == 0)
+                                    return errors.start(frame.y1, frame.v1);
+                                  const double error = errors.judge(frame).error;
+                                  errors.accept(frame);
+                                  const auto k = static_cast<std::size_t>(frame.k);
+                                  if (k < 3 || grid.level(frame.k) == grid.ladder()->levels ||
+                                      grid.level(frame.k) != grid.level(frame.k - 2) ||
+                                      grid.level(frame.k) != grid.level(frame.k - 1))
+                                    return;
+                                  const petsc::Vector third = petsc::copy(y[k]);
+                                  check(VecAXPY(third, -3, y[k - 1]));
+                                  check(VecAXPY(third, 3, y[k - 2]));
+                                  check(VecAXPY(third, -1, y[k - 3]));
+                                  const double expected = std::sqrt(energy(third)) / 12;
+                                  if (expected < 1e-6 * errors.scale()) // rounding is taken off
+                                    return;
+                                  CHECK(std::abs(error / expected - 1) < 1e-6);
+                                  CHECK(std::abs(errors.error_of(third, y[k]) / expected - 1) < 1e-6);
+                                  ++judged;
+                                });
+    CHECK(judged > 5);
+    // The rigid motion has no energy: to the rounding that is left of it.
+    CHECK(std::abs(errors.scale() / std::sqrt(largest) - 1) < 1e-6);
+    CHECK(std::abs(control.errors().scale() / errors.scale() - 1) < 1e-12);
+  }
+}
