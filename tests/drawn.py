@@ -3,6 +3,7 @@
 
 import base64
 import io
+import json
 import math
 import sys
 from contextlib import redirect_stdout
@@ -13,12 +14,17 @@ from harness import SOURCE, stored
 from recomputed import Run, fail, near, same
 
 sys.path.insert(0, str(SOURCE / "postprocess"))
+import animation  # noqa: E402
 import figures as all_figures  # noqa: E402
 import report_compare  # noqa: E402
+import report_motion  # noqa: E402
 import report_run  # noqa: E402
+import report_study  # noqa: E402
 import style  # noqa: E402
+import work_precision  # noqa: E402
 from report_parts import Page, Table  # noqa: E402
 from run_folder import RunFolder  # noqa: E402
+from study_folder import StudyFolder  # noqa: E402
 
 SINGLE = 1e-6  # pages have numbers of single precision
 PREFIXES = ["n", "µ", "m", "", "k", "M", "G", "T"]
@@ -29,7 +35,7 @@ def prefix(values: object, unit: str) -> tuple[float, str]:
     largest = np.nanmax(np.abs(values), initial=0)
     if not largest or unit.startswith("kg"):
         return 1.0, unit
-    power = math.floor(math.log10(largest * (1 + 1e-9)) / 3)
+    power = max(math.floor(math.log10(largest * (1 + 1e-9)) / 3), -3)
     return 1000.0**-power, PREFIXES[power + 3] + unit
 
 
@@ -211,16 +217,60 @@ def search_charts(run: Run, views: dict, times: np.ndarray, title: str) -> set[s
             {"distance": (times, steps["tracking_error"])})
     force = resultant(run)
     factor, unit = prefix(force, per_depth(run, "N"))
+    charts = {"objective", "gradient-norm", "distance", "tracking-error", "control-resultant"}
+    if "on" in run.scene["control"]:
+        along_the_boundary(run, views["control-boundary"])
+        charts.add("control-boundary")
     compare("control", views["control-resultant"][""], (title, f"force ({unit})"),
             {axis: (times[1:], factor * force[:, c]) for c, axis in enumerate("xyz"[: run.dim])})  # fmt: skip
-    return {"objective", "gradient-norm", "distance", "tracking-error", "control-resultant"}
+    return charts
 
 
 def resultant(run: Run) -> np.ndarray:
-    """Of a control of the body at nodes, stored at all steps."""
+    """Of a control at nodes, of the body or of its top, stored at all steps."""
     u = stored(run.path, "control", "control")[2][..., : run.dim]
+    if "on" in run.scene["control"]:
+        return run.scene["control"]["scale"] * np.einsum("kic,i->kc", u, run.body.areas(top(run)))
     ones = np.tile(np.eye(run.dim), (len(run.body.points), 1))
     return run.scene["control"]["scale"] * u.reshape(len(u), -1) @ run.body.W @ ones
+
+
+def top(run: Run) -> np.ndarray:
+    return run.body.points[:, 1] > 1 - 1e-9
+
+
+def along_the_boundary(run: Run, views: dict) -> None:
+    """A control of the top, a row for each node from one end to the other."""
+    on = np.flatnonzero(top(run))
+    on = on[np.argsort(run.body.points[on, 0])]
+    u = run.scene["control"]["scale"] * stored(run.path, "control", "control")[2][:, on, :2]
+    parts = {"modulus": np.linalg.norm(u, axis=2), "x component": u[..., 0], "y component": u[..., 1]}
+    same("maps of the control", list(views), [name for name, part in parts.items() if part.any()])
+    times = run.steps["time"]
+    middles = (times[1:] + times[:-1]) / 2
+    most = np.linalg.norm(u, axis=2).sum(axis=0).argmax()
+    for name, view in views.items():
+        trace, factor_and_unit = view["data"][0], prefix(parts[name], "N/m²")
+        near(f"control, {name}: times", numbers(trace["x"]), prefix(middles, "s")[0] * middles, SINGLE)
+        near(f"control, {name}", numbers(trace["z"]), factor_and_unit[0] * parts[name].T, SINGLE)
+        same(f"control, {name}: unit", trace["colorbar"]["title"]["text"], f"control ({factor_and_unit[1]})")
+        edges = numbers(trace["y"])
+        near(f"control, {name}: places", (edges[1:] + edges[:-1]) / 2, run.body.points[on, 0] - run.body.points[on[most], 0], 1e-5)
+        far, signed = factor_and_unit[0] * np.max(np.abs(parts[name])), bool((parts[name] < 0).any())
+        near(f"control, {name}: colours", [trace["zmin"], trace["zmax"]], [-far if signed else 0, far], 1e-9)
+
+
+def arrows(run: Run, field: dict, frames: np.ndarray, nodes: np.ndarray) -> None:
+    """Of a control of the top: the edges that carry it, and its vectors at their nodes, the longest 0.15 of the body's size."""
+    on = np.flatnonzero(top(run)[nodes])
+    u = stored(run.path, "control", "control")[2][..., :2]
+    u = np.concatenate([u[:1], u])[frames][:, nodes]
+    at = numbers(field["at"])
+    same("arrows at nodes of the top", sorted(at), list(on))
+    drawn = numbers(field["arrows"]["values"]) * field["arrows"]["scale"]
+    near("arrows", drawn, np.moveaxis(u[:, at], 2, 1) * 0.15 / np.linalg.norm(u, axis=2).max(), 1e-4)
+    edges = numbers(field["edges"])
+    same("edges of the top", (len(edges), bool(np.isin(edges, on).all())), (len(on) - 1, True))
 
 
 def candidates(run: Run, obstacle: str | None = None) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -293,7 +343,7 @@ def tables(run: Run, found: dict[str, Table]) -> None:
     near("the account is closed", sum(list(terms.values())[:-1]), list(terms.values())[-1], 1e-9)
     factor, unit = prefix(list(terms.values()), unit)
     same("account of the energy", (found["Energy"].head, found["Energy"].rows),
-         (["Energy", unit], [[name, f"{value * factor:.4g}"] for name, value in terms.items() if value]))  # fmt: skip
+         (["Energy", unit], [[name, f"{value * factor:.4g}"] for name, value in terms.items() if value or name.startswith("Kinetic")]))  # fmt: skip
     worst = run.manifest["invariants"]
     same("worst residuals", found["Law, residual / scale"].rows, [[name, f"{one['worst']:.2g}", f"{one['step']:,}"] for name, one in worst.items()])
     impact, N, Ns = run.manifest["impact"], per_depth(run, "N"), per_depth(run, "N s")
@@ -340,6 +390,25 @@ def facts(run: Run, found: dict[str, str]) -> None:
     same("facts", found, expected)
 
 
+def enlargement(run: Run) -> float:
+    """So many times that displacements below 2 % of the body's size become up to 5 %: 1, 2, 5, 10, …"""
+    part = np.linalg.norm(run.y, axis=2).max() / np.ptp(run.body.points, axis=0).max()
+    return 1.0 if part >= 0.02 else max(m * 10.0**e for m in (1, 2, 5) for e in range(9) if m * 10.0**e * part <= 0.05)
+
+
+def box(run: Run, frames: np.ndarray, nodes: np.ndarray, enlarged: float) -> np.ndarray:
+    """Two corners about the body at all times and a margin, and about balls of its size while they are near."""
+    places, size = run.body.points[nodes] + enlarged * run.y[frames][:, nodes], np.ptp(run.body.points, axis=0).max()
+    corners = np.array([places.min(axis=(0, 1)) - 0.1 * size, places.max(axis=(0, 1)) + 0.1 * size])
+    contacts = run.scene.get("contact", [])
+    for one in contacts if isinstance(contacts, list) else [contacts]:
+        if one["obstacle"]["shape"] == "ball" and enlarged == 1:
+            centre, radius = np.array(one["obstacle"]["center"], dtype=float), float(one["obstacle"]["radius"])
+            if 2 * radius <= 2.5 * size and (np.linalg.norm(places - centre, axis=2) - radius).min() < 0.25 * size:
+                corners = np.array([np.minimum(corners[0], centre - radius - 0.06 * size), np.maximum(corners[1], centre + radius + 0.06 * size)])
+    return corners
+
+
 def motion(run: Run, found: dict) -> None:
     """The body in motion: positions, fields, who touches, at the frames that are shown."""
     factor, unit = prefix(run.steps["time"], "s")
@@ -347,22 +416,22 @@ def motion(run: Run, found: dict) -> None:
     frames = np.array([np.abs(run.steps["time"] - time).argmin() for time in times])
     near("frames", times, run.steps["time"][frames], 1e-9)
     peak = 1 + int(np.argmax(mean(run.steps["normal_force"])))
-    same("frames are those of a hundred at most, even but for the peak", len(frames) <= 102 and frames[0] == 0 and frames[-1] == len(run.y) - 1, True)
-    stride = np.diff([frame for frame in frames if frame != peak or frame % 2 == 0])
-    same("the step from frame to frame", stride.max() <= 2 and peak in frames and (len(frames) == len(run.y)) == (len(run.y) <= 101), True)
+    stride = -(-(len(run.y) - 1) // 99)
+    same("the step from frame to frame", list(frames), sorted({*range(0, len(run.y), stride), peak, len(run.y) - 1}))
     same("it opens at the peak", frames[found["start"]], peak)
     same("dimension and unit", (found["dim"], found["unit"]), (run.dim, unit))
     points = numbers(found["points"]).T
     nodes = np.array([np.abs(run.body.points - point).max(axis=1).argmin() for point in points])
     near("nodes", points, run.body.points[nodes], SINGLE)
-    enlarged = 1 if np.linalg.norm(run.y, axis=2).max() >= 0.02 * np.ptp(run.body.points, axis=0).max() else None
-    assert enlarged, "displacements are small"
-    same("scale and count", found["note"].startswith("Displacements are true to scale; " + ("all stored times" if len(frames) == len(run.y) else f"{len(frames)} of {len(run.y):,} stored times")), True)
+    enlarged = enlargement(run)
+    scale = "are true to scale" if enlarged == 1 else f"are drawn {enlarged:g} times as large"
+    same("scale and count", found["note"].startswith(f"Displacements {scale}; " + ("all stored times" if len(frames) == len(run.y) else f"{len(frames)} of {len(run.y):,} stored times")), True)
+    near("box", found["box"], box(run, frames, nodes, enlarged), SINGLE)
 
     def frames_of(packed: dict) -> np.ndarray:
         return numbers(packed["values"]) * packed["scale"]
 
-    whole = np.moveaxis(run.y[frames][:, nodes], 2, 1)
+    whole = enlarged * np.moveaxis(run.y[frames][:, nodes], 2, 1)
     near("displacements", frames_of(found["displacement"]), whole, 1e-4)
     fields = {"displacement": np.linalg.norm(run.y, axis=2), "velocity": np.linalg.norm(run.v, axis=2)}
     units = {"displacement": "m", "velocity": "m/s", "von Mises stress": "Pa", "contact pressure": "Pa"} | dict.fromkeys(
@@ -393,6 +462,9 @@ def motion(run: Run, found: dict) -> None:
         near(f"colours of {one['name']}", frames_of(one), factor * values, 1e-4)
         near(f"ends of {one['name']}", [one["least"], one["largest"]], [min(0, factor * values.min()), max(0, factor * values.max())], 1e-9)
         same(f"label of {one['name']}", one["label"], f"{one['name']} ({unit})" if unit else one["name"])
+        same(f"{one['name']} belongs to a part of the boundary", "arrows" in one, one["name"] == "control" and "on" in run.scene["control"])
+        if "arrows" in one:
+            arrows(run, one, frames, nodes)
     rows, count = run.table("contact"), run.manifest["candidates"]
     each = {name: rows[name].reshape(-1, count) for name in ("force", "gap", *"xyz"[: run.dim])}
     touching = (each["force"] > 0) | (each["gap"] <= 1e-10)
@@ -465,6 +537,14 @@ def comparison(first: Run, second: Run) -> None:
     potential = lambda run: work(run).max() - work(run)  # noqa: E731
     curves("contact of both", views["contact-force"][""], "contact force", N, lambda run: (run.steps["time"][1:-1], mean(run.steps["normal_force"])))
     curves("candidates of both", views["active"][""], "candidates", "", lambda run: (run.steps["time"], run.steps["active"]))
+    if "optimizer" in first.manifest:
+        histories, unit = [run.table("history") for run in runs], "m⁴ s" if first.dim == 2 else "m⁵ s"
+        for column, name in (("objective", f"objective ({unit})"), ("gradient_norm", "gradient norm")):
+            shown_curves = {label: (history["iteration"], history[column]) for label, history in zip(labels, histories)}
+            compare(f"{column} of both", views[column.replace("_", "-")][""], ("iteration", name), shown_curves)
+            logarithmic(f"{column} of both", views[column.replace("_", "-")][""], [history[column] for history in histories])
+        for c, axis in enumerate("xyz"[: first.dim]):
+            curves(f"control {axis} of both", views["control-resultant"][axis], "force", N, lambda run, c=c: (run.steps["time"][1:], resultant(run)[:, c]))
     energies = {"kinetic + elastic + potential of the loads": lambda run: run.steps["kinetic_energy"] + run.steps["elastic_energy"] + potential(run),
                 "kinetic": lambda run: run.steps["kinetic_energy"], "elastic": lambda run: run.steps["elastic_energy"],
                 "potential of the loads": potential, "dissipated so far": lambda run: np.cumsum(run.steps["viscous_dissipation"])}  # fmt: skip
@@ -475,6 +555,12 @@ def comparison(first: Run, second: Run) -> None:
     near("both bodies at the same times", bodies[0]["times"], bodies[1]["times"])
     ends = max(run.steps["time"][-1] for run in runs)
     near("to the end of the longer", np.max(bodies[0]["times"]), ends * prefix(ends, "s")[0], 1e-9)
+    near("both in one box", bodies[0]["box"], bodies[1]["box"])
+    alone = []
+    for run, body in zip(runs, bodies):
+        frames = np.array([np.abs(run.steps["time"] - time / prefix(ends, "s")[0]).argmin() for time in body["times"]])
+        alone.append(box(run, frames, np.arange(len(run.body.points)), 1.0))
+    near("which holds both", bodies[0]["box"], [np.min([one[0] for one in alone], axis=0), np.max([one[1] for one in alone], axis=0)], SINGLE)
     for one, two in zip(bodies[0]["fields"], bodies[1]["fields"]):
         same("both have the same colours", [one[key] for key in ("name", "label", "least", "largest")], [two[key] for key in ("name", "label", "least", "largest")])
     for run, body in zip(runs, bodies):
@@ -556,6 +642,48 @@ def figures(run: Run) -> None:
         {"objective", "distance_to_reference", "tracking_error", "control_history", "control_magnitude"} if "optimizer" in run.manifest else set()))  # fmt: skip
 
 
+def film(run: Run) -> None:
+    """The frames of the film: where nodes and arrows are, and how large the forces are."""
+    made, view = animation.read_motion(RunFolder(run.path)), np.eye(2)
+    stride = -(-(len(run.y) - 1) // 75)
+    shown = np.arange(0, len(run.y), stride)
+    near("film: times", made.times, run.steps["time"][shown], 1e-9)
+    near("film: displacements", made.magnitude, np.linalg.norm(run.y[shown], axis=2), 1e-12)
+    enlarged = enlargement(run)
+    near("film: scale", made.enlarged, enlarged)
+    if run.dim == 3:
+        view = made.view.axes
+        near("film: seen from the side", view @ view.T, np.eye(2))
+        same("film: upwards", list(view[1]), [0, 0, 1])
+    near("film: places", made.position, (run.body.points + enlarged * run.y[shown]) @ view.T, 1e-12)
+    rows, count = run.table("contact"), run.manifest["candidates"]
+    each = {name: rows[name].reshape(-1, count) for name in rows if name != "obstacle"}
+    points, normals = (np.stack([each[f"{start}{axis}"][0] for axis in "xyz"[: run.dim]], axis=1) for start in ("", "normal_"))
+    nodes = np.array([np.abs(run.body.points - point).max(axis=1).argmin() for point in points])
+    every = -(-count // len(made.forces.sizes[0]))
+    window = max(2, stride)
+    mean_force = [each["force"][max(1, k - window + 1) : k + 1].mean(axis=0) if k else each["force"][0] for k in shown]
+    near("film: forces", made.forces.sizes, np.array(mean_force)[:, ::every], 1e-12)
+    near("film: arrows", made.forces.points, ((run.body.points + enlarged * run.y[shown])[:, nodes] @ view.T)[:, ::every], 1e-9)
+    near("film: directions", made.forces.directions, (normals @ view.T)[::every], 1e-12)
+    same("film: unit", made.forces.unit, per_depth(run, "N"))
+    low, high = animation.view(made)
+    same("film: all in the picture", bool((low <= made.position.min(axis=(0, 1))).all() and (high >= made.position.max(axis=(0, 1))).all()), True)
+
+
+def enlargements() -> None:
+    """Displacements below 2 % of the body's size are drawn 1, 2, 5, 10, … times as large, up to 5 %."""
+    for largest, expected in ((0, 1), (0.03, 1), (0.02, 1), (0.019, 2), (0.011, 2), (0.0099, 5), (0.004, 10), (6e-4, 50), (1e-6, 50000)):
+        same(f"enlarged, {largest}", animation.enlargement(2 * largest, 2.0), expected)
+        if expected > 1:
+            same("said of it", report_motion.scale_note(expected), f"Displacements are drawn {expected:g} times as large")
+    for stored_times, numbers_of_one, peak in ((50, 100, 7), (101, 100, 3), (1000, 100, 333), (1000, 200_000, 333)):
+        times = 0.1 * np.arange(stored_times)
+        found = report_motion.frames(times, numbers_of_one, 0.1 * peak)
+        stride = -(-(stored_times - 1) // (max(2, min(100, 2_000_000 // numbers_of_one)) - 1))
+        same(f"frames of {stored_times}", list(found), sorted({*range(0, stored_times, max(1, stride)), peak, stored_times - 1}))
+
+
 def maps(run: Run, caught: dict, title: str) -> None:
     """The pressure over place and time is the page's."""
     axes = caught["contact_pressure"].axes[0]
@@ -620,7 +748,17 @@ def search_figures(run: Run, caught: dict, curves: object, shaded: object, times
     factor, unit = prefix(run.steps["time"][at], "s")
     same("control_magnitude.png: time", axes.get_title(loc="left"), f"$t$ = {run.steps['time'][at] * factor:.4g} {unit}")
     colours = next(part for part in axes.collections if part.get_array() is not None)
-    if run.dim == 2:
+    if "on" in run.scene["control"]:
+        on = np.flatnonzero(top(run))
+        on = on[np.argsort(run.body.points[on, 0])]
+        size = np.linalg.norm(u, axis=1)
+        lines = next(part for part in axes.collections if getattr(part, "get_linewidths", lambda: [0])()[0] == 5)
+        near("control_magnitude.png: along the top", np.sort(lines.get_array()), np.sort((size[on][1:] + size[on][:-1]) / 2), 1e-12)
+        near("control_magnitude.png: colours", lines.get_clim(), [0, size.max()], 1e-12)
+        quiver = next(part for part in axes.collections if hasattr(part, "U"))
+        near("control_magnitude.png: arrows", np.sort(np.hypot(quiver.U, quiver.V)), np.sort(size[on]), 1e-12)
+        near("control_magnitude.png: the longest arrow", quiver.scale, size.max() / 0.15, 1e-12)
+    elif run.dim == 2:
         near("control_magnitude.png: moduli", colours.get_array(), np.linalg.norm(u, axis=1), 1e-12)
         rows, count = run.table("contact"), run.manifest["candidates"]
         on = (rows["force"].reshape(-1, count)[at] > 0) | (rows["gap"].reshape(-1, count)[at] <= 1e-10)
@@ -630,12 +768,69 @@ def search_figures(run: Run, caught: dict, curves: object, shaded: object, times
             near("control_magnitude.png: their places", np.sort(marks[0].get_xdata()), np.sort(rows["x"][:count][on]), 1e-12)
 
 
-def check(run: Run, other: Run | None = None) -> None:
+# --- A study ----------------------------------------------------------------------------------------------------------
+
+
+def study(folder: Path, rows: dict[str, np.ndarray], names: list[str]) -> None:
+    """Its page and its pictures, from study.csv and study.json; methods are one."""
+    given = json.loads((folder / "study.json").read_text())
+    made = report_study.page(StudyFolder(folder))
+    views = views_of(made)["work-precision"]
+    titles = {name: given["quantities"][name]["title"] for name in names}
+    text = lambda value, count=3: "" if math.isnan(value) else f"{value:.{count}g}"  # noqa: E731
+    percent = lambda value: "" if math.isnan(value) else f"{100 * value:.3g} %"  # noqa: E731
+    method = "degree 1, contact-implicit"
+    same("views of a study", list(views), list(titles.values()))
+    head, tables = [f"{size:g}" for size in rows["size"]], {table.title.split(":")[0].split(",")[0]: table for section in made.sections for table in section.tables}
+    for name, title in titles.items():
+        error, best, bar = rows[f"{name}_error"], np.flatnonzero(rows[f"{name}_pareto"] == 1), given["quantities"][name]["bar"]
+        best, shown = best[np.argsort(rows["seconds"][best])], error > 0
+        curves = {"Pareto front": (rows["seconds"][best], rows[f"{name}_envelope"][best])}
+        if bar and bar["value"] > 0:
+            curves["Error bar of the finest rung"] = [rows["seconds"][shown].min(), rows["seconds"][shown].max()], [bar["value"]] * 2
+        curves[method] = rows["seconds"][shown], error[shown]
+        compare(f"a study's {name}", views[title], ("time of the run (s)", "relative error"), curves)
+        texts = views[title]["data"][-1]["text"]
+        for n, one in zip(np.flatnonzero(shown), texts, strict=True):
+            same("what is said of a rung", one, "<br>".join([
+                f"<b>{method}</b>", f"size {rows['size'][n]:g} m, step {rows['step'][n]:g} s", f"{rows['unknowns'][n]:,.0f} unknowns, {rows['steps'][n]:,.0f} steps",
+                f"error {percent(error[n])} in {quantity(rows['seconds'][n], 's')}", f"there and at finer rungs at most {percent(rows[f'{name}_envelope'][n])}",
+                *([f"estimated {percent(rows[f'{name}_estimate'][n])}"] if np.isfinite(rows[f"{name}_estimate"][n]) else [])]))  # fmt: skip
+        same("who is on the front", views[title]["data"][-1]["marker"]["line"]["width"], [1.5 if n in best else 0 for n in np.flatnonzero(shown)])
+        table = next(table for key, table in tables.items() if key == title)
+        same(f"values of {name}", table.rows,
+             [[f"{n + 1}", head[n], f"{rows['step'][n]:g}", text(rows[name][n], 6), percent(error[n]),
+               percent(rows[f"{name}_envelope"][n]) + " ★" * bool(rows[f"{name}_pareto"][n] == 1), percent(rows[f"{name}_estimate"][n]),
+               text(rows[f"{name}_effectivity"][n])] for n in range(len(head))])  # fmt: skip
+        unit = f", {given['quantities'][name]['unit']}" if given["quantities"][name]["unit"] else ""
+        same(f"heading of {name}", table.title.startswith(f"{title}{unit}: errors against the {given['quantities'][name]['reference']}" + (f", {bar['words']}." if bar else ".")), True)
+    same("what each rung took", next(table.rows for table in tables.values() if table.title.startswith("What each rung took")),
+         [[f"{n + 1}", head[n], f"{rows['step'][n]:g}", method, f"{rows['unknowns'][n]:,.0f}", f"{rows['steps'][n]:,.0f}", text(rows["seconds"][n]),
+           f"{rows['memory_bytes'][n] / 1e6:,.0f}"] for n in range(len(head))])  # fmt: skip
+    same("facts of a study", [value for name, value in made.facts if name != "Versions"],
+         [f"{len(head)}", given["reference"], quantity(rows["seconds"].sum(), "s")])  # fmt: skip
+    same("sentences", made.sections[0].texts, given["sentences"])
+    save, style.save = style.save, lambda figure, path: figure
+    try:
+        for name in names:
+            axes = work_precision.draw(StudyFolder(folder), name).axes[0]
+            shown = rows[f"{name}_error"] > 0
+            near(f"{name}: seconds", axes.lines[0].get_xdata(), rows["seconds"][shown], 1e-12)
+            near(f"{name}: errors", axes.lines[0].get_ydata(), rows[f"{name}_error"][shown], 1e-12)
+            points = sorted(zip(rows["seconds"][shown], rows[f"{name}_error"][shown]))
+            front = [point for i, point in enumerate(points) if all(point[1] < other[1] for other in points[:i])]
+            near(f"{name}: front", np.stack(axes.lines[1].get_data(), axis=1), front, 1e-12)
+            same(f"{name}: axes", (axes.get_xlabel(), axes.get_ylabel()), ("seconds", f"error of {titles[name]}"))
+    finally:
+        style.save = save
+
+
+def check(run: Run) -> None:
+    """Everything that is drawn of a run."""
     try:
         page(run)
         figures(run)
-        if other is not None:
-            comparison(run, other)
+        film(run)
     except (KeyError, IndexError, StopIteration, ValueError) as error:
         fail(f"what is drawn of {Path(run.path).name}", repr(error), "no error")
         raise

@@ -89,7 +89,6 @@ class Copy:
             run(["cmake", "-S", self.source, "-B", self.build, "-G", "Ninja", "-Wno-dev", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache",
                  "-DCMAKE_C_COMPILER_LAUNCHER=ccache"])
         run(["cmake", "--build", self.build])
-        self.sound_build = True
         digest = hashlib.sha256()
         for file in sorted(path for name in COPIED for path in [self.source / name, *(self.source / name).rglob("*")] if path.is_file()):
             digest.update(file.read_bytes())
@@ -141,25 +140,24 @@ class Copy:
         self.seconds[test.name] = time.monotonic() - begin
         self.passed.write_text(json.dumps({"sources": self.sources, "seconds": self.seconds}))
 
-    def put(self, file: Path, text: str) -> bool:
-        """Writes a file and builds what depends on it; whether that compiles."""
-        file.write_text(text)
-        if file.suffix == ".py" and self.sound_build:
-            return True
-        self.sound_build = file.suffix == ".py"
-        return not subprocess.run(["cmake", "--build", self.build, "--target", *PROGRAMS, "signorini_python"], capture_output=True).returncode
+    def compiles(self, test: Test) -> bool:
+        """Builds what a test runs."""
+        words = {Path(word).name for word in test.command}
+        targets = [name for name in PROGRAMS if name in words] or ["signorini_python"]
+        return not subprocess.run(["cmake", "--build", self.build, "--target", *targets], capture_output=True).returncode
 
     def outcome(self, file: Path, mutated: str, tests: list[Test]) -> tuple[str, str] | None:
         """How a mutant ends and by which test, "" if by none; nothing if it does not compile."""
         sound = file.read_text()
         try:
-            if not self.put(file, mutated):
-                return None
             for test in tests:
                 if test.name not in self.seconds:
-                    self.put(file, sound)
+                    file.write_text(sound)
+                    self.compiles(test)
                     self.measure(test)
-                    self.put(file, mutated)
+                file.write_text(mutated)
+                if not self.compiles(test):
+                    return None
                 if end := self.attempt(test, PATIENCE * (self.seconds[test.name] + 1))[0]:
                     return end, test.name
             return "", ""

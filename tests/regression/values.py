@@ -5,6 +5,7 @@ stored displacements and velocities, by sums over tables, by formulas of docs/re
     values.py SIGNORINI SOURCE
 """
 
+import json
 import re
 import sys
 import tempfile
@@ -12,8 +13,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 import drawn  # noqa: E402
-from harness import SOURCE, signorini, stored  # noqa: E402
-from recomputed import ROUNDING, TABLE, Run, failures, near, von_mises  # noqa: E402
+from harness import SIGNORINI, SOURCE, captured, signorini, stored, table  # noqa: E402
+from recomputed import ROUNDING, TABLE, Run, failures, near, same, von_mises  # noqa: E402
 
 import numpy as np  # noqa: E402
 
@@ -140,8 +141,8 @@ def contact_forces(run: Run, load: np.ndarray) -> None:
         near("area of hat functions", each["area"][0, own], areas[one["name"]][nodes[own]], TABLE)
         near("pressure", each["pressure"][:, own], each["force"][:, own] / areas[one["name"]][nodes[own]], TABLE)
         np.maximum.at(pressures, (slice(None), nodes[own]), each["pressure"][:, own])
-        table = run.table("obstacles")
-        of = {name: values[table["obstacle"] == one["name"]] for name, values in table.items()}
+        rows_of = run.table("obstacles")
+        of = {name: values[rows_of["obstacle"] == one["name"]] for name, values in rows_of.items()}
         near("rows of an obstacle", of["step"], np.arange(len(run.y)))
         near("their times", of["time"], steps["time"])
         for c, axis in enumerate("xyz"[:dim]):
@@ -213,14 +214,14 @@ def figures_of_the_body(run: Run) -> None:
 def impact(run: Run) -> None:
     """What run.json sums up of contact and of the energy, from the tables."""
     told, steps, tau = run.manifest["impact"], run.steps, run.scene["time"]["step"]
-    table, names = run.table("obstacles"), [one["name"] for one in told["obstacles"]]
+    rows, names = run.table("obstacles"), [one["name"] for one in told["obstacles"]]
     axes = "xyz"[: run.dim]
 
     def of(name: str | None) -> tuple[np.ndarray, np.ndarray]:
         if name is None:
             return steps["normal_force"], np.stack([steps[f"contact_force_{axis}"] for axis in axes], axis=1)
-        own = table["obstacle"] == name
-        return table["normal_force"][own], np.stack([table[f"force_{axis}"][own] for axis in axes], axis=1)
+        own = rows["obstacle"] == name
+        return rows["normal_force"][own], np.stack([rows[f"force_{axis}"][own] for axis in axes], axis=1)
 
     for one, name in zip([*told["obstacles"], told["all"]], [*names, None]):
         normal, force = of(name)
@@ -392,6 +393,29 @@ def in_space(folder: Path) -> Run:
     return run
 
 
+def stiff(folder: Path) -> Run:
+    """A clamped body that is pressed onto a floor, whose displacements are drawn enlarged."""
+    text = BLOCK + """
+[load]
+body = ["0", "-3000"]
+[[clamp]]
+on = "top"
+[[contact]]
+on = "bottom"
+obstacle = { shape = "half-space", point = [0, -0.0005], normal = [0, 1] }
+"""
+    run, _ = run_of(folder, "stiff", text, initial__velocity=["0", "0"], material__young=5e5, time__end=0.02, time__step=2e-4)
+    assert 1e-4 < np.max(np.abs(run.y)) < 0.01
+    return run
+
+
+def pushed(folder: Path) -> Run:
+    """A control of the top."""
+    keys = {"control__scale": 3.0, "control__on": "top", "output__every": 1, "objective__desired": {"control": ["0.3", "-1"]}}
+    signorini("optimize", BLOCK_SCENE, folder / "pushed", **keys, optimizer__max_iterations=2)
+    return Run(folder / "pushed")
+
+
 def search(folder: Path) -> Run:
     """J, its parts, its gradient and the distances of the last iterate, by its control, its adjoint state and two motions."""
     tau, alpha, gamma, scale = 0.02, 0.01, 0.02, 2.0
@@ -428,16 +452,63 @@ def search(folder: Path) -> Run:
     return run
 
 
+def study(folder: Path) -> None:
+    """Rungs have the numbers of runs of their size and step; errors, envelopes and fronts follow, in study.csv and on the console."""
+    (folder / "ladder.toml").write_text(BOUNCING)
+    names = ["impulse", "impulse_duration", "sustained_peak", "peak_force", "energy_loss"]
+    done = captured([str(SIGNORINI), "study", str(folder / "ladder.toml"), "--sizes", "0.5,0.3", "--steps", "0.02,0.01", "--quantity", ",".join(names),
+                     "--set", "output.fields=[]", "--out", str(folder / "ladder")])  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    rows = table(folder / "ladder" / "study.csv")
+    assert len(rows["rung"]) == 4
+    for n in range(4):
+        signorini("simulate", folder / "ladder.toml", folder / "rung", mesh__size=float(rows["size"][n]), time__step=float(rows["step"][n]), output__fields=[])
+        told, steps = json.loads((folder / "rung" / "run.json").read_text()), table(folder / "rung" / "steps.csv")
+        touch = told["impact"]["all"]
+        expected = {"impulse": np.linalg.norm(touch["impulse"]), "impulse_duration": touch["impulse_duration"], "sustained_peak": touch["sustained_peak"],
+                    "peak_force": touch["peak"],
+                    "energy_loss": -steps["contact_work"].sum() / (steps["kinetic_energy"] + steps["elastic_energy"]).max()}  # fmt: skip
+        for name, value in expected.items():
+            near(f"{name} of rung {n + 1}", rows[name][n], value, TABLE)
+        same("size of a rung", (rows["unknowns"][n], rows["steps"][n]), (told["unknowns"], told["steps"]["done"]))
+    finest = int(np.flatnonzero((rows["size"] == rows["size"].min()) & (rows["step"] == rows["step"].min()))[0])
+    lines = done.stdout.splitlines()
+    for name in names:
+        value, exact = rows[name], name == "energy_loss"  # of an elastic body none is lost where elements and steps are small
+        error = np.abs(value) if exact else np.abs(value / value[finest] - 1)
+        error[finest] = error[finest] if exact else np.nan
+        near(f"errors of {name}", rows[f"{name}_error"], error, TABLE)
+        finer = (rows["size"] <= rows["size"][:, None]) & (rows["step"] <= rows["step"][:, None])
+        most = [np.nanmax(error[one]) if np.isfinite(error[one]).any() else np.nan for one in finer]
+        near(f"the largest there and at finer rungs, {name}", rows[f"{name}_envelope"], most, TABLE)
+        best = [bool(np.isfinite(e) and not ((rows["seconds"] < s) & (rows[f"{name}_envelope"] <= e)).any()) for s, e in zip(rows["seconds"], most)]
+        same(f"rungs that no cheaper one beats, {name}", list(map(bool, rows[f"{name}_pareto"])), best)
+        title = json.loads((folder / "ladder" / "study.json").read_text())["quantities"][name]["title"]
+        start = next(i for i, line in enumerate(lines) if line.startswith(title))
+        for n, line in enumerate(lines[start + 2 : start + 6]):
+            words = line.replace(" %", "%").split()
+            same(f"a line of {name}", words[:5] + words[5:6],
+                 [str(n + 1), f"{rows['size'][n]:.4g}", f"{rows['step'][n]:.3g}", f"{value[n]:.6g}",
+                  "reference" if np.isnan(error[n]) else f"{100 * error[n]:.3g}%", "-" if np.isnan(most[n]) else f"{100 * most[n]:.3g}%"])  # fmt: skip
+            same(f"its star, {name}", line.endswith("*"), best[n])
+    drawn.study(folder / "ladder", rows, names)
+
+
 def main() -> int:
+    """Ends with the first run whose numbers are wrong."""
     with tempfile.TemporaryDirectory() as name:
-        runs = {}
-        for part in (thrown, bouncing, in_space, search):
-            runs[part] = part(Path(name))
-            print(f"{part.__name__}: {len(failures)} failures so far", flush=True)
-        for run in runs.values():
-            drawn.check(run)
-        drawn.comparison(runs[thrown], runs[bouncing])
-    print(f"{len(failures)} failures")
+        folder, runs = Path(name), []
+        for part in (thrown, bouncing, in_space, search, pushed, stiff):
+            runs.append(part(folder))
+            drawn.check(runs[-1])
+            print(f"{part.__name__}: {len(failures)} failures", flush=True)
+            if failures:
+                return 1
+        for pair in (runs[:2], runs[3:5]):
+            drawn.comparison(*pair)
+        drawn.enlargements()
+        study(folder)
+    print(f"comparisons and a study: {len(failures)} failures")
     return 1 if failures else 0
 
 
