@@ -263,6 +263,10 @@ void require_not_the_guess(const scene::Scene& scene, const std::filesystem::pat
 
 /// Sizes are chosen for an ordered accuracy alone. Throws UserError.
 void require_size(const scene::Scene& scene, const Request& request) {
+  if (scene.mesh.automatic() && !scene.unknowns.empty())
+    throw UserError(
+        "mesh.size: found \"auto\" with tables [[unknown]], allowed without, with --accuracy; else "
+        "a size in m, such as --set mesh.size=0.1");
   if (scene.mesh.automatic() && !request.accuracy)
     throw UserError(fmt::format("mesh.size: found \"auto\" with {}, allowed with --accuracy; else a "
                                 "size in m, such as --set mesh.size=0.1",

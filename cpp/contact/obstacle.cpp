@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/obstacle.h"
 #include "base/error.h"
+#include "base/overloads.h"
 #include "base/text.h"
 #include <algorithm>
 #include <cmath>
@@ -37,19 +38,20 @@ Obstacle::Obstacle(const scene::Obstacle& obstacle, std::string key, int dim, do
     radius_.emplace(scene::Components{shape.radius}, key_ + ".radius", true);
     inside_ = shape.side == scene::Side::inside;
   };
-  if (const auto* half_space = std::get_if<scene::HalfSpace>(&shape_)) {
-    direction_ = unit(half_space->normal);
-    point_.emplace(half_space->point, key_ + ".point", true);
-  } else if (const auto* ball = std::get_if<scene::Ball>(&shape_)) {
-    round(ball->center, "center", *ball);
-  } else if (const auto* cylinder = std::get_if<scene::Cylinder>(&shape_)) {
-    round(cylinder->point, "point", *cylinder);
-    if (!cylinder->axis.empty())
-      direction_ = unit(cylinder->axis);
-  } else {
-    const auto& level_set = std::get<scene::SignedDistance>(shape_);
-    distance_.emplace(scene::Components{level_set.distance}, key_ + ".distance", true);
-  }
+  std::visit(Overloads{[&](const scene::HalfSpace& plane) {
+                         direction_ = unit(plane.normal);
+                         point_.emplace(plane.point, key_ + ".point", true);
+                       },
+                       [&](const scene::Ball& ball) { round(ball.center, "center", ball); },
+                       [&](const scene::Cylinder& cylinder) {
+                         round(cylinder.point, "point", cylinder);
+                         if (!cylinder.axis.empty())
+                           direction_ = unit(cylinder.axis);
+                       },
+                       [&](const scene::SignedDistance& level_set) {
+                         distance_.emplace(scene::Components{level_set.distance}, key_ + ".distance", true);
+                       }},
+             shape_);
   start_ = place(0);
 }
 
@@ -69,11 +71,13 @@ Obstacle::Place Obstacle::place(double t) const {
 }
 
 Obstacle::Plane Obstacle::at(const double* x, const Place& place) const {
-  if (distance_)
-    return of_distance(x, place.t);
-  if (radius_)
-    return round(x, place);
-  return {direction_, dot(direction_, from(place.point, x))};
+  return std::visit(Overloads{[&](const scene::HalfSpace&) {
+                                return Plane{direction_, dot(direction_, from(place.point, x))};
+                              },
+                              [&](const scene::Ball&) { return round(x, place); },
+                              [&](const scene::Cylinder&) { return round(x, place); },
+                              [&](const scene::SignedDistance&) { return of_distance(x, place.t); }},
+                    shape_);
 }
 
 Obstacle::Plane Obstacle::derivative(const double* x, const Place& place,

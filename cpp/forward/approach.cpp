@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/approach.h"
 #include "forward/first_touch.h"
+#include "base/overloads.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,15 +17,11 @@ std::vector<scene::Field> fields_of(const scene::Obstacle& obstacle) {
   const auto add = [&](const scene::Components& components) {
     fields.emplace_back(components, "contact.obstacle", true);
   };
-  if (const auto* plane = std::get_if<scene::HalfSpace>(&obstacle)) {
-    add(plane->point);
-  } else if (const auto* ball = std::get_if<scene::Ball>(&obstacle)) {
-    add(ball->center), add({ball->radius});
-  } else if (const auto* cylinder = std::get_if<scene::Cylinder>(&obstacle)) {
-    add(cylinder->point), add({cylinder->radius});
-  } else {
-    add({std::get<scene::SignedDistance>(obstacle).distance});
-  }
+  std::visit(Overloads{[&](const scene::HalfSpace& plane) { add(plane.point); },
+                       [&](const scene::Ball& ball) { add(ball.center), add({ball.radius}); },
+                       [&](const scene::Cylinder& cylinder) { add(cylinder.point), add({cylinder.radius}); },
+                       [&](const scene::SignedDistance& level_set) { add({level_set.distance}); }},
+             obstacle);
   std::erase_if(fields, [](const scene::Field& field) { return !field.depends_on_time(); });
   return fields;
 }

@@ -2,9 +2,11 @@
 #include "forward/parameter_rates.h"
 #include "contact/massless.h"
 #include "contact/normal_operator.h"
+#include "scene/unknown_limits.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 namespace signorini::forward {
 using petsc::check;
@@ -155,7 +157,8 @@ void ParameterRates::add_load(const scene::Scene& scene, const scene::Unknown& u
   else if (unknown.of == scene::Parameter::gravity)
     load.gravity = scene.load->gravity;
   else
-    load.tractions.push_back(scene.load->tractions[scene::traction_of(scene, unknown)]);
+    std::ranges::copy_if(scene.load->tractions, std::back_inserter(load.tractions),
+                         [&](const scene::Traction& one) { return scene::scales(unknown, one); });
   rate.load.emplace(stepper_.space(), stepper_.M(), load, stepper_.grid());
   rate.force.emplace(stepper_.space(), *rate.load);
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
+#include "base/overloads.h"
 #include "scene/parameters.h"
 #include "scene/rules.h"
+#include "scene/unknown_limits.h"
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
@@ -28,16 +30,19 @@ void require_obstacle_parameter(Reader& in, const Unknown& unknown, const Scene&
   if (unknown.obstacle)
     require_obstacle(in, *unknown.obstacle, scene);
   const Contact& contact = scene.contacts[contact_of(scene, unknown)];
-  const bool plane = std::holds_alternative<HalfSpace>(contact.obstacle),
-             round = std::holds_alternative<Ball>(contact.obstacle) ||
-                     std::holds_alternative<Cylinder>(contact.obstacle),
-             of_plane = unknown.of == Parameter::position || unknown.of == Parameter::angle;
-  if (of_plane ? !plane : !round)
+  using Allowed = std::vector<std::string>;
+  const Allowed allowed = std::visit(
+      Overloads{[](const HalfSpace&) { return Allowed{name(Parameter::position), name(Parameter::angle)}; },
+                [](const Ball&) { return Allowed{name(Parameter::center), name(Parameter::radius)}; },
+                [](const Cylinder&) { return Allowed{name(Parameter::center), name(Parameter::radius)}; },
+                [](const SignedDistance&) { return Allowed{}; }},
+      contact.obstacle);
+  if (std::ranges::find(allowed, of) == allowed.end())
     in.fail("of", fmt::format("found \"{}\" of an obstacle of the shape \"{}\", allowed: {}", of,
                               name(static_cast<Shape>(contact.obstacle.index())),
-                              plane   ? "position, angle"
-                              : round ? "center, radius"
-                                      : "other shapes"));
+                              allowed.empty() ? "other shapes" : list(allowed)));
+  const bool round =
+      std::holds_alternative<Ball>(contact.obstacle) || std::holds_alternative<Cylinder>(contact.obstacle);
   if (round && moves(contact.obstacle))
     in.fail("of", fmt::format("found \"{}\" of a round obstacle that moves, allowed is one at rest", of));
   if (contact.initial == ContactStart::project)
@@ -81,7 +86,8 @@ void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
   } else if (unknown.of == Parameter::traction) {
     std::vector<std::string> groups;
     for (const Traction& traction : scene.load->tractions)
-      groups.push_back(traction.on);
+      if (std::ranges::find(groups, traction.on) == groups.end())
+        groups.push_back(traction.on);
     if (groups.empty())
       absent("load.traction");
     one_of(groups);
@@ -93,22 +99,15 @@ void require_target(Reader& in, const Unknown& unknown, const Scene& scene) {
 /// Throws UserError unless a number of the table lies within the parameter's natural limits, and above zero
 /// on a logarithmic scale.
 void require_natural(const Reader& in, const char* key, double value, const Unknown& unknown) {
-  const NaturalLimits natural = natural_limits(unknown.of);
-  Limits limits{.least = natural.least, .greatest = natural.greatest, .open = natural.open};
-  if (unknown.logarithmic() && !(limits.least > 0)) {
-    limits.least = 0;
-    limits.open = true;
-  }
-  if (!limits.contain(value))
-    in.fail(key, fmt::format("found {:.10g}, allowed are numbers{}", value, limits.range()));
+  if (const Limits possible = limits(unknown); !possible.contain(value))
+    in.fail(key, fmt::format("found {:.10g}, allowed are numbers{}", value, possible.range()));
 }
 
-/// The number of the material, obstacle or traction that an unknown is of; 0 for others.
-std::size_t target_of(const Scene& scene, const Unknown& unknown) {
-  return of_material(unknown.of)             ? material_of(scene, unknown)
-         : of_obstacle(unknown.of)           ? contact_of(scene, unknown)
-         : unknown.of == Parameter::traction ? traction_of(scene, unknown)
-                                             : 0;
+/// Whether two unknowns of the same kind are of the same material, obstacle, group of tractions or load.
+bool same_target(const Scene& scene, const Unknown& a, const Unknown& b) {
+  return of_material(a.of)   ? material_of(scene, a) == material_of(scene, b)
+         : of_obstacle(a.of) ? contact_of(scene, a) == contact_of(scene, b)
+                             : a.on == b.on;
 }
 
 /// Throws UserError if an unknown before it is of the same number: a component of a field and a factor of it
@@ -117,7 +116,7 @@ void require_another(const Reader& in, const Unknown& unknown, const Scene& scen
   for (std::size_t i = 0; i + 1 < scene.unknowns.size(); ++i) {
     const Unknown& other = scene.unknowns[i];
     const bool apart = unknown.component && other.component && *unknown.component != *other.component;
-    if (other.of == unknown.of && !apart && target_of(scene, other) == target_of(scene, unknown))
+    if (other.of == unknown.of && !apart && same_target(scene, other, unknown))
       in.fail("of", fmt::format("found \"{}\", which {} seeks too, allowed is what no other one changes",
                                 name(unknown.of), unknown_key(i)));
   }
@@ -235,7 +234,7 @@ void require_fit_rules(Reader& in, Scene& scene) {
     if (!scene.objective && in.has("optimizer"))
       for (const char* key : {"start", "checkpoint", "memory"})
         if (Reader optimizer = in.table("optimizer"); optimizer.has(key))
-          optimizer.fail(key, "has no effect on a fit without a control, which goes on from history.csv");
+          optimizer.fail(key, "has no effect on a fit without a control");
   } else if (scene.optimizer.method == OptimizerMethod::gauss_newton) {
     in.fail("optimizer.method", "found \"gauss-newton\" without unknowns, allowed with tables [[unknown]]");
   }

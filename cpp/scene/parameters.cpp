@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/parameters.h"
+#include "base/error.h"
+#include "base/overloads.h"
 #include "scene/expression.h"
+#include "scene/reader.h"
+#include "scene/unknown_limits.h"
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <stdexcept>
 
 namespace signorini::scene {
@@ -58,17 +63,25 @@ std::optional<Components>& initial_field(Initial& initial, const Unknown& unknow
 
 std::size_t component(const Unknown& unknown) { return static_cast<std::size_t>(unknown.component.value()); }
 
-/// Centre of a ball or point of a cylinder's axis.
+/// Centre of a ball or point of a cylinder's axis. Throws std::logic_error for other shapes, which the rules
+/// exclude.
 Components& middle(Obstacle& shape) {
-  if (auto* ball = std::get_if<Ball>(&shape))
-    return ball->center;
-  return std::get<Cylinder>(shape).point;
+  return std::visit(
+      Overloads{[](Ball& ball) -> Components& { return ball.center; },
+                [](Cylinder& cylinder) -> Components& { return cylinder.point; },
+                [](HalfSpace&) -> Components& { throw std::logic_error("a plane's centre"); },
+                [](SignedDistance&) -> Components& { throw std::logic_error("a level set's centre"); }},
+      shape);
 }
 
+/// As middle().
 Expression& radius(Obstacle& shape) {
-  if (auto* ball = std::get_if<Ball>(&shape))
-    return ball->radius;
-  return std::get<Cylinder>(shape).radius;
+  return std::visit(
+      Overloads{[](Ball& ball) -> Expression& { return ball.radius; },
+                [](Cylinder& cylinder) -> Expression& { return cylinder.radius; },
+                [](HalfSpace&) -> Expression& { throw std::logic_error("a plane's radius"); },
+                [](SignedDistance&) -> Expression& { throw std::logic_error("a level set's radius"); }},
+      shape);
 }
 
 void multiply(Components& components, double factor) {
@@ -139,7 +152,9 @@ void set(Scene& scene, const Unknown& unknown, double value) {
     multiply(scene.load.value().gravity.value(), value);
     return;
   case Parameter::traction:
-    multiply(scene.load.value().tractions[traction_of(scene, unknown)].value, value);
+    for (Traction& traction : scene.load.value().tractions)
+      if (scales(unknown, traction))
+        multiply(traction.value, value);
   }
 }
 
@@ -187,12 +202,8 @@ std::size_t contact_of(const Scene& scene, const Unknown& unknown) {
   throw std::out_of_range("an unknown of no obstacle");
 }
 
-std::size_t traction_of(const Scene& scene, const Unknown& unknown) {
-  const std::vector<Traction>& tractions = scene.load.value().tractions;
-  for (std::size_t i = 0; i < tractions.size(); ++i)
-    if (tractions.size() == 1 || tractions[i].on == unknown.on)
-      return i;
-  throw std::out_of_range("an unknown of no traction");
+bool scales(const Unknown& unknown, const Traction& traction) {
+  return !unknown.on || traction.on == *unknown.on;
 }
 
 NaturalLimits natural_limits(Parameter of) {
@@ -257,7 +268,25 @@ std::vector<double> start_values(const Scene& scene) {
   return values;
 }
 
+Limits limits(const Unknown& unknown) {
+  const NaturalLimits natural = natural_limits(unknown.of);
+  Limits limits{.least = natural.least, .greatest = natural.greatest, .open = natural.open};
+  if (unknown.logarithmic() && !(limits.least > 0)) {
+    limits.least = 0;
+    limits.open = true;
+  }
+  return limits;
+}
+
+void require_possible(const Scene& scene, std::span<const double> values) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (const Limits possible = limits(scene.unknowns[i]); !possible.contain(values[i]))
+      throw UserError(fmt::format("{}: the unknown \"{}\" is {:.10g}; allowed are numbers{}",
+                                  scene.file.string(), scene.unknowns[i].name, values[i], possible.range()));
+}
+
 Scene with_values(Scene scene, std::span<const double> values) {
+  require_possible(scene, values);
   const std::vector<Unknown> unknowns = scene.unknowns;
   // Positions are along the normals that the scene has, before any of them turns.
   for (const bool turns : {false, true})

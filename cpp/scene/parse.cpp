@@ -2,6 +2,7 @@
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/overloads.h"
 #include "scene/expression.h"
 #include "scene/names.h"
 #include "scene/override.h"
@@ -88,13 +89,12 @@ bool moves(const Obstacle& obstacle) {
   const auto varies = [](const Components& components) {
     return Field(components, "obstacle", true).depends_on_time();
   };
-  if (const auto* plane = std::get_if<HalfSpace>(&obstacle))
-    return varies(plane->point);
-  if (const auto* ball = std::get_if<Ball>(&obstacle))
-    return varies(ball->center) || varies({ball->radius});
-  if (const auto* cylinder = std::get_if<Cylinder>(&obstacle))
-    return varies(cylinder->point) || varies({cylinder->radius});
-  return varies({std::get<SignedDistance>(obstacle).distance});
+  return std::visit(
+      Overloads{[&](const HalfSpace& plane) { return varies(plane.point); },
+                [&](const Ball& ball) { return varies(ball.center) || varies({ball.radius}); },
+                [&](const Cylinder& cylinder) { return varies(cylinder.point) || varies({cylinder.radius}); },
+                [&](const SignedDistance& level_set) { return varies({level_set.distance}); }},
+      obstacle);
 }
 
 bool rests(const Control& control) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/rules.h"
 #include "base/error.h"
+#include "base/overloads.h"
 #include "scene/expression.h"
 #include <cmath>
 #include <fmt/format.h>
@@ -283,13 +284,14 @@ public:
                                   dim_ == 2 ? "is none, the angle is in the plane" : "is an axis", dim_));
   }
   void obstacle(const Obstacle& shape, const std::string& key) const {
-    if (const auto* half_space = std::get_if<HalfSpace>(&shape)) {
-      vector(half_space->point.size(), key + "point");
-      vector(half_space->normal.size(), key + "normal");
-    } else if (const auto* ball = std::get_if<Ball>(&shape))
-      vector(ball->center.size(), key + "center");
-    else if (const auto* cylinder = std::get_if<Cylinder>(&shape))
-      vector(cylinder->point.size(), key + "point");
+    std::visit(Overloads{[&](const HalfSpace& plane) {
+                           vector(plane.point.size(), key + "point");
+                           vector(plane.normal.size(), key + "normal");
+                         },
+                         [&](const Ball& ball) { vector(ball.center.size(), key + "center"); },
+                         [&](const Cylinder& cylinder) { vector(cylinder.point.size(), key + "point"); },
+                         [](const SignedDistance&) {}}, // its expression has x, y, z in any dimension
+               shape);
   }
 
 private:

@@ -3,6 +3,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "scene.h"
+#include "scene/unknown_limits.h"
 #include <fmt/format.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -93,6 +94,7 @@ private:
     MPI_Bcast(theta.data(), static_cast<int>(theta.size()), MPI_DOUBLE, 0, MPI_COMM_WORLD);
     if (theta == theta_)
       return;
+    scene::require_possible(scene(), theta);
     theta_.clear();
     x_ = problem().on_scales(theta);
     at_ = problem().evaluate(x_);

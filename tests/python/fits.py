@@ -43,6 +43,27 @@ def main() -> None:
         relative = np.linalg.norm(difference - fit.jacobian(theta)[:, j]) / np.linalg.norm(difference)
         show(f"Jacobian by {fit.names[j]}: {relative:.1e} from the difference")
         assert relative < 1e-3
+    # Values that no scene may have are refused by name, and nothing is lost by them.
+    r = fit.residuals(theta)
+    for j, name in enumerate(fit.names):
+        for value in (-1000.0, 0.0, np.nan, np.inf):
+            refused(fit, np.where(np.arange(2) == j, value, theta), f'the unknown "{name}" is {value:g}')
+    assert np.all(fit.residuals(theta) == r)
+    ratio = {"mesh.size": 8e-3, "unknown.0.of": "poisson", "unknown.0.start": 0.4, "unknown.1.scale": "linear"}
+    fit = signorini.Scene(SCENES / "drop-test.toml", ratio).fit()
+    for value in (2.0, 0.5, -1.0):
+        refused(fit, np.array([value, 100.0]), f'the unknown "poisson" is {value:g}', "greater than -1 and less than 0.5")
+    refused(fit, np.array([0.4, -1e-9]), '"shear viscosity" is -1e-09')
+
+
+def refused(fit: signorini.Fit, theta: np.ndarray, *texts: str) -> None:
+    for compute in (fit.residuals, fit.jacobian, fit.simulated):
+        try:
+            compute(theta)
+        except signorini.SceneError as error:
+            assert all(text in str(error) for text in texts), error
+        else:
+            raise AssertionError(f"{theta} was taken")
 
 
 main()

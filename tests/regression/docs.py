@@ -137,7 +137,25 @@ def datasets(file: Path) -> set[str]:
     return found
 
 
+def check_contributing() -> None:
+    """Every class with a member that CONTRIBUTING.md names is in the sources, and every file."""
+    text = (SOURCE / "CONTRIBUTING.md").read_text()
+    headers = {file: file.read_text() for file in (SOURCE / "cpp").rglob("*.h")}
+    names = re.findall(r"`(\w+)::(\w+)\(", text)
+    for of, member in names:
+        declared = rf"\b(class|struct|namespace) (signorini::)?{of}\b"
+        if not any(re.search(declared, header) and re.search(rf"\b{member}\(", header) for header in headers.values()):
+            fail(f"CONTRIBUTING.md: {of}::{member}() is not in the sources")
+    files = re.findall(r"\b((?:\w+/)+[\w-]+\.(?:cpp|h|py|txt))\b", text)
+    for file in files:
+        if not any((SOURCE / folder / file).is_file() for folder in ("", "cpp")):
+            fail(f"CONTRIBUTING.md: there is no file {file}")
+    if len(names) < 10 or len(files) < 20:
+        fail(f"CONTRIBUTING.md: found {len(names)} members and {len(files)} files only")
+
+
 def main() -> int:
+    check_contributing()
     known = documented()
     seen: dict[str, set[str]] = {name: set() for name in known}
     fields = known.pop("state")[0]

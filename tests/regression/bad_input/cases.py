@@ -879,6 +879,9 @@ def fit_cases() -> list[Case]:
     return [
         measurement("accuracy of a fit", force, "--accuracy: found with tables [[unknown]]", "optimizer.tolerance", verb="optimize",
                     options=("--accuracy", "1e-2")),
+        *(fit(f"sizes chosen for {verb} of a fit", 'of = "young"', force, 'mesh.size: found "auto" with tables [[unknown]]', "--set mesh.size=0.1",
+              edits=(('file = "square.msh"', 'file = "square.geo"\nsize = "auto"'),), mesh=GEO, mesh_file="square.geo", verb=verb)
+          for verb in ("optimize", "check")),
         unknown("unknown of nothing", 'name = "a"', "unknown[0].of: missing"),
         unknown("unknown that is not there", 'of = "yuong"', 'unknown[0].of: found "yuong"', "young"),
         unknown("unknown with a number for a name", 'of = "young"\nname = 1', "unknown[0].name: found 1"),
