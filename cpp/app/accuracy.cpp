@@ -2,6 +2,7 @@
 #include "app/accuracy.h"
 #include "app/error_estimate.h"
 #include "app/optimize.h"
+#include "app/resume.h"
 #include "app/run_manifest.h"
 #include "app/search_level.h"
 #include "app/study/density.h"
@@ -151,7 +152,7 @@ private:
 
   void round(const Resolution& resolution) {
     const auto start = Clock::now();
-    io::OutputFolder folder(comm_, out_, OptimizerLog::checkpoint);
+    io::OutputFolder folder(comm_, out_, resume::checkpoint);
     scene::Scene told = at(scene_, resolution);
     mesh::Meshing meshing;
     if (sizes_vary()) {

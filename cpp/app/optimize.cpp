@@ -130,7 +130,7 @@ forward::Stepper::Needs needs(MPI_Comm comm, const scene::Scene& scene, const st
                               bool resume) {
   forward::Stepper::Needs needs = search_needs(scene);
   const std::string before =
-      resume ? io::checkpoint_text(comm, out / OptimizerLog::checkpoint, OptimizerLog::solver) : "";
+      resume ? io::checkpoint_text(comm, out / resume::checkpoint, OptimizerLog::solver) : "";
   needs.iterative =
       scene.solver.linear == scene::LinearMethod::automatic && before == OptimizerLog::iterative;
   if (!before.empty() && !needs.iterative)
@@ -224,12 +224,12 @@ void write_optimum(io::OutputFolder& folder, const Problem& problem, const scene
 int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,
                    const Console& console) {
   require_control_problem(comm, scene, out);
-  io::OutputFolder folder(comm, out, resume ? OptimizerLog::checkpoint : "");
+  io::OutputFolder folder(comm, out, resume ? resume::checkpoint : "");
   Timers timers;
   const Problem problem(comm, scene, needs(comm, scene, out, resume), timers);
   console.line(headline(problem));
   if (const std::vector<double> levels =
-          resume ? io::checkpoint_numbers(comm, out / OptimizerLog::checkpoint, OptimizerLog::levels)
+          resume ? io::checkpoint_numbers(comm, out / resume::checkpoint, OptimizerLog::levels)
                  : std::vector<double>();
       !levels.empty())
     restore_steps(problem, levels);

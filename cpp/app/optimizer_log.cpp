@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/optimizer_log.h"
 #include "base/collective.h"
-#include "base/error.h"
-#include "scene/compatibility.h"
-#include "version.h"
 #include <cmath>
 #include <fmt/format.h>
 
 namespace signorini {
 
 namespace {
-
-/// The version of the layout of checkpoint.h5.
-constexpr int format = 5;
 
 /// Numbers in a row of the history, as stored.
 constexpr std::size_t columns = 11;
@@ -42,8 +36,8 @@ std::vector<io::HistoryRow> rows_of(const std::vector<double>& numbers) {
 OptimizerLog::OptimizerLog(ControlProblem& control_problem, const Problem& problem, const scene::Scene& scene,
                            const io::OutputFolder& folder, bool resume, const Console& console, Files files)
     : control_problem_(control_problem), problem_(problem), scene_(scene), folder_(folder), console_(console),
-      file_(folder.path() / checkpoint), files_(files), every_(problem.scene.optimizer.checkpoint),
-      resumes_(resume && found()) {
+      file_(folder.path() / resume::checkpoint), files_(files), every_(problem.scene.optimizer.checkpoint),
+      resumes_(resume && resume::found(folder, console)) {
   progress_.emplace(console, "iterations", static_cast<std::size_t>(problem.scene.optimizer.max_iterations));
   if (control_problem.reference)
     reference_norm_ = control_problem.controls.norm(*control_problem.reference);
@@ -93,16 +87,6 @@ void OptimizerLog::show_row() {
     std::filesystem::remove(part, ignored);
 }
 
-bool OptimizerLog::found() const {
-  int there = 0;
-  if (rank(folder_.comm()) == 0)
-    there = std::filesystem::exists(file_);
-  MPI_Bcast(&there, 1, MPI_INT, 0, folder_.comm());
-  if (!there)
-    console_.line(fmt::format("no checkpoint in {}: starting from the first guess", folder_.path().string()));
-  return there != 0;
-}
-
 namespace {
 
 /// The times, in s, between which controls are constant.
@@ -116,9 +100,7 @@ std::vector<double> edges(const control::ControlSpace& controls) {
 } // namespace
 
 void OptimizerLog::write(io::CheckpointWriter& out) const {
-  out("format", format);
-  out("program", std::string("signorini ") + SIGNORINI_VERSION);
-  out("scene", scene::echo(scene_, problem_.space.dim()));
+  resume::store_problem(out, scene::echo(scene_, problem_.space.dim()));
   out(solver, std::string(problem_.stepper.solver().iterates() ? iterative : "direct"));
   out("edges", edges(control_problem_.controls));
   out(levels, problem_.stepper.grid().levels());
@@ -130,17 +112,7 @@ void OptimizerLog::write(io::CheckpointWriter& out) const {
 }
 
 void OptimizerLog::read(io::CheckpointReader& in) {
-  int found = 0;
-  in("format", found);
-  if (found != format)
-    in.fail(fmt::format("found layout {}, allowed is {}, that of this version of signorini", found, format));
-  std::string scene;
-  in("scene", scene);
-  const scene::Difference difference =
-      scene::difference(scene, scene::echo(scene_, problem_.space.dim()), scene::Part::search);
-  if (!difference.first.empty())
-    in.fail(fmt::format("found a run with {}, this scene has {}; allowed is the scene that was interrupted",
-                        difference.first, difference.second));
+  resume::require_same_problem(in, scene::echo(scene_, problem_.space.dim()));
   in.match_places();
   std::vector<double> history;
   in("history", history);
@@ -162,12 +134,7 @@ void OptimizerLog::read(io::CheckpointReader& in) {
 }
 
 void OptimizerLog::restored(double stored, double found) {
-  constexpr double other_ranks = 1e-6;
-  if (!(std::abs(found - stored) <= other_ranks * std::abs(stored)))
-    throw UserError(fmt::format(
-        "--resume: {}: found a control with J = {:.10g}, where it was {:.10g}; allowed are the forms and the "
-        "mesh of the run that was interrupted",
-        file_.string(), found, stored));
+  resume::require_same_value(file_, stored, found, std::abs(stored));
   evaluated_ = true;
   control_problem_.reduced.count_from(marked_); // those since are made again
   stored_at_ = rows_.back().iteration;
@@ -176,11 +143,6 @@ void OptimizerLog::restored(double stored, double found) {
                     static_cast<std::size_t>(stored_at_));
   console_.line(fmt::format("resumed after iteration {}", stored_at_));
   show_row();
-}
-
-std::string OptimizerLog::not_written(const std::string& failure) const {
-  return fmt::format("warning: {} was not written ({}); the run goes on, and an earlier checkpoint stays",
-                     file_.string(), failure);
 }
 
 } // namespace signorini

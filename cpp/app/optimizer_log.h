@@ -2,6 +2,7 @@
 #pragma once
 #include "app/kink.h"
 #include "app/problem.h"
+#include "app/resume.h"
 #include "io/checkpoint.h"
 #include "io/csv_tables.h"
 #include "io/output_folder.h"
@@ -14,8 +15,7 @@ namespace signorini {
 /// as it is made, and checkpoint.h5. All members collective.
 class OptimizerLog {
 public:
-  static constexpr const char* checkpoint = "checkpoint.h5"; ///< the file's name
-  /// Its entry for the solver of the steps, and what that says of conjugate gradients.
+  /// The checkpoint's entry for the solver of the steps, and what that says of conjugate gradients.
   static constexpr const char *solver = "solver", *iterative = "iterative";
   static constexpr const char* levels = "levels"; ///< its entry for the lengths of steps, if they vary
 
@@ -74,12 +74,12 @@ public:
     if (every_ == 0 || rows_.empty())
       return;
     const auto timer = problem_.timers.time("checkpoint");
-    io::CheckpointWriter out(control_problem_.controls, folder_.staged(checkpoint), file_);
+    io::CheckpointWriter out(control_problem_.controls, folder_.staged(resume::checkpoint), file_);
     write(out);
     state.serialize(out);
     stored_at_ = state.iteration.number;
     if (const std::string failure = out.commit(); !failure.empty())
-      console_.line(not_written(failure));
+      console_.line(resume::not_written(file_, failure));
   }
 
   /// Ends the display of progress.
@@ -95,13 +95,11 @@ public:
 private:
   using Clock = std::chrono::steady_clock;
 
-  [[nodiscard]] bool found() const;
   void read(io::CheckpointReader& in);
   void write(io::CheckpointWriter& out) const;
   /// Starts history.csv with the rows so far, or adds the last one.
   void show_row();
   [[nodiscard]] double seconds() const;
-  [[nodiscard]] std::string not_written(const std::string& failure) const;
 
   ControlProblem& control_problem_;
   const Problem& problem_;

@@ -130,4 +130,11 @@ void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Ru
   }
 }
 
+void add_warning(io::Manifest& manifest, std::optional<forward::Warning> warning, const Console& console) {
+  if (!warning)
+    return;
+  console.line("warning: " + warning->message);
+  manifest.warnings.push_back(*std::move(warning));
+}
+
 } // namespace signorini

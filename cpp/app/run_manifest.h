@@ -35,6 +35,9 @@ io::Manifest manifest(const Problem& problem, const std::string& verb, const std
 void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Run& run,
                  const Console& console);
 
+/// Adds a warning to run.json and prints it.
+void add_warning(io::Manifest& manifest, std::optional<forward::Warning> warning, const Console& console);
+
 /// Puts the files in place. Collective. Throws UserError.
 void finish(io::OutputFolder& folder, const Console& console);
 

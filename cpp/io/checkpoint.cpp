@@ -54,15 +54,9 @@ bool on_row(hid_t table, hsize_t row, hsize_t columns, Transfer&& transfer) {
 
 } // namespace
 
-CheckpointWriter::CheckpointWriter(const control::ControlSpace& controls, const std::filesystem::path& part,
+CheckpointWriter::CheckpointWriter(MPI_Comm comm, const std::filesystem::path& part,
                                    const std::filesystem::path& file)
-    : controls_(controls), part_(part), file_(file), out_(H5I_INVALID_HID, H5Fclose) {
-  const MPI_Comm comm = controls.space().comm();
-  for (const auto n : gather(comm, std::vector<int>{static_cast<int>(controls.size())})) {
-    starts_.push_back(counts_.empty() ? 0 : starts_.back() + counts_.back());
-    counts_.push_back(n);
-  }
-  const std::vector<double> points = gather(comm, places_of(controls));
+    : comm_(comm), part_(part), file_(file), out_(H5I_INVALID_HID, H5Fclose) {
   if (rank(comm) != 0)
     return;
   H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence is reported instead of HDF5's stack
@@ -72,11 +66,20 @@ CheckpointWriter::CheckpointWriter(const control::ControlSpace& controls, const 
   out_ = Opened(H5Fcreate(part_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
   if (!out_)
     failure_ = errno ? std::generic_category().message(errno) : "HDF5 cannot create it";
-  numbers(points_name, points);
+}
+
+CheckpointWriter::CheckpointWriter(const control::ControlSpace& controls, const std::filesystem::path& part,
+                                   const std::filesystem::path& file)
+    : CheckpointWriter(controls.space().comm(), part, file) {
+  for (const auto n : gather(comm_, std::vector<int>{static_cast<int>(controls.size())})) {
+    starts_.push_back(counts_.empty() ? 0 : starts_.back() + counts_.back());
+    counts_.push_back(n);
+  }
+  numbers(points_name, gather(comm_, places_of(controls)));
 }
 
 CheckpointWriter::~CheckpointWriter() {
-  if (rank(controls_.space().comm()) != 0)
+  if (rank(comm_) != 0)
     return;
   out_ = Opened(H5I_INVALID_HID, H5Fclose);
   std::error_code ignored; // after commit() it has been moved
@@ -111,16 +114,15 @@ void CheckpointWriter::operator()(const std::string& name, const control::Compac
 }
 
 void CheckpointWriter::write(const std::string& name, const control::Control& u) {
-  const MPI_Comm comm = controls_.space().comm();
   const auto columns = static_cast<hsize_t>(starts_.back() + counts_.back());
   Opened table(H5I_INVALID_HID, H5Dclose);
   if (out_ && failure_.empty())
     table = make_table(out_, name, H5T_IEEE_F64LE, static_cast<hsize_t>(u.count()), columns, sizeof(double));
-  std::vector<double> row(rank(comm) == 0 ? columns : 0); // collective, even if rank 0 cannot write
+  std::vector<double> row(rank(comm_) == 0 ? columns : 0); // collective, even if rank 0 cannot write
   for (int k = 1; k <= u.count(); ++k) {
     const std::span<const double> values = u.at(k);
     MPI_Gatherv(values.data(), static_cast<int>(values.size()), MPI_DOUBLE, row.data(), counts_.data(),
-                starts_.data(), MPI_DOUBLE, 0, comm);
+                starts_.data(), MPI_DOUBLE, 0, comm_);
     if (!out_ || !failure_.empty())
       continue;
     errno = 0;
@@ -132,8 +134,7 @@ void CheckpointWriter::write(const std::string& name, const control::Control& u)
 }
 
 std::string CheckpointWriter::commit() {
-  const MPI_Comm comm = controls_.space().comm();
-  if (rank(comm) == 0) {
+  if (rank(comm_) == 0) {
     errno = 0;
     const bool flushed = !out_ || H5Fflush(out_, H5F_SCOPE_GLOBAL) >= 0, closed = out_.finish();
     if (!(flushed && closed) && failure_.empty())
@@ -148,7 +149,7 @@ std::string CheckpointWriter::commit() {
       failure_ = error.code().message();
     }
   }
-  return broadcast(comm, failure_);
+  return broadcast(comm_, failure_);
 }
 
 namespace {
@@ -182,8 +183,13 @@ std::vector<double> checkpoint_numbers(MPI_Comm comm, const std::filesystem::pat
 
 CheckpointReader::CheckpointReader(const control::ControlSpace& controls, const std::filesystem::path& file,
                                    std::string reason)
-    : controls_(controls), file_(file), reason_(std::move(reason)), in_(H5I_INVALID_HID, H5Fclose) {
-  on_root(controls.space().comm(), [&] {
+    : CheckpointReader(controls.space().comm(), file, std::move(reason)) {
+  controls_ = &controls;
+}
+
+CheckpointReader::CheckpointReader(MPI_Comm comm, const std::filesystem::path& file, std::string reason)
+    : comm_(comm), file_(file), reason_(std::move(reason)), in_(H5I_INVALID_HID, H5Fclose) {
+  on_root(comm_, [&] {
     H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
     in_ = Opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
     if (!in_)
@@ -201,8 +207,7 @@ void CheckpointReader::damaged(const std::string& name) const {
 
 template <class Sequence>
 void CheckpointReader::read(const std::string& name, hid_t type, Sequence& values) {
-  const MPI_Comm comm = controls_.space().comm();
-  on_root(comm, [&] {
+  on_root(comm_, [&] {
     const Opened table(H5Dopen(in_, name.c_str(), H5P_DEFAULT), H5Dclose);
     const auto [rows, columns] = table ? shape(table) : std::array<hsize_t, 2>{};
     if (rows != 1)
@@ -211,7 +216,7 @@ void CheckpointReader::read(const std::string& name, hid_t type, Sequence& value
     if (!values.empty() && H5Dread(table, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
       damaged(name);
   });
-  values = broadcast(comm, values);
+  values = broadcast(comm_, values);
 }
 
 void CheckpointReader::operator()(const std::string& name, std::vector<double>& values) {
@@ -245,28 +250,28 @@ void CheckpointReader::operator()(const std::string& name, bool& value) {
 }
 
 void CheckpointReader::match_places() {
-  const fem::Space& space = controls_.space();
+  const fem::Space& space = controls_->space();
   std::vector<double> padded;
   (*this)(points_name, padded);
-  long places = static_cast<long>(controls_.points().size() / 3);
+  long places = static_cast<long>(controls_->points().size() / 3);
   MPI_Allreduce(MPI_IN_PLACE, &places, 1, MPI_LONG, MPI_SUM, space.comm());
   if (padded.size() != 3 * static_cast<std::size_t>(places))
     fail(fmt::format(
         "found a control at {} places, in this scene it has {}; allowed is the mesh of the run that wrote it",
         padded.size() / 3, places));
-  columns_ = padded.size() / 3 * controls_.components().size();
+  columns_ = padded.size() / 3 * controls_->components().size();
   std::vector<double> points;
   const auto dim = static_cast<std::size_t>(space.dim());
   for (std::size_t i = 0; i < padded.size(); ++i)
     if (i % 3 < dim)
       points.push_back(padded[i]);
-  rows_ = match_points(space, points, places_of(controls_),
+  rows_ = match_points(space, points, places_of(*controls_),
                        [this](const std::string& problem) { fail(problem); });
 }
 
 bool CheckpointReader::has(const std::string& name) const {
-  int there = rank(controls_.space().comm()) == 0 && H5Lexists(in_, name.c_str(), H5P_DEFAULT) > 0;
-  MPI_Bcast(&there, 1, MPI_INT, 0, controls_.space().comm());
+  int there = rank(comm_) == 0 && H5Lexists(in_, name.c_str(), H5P_DEFAULT) > 0;
+  MPI_Bcast(&there, 1, MPI_INT, 0, comm_);
   return there != 0;
 }
 
@@ -281,7 +286,7 @@ bool CheckpointReader::matches_places() {
 
 control::Control CheckpointReader::control(const std::string& name) {
   return control(name, [&](int k, int rows) {
-    if (rows != controls_.count())
+    if (rows != controls_->count())
       damaged(name);
     return k - 1;
   });
@@ -297,22 +302,21 @@ void CheckpointReader::operator()(const std::string& name, control::CompactContr
 
 control::Control CheckpointReader::control(const std::string& name,
                                            const std::function<int(int k, int rows)>& row_of) {
-  const MPI_Comm comm = controls_.space().comm();
-  control::Control read = controls_.zero();
+  control::Control read = controls_->zero();
   Opened table(H5I_INVALID_HID, H5Dclose);
   int rows = 0;
-  on_root(comm, [&] {
+  on_root(comm_, [&] {
     table = Opened(H5Dopen(in_, name.c_str(), H5P_DEFAULT), H5Dclose);
     if (!table || shape(table)[0] == 0 || shape(table)[1] != columns_)
       damaged(name);
     rows = static_cast<int>(shape(table)[0]);
   });
-  MPI_Bcast(&rows, 1, MPI_INT, 0, comm);
-  const std::size_t components = controls_.components().size();
+  MPI_Bcast(&rows, 1, MPI_INT, 0, comm_);
+  const std::size_t components = controls_->components().size();
   std::vector<double> row(columns_);
   for (int k = 1; k <= read.count(); ++k) {
     const auto from = static_cast<hsize_t>(row_of(k, rows));
-    on_root(comm, [&] {
+    on_root(comm_, [&] {
       if (!on_row(table, from, columns_,
                   [&](hid_t in_file, hid_t in_memory) {
                     return H5Dread(table, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, row.data());
@@ -320,7 +324,7 @@ control::Control CheckpointReader::control(const std::string& name,
           !std::ranges::all_of(row, [](double x) { return std::isfinite(x); }))
         damaged(name);
     });
-    MPI_Bcast(row.data(), static_cast<int>(row.size()), MPI_DOUBLE, 0, comm);
+    MPI_Bcast(row.data(), static_cast<int>(row.size()), MPI_DOUBLE, 0, comm_);
     const std::span<double> values = read.at(k);
     for (std::size_t i = 0; i < values.size(); ++i)
       values[i] = row[rows_[i / components] * components + i % components];

@@ -15,7 +15,9 @@ namespace signorini::io {
 /// there is reported by commit() alone.
 class CheckpointWriter {
 public:
-  /// `part`, on the same disk, is renamed to `file` by commit(). `controls` must outlive this object.
+  /// Of a search without controls. `part`, on the same disk, is renamed to `file` by commit().
+  CheckpointWriter(MPI_Comm comm, const std::filesystem::path& part, const std::filesystem::path& file);
+  /// Of one with `controls`.
   CheckpointWriter(const control::ControlSpace& controls, const std::filesystem::path& part,
                    const std::filesystem::path& file);
   ~CheckpointWriter();
@@ -35,7 +37,7 @@ private:
   void numbers(const std::string& name, std::span<const double> values);
   void write(const std::string& name, const control::Control& u);
 
-  const control::ControlSpace& controls_;
+  MPI_Comm comm_;
   std::filesystem::path part_, file_;
   std::vector<int> counts_, starts_; ///< number and start of each rank's values in a row
   Opened out_;                       ///< on rank 0
@@ -54,7 +56,9 @@ private:
 /// where the file is missing or damaged.
 class CheckpointReader {
 public:
-  /// `reason`: what asks for the file, for messages. `controls` must outlive this object.
+  /// `reason`: what asks for the file, for messages. Without controls the file's are not read. `controls`
+  /// must outlive this object.
+  CheckpointReader(MPI_Comm comm, const std::filesystem::path& file, std::string reason = "--resume");
   CheckpointReader(const control::ControlSpace& controls, const std::filesystem::path& file,
                    std::string reason = "--resume");
 
@@ -89,7 +93,8 @@ private:
   template <class Sequence>
   void read(const std::string& name, hid_t type, Sequence& values);
 
-  const control::ControlSpace& controls_;
+  MPI_Comm comm_;
+  const control::ControlSpace* controls_ = nullptr;
   std::filesystem::path file_;
   std::string reason_;
   Opened in_;                     ///< on rank 0

@@ -4,6 +4,7 @@
 #include "scene/scene.h"
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,10 +49,11 @@ struct Fit {
   std::vector<std::string> untold; ///< sentences: what the data do not tell
   std::vector<Comparison> measurements;
   std::vector<ComparedFigure> compared;
-  double value = 0;     ///< J
-  double misfit = 0;    ///< root mean square of the residuals of the data, in standard deviations
-  long data = 0;        ///< values
-  double decrement = 0; ///< √(gᵀH⁻¹g) at the end, in standard deviations
+  double value = 0;  ///< J
+  double misfit = 0; ///< root mean square of the residuals of the data, in standard deviations
+  long data = 0;     ///< values
+  /// √(gᵀH⁻¹g) at the end, in standard deviations; absent with a control.
+  std::optional<double> decrement{};
 };
 
 /// parameters.csv and measurements.csv.

@@ -221,10 +221,15 @@ void add_fit(ordered_json& json, const Fit& fit) {
                      {"value", one.value},
                      {"deviation", one.deviation},
                      {"simulated", finite(one.simulated)}});
-  json["fit"] = {
-      {"objective", fit.value},     {"values", fit.data},           {"misfit", fit.misfit},
-      {"decrement", fit.decrement}, {"correlations", correlations}, {"singular_values", fit.singular_values},
-      {"not_told", fit.untold},     {"measurements", measurements}, {"contact_times", times}};
+  json["fit"] = {{"objective", fit.value},
+                 {"values", fit.data},
+                 {"misfit", fit.misfit},
+                 {"decrement", fit.decrement ? ordered_json(*fit.decrement) : ordered_json()},
+                 {"correlations", correlations},
+                 {"singular_values", fit.singular_values},
+                 {"not_told", fit.untold},
+                 {"measurements", measurements},
+                 {"contact_times", times}};
 }
 
 } // namespace

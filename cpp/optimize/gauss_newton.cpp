@@ -61,7 +61,8 @@ struct Model {
       d[which[a]] = solved ? b[a] : std::numeric_limits<double>::quiet_NaN();
   }
 
-  /// The step within the bounds: unknowns that would leave them stay at them, one after another.
+  /// The step within the bounds and limits of steps: unknowns that would leave them stay at them, one after
+  /// another.
   [[nodiscard]] std::vector<double> step(const std::vector<double>& x, const Box& box, double damping) const {
     std::vector<double> d(n, 0.0);
     std::vector<bool> free(n);
@@ -71,7 +72,7 @@ struct Model {
       minimise(free, damping, d);
       bool within = true;
       for (std::size_t i = 0; i < n; ++i) {
-        const double wanted = x[i] + d[i], kept = std::clamp(wanted, box.lower[i], box.upper[i]);
+        const double wanted = x[i] + d[i], kept = box.nearest(i, x[i], wanted);
         if (free[i] && kept != wanted) {
           d[i] = kept - x[i];
           free[i] = within = false;

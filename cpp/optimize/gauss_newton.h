@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "optimize/report.h"
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <span>
@@ -27,10 +29,23 @@ struct LeastSquares {
 /// Bounds, ±∞ where there is none.
 struct Box {
   std::vector<double> lower, upper;
+  /// Largest change of each unknown in one step, beyond which the linearised residuals say nothing; no limit
+  /// if empty.
+  std::vector<double> longest = {};
 
   /// Whether x_i is at a bound beyond which −g_i points.
   [[nodiscard]] bool blocks(std::size_t i, double x, double g) const {
     return (x <= lower[i] && g > 0) || (x >= upper[i] && g < 0);
+  }
+  /// Whether one step may take an unknown from x to `next`.
+  [[nodiscard]] bool reaches(std::size_t i, double x, double next) const {
+    return longest.empty() || std::abs(next - x) <= longest[i];
+  }
+  /// The value that one step from x may reach next to `wanted`.
+  [[nodiscard]] double nearest(std::size_t i, double x, double wanted) const {
+    if (!reaches(i, x, wanted))
+      wanted = x + std::copysign(longest[i], wanted - x);
+    return std::clamp(wanted, lower[i], upper[i]);
   }
 };
 

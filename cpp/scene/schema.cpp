@@ -136,6 +136,13 @@ Keys<SignedDistance> keys_of(Of<SignedDistance>) {
 
 namespace {
 
+template <class... Shapes>
+std::vector<std::vector<Entry>> entries_of(const std::variant<Shapes...>*) {
+  return {entries<Shapes>()...};
+}
+
+static_assert(std::variant_size_v<Obstacle> == names(Shape{}).size());
+
 /// The table of one shape of obstacle.
 Key<Contact> obstacle() {
   const std::vector<std::string> shapes = all_names<Shape>();
@@ -150,8 +157,7 @@ Key<Contact> obstacle() {
                      Text::schema(),
                      {}};
   Key<Contact> key{{"obstacle", {.required = true, .effect = "contact"}, {}, {}, {}, {}}};
-  for (const auto& keys :
-       {entries<HalfSpace>(), entries<Ball>(), entries<Cylinder>(), entries<SignedDistance>()}) {
+  for (const auto& keys : entries_of(static_cast<const Obstacle*>(nullptr))) {
     const std::string& name = shapes[key.json["oneOf"].size()];
     std::vector<Entry> all{{"shape", said, quoted(shapes), {}, {{"const", name}}, {}}, called};
     all.insert(all.end(), keys.begin(), keys.end());
@@ -357,8 +363,10 @@ Keys<Unknown> keys_of(Of<Unknown>) {
             "of an initial field or a centre; in space, the axis about which a plane's `angle` turns",
             {.otherwise = "none"}),
       value("start", &Unknown::start, Number{}, "", "first guess", {.otherwise = "the scene's own value"}),
-      value("lower", &Unknown::lower, Number{}, "", "bound", {.otherwise = "none"}),
-      value("upper", &Unknown::upper, Number{}, "", "bound", {.otherwise = "none"}),
+      value("lower", &Unknown::lower, Number{}, "", "bound",
+            {.otherwise = "its nature's; with `\"log\"` 1.5e-8 `start`"}),
+      value("upper", &Unknown::upper, Number{}, "", "bound",
+            {.otherwise = "its nature's; with `\"log\"` 6.7e7 `start`"}),
       value("scale", &Unknown::scale, Choice<ParameterScale>{}, "",
             "on which it is sought and its deviation given, relative for `\"log\"`",
             {.otherwise = "`\"log\"` for moduli, viscosities, densities"}),

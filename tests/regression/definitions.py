@@ -129,6 +129,73 @@ def studies(run: Runs) -> None:
     check("that of energy_loss is a plain difference", hit["energy_loss_error"], hit["energy_loss"])  # exact: none
 
 
+def intervals_of_contact(out: Path, length: float) -> list[list[float]]:
+    """Begin and end of each interval of contact within the steps, by gaps continued linearly, from contact.csv."""
+    contact = table(out / "contact.csv")
+    times = np.unique(contact["time"])
+    gaps, forces = (contact[name].reshape(len(times), -1) for name in ("gap", "force"))
+    touching, found = (forces > 0).any(axis=1), []
+
+    def crossing(near: np.ndarray, far: np.ndarray) -> float:
+        """In steps, from the nearer gap; in the middle of the step where the two do not fall towards the contact."""
+        falls = far > near
+        return np.min(np.where(falls, np.clip(near / np.where(falls, far - near, 1), 0, 1), 0.5))
+
+    for k in range(2, len(times)):
+        if touching[k] and not touching[k - 1]:
+            found.append([times[k - 1] + length * crossing(*(gaps[k - i][forces[k] > 0] for i in (1, 2))), times[k]])
+        elif touching[k]:
+            found[-1][1] = times[k]
+        elif touching[k - 1] and k + 1 < len(times):
+            found[-1][1] = times[k] - length * crossing(*(gaps[k + i][forces[k - 1] > 0] for i in (0, 1)))
+    assert found and not touching[-2:].any()
+    return found
+
+
+def fits(run: Runs) -> None:
+    """The statements on fits and on contact times within a step."""
+    length = 0.011  # the block, 0.1 m above and with 1 m/s, touches within a step
+    motion = {"time__step": length, "time__end": 25 * length, "mesh__size": 0.5, "material__poisson": 0.0}
+    ends = length * np.arange(1, 25)
+    (run.folder / "force.csv").write_text("time,value\n" + "".join(f"{t!r},{10.0 * k}\n" for k, t in enumerate(sorted([*ends, *(ends - length / 2)]))))
+    unknown = '[[unknown]]\nof = "young"\nstart = 1.1e3\nscale = "SCALE"\n'
+    force = f'[[measurement]]\nof = "force"\ncomponent = "y"\nfile = "{run.folder / "force.csv"}"\ndeviation = DEVIATION\n'
+    touch = '[[measurement]]\nof = "contact-start"\nvalue = 0.1\ndeviation = 1e-3\n[[measurement]]\nof = "contact-time"\nvalue = 0.06\n'
+    outs = {}
+    for scheme in ("contact-implicit", "contact-stabilized"):
+        for scale, deviation in (("log", "2.0"), ("log", "4.0"), ("linear", "2.0")):
+            text = CONTACT + unknown.replace("SCALE", scale) + force.replace("DEVIATION", deviation) + touch
+            outs[scheme, scale, deviation] = run(text, "optimize", optimizer__max_iterations=0, time__scheme=scheme, **motion)
+        out = outs[scheme, "log", "2.0"]
+        data, F = table(out / "measurements.csv"), table(out / "obstacles.csv")["force_y"]
+        assert F.max() > 10, "the body did not hit"
+        at_ends, in_the_middle = data["simulated"][1::2], data["simulated"][::2]
+        means = (F[1:-1] + F[2:]) / 2
+        if scheme == "contact-stabilized":
+            check("a measured force is F_k in the middle of step k", in_the_middle, F[1:-1])
+            check("and linear between", at_ends, means)
+        else:
+            check("of contact-implicit steps it is the mean of F_k and F_{k+1} at t_k", at_ends, means)
+            check("and linear between, too", in_the_middle[1:], (means[1:] + means[:-1]) / 2)
+        residual = data["residual"]
+        check("a residual is in standard deviations", residual, (data["simulated"] - data["value"]) / 2)
+        misfits = [manifest(outs[scheme, "log", deviation])["fit"]["misfit"] for deviation in ("2.0", "4.0")]
+        check("misfit is their root mean square, smaller where deviations are larger", misfits, np.sqrt(np.mean(residual**2)) * np.array([1, 0.5]))
+        found = [[table(outs[scheme, *which] / "parameters.csv")[name][0] for name in ("standard_deviation", "gradient")]
+                 for which in (("log", "2.0"), ("linear", "2.0"))]  # fmt: skip
+        assert found[0][0] > 0
+        check("deviations are told in the unknown's unit on a logarithmic scale too, and gradients", np.divide(*found), [1, 1])
+        times = {one["name"]: one for one in manifest(out)["fit"]["contact_times"]}
+        start, lasting = (one["simulated"] for one in times.values())
+        intervals = intervals_of_contact(out, length)
+        check("measured contact times are told within a step, by gaps continued linearly", [start, lasting],
+              [intervals[0][0], sum(end - begin for begin, end in intervals)])  # fmt: skip
+        check("a free fall touches when it does", start, 0.1)
+        impact, steps = manifest(out)["impact"]["all"], np.flatnonzero(F > 0)
+        check("in impact contact begins at the begin of the first step with a force and ends at the end of the last one",
+              [impact["start"], impact["end"]], [(steps[0] - 1) * length, steps[-1] * length])  # fmt: skip
+
+
 def main() -> int:
     with tempfile.TemporaryDirectory() as scratch:
         run = Runs(Path(scratch))
@@ -181,6 +248,10 @@ def main() -> int:
         J = manifest(found)["objective"]
         check("steps.csv after optimize belongs to the last iterate", 5e-3 / 4 * (error[1:] + error[:-1]).sum(), J["tracking"])
         check("the end state counts without a half", 1e-2 * error[-1], J["terminal"])
+        history, search = table(found / "history.csv"), manifest(found)["optimizer"]
+        assert history["forward_sweeps"][-1] > history["adjoint_sweeps"][-1] > 5
+        check("sweeps in run.json are those of the search", [search["iterations"], search["forward_sweeps"], search["adjoint_sweeps"]],
+              [history[name][-1] for name in ("iteration", "forward_sweeps", "adjoint_sweeps")])  # fmt: skip
         check("the last row of history.csv too", table(found / "history.csv")["objective"][-1], J["value"])
 
         acts_in_time(run, Path(scratch))
@@ -193,6 +264,7 @@ def main() -> int:
         points, _, _ = stored(nodal, "control", "control")
         check("a control has values at the nodes, or one in each cell",
               [stored(out, "control", "control")[2].shape[1] for out in (nodal, cells)], [len(points), manifest(cells)["cells"]])  # fmt: skip
+        fits(run)
     print(f"{run.number} runs, {failures} failures")
     return 1 if failures else 0
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "optimize/gauss_newton.h"
 #include "app/fit/outcome.h"
+#include <algorithm>
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <cmath>
 #include <limits>
 
@@ -56,6 +58,61 @@ TEST_CASE("bounds hold at every iterate, and the minimiser on them is found", "[
   CHECK(found.stop == optimize::Stop::gradient_tolerance);
   CHECK(found.last.x[0] == 0.5);
   CHECK(std::abs(found.last.x[1] - 0.25) < 1e-9);
+}
+
+namespace {
+
+/// Data e^{−t}, e^{−2t} … of a decay whose rate is sought by its logarithm, x = log θ.
+std::optional<LeastSquares> decay(std::span<const double> x) {
+  LeastSquares at;
+  const double rate = std::exp(x[0]);
+  for (int k = 1; k <= 5; ++k)
+    at.residuals.push_back(1e3 * (std::exp(-rate * k) - std::exp(-1.0 * k)));
+  for (int k = 1; k <= 5; ++k)
+    at.jacobian.push_back(-1e3 * k * rate * std::exp(-rate * k));
+  return at;
+}
+
+optimize::GaussNewtonResult search_decay(double start, const optimize::Box& box, double& longest) {
+  longest = 0;
+  double before = start;
+  return optimize::gauss_newton(decay, {.x = {start}, .at = *decay(std::vector{start})}, box,
+                                {.tolerance = 1e-8}, [&](const optimize::GaussNewtonIterate& now) {
+                                  longest = std::max(longest, std::abs(now.x[0] - before));
+                                  before = now.x[0];
+                                  return true;
+                                });
+}
+
+} // namespace
+
+TEST_CASE("steps within their limit reach a minimum from which longer ones run away", "[optimize]") {
+  // From a rate of e⁻⁴ the whole step leads to e⁹, where J is lower and all derivatives are zero.
+  double longest = 0;
+  const optimize::GaussNewtonResult lost = search_decay(-4, {{-infinity}, {infinity}}, longest);
+  REQUIRE(longest > 5);
+  REQUIRE(std::abs(lost.last.x[0]) > 5);
+  const double start = GENERATE(-6.0, -4.0, -2.0, 0.5, 1.5);
+  const optimize::GaussNewtonResult found = search_decay(start, {{-infinity}, {infinity}, {1}}, longest);
+  CHECK(found.stop == optimize::Stop::gradient_tolerance);
+  CHECK(std::abs(found.last.x[0]) < 1e-8);
+  CHECK(longest <= 1);
+}
+
+TEST_CASE("at the floor of a logarithm the gradient decides whether a search ends there", "[optimize]") {
+  // r = θ + b, ½ r² falls towards θ = 0 for b > 0, and away from it for b < 0.
+  const double b = GENERATE(2.0, -2.0), floor = std::log(1.5e-8);
+  const auto evaluate = [&](std::span<const double> x) -> std::optional<LeastSquares> {
+    return LeastSquares{{std::exp(x[0]) + b}, {std::exp(x[0])}};
+  };
+  const optimize::GaussNewtonResult found = optimize::gauss_newton(
+      evaluate, {.x = {floor}, .at = *evaluate(std::vector{floor})}, {{floor}, {infinity}, {1}},
+      {.tolerance = 1e-8}, [](const optimize::GaussNewtonIterate&) { return true; });
+  CHECK(found.stop == optimize::Stop::gradient_tolerance);
+  if (b > 0)
+    CHECK(found.last.x[0] == floor);
+  else
+    CHECK(std::abs(std::exp(found.last.x[0]) + b) < 1e-8);
 }
 
 TEST_CASE("a trial that fails is a step too long", "[optimize]") {

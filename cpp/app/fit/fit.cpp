@@ -3,12 +3,11 @@
 #include "app/fit/outcome.h"
 #include "app/fit/simulated.h"
 #include "app/motion_writer.h"
+#include "app/resume.h"
 #include "app/run_manifest.h"
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/signals.h"
-#include "scene/time_series.h"
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
@@ -23,86 +22,41 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// history.csv of a fit, a row for each iterate, in place as soon as it is made, whether or not it stays at
-/// the end. From its last row a search goes on.
+/// the end.
 class History {
 public:
   History(const scene::Scene& scene, const io::OutputFolder& folder)
-      : scene_(scene), folder_(folder),
-        text_("iteration,objective,decrement,damping,forward_sweeps,seconds") {
+      : folder_(folder), text_("iteration,objective,decrement,damping,forward_sweeps,seconds") {
     for (const scene::Unknown& unknown : scene.unknowns)
       text_ += "," + unknown.name;
     text_ += '\n';
   }
 
-  struct Row {
-    int number = 0, sweeps = 0;
-    double objective = 0, decrement = 0, damping = 0, seconds = 0;
-    std::vector<double> values;
-  };
+  void add(const optimize::GaussNewtonIterate& now, int sweeps, double seconds,
+           const std::vector<double>& values) {
+    text_ += fmt::format("{},{:.17g},{:.17g},{:.17g},{},{:.3f},{:.17g}\n", now.number, now.at.value(),
+                         now.decrement, now.damping, sweeps, seconds, fmt::join(values, ","));
+    show();
+  }
 
-  void add(const Row& row) {
-    text_ += fmt::format("{},{:.17g},{:.17g},{:.17g},{},{:.3f},{:.17g}\n", row.number, row.objective,
-                         row.decrement, row.damping, row.sweeps, row.seconds, fmt::join(row.values, ","));
+  /// Takes over the text of an interrupted search.
+  void restore(std::string text) {
+    text_ = std::move(text);
+    show();
+  }
+
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+private:
+  void show() const {
     if (rank(folder_.comm()) != 0)
       return;
     const std::filesystem::path part = folder_.staged("history.csv.part");
     std::ofstream(part, std::ios::binary) << text_ << std::flush;
     std::error_code ignored; // the whole table is written again, and checked, at the end
-    std::filesystem::rename(part, folder_.path() / file, ignored);
+    std::filesystem::rename(part, folder_.path() / "history.csv", ignored);
   }
 
-  /// The last row of the folder's table, which is taken over; none where there is no table. Collective.
-  /// Throws UserError if it is of another fit.
-  std::optional<Row> restore() {
-    std::string text;
-    int found = 0;
-    on_root(folder_.comm(), [&] {
-      found = std::filesystem::exists(folder_.path() / file);
-      if (found)
-        text = scene::read_file(folder_.path() / file);
-    });
-    MPI_Bcast(&found, 1, MPI_INT, 0, folder_.comm());
-    if (!found)
-      return std::nullopt;
-    text = broadcast(folder_.comm(), text);
-    text.erase(text.rfind('\n') + 1); // of a row that was being written
-    const std::string head = text.substr(0, text.find('\n') + 1);
-    std::vector<double> numbers;
-    for (std::string_view line = last_line(text); !line.empty(); line.remove_prefix(1)) {
-      double number = 0;
-      const auto end = std::from_chars(line.data(), line.data() + line.size(), number).ptr;
-      numbers.push_back(number);
-      line.remove_prefix(static_cast<std::size_t>(end - line.data()));
-      if (line.empty())
-        break;
-    }
-    constexpr std::size_t columns = 6;
-    if (head != text_ || numbers.size() != columns + scene_.unknowns.size())
-      throw UserError(
-          fmt::format("--resume: {}: found the history of another search, allowed is that of a fit "
-                      "of the same unknowns",
-                      (folder_.path() / file).string()));
-    text_ = text;
-    return Row{.number = static_cast<int>(numbers[0]),
-               .sweeps = static_cast<int>(numbers[4]),
-               .objective = numbers[1],
-               .decrement = numbers[2],
-               .damping = numbers[3],
-               .seconds = numbers[5],
-               .values = {numbers.begin() + columns, numbers.end()}};
-  }
-
-  [[nodiscard]] const std::string& text() const { return text_; }
-
-  static constexpr const char* file = "history.csv";
-
-private:
-  static std::string_view last_line(std::string_view text) {
-    text.remove_suffix(text.empty() ? 0 : 1);
-    return text.substr(text.rfind('\n') + 1);
-  }
-
-  const scene::Scene& scene_;
   const io::OutputFolder& folder_;
   std::string text_;
 };
@@ -111,7 +65,8 @@ private:
 class Search {
 public:
   Search(FitProblem& problem, const io::OutputFolder& folder, const Console& console)
-      : problem_(problem), folder_(folder), console_(console), history_(problem.scene(), folder) {}
+      : problem_(problem), folder_(folder), console_(console), history_(problem.scene(), folder),
+        checkpoint_(folder.path() / resume::checkpoint) {}
 
   optimize::GaussNewtonResult run(bool resume) {
     optimize::GaussNewtonIterate start = first(resume);
@@ -142,30 +97,53 @@ public:
 
 private:
   optimize::GaussNewtonIterate first(bool resume) {
-    const std::optional<History::Row> row = resume ? history_.restore() : std::nullopt;
-    if (resume && !row)
-      console_.line(
-          fmt::format("no {} in {}: starting from the first guess", History::file, folder_.path().string()));
-    optimize::GaussNewtonIterate start{.x = row ? problem_.on_scales(row->values) : problem_.start(),
-                                       .at = {}};
-    start.at = problem_.evaluate(start.x);
-    if (!row)
+    optimize::GaussNewtonIterate start{.x = problem_.start(), .at = {}};
+    if (!resume || !resume::found(folder_, console_)) {
+      start.at = problem_.evaluate(start.x);
       return start;
-    constexpr double other_ranks = 1e-6;
+    }
+    io::CheckpointReader in(folder_.comm(), checkpoint_);
+    resume::require_same_problem(in, echoed());
+    std::string history;
+    double objective = 0;
+    int sweeps = 0;
+    in("history", history);
+    in("x", start.x);
+    in("objective", objective);
+    in("iteration", start.number);
+    in("damping", start.damping);
+    in("sweeps", sweeps);
+    in("seconds", earlier_);
+    if (start.x.size() != problem_.scene().unknowns.size())
+      in.fail("\"x\" is damaged; allowed is a whole checkpoint");
+    start.at = problem_.evaluate(start.x);
     // Of data without noise J itself is rounding.
-    const double size = std::max(row->objective, static_cast<double>(problem_.count()));
-    if (!(std::abs(start.at.value() - row->objective) <= other_ranks * size))
-      throw UserError(
-          fmt::format("--resume: {}: found J = {:.10g} where it was {:.10g}, allowed are the scene, "
-                      "mesh and data of the run that was interrupted",
-                      (folder_.path() / History::file).string(), start.at.value(), row->objective));
-    start.number = row->number;
-    start.damping = row->damping;
-    earlier_ = row->seconds;
-    problem_.count_from(row->sweeps);
+    resume::require_same_value(checkpoint_, objective, start.at.value(),
+                               std::max(objective, static_cast<double>(problem_.count())));
+    history_.restore(std::move(history));
+    problem_.count_from(sweeps);
     restored_ = true;
-    console_.line(fmt::format("resumed after iteration {}", row->number));
+    console_.line(fmt::format("resumed after iteration {}", start.number));
     return start;
+  }
+
+  /// Writes a checkpoint. A failure is reported and the search goes on.
+  void store(const optimize::GaussNewtonIterate& now) const {
+    io::CheckpointWriter out(folder_.comm(), folder_.staged(resume::checkpoint), checkpoint_);
+    resume::store_problem(out, echoed());
+    out("history", history_.text());
+    out("x", now.x);
+    out("objective", now.at.value());
+    out("iteration", now.number);
+    out("damping", now.damping);
+    out("sweeps", problem_.sweeps());
+    out("seconds", seconds());
+    if (const std::string failure = out.commit(); !failure.empty())
+      console_.line(resume::not_written(checkpoint_, failure));
+  }
+
+  [[nodiscard]] std::string echoed() const {
+    return scene::echo(problem_.scene(), problem_.discretisation()->space.dim());
   }
 
   /// A trial; none where the scene is none at these values, or a solver fails.
@@ -184,13 +162,8 @@ private:
     last_ = now;
     if (!std::exchange(restored_, false)) {
       const std::vector<double> theta = problem_.values(now.x);
-      history_.add({.number = now.number,
-                    .sweeps = problem_.sweeps(),
-                    .objective = now.at.value(),
-                    .decrement = now.decrement,
-                    .damping = now.damping,
-                    .seconds = seconds(),
-                    .values = theta});
+      history_.add(now, problem_.sweeps(), seconds(), theta);
+      store(now);
       console_.line(fmt::format("{:4d}  J = {:.6e}, decrement {:.2e}; {:.6g}", now.number, now.at.value(),
                                 now.decrement, fmt::join(theta, ", ")));
     }
@@ -201,6 +174,7 @@ private:
   const io::OutputFolder& folder_;
   const Console& console_;
   History history_;
+  std::filesystem::path checkpoint_;
   Clock::time_point start_ = Clock::now();
   double earlier_ = 0;
   bool restored_ = false;
@@ -216,7 +190,7 @@ std::string stop_words(optimize::Stop stop) {
 
 int fit_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,
               const Console& console) {
-  io::OutputFolder folder(comm, out, resume ? History::file : "");
+  io::OutputFolder folder(comm, out, resume ? resume::checkpoint : "");
   Timers timers;
   FitProblem fit(std::make_shared<const Discretisation>(comm, scene, timers), scene, timers);
   console.line(fmt::format("fit of {} unknown{} to {} values of {} measurement{}", scene.unknowns.size(),
@@ -249,6 +223,7 @@ int fit_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   io::Manifest m = manifest(problem, "optimize", stop_words(end.stop), problem.steps());
   add_doubts(m, fit.doubts());
   add_watched(m, recorder, scene.run, console);
+  add_warning(m, misfit_warning(result), console);
   m.iterations = end.last.number;
   m.forward_sweeps = fit.sweeps();
   m.adjoint_sweeps = 0;

@@ -12,7 +12,7 @@ double on_scale(const scene::Unknown& unknown, double value) {
   return unknown.logarithmic() ? std::log(value) : value;
 }
 
-/// The bounds of an unknown on its scale, those of its nature within them.
+/// The bounds of an unknown on its scale: those given, else those of its nature.
 std::pair<double, double> bounds_of(const scene::Unknown& unknown) {
   constexpr double nearly = 1e-6; // of limits that are excluded
   const scene::NaturalLimits natural = scene::natural_limits(unknown.of);
@@ -20,11 +20,22 @@ std::pair<double, double> bounds_of(const scene::Unknown& unknown) {
   double lower = natural.least + inside, upper = natural.greatest - inside;
   if (natural.open && natural.least == 0)
     lower = std::numeric_limits<double>::min(); // in whatever unit
+  if (unknown.logarithmic()) {
+    // The curvature of J by log θ falls with θ² towards 0, and with 1/θ² towards ∞: beyond the root of the
+    // rounding it is rounding of J, and a search sees no minimum any more.
+    const double root = std::sqrt(std::numeric_limits<double>::epsilon());
+    lower = std::max(lower, root * unknown.start);
+    upper = std::min(upper, unknown.start / root);
+  }
   lower = unknown.lower.value_or(std::min(lower, unknown.start));
   upper = unknown.upper.value_or(std::max(upper, unknown.start));
-  if (unknown.logarithmic() && !unknown.lower)
-    return {-std::numeric_limits<double>::infinity(), on_scale(unknown, upper)};
   return {on_scale(unknown, lower), on_scale(unknown, upper)};
+}
+
+/// The largest change of an unknown on its scale in one step. A change of log θ by −1 takes the linearised
+/// θ (1 + δ) to 0, by +1 the linearised 1/θ: a longer one has no meaning.
+double longest_step(const scene::Unknown& unknown) {
+  return unknown.logarithmic() ? 1 : std::numeric_limits<double>::infinity();
 }
 
 } // namespace
@@ -39,6 +50,7 @@ FitProblem::FitProblem(std::shared_ptr<const Discretisation> discretisation, con
     const auto [lower, upper] = bounds_of(unknown);
     box_.lower.push_back(lower);
     box_.upper.push_back(upper);
+    box_.longest.push_back(longest_step(unknown));
   }
 }
 

@@ -2,6 +2,8 @@
 #include "app/fit/joint_problem.h"
 #include "base/error.h"
 #include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
 #include <numeric>
 #include <utility>
 
@@ -148,6 +150,11 @@ std::unique_ptr<JointProblem::Point> JointProblem::made(const Vector& v) {
 
 double JointProblem::value(const Vector& v) {
   trial_gradient_.reset();
+  for (std::size_t j = 0; current_ && j < v.x.size(); ++j)
+    if (!fit_.box().reaches(j, current_->v.x[j], v.x[j]))
+      throw SolverFailure(fmt::format("{} would change by a factor of {:.3g} in one step",
+                                      fit_.scene().unknowns[j].name,
+                                      std::exp(std::abs(v.x[j] - current_->v.x[j]))));
   trial_ = made(v);
   return trial_->value.total();
 }
@@ -185,13 +192,25 @@ void JointProblem::accept() {
   gradient_ = std::exchange(trial_gradient_, std::nullopt);
 }
 
+const JointProblem::Vector& JointProblem::current_gradient() {
+  if (!gradient_)
+    gradient_ = gradient(*current_, {});
+  return *gradient_;
+}
+
+std::vector<double> JointProblem::gradient_by_unknowns() {
+  std::vector<double> by_x = current_gradient().x;
+  for (std::size_t j = 0; j < by_x.size(); ++j)
+    by_x[j] *= weights_[j];
+  return by_x;
+}
+
 void JointProblem::adjoint_states(const std::function<void(int k, Vec p)>& visit) {
   (void)gradient(*current_, visit);
 }
 
 JointProblem::Vector JointProblem::hessian_product(const Vector& d) {
-  if (!gradient_)
-    gradient_ = gradient(*current_, {});
+  const Vector& here = current_gradient();
   const double length = std::sqrt(inner(d, d)), size = std::sqrt(inner(current_->v, current_->v));
   constexpr double part = 1e-5;
   const double epsilon = part * (size > 0 ? size : 1) / length;
@@ -199,7 +218,7 @@ JointProblem::Vector JointProblem::hessian_product(const Vector& d) {
   beside.add(epsilon, d);
   const std::unique_ptr<Point> point = made(beside);
   Vector h = gradient(*point, {});
-  h.add(-1, *gradient_);
+  h.add(-1, here);
   h.scale(1 / epsilon);
   return h;
 }

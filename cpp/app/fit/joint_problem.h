@@ -22,7 +22,7 @@ public:
   JointProblem& operator=(const JointProblem&) = delete;
 
   /// Makes v the trial, by a forward sweep. Throws SolverFailure, also where the scene is none with these
-  /// unknowns; Interrupted.
+  /// unknowns or one of them is farther from the current point than a step may go; Interrupted.
   double value(const Vector& v);
   /// The gradient at the trial, by one adjoint sweep, as Riesz representative by inner().
   Vector trial_gradient();
@@ -54,6 +54,8 @@ public:
   [[nodiscard]] const forward::Trajectory& trial_trajectory() const;
   /// The current control's force, for a fit with it.
   [[nodiscard]] const forward::Load& force() const;
+  /// dJ/dx at the current point, of the unknowns.
+  [[nodiscard]] std::vector<double> gradient_by_unknowns();
   /// Shows p_N … p_1 of the current point.
   void adjoint_states(const std::function<void(int k, Vec p)>& visit);
 
@@ -66,6 +68,8 @@ private:
   /// A point with its motion and J. Throws as value() does.
   [[nodiscard]] std::unique_ptr<Point> made(const Vector& v);
   [[nodiscard]] Vector gradient(Point& at, const std::function<void(int k, Vec p)>& visit);
+  /// That at the current point.
+  const Vector& current_gradient();
 
   const FitProblem& fit_;
   const ControlProblem& control_;

@@ -5,9 +5,9 @@
 #include "app/fit/outcome.h"
 #include "app/fit/simulated.h"
 #include "app/optimize.h"
+#include "app/resume.h"
 #include "app/run_manifest.h"
 #include "base/error.h"
-#include "io/checkpoint.h"
 #include "optimize/lbfgs.h"
 #include "optimize/minimize.h"
 #include <chrono>
@@ -18,7 +18,6 @@ namespace signorini {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr const char* checkpoint = "checkpoint.h5";
 
 static_assert(optimize::TwiceDifferentiable<JointProblem>);
 
@@ -53,8 +52,9 @@ class Log {
 public:
   Log(JointProblem& problem, const FitProblem& fit, const io::OutputFolder& folder, bool resume,
       const Console& console)
-      : problem_(problem), fit_(fit), folder_(folder), console_(console), file_(folder.path() / checkpoint),
-        every_(fit.scene().optimizer.checkpoint), resumes_(resume) {
+      : problem_(problem), fit_(fit), folder_(folder), console_(console),
+        file_(folder.path() / resume::checkpoint), every_(fit.scene().optimizer.checkpoint),
+        resumes_(resume && resume::found(folder, console)) {
     head_ =
         "iteration,objective,tracking,terminal,control_cost,misfit,gradient_norm,step_length,forward_sweeps,"
         "adjoint_sweeps,seconds";
@@ -81,10 +81,7 @@ public:
     if (!resumes_)
       return false;
     io::CheckpointReader in(problem_.controls(), file_);
-    std::string scene;
-    in("scene", scene);
-    if (scene != echoed())
-      in.fail("found another scene, allowed is the one that was interrupted");
+    resume::require_same_problem(in, echoed());
     in.match_places();
     in("rows", rows_);
     in("seconds", earlier_);
@@ -100,12 +97,7 @@ public:
   }
 
   void restored(double stored, double found) {
-    constexpr double other_ranks = 1e-6;
-    if (!(std::abs(found - stored) <= other_ranks * std::abs(stored)))
-      throw UserError(
-          fmt::format("--resume: {}: found J = {:.10g} where it was {:.10g}, allowed are the forms, "
-                      "mesh and data of the run that was interrupted",
-                      file_.string(), found, stored));
+    resume::require_same_value(file_, stored, found, std::abs(stored));
     problem_.count_from(marked_);
     console_.line(fmt::format("resumed after iteration {}", last_));
   }
@@ -126,8 +118,8 @@ public:
   void store(State& state) {
     if (every_ == 0)
       return;
-    io::CheckpointWriter out(problem_.controls(), folder_.staged(checkpoint), file_);
-    out("scene", echoed());
+    io::CheckpointWriter out(problem_.controls(), folder_.staged(resume::checkpoint), file_);
+    resume::store_problem(out, echoed());
     out("rows", rows_);
     out("seconds", seconds());
     out("sweeps",
@@ -136,8 +128,7 @@ public:
     state.serialize(archive);
     stored_at_ = state.iteration.number;
     if (const std::string failure = out.commit(); !failure.empty())
-      console_.line(
-          fmt::format("warning: {} was not written ({}); the run goes on", file_.string(), failure));
+      console_.line(resume::not_written(file_, failure));
   }
 
   [[nodiscard]] std::string history() const { return head_ + rows_; }
@@ -147,11 +138,8 @@ public:
   }
 
 private:
-  /// The scene but for how long to search.
   [[nodiscard]] std::string echoed() const {
-    scene::Scene scene = fit_.scene();
-    scene.optimizer.max_iterations = 0;
-    return scene::echo(scene, problem_.controls().space().dim());
+    return scene::echo(fit_.scene(), problem_.controls().space().dim());
   }
 
   JointProblem& problem_;
@@ -172,10 +160,7 @@ private:
 
 int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,
                    const Console& console) {
-  io::OutputFolder folder(comm, out, resume ? checkpoint : "");
-  const bool found = resume && !io::checkpoint_text(comm, folder.path() / checkpoint, "scene").empty();
-  if (resume && !found)
-    console.line(fmt::format("no checkpoint in {}: starting from the first guess", folder.path().string()));
+  io::OutputFolder folder(comm, out, resume ? resume::checkpoint : "");
   Timers timers;
   const Problem base(comm, scene, search_needs(scene), timers);
   console.line(headline(base));
@@ -185,7 +170,7 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   JointVector guess(control.first_guess(scene), fit.start());
   control.controls.project(guess.u);
   JointProblem joint(fit, control, guess, timers);
-  Log log(joint, fit, folder, found, console);
+  Log log(joint, fit, folder, resume, console);
   const optimize::Options options = search_options(control.controls, scene.optimizer);
   const auto end = optimize::minimize<optimize::Lbfgs>(joint, std::move(guess), options, log, log);
 
@@ -202,6 +187,10 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
       {.number = log.iterations(), .x = x, .at = fit.evaluate(x, &joint.force(), forward::Stops::ignored)},
       simulated.values);
   result.compared = std::move(simulated.compared);
+  result.decrement.reset(); // which leaves the control's part of J out
+  const std::vector<double> by_x = joint.gradient_by_unknowns(), slopes = fit.slopes(x);
+  for (std::size_t j = 0; j < x.size(); ++j)
+    result.unknowns[j].gradient = by_x[j] / slopes[j];
   if (scene.output.table(scene::StoredTable::parameters))
     folder.write("parameters.csv", io::parameters_table(result));
   if (scene.output.table(scene::StoredTable::measurements))
@@ -212,6 +201,7 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   io::Manifest m = manifest(joint.problem(), "optimize", optimize::name(end.stop), joint.problem().steps());
   add_doubts(m, fit.doubts());
   add_watched(m, recorder, scene.run, console);
+  add_warning(m, misfit_warning(result), console);
   m.objective = joint.value().control;
   m.iterations = log.iterations();
   m.forward_sweeps = joint.sweeps().forward;

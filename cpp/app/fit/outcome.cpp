@@ -46,14 +46,28 @@ void take_deviations(const FitProblem& problem, const optimize::GaussNewtonItera
   }
 }
 
-/// What is told so poorly that it may as well not be.
-void add_hardly_told(const std::vector<scene::Unknown>& unknowns, const optimize::Identified& known,
-                     io::Fit& fit) {
-  for (std::size_t j = 0; j < unknowns.size(); ++j)
-    if (const double deviation = known.deviations[j];
-        unknowns[j].logarithmic() && std::isfinite(deviation) && deviation > std::log(2))
-      fit.untold.push_back(fmt::format("The data hardly tell {}: a standard deviation is a factor of {:.3g}.",
-                                       unknowns[j].name, std::exp(std::min(deviation, 700.0))));
+/// Sentences about unknowns on logarithmic scales that are poorly identified.
+void add_poorly_identified(const FitProblem& problem, const optimize::GaussNewtonIterate& last,
+                           const optimize::Identified& known, io::Fit& fit) {
+  for (std::size_t j = 0; j < fit.unknowns.size(); ++j) {
+    const scene::Unknown& unknown = problem.scene().unknowns[j];
+    const double deviation = known.deviations[j];
+    if (!unknown.logarithmic() || !std::isfinite(deviation))
+      continue;
+    if (!unknown.lower && last.x[j] <= problem.box().lower[j])
+      fit.untold.push_back(fmt::format("{} fell to the end of its logarithmic scale, {:.2g} of its first "
+                                       "guess: the data tell only that it is small. On the scale \"linear\" "
+                                       "its least value can be found.",
+                                       unknown.name, fit.unknowns[j].value / unknown.start));
+    else if (!unknown.upper && last.x[j] >= problem.box().upper[j])
+      fit.untold.push_back(fmt::format("{} rose to the end of its logarithmic scale, {:.2g} times its first "
+                                       "guess: the data tell only that it is large.",
+                                       unknown.name, fit.unknowns[j].value / unknown.start));
+    else if (deviation > std::log(2))
+      fit.untold.push_back(
+          fmt::format("The data hardly tell {}: its standard deviation is {:.3g} times its value.",
+                      unknown.name, deviation));
+  }
 }
 
 /// The pair of at least two unknowns of which the data tell the least apart.
@@ -118,7 +132,7 @@ io::Fit outcome(const FitProblem& problem, const optimize::GaussNewtonIterate& l
   fit.singular_values = known.singular_values;
   for (const std::vector<double>& direction : known.untold)
     fit.untold.push_back(untold(scene.unknowns, direction));
-  add_hardly_told(scene.unknowns, known, fit);
+  add_poorly_identified(problem, last, known, fit);
   std::size_t at = 0;
   double squares = 0;
   for (std::size_t i = 0; i < scene.measurements.size(); ++i) {
@@ -137,6 +151,20 @@ io::Fit outcome(const FitProblem& problem, const optimize::GaussNewtonIterate& l
   fit.value = last.at.value();
   fit.decrement = last.decrement;
   return fit;
+}
+
+std::optional<forward::Warning> misfit_warning(const io::Fit& fit) {
+  // By chance alone one fit in 200 or fewer has it: χ² of one degree of freedom, two values and one unknown.
+  constexpr double limit = 2;
+  if (!(fit.misfit > limit))
+    return std::nullopt;
+  return forward::Warning{
+      "misfit of the data",
+      fmt::format("the residuals are {:.3g} times as large as the noise of the data (root mean square): this "
+                  "minimum does not explain them. Another first guess may lead to a lower one; else the "
+                  "model is wrong, or the deviations are too small",
+                  fit.misfit),
+      fit.misfit, limit};
 }
 
 std::vector<std::string> outcome_lines(const io::Fit& fit) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "app/fit/fit_problem.h"
+#include "forward/warning.h"
 #include "io/fit_tables.h"
+#include <optional>
 
 namespace signorini {
 
@@ -11,6 +13,9 @@ io::Fit outcome(const FitProblem& problem, const optimize::GaussNewtonIterate& l
 
 /// A sentence on a direction along which nothing changes (optimize::Identified::untold).
 std::string untold(const std::vector<scene::Unknown>& unknowns, const std::vector<double>& direction);
+
+/// Warns if the residuals are more than noise.
+std::optional<forward::Warning> misfit_warning(const io::Fit& fit);
 
 /// The outcome as a table for the console, and what the data do not tell.
 std::vector<std::string> outcome_lines(const io::Fit& fit);
