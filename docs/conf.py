@@ -3,8 +3,6 @@
 
 import re
 import shutil
-import sys
-import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -14,37 +12,13 @@ release = re.search(r"VERSION (\d+\.\d+\.\d+)", (HERE.parent / "CMakeLists.txt")
 author = "the authors of signorini"
 copyright = "the authors of signorini, GPL-3.0-or-later"
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
+extensions = ["myst_parser", "sphinx.ext.mathjax"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
 exclude_patterns = ["_build"]
 nitpicky = True
 smartquotes = False  # --set is no dash
 highlight_language = "none"
-
-# The Python module from its docstrings, in which what is between backticks is code. Nothing has to be built for that.
-default_role = "code"
-autodoc_member_order = "bysource"
-autodoc_mock_imports = ["signorini._signorini"]
-autodoc_typehints_format = "short"
-autodoc_type_aliases = {"ArrayLike": "ArrayLike", "Table": "Table"}
-python_use_unqualified_type_names = True
-nitpick_ignore_regex = [("py:.*", r"(?!signorini\.).*")]  # types of other libraries have no page here
-
-
-def package_without_bindings():
-    """A folder in which Python finds the package as CMake puts it together, but for the compiled part."""
-    folder = tempfile.TemporaryDirectory(prefix="signorini-docs-")
-    package = Path(folder.name) / "signorini"
-    package.mkdir()
-    for module in (HERE.parent / "python" / "signorini").glob("*.py"):
-        (package / module.name).symlink_to(module)
-    (package / "postprocess").symlink_to(HERE.parent / "postprocess")
-    return folder
-
-
-PACKAGE = package_without_bindings()  # removed when Sphinx ends
-sys.path.insert(0, PACKAGE.name)
 
 html_theme = "furo"
 html_title = f"signorini {release}"

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a run left in its folder, as numpy arrays in SI units.
 
-Which file holds what is listed in the manual under "What a run leaves in its folder". Files are read when
-they are first asked for, so that a folder with a part of them serves the figures that need no more.
+Which file holds what is listed in docs/reference/files.md. Files are read when they are first asked for, so
+that a folder with a part of them serves the figures that need no more.
 """
 
 import json

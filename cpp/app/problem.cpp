@@ -151,9 +151,12 @@ void require_memory(const Problem& problem, const control::ControlSpace& control
 }
 
 control::Control first_guess(const control::ControlSpace& controls, const scene::Control& scene) {
-  if (scene.stored)
-    return io::stored_control(controls, scene, scene.stored->folder, "control.initial.run");
-  return scene.initial ? controls.interpolate(*scene.initial, "control.initial") : controls.zero();
+  control::Control u = scene.stored
+                           ? io::stored_control(controls, scene, scene.stored->folder, "control.initial.run")
+                       : scene.initial ? controls.interpolate(*scene.initial, "control.initial")
+                                       : controls.zero();
+  controls.project(u);
+  return u;
 }
 
 std::optional<control::Control> reference_control(const Problem& problem,
@@ -238,10 +241,7 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
   force_ = std::make_unique<control::ControlForce>(*controls_, *control_);
 }
 
-void GivenControl::make_control() const {
-  control_ = first_guess(*controls_, *problem_.scene.control);
-  controls_->project(*control_);
-}
+void GivenControl::make_control() const { control_ = first_guess(*controls_, *problem_.scene.control); }
 
 const control::Control* GivenControl::control() const {
   if (force_ && !control_)

@@ -117,7 +117,7 @@ struct ControlProblem {
   control::Objective objective;
   control::ReducedProblem reduced;
 
-  /// The scene's first guess.
+  /// The scene's first guess, within the bounds.
   [[nodiscard]] control::Control first_guess(const scene::Scene& scene) const;
 };
 

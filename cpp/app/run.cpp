@@ -284,8 +284,12 @@ void require_no_order_of_a_fit(const scene::Scene& scene, const Request& request
 } // namespace
 
 int run(const Request& request, const Console& console) {
+  return run(request, read_scene(world(), request.scene, request.overrides), console);
+}
+
+int run(const Request& request, const SceneFile& file, const Console& console) {
   use_threads(world(), request.threads);
-  const auto [scene, text, home] = read_scene(world(), request.scene, request.overrides);
+  const auto& [scene, text, home] = file;
   print_doubts(doubts_about_series(world(), scene), console);
   require_no_order_of_a_fit(scene, request);
   require_size(scene, request);

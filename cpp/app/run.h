@@ -8,6 +8,8 @@
 
 namespace signorini {
 
+struct SceneFile;
+
 /// What the command line asks for.
 struct Request {
   std::string verb; ///< simulate, optimize, check, study or info
@@ -28,5 +30,8 @@ struct Request {
 /// Runs the request on MPI_COMM_WORLD and returns the exit status. Collective. Throws UserError,
 /// SolverFailure, Interrupted.
 int run(const Request& request, const Console& console);
+
+/// The same with a scene that was read before.
+int run(const Request& request, const SceneFile& file, const Console& console);
 
 } // namespace signorini

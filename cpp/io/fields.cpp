@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/fields.h"
-#include "base/collective.h"
+#include "io/output_failure.h"
 #include "io/xdmf_index.h"
 #include <H5Epublic.h>
 #include <algorithm>
@@ -53,11 +53,11 @@ void FieldFile::require_room(std::size_t times) const {
                                                              stored_components(series.field.values));
   needed *= static_cast<double>(times);
   needed += sizeof(double) * static_cast<double>(layout_.nodes() + layout_.cells()) * (space_.dim() + 1);
-  on_root(space_.comm(), [&] {
+  write_on_root(space_.comm(), [&] {
     std::error_code unknown;
     const auto room = std::filesystem::space(folder_.path(), unknown);
     if (!unknown && static_cast<double>(room.available) < needed)
-      throw UserError(fmt::format(
+      throw OutputFailure(fmt::format(
           "{}: cannot be written (it needs {:.3g} MB, and the disk has {:.3g} MB left)",
           (folder_.path() / name_).string(), needed / 1e6, static_cast<double>(room.available) / 1e6));
   });
@@ -65,11 +65,11 @@ void FieldFile::require_room(std::size_t times) const {
 
 template <class Work>
 void FieldFile::guarded(Work&& work) {
-  on_root(space_.comm(), [&] {
+  write_on_root(space_.comm(), [&] {
     errno = 0;
     if (!work())
-      throw UserError(fmt::format("{}: cannot be written ({})", (folder_.path() / data_).string(),
-                                  errno ? std::generic_category().message(errno) : "HDF5 failed"));
+      throw OutputFailure(fmt::format("{}: cannot be written ({})", (folder_.path() / data_).string(),
+                                      errno ? std::generic_category().message(errno) : "HDF5 failed"));
   });
 }
 

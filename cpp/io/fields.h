@@ -22,18 +22,18 @@ public:
   };
 
   /// Opens the HDF5 file of `name` (.xdmf) for fields at `times` times at most. Collective. The references
-  /// must outlive this object. Throws UserError if the file cannot be written, or the disk has no room for
-  /// all.
+  /// must outlive this object. Throws OutputFailure if the file cannot be written, or the disk has no room
+  /// for all.
   FieldFile(const fem::Space& space, const OutputFolder& folder, const std::string& name,
             const std::vector<Field>& fields, std::size_t times);
 
   /// Writes a field at the `number`-th of the times, `time` (s), from 0 on and in any order: its values that
-  /// this rank owns, at the nodes of V or in the cells. Collective. Throws UserError.
+  /// this rank owns, at the nodes of V or in the cells. Collective. Throws OutputFailure.
   void write(const std::string& field, std::size_t number, double time, std::span<const double> owned);
   void write(const std::string& field, std::size_t number, double time, Vec values);
 
   /// Writes the XDMF file; all fields must have been written at the same times, without a gap. Collective.
-  /// Throws UserError.
+  /// Throws OutputFailure.
   void close();
 
 private:
@@ -42,14 +42,14 @@ private:
     Opened group;
     std::size_t written = 0; ///< number of times
   };
-  /// Runs `work` on rank 0; throws UserError on all ranks if it returns false. Collective.
+  /// Runs `work` on rank 0; throws OutputFailure on all ranks if it returns false. Collective.
   template <class Work>
   void guarded(Work&& work);
   bool open(std::span<const double> points, std::span<const std::int64_t> topology);
   /// Writes a dataset from data of the type `given`; false if that fails.
   bool put(hid_t place, const char* name, hid_t stored, hid_t given, const std::vector<hsize_t>& shape,
            const void* data) const;
-  /// Throws UserError if the disk has no room for so many times. Collective.
+  /// Throws OutputFailure if the disk has no room for so many times. Collective.
   void require_room(std::size_t times) const;
 
   const fem::Space& space_;

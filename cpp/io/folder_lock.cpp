@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/folder_lock.h"
-#include "base/error.h"
+#include "io/output_failure.h"
 #include <algorithm>
 #include <cerrno>
 #include <fcntl.h>
@@ -41,7 +41,7 @@ bool present(const fs::path& file) {
 }
 
 [[noreturn]] void cannot_write(const fs::path& given, const std::string& reason) {
-  throw UserError(
+  throw OutputFailure(
       fmt::format("--out: {} cannot be written ({}), allowed is a folder that can", given.string(), reason));
 }
 

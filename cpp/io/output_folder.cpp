@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/output_folder.h"
-#include "base/collective.h"
+#include "io/output_failure.h"
 #include "io/publication.h"
 #include <algorithm>
 #include <array>
@@ -69,7 +69,7 @@ bool OutputFolder::writes(std::string_view name) {
 OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder, std::string_view given)
     : comm_(comm), folder_(fs::absolute(folder)) {
   std::string staging;
-  on_root(comm, [&] {
+  write_on_root(comm, [&] {
     lock_.emplace(folder);
     complete_publication(folder_, file_names);
     clear_unfinished(folder_);
@@ -87,8 +87,8 @@ OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder, std::string_vi
     staging = (folder_ / (std::string(unfinished) + "XXXXXX")).string();
     if (!mkdtemp(staging.data())) {
       staging.clear();
-      throw UserError(fmt::format("--out: {} cannot be written ({}), allowed is a folder that can",
-                                  folder.string(), std::generic_category().message(errno)));
+      throw OutputFailure(fmt::format("--out: {} cannot be written ({}), allowed is a folder that can",
+                                      folder.string(), std::generic_category().message(errno)));
     }
   });
   staging_ = broadcast(comm, staging);
@@ -145,12 +145,12 @@ void TextFile::append(std::string_view text) {
 }
 
 void TextFile::close() {
-  on_root(folder_.comm(), [&] {
+  write_on_root(folder_.comm(), [&] {
     errno = 0;
     out_.close();
     if (!out_)
-      throw UserError(fmt::format("{}: cannot be written ({})", (folder_.path() / name_).string(),
-                                  std::generic_category().message(error_ != 0 ? error_ : errno)));
+      throw OutputFailure(fmt::format("{}: cannot be written ({})", (folder_.path() / name_).string(),
+                                      std::generic_category().message(error_ != 0 ? error_ : errno)));
   });
 }
 
@@ -169,7 +169,7 @@ void OutputFolder::require_no_search(const fs::path& given) const {
 std::vector<std::string> OutputFolder::publish() {
   MPI_Barrier(comm_); // all ranks have closed their files
   std::vector<std::string> outdated;
-  on_root(comm_, [&] {
+  write_on_root(comm_, [&] {
     outdated = drawings(folder_);
     io::publish(folder_, staging_, file_names, outdated);
   });

@@ -16,8 +16,9 @@ namespace signorini::io {
 class OutputFolder {
 public:
   /// Creates and locks the folder, and completes or removes what killed runs left there. Collective. Throws
-  /// UserError on every rank if the folder cannot be written, another run holds it, or it contains a file of
-  /// this run's names that no run wrote, other than `given`, which this run reads and checks itself.
+  /// OutputFailure on every rank if the folder cannot be written, UserError if another run holds it, or it
+  /// contains a file of this run's names that no run wrote, other than `given`, which this run reads and
+  /// checks itself.
   OutputFolder(MPI_Comm comm, const std::filesystem::path& folder, std::string_view given = {});
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
@@ -29,7 +30,7 @@ public:
   /// The path at which to write the file `name` until publish().
   [[nodiscard]] std::filesystem::path staged(const std::string& name) const { return staging_ / name; }
 
-  /// Writes a text file, on rank 0. Collective. Throws UserError.
+  /// Writes a text file, on rank 0. Collective. Throws OutputFailure.
   void write(const std::string& name, const std::string& text) const;
 
   /// Removes everything written so far. Not collective.
@@ -42,7 +43,7 @@ public:
   /// Moves everything written into place, and removes files of an earlier run under the fixed names that this
   /// one did not write, and the page and figures that postprocess/ made of it; all of it, or nothing if it
   /// throws. Returns the page and the figures that went, by their paths within the folder, on rank 0.
-  /// Collective. Throws UserError.
+  /// Collective. Throws OutputFailure.
   std::vector<std::string> publish();
 
   /// The files that run.json, written last, lists: those of this run, and a checkpoint that stays. On rank 0.
@@ -69,7 +70,7 @@ public:
   /// Appends on rank 0. Not collective; a failure is reported by close().
   void append(std::string_view text);
 
-  /// Collective. Throws UserError if not all of it could be written.
+  /// Collective. Throws OutputFailure if not all of it could be written.
   void close();
 
 private:

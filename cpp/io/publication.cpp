@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/publication.h"
-#include "base/error.h"
+#include "io/output_failure.h"
 #include "io/sync.h"
 #include <algorithm>
 #include <cerrno>
@@ -81,12 +81,13 @@ void clear(const fs::path& folder) {
 }
 
 /// The error as the user sees it: of the results' file, wherever it was at that moment, else of the folder.
-UserError problem(const fs::path& folder, Names names, const fs::filesystem_error& error,
-                  const std::string& more = {}) {
+OutputFailure problem(const fs::path& folder, Names names, const fs::filesystem_error& error,
+                      const std::string& more = {}) {
   const std::string name = error.path1().filename().string();
   const bool of_results = std::ranges::find(names, name) != names.end();
-  return UserError(fmt::format("{}: cannot be replaced ({}){}",
-                               (of_results ? folder / name : folder).string(), error.code().message(), more));
+  return OutputFailure(fmt::format("{}: cannot be replaced ({}){}",
+                                   (of_results ? folder / name : folder).string(), error.code().message(),
+                                   more));
 }
 
 } // namespace

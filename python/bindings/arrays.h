@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "control/control.h"
+#include <fmt/ranges.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <numeric>
+#include <stdexcept>
 #include <vector>
 
 /// Values as numpy arrays, which own them: nothing is copied, and none outlives its memory.
@@ -37,6 +39,16 @@ inline Array array_of(control::Control u) {
   const std::size_t size = std::as_const(u).values().size() / count;
   return array_of<control::Control>(std::move(u), [](control::Control& all) { return all.values(); },
                                     {count, size});
+}
+
+/// Throws std::invalid_argument where an array has another shape, if only by its order of axes.
+inline void require_shape(const Given& given, const std::vector<std::size_t>& shape, const char* meaning) {
+  std::vector<std::size_t> found;
+  for (std::size_t axis = 0; axis < given.ndim(); ++axis)
+    found.push_back(given.shape(axis));
+  if (found != shape)
+    throw std::invalid_argument(fmt::format("found an array of shape ({}), but this is ({}), {}",
+                                            fmt::join(found, ", "), fmt::join(shape, ", "), meaning));
 }
 
 inline std::span<const double> values_of(const Given& given) { return {given.data(), given.size()}; }

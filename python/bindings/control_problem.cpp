@@ -55,7 +55,8 @@ public:
           require_control_problem(MPI_COMM_WORLD, scene.scene(), {});
           return std::make_unique<Modules>(scene);
         })) {}
-  void close() override { all_.reset(); }
+  ~Reduced() override { drop(release()); }
+  std::shared_ptr<const void> release() override { return std::move(all_); }
 
 private:
   [[nodiscard]] Modules& all() const {
@@ -113,7 +114,7 @@ private:
     return *current_->gradient;
   }
 
-  std::unique_ptr<Modules> all_;
+  std::unique_ptr<Modules> all_;         ///< empty once Python ends
   double seconds_ = 0;                   ///< of what a C++ program does for J and its derivative
   std::optional<Known> current_, trial_; ///< as the reduced problem's
 
@@ -126,16 +127,19 @@ public:
   /// A control of given values, which `order` takes from a whole one's. Throws std::invalid_argument.
   [[nodiscard]] Control control(const Given& given, const Rows* order = nullptr) const {
     const std::span<const double> all = values_of(given);
-    std::vector<double> values = order ? order->of(all) : std::vector<double>(all.begin(), all.end());
     const int count = controls().count();
-    if (values.size() != controls().size() * static_cast<std::size_t>(count))
-      throw std::invalid_argument(
-          fmt::format("found an array of {} entries, allowed are {} x {} of this rank", values.size(), count,
-                      controls().size()));
-    return {std::move(values), count};
+    if (order) {
+      require_shape(given, {order->size()}, "one entry for each value of all ranks");
+      return {order->of(all), count};
+    }
+    require_shape(given, {static_cast<std::size_t>(count), controls().size()},
+                  "intervals x values of this rank");
+    return {std::vector<double>(all.begin(), all.end()), count};
   }
 
-  [[nodiscard]] Control first_guess() const { return all().problem.first_guess(all().scene); }
+  [[nodiscard]] Control first_guess() const {
+    return compute([&] { return all().problem.first_guess(all().scene); });
+  }
 
   double value(const Given& given, const Rows* order) {
     return at(control(given, order), [&] { return reduced().value().total(); });
@@ -199,9 +203,11 @@ public:
 std::optional<Array> bound(const Reduced& self, bool given, double beyond) {
   if (!given)
     return std::nullopt;
-  Control u = self.controls().constant(beyond);
-  self.controls().project(u);
-  return array_of(std::move(u));
+  return array_of(alone([&] {
+    Control u = self.controls().constant(beyond);
+    self.controls().project(u);
+    return u;
+  }));
 }
 
 std::vector<double> of_intervals(const control::ControlSpace& controls,
@@ -224,7 +230,8 @@ Array points(const std::vector<double>& all, int dim) {
 
 nb::dict timings(const Reduced& self) {
   nb::dict phases;
-  for (const auto& [phase, entry] : self.modules().timers.entries())
+  const auto entries = alone([&] { return self.modules().timers.entries(); });
+  for (const auto& [phase, entry] : entries)
     phases[phase.c_str()] = nb::make_tuple(entry.seconds, entry.calls);
   return phases;
 }
@@ -268,16 +275,23 @@ void bind_places(nb::class_<Reduced>& bound_class) {
 
 void bind_metric(nb::class_<Reduced>& bound_class) {
   bound_class
-      .def("inner", [](const Reduced& self, const Given& u,
-                       const Given& w) { return self.controls().inner(self.control(u), self.control(w)); })
-      .def("dual", [](const Reduced& self,
-                      const Given& u) { return array_of(self.controls().dual(self.control(u))); })
+      .def("inner",
+           [](const Reduced& self, const Given& u, const Given& w) {
+             return alone(
+                 [&, a = self.control(u), b = self.control(w)] { return self.controls().inner(a, b); });
+           })
+      .def("dual",
+           [](const Reduced& self, const Given& u) {
+             return array_of(alone([&, a = self.control(u)] { return self.controls().dual(a); }));
+           })
       .def("riesz",
            [](const Reduced& self, const Given& d) {
-             return array_of(control::riesz_representative(self.controls(), self.control(d)));
+             return array_of(alone(
+                 [&, a = self.control(d)] { return control::riesz_representative(self.controls(), a); }));
            })
       .def_prop_ro("diagonal", [](const Reduced& self) { return self.controls().diagonal(); })
-      .def("weights", [](const Reduced& self) { return array_of(self.controls().weights()); });
+      .def("weights",
+           [](const Reduced& self) { return array_of(alone([&] { return self.controls().weights(); })); });
 }
 
 } // namespace
@@ -298,10 +312,10 @@ void bind_control_problem(nb::module_& module) {
       .def("active", &Reduced::active)
       .def("sweeps",
            [](const Reduced& self) {
-             const control::ReducedProblem::Sweeps sweeps = self.reduced().sweeps();
+             const control::ReducedProblem::Sweeps sweeps = alone([&] { return self.reduced().sweeps(); });
              return std::pair(sweeps.forward, sweeps.adjoint);
            })
-      .def_prop_ro("seconds", &Reduced::seconds)
+      .def_prop_ro("seconds", [](const Reduced& self) { return alone([&] { return self.seconds(); }); })
       .def("timings", timings);
   bind_places(bound_class);
   bind_metric(bound_class);

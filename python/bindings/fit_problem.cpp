@@ -26,7 +26,8 @@ public:
                             scene.scene().file.string()));
           return std::make_unique<Modules>(scene);
         })) {}
-  void close() override { all_.reset(); }
+  ~Fit() override { drop(release()); }
+  std::shared_ptr<const void> release() override { return std::move(all_); }
 
   [[nodiscard]] const FitProblem& problem() const { return all().problem; }
   [[nodiscard]] const scene::Scene& scene() const { return all().scene; }
@@ -39,8 +40,8 @@ public:
   /// ∂r_i/∂θ_j, column by column (n × m).
   Array jacobian(const Given& theta) {
     const std::size_t n = theta.size();
-    std::vector<double> columns = compute([&] {
-      go_to(values_of(theta));
+    std::vector<double> columns = compute([&, values = values(theta)] {
+      go_to(values);
       std::vector<double> by_theta = at_.jacobian;
       const std::size_t m = at_.residuals.size();
       const std::vector<double> slopes = problem().slopes(x_);
@@ -79,17 +80,20 @@ private:
 
   template <class Work>
   Array compute_at(const Given& theta, Work&& work) {
-    return array_of(compute([&] {
-      go_to(values_of(theta));
+    return array_of(compute([&, values = values(theta)] {
+      go_to(values);
       return work();
     }));
   }
 
-  void go_to(std::span<const double> given) {
-    if (given.size() != scene().unknowns.size())
-      throw std::invalid_argument(fmt::format("found {} values, allowed is one of each of the {} unknowns",
-                                              given.size(), scene().unknowns.size()));
-    std::vector<double> theta(given.begin(), given.end());
+  /// Throws std::invalid_argument unless they are one of each unknown.
+  [[nodiscard]] std::vector<double> values(const Given& theta) const {
+    require_shape(theta, {scene().unknowns.size()}, "one value of each unknown");
+    const std::span<const double> given = values_of(theta);
+    return {given.begin(), given.end()};
+  }
+
+  void go_to(std::vector<double> theta) {
     // The same on every rank, whatever became of last digits there.
     MPI_Bcast(theta.data(), static_cast<int>(theta.size()), MPI_DOUBLE, 0, MPI_COMM_WORLD);
     if (theta == theta_)
@@ -101,7 +105,7 @@ private:
     theta_ = theta;
   }
 
-  std::unique_ptr<Modules> all_;
+  std::unique_ptr<Modules> all_;  ///< empty once Python ends
   std::vector<double> theta_, x_; ///< looked at last; θ is empty without
   optimize::LeastSquares at_;
 };
@@ -145,7 +149,7 @@ void bind_fit_problem(nb::module_& module) {
       .def("residuals", &Fit::residuals)
       .def("jacobian", &Fit::jacobian)
       .def("simulated", &Fit::simulated)
-      .def("sweeps", [](const Fit& self) { return self.problem().sweeps(); });
+      .def("sweeps", [](const Fit& self) { return alone([&] { return self.problem().sweeps(); }); });
 }
 
 } // namespace signorini::python

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/collective.h"
 #include "bindings.h"
 #include "io/manifest.h"
+#include "io/output_failure.h"
 #include "session.h"
 #include <nanobind/stl/string.h>
 
@@ -18,6 +20,8 @@ void bind_errors(nb::module_& module) {
       std::rethrow_exception(thrown);
     } catch (const Interrupted&) {
       PyErr_SetNone(PyExc_KeyboardInterrupt);
+    } catch (const io::OutputFailure& failure) {
+      PyErr_SetString(PyExc_OSError, failure.what());
     } catch (const WriteFailure& failure) {
       PyErr_SetString(PyExc_OSError, failure.what());
     }
@@ -29,7 +33,8 @@ void bind_errors(nb::module_& module) {
 NB_MODULE(_signorini, module) {
   bind_errors(module);
   module.def("start", python::start);
-  module.def("finish", python::finish);
+  module.def("leave", python::leave);
+  module.def("ranks", [] { return ranks(MPI_COMM_WORLD); });
   module.def("versions", io::version_line);
   python::bind_scene(module);
   python::bind_control_problem(module);

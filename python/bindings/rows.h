@@ -20,6 +20,8 @@ public:
   /// Throws std::invalid_argument.
   Rows(std::size_t size, const Places& start, const Places& stride, const Given& row, const Given& column);
 
+  /// Entries of the arrays that it takes.
+  [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] std::size_t rows() const { return row_.size(); }
   /// Entries of a row of the result.
   [[nodiscard]] std::size_t width() const { return column_.size(); }

@@ -12,7 +12,7 @@ namespace nb = nanobind;
 namespace signorini::python {
 
 Scene::Scene(const std::filesystem::path& file, const std::vector<std::string>& overrides)
-    : file_(read_scene(MPI_COMM_WORLD, file, overrides)) {}
+    : file_(alone([&] { return read_scene(MPI_COMM_WORLD, file, overrides); })) {}
 
 std::shared_ptr<const Discretisation> Scene::discretisation() {
   if (scene().mesh.automatic())
@@ -30,18 +30,16 @@ std::string Scene::text() { return scene::echo(scene(), discretisation()->space.
 
 namespace {
 
-/// A verb of the program; returns its exit status.
-int run(const std::string& verb, const std::filesystem::path& file, const std::filesystem::path& out,
-        const std::vector<std::string>& overrides, bool resume, bool replace, bool quiet) {
+/// A verb of the program for the scene as it was read; returns the exit status.
+int run(const Scene& scene, const std::string& verb, const std::filesystem::path& out, bool resume,
+        bool replace, bool quiet) {
   Request request;
   request.verb = verb;
-  request.scene = file;
   request.out = out;
-  request.overrides = overrides;
   request.resume = resume;
   request.replace = replace;
   const bool speaks = !quiet && rank(MPI_COMM_WORLD) == 0;
-  return compute([&] { return signorini::run(request, Console(speaks, false)); });
+  return compute([&] { return signorini::run(request, scene.file(), Console(speaks, false)); });
 }
 
 } // namespace
@@ -51,8 +49,8 @@ void bind_scene(nb::module_& module) {
       .def(nb::init<const std::filesystem::path&, const std::vector<std::string>&>())
       .def_prop_ro("file", [](const Scene& self) { return self.scene().file; })
       .def_prop_ro("name", [](const Scene& self) { return self.scene().name; })
-      .def("text", [](Scene& self) { return compute([&] { return self.text(); }); });
-  module.def("run", run);
+      .def("text", [](Scene& self) { return compute([&] { return self.text(); }); })
+      .def("run", run);
 }
 
 } // namespace signorini::python

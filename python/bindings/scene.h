@@ -11,8 +11,10 @@ class Scene final : public Open {
 public:
   /// Collective. Throws UserError.
   Scene(const std::filesystem::path& file, const std::vector<std::string>& overrides);
-  void close() override { discretisation_.reset(); }
+  ~Scene() override { drop(release()); }
+  std::shared_ptr<const void> release() override { return std::move(discretisation_); }
 
+  [[nodiscard]] const SceneFile& file() const { return file_; }
   [[nodiscard]] const scene::Scene& scene() const { return file_.scene; }
   /// Collective the first time. Throws UserError, Interrupted.
   std::shared_ptr<const Discretisation> discretisation();

@@ -1,26 +1,73 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session.h"
+#include "base/collective.h"
 #include "base/petsc.h"
 #include "base/threads.h"
 #include <algorithm>
 #include <array>
+#include <iterator>
+#include <map>
 #include <spdlog/spdlog.h>
+#include <utility>
 #include <vector>
 
 namespace signorini::python {
 namespace {
 
-bool own_petsc = false;
+bool own_petsc = false, own_mpi = false;
 
-/// In the order in which they were made, which is the same on every rank.
 std::vector<Open*>& all_open() {
   static std::vector<Open*> all;
   return all;
 }
 
+/// What Python's objects owned, which all ranks are to free in the same order, by their numbers.
+std::map<long, std::shared_ptr<const void>>& dropped() {
+  static std::map<long, std::shared_ptr<const void>> all;
+  return all;
+}
+
+/// Frees what was dropped on all ranks. Collective.
+void free_dropped() {
+  std::vector<long> mine;
+  for (const auto& [number, owned] : dropped())
+    mine.push_back(number);
+  std::map<long, int> ranks_with;
+  for (const long number : gather(MPI_COMM_WORLD, mine))
+    ++ranks_with[number];
+  for (const auto& [number, count] : ranks_with)
+    if (count == ranks(MPI_COMM_WORLD))
+      dropped().erase(number);
+}
+
+void finish() {
+  while (!dropped().empty())
+    dropped().erase(std::prev(dropped().end()));
+  if (std::exchange(own_petsc, false))
+    (void)PetscFinalize();
+}
+
+/// Calls finish() when MPI_Finalize() deletes this attribute; as the eldest it is the last to be deleted,
+/// when PETSc's own are gone.
+void finish_with_mpi() {
+  constexpr auto on_delete = [](MPI_Comm, int, void*, void*) {
+    finish();
+    return MPI_SUCCESS;
+  };
+  int key = MPI_KEYVAL_INVALID;
+  MPI_Comm_create_keyval(MPI_COMM_NULL_COPY_FN, on_delete, &key, nullptr);
+  MPI_Comm_set_attr(MPI_COMM_SELF, key, nullptr);
+  MPI_Comm_free_keyval(&key);
+}
+
 } // namespace
 
 void start() {
+  int mpi_runs = 0;
+  MPI_Initialized(&mpi_runs);
+  own_mpi = mpi_runs == 0;
+  if (!own_mpi)
+    finish_with_mpi();
   PetscBool started = PETSC_FALSE;
   petsc::check(PetscInitialized(&started));
   if (!started) {
@@ -41,17 +88,32 @@ void start() {
   use_threads(MPI_COMM_WORLD, std::nullopt);
 }
 
-void finish() {
-  while (!all_open().empty()) {
-    all_open().back()->close();
-    all_open().pop_back();
-  }
-  if (std::exchange(own_petsc, false))
-    (void)PetscFinalize();
+void leave() {
+  for (Open* object : all_open())
+    if (auto owned = object->release())
+      dropped().emplace(object->number(), std::move(owned));
+  all_open().clear();
+  if (own_mpi)
+    finish();
 }
 
-Open::Open() { all_open().push_back(this); }
+Open::Open() {
+  static long count = 0;
+  number_ = count++;
+  all_open().push_back(this);
+  if (ranks(MPI_COMM_WORLD) > 1)
+    free_dropped();
+}
 
 Open::~Open() { std::erase(all_open(), this); }
+
+void Open::drop(std::shared_ptr<const void> owned) const {
+  if (!owned)
+    return;
+  if (ranks(MPI_COMM_WORLD) > 1)
+    dropped().emplace(number_, std::move(owned));
+  else
+    alone([&] { owned.reset(); });
+}
 
 } // namespace signorini::python

@@ -9,10 +9,11 @@
     run = signorini.read("results/half-disc")    # of a run made before
 
 All of it works under `mpirun -n 2 python3 -m mpi4py script.py`, where every rank makes the same calls, in the same
-order; "collective" in a docstring says which calls those are. `-m mpi4py` ends all ranks if one fails alone. Ctrl-C
-stops a sweep after the time step that it is at, and raises KeyboardInterrupt.
+order; "collective" in a docstring says which calls those are. An exception that one rank does not catch ends all ranks,
+after its message; `-m mpi4py` does so at sys.exit() with another status than 0, too. Ctrl-C stops a sweep after the time
+step that it is at, and raises KeyboardInterrupt.
 
-Not for several threads at once: computations wait for each other.
+Threads may share an object: computations wait for each other. On several ranks one thread makes all collective calls.
 """
 
 import atexit
@@ -25,7 +26,7 @@ except ImportError:  # then the module does both
 from . import _signorini
 
 _signorini.start()
-atexit.register(_signorini.finish)
+atexit.register(_signorini.leave)
 
 SceneError = _signorini.SceneError
 SolverFailure = _signorini.SolverFailure
@@ -40,6 +41,9 @@ from .run import Field, Run, read  # noqa: E402
 from .scene import Scene  # noqa: E402
 from .world import RANK as rank  # noqa: E402, N811
 from .world import RANKS as ranks  # noqa: E402, N811
+from .world import end_all_at_exceptions as _end_all_at_exceptions  # noqa: E402
+
+_end_all_at_exceptions()
 
 __all__ = ["Field", "Fit", "Metric", "Problem", "Replicated", "Run", "Scene", "SceneError", "SolverFailure", "rank", "ranks", "read", "versions"]
 

@@ -27,6 +27,13 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 
+def shaped(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """The values. Raises ValueError where they have another shape."""
+    if np.shape(values) != shape:
+        raise ValueError(f"found an array of shape {np.shape(values)}, but this is {shape}")
+    return values
+
+
 class Sweeps(NamedTuple):
     """Sweeps made so far; a linearised one counts as forward."""
 
@@ -79,7 +86,7 @@ class Problem:
 
     The motions of the two controls that were looked at last are known: asking for them again makes no sweep. Arrays that
     are returned own their memory, which is the solver's, not a copy. Members that take a control are collective, and raise
-    SolverFailure where a step has no solution, KeyboardInterrupt at Ctrl-C, ValueError for arrays of another size.
+    SolverFailure where a step has no solution, KeyboardInterrupt at Ctrl-C, ValueError for arrays of another shape.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -109,7 +116,7 @@ class Problem:
         return self._problem.zero()
 
     def first_guess(self) -> np.ndarray:
-        """The scene's control.initial."""
+        """The scene's control.initial, within the bounds. Collective."""
         return self._problem.first_guess()
 
     @cached_property
@@ -171,7 +178,7 @@ class Problem:
 
     def pairing(self, derivative: np.ndarray, d: np.ndarray) -> float:
         """What a derivative says of a change d of the control: the sum of all products of entries, over all ranks."""
-        return float(sum(of_all(float(np.vdot(derivative, d)))))
+        return float(sum(of_all(float(np.vdot(shaped(derivative, self.shape), shaped(d, self.shape))))))
 
     def parts(self, u: np.ndarray) -> Parts:
         """The parts of J(u)."""
@@ -270,7 +277,7 @@ class Problem:
 
     def _of_all(self, u: np.ndarray) -> np.ndarray:
         """The controls of all ranks, one after another."""
-        values = np.ascontiguousarray(u, dtype=float).reshape(self.shape)
+        values = np.ascontiguousarray(shaped(u, self.shape), dtype=float)
         if RANKS == 1:
             return values
         everyone = np.empty(self._size_of_all)
@@ -284,7 +291,7 @@ class Problem:
 
     def scatter(self, whole: np.ndarray) -> np.ndarray:
         """This rank's part of a whole control, gather()'s inverse."""
-        return self._to_own().of(whole)
+        return self._to_own().of(shaped(whole, (self.shape[0], len(self._order))))
 
     def replicated(self) -> Replicated:
         """The problem in vectors that are whole on every rank, for optimizers that know no ranks."""
@@ -318,7 +325,7 @@ class Replicated:
 
     def control(self, x: np.ndarray) -> np.ndarray:
         """The control of x, this rank's part. (intervals × values)"""
-        return self._controls.of(x)
+        return self._controls.of(shaped(x, (self.size,)))
 
     @property
     def start(self) -> np.ndarray:

@@ -47,30 +47,45 @@ _modules: dict[str, ModuleType] = {}
 _files, _run_folder = postprocess("files"), postprocess("run_folder")
 
 
-@contextlib.contextmanager
-def told() -> Iterator[None]:
-    """The sentences of postprocess/ as the package's errors."""
-    try:
-        yield
-    except (_files.NotInRun, _files.Unreadable) as error:
-        raise _signorini.SceneError(str(error)) from None
-
-
 def read(folder: str | os.PathLike) -> Run:
     """The run whose results are in a folder. Raises SceneError."""
-    return Run(Path(folder))
+    return Run(Path(folder).absolute())
 
 
 class Run:
     """A run's folder. Tables are DataFrames if pandas is installed, else structured arrays; columns and units are those of the
-    manual's "What a run leaves in its folder". Raises SceneError for what the run did not write, and for damaged files."""
+    page "Files and columns". Files are read when they are asked for. Raises SceneError for what the run did not write, for
+    damaged files, and for what was not read before another run replaced it."""
 
     _scratch = None  # a scratch folder, which is gone with this object
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        with told():
+        self._stamp = self._manifest_bytes()
+        with self._told():
             self._run = _run_folder.RunFolder(folder)
+            self._manifest = None if self._stamp is None else self._run.manifest
+
+    def _manifest_bytes(self) -> bytes | None:
+        """run.json, which is another for every run and absent while one is put in place; None without."""
+        try:
+            return (self.folder / "run.json").read_bytes()
+        except OSError:
+            return None
+
+    @contextlib.contextmanager
+    def _told(self) -> Iterator[None]:
+        """The sentences of postprocess/ as the package's errors. Raises SceneError where what was read is another run's."""
+        try:
+            yield
+        except (_files.NotInRun, _files.Unreadable) as error:
+            self._require_same()
+            raise _signorini.SceneError(str(error)) from None
+        self._require_same()
+
+    def _require_same(self) -> None:
+        if self._manifest_bytes() != self._stamp and self.folder.is_dir():
+            raise _signorini.SceneError(f"{self.folder}: another run was written there after this one was read; signorini.read() reads that one")
 
     def __repr__(self) -> str:
         return "\n".join([f"<signorini.Run {self.folder}: {self._run.identity}>", *(f"warning: {text}" for text in self.warnings)])
@@ -83,13 +98,13 @@ class Run:
     @property
     def manifest(self) -> dict:
         """run.json."""
-        with told():
+        with self._told() if self._manifest is None else contextlib.nullcontext():
             return self._run.manifest
 
     @property
     def scene(self) -> dict:
         """The scene with every default, as nested dicts."""
-        with told():
+        with self._told():
             return self._run.scene
 
     @property
@@ -139,7 +154,7 @@ class Run:
 
     def table(self, name: str) -> Table:
         """A table by the name of its file, without .csv."""
-        with told():
+        with self._told():
             text = self._run.read(f"{name}.csv", _files.whole_text)
         try:
             import pandas
@@ -157,8 +172,11 @@ class Run:
             path = f"{stem}.xdmf"
             if not (self.folder / path).is_file():
                 continue
-            with contextlib.suppress(_files.NotInRun), told_unless_missing():
-                return Field(name, self._run.field(path, name))
+            with self._told():
+                try:
+                    return Field(name, self, self._run.field(path, name))
+                except _files.NotInRun:
+                    continue
         raise _signorini.SceneError(f"{self.folder}: the run wrote no field {name}")
 
     @cached_property
@@ -166,7 +184,7 @@ class Run:
         """The mesh of its fields: `points` (nodes × dim, m) and `cells` (cells × corners, node numbers), undeformed."""
         for stem in ("state", "control", "adjoint"):
             if (self.folder / f"{stem}.xdmf").is_file():
-                with told():
+                with self._told():
                     return self._run.mesh(f"{stem}.xdmf")
         raise _signorini.SceneError(f"{self.folder}: the run wrote no field, and no mesh with it")
 
@@ -174,7 +192,8 @@ class Run:
 
     def report(self) -> Path:
         """The page of the run, report.html, which is made on rank 0 if it is not there. Collective."""
-        page, failure = self.folder / "report.html", None
+        with self._told():
+            page, failure = self.folder / "report.html", None
         if RANK == 0 and not page.is_file():
             made = subprocess.run([sys.executable, POSTPROCESS / "report.py", self.folder], capture_output=True, text=True)
             failure = made.stderr.strip() if made.returncode else None
@@ -187,16 +206,7 @@ class Run:
         return Page(self.report().read_text(encoding="utf-8"), height)
 
     def _repr_html_(self) -> str:
-        return f"<code>{html.escape(repr(self))}</code>"
-
-
-@contextlib.contextmanager
-def told_unless_missing() -> Iterator[None]:
-    """As told(), but for what the run did not write."""
-    try:
-        yield
-    except _files.Unreadable as error:
-        raise _signorini.SceneError(str(error)) from None
+        return f"<pre>{html.escape(repr(self))}</pre>"
 
 
 class Page:
@@ -213,8 +223,9 @@ class Field:
     """A field over time. Values are read from the file when they are asked for: field[3] those of one stored time, field.values
     all of them (times × nodes × components)."""
 
-    def __init__(self, name: str, series: object) -> None:
+    def __init__(self, name: str, run: Run, series: object) -> None:
         self.name = name
+        self._run = run  # whose scratch folder stays as long
         self._series = series
 
     def __repr__(self) -> str:
@@ -240,7 +251,7 @@ class Field:
 
     def __getitem__(self, index: int) -> np.ndarray:
         """The values at times[index]. (nodes × components)"""
-        with told():
+        with self._run._told():
             values = self._series.components(range(len(self))[index])
         return values[:, : self.mesh.points.shape[1]] if values.shape[1] == 3 else values
 

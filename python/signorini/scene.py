@@ -20,7 +20,8 @@ DONE, CHECK_FAILED, SOLVER_FAILED, INTERRUPTED = 0, 1, 3, 130  # exit statuses o
 
 
 class Scene:
-    """A scene file, with overrides: `Scene("half-disc.toml", {"mesh.size": 1})`.
+    """A scene file, with overrides: `Scene("half-disc.toml", {"mesh.size": 1})`. The file is read here, and relative paths are
+    followed from its folder: later changes of the file or of the current folder change nothing.
 
     An override's key is that of the program's --set, such as "contact.obstacle.point" or "material.0.young"; its value is
     a bool, a number, a text, a path, a list or array, or, for a whole table, a dict. Collective. Raises SceneError.
@@ -28,8 +29,7 @@ class Scene:
 
     def __init__(self, file: str | os.PathLike, overrides: Mapping[str, object] | None = None) -> None:
         self._overrides = [f"{key}={toml(value)}" for key, value in (overrides or {}).items()]
-        self._given = Path(file)
-        self._scene = _signorini.Scene(self._given, self._overrides)
+        self._scene = _signorini.Scene(Path(file), self._overrides)
 
     def __repr__(self) -> str:
         return f"<signorini.Scene {self.file}{''.join(', ' + one for one in self._overrides)}>"
@@ -54,8 +54,8 @@ class Scene:
         """Makes the scene's motion, as the program's verb does, and returns the run.
 
         `out`: the folder for its files; without, a scratch folder that is gone with the run. `replace`: remove what a search
-        left in `out`. Collective. Raises SceneError, SolverFailure, and KeyboardInterrupt at Ctrl-C, after the part of the
-        motion that was made has been written.
+        left in `out`. Collective. Raises SceneError, SolverFailure, OSError where `out` cannot be written, and KeyboardInterrupt
+        at Ctrl-C, after the part of the motion that was made has been written.
         """
         return self._run("simulate", out, quiet, replace=replace)
 
@@ -80,14 +80,14 @@ class Scene:
         return Fit(self)
 
     def _status(self, verb: str, out: Path, quiet: bool, resume: bool = False, replace: bool = False) -> int:
-        status = _signorini.run(verb, self._given, out, self._overrides, resume, replace, quiet)
+        status = self._scene.run(verb, out, resume, replace, quiet)
         if status == INTERRUPTED:
             raise KeyboardInterrupt
         return status
 
     def _run(self, verb: str, out: str | os.PathLike | None, quiet: bool, **options: bool) -> Run:
         scratch = TemporaryDirectory(prefix="signorini-") if out is None and RANK == 0 else None
-        folder = Path(from_root(scratch.name if scratch else None)) if out is None else Path(out)
+        folder = Path(from_root(scratch.name if scratch else None)) if out is None else Path(out).absolute()
         status = self._status(verb, folder, quiet, **options)
         wait()  # for the files
         run = read(folder)

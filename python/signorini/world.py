@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the ranks of MPI_COMM_WORLD, on which everything runs, tell each other; nothing of it needs mpi4py on one."""
 
+import sys
+from types import TracebackType
 from typing import TypeVar
+
+from . import _signorini
 
 try:
     from mpi4py import MPI
@@ -11,6 +15,8 @@ try:
 except ImportError:
     WORLD = None
     RANK, RANKS = 0, 1
+    if _signorini.ranks() > 1:
+        raise ImportError(f"signorini: found {_signorini.ranks()} ranks without mpi4py; install mpi4py, or use one rank") from None
 
 T = TypeVar("T")
 
@@ -23,6 +29,22 @@ def from_root(value: T) -> T:
 def of_all(value: T) -> list[T]:
     """What each has. Collective."""
     return WORLD.allgather(value) if RANKS > 1 else [value]
+
+
+def end_all_at_exceptions() -> None:
+    """From now on an exception that nobody catches ends all ranks, which would wait for this one for ever."""
+    if RANKS == 1:
+        return
+    report = sys.excepthook
+
+    def report_and_end(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        report(kind, error, trace)
+        print(f"signorini: rank {RANK} of {RANKS} ends all ranks", file=sys.stderr)
+        sys.stdout.flush()
+        sys.stderr.flush()
+        WORLD.Abort(130 if issubclass(kind, KeyboardInterrupt) else 1)
+
+    sys.excepthook = report_and_end
 
 
 def wait() -> None:

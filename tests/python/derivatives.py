@@ -110,6 +110,30 @@ def places(problem: signorini.Problem, u: np.ndarray) -> None:
     show(f"J = {value:.15g}, slope {slope:.15g}, |x| = {np.linalg.norm(vector):.15g} of {flat.size} entries")
 
 
+def limits(problem: signorini.Problem) -> None:
+    """Bounds are the scene's, component by component and in both shapes; the first guess is within them."""
+    columns = np.arange(problem.shape[1]) % 2  # x and y in turn
+    lower = np.broadcast_to(np.where(columns == 0, -2.0, -1.5), problem.shape)
+    assert np.array_equal(problem.lower, lower) and np.array_equal(problem.upper, np.full(problem.shape, 1.25))
+    flat = problem.replicated()
+    low, high = np.transpose(flat.bounds)
+    scale = np.sqrt(problem.metric.weights)
+    for side, whole in ((lower, low), (problem.upper, high)):
+        assert np.allclose(whole, problem.gather(side * scale).ravel(), rtol=1e-13, atol=0)
+    if signorini.ranks > 1:
+        return
+    given = {"control__initial": ["3", "-9"]}
+    beyond = half_disc(4, **given, control__lower=[-2, -1.5], control__upper=1.25).problem()
+    expected = np.broadcast_to(np.where(np.arange(beyond.shape[1]) % 2 == 0, 1.25, -1.5), beyond.shape)
+    assert np.array_equal(beyond.first_guess(), expected) and np.array_equal(np.unique(half_disc(4, **given).problem().first_guess()), [-9, 3])
+    for key, own, other, beyond_it in (("control__lower", "lower", "upper", np.inf), ("control__upper", "upper", "lower", -np.inf)):
+        one_sided = half_disc(4, **{key: 0.25}).problem()
+        assert np.array_equal(getattr(one_sided, own), np.full(one_sided.shape, 0.25)) and getattr(one_sided, other) is None
+        sides = np.transpose(one_sided.replicated().bounds)
+        mine, theirs = sides if own == "lower" else sides[::-1]
+        assert np.all(theirs == beyond_it) and np.allclose(one_sided.replicated().control(mine), 0.25, rtol=1e-13, atol=0)
+
+
 def main() -> None:
     for name, overrides in {
         "free": {},
@@ -128,8 +152,7 @@ def main() -> None:
         bounds = (problem.lower, problem.upper)
         if name == "bounded":
             assert np.all(bounds[1] == 1.25) and set(np.unique(bounds[0])) == {-2, -1.5}
-            low, high = np.transpose(problem.replicated().bounds)
-            assert np.all(low < high)
+            limits(problem)
         else:
             assert bounds == (None, None) and problem.replicated().bounds is None
         taylor(problem, u)

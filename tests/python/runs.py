@@ -3,7 +3,10 @@
 
 import csv
 import gc
+import html
 import json
+import os
+import shutil
 import sys
 import tempfile
 from pathlib import Path
@@ -65,6 +68,47 @@ def fields(run: signorini.Run, problem: signorini.Problem) -> None:
     assert "no field" in raised(signorini.SceneError, lambda: run.field("no field"))
 
 
+def folders() -> None:
+    """A scene is that of the time when it was read, a run that of its folder then, wherever one goes later."""
+    ring = {"mesh.size": 8e-3, "time.end": 0.05}
+    here = os.getcwd()
+    with tempfile.TemporaryDirectory() as folder:
+        first, second = Path(folder, "first").resolve(), Path(folder, "second").resolve()
+        for place, gravity in ((first, -9.81), (second, -5.0)):
+            place.mkdir()
+            shutil.copy(SCENES.parent / "meshes" / "dropped-ring.geo", place)
+            (place / "s.toml").write_text((SCENES / "drop-ring.toml").read_text().replace("../meshes/", "").replace("-9.81", str(gravity)))
+        try:
+            os.chdir(first)
+            scene = signorini.Scene("s.toml", ring)
+            run = scene.simulate("out")
+            expected = signorini.read("out").steps
+            os.chdir(second)
+            assert not np.array_equal(signorini.Scene("s.toml", ring).simulate("out").steps.to_numpy(), expected.to_numpy())
+            again = scene.simulate()
+            assert run.folder == first / "out" and scene.file == first / "s.toml"
+            assert np.array_equal(run.steps.to_numpy(), expected.to_numpy()) and np.array_equal(again.steps.to_numpy(), expected.to_numpy())
+            # Edited, it is run as it was read; read again, as edited.
+            before = scene.text
+            shutil.copy(second / "s.toml", first)
+            assert scene.simulate().scene == again.scene and scene.text == before and "-9.81" in before
+            assert "-9.81" not in signorini.Scene(first / "s.toml").text
+            # Another run there takes nothing from what the first has read, and gives it nothing.
+            old = signorini.read(first / "out")
+            field, warnings = old.field("displacement"), run.warnings
+            shorter = signorini.Scene(second / "s.toml", {**ring, "time.end": 0.025}).simulate(first / "out")
+            assert len(shorter.steps) < len(expected) == len(run.steps) and run.manifest["steps"]["done"] == len(expected) - 1
+            assert old.warnings == warnings
+            for late in (lambda: old.steps, lambda: old.scene, lambda: field[0], lambda: old.mesh, lambda: old.report(), lambda: old.table("contact")):
+                assert "another run" in raised(signorini.SceneError, late)
+            # A field keeps the scratch folder of its run.
+            field = scene.simulate().field("displacement")
+            gc.collect()
+            assert field[0].shape == (len(field.mesh.points), 2)
+        finally:
+            os.chdir(here)
+
+
 def run_control(run: signorini.Run, problem: signorini.Problem) -> np.ndarray:
     """The control that a run stored, as the problem's."""
     nearest = [int(np.argmin(np.linalg.norm(run.mesh.points - point, axis=1))) for point in problem.points]
@@ -72,6 +116,7 @@ def run_control(run: signorini.Run, problem: signorini.Problem) -> np.ndarray:
 
 
 def main() -> None:
+    folders()
     scene = half_disc(3, **{key.replace(".", "__"): one for key, one in KEPT.items()}, optimizer__max_iterations=3)
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "out"
@@ -97,6 +142,7 @@ def main() -> None:
     ring = signorini.Scene(SCENES / "drop-ring.toml", {"mesh.size": 8e-3, "time.end": 0.25}).simulate()
     assert ring.warnings == [one["message"] for one in ring.manifest["warnings"]] and ring.warnings, "nothing to be warned of"
     assert all(f"warning: {text}" in repr(ring) for text in ring.warnings)
+    assert all(text in html.unescape(ring._repr_html_()) for text in ring.warnings)
     assert "files" not in sys.modules and "mesh" not in sys.modules, "names of scripts are not taken from users"
     fit = signorini.Scene(SCENES / "find-the-wall.toml", {"mesh.size": 8e-3, "optimizer.max_iterations": 2}).optimize()
     assert len(fit.parameters) == 2 and len(fit.measurements) > 10

@@ -168,7 +168,6 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   const FitProblem fit(base.discretisation, scene, timers);
   print_doubts(fit.doubts(), console);
   JointVector guess(control.first_guess(scene), fit.start());
-  control.controls.project(guess.u);
   JointProblem joint(fit, control, guess, timers);
   Log log(joint, fit, folder, resume, console);
   const optimize::Options options = search_options(control.controls, scene.optimizer);
