@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/approach.h"
-#include "forward/first_touch.h"
 #include "base/overloads.h"
+#include "forward/first_touch.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>

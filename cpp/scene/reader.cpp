@@ -4,9 +4,9 @@
 #include "scene/expression.h"
 #include "scene/key_reference.h"
 #include "scene/kinds.h"
+#include "scene/refusals.h"
 #include "scene/table.h"
 #include "scene/units.h"
-#include "scene/refusals.h"
 #include <algorithm>
 #include <cctype>
 #include <cmath>

@@ -50,7 +50,8 @@ TEST_CASE("all of a body falls alike under gravity, whatever its density and its
     const test::Ready ready(file, settings);
     const test::Recorded trajectory = run(ready);
     const double T = ready.scene.time.end,
-                 tolerance = ready.problem.stepper.solver().tolerance() > 0 ? 1e-9 : 1e-13; // 4e-12, 3e-14 found
+                 tolerance =
+                     ready.problem.stepper.solver().tolerance() > 0 ? 1e-9 : 1e-13; // 4e-12, 3e-14 found
     const std::string fallen = fmt::format("{:.17g}", -T * T), across = fmt::format("{:.17g}", T * T / 4),
                       thrown = fmt::format("{:.17g}", T - T * T), flown = fmt::format("{:.17g}", T);
     petsc::Vector exact = ready.problem.space.vector();

@@ -140,7 +140,8 @@ TEST_CASE("chosen steps do not depend on the units of mass and time", "[forward]
       std::vector<std::vector<double>> levels;
       std::vector<int> touching;
       for (const std::vector<std::string>& units : {std::vector<std::string>{}, other}) {
-        const test::Ready ready("tests/data/block.toml", with(with(with(falling, units), scheme), {quantity}));
+        const test::Ready ready("tests/data/block.toml",
+                                with(with(with(falling, units), scheme), {quantity}));
         const Problem& problem = ready.problem;
         forward::StepControl control(problem.stepper, ready.scene);
         touching.push_back(0);
