@@ -157,7 +157,7 @@ def fits(run: Runs) -> None:
     length = 0.011  # the block, 0.1 m above and with 1 m/s, touches within a step
     motion = {"time__step": length, "time__end": 25 * length, "mesh__size": 0.5, "material__poisson": 0.0}
     ends = length * np.arange(1, 25)
-    (run.folder / "force.csv").write_text("time,value\n" + "".join(f"{t!r},{10.0 * k}\n" for k, t in enumerate(sorted([*ends, *(ends - length / 2)]))))
+    (run.folder / "force.csv").write_text("time,value\n" + "".join(f"{t!r},{10.0 * k}\n" for k, t in enumerate(np.sort([*ends, *(ends - length / 2)]).tolist())))
     unknown = '[[unknown]]\nof = "young"\nstart = 1.1e3\nscale = "SCALE"\n'
     force = f'[[measurement]]\nof = "force"\ncomponent = "y"\nfile = "{run.folder / "force.csv"}"\ndeviation = DEVIATION\n'
     touch = '[[measurement]]\nof = "contact-start"\nvalue = 0.1\ndeviation = 1e-3\n[[measurement]]\nof = "contact-time"\nvalue = 0.06\n'

@@ -466,8 +466,10 @@ obstacle = {{ shape = "half-space", point = [0, -0.05], normal = [0, 1] }}
 fields = []
 [[unknown]]
 of = "young"
+start = 1000.0
 [[unknown]]
 of = "bulk"
+start = 1.0
 [[measurement]]
 of = "displacement"
 component = "y"
