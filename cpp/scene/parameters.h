@@ -26,11 +26,10 @@ constexpr bool of_obstacle(Parameter of) { return of >= Parameter::position && o
 /// The vector of which an unknown is a component or a multiple: an initial field, a centre.
 Components components_of(const Scene& scene, const Unknown& unknown);
 
-/// Numbers of the material, obstacle and traction that an unknown is of. Throw std::out_of_range if the scene
-/// has none such, which reading it excludes.
+/// Numbers of the material and obstacle that an unknown is of. Throw std::out_of_range if the scene has none
+/// such, which reading it excludes.
 std::size_t material_of(const Scene& scene, const Unknown& unknown);
 std::size_t contact_of(const Scene& scene, const Unknown& unknown);
-std::size_t traction_of(const Scene& scene, const Unknown& unknown);
 
 /// The value that the scene itself has of an unknown; absent where that is an expression.
 std::optional<double> own_value(const Scene& scene, const Unknown& unknown);
@@ -38,7 +37,8 @@ std::optional<double> own_value(const Scene& scene, const Unknown& unknown);
 /// The values at which the unknowns start.
 std::vector<double> start_values(const Scene& scene);
 
-/// The scene with these values of its unknowns, in their order.
+/// The scene with these values of its unknowns, in their order. Throws UserError if it can be none
+/// (unknown_limits.h).
 Scene with_values(Scene scene, std::span<const double> values);
 
 /// How an obstacle changes with one of its parameters, per unit of it.
