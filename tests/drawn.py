@@ -16,6 +16,7 @@ from recomputed import Run, fail, near, same
 sys.path.insert(0, str(SOURCE / "postprocess"))
 import animation  # noqa: E402
 import figures as all_figures  # noqa: E402
+import obstacles  # noqa: E402
 import report_compare  # noqa: E402
 import report_motion  # noqa: E402
 import report_run  # noqa: E402
@@ -701,10 +702,16 @@ def maps(run: Run, caught: dict, title: str) -> None:
     near("contact_pressure.png: colours", [mesh.norm.vmin, mesh.norm.vmax], [0, np.nanmax(shown)], 1e-12)
 
 
+def shown_step(run: Run) -> int:
+    """That of 1.75 ms, of which the seed has its figures, where the body touches then; else that of the largest force."""
+    seed = int(np.abs(run.steps["time"] - 1.75e-3).argmin())
+    return seed if 1.75e-3 <= run.steps["time"][-1] and run.steps["active"][seed] else int(run.steps["normal_force"].argmax())
+
+
 def single_time(run: Run, caught: dict) -> None:
-    """Forces of the step with the largest force."""
+    """Forces of one step."""
     rows, count = run.table("contact"), run.manifest["candidates"]
-    at = int(run.steps["normal_force"].argmax())
+    at = shown_step(run)
     figure = caught["contact_force"]
     axes = figure.axes[0]
     factor, unit = prefix(run.steps["time"][at], "s")
@@ -743,7 +750,7 @@ def search_figures(run: Run, caught: dict, curves: object, shaded: object, times
     curves("control_history", {f"${axis}$": (times, factor * np.append(force[0, c], force[:, c])) for c, axis in enumerate("xyz"[: run.dim])},
            (title, f"resultant of the control ({unit})"))  # fmt: skip
     axes = caught["control_magnitude"].axes[0]
-    at = int(run.steps["normal_force"].argmax())
+    at = shown_step(run)
     u = stored(run.path, "control", "control")[2][at - 1, :, : run.dim]
     factor, unit = prefix(run.steps["time"][at], "s")
     same("control_magnitude.png: time", axes.get_title(loc="left"), f"$t$ = {run.steps['time'][at] * factor:.4g} {unit}")
@@ -766,6 +773,23 @@ def search_figures(run: Run, caught: dict, curves: object, shaded: object, times
         same("control_magnitude.png: nodes in contact", len(marks[0].get_xdata()) if marks else 0, int(on.sum()))
         if marks:
             near("control_magnitude.png: their places", np.sort(marks[0].get_xdata()), np.sort(rows["x"][:count][on]), 1e-12)
+
+
+def fitted_obstacles() -> None:
+    """A fit's obstacles are drawn where its unknowns put them: planes shifted along their normal and then turned, balls moved and grown."""
+    tilt, shift, turn = np.array([0.3, 1]) / np.hypot(0.3, 1), 0.07, 0.2
+    ball = {"name": "ball", "shape": "ball", "center": [0.2, "0.3 + t"], "radius": 0.5}
+    plane = {"name": "plane", "shape": "half-space", "point": [0.1, "-0.2 + t"], "normal": [0.3, 1]}
+    names = [("angle", "plane", None, turn), ("radius", "ball", None, 0.6), ("position", "plane", None, shift), ("center", "ball", "y", 0.9), ("young", None, None, 3.0)]
+    scene = {"contact": [{"obstacle": ball}, {"obstacle": plane}],
+             "unknown": [{key: value for key, value in (("of", of), ("obstacle", obstacle), ("component", axis)) if value} for of, obstacle, axis, _ in names]}  # fmt: skip
+    moved = obstacles.with_fitted_obstacles(scene, [value for *_, value in names])
+    round_, flat = (one.shape for one in obstacles.read_obstacles(moved, 1.0))
+    x = np.array([[0.4, 0.1], [-0.3, 0.8], [1.0, 1.0]])
+    normal = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ tilt
+    near("a plane that is shifted and turned", flat.height(x, 0.25), (x - [0.1, 0.05] - shift * tilt) @ normal)
+    near("a ball that is moved and grows", round_.height(x, 0.25), np.linalg.norm(x - [0.2, 0.9], axis=1) - 0.6)
+    near("the scene itself stays", obstacles.read_obstacles(scene, 1.0)[0].shape.height(x, 0.0), np.linalg.norm(x - [0.2, 0.3], axis=1) - 0.5)
 
 
 # --- A study ----------------------------------------------------------------------------------------------------------

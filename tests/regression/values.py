@@ -393,18 +393,44 @@ def in_space(folder: Path) -> Run:
     return run
 
 
+def a_single_step(folder: Path) -> None:
+    """Is enough for a page with energies."""
+    run, _ = run_of(folder, "single", BOUNCING, time__end=0.01)
+    energies(run, load_of(run, [[0, -9]], "gravity"))
+    views = drawn.views_of(drawn.report_run.page(drawn.RunFolder(run.path)))
+    assert len(drawn.numbers(views["energies"][""]["data"][0]["x"])) == 2
+
+
+def costs() -> None:
+    """`info` says how much memory matrices take: 8 bytes an entry and 4 an index, one index for a block of entries."""
+    printed = signorini("info", BLOCK_SCENE).stdout
+    rows = {line[:22].strip(): line[46:56].strip() for line in printed.split("and in a step")[1].split("off:")[0].splitlines()}
+    assert {"viscosity", "contact", "body load", "control", "objective", "tables"} <= set(rows)
+    for name, memory in rows.items():
+        assert bool(memory) == (name in ("viscosity", "contact", "body load", "control", "objective")), f"{name}: '{memory}'"
+    scene = Path(BLOCK_SCENE)
+    with tempfile.TemporaryDirectory() as name:
+        signorini("simulate", scene, Path(name) / "out", time__end=0.02)
+        nodes, cells, _ = stored(Path(name) / "out", "state", "displacement")
+    blocks = len({(a, b) for cell in cells for a in cell for b in cell if a <= b})  # of a symmetric matrix
+    for name, found in (("A", re.search(r" A (\S+) MB", printed)[1]), ("viscosity", rows["viscosity"].split()[0])):
+        near(f"memory of {name}", float(found), (blocks * (4 * 8 + 4) + 4 * len(nodes)) / 1e6, 5e-3)
+    counts = re.search(r"unknowns: (\d+) \((\d+) free\), cells: (\d+), candidates: (\d+), steps: (\d+) of (\S+) s", printed)
+    near("counts", [float(one) for one in counts.groups()], [2 * len(nodes), 2 * len(nodes), len(cells), int((nodes[:, 1] < 1e-9).sum()), 30, 0.02])
+
+
 def stiff(folder: Path) -> Run:
     """A clamped body that is pressed onto a floor, whose displacements are drawn enlarged."""
     text = BLOCK + """
 [load]
-body = ["0", "-3000"]
+body = ["0", "-30000"]
 [[clamp]]
 on = "top"
 [[contact]]
 on = "bottom"
 obstacle = { shape = "half-space", point = [0, -0.0005], normal = [0, 1] }
 """
-    run, _ = run_of(folder, "stiff", text, initial__velocity=["0", "0"], material__young=5e5, time__end=0.02, time__step=2e-4)
+    run, _ = run_of(folder, "stiff", text, initial__velocity=["0", "0"], material__young=5e6, time__end=0.02, time__step=1e-4)
     assert 1e-4 < np.max(np.abs(run.y)) < 0.01
     return run
 
@@ -481,7 +507,8 @@ def study(folder: Path) -> None:
         finer = (rows["size"] <= rows["size"][:, None]) & (rows["step"] <= rows["step"][:, None])
         most = [np.nanmax(error[one]) if np.isfinite(error[one]).any() else np.nan for one in finer]
         near(f"the largest there and at finer rungs, {name}", rows[f"{name}_envelope"], most, TABLE)
-        best = [bool(np.isfinite(e) and not ((rows["seconds"] < s) & (rows[f"{name}_envelope"] <= e)).any()) for s, e in zip(rows["seconds"], most)]
+        envelope = rows[f"{name}_envelope"]  # to its last digit
+        best = [bool(np.isfinite(e) and not ((rows["seconds"] < s) & (envelope <= e)).any()) for s, e in zip(rows["seconds"], envelope)]
         same(f"rungs that no cheaper one beats, {name}", list(map(bool, rows[f"{name}_pareto"])), best)
         title = json.loads((folder / "ladder" / "study.json").read_text())["quantities"][name]["title"]
         start = next(i for i, line in enumerate(lines) if line.startswith(title))
@@ -507,6 +534,9 @@ def main() -> int:
         for pair in (runs[:2], runs[3:5]):
             drawn.comparison(*pair)
         drawn.enlargements()
+        drawn.fitted_obstacles()
+        a_single_step(folder)
+        costs()
         study(folder)
     print(f"comparisons and a study: {len(failures)} failures")
     return 1 if failures else 0
