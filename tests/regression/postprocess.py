@@ -121,6 +121,12 @@ def surfaces_are_where_heights_vanish() -> None:
     for frame, time in enumerate(times):
         at = seen.shapes[0][0] + seen.offset[frame]
         assert np.abs(flying.height(at, time)).max() < 0.01, time
+    # What grows is another shape in each frame.
+    growing = Round(course([0, 0, 0]), course("0.2 + 0.2*t"), 1)
+    seen = over_frames(Obstacle("ball", growing), times, np.array([[-0.5] * 3, [0.5] * 3]), 1.0)
+    assert seen.shape == list(range(5)) == list(range(len(seen.shapes))) and not seen.offset.any()
+    for (points, _), time in zip(seen.shapes, times):
+        assert len(points) > 100 and np.abs(growing.height(points, time)).max() < 0.01, time
 
 
 def half_a_body_is_left(folder: Path) -> None:
