@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 import style
 from arc import arc_of, merged
 from command_line import run_alone
+from files import NotInRun
 from run_folder import RunFolder, nearest
 from scenery import main_normal
 
@@ -22,9 +23,11 @@ def draw(run: RunFolder, time: float | None = None) -> list[Path]:
     """Draws the stored time nearest to `time` (s)."""
     run.require_contact()
     contact = run.contact
-    time = run.figure_time() if time is None else time
+    given, time = time, run.figure_time() if time is None else time
     run.check_time(time)
     index = nearest(contact.times, time)
+    if given is None and not contact.force[index].any():  # of a run by an earlier version
+        raise NotInRun("no stored step is in contact; output.every = 1 stores all")
     factor, unit = style.prefixed(contact.force[index], style.per_depth("N", run.dim))
     label = f"nodal contact force ({unit})"
     if run.dim == 3:

@@ -69,3 +69,10 @@ class Series:
         """All that the file has at times[index], nodes or cells × 1, 3 or, row by row, 9."""
         values = read_dataset(*self.datasets[index])
         return values.reshape(len(values), -1)
+
+    def values(self, index: int) -> np.ndarray:
+        """The values at times[index], nodes or cells × 1, dim or, of a tensor, 3 × 3."""
+        values = self.components(index)
+        if values.shape[1] == 9:
+            return values.reshape(-1, 3, 3)
+        return values[:, : self.mesh.points.shape[1]] if values.shape[1] == 3 else values

@@ -243,28 +243,26 @@ class RunFolder:
 
     @property
     def peak_time(self) -> float | None:
-        """The time between the two steps with the largest contact force in the mean, s; None without contact and where no table
-        tells."""
+        """The end of the step with the largest contact force, which is stored, s; None without contact and where no table
+        has forces."""
         try:
             if not self.touches:
                 return None
         except NotInRun:
             return None
         times, _, force = self._contact_history
-        if len(times) < 3:
-            return float(times[-1])
-        # A force is that of the step that ends at its time.
-        return float(times[1 + np.argmax(force[2:] + force[1:-1])])
+        return float(times[first_largest(force)])
 
     def field(self, file: str, name: str) -> Series:
         """The function `name` of `file` (one of the .xdmf files)."""
         document = self.read(file, lambda path: ElementTree.fromstring(whole_text(path)))
-        grids = document.findall(f".//Grid[@GridType='Collection'][@Name='{name}']/Grid")
-        if not grids:
+        # One grid a time with all fields; earlier versions wrote one for each field and time.
+        found = [(grid, field) for grid in document.iter("Grid") if (field := grid.find(f"Attribute[@Name='{name}']")) is not None]
+        if not found:
             raise NotInRun(f"{file} holds no {name}")
-        times = np.array([float(grid.find("Time").get("Value")) for grid in grids])
-        datasets = [self._reference(grid.find("Attribute/DataItem")) for grid in grids]
-        centers = {grid.find("Attribute").get("Center") for grid in grids}
+        times = np.array([float(grid.find("Time").get("Value")) for grid, _ in found])
+        datasets = [self._reference(field.find("DataItem")) for _, field in found]
+        centers = {field.get("Center") for _, field in found}
         return Series(self._mesh(document), times, datasets, centers == {"Cell"})
 
     def mesh(self, file: str) -> Mesh:
@@ -276,18 +274,15 @@ class RunFolder:
                     read_dataset(*self._reference(document.find(".//Topology/DataItem"))))  # fmt: skip
 
     def figure_time(self) -> float:
-        """The time that shows contact best, s: the seed's if the body touches there, else that of the largest force."""
+        """The time that shows contact best, s: the seed's if contact is stored there, else that of the largest force."""
         inside = SEED_TIME <= self.last_time
-        try:
-            touches = self.touches
-        except NotInRun:  # no table tells
-            touches = False
-        if not touches:
+        peak = self.peak_time
+        if peak is None:
             return SEED_TIME if inside else self.last_time
-        times, touching, force = self._contact_history
-        if inside and touching[nearest(times, SEED_TIME)]:
+        times, force = (self.contact.times, self.contact.force.sum(axis=1)) if self.has_contact_table else self._contact_history[::2]
+        if inside and force[nearest(times, SEED_TIME)] > 0:
             return SEED_TIME
-        return float(times[np.argmax(force)])
+        return peak
 
     @property
     def last_time(self) -> float:
@@ -391,6 +386,15 @@ def potential_of_loads(steps: Table) -> np.ndarray | None:
     work or the run did not write it."""
     work = np.cumsum(steps.get("load_work", 0.0))
     return work.max() - work if work.any() else None
+
+
+def first_largest(force: np.ndarray) -> int:
+    """The step of the largest force, as the program stores it: of those that differ by rounding alone the first."""
+    found, rounding = 0, 1e-9
+    for step in np.flatnonzero(force[1:] > np.maximum.accumulate(force)[:-1]) + 1:
+        if force[step] > (1 + rounding) * force[found]:
+            found = int(step)
+    return found
 
 
 def nearest(times: np.ndarray, time: float) -> int:

@@ -99,22 +99,29 @@ def stored(out: Path, file: str, name: str) -> tuple[np.ndarray, np.ndarray, np.
 
 
 def grids(file: Path) -> dict[str, list[float]]:
-    """Field name → times, with every dataset that the XDMF file refers to present in the HDF5 file."""
+    """Field name → times. The XDMF file has one collection, in which each time is one grid with the mesh and all fields, and every
+    dataset that it refers to is in the HDF5 file, in the order of time."""
     import h5py
 
+    (collection,) = xml.parse(file).findall("Domain/*")
+    assert (collection.get("GridType"), collection.get("CollectionType")) == ("Collection", "Temporal")
     found: dict[str, list[float]] = {}
     with h5py.File(file.with_suffix(".h5")) as h5:
-        for item in xml.parse(file).iter("DataItem"):
-            name, path = item.text.split(":")
-            assert name == file.with_suffix(".h5").name, "the XDMF file points to another folder"
-            assert list(h5[path].shape) == [int(n) for n in item.get("Dimensions").split()]
-    for collection in xml.parse(file).iter("Grid"):
-        if collection.get("GridType") == "Collection":
-            times = found[collection.get("Name")] = [float(t.get("Value")) for t in collection.iter("Time")]
-            names = [item.text.split("/")[-1] for item in collection.iter("DataItem") if "/Function/" in item.text]
-            with h5py.File(file.with_suffix(".h5")) as h5:
-                assert np.array_equal(h5["times"][:], times) and times == sorted(times)
-                assert names == list(h5["Function"][collection.get("Name")]) == sorted(names), "names in the order of time"
+        for number, grid in enumerate(collection):
+            fields = grid.findall("Attribute")
+            assert grid.get("GridType") == "Uniform" and [one.tag for one in grid[:3]] == ["Time", "Topology", "Geometry"]
+            assert {one.get("Name") for one in fields} == set(h5["Function"]) and len(fields) == len(grid) - 3
+            for item in grid.iter("DataItem"):
+                name, path = item.text.split(":")
+                assert name == file.with_suffix(".h5").name, "the XDMF file points to another folder"
+                assert list(h5[path].shape) == [int(n) for n in item.get("Dimensions").split()]
+                assert h5[path].dtype.kind == item.get("NumberType")[0].lower() and h5[path].dtype.itemsize == int(item.get("Precision"))
+            for one in fields:
+                assert one.find("DataItem").text.endswith(f"/Function/{one.get('Name')}/{number:08}")
+                found.setdefault(one.get("Name"), []).append(float(grid.find("Time").get("Value")))
+        for name, times in found.items():
+            assert np.array_equal(h5["times"][:], times) and times == sorted(set(times))
+            assert list(h5["Function"][name]) == [f"{number:08}" for number in range(len(times))], "names in the order of time"
     return found
 
 

@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/control_files.h"
-#include "app/motion_writer.h"
 #include "io/fields.h"
 #include <algorithm>
+#include <iterator>
 
 namespace signorini {
 
 void write_control(const io::OutputFolder& folder, const Problem& problem,
                    const control::ControlSpace& controls, const control::Control& u,
-                   const AdjointStates& adjoint_states) {
+                   const AdjointStates& adjoint_states, const std::vector<int>& stored) {
   const auto timer = problem.timers.time("output");
   const scene::Output& output = problem.scene.output;
   std::vector<int> steps;
-  for (int k = 1; k <= problem.steps(); ++k)
-    if (stored(problem.stepper.grid(), k, output.every, k == problem.steps()))
-      steps.push_back(k);
+  std::ranges::copy_if(stored, std::back_inserter(steps), [](int k) { return k > 0; });
   using enum io::Values;
   const auto write = [&](scene::StoredField field, io::Values values, auto&& at) {
     if (!output.field(field))

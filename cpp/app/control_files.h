@@ -9,10 +9,11 @@ namespace signorini {
 /// Shows adjoint states, each valid during the call of `store`.
 using AdjointStates = std::function<void(const std::function<void(int k, Vec p)>& store)>;
 
-/// Writes control.xdmf and adjoint.xdmf at the stored times, as far as the scene's [output] asks for them;
-/// only then are adjoint states asked for. Collective. Throws UserError, WriteFailure.
+/// Writes control.xdmf and adjoint.xdmf of those steps of which the motion is `stored`, as far as the scene's
+/// [output] asks for them; only then are adjoint states asked for. Collective. Throws UserError,
+/// WriteFailure.
 void write_control(const io::OutputFolder& folder, const Problem& problem,
                    const control::ControlSpace& controls, const control::Control& u,
-                   const AdjointStates& adjoint_states);
+                   const AdjointStates& adjoint_states, const std::vector<int>& stored);
 
 } // namespace signorini

@@ -2,6 +2,7 @@
 #include "app/motion_writer.h"
 #include "base/error.h"
 #include "io/motion_tables.h"
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <iterator>
@@ -66,7 +67,7 @@ void MotionWriter::open_tables(const io::OutputFolder& folder, bool probed) {
 void MotionWriter::open_state(const io::OutputFolder& folder) {
   const scene::Output& output = problem_.scene.output;
   using enum io::Values;
-  std::vector<io::FieldFile::Field> fields;
+  std::vector<io::FieldSeries> fields;
   for (const auto& [field, values] : {std::pair{Field::displacement, nodal},
                                       {Field::velocity, nodal},
                                       {Field::strain, cellwise_tensor},
@@ -79,7 +80,8 @@ void MotionWriter::open_state(const io::OutputFolder& folder) {
   constexpr int usual_steps = 1000;
   const int steps = problem_.stepper.grid().complete() ? problem_.steps() : usual_steps,
             stored = output.every > 0 ? (steps - 1) / output.every : scene::Output::most_frames;
-  const auto times = static_cast<std::size_t>(stored + 2);
+  const auto times =
+      static_cast<std::size_t>(stored + 3); // with the first, the last and that of the largest force
   if (!fields.empty())
     state_.emplace(problem_.space, folder, "state.xdmf", fields, times);
   const bool stresses = output.field(Field::stress) || output.field(Field::von_mises);
@@ -102,8 +104,16 @@ void MotionWriter::operator()(const forward::Frame& frame) {
   }
   const auto timer = problem_.timers.time("output");
   add_rows(frame, balance);
-  if (signorini::stored(problem_.stepper.grid(), frame.k, problem_.scene.output.every, frame.last))
-    store(frame);
+  const bool regular =
+      signorini::stored(problem_.stepper.grid(), frame.k, problem_.scene.output.every, frame.last);
+  if (regular)
+    store({frame.k, frame.y1, frame.v1, frame.contact});
+  if (largest_force_.observe(forces_.all().normal_force)) {
+    if (regular)
+      aside_.reset();
+    else
+      put_aside(frame);
+  }
 }
 
 void MotionWriter::weigh(const forward::Frame& frame, forward::StepBalance& balance) {
@@ -145,38 +155,65 @@ void MotionWriter::add_rows(const forward::Frame& frame, const forward::StepBala
     });
 }
 
-void MotionWriter::store(const forward::Frame& frame) {
-  if (contact_) {
-    text_.clear();
-    contact_table_->add_rows(text_, frame.k, problem_.stepper.grid(), frame.contact);
-    contact_->append(text_);
-  }
-  if (state_)
-    store_fields(frame);
-  ++stored_;
+const std::string& MotionWriter::contact_rows(int k, const contact::ContactState& contact) {
+  text_.clear();
+  contact_table_->add_rows(text_, k, problem_.stepper.grid(), contact);
+  return text_;
 }
 
-void MotionWriter::store_fields(const forward::Frame& frame) {
+void MotionWriter::store(const Snapshot& now) {
+  if (contact_)
+    contact_->append(contact_rows(now.k, now.contact));
+  if (state_)
+    store_fields(now, stored_.size());
+  stored_.push_back(now.k);
+}
+
+void MotionWriter::put_aside(const forward::Frame& frame) {
+  if (!aside_)
+    aside_ = {.k = 0, .y = problem_.space.vector(), .v = problem_.space.vector(), .contact = {}, .rows = 0};
+  aside_->k = frame.k;
+  aside_->contact = frame.contact;
+  aside_->rows = contact_ ? contact_->size() : 0;
+  if (!state_)
+    return;
+  petsc::check(VecCopy(frame.y1, aside_->y));
+  petsc::check(VecCopy(frame.v1, aside_->v));
+}
+
+void MotionWriter::insert(const Aside& peak) {
+  const auto place = std::ranges::lower_bound(stored_, peak.k);
+  if (contact_)
+    contact_->insert(peak.rows, contact_rows(peak.k, peak.contact));
+  if (state_) {
+    const auto number = static_cast<std::size_t>(place - stored_.begin());
+    state_->make_room(number);
+    store_fields({peak.k, peak.y, peak.v, peak.contact}, number);
+  }
+  stored_.insert(place, peak.k);
+}
+
+void MotionWriter::store_fields(const Snapshot& now, std::size_t number) {
   const scene::Output& output = problem_.scene.output;
-  const double t = problem_.stepper.grid().time(frame.k);
+  const double t = problem_.stepper.grid().time(now.k);
   const auto write = [&](Field field, auto&& values) {
     if (output.field(field))
-      state_->write(scene::name(field), static_cast<std::size_t>(stored_), t, values());
+      state_->write(scene::name(field), number, t, values());
   };
-  write(Field::displacement, [&] { return frame.y1; });
-  write(Field::velocity, [&] { return frame.v1; });
+  write(Field::displacement, [&] { return now.y; });
+  write(Field::velocity, [&] { return now.v; });
   if (cell_fields_)
-    cell_fields_->set(frame.y1, frame.v1);
+    cell_fields_->set(now.y, now.v);
   for (const auto& [field, of_cells] : {std::pair{Field::strain, fem::CellField::strain},
                                         {Field::stress, fem::CellField::stress},
                                         {Field::von_mises, fem::CellField::von_mises}})
     write(field, [&] { return (*cell_fields_)(of_cells); });
   if (largest_stress_)
-    largest_stress_->observe(*cell_fields_, frame.y1, frame.v1, t);
+    largest_stress_->observe(*cell_fields_, now.y, now.v, t);
   write(Field::pressure, [&] {
-    const double impulse = problem_.stepper.grid().scheme(frame.k).impulse();
+    const double impulse = problem_.stepper.grid().scheme(now.k).impulse();
     return contact::at_nodes(problem_.space, *problem_.stepper.pairs(),
-                             (*pressure_)(frame.contact.lambda, impulse));
+                             (*pressure_)(now.contact.lambda, impulse));
   });
 }
 
@@ -195,6 +232,8 @@ std::vector<forward::Warning> MotionWriter::warnings() {
 
 void MotionWriter::finish() {
   const auto timer = problem_.timers.time("output");
+  if (aside_)
+    insert(*aside_);
   for (std::optional<io::TextFile>* file : {&steps_, &contact_, &obstacles_, &probes_})
     if (*file)
       (*file)->close();

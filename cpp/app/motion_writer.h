@@ -17,7 +17,8 @@
 namespace signorini {
 
 /// Whether a run stores fields and contact of step k: every n-th or, where that is 0, the first after each of
-/// Output::most_frames equal parts of the time; the initial state, and the last step that it makes.
+/// Output::most_frames equal parts of the time; the initial state, and the last step that it makes. The step
+/// of the largest contact force is stored as well, wherever it is.
 bool stored(const forward::TimeGrid& grid, int k, int every, bool last);
 
 /// Writes steps.csv, contact.csv, obstacles.csv, probes.csv and state.xdmf of a motion frame by frame, as the
@@ -42,8 +43,8 @@ public:
   /// The sums of the motion; null without the balances of its steps, for which nothing has asked.
   [[nodiscard]] const forward::MotionSummary* summary() const { return summary_ ? &*summary_ : nullptr; }
 
-  /// Times at which fields and contact were stored.
-  [[nodiscard]] int stored() const { return stored_; }
+  /// Steps of which fields and contact were stored, ascending; complete after finish().
+  [[nodiscard]] const std::vector<int>& stored() const { return stored_; }
 
   /// The largest von Mises stress of a cell at the stored times; absent if no stress is stored. Collective.
   [[nodiscard]] std::optional<forward::LargestStress::Peak> von_mises() {
@@ -53,7 +54,8 @@ public:
   /// Warnings where the motion leaves the range of the model, or the mesh does not resolve it. Collective.
   [[nodiscard]] std::vector<forward::Warning> warnings();
 
-  /// Closes the files. Collective. Throws UserError, WriteFailure.
+  /// Stores the step of the largest contact force, and closes the files. Collective. Throws UserError,
+  /// WriteFailure.
   void finish();
 
 private:
@@ -62,8 +64,25 @@ private:
   void open_tables(const io::OutputFolder& folder, bool probed);
   /// Opens state.xdmf if a field in it is asked for.
   void open_state(const io::OutputFolder& folder);
-  void store(const forward::Frame& frame);
-  void store_fields(const forward::Frame& frame);
+  /// The state and contact after step k.
+  struct Snapshot {
+    int k;
+    Vec y, v;
+    const contact::ContactState& contact;
+  };
+  /// A step that is to be stored unless a later one has a larger contact force.
+  struct Aside {
+    int k;
+    petsc::Vector y, v; ///< with fields
+    contact::ContactState contact;
+    std::streamoff rows; ///< where those of the step belong in contact.csv
+  };
+  void put_aside(const forward::Frame& frame);
+  void store(const Snapshot& now);
+  void store_fields(const Snapshot& now, std::size_t number);
+  void insert(const Aside& peak);
+  /// The rows of contact.csv.
+  [[nodiscard]] const std::string& contact_rows(int k, const contact::ContactState& contact);
 
   const Problem& problem_;
   const control::Objective* objective_;
@@ -81,7 +100,9 @@ private:
   std::optional<io::FieldFile> state_;
   std::optional<fem::CellFields> cell_fields_;
   std::optional<forward::LargestStress> largest_stress_;
-  int stored_ = 0;             ///< times
+  std::vector<int> stored_; ///< steps
+  forward::LargestForce largest_force_;
+  std::optional<Aside> aside_; ///< the step of the largest force, where that is not stored yet
   std::string text_;           ///< buffer of rows
   std::vector<double> values_; ///< buffer of a row
 };

@@ -190,8 +190,9 @@ void write_optimum(io::OutputFolder& folder, const Problem& problem, const scene
   folder.write("scene.toml", scene::echo(scene, problem.space.dim()));
   MotionWriter recorder(problem, folder, &reduced.objective(), true);
   write_motion(problem, reduced, recorder);
-  write_control(folder, problem, reduced.controls(), reduced.control(),
-                [&](const auto& store) { reduced.adjoint_states(store); });
+  write_control(
+      folder, problem, reduced.controls(), reduced.control(),
+      [&](const auto& store) { reduced.adjoint_states(store); }, recorder.stored());
   const double first_norm = found.first_norm;
   console.line("stopped: " + optimize::name(found.stop) + going_on(found.stop, scene.optimizer));
   io::Manifest m = manifest(problem, "optimize", optimize::name(found.stop), reduced.trajectory().steps());

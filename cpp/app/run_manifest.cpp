@@ -116,7 +116,7 @@ void add_watched(io::Manifest& manifest, MotionWriter& recorder, const scene::Ru
     manifest.impact = summary->impact();
   }
   manifest.von_mises = recorder.von_mises();
-  manifest.stored = recorder.stored();
+  manifest.stored = static_cast<int>(recorder.stored().size());
   if (recorder.invariants())
     manifest.invariants.assign(recorder.invariants()->defects().begin(),
                                recorder.invariants()->defects().end());

@@ -153,10 +153,13 @@ std::string cost_line(const io::Manifest& manifest, const scene::Scene& scene, c
     text += scene.output.every == 0
                 ? fmt::format(", fields and contact at {} times (output.every = 1: of every step)",
                               manifest.stored)
-                : fmt::format(", fields and contact of {} (output.every = {})",
-                              scene.output.every == 1 ? "every step"
-                                                      : fmt::format("one step in {}", scene.output.every),
-                              scene.output.every);
+                : fmt::format(
+                      ", fields and contact of {} (output.every = {})",
+                      scene.output.every == 1
+                          ? "every step"
+                          : fmt::format("one step in {}{}", scene.output.every,
+                                        scene.contacts.empty() ? "" : " and of that with the largest force"),
+                      scene.output.every);
   constexpr double noticeable = 1; // s
   if (seconds("output") > std::max(noticeable, 2 * seconds("forward")))
     text += "; output took longest: output.every, output.fields and output.tables say what is stored";

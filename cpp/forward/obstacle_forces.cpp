@@ -47,4 +47,12 @@ void ObstacleForces::observe(const Frame& frame) {
     add_impulse(one, tau);
 }
 
+bool LargestForce::observe(double force) {
+  constexpr double rounding = 1e-9; // of a step's solution, relative
+  if (!(force > (1 + rounding) * largest_))
+    return false;
+  largest_ = force;
+  return true;
+}
+
 } // namespace signorini::forward

@@ -36,4 +36,15 @@ private:
   ObstacleForce all_;
 };
 
+/// Finds the step of the largest contact force of a motion: of those whose forces differ by rounding alone
+/// the first, which is the same on any number of ranks.
+class LargestForce {
+public:
+  /// Takes the normal force of the next step, N; whether it is the largest so far.
+  bool observe(double force);
+
+private:
+  double largest_ = 0;
+};
+
 } // namespace signorini::forward

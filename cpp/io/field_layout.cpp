@@ -5,6 +5,7 @@
 #include <dolfinx/fem/FunctionSpace.h>
 #include <dolfinx/la/Vector.h>
 #include <dolfinx/mesh/Mesh.h>
+#include <functional>
 #include <numeric>
 
 namespace signorini::io {
@@ -62,16 +63,21 @@ std::size_t components(Values values, int dim) {
 
 bool in_cells(Values values) { return values != Values::nodal && values != Values::nodal_scalar; }
 
-std::size_t stored_components(Values values) {
+std::vector<std::size_t> stored_shape(Values values) {
   switch (values) {
   case Values::nodal:
   case Values::cellwise:
-    return padded;
+    return {padded};
   case Values::cellwise_tensor:
-    return padded * padded;
+    return {padded, padded};
   default:
-    return 1;
+    return {1};
   }
+}
+
+std::size_t stored_components(Values values) {
+  const std::vector<std::size_t> shape = stored_shape(values);
+  return std::accumulate(shape.begin(), shape.end(), std::size_t(1), std::multiplies<>());
 }
 
 FieldLayout::FieldLayout(const fem::Space& space)

@@ -11,7 +11,10 @@ enum class Values { nodal, cellwise, nodal_scalar, cellwise_scalar, cellwise_ten
 /// Whether a field has a value for each cell, else for each node.
 [[nodiscard]] bool in_cells(Values values);
 
-/// Numbers of a stored value: vectors have three components in the plane too, tensors nine.
+/// The shape of a stored value: vectors have 3 components in the plane too, tensors 3 × 3.
+[[nodiscard]] std::vector<std::size_t> stored_shape(Values values);
+
+/// Its number of entries.
 [[nodiscard]] std::size_t stored_components(Values values);
 
 /// The mesh as field files have it, nodes and cells in the order of the ranks, and the values of fields in

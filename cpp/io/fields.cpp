@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/fields.h"
 #include "io/output_failure.h"
-#include "io/xdmf_index.h"
 #include <H5Epublic.h>
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <fmt/format.h>
+#include <iterator>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 namespace signorini::io {
 namespace {
@@ -33,12 +34,12 @@ Opened make_group(hid_t place, const char* name) {
 } // namespace
 
 FieldFile::FieldFile(const fem::Space& space, const OutputFolder& folder, const std::string& name,
-                     const std::vector<Field>& fields, std::size_t times)
+                     std::vector<FieldSeries> fields, std::size_t times)
     : space_(space), folder_(folder), name_(name),
       data_(std::filesystem::path(name).replace_extension(".h5").string()), layout_(space),
-      file_(H5I_INVALID_HID, H5Fclose), layout_list_(H5I_INVALID_HID, H5Pclose) {
-  for (const Field& field : fields)
-    series_.push_back({field, Opened(H5I_INVALID_HID, H5Gclose)});
+      file_(H5I_INVALID_HID, H5Fclose), layout_list_(H5I_INVALID_HID, H5Pclose), fields_(std::move(fields)) {
+  for (std::size_t i = 0; i < fields_.size(); ++i)
+    datasets_.push_back({Opened(H5I_INVALID_HID, H5Gclose)});
   require_room(times);
   const std::vector<double> points = layout_.points();
   const std::vector<std::int64_t> topology = layout_.topology();
@@ -48,9 +49,9 @@ FieldFile::FieldFile(const fem::Space& space, const OutputFolder& folder, const 
 void FieldFile::require_room(std::size_t times) const {
   constexpr double headers = 1024; // bytes of a dataset's header and of the XDMF text about it
   double needed = 0;
-  for (const Series& series : series_)
-    needed += headers + sizeof(double) * static_cast<double>(layout_.rows(series.field.values) *
-                                                             stored_components(series.field.values));
+  for (const FieldSeries& field : fields_)
+    needed += headers + sizeof(double) *
+                            static_cast<double>(layout_.rows(field.values) * stored_components(field.values));
   needed *= static_cast<double>(times);
   needed += sizeof(double) * static_cast<double>(layout_.nodes() + layout_.cells()) * (space_.dim() + 1);
   write_on_root(space_.comm(), [&] {
@@ -84,9 +85,9 @@ bool FieldFile::open(std::span<const double> points, std::span<const std::int64_
       mesh && functions &&
       put(mesh, "geometry", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, {layout_.nodes(), dim}, points.data()) &&
       put(mesh, "topology", H5T_STD_I64LE, H5T_NATIVE_INT64, {layout_.cells(), dim + 1}, topology.data());
-  for (Series& series : series_) {
-    series.group = make_group(functions, series.field.name.c_str());
-    good = good && series.group;
+  for (std::size_t i = 0; i < fields_.size(); ++i) {
+    datasets_[i].group = make_group(functions, fields_[i].name.c_str());
+    good = good && datasets_[i].group;
   }
   return good;
 }
@@ -105,36 +106,49 @@ void FieldFile::write(const std::string& field, std::size_t number, double time,
 
 void FieldFile::write(const std::string& field, std::size_t number, double time,
                       std::span<const double> owned) {
-  const auto series = std::ranges::find(
-      series_, field, [](const Series& one) -> const std::string& { return one.field.name; });
-  if (series == series_.end())
+  const auto series = std::ranges::find(fields_, field, &FieldSeries::name);
+  if (series == fields_.end())
     throw std::logic_error("a field that the file was not opened for");
-  const Values values = series->field.values;
-  const std::span<const double> rows = layout_.gather(values, owned);
+  Datasets& datasets = datasets_[static_cast<std::size_t>(series - fields_.begin())];
+  const std::span<const double> rows = layout_.gather(series->values, owned);
+  std::vector<hsize_t> shape{layout_.rows(series->values)};
+  std::ranges::copy(stored_shape(series->values), std::back_inserter(shape));
   guarded([&] {
-    return put(series->group, numbered(number).c_str(), H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE,
-               {layout_.rows(values), stored_components(values)}, rows.data());
+    return put(datasets.group, numbered(number).c_str(), H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, shape,
+               rows.data());
   });
-  ++series->written;
+  ++datasets.written;
   times_.resize(std::max(times_.size(), number + 1));
   times_[number] = time;
 }
 
+void FieldFile::make_room(std::size_t number) {
+  guarded([&] {
+    bool good = true;
+    for (const Datasets& one : datasets_)
+      for (std::size_t i = times_.size(); good && i-- > number;)
+        good = H5Lmove(one.group, numbered(i).c_str(), one.group, numbered(i + 1).c_str(), H5P_DEFAULT,
+                       H5P_DEFAULT) >= 0;
+    return good;
+  });
+  times_.insert(times_.begin() + static_cast<std::ptrdiff_t>(number), 0);
+}
+
 void FieldFile::close() {
-  if (std::ranges::any_of(series_, [&](const Series& one) { return one.written != times_.size(); }))
+  if (std::ranges::any_of(datasets_, [&](const Datasets& one) { return one.written != times_.size(); }))
     throw std::logic_error("the fields of a file have different times");
   guarded([&] {
     bool good = put(file_, "times", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, {times_.size()}, times_.data());
-    for (Series& series : series_)
-      good = series.group.finish() && good;
+    for (Datasets& one : datasets_)
+      good = one.group.finish() && good;
     good = H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0 && good;
     return file_.finish() && good;
   });
   const XdmfIndex index(data_, space_.dim(), layout_.nodes(), layout_.cells());
   TextFile text(folder_, name_);
-  text.append(index.begin());
-  for (const Series& series : series_)
-    text.append(index.field(series.field.name, series.field.values, times_));
+  text.append(XdmfIndex::begin());
+  for (std::size_t i = 0; i < times_.size(); ++i)
+    text.append(index.time(i, times_[i], fields_));
   text.append(XdmfIndex::end());
   text.close();
 }

@@ -4,6 +4,7 @@
 #include "base/petsc.h"
 #include "io/field_layout.h"
 #include "io/output_folder.h"
+#include "io/xdmf_index.h"
 #include <string>
 #include <vector>
 
@@ -16,29 +17,28 @@ namespace signorini::io {
 /// however many came before.
 class FieldFile {
 public:
-  struct Field {
-    std::string name;
-    Values values;
-  };
-
   /// Opens the HDF5 file of `name` (.xdmf) for fields at `times` times at most. Collective. The references
   /// must outlive this object. Throws OutputFailure if the file cannot be written, or the disk has no room
   /// for all.
   FieldFile(const fem::Space& space, const OutputFolder& folder, const std::string& name,
-            const std::vector<Field>& fields, std::size_t times);
+            std::vector<FieldSeries> fields, std::size_t times);
 
   /// Writes a field at the `number`-th of the times, `time` (s), from 0 on and in any order: its values that
   /// this rank owns, at the nodes of V or in the cells. Collective. Throws OutputFailure.
   void write(const std::string& field, std::size_t number, double time, std::span<const double> owned);
   void write(const std::string& field, std::size_t number, double time, Vec values);
 
+  /// Moves the times from the `number`-th on one place back; all fields are to be written at the place that
+  /// is free then. Collective. Throws UserError.
+  void make_room(std::size_t number);
+
   /// Writes the XDMF file; all fields must have been written at the same times, without a gap. Collective.
   /// Throws OutputFailure.
   void close();
 
 private:
-  struct Series {
-    Field field;
+  /// Datasets of a field.
+  struct Datasets {
     Opened group;
     std::size_t written = 0; ///< number of times
   };
@@ -57,8 +57,9 @@ private:
   std::string name_, data_; ///< of the two files
   FieldLayout layout_;
   Opened file_, layout_list_; ///< on rank 0
-  std::vector<Series> series_;
-  std::vector<double> times_; ///< s
+  std::vector<FieldSeries> fields_;
+  std::vector<Datasets> datasets_; ///< of each field
+  std::vector<double> times_;      ///< s
 };
 
 } // namespace signorini::io

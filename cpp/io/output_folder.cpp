@@ -4,6 +4,7 @@
 #include "io/publication.h"
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <fmt/format.h>
 
 namespace signorini::io {
@@ -132,7 +133,7 @@ void OutputFolder::write(const std::string& name, const std::string& text) const
 
 TextFile::TextFile(const OutputFolder& folder, const std::string& name) : folder_(folder), name_(name) {
   if (rank(folder.comm()) == 0)
-    out_.open(folder.staged(name), std::ios::binary);
+    out_.open(folder.staged(name), std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc);
   error_ = out_ ? 0 : errno;
 }
 
@@ -140,8 +141,30 @@ void TextFile::append(std::string_view text) {
   if (rank(folder_.comm()) != 0 || error_ != 0)
     return;
   errno = 0;
+  size_ += static_cast<std::streamoff>(text.size());
   if (!(out_ << text))
     error_ = errno;
+}
+
+void TextFile::insert(std::streamoff at, std::string_view text) {
+  if (rank(folder_.comm()) != 0 || error_ != 0)
+    return;
+  errno = 0;
+  constexpr std::streamoff most = 1 << 20; // bytes moved at once, the last ones first
+  const auto length = static_cast<std::streamoff>(text.size());
+  std::string block;
+  for (std::streamoff end = size_; out_ && end > at;) {
+    const std::streamoff begin = std::max(at, end - most);
+    block.resize(static_cast<std::size_t>(end - begin));
+    out_.seekg(begin).read(block.data(), end - begin);
+    out_.seekp(begin + length) << block;
+    end = begin;
+  }
+  out_.seekp(at) << text;
+  out_.seekp(0, std::ios::end);
+  size_ += length;
+  if (!out_)
+    error_ = errno != 0 ? errno : EIO;
 }
 
 void TextFile::close() {

@@ -70,14 +70,21 @@ public:
   /// Appends on rank 0. Not collective; a failure is reported by close().
   void append(std::string_view text);
 
+  /// Bytes appended so far; on rank 0. Not collective.
+  [[nodiscard]] std::streamoff size() const { return size_; }
+
+  /// Inserts a text after the first `at` bytes, on rank 0. Not collective; a failure is reported by close().
+  void insert(std::streamoff at, std::string_view text);
+
   /// Collective. Throws OutputFailure if not all of it could be written.
   void close();
 
 private:
   const OutputFolder& folder_;
   std::string name_;
-  std::ofstream out_; ///< open on rank 0
-  int error_ = 0;     ///< errno of the first failure
+  std::fstream out_; ///< open on rank 0
+  std::streamoff size_ = 0;
+  int error_ = 0; ///< errno of the first failure
 };
 
 } // namespace signorini::io

@@ -499,13 +499,14 @@ Keys<Probe> keys_of(Of<Probe>) {
 
 Keys<Output> keys_of(Of<Output>) {
   return {
-      value("every", &Output::every, Whole{1, Time::most_steps}, "steps",
-            "between stored fields and contact; the last step is stored too. Other tables have a row for "
-            "each step",
-            {.otherwise = fmt::format("the least of 1, 2, 5, 10, … that stores {0} at most; with "
-                                      "`time.step = \"auto\"` the first step after each {0}th of the time",
-                                      Output::most_frames)},
-            [](const Output& output) { return output.every > 0; }),
+      value(
+          "every", &Output::every, Whole{1, Time::most_steps}, "steps",
+          "between stored fields and contact; the last step and that of the largest contact force are stored "
+          "too. Other tables have a row for each step",
+          {.otherwise = fmt::format("the least of 1, 2, 5, 10, … that stores {0} at most; with "
+                                    "`time.step = \"auto\"` the first step after each {0}th of the time",
+                                    Output::most_frames)},
+          [](const Output& output) { return output.every > 0; }),
       value("fields", &Output::fields, Set<StoredField>{}, "",
             "those stored, where the verb has them, `\"strain\"` to `\"pressure\"` only if named (see "
             "Stress and "

@@ -221,7 +221,7 @@ class Page:
 
 class Field:
     """A field over time. Values are read from the file when they are asked for: field[3] those of one stored time, field.values
-    all of them (times × nodes × components)."""
+    all of them (times × nodes or cells × components; of strain and stress times × cells × 3 × 3)."""
 
     def __init__(self, name: str, run: Run, series: object) -> None:
         self.name = name
@@ -250,12 +250,11 @@ class Field:
         return len(self._series.times)
 
     def __getitem__(self, index: int) -> np.ndarray:
-        """The values at times[index]. (nodes × components)"""
+        """The values at times[index]. (nodes or cells × components, of a tensor × 3 × 3)"""
         with self._run._told():
-            values = self._series.components(range(len(self))[index])
-        return values[:, : self.mesh.points.shape[1]] if values.shape[1] == 3 else values
+            return self._series.values(range(len(self))[index])
 
     @cached_property
     def values(self) -> np.ndarray:
-        """All values. (times × nodes × components)"""
+        """All values. (times × nodes or cells × components, of a tensor × 3 × 3)"""
         return np.array([self[index] for index in range(len(self))])

@@ -5,6 +5,7 @@ import csv
 import json
 import re
 import shutil
+import subprocess
 import sys
 import tempfile
 import tomllib
@@ -12,7 +13,7 @@ import xml.etree.ElementTree as xml
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import HALF_BALL, HALF_DISC, SIGNORINI, SOURCE, attempt, captured, grids, signorini, table  # noqa: E402
+from harness import HALF_BALL, HALF_DISC, SIGNORINI, SOURCE, attempt, captured, grids, signorini, table, toml  # noqa: E402
 
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
@@ -35,13 +36,14 @@ def optimize_folder(out: Path) -> None:
     signorini("optimize", HALF_DISC, out, mesh__size=2, optimizer__max_iterations=4, output__every=50)
     assert header(out / "steps.csv") == STEPS + ",tracking_error" + LAST
     assert header(out / "contact.csv") == CONTACT and header(out / "history.csv") == HISTORY
-    stored = [0, 50 * 5e-5, 100 * 5e-5, 150 * 5e-5]
+    peak = int(table(out / "steps.csv")["normal_force"].argmax())
+    stored = 5e-5 * np.array(sorted({0, 50, 100, 150, peak}))  # the step of the largest force too
     assert {k: np.allclose(v, stored, rtol=1e-12, atol=0) for k, v in grids(out / "state.xdmf").items()} == {"displacement": True, "velocity": True}
     for name in ("control", "adjoint"):
         assert np.allclose(grids(out / f"{name}.xdmf")[name], stored[1:], rtol=1e-12, atol=0)
     run = json.loads((out / "run.json").read_text())
     contact, steps, history = (table(out / f"{name}.csv") for name in ("contact", "steps", "history"))
-    assert len(contact["step"]) == 4 * run["candidates"] and len(steps["step"]) == 151
+    assert len(contact["step"]) == len(stored) * run["candidates"] and len(steps["step"]) == 151
     assert run["stop_reason"] == "iteration limit" and len(history["iteration"]) == 5
     assert np.isclose(run["objective"]["value"], history["objective"][-1], rtol=1e-15, atol=0)
     assert np.allclose(history["tracking"] + history["terminal"] + history["control_cost"], history["objective"], rtol=1e-14, atol=0)
@@ -123,16 +125,50 @@ def index_of_many_times(folder: Path) -> None:
             texts[every] = (out / "state.xdmf").read_text()
             with h5py.File(out / "state.h5") as file:
                 fields[every] = {name: [values[:] for values in group.values()] for name, group in file["Function"].items()}
-        assert {len(times) for times in runs[1].values()} == {151} and {len(times) for times in runs[75].values()} == {3}
+        whole, part = folder / f"index-{ranks}-1", folder / f"index-{ranks}-75"
+        force = table(whole / "steps.csv")["normal_force"]
+        peak = int(force.argmax())
+        assert force[peak] > (1 + 1e-6) * np.delete(force, peak).max() and peak not in (0, 75, 150), "the largest force is stored anyway"
+        stored = sorted((0, 75, 150, peak))
+        assert {len(times) for times in runs[1].values()} == {151} and {len(times) for times in runs[75].values()} == {4}
         assert set(runs[1]) == set(runs[75]) == set(fields[75]) and len(runs[1]) == 5
         for name, values in fields[75].items():
-            assert runs[1][name][::75] == runs[75][name] and abs(values[-1]).max() > 0, name
-            rounding = 0 if ranks == 1 else 1e-10 * abs(values[-1]).max()  # MUMPS adds in the order in which messages come
-            assert all(np.abs(a - b).max() <= rounding for a, b in zip(fields[1][name][::75], values)), name
+            assert [runs[1][name][step] for step in stored] == runs[75][name] and abs(values[-1]).max() > 0, name
+            rounding = 0 if ranks == 1 else 1e-10 * max(abs(value).max() for value in values)  # MUMPS adds in the order in which messages come
+            assert all(np.abs(fields[1][name][step] - b).max() <= rounding for step, b in zip(stored, values)), name
         head, *every_time = re.split(r"(?=      <Grid )", re.sub(r"/\d{8}<", "<", texts[1]))
         head_of_few, *few_times = re.split(r"(?=      <Grid )", re.sub(r"/\d{8}<", "<", texts[75]))
-        assert head == head_of_few and len(every_time) == 5 * 151 and set(few_times) <= set(every_time)
-    print("the index of 151 times says of three what that of three does, on one rank and two")
+        assert head == head_of_few and len(every_time) == 151 and set(few_times) <= set(every_time)
+        all_rows, rows = table(whole / "contact.csv"), table(part / "contact.csv")
+        own = np.isin(all_rows["step"], stored)
+        assert json.loads((part / "run.json").read_text())["steps"]["stored"] == 4 and list(dict.fromkeys(rows["step"])) == stored
+        for column in ("step", "x", "y", "gap", "force", "pressure"):
+            off = np.abs(all_rows[column][own] - rows[column])
+            assert np.max(off) <= (0 if ranks == 1 else 1e-10 * np.abs(rows[column]).max()), column
+    print("the index of 151 times says of four what that of four does, with the step of the largest force, on one rank and two")
+
+
+def largest_force_after_restart(folder: Path) -> None:
+    """A search that stopped and went on stores what one without a stop does, the step of the largest force too, in all files."""
+    given = {"mesh__size": 3, "output__every": 75, "optimizer__method": "lbfgs", "control__initial": ["0", "-1"]}
+    once, twice = folder / "once", folder / "twice"
+    signorini("optimize", HALF_DISC, once, optimizer__max_iterations=3, **given)
+    signorini("optimize", HALF_DISC, twice, optimizer__max_iterations=1, **given)
+    command = [str(SIGNORINI), "optimize", str(HALF_DISC), "--out", str(twice), "--resume", "--quiet"]
+    for key, value in (given | {"optimizer__max_iterations": 3}).items():
+        command += ["--set", f"{key.replace('__', '.')}={toml(value)}"]
+    subprocess.run(command, check=True)
+    steps = table(once / "steps.csv")
+    peak = int(steps["normal_force"].argmax())
+    assert steps["normal_force"][peak] > 0 and peak not in (0, 75, 150), "the largest force is stored anyway"
+    stored = sorted((0, 75, 150, peak))
+    for out in (once, twice):
+        assert list(dict.fromkeys(table(out / "contact.csv")["step"])) == stored, out
+        assert np.allclose(grids(out / "state.xdmf")["displacement"], steps["time"][stored], rtol=1e-9, atol=0)
+        for name in ("control", "adjoint"):
+            assert np.allclose(grids(out / f"{name}.xdmf")[name], steps["time"][stored[1:]], rtol=1e-9, atol=0)
+    assert (once / "contact.csv").read_bytes() == (twice / "contact.csv").read_bytes()
+    print("the step of the largest force is stored, after a restart too")
 
 
 def degree_two(folder: Path) -> None:
@@ -155,7 +191,9 @@ def half_ball(folder: Path) -> None:
                   optimizer__max_iterations=0, control__initial=["0", "0", "-1"])  # fmt: skip
         assert header(out / "steps.csv") == STEPS_IN_SPACE + ",tracking_error" + LAST
         assert header(out / "contact.csv") == CONTACT_IN_SPACE
-        stored = [0, 2.5e-3, 5e-3, 7.5e-3]
+        force = table(out / "steps.csv")["normal_force"]
+        kept = sorted({0, 10, 20, 30, int(force.argmax())})
+        stored = [2.5e-4 * step for step in kept]
         assert np.allclose(grids(out / "state.xdmf")["displacement"], stored, rtol=1e-12, atol=0)
         assert np.allclose(grids(out / "control.xdmf")["control"], stored[1:], rtol=1e-12, atol=0)
         topology = xml.parse(out / "state.xdmf").find(".//Topology")
@@ -174,9 +212,9 @@ def half_ball(folder: Path) -> None:
         distance = np.linalg.norm(points[:, None] - places, axis=2)
         vertex, node = distance.min(axis=0) < 1e-9, distance.argmin(axis=0)  # degree 2 has candidates between vertices
         assert vertex.any() and (vertex.all() if degree == 1 else not vertex.all())
-        gap = points[node, 2] + fields[1][node, 2] + 15.75
+        gap = points[node, 2] + fields[kept.index(10)][node, 2] + 15.75
         assert np.allclose(gap[vertex], contact["gap"][now][vertex], rtol=0, atol=1e-9)
-        assert abs(fields[3][points[:, 2] > -1e-9]).max() < 1e-14, "the clamp moved"  # MUMPS and interpolation round
+        assert abs(fields[-1][points[:, 2] > -1e-9]).max() < 1e-14, "the clamp moved"  # MUMPS and interpolation round
         assert np.isclose(contact["force"][now].sum(), steps["contact_force_z"][10], rtol=1e-12, atol=0)
     print("in space: z columns, tetrahedra, fields at their nodes, on several ranks and with degree 2 too")
 
@@ -261,6 +299,7 @@ def main() -> int:
         nodal_force_is_the_resultant(out)
         no_old_page_stays(folder)
         index_of_many_times(folder)
+        largest_force_after_restart(folder)
         degree_two(folder)
         half_ball(folder)
         only_what_is_asked_for(folder)

@@ -2,6 +2,7 @@
 """Pages of runs with several obstacles, with tables and fields of known numbers, in space, and of two runs side by side."""
 
 import json
+import re
 import sys
 import tempfile
 from pathlib import Path
@@ -79,10 +80,7 @@ def with_known_fields(out: Path) -> None:
     """A stress, its equivalent and a pressure whose values are known at every node."""
     nodes, cells, _ = stored(out, "state", "displacement")
     text = (out / "state.xdmf").read_text()
-    start = text.index('    <Grid Name="displacement" GridType="Collection"')
-    end = "\n    </Grid>\n"
-    series = text[start: text.index(end, start) + len(end)]
-    added = ""
+    pattern = re.compile(r' *<Attribute Name="displacement".*?</Attribute>\n', re.DOTALL)
     with h5py.File(out / "state.h5", "a") as data:
         names = list(data["Function/displacement"])
         for field, kind, center, make_values in (
@@ -92,9 +90,9 @@ def with_known_fields(out: Path) -> None:
         ):
             for name in names:
                 data[f"Function/{field}/{name}"] = make_values()
-            added += (series.replace("displacement", field).replace('AttributeType="Vector"', f'AttributeType="{kind}"')
-                      .replace('Center="Node"', f'Center="{center}"'))  # fmt: skip
-    (out / "state.xdmf").write_text(text.replace("  </Domain>", added + "  </Domain>"))
+            text = pattern.sub(lambda found: found[0] + found[0].replace("displacement", field).replace('AttributeType="Vector"', f'AttributeType="{kind}"')
+                               .replace('Center="Node"', f'Center="{center}"'), text)  # fmt: skip
+    (out / "state.xdmf").write_text(text)
 
 
 def axes_of(reader: Reader, trace: str) -> np.ndarray:

@@ -178,8 +178,9 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   folder.write("scene.toml", scene::echo(scene, base.space.dim()));
   MotionWriter recorder(joint.problem(), folder, &control.objective, true);
   Simulated simulated = simulate_measured(joint.problem(), fit, joint.load(), recorder);
-  write_control(folder, joint.problem(), control.controls, joint.vector().u,
-                [&](const auto& store) { joint.adjoint_states(store); });
+  write_control(
+      folder, joint.problem(), control.controls, joint.vector().u,
+      [&](const auto& store) { joint.adjoint_states(store); }, recorder.stored());
   const std::vector<double>& x = joint.vector().x;
   io::Fit result = outcome(
       fit,
