@@ -6,16 +6,18 @@ Exit status 0: drawn; 2: the folder, a file or an option is wrong, or the run ha
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from files import NotInRun, Unreadable
 from run_folder import RunFolder
 
+Parents = Sequence[argparse.ArgumentParser]  # of options that all verbs share
 
-def arguments(description: str, timed: bool) -> argparse.Namespace:
+
+def arguments(description: str, timed: bool, parents: Parents = ()) -> argparse.Namespace:
     """Parses RUN_FOLDER and, where a figure shows one time, --time."""
-    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter, parents=parents)
     parser.add_argument("run_folder", type=Path, metavar="RUN_FOLDER", help="where a run left its files")
     if timed:
         parser.add_argument("--time", type=float, metavar="T",

@@ -17,7 +17,7 @@ import energy
 import measurements
 import objective
 import tracking_error
-from command_line import arguments, complain
+from command_line import Parents, arguments, complain
 from files import NotInRun, Unreadable
 from run_folder import RunFolder
 
@@ -57,8 +57,8 @@ def draw_all(run: RunFolder, time: float | None) -> int:
     return status
 
 
-def main() -> int:
-    given = arguments(__doc__, timed=True)
+def main(parents: Parents = ()) -> int:
+    given = arguments(__doc__, timed=True, parents=parents)
     try:
         run = RunFolder(given.run_folder)
         if given.time is not None:

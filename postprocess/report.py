@@ -19,7 +19,7 @@ from plotly.offline import get_plotlyjs
 import report_compare
 import report_run
 import report_study
-from command_line import complain
+from command_line import Parents, complain
 from files import NotInRun, Unreadable
 from report_parts import Page
 from run_folder import RunFolder
@@ -61,8 +61,8 @@ def compressed(text: str) -> str:
     return base64.b64encode(gzip.compress(text.encode(), 6, mtime=0)).decode()
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def main(parents: Parents = ()) -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, parents=parents)
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="where a run or a study left its files")
     parser.add_argument("other", type=Path, nargs="?", metavar="OTHER", help="where another run did, to be shown beside the first")
     given = parser.parse_args()

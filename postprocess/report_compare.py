@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+import report_fit
 import report_motion
 import report_probes
 import style
@@ -49,9 +50,11 @@ def sections_of(runs: Two, labels: list[str], gather: Gathering) -> list[Section
     search = [*curves("control-resultant", "Resultant of the control", "force", control_of(runs)),
               *gather("objective", over_iterations, runs, labels, "objective", "Objective"),
               *gather("gradient norm", over_iterations, runs, labels, "gradient_norm", "Gradient norm")]  # fmt: skip
+    fits = any(run.is_fit for run in runs)
+    search += gather("decrement", over_iterations, runs, labels, "decrement", "Decrement") if fits else []
     return [
         Section("scenes", "What differs in the scenes", tables=[scene_differences(runs, labels)]),
-        Section("results", "Results", tables=[results(runs, labels)]),
+        Section("results", "Results", tables=[results(runs, labels), *([unknowns(runs, labels)] if fits else [])]),
         Section("motion", "The bodies in motion", motions=both[0] if both else [], names=labels),
         Section("contact", "Contact", force),
         Section("energy", "Energies and probes", others),
@@ -93,6 +96,26 @@ def results(runs: Two, labels: list[str]) -> Table:
             units = unit(runs[0])
             rows.append([name, *("–" if value is None else shown(value, units) for value in found), *difference(found, units)])
     return Table("Differences are those of the second run from the first", ["Quantity", *labels, "Difference", "Relative"], rows)
+
+
+def unknowns(runs: Two, labels: list[str]) -> Table:
+    """What the fits among the runs found; a difference in its standard deviation, where both are identified."""
+    found = [{one["name"]: one for one in run.manifest.get("unknowns_fitted", [])} for run in runs]
+    rows = []
+    for name in dict.fromkeys([*found[0], *found[1]]):
+        ones = [fit.get(name) for fit in found]
+        cells = ["–" if one is None else report_fit.with_deviation(one) for one in ones]
+        rows.append([name, next(one["unit"] for one in ones if one), *cells, *in_deviations(ones)])
+    return Table("Unknowns that were fitted, with their standard deviations", ["Unknown", "Unit", *labels, "Difference", "In its deviations"], rows)
+
+
+def in_deviations(ones: list[dict | None]) -> list[str]:
+    """The second value less the first, and that over the deviation of a difference of independent data."""
+    if None in ones or None in (values := [one["value"] for one in ones]):
+        return ["–", "–"]
+    difference, deviations = values[1] - values[0], [one["standard_deviation"] for one in ones]
+    scale = 0.0 if None in deviations else float(np.hypot(*deviations))
+    return [f"{difference:.4g}", f"{difference / scale:+.2g}" if scale > 0 else "–"]
 
 
 def measured(measure: Callable[[RunFolder], float], run: RunFolder) -> float | None:
@@ -153,6 +176,8 @@ def depth(unit: str) -> Callable[[RunFolder], str]:
 
 MEASURES: dict[str, tuple[Callable[[RunFolder], float], Callable[[RunFolder], str]]] = {
     "Objective": (lambda run: run.manifest["objective"]["value"], objective_unit),
+    "Misfit, standard deviations": (lambda run: run.manifest["fit"]["misfit"], fixed("")),
+    "Objective of the fit": (lambda run: run.manifest["fit"]["objective"], fixed("")),
     "Iterations": (lambda run: run.manifest["optimizer"]["iterations"], fixed("")),
     "First contact, the start of its step": (lambda run: run.steps["time"][touching(run)[0]], fixed("s")),
     "In contact for": (lambda run: step(run)[touching(run)].sum(), fixed("s")),
@@ -252,18 +277,21 @@ def drawn_curve(curve: Callable[[RunFolder], Curve], run: RunFolder) -> Curve | 
 
 def over_iterations(runs: Two, labels: list[str], column: str, title: str) -> Chart:
     """A column of history.csv of each run that has one."""
-    curves, shown_values = [], []
+    curves, shown_values, units = [], [], []
     for label, run, look in zip(labels, runs, LOOKS):
         try:
             history = run.history
         except NotInRun:
             continue
-        if (history[column] > 0).any():
+        if column in history and (history[column] > 0).any():  # fits have other columns
             curves.append(line(label, history["iteration"], positive(history[column]), *look))
             shown_values.append(history[column])
+            units.append("" if run.is_fit else f" ({objective_unit(run)})")
     if not curves:
-        raise NotInRun("neither run is an optimization")
-    unit = f" ({objective_unit(runs[0])})" if column == "objective" else ""
+        raise NotInRun(f"history.csv of neither run has values of {column}")
+    if column == "objective" and len(set(units)) > 1:
+        raise NotInRun("J of a fit counts standard deviations, that of a control does not")
+    unit = units[0] if column == "objective" else ""
     view = figure(curves, "iteration", title.lower() + unit, yaxis=logarithmic(*shown_values))
     return Chart.single(column.replace("_", "-"), title, view)
 

@@ -67,6 +67,13 @@ def shown(value: float | None, digits: int) -> str:
     return "not told" if value is None else f"{value:.{digits}g}"
 
 
+def with_deviation(unknown: dict) -> str:
+    """The value of an unknown with its standard deviation."""
+    if unknown["value"] is None or unknown["standard_deviation"] is None:
+        return shown(unknown["value"], 6)
+    return f"{unknown['value']:.6g} ± {unknown['standard_deviation']:.3g}"
+
+
 def unknowns(run: RunFolder) -> Table:
     """What parameters.csv has."""
     rows = []

@@ -1,25 +1,47 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs the script of a verb of the program signorini, under the verb's name: verb.py report FOLDER…
 
-A package that is missing is told in one sentence, with exit status 2.
+A package that is missing is reported in one sentence, with exit status 2.
 """
 
+import argparse
 import importlib
+import os
 import sys
 
+MOST_THREADS = 1024
 SCRIPTS = {"report": "report", "figures": "figures", "plot": "watch"}
 
 
 def main() -> int:
     verb, *words = sys.argv[1:]
     sys.argv = [f"signorini {verb}", *words]  # which usage texts and errors begin with
+    shared = shared_options()
+    given, sys.argv[1:] = shared.parse_known_args(words)
+    if given.threads is not None and not 1 <= given.threads <= MOST_THREADS:
+        print(f"{sys.argv[0]}: --threads: found {given.threads}, allowed are 1 to {MOST_THREADS}", file=sys.stderr)
+        return 2
+    if given.threads:
+        # Read when the libraries are loaded.
+        os.environ.update({name: str(given.threads) for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")})
+    if given.quiet:
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")
     try:
         script = importlib.import_module(SCRIPTS[verb])
     except ModuleNotFoundError as missing:
         print(f"signorini {verb}: found no Python package {missing.name} ({sys.executable}), allowed is a python3 with numpy, h5py, "
               "matplotlib, jinja2 and plotly", file=sys.stderr)  # fmt: skip
         return 2
-    return script.main()
+    return script.main([shared])
+
+
+def shared_options() -> argparse.ArgumentParser:
+    """The options of all verbs."""
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("--threads", type=int, metavar="N",
+                        help="threads of numerical libraries (default: OMP_NUM_THREADS, else one per core)")  # fmt: skip
+    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    return parser
 
 
 if __name__ == "__main__":

@@ -1,35 +1,50 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objective, gradient norm and step length over the optimizer's iterations, drawn again while a run goes on.
+"""Objective, gradient norm and step length over the optimizer's iterations, of a fit decrement and damping, drawn again while a run goes on.
 
 Draws RUN_FOLDER/figures/convergence.png whenever history.csv has grown, and says so in one line; ends with the run, or at
 Ctrl-C. A run that is over is drawn once.
 """
 
 import argparse
+import json
+import os
+import socket
 import sys
 import time
 from pathlib import Path
 
 import style
-from command_line import complain
-from files import Table, Unreadable, read_csv
+from command_line import Parents, complain
+from files import NotInRun, Table, Unreadable, read_csv
 from matplotlib.figure import Figure
+from run_folder import RunFolder
+
+
+# Columns of history.csv, with their labels; those of a fit and of a search differ.
+PANELS = {"objective": ("objective $J_i$", style.BLUE), "gradient_norm": ("gradient norm", style.VERMILLION),
+          "decrement": ("decrement", style.VERMILLION), "step_length": ("step length", style.GREEN), "damping": ("damping", style.GREEN)}  # fmt: skip
 
 
 def draw(history: Table, path: Path) -> None:
     iteration = history["iteration"]
-    figure = Figure(figsize=(style.WIDTH, 7.2))
-    panels = figure.subplots(3, 1, sharex=True)
-    for axes, name, label, colour in zip(panels, ("objective", "gradient_norm", "step_length"),
-                                         ("objective $J_i$", "gradient norm", "step length"),
-                                         (style.BLUE, style.VERMILLION, style.GREEN)):  # fmt: skip
+    shown = {name: look for name, look in PANELS.items() if name in history}
+    figure = Figure(figsize=(style.WIDTH, 2.4 * len(shown)))
+    panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, (name, (label, colour)) in zip(panels, shown.items()):
         values = history[name]
-        shown = values > 0  # the first guess has no step
-        axes.semilogy(iteration[shown], values[shown], color=colour, marker="." if len(iteration) < 60 else None)
+        positive = values > 0  # the first guess has no step
+        axes.semilogy(iteration[positive], values[positive], color=colour, marker="." if len(iteration) < 60 else None)
         axes.set_ylabel(label)
     panels[-1].set_xlabel("iteration $i$")
     panels[0].set_title(f"after {history['seconds'][-1]:.0f} s", loc="left")
     style.save(figure, path)
+
+
+def last_line(history: Table) -> str:
+    """The last iteration in words."""
+    slope = next((name for name in ("gradient_norm", "decrement") if name in history), None)
+    parts = [f"J = {history['objective'][-1]:.6e}", *([f"{slope.replace('_', ' ')} {history[slope][-1]:.2e}"] if slope else [])]
+    return f"iteration {history['iteration'][-1]:.0f}: {', '.join(parts)}, {history['seconds'][-1]:.0f} s"
 
 
 def over(folder: Path) -> bool:
@@ -38,28 +53,54 @@ def over(folder: Path) -> bool:
     return manifest.is_file() and manifest.stat().st_mtime_ns >= (folder / "history.csv").stat().st_mtime_ns
 
 
+def at_work(folder: Path) -> bool:
+    """Whether a run holds the folder: its lock file names the process."""
+    try:
+        holder = json.loads((folder / ".signorini-lock").read_text(encoding="utf-8"))
+        if holder["host"] == socket.gethostname():
+            os.kill(holder["process"], 0)
+    except PermissionError:  # somebody else's
+        return True
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+    return True
+
+
+def require_search(folder: Path) -> None:
+    """Raises NotInRun where the folder is that of a run, now over, which has no iterations to show."""
+    if (folder / "study.json").is_file():
+        raise NotInRun(f"{folder}: found a study; plot shows the convergence of signorini optimize, signorini report a study")
+    if not (folder / "run.json").is_file() or at_work(folder) or (folder / "history.csv").is_file():
+        return
+    verb = RunFolder(folder).verb
+    cure = ('its output.tables was without "history"' if verb == "optimize"
+            else f"plot shows the convergence of signorini optimize; try signorini report {folder}")  # fmt: skip
+    raise NotInRun(f"{folder}: found a run of {verb} without history.csv; {cure}")
+
+
 def watch(folder: Path, every: float) -> None:
     file, seen, waited = folder / "history.csv", None, 0.0
     while True:
         ended = file.is_file() and over(folder)
         stamp = file.stat().st_mtime_ns if file.is_file() else None
-        if stamp != seen:
+        if stamp is None:
+            require_search(folder)
+            if waited == 0:
+                print(f"waiting for {file}", flush=True)
+        elif stamp != seen:
             history = read_csv(file)
             path = folder / "figures" / "convergence.png"
             draw(history, path)
-            print(f"iteration {history['iteration'][-1]:.0f}: J = {history['objective'][-1]:.6e}, gradient norm "
-                  f"{history['gradient_norm'][-1]:.2e}, {history['seconds'][-1]:.0f} s: {path}", flush=True)  # fmt: skip
+            print(f"{last_line(history)}: {path}", flush=True)
             seen = stamp
-        elif stamp is None and waited == 0:
-            print(f"waiting for {file}", flush=True)
         if ended:
             return
         time.sleep(every)
         waited += every
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def main(parents: Parents = ()) -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, parents=parents)
     parser.add_argument("run_folder", type=Path, metavar="RUN_FOLDER", help="where a run leaves its files")
     parser.add_argument("--every", type=float, default=1, metavar="T", help="seconds from one look to the next (default: 1)")
     given = parser.parse_args()
@@ -69,7 +110,7 @@ def main() -> int:
         if not given.run_folder.is_dir():
             raise Unreadable(f"{given.run_folder}: there is no such folder")
         watch(given.run_folder, given.every)
-    except (Unreadable, OSError, ValueError) as error:
+    except (NotInRun, Unreadable, OSError, ValueError) as error:
         complain(error)
         return 2
     except KeyboardInterrupt:

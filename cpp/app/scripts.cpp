@@ -41,9 +41,13 @@ Found find_launcher(const char* verb) {
 
 const std::vector<ScriptVerb>& script_verbs() {
   static const std::vector<ScriptVerb> verbs{
-      {"report", "one page of all that a run or a study found, or of two runs side by side", {}},
-      {"figures", "all figures of a run", {"--time"}},
-      {"plot", "the convergence of an optimization, drawn again and again while it goes on", {"--every"}}};
+      {"report",
+       "one page of all that a run or a study found, or of two runs side by side",
+       {"--threads", "--quiet"}},
+      {"figures", "all figures of a run", {"--time", "--threads", "--quiet"}},
+      {"plot",
+       "the convergence of an optimization or a fit, drawn again and again while it goes on",
+       {"--every", "--threads", "--quiet"}}};
   return verbs;
 }
 

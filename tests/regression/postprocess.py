@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What figures and pages draw of obstacles and controls is what the program computed with: gaps, surfaces, cuts, resultants."""
 
+import base64
+import json
 import math
 import subprocess
 import sys
@@ -8,11 +10,12 @@ import tempfile
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from harness import SOURCE, signorini, stored, table  # noqa: E402
+from harness import SIGNORINI, SOURCE, signorini, stored, table  # noqa: E402
 from soft_scenes import soft  # noqa: E402
 
 sys.path.insert(0, str(SOURCE / "postprocess"))
 import numpy as np  # noqa: E402
+import report_compare  # noqa: E402
 
 from arc import arc_of, merged  # noqa: E402
 from expressions import Expression, TimeSeries  # noqa: E402
@@ -21,7 +24,7 @@ from mesh import Mesh  # noqa: E402
 from obstacles import LevelSet, Obstacle, Round, course, read_obstacles  # noqa: E402
 from report_control import resultant_of  # noqa: E402
 from report_cut import cut_open  # noqa: E402
-from run_folder import Contact, RunFolder, potential_of_loads  # noqa: E402
+from run_folder import Contact, RunFolder, first_largest, potential_of_loads  # noqa: E402
 from scenery import drawn_obstacles, over_frames  # noqa: E402
 from surfaces import between, seen_of  # noqa: E402
 
@@ -233,6 +236,55 @@ def loads_have_a_potential(folder: Path) -> None:
     assert potential_of_loads(Table(run.path, {"external_work": energy}.items())) is None
 
 
+def fits_beside_runs(folder: Path) -> None:
+    """Two fits, and a fit and another run, have a page; a fit's convergence is drawn, that of a simulation refused at once."""
+    short, longer, other = folder / "fit-1", folder / "fit-2", folder / "no-fit"
+    scene = SOURCE / "scenes" / "bar-speed.toml"
+    for out, iterations in ((short, 1), (longer, 2)):
+        signorini("optimize", scene, out, optimizer__max_iterations=iterations)
+    signorini("simulate", SOURCE / "tests" / "data" / "block.toml", other, mesh__size=0.5, time__end=0.1)
+    two = report_compare.page((RunFolder(short), RunFolder(longer)))
+    parts = {section.name: section for section in two.sections}
+    rows = {row[0]: row[2:] for row in parts["results"].tables[1].rows}
+    fits = [json.loads((out / "run.json").read_text()) for out in (short, longer)]
+    assert len(rows) == 2 and set(rows) == {one["name"] for one in fits[0]["unknowns_fitted"]}
+    for ones in zip(*(fit["unknowns_fitted"] for fit in fits)):
+        a, b = (one["value"] for one in ones)
+        scale = math.hypot(*(one["standard_deviation"] for one in ones))
+        found = rows[ones[0]["name"]]
+        assert abs(b - a) > 1e-3 * abs(b), "both fits found the same"
+        for text, one in zip(found, ones):
+            value, deviation = map(float, text.split(" ± "))
+            assert abs(value - one["value"]) <= 5e-6 * abs(value) and abs(deviation - one["standard_deviation"]) <= 5e-3 * deviation
+        assert abs(float(found[2]) - (b - a)) <= 1e-3 * abs(b - a) and abs(float(found[3]) - (b - a) / scale) <= 0.06 * abs(b - a) / scale
+    charts = {chart.name: next(iter(chart.views.values())) for chart in parts["control"].charts}
+    for name, column in (("objective", "objective"), ("decrement", "decrement")):
+        for curve, out in zip(charts[name]["data"], (short, longer), strict=True):
+            drawn = np.frombuffer(base64.b64decode(curve["y"]["bdata"]), "<f4")
+            assert np.allclose(drawn, table(out / "history.csv")[column], rtol=1e-6, atol=0), (name, out)
+    assert charts["objective"]["layout"]["yaxis"]["title"]["text"] == "objective", "J of a fit has no unit"
+    results = {row[0]: row[1:3] for row in parts["results"].tables[0].rows}
+    assert [float(text) for text in results["Misfit, standard deviations"]] == [float(f"{fit['fit']['misfit']:.6g}") for fit in fits]
+    for pair in ((short, longer), (longer, other), (other, short)):
+        done = subprocess.run([str(SIGNORINI), "report", *map(str, pair), "--threads", "1"], capture_output=True, text=True)
+        assert done.returncode == 0 and not done.stderr and (pair[1] / "comparison.html").is_file(), done.stderr
+    done = subprocess.run([str(SIGNORINI), "plot", str(longer)], capture_output=True, text=True, timeout=100)
+    last = table(longer / "history.csv")
+    expected = f"iteration 2: J = {last['objective'][-1]:.6e}, decrement {last['decrement'][-1]:.2e}, "
+    assert done.returncode == 0 and not done.stderr and done.stdout.startswith(expected), done.stdout + done.stderr
+    assert (longer / "figures" / "convergence.png").stat().st_size > 5000
+    for words, said in (((other,), f"{other}: found a run of simulate without history.csv; plot shows the convergence of signorini optimize"),
+                        ((longer, "--threads", "0"), "--threads: found 0, allowed are 1 to 1024")):  # fmt: skip
+        done = subprocess.run([str(SIGNORINI), "plot", *map(str, words)], capture_output=True, text=True, timeout=100)
+        assert done.returncode == 2 and not done.stdout and done.stderr.startswith(f"signorini plot: {said}") and done.stderr.count("\n") == 1, done.stderr
+
+
+def largest_steps() -> None:
+    """Of equal forces the first, of those that differ by rounding alone too."""
+    for force, step in (([0, 0], 0), ([0, 2, 1, 2], 1), ([0, 1, 2, 2 + 1e-12], 2), ([0, 1, 1 + 1e-6, 1], 2), ([0, 3, 0, 3 - 1e-12], 1)):
+        assert first_largest(np.array(force, float)) == step, force
+
+
 def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -244,7 +296,9 @@ def main() -> int:
         expressions_are_the_programs(folder)
         a_held_body_that_is_moved(folder)
         loads_have_a_potential(folder)
-        print("obstacles, surfaces, cuts, places, controls, expressions, moving clamps and potentials hold")
+        largest_steps()
+        fits_beside_runs(folder)
+        print("obstacles, surfaces, cuts, places, controls, expressions, moving clamps, potentials and fits hold")
     return 0
 
 
