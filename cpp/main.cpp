@@ -5,6 +5,7 @@
 #include "app/scripts.h"
 #include "base/error.h"
 #include "base/petsc.h"
+#include "base/scratch_file.h"
 #include "base/signals.h"
 #include "scene/expression.h"
 #include "scene/key_reference.h"
@@ -350,6 +351,12 @@ int main(int argc, char** argv) {
   std::vector<char*> petsc_arguments{argv[0], no_file.data()};
   if (own < argc)
     petsc_arguments.insert(petsc_arguments.end(), dashes + 1, argv + argc);
+  try {
+    signorini::require_temporary_folder();
+  } catch (const UserError& error) {
+    complain(error.what());
+    return wrong_input;
+  }
   signorini::catch_stop_signals(); // before libraries start, so that no signal is missed
   int petsc_count = static_cast<int>(petsc_arguments.size());
   petsc_arguments.push_back(nullptr);

@@ -33,6 +33,28 @@ Opened make_table(hid_t file, hsize_t rows, hsize_t columns) {
 
 } // namespace
 
+void require_temporary_folder() {
+  for (const char* name : {"TMPDIR", "TEMP", "TMP"}) { // in the order of Open MPI
+    const char* folder = std::getenv(name);
+    if (!folder)
+      continue;
+    if (!*folder) {
+      unsetenv(name); // Open MPI would take it for the root folder
+      continue;
+    }
+    std::error_code error;
+    std::filesystem::create_directories(folder, error); // as Open MPI does
+    if (!error && access(folder, W_OK | X_OK) != 0)
+      error = std::error_code(errno, std::generic_category());
+    if (error)
+      throw UserError(
+          fmt::format("{}: found the folder {}, which cannot be written ({}); name one for temporary "
+                      "files that can, or unset {}",
+                      name, folder, error.message(), name));
+    return;
+  }
+}
+
 ScratchFile::ScratchFile(std::size_t rows, std::size_t columns)
     : folder_(scratch_folder()), rows_(rows), columns_(std::max<std::size_t>(columns, 1)), file_(open()),
       table_(make_table(file_, rows_, columns_)), line_(

@@ -29,4 +29,8 @@ private:
   Opened file_, table_, line_; ///< line_: dataspace of a row in memory
 };
 
+/// Throws UserError if the folder of TMPDIR, TEMP or TMP is missing and cannot be made, or cannot be written:
+/// Open MPI crashes there. To be called before MPI starts.
+void require_temporary_folder();
+
 } // namespace signorini

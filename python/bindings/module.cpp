@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/collective.h"
+#include "base/scratch_file.h"
 #include "bindings.h"
 #include "io/manifest.h"
 #include "io/output_failure.h"
@@ -32,6 +33,7 @@ void bind_errors(nb::module_& module) {
 
 NB_MODULE(_signorini, module) {
   bind_errors(module);
+  module.def("require_temporary_folder", require_temporary_folder);
   module.def("start", python::start);
   module.def("leave", python::leave);
   module.def("ranks", [] { return ranks(MPI_COMM_WORLD); });

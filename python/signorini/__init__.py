@@ -18,12 +18,13 @@ Threads may share an object: computations wait for each other. On several ranks 
 
 import atexit
 
+from . import _signorini
+
+_signorini.require_temporary_folder()  # before MPI starts, which would crash
 try:
     from mpi4py import MPI as _MPI  # starts MPI, and ends it after PETSc
 except ImportError:  # then the module does both
     _MPI = None
-
-from . import _signorini
 
 _signorini.start()
 atexit.register(_signorini.leave)

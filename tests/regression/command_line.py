@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command line beside its runs: --version, what bash completes, where an option is known, where a run of an echo goes."""
 
+import importlib.util
 import json
+import os
 import re
 import shlex
 import shutil
@@ -27,6 +29,27 @@ def version() -> None:
     said = ok("--version")
     assert re.fullmatch(r"signorini \d+\.\d+\S*, dolfinx \S+, petsc \S+, gmsh \S+\n", said), said
     print(said.strip())
+
+
+def temporary_folder(folder: Path) -> None:
+    """One that is not there is made, as by Open MPI; one that cannot be is refused before MPI starts, which would crash, from
+    Python too."""
+    (folder / "file").write_text("")
+    quick = [str(SIGNORINI), "info", str(BLOCK), "--quiet"]
+    for name in ("TMPDIR", "TEMP", "TMP"):
+        own = {key: value for key, value in os.environ.items() if key not in ("TMPDIR", "TEMP", "TMP")}
+        for command, status in ((quick, 2), ([sys.executable, "-c", "import signorini"], 1)):
+            if status == 1 and (name != "TMPDIR" or not importlib.util.find_spec("signorini")):
+                continue
+            done = subprocess.run(command, env=own | {name: str(folder / "file" / "below")}, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+            said = done.stderr.splitlines()
+            assert done.returncode == status, (name, done.returncode, done.stderr)
+            assert f"{name}: found the folder {folder / 'file' / 'below'}, which cannot be written (Not a directory)" in said[-1], done.stderr
+            assert status == 1 or len(said) == 1, done.stderr
+        for usable in (str(folder / f"made for {name}"), ""):
+            done = subprocess.run(quick, env=own | {name: usable}, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+            assert done.returncode == 0 and not done.stderr, (name, usable, done.stderr)
+    print("a folder for temporary files that cannot be made is refused")
 
 
 def completion(folder: Path) -> None:
@@ -107,7 +130,7 @@ def main() -> int:
     options_where_they_work()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name).resolve()
-        for part in (completion, how_to_go_on, echo_goes_home):
+        for part in (completion, temporary_folder, how_to_go_on, echo_goes_home):
             part(folder)
     return 0
 
