@@ -88,7 +88,7 @@ def errors(dim: int, degree: int, size: float, folder: Path) -> dict[str, float]
         weighted = [(volume * (x.reshape(len(cells), -1) ** 2).sum(axis=1)).sum() for x in (found - expected, expected)]
         return float(np.sqrt(weighted[0] / weighted[1]))
 
-    assert stress.shape[1:] == (len(cells), 9)
+    assert stress.shape[1:] == (len(cells), 3, 3)
     largest = json.loads((out / "run.json").read_text())["largest_von_mises"]
     all_mises = stored(out, "state", "von_mises")[2][:, :, 0]
     step, cell = np.unravel_index(all_mises.argmax(), all_mises.shape)
