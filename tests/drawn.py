@@ -367,7 +367,7 @@ def tables(run: Run, found: dict[str, Table]) -> None:
     same("the body as a whole", {row[0]: row[1] for row in found["Quantity"].rows}, body)
     if len(impact["bounces"]) > 1:
         same("bounces", found["Contact from"].rows,
-             [[quantity(one["start"], "s"), quantity(one["end"], "s"), vector(one["impulse"], Ns), quantity(one["peak"], N),
+             [[quantity(one["start"], "s"), quantity(one["end"], "s"), f"{one['touches']}", vector(one["impulse"], Ns), quantity(one["peak"], N),
                vector(one["velocity_before"], "m/s"), vector(one["velocity_after"], "m/s"),
                "–" if one["restitution"] is None else f"{one['restitution']:.4g}"] for one in impact["bounces"]])  # fmt: skip
 
