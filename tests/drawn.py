@@ -416,7 +416,7 @@ def motion(run: Run, found: dict) -> None:
     times = np.array(found["times"]) / factor
     frames = np.array([np.abs(run.steps["time"] - time).argmin() for time in times])
     near("frames", times, run.steps["time"][frames], 1e-9)
-    peak = 1 + int(np.argmax(mean(run.steps["normal_force"])))
+    peak = int(np.argmax(run.steps["normal_force"]))
     stride = -(-(len(run.y) - 1) // 99)
     same("the step from frame to frame", list(frames), sorted({*range(0, len(run.y), stride), peak, len(run.y) - 1}))
     same("it opens at the peak", frames[found["start"]], peak)
@@ -705,7 +705,7 @@ def maps(run: Run, caught: dict, title: str) -> None:
 def shown_step(run: Run) -> int:
     """That of 1.75 ms, of which the seed has its figures, where the body touches then; else that of the largest force."""
     seed = int(np.abs(run.steps["time"] - 1.75e-3).argmin())
-    return seed if 1.75e-3 <= run.steps["time"][-1] and run.steps["active"][seed] else int(run.steps["normal_force"].argmax())
+    return seed if 1.75e-3 <= run.steps["time"][-1] and run.steps["normal_force"][seed] > 0 else int(run.steps["normal_force"].argmax())
 
 
 def single_time(run: Run, caught: dict) -> None:
