@@ -36,7 +36,7 @@ def prefix(values: object, unit: str) -> tuple[float, str]:
     largest = np.nanmax(np.abs(values), initial=0)
     if not largest or unit.startswith("kg"):
         return 1.0, unit
-    power = max(math.floor(math.log10(largest * (1 + 1e-9)) / 3), -3)
+    power = np.max([math.floor(math.log10(largest * (1 + 1e-9)) / 3), -3])
     return 1000.0**-power, PREFIXES[power + 3] + unit
 
 
@@ -104,7 +104,7 @@ def page(run: Run) -> None:
     same("phases", (bars["y"], bars["x"]), ([name for name, _ in phases], [phase["seconds"] for _, phase in phases]))
     same("calls", bars["text"], [f"{quantity(phase['seconds'], 's')}, calls: {phase['calls']:,}" for _, phase in phases])
     reach = views["timings"][""]["layout"]["xaxis"]["range"]
-    same("the bars and their texts have room", reach[0] == 0 and 1.3 * max(bars["x"]) < reach[1] < 3 * max(bars["x"]), True)
+    same("the bars and their texts have room", reach[0] == 0 and 1.3 * np.max(bars["x"]) < reach[1] < 3 * np.max(bars["x"]), True)
     tables(run, tables_of(made))
     facts(run, dict(made.facts))
     motion(run, next(section.motions for section in made.sections if section.motions)[0])
@@ -124,7 +124,7 @@ def contact_charts(run: Run, views: dict, times: np.ndarray, title: str) -> set[
     expected = {"all obstacles": one(force)}
     active = {"in contact": (times, steps["active"])}
     if len(names) > 1:
-        factor, unit = prefix(force * 0 + max(own[name]["normal_force"].max() for name in names), per_depth(run, "N"))
+        factor, unit = prefix(force * 0 + np.max([own[name]["normal_force"].max() for name in names]), per_depth(run, "N"))
         by_size = sorted(names, key=lambda name: -own[name]["normal_force"].max())
         curves = {name: (times[1:-1], factor * mean(own[name]["normal_force"])) for name in names if name in by_size[:6]}
         each = (title, f"normal contact force ({unit}),<br>mean of two steps"), curves
@@ -144,10 +144,10 @@ def energy_charts(run: Run, views: dict, times: np.ndarray, title: str) -> set[s
     steps = run.steps
     kinetic, elastic, dissipated = steps["kinetic_energy"], steps["elastic_energy"], np.cumsum(steps["viscous_dissipation"])
     work = np.cumsum(steps["load_work"])
-    potential = max(work) - work
+    potential = np.max(work) - work
     other = np.cumsum(steps["external_work"]) - work
     total = kinetic + elastic + potential
-    factor, unit = prefix(max(total.max(), dissipated[-1]), per_depth(run, "J"))
+    factor, unit = prefix(np.max([total.max(), dissipated[-1]]), per_depth(run, "J"))
     curves = {"kinetic": kinetic, "elastic": elastic}
     if work.any():
         curves["potential of the loads"] = potential
@@ -173,7 +173,7 @@ def logarithmic(where: str, view: dict, curves: list) -> None:
     decades = np.log10(np.nanmax(shown) / np.nanmin(shown))
     same(f"{where}: axis", axis["type"], "log")
     if "dtick" in axis:
-        same(f"{where}: powers of ten", decades > 1.3 and decades / axis["dtick"] <= 8 < decades / max(axis["dtick"] - 1, 1e-9), True)
+        same(f"{where}: powers of ten", decades > 1.3 and decades / axis["dtick"] <= 8 < decades / np.max([axis["dtick"] - 1, 1e-9]), True)
     else:
         same(f"{where}: no power of ten", decades <= 1.3, True)
 
@@ -319,7 +319,7 @@ def surface(run: Run, views: dict) -> None:
                 expected = shown[order]
             else:
                 far = np.linalg.norm(points - points[most], axis=1)
-                rings = max(1, round(math.sqrt(len(points))))
+                rings = np.max([1, round(math.sqrt(len(points)))])
                 near(f"{where}: rings", edges, far.max() * np.arange(rings + 1) / rings, SINGLE)
                 ring = np.minimum((far / far.max() * rings * (1 + 1e-12)).astype(int), rings - 1)
                 worst = np.min if what == "gap" else np.max
@@ -327,7 +327,7 @@ def surface(run: Run, views: dict) -> None:
             factor, unit = prefix(expected, units[what])
             near(where, numbers(trace["z"]), factor * expected, SINGLE)
             same(f"{where}: colours", trace["colorbar"]["title"]["text"], f"{what} ({unit})")
-            near(f"{where}: least colour", trace["zmin"], min(0, np.nanmin(factor * expected)), 1e-9, np.nanmax(np.abs(factor * expected)))
+            near(f"{where}: least colour", trace["zmin"], np.min([0, np.nanmin(factor * expected)]), 1e-9, np.nanmax(np.abs(factor * expected)))
             same(f"{where}: small gaps are bright", trace["reversescale"], what == "gap")
             touched = np.asarray(row if run.dim == 2 else ring)[values["force"].any(axis=0)]
             pushed = touched.min(), touched.max()
@@ -394,7 +394,7 @@ def facts(run: Run, found: dict[str, str]) -> None:
 def enlargement(run: Run) -> float:
     """So many times that displacements below 2 % of the body's size become up to 5 %: 1, 2, 5, 10, …"""
     part = np.linalg.norm(run.y, axis=2).max() / np.ptp(run.body.points, axis=0).max()
-    return 1.0 if part >= 0.02 else max(m * 10.0**e for m in (1, 2, 5) for e in range(9) if m * 10.0**e * part <= 0.05)
+    return 1.0 if part >= 0.02 else np.max([m * 10.0**e for m in (1, 2, 5) for e in range(9) if m * 10.0**e * part <= 0.05])
 
 
 def box(run: Run, frames: np.ndarray, nodes: np.ndarray, enlarged: float) -> np.ndarray:
@@ -461,7 +461,7 @@ def motion(run: Run, found: dict) -> None:
         values = fields[one["name"]][frames][:, nodes]
         factor, unit = prefix(values, units[one["name"]]) if units[one["name"]] and "×" not in units[one["name"]] else (1.0, units[one["name"]])
         near(f"colours of {one['name']}", frames_of(one), factor * values, 1e-4)
-        near(f"ends of {one['name']}", [one["least"], one["largest"]], [min(0, factor * values.min()), max(0, factor * values.max())], 1e-9)
+        near(f"ends of {one['name']}", [one["least"], one["largest"]], [np.min([0, factor * values.min()]), np.max([0, factor * values.max()])], 1e-9)
         same(f"label of {one['name']}", one["label"], f"{one['name']} ({unit})" if unit else one["name"])
         same(f"{one['name']} belongs to a part of the boundary", "arrows" in one, one["name"] == "control" and "on" in run.scene["control"])
         if "arrows" in one:
@@ -510,7 +510,7 @@ def comparison(first: Run, second: Run) -> None:
     for (name, (a, unit)), (b, _) in zip(measures(first).items(), measures(second).values()):
         if a is None and b is None:
             continue
-        off = ["–", "–"] if a is None or b is None else ["0", "0"] if abs(b - a) <= 1e-9 * max(abs(a), abs(b)) else [
+        off = ["–", "–"] if a is None or b is None else ["0", "0"] if abs(b - a) <= 1e-9 * np.max([abs(a), abs(b)]) else [
             shown(b - a, unit), f"{100 * (b - a) / abs(a):+.3g} %" if a else "–"]  # fmt: skip
         rows.append([name, *("–" if value is None else shown(value, unit) for value in (a, b)), *off])
     same("results", tables_of(made)["Quantity"].rows, rows)
@@ -524,7 +524,7 @@ def comparison(first: Run, second: Run) -> None:
     scenes = [flat(run.scene) for run in runs]
     expected = {key for key in scenes[0] | scenes[1] if scenes[0].get(key, "–") != scenes[1].get(key, "–")}
     same("keys that differ", {row[0] for row in tables_of(made)["Key"].rows}, expected)
-    second_, unit_of_time = prefix(max(run.steps["time"][-1] for run in runs), "s")
+    second_, unit_of_time = prefix(np.max([run.steps["time"][-1] for run in runs]), "s")
     time, views = f"time ({unit_of_time})", views_of(made)
 
     def curves(where: str, view: dict, what: str, unit: str, curve: object) -> None:
@@ -554,7 +554,7 @@ def comparison(first: Run, second: Run) -> None:
         curves(f"{name} of both", views["energies"][name], "energy", J, lambda run, energy=energy: (run.steps["time"], energy(run)))
     bodies = next(section.motions for section in made.sections if section.motions)
     near("both bodies at the same times", bodies[0]["times"], bodies[1]["times"])
-    ends = max(run.steps["time"][-1] for run in runs)
+    ends = np.max([run.steps["time"][-1] for run in runs])
     near("to the end of the longer", np.max(bodies[0]["times"]), ends * prefix(ends, "s")[0], 1e-9)
     near("both in one box", bodies[0]["box"], bodies[1]["box"])
     alone = []
@@ -570,7 +570,7 @@ def comparison(first: Run, second: Run) -> None:
         points = numbers(body["points"]).T
         nodes = np.array([np.abs(run.body.points - point).max(axis=1).argmin() for point in points])
         values = np.linalg.norm(run.v[frames][:, nodes], axis=2)
-        top = max(np.linalg.norm(other.v, axis=2).max() for other in runs)
+        top = np.max([np.linalg.norm(other.v, axis=2).max() for other in runs])
         unit = {f"velocity ({PREFIXES[i]}m/s)": 1000.0 ** (3 - i) for i in range(len(PREFIXES))}[field["label"]]
         near("speeds of both", numbers(field["values"]) * field["scale"], unit * values, 1e-4, unit * top)
 
@@ -619,7 +619,7 @@ def figures(run: Run) -> None:
     work = np.cumsum(steps["load_work"])
     total = steps["kinetic_energy"] + steps["elastic_energy"] + work.max() - work
     dissipated = np.cumsum(steps["viscous_dissipation"])
-    factor, unit = prefix(max(total.max(), dissipated[-1]), per_depth(run, "J"))
+    factor, unit = prefix(np.max([total.max(), dissipated[-1]]), per_depth(run, "J"))
     energy = {"kinetic": steps["kinetic_energy"], "elastic": steps["elastic_energy"]}
     energy |= {"potential": work.max() - work, "sum of these": total} if work.any() else {"kinetic + elastic": total}
     energy |= {"dissipated so far": dissipated} if dissipated[-1] > 0 else {}
@@ -662,8 +662,8 @@ def film(run: Run) -> None:
     points, normals = (np.stack([each[f"{start}{axis}"][0] for axis in "xyz"[: run.dim]], axis=1) for start in ("", "normal_"))
     nodes = np.array([np.abs(run.body.points - point).max(axis=1).argmin() for point in points])
     every = -(-count // len(made.forces.sizes[0]))
-    window = max(2, stride)
-    mean_force = [each["force"][max(1, k - window + 1) : k + 1].mean(axis=0) if k else each["force"][0] for k in shown]
+    window = np.max([2, stride])
+    mean_force = [each["force"][np.max([1, k - window + 1]) : k + 1].mean(axis=0) if k else each["force"][0] for k in shown]
     near("film: forces", made.forces.sizes, np.array(mean_force)[:, ::every], 1e-12)
     near("film: arrows", made.forces.points, ((run.body.points + enlarged * run.y[shown])[:, nodes] @ view.T)[:, ::every], 1e-9)
     near("film: directions", made.forces.directions, (normals @ view.T)[::every], 1e-12)
@@ -681,8 +681,8 @@ def enlargements() -> None:
     for stored_times, numbers_of_one, peak in ((50, 100, 7), (101, 100, 3), (1000, 100, 333), (1000, 200_000, 333)):
         times = 0.1 * np.arange(stored_times)
         found = report_motion.frames(times, numbers_of_one, 0.1 * peak)
-        stride = -(-(stored_times - 1) // (max(2, min(100, 2_000_000 // numbers_of_one)) - 1))
-        same(f"frames of {stored_times}", list(found), sorted({*range(0, stored_times, max(1, stride)), peak, stored_times - 1}))
+        stride = -(-(stored_times - 1) // (np.max([2, np.min([100, 2_000_000 // numbers_of_one])]) - 1))
+        same(f"frames of {stored_times}", list(found), sorted({*range(0, stored_times, np.max([1, stride])), peak, stored_times - 1}))
 
 
 def maps(run: Run, caught: dict, title: str) -> None:

@@ -66,6 +66,7 @@ def toml(value: object) -> str:
 MAY_LACK = {
     "steps.csv": re.compile("min_gap"),  # without a candidate
     "obstacles.csv": re.compile(".*min_gap"),
+    "parameters.csv": re.compile("unit"),  # of a ratio
     "history.csv": re.compile("relative_distance_to_reference"),
     "study.csv": re.compile(r"tolerance|displacement|velocity|stress|strain|von_mises|pressure|.+_(error|estimate|effectivity|envelope)|J_estimate_.+"),
 }

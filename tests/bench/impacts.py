@@ -178,7 +178,7 @@ def compared(case: dict, tolerances: list[float], quantity: str, folder: Path) -
                                   {"end": end, "step": "auto", "tolerance": tolerance, "quantity": quantity})
               for tolerance in tolerances}  # fmt: skip
     wave = chosen[tolerances[0]].manifest["steps"]["wave_time"]
-    later = flight - np.minimum(flight, 0.4 * case["contact"])
+    later = float(flight - np.minimum(flight, 0.4 * case["contact"]))
     fine = []
     for part in FINE:
         count = math.ceil((end - later) / (wave / part))

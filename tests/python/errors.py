@@ -125,7 +125,7 @@ def threads() -> None:
     done.set()
     for worker in workers:
         worker.join()
-    assert len(off) > 4 and max(off) == 0, off
+    assert len(off) > 4 and np.max(off) == 0, off
 
 
 FULL = """

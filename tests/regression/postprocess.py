@@ -162,7 +162,8 @@ def places_without_candidates_have_rows_of_their_own(folder: Path) -> None:
     empty = set(range(len(edges) - 1)) - set(rows)
     assert len(empty) == 1 and len(set(arc.part)) == 2 and (np.diff(edges) > 0).all()
     low = {row for row, point in zip(rows, contact.points) if point[1] < 0.5}
-    assert np.max(low) < np.min(empty) < np.min(list(set(rows) - low)) or np.min(low) > np.max(empty) > np.max(list(set(rows) - low))
+    low, high, (gap,) = np.array(list(low)), np.array(list(set(rows) - low)), empty
+    assert low.max() < gap < high.min() or low.min() > gap > high.max()
     for row, point in zip(rows, contact.points):
         place = arc.position[list(arc.order).index(list(rows).index(row))]
         assert edges[row] < place < edges[row + 1], point

@@ -235,7 +235,7 @@ def impact(run: Run) -> None:
             assert not len(pushed) and one == dict.fromkeys(one, 0) | never | {"name": name, "impulse": [0, 0, 0]}, one
             continue
         means, pair = (normal[1:] + normal[:-1]) / 2, np.linalg.norm(force[1:] + force[:-1], axis=1) / 2
-        window = max(4 * run.manifest["steps"]["wave_time"], 2 * tau)
+        window = np.max([4 * run.manifest["steps"]["wave_time"], 2 * tau])
         impulse, fine = np.append(0, tau * np.cumsum(normal[1:])), steps["time"]
         until = lambda time: np.interp(time, fine, impulse)  # noqa: E731, B023
         part = [np.interp(share * impulse[-1], impulse[pushed[0] - 1:], fine[pushed[0] - 1:]) for share in (0.01, 0.99)]
@@ -247,9 +247,9 @@ def impact(run: Run) -> None:
         assert len(pushed) > 5 and set(expected) == set(one) - {"name", "peak_at_onset", *least}, one
         for key, value in expected.items():
             near(f"{key} of {name or 'all'}", one[key], value, TABLE)
-        begun = [k for k in pushed if not normal[max(k - 2, 0):k].any()]
+        begun = [k for k in pushed if not normal[np.max([k - 2, 0]):k].any()]
         at = means.argmax()
-        last = max(k for k in begun if k <= at + 1)
+        last = np.max([k for k in begun if k <= at + 1])
         assert one["peak_at_onset"] == (fine[at] <= fine[last - 1] + run.manifest["body"]["crossing_time"]), name
     velocities = run.v.reshape(len(run.v), -1) @ run.body.M
     momentum = np.stack([velocities[:, c:: run.dim].sum(axis=1) for c in range(run.dim)], axis=1) / run.manifest["body"]["mass"]
@@ -296,7 +296,7 @@ def summary(run: Run, printed: str) -> None:
         values = np.concatenate([np.ravel(one) for one in expected])
         found = [float(one) for one in lines[0].groups()]
         for one, value, count in zip(found, values, digits or [4] * len(found), strict=True):
-            near(pattern, one, value, 0.51 * 10 ** (1 - count), max(abs(value), 1e-9 * np.max(np.abs(values))))
+            near(pattern, one, value, 0.51 * 10 ** (1 - count), np.max([abs(value), 1e-9 * np.max(np.abs(values))]))
 
     vector = f"({', '.join(['{}'] * run.dim)})"
     each = [one for one in [*told["impact"]["obstacles"], told["impact"]["all"] | {"name": "all together"}] if one["contact_time"]]
