@@ -95,9 +95,9 @@ CASES |= {  # round obstacles within which the body is, and cylinders: once with
     "cylinder": (3, '{ shape = "cylinder", point = [0, 3, -40.2], axis = [0, 1, 0], radius = 25.0 }',
                  [{"of": "center", "component": "x", "start": 0.1}, {"of": "center", "component": "z", "start": -40.05}, ROUND[2]]),
     "inside of a tube": (3, '{ shape = "cylinder", point = [3, 0, 9.8], axis = [1, 0, 0], radius = 25.0, side = "inside" }',
-                         [{"of": "center", "component": "y", "start": 0.1}, {"of": "center", "component": "z", "start": 9.75}, INSIDE[2]]),
+                         [{"of": "center", "component": "y", "start": 0.3}, {"of": "center", "component": "z", "start": 9.7}, INSIDE[2]]),
     "inside of a ball": (3, '{ shape = "ball", center = [0, 0, 9.8], radius = 25.0, side = "inside" }',
-                         [{"of": "center", "component": "y", "start": 0.1}, {"of": "center", "component": "z", "start": 9.75}, INSIDE[2]]),
+                         [{"of": "center", "component": "y", "start": 0.3}, {"of": "center", "component": "z", "start": 9.7}, INSIDE[2]]),
 }  # fmt: skip
 TOGETHER = """
 [[clamp]]

@@ -178,7 +178,7 @@ viscosity = {{ bulk = 2.0, shear = 2.0 }}
 on = "contact"
 obstacle = {{ shape = "half-space", point = [0, 0], normal = [0, 1] }}
 """, over)  # fmt: skip
-    report(lines, f"{scheme}, block comes to rest", steps, abs(y[-1] - y[1]).max(), most)
+    report(lines, f"{scheme}, block comes to rest", steps, abs(y[-1] - y[-2]).max(), most)
 
 
 def report(lines: Table, case: str, steps: dict[str, np.ndarray], drift: float, most: float) -> None:
