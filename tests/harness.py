@@ -68,7 +68,7 @@ MAY_LACK = {
     "obstacles.csv": re.compile(".*min_gap"),
     "parameters.csv": re.compile("unit"),  # of a ratio
     "history.csv": re.compile("relative_distance_to_reference"),
-    "study.csv": re.compile(r"tolerance|displacement|velocity|stress|strain|von_mises|pressure|.+_(error|estimate|effectivity|envelope)|J_estimate_.+"),
+    "study.csv": re.compile(r"tolerance|gradient|displacement|velocity|stress|strain|von_mises|pressure|.+_(error|estimate|effectivity|envelope)|J_estimate_.+"),
 }
 
 

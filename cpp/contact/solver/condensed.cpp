@@ -170,9 +170,9 @@ void CondensedSolver::refine(Vec r, std::span<const double> psi, ContactState& s
     if (work.next == work.set || complementarity_.holds_within(length_unit_, state.lambda, state.gap))
       return;
     std::swap(work.set, work.next);
-    std::ranges::set_difference(work.next, work.set, std::back_inserter(work.wrong = {}));
-    for (int j : work.wrong)
-      state.lambda[static_cast<std::size_t>(j)] = 0;
+    for (int j : work.next) // the set before
+      if (std::ranges::find(work.set, j) == work.set.end())
+        state.lambda[static_cast<std::size_t>(j)] = 0;
     ++state.vi_iterations;
   }
 }
