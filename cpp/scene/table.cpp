@@ -17,7 +17,8 @@
 namespace signorini::scene {
 namespace {
 
-constexpr std::string_view blanks = " \t\r";
+constexpr std::string_view blanks = " \t";
+constexpr std::size_t shown = 40; ///< bytes of a cell in a message
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(blanks);
@@ -69,18 +70,34 @@ char separator(std::string_view names) {
   return found;
 }
 
-/// Calls visit(line, number of the line) for the lines of a table, without those that are empty or comments,
-/// until it returns false.
+/// Takes the first line off a text. Lines end with LF, CR LF or, of old programs, CR.
+std::string_view take_line(std::string_view& text) {
+  const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+  text.remove_prefix(line.size());
+  if (!text.empty())
+    text.remove_prefix(text.starts_with("\r\n") ? 2 : 1);
+  return line;
+}
+
+/// Calls visit(line, number of the line) for the lines of a table until it returns false, without those that
+/// are empty, comments, or Excel's `sep=;`.
 template <class Visit>
 void for_each_line(std::string_view text, Visit&& visit) {
   if (text.starts_with("\xef\xbb\xbf")) // the mark by which some programs begin UTF-8
     text.remove_prefix(3);
   for (int number = 1; !text.empty(); ++number) {
-    const std::string_view line = text.substr(0, text.find('\n'));
-    text.remove_prefix(std::min(line.size() + 1, text.size()));
-    if (!trimmed(line).empty() && !line.starts_with('#') && !visit(line, number))
+    const std::string_view line = take_line(text);
+    const bool skipped =
+        trimmed(line).empty() || line.starts_with('#') || (number == 1 && line.starts_with("sep="));
+    if (!skipped && !visit(line, number))
       return;
   }
+}
+
+/// Throws UserError if a text is in UTF-16, as spreadsheets write it, or no text.
+void require_bytes_of_text(std::string_view text) {
+  if (text.find('\0') != std::string_view::npos)
+    throw UserError("found a zero byte, as in UTF-16 and in binary files; save the table as UTF-8");
 }
 
 std::optional<double> number(std::string_view text) {
@@ -171,6 +188,16 @@ Column quantity_of(const std::vector<std::string_view>& names, const std::string
   return {*place, found->factor, false};
 }
 
+/// Throws UserError if the line that should have the names of columns has no names, or one of another column.
+void require_names(const std::vector<std::string_view>& names, const std::string& column, int line) {
+  constexpr const char* rule = "names of columns stand in the first line that does not begin with #";
+  if (std::ranges::all_of(names, [](std::string_view name) { return number(name).has_value(); }))
+    throw UserError(fmt::format("line {}: found numbers; {}", line, rule));
+  if (names.size() == 1 && Name(names[0]).base != column)
+    throw UserError(fmt::format("line {}: found \"{}\"; {}, separated by commas, semicolons or tabs", line,
+                                names[0].substr(0, shown), rule));
+}
+
 /// Finds the times: the column "time" or "t", with a unit or without, else the first. Throws UserError.
 Column times_of(const std::vector<std::string_view>& names) {
   std::optional<std::size_t> place;
@@ -196,6 +223,7 @@ Column times_of(const std::vector<std::string_view>& names) {
 
 TableColumn read_column(const std::string& text, const std::string& column,
                         const std::vector<std::string>& units) {
+  require_bytes_of_text(text);
   TableColumn found;
   std::size_t columns = 0;
   Column time, quantity;
@@ -205,6 +233,7 @@ TableColumn read_column(const std::string& text, const std::string& column,
       between = separator(line);
       const std::vector<std::string_view> names = cells(line, between);
       columns = names.size();
+      require_names(names, column, number_of_line);
       quantity = quantity_of(names, column, units);
       time = times_of(names);
       if (const std::string_view base = Name(names[time.place]).base;
@@ -229,7 +258,7 @@ TableColumn read_column(const std::string& text, const std::string& column,
       if (!value)
         throw UserError(fmt::format("line {}: found \"{}\" in column {}, allowed is a number with a decimal "
                                     "point",
-                                    number_of_line, cell.substr(0, 40), i + 1));
+                                    number_of_line, cell.substr(0, shown), i + 1));
       return *value;
     };
     const double t = time.factor * at(time.place);
@@ -265,7 +294,8 @@ std::string unit_hint(const TableColumn& column) {
 
 namespace {
 
-constexpr double plausible_ratio = 1000; ///< of the spans of a table and of a run
+/// Of the spans of a table and of a run: a table in ms that is read in s has 1000, by rounding less.
+constexpr double plausible_ratio = 999;
 
 std::vector<TableDoubt> doubt_about_the_unit(const TableColumn& column) {
   if (column.unconverted.empty())
@@ -290,11 +320,10 @@ std::vector<TableDoubt> doubts_as_input(const TableColumn& column, double end) {
                      end, intervals, times.front(), times.back(), unit_hint(column)),
          intervals, 1});
   else if (!column.time_name.empty() && times.back() - times.front() > plausible_ratio * end)
-    doubts.push_back(
-        {fmt::format("the run, from 0 to {:.6g} s, uses less than a thousandth of the table, from "
-                     "{:.6g} to {:.6g} s{}",
-                     end, times.front(), times.back(), unit_hint(column)),
-         (times.back() - times.front()) / end, plausible_ratio});
+    doubts.push_back({fmt::format("the run, from 0 to {:.6g} s, uses a thousandth of the table or less, from "
+                                  "{:.6g} to {:.6g} s{}",
+                                  end, times.front(), times.back(), unit_hint(column)),
+                      (times.back() - times.front()) / end, plausible_ratio});
   return doubts;
 }
 
@@ -306,7 +335,7 @@ std::vector<TableDoubt> doubts_as_data(const TableColumn& column, double end) {
   for (std::size_t i = 1; i < times.size(); ++i)
     longest = std::max(longest, times[i] - times[i - 1]);
   if (!column.time_name.empty() && span < end / plausible_ratio)
-    doubts.push_back({fmt::format("the times span {:.3g} s, less than a thousandth of the run's {:.6g} s{}",
+    doubts.push_back({fmt::format("the times span {:.3g} s, a thousandth of the run's {:.6g} s or less{}",
                                   span, end, unit_hint(column)),
                       end / span, plausible_ratio});
   else if (constexpr double rounding = 1e-9; rest > longest + rounding * end)

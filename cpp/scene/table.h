@@ -34,9 +34,9 @@ struct TableDoubt {
 };
 
 /// Doubts about a load or a motion over a run from 0 to `end` (s), which the table covers: that the run uses
-/// one interval of several, or less than a thousandth of times without a unit, or that a unit is not applied.
+/// one interval of several, or a thousandth or less of times without a unit, or that a unit is not applied.
 std::vector<TableDoubt> doubts_as_input(const TableColumn& column, double end);
-/// Doubts about data of a run from 0 to `end` (s): that times without a unit span less than a thousandth of
+/// Doubts about data of a run from 0 to `end` (s): that times without a unit span a thousandth or less of
 /// it, that they end before it, or that a unit is not applied.
 std::vector<TableDoubt> doubts_as_data(const TableColumn& column, double end);
 

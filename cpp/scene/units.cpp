@@ -11,9 +11,10 @@ constexpr std::pair<std::string_view, Unit> symbols[] = {
     {"m", {1, {1, 0, 0}}},    {"g", {1e-3, {0, 1, 0}}}, {"s", {1, {0, 0, 1}}},   {"min", {60, {0, 0, 1}}},
     {"h", {3600, {0, 0, 1}}}, {"N", {1, {1, 1, -2}}},   {"Pa", {1, {-1, 1, -2}}}};
 
+// Programs for laboratories write µ, ² and ³ in UTF-8 or, in one byte each, in Latin-1.
 constexpr std::pair<std::string_view, double> prefixes[] = {
-    {"n", 1e-9}, {"u", 1e-6}, {"\u00b5", 1e-6}, {"\u03bc", 1e-6}, {"m", 1e-3},
-    {"c", 1e-2}, {"d", 1e-1}, {"k", 1e3},       {"M", 1e6},       {"G", 1e9}};
+    {"n", 1e-9}, {"u", 1e-6}, {"\u00b5", 1e-6}, {"\xb5", 1e-6}, {"\u03bc", 1e-6}, {"m", 1e-3},
+    {"c", 1e-2}, {"d", 1e-1}, {"k", 1e3},       {"M", 1e6},     {"G", 1e9}};
 
 std::optional<Unit> symbol(std::string_view text) {
   for (const auto& [name, one] : symbols)
@@ -28,7 +29,8 @@ std::optional<Unit> symbol(std::string_view text) {
 
 /// Takes an exponent off the end of a factor, 1 if it has none.
 std::optional<int> take_exponent(std::string_view& factor) {
-  for (const auto& [text, exponent] : {std::pair<std::string_view, int>{"\u00b2", 2}, {"\u00b3", 3}})
+  for (const auto& [text, exponent] :
+       {std::pair<std::string_view, int>{"\u00b2", 2}, {"\u00b3", 3}, {"\xb2", 2}, {"\xb3", 3}})
     if (factor.ends_with(text)) {
       factor.remove_suffix(text.size());
       return exponent;

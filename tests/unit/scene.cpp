@@ -222,16 +222,24 @@ TEST_CASE("a time series is linear between its times", "[scene]") {
         {"t,v,t\n0,0,1\n1,1,2\n", "v", "found \"t\" in column 1 and \"t\" in column 3"},
         {"t,v [mm],v [m]\n0,0,1\n1,1,2\n", "v", "found \"v [mm]\" in column 2 and \"v [m]\" in column 3"},
         {"v,w\n0,0\n1,1\n", "v", "no column of times"},
+        {"# t,v\n0,1\n1,2\n", "v", "line 2: found numbers; names of columns stand in the first line"},
+        {"Device: 5\nt,v\n0,1\n1,2\n", "v", "line 1: found \"Device: 5\"; names of columns stand"},
+        {"t v\n0 1\n1 2\n", "v", "separated by commas, semicolons or tabs"},
         {"t,v [mV]\n0,0\n1,1\n", "v", "unknown unit in \"v [mV]\""},
         {"t,v [s]\n0,0\n1,1\n", "v", "\"v [s]\", which cannot be converted to m"},
         {"time [mm],v\n0,0\n1,1\n", "v", "times in the unit of \"time [mm]\""},
         {"stamp [ticks],v\n0,0\n1,1\n", "v", "times in the unit of \"stamp [ticks]\""}})
     CHECK_THROWS_WITH(scene::read_column(text, column, {"m"}), ContainsSubstring(problem));
+  std::string utf16;
+  for (const char c : std::string_view("t,v\n0,1\n1,2\n"))
+    utf16 += {c, '\0'};
+  CHECK_THROWS_WITH(scene::read_column(utf16, "v"), ContainsSubstring("save the table as UTF-8"));
 }
 
 TEST_CASE("columns are converted by the units of their names", "[scene]") {
   for (const char* text :
-       {"time [ms],x [mm]\n0,5\n250,7\n", "x (mm);t (ms)\n5;0\n7;250\n",
+       {"time [ms],x [mm]\n0,5\n250,7\n", "time [ms],x [mm]\r0,5\r250,7\r",
+        "sep=;\ntime [ms];x [mm]\n0;5\n250;7\n", "x (mm);t (ms)\n5;0\n7;250\n",
         "\"Zeit [ms]\",\"x [mm]\"\n0,\"5\"\n250,\"7\"\n", "Time [min],x [um]\n0,5e3\n0.25e0,7e3\n",
         "x [mm],TIME (ms)\n5,0,\n7,250,\n"}) { // a separator at the end is no cell
     INFO(text);
@@ -264,7 +272,9 @@ TEST_CASE("columns are converted by the units of their names", "[scene]") {
                                                 {"g/cm^3", 1e3, std::array{-3, 1, 0}},
                                                 {"1/ms", 1e3, std::array{0, 0, -1}},
                                                 {"m s^-1", 1.0, std::array{1, 0, -1}},
-                                                {"\u00b5s", 1e-6, std::array{0, 0, 1}}}) {
+                                                {"\u00b5s", 1e-6, std::array{0, 0, 1}},
+                                                {"\xb5s", 1e-6, std::array{0, 0, 1}}, // Latin-1
+                                                {"N/mm\xb2", 1e6, std::array{-1, 1, -2}}}) {
     INFO(text);
     const auto found = scene::unit(text);
     REQUIRE(found);
@@ -292,12 +302,13 @@ TEST_CASE("a table that a run hardly uses is doubted", "[scene]") {
   one(scene::doubts_as_input(table("t,v", 10, 11), 0.5), "uses one of 10 intervals", 10);
   one(scene::doubts_as_input(table("t,v", 10, 11), 1), "a column \"t [ms]\" is converted", 10);
   CHECK(scene::doubts_as_input(table("t,v", 10, 11), 1.5).empty());
-  one(scene::doubts_as_input(table("t,v", 1000, 100'001), 0.5), "less than a thousandth of the table", 2000);
+  one(scene::doubts_as_input(table("t,v", 1000, 100'001), 0.5), "a thousandth of the table or less", 2000);
+  one(scene::doubts_as_input(table("t,v", 1000, 2), 1), "a thousandth of the table or less", 1000); // in ms
   CHECK(scene::doubts_as_input(table("t [s],v", 1000, 100'001), 0.5).empty());
   CHECK(scene::doubts_as_input(table("t,v", 1, 2), 0.5).empty()); // all that it has
   one(scene::doubts_as_data(table("t,v", 1, 11), 1.2), "the data end at 1 s, the run at 1.2 s", 2);
   CHECK(scene::doubts_as_data(table("t,v", 1, 11), 1.1).empty()); // sampled as densely
-  one(scene::doubts_as_data(table("t,v", 1e-3, 11), 2), "less than a thousandth of the run's 2 s", 2000);
+  one(scene::doubts_as_data(table("t,v", 1e-3, 11), 2), "a thousandth of the run's 2 s or less", 2000);
   one(scene::doubts_as_data(table("t [s],v", 1e-3, 11), 2), "nothing is fitted to the rest", 19990);
 }
 
