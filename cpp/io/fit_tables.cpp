@@ -56,7 +56,12 @@ control::Data data_of(const scene::Measurement& measurement, const std::string& 
   } else {
     if (!scene::has_column(text, column))
       throw UserError("found no column \"deviation\", allowed is one, or the key deviation or noise");
-    data.deviations = scene::read_column(text, column, units(measurement.of)).values;
+    const scene::TableColumn deviations = scene::read_column(text, column, units(measurement.of));
+    if (deviations.name == column && given.factor != 1)
+      throw UserError(fmt::format(
+          "found \"{0}\" without a unit beside \"{1}\"; name it \"{0}{2}\" or with the unit that it has",
+          column, given.name, given.name.substr(measurement.column.size())));
+    data.deviations = deviations.values;
     if (std::ranges::any_of(data.deviations, [](double x) { return !(x > 0); }))
       throw UserError("found a deviation of 0 or less, allowed are numbers greater than 0");
   }

@@ -236,6 +236,8 @@ TableColumn read_column(const std::string& text, const std::string& column,
       require_names(names, column, number_of_line);
       quantity = quantity_of(names, column, units);
       time = times_of(names);
+      found.name = names[quantity.place];
+      found.factor = quantity.factor;
       if (const std::string_view base = Name(names[time.place]).base;
           time.place == quantity.place && !is_time(base) && !is_t(base))
         throw UserError(fmt::format("found no column of times beside \"{}\"; name it \"time\"", column));

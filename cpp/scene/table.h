@@ -10,6 +10,8 @@ namespace signorini::scene {
 struct TableColumn {
   std::vector<double> times, values; ///< SI, as many; times ascending, at least two
   std::string time_name;             ///< of the column of times, if it states no unit
+  std::string name;                  ///< of the quantity's column, with its unit
+  double factor = 1;                 ///< SI units in one of it, by which values were converted
   std::string unconverted;           ///< the quantity's name, if it ends with a unit that is not applied
 };
 
