@@ -42,6 +42,13 @@ double last_objective(CheckpointReader& checkpoint) {
   return sum;
 }
 
+/// The value of J in a run.json; nan if it has none.
+double objective_in(std::istream& run_json) {
+  const nlohmann::json run = nlohmann::json::parse(run_json, nullptr, false);
+  const nlohmann::json::json_pointer value("/objective/value");
+  return run.contains(value) && run.at(value).is_number() ? run.at(value).get<double>() : std::nan("");
+}
+
 /// Whether the folder's checkpoint is of the run whose results are there, or of one that was killed: an
 /// earlier run's stays where a later one writes none. Collective.
 bool is_of_the_run(CheckpointReader& checkpoint, const fs::path& folder, MPI_Comm comm) {
@@ -50,10 +57,7 @@ bool is_of_the_run(CheckpointReader& checkpoint, const fs::path& folder, MPI_Com
   if (rank(comm) == 0) {
     std::ifstream in(folder / "run.json", std::ios::binary);
     if (in) {
-      const nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
-      const double value = run.is_object() && run.contains("objective")
-                               ? run["objective"].value("value", std::nan(""))
-                               : std::nan("");
+      const double value = objective_in(in);
       same = std::abs(last - value) <= rounding * std::abs(value);
     }
   }

@@ -147,6 +147,11 @@ def without_a_checkpoint(folder: Path) -> None:
     shutil.copy(folder / "optimum-0" / "checkpoint.h5", killed)
     signorini("simulate", BLOCK, again, control__initial={"run": str(killed)})
     same(objective(again), objective(folder / "optimum-0"), ROUNDING)
+    for value in ("3", '{"value": "1"}', "[]"):  # of no run: the checkpoint is not this one's, on whichever rank that is found
+        (killed / "run.json").write_text(f'{{"objective": {value}}}')
+        for ranks in (1, 2):
+            refused = attempt("simulate", BLOCK, again, ranks, control__initial={"run": str(killed)})
+            assert refused.returncode == 2 and "has neither a checkpoint.h5 nor a control.h5 of its run" in refused.stderr, (value, refused)
     print("without a checkpoint of its own a run's control is read from its fields")
 
 
