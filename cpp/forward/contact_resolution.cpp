@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/contact_resolution.h"
+#include "base/text.h"
 #include "linalg/dense.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -167,9 +167,9 @@ Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
   const Spacing spacing = spacing_for(pairs, zone.candidate, zone.most, zone.force, modulus);
   const double* x = &pairs.points()[3 * static_cast<std::size_t>(zone.candidate)];
   std::string message = fmt::format(
-      "the mesh is too coarse at ({:.6g}) m, t = {:.6g} s: at most {} touch{} \"{}\" at once, and the force "
+      "the mesh is too coarse at {} m, t = {:.6g} s: at most {} touch{} \"{}\" at once, and the force "
       "and the motion are those of single nodes; nodes there are {:.3g} m apart",
-      fmt::join(x, x + pairs.dim(), ", "), zone.time, zone.most == 1 ? "one node" : "two nodes",
+      point_text(x, pairs.dim()), zone.time, zone.most == 1 ? "one node" : "two nodes",
       zone.most == 1 ? "es" : "", scene_.contacts[static_cast<std::size_t>(obstacle)].name, spacing.found);
   if (spacing.enough > 0) {
     const double ratio = spacing.enough / spacing.found;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/largest_stress.h"
+#include "base/text.h"
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 namespace signorini::forward {
 using petsc::check;
@@ -45,7 +45,7 @@ std::vector<Warning> LargestStress::warnings() {
     return {};
   const fem::StressPeak& stress = found->stress;
   const auto place = [&](const std::array<double, 3>& x) {
-    return fmt::format("({:.6g}) m", fmt::join(x.begin(), x.begin() + space_.dim(), ", "));
+    return point_text(x.data(), space_.dim()) + " m";
   };
   const double factor = stress.largest.value / stress.recovered;
   std::string text = fmt::format(
