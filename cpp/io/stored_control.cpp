@@ -232,9 +232,9 @@ control::Control as_stored(const control::ControlSpace& controls, const scene::C
     std::error_code none;
     if (!fs::is_regular_file(file, none) || !fs::is_regular_file(echo, none))
       throw UserError(
-          fmt::format("{}: {} has neither a checkpoint.h5 nor a control.h5 of its run, allowed is the "
-                      "folder of an optimize that left one",
-                      key, folder.string()));
+          fmt::format("{}: {} has no control.h5 of its run, and {}; allowed is the folder of an optimize "
+                      "that left one",
+                      key, folder.string(), why));
     if (controls.cellwise())
       throw UserError(
           fmt::format("{}: {} has no checkpoint.h5 of its run, from which controls with values in cells are "
@@ -284,6 +284,8 @@ control::Control stored_control(const control::ControlSpace& controls, const sce
   if (there == 0)
     return as_stored(controls, scene, folder, key, "there is no checkpoint.h5");
   CheckpointReader in(controls, file, key);
+  if (!in.has(name_in(in)))
+    return as_stored(controls, scene, folder, key, "checkpoint.h5 is of a search without a control");
   if (!is_of_the_run(in, folder, comm))
     return as_stored(controls, scene, folder, key, "checkpoint.h5 is of another run");
   std::string text;

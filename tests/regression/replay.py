@@ -151,7 +151,11 @@ def without_a_checkpoint(folder: Path) -> None:
         (killed / "run.json").write_text(f'{{"objective": {value}}}')
         for ranks in (1, 2):
             refused = attempt("simulate", BLOCK, again, ranks, control__initial={"run": str(killed)})
-            assert refused.returncode == 2 and "has neither a checkpoint.h5 nor a control.h5 of its run" in refused.stderr, (value, refused)
+            assert refused.returncode == 2 and "no control.h5 of its run, and checkpoint.h5 is of another run" in refused.stderr, (value, refused)
+    with h5py.File(killed / "checkpoint.h5", "a") as file:  # that of a fit has none
+        del file["u"]
+    refused = attempt("simulate", BLOCK, again, 2, control__initial={"run": str(killed)})
+    assert refused.returncode == 2 and "checkpoint.h5 is of a search without a control; allowed" in refused.stderr, refused.stderr
     print("without a checkpoint of its own a run's control is read from its fields")
 
 
