@@ -72,6 +72,7 @@ void MotionSummary::observe(const Frame& frame, const StepBalance& balance, cons
   if (pushed)
     rebound(frame, forces.all(), before, balance.momentum);
   open_steps_ = pushed || forces.all().active > 0 ? 0 : open_steps_ + 1;
+  parted_ = !pushed && (parted_ || open_steps_ >= least_open);
   for (std::size_t i = 0; i < forces.each().size(); ++i)
     take(frame, forces.each()[i], impact_.obstacles[i], last_[i]);
   take(frame, forces.all(), impact_.all, last_.back());
@@ -87,7 +88,7 @@ void MotionSummary::rebound(const Frame& frame, const ObstacleForce& now, const 
   };
   if (touches_.empty())
     impact_.whole = begun();
-  if (touches_.empty() || open_steps_ >= least_open) {
+  if (parted_) { // before a step that closes a gap without a force, too
     impulse_ = impact_.whole.impulse;
     touches_.push_back(begun());
   }

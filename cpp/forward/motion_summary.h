@@ -119,6 +119,7 @@ private:
   std::vector<Rebound> touches_;
   std::array<double, 3> momentum_{}, impulse_{}; ///< of contact, before the last touch
   int open_steps_ = 0;                           ///< without a candidate in contact, since the last one with
+  bool parted_ = true; ///< whether so many were open that the next force begins a touch
 };
 
 } // namespace signorini::forward
