@@ -147,9 +147,10 @@ StressPeak stress_peak(const Space& space, const std::vector<Part>& parts, CellF
   });
   const std::set<std::int64_t> boundary = on_outer_facets(around, corners);
   Tensor recovered{};
+  double most = -1;
   for (std::size_t i = 0; i < corners; ++i) {
     Tensor sum{};
-    double volumes = 0, part_of_full = 0;
+    double volumes = 0, part_of_full = 0, stress = 0;
     for (const Cell& other : around)
       for (std::size_t j = 0; j < corners; ++j)
         if (other.nodes[j] == nodes[i]) {
@@ -158,14 +159,21 @@ StressPeak stress_peak(const Space& space, const std::vector<Part>& parts, CellF
             continue;
           const double volume = simplex(other, space.dim()).volume();
           volumes += volume;
+          stress += volume * von_mises(other.stress); // of tensors shear beside a load would cancel
           for (std::size_t c = 0; c < sum.size(); ++c)
             sum[c] += volume * other.stress[c];
         }
     for (std::size_t c = 0; c < sum.size(); ++c)
       recovered[c] += sum[c] / volumes / static_cast<double>(corners);
-    if (boundary.contains(nodes[i]) && part_of_full > peak.angle) {
+    // Angles of a smooth boundary differ by how it is divided; the load, the clamp or the contact that makes
+    // the stress is where that is largest.
+    stress /= volumes;
+    const bool sharper = part_of_full > std::max(reentrant, peak.angle),
+               smooth = std::max(part_of_full, peak.angle) <= reentrant;
+    if (boundary.contains(nodes[i]) && (sharper || (smooth && stress > most))) {
       peak.corner = cell.x[i];
       peak.angle = part_of_full;
+      most = stress;
     }
   }
   peak.recovered = von_mises(recovered);

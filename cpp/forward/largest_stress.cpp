@@ -10,9 +10,6 @@ namespace {
 
 /// A mesh resolves a largest stress that is less than so many times the recovered one.
 constexpr double resolved = 1.3;
-/// Part of the full angle around a node of the boundary: beyond it the boundary has a corner that points
-/// into the body, by 30 degrees or more.
-constexpr double sharp = 0.5 + 1.0 / 12;
 
 } // namespace
 
@@ -52,7 +49,7 @@ std::vector<Warning> LargestStress::warnings() {
       "the largest von Mises stress, {:.4g} Pa in the cell at {}, is {:.3g} times what the cells around it "
       "make of it, where a resolved one is less than {}: it is of the mesh",
       stress.largest.value, place(stress.largest.at), factor, resolved);
-  if (stress.corner && stress.angle > sharp)
+  if (stress.corner && stress.angle > fem::reentrant)
     text += fmt::format(", and as elements become smaller it grows without bound at the corner {}, around "
                         "which {:.2g} of the full angle is body: round the corner, or look elsewhere",
                         place(*stress.corner), stress.angle);
