@@ -91,7 +91,9 @@ Spacing spacing_for(const contact::ContactPairs& pairs, int candidate, int most,
                     double modulus) {
   const std::vector<Neighbour> around = neighbours(pairs, static_cast<std::size_t>(candidate));
   const bool plane = pairs.dim() == 2;
-  const std::size_t ring = std::min<std::size_t>(plane ? 2 : 4, around.size());
+  std::size_t ring = std::min<std::size_t>(plane ? 2 : 4, around.size());
+  if (plane && ring == 2 && around[0].xi * around[1].xi > 0) // the last node of a line
+    ring = 1;
   if (ring == 0)
     return {pairs.diameter(), 0};
   Spacing spacing;
