@@ -206,8 +206,8 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
                                                : "not verified, " + best.doubt,
                     resolution = study::words(best.rung, scene);
   if (best.seconds == 0) // the first of all
-    console.line(fmt::format("{}, nothing tells the error of what there is so far: {}; {}, {:.2g} s in all",
-                             asked_for, end, resolution, passed));
+    console.line(fmt::format("{}, no error estimate yet: {}; {}, {:.2g} s in all", asked_for, end, resolution,
+                             passed));
   else
     console.line(fmt::format(
         "{}, {:.2e} estimated (space {:.1e}, time {:.1e}): {}; {}, {:.2g} s in all, of which the run "

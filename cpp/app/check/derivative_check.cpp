@@ -162,9 +162,9 @@ private:
     constexpr double clear =
         20; // then the smallest remainder is right to 5 %, an order over one decade to 0.02
     const double sign = side == Side::minus ? -1 : 1, floor = clear * rounding() * std::abs(objective_);
-    console_.line(fmt::format("Taylor remainders |J(u + eps d) - J(u) - eps <g, d>|{}, |d| = |u|:\n"
+    console_.line(fmt::format("Taylor remainders |J(u + eps d) - J(u) - eps <g, d>|{}, |d| = {}:\n"
                               "       eps    remainder   order  active sets",
-                              along));
+                              along, controls_.norm(u_) > 0 ? "|u|" : "1, since u = 0"));
     std::vector<std::pair<double, double>> usable;
     double last = 0, within = 0;
     constexpr int sizes = 8;

@@ -121,13 +121,13 @@ void Summary::show_orders(const Console& console) const {
   for (const Orders& one : orders_) {
     if (!last || last->degree != one.degree || last->scheme != one.scheme || last->chosen != one.chosen ||
         last->graded != one.graded)
-      console.line(fmt::format("\ndegree {}, {}{}:\n{:<17}{:<21}{:<21}{}", one.degree,
+      console.line(fmt::format("\ndegree {}, {}{}:\n{:<20}{:<21}{:<21}{}", one.degree,
                                scene::name(one.scheme),
                                one.chosen   ? one.graded ? ", steps chosen, graded" : ", steps chosen"
                                : one.graded ? ", graded"
                                             : "",
                                "order of", "in space", "in time", "in both"));
-    console.line(fmt::format("{:<17}{:<21}{:<21}{}", one.quantity, shown(one.space), shown(one.time),
+    console.line(fmt::format("{:<20}{:<21}{:<21}{}", one.quantity, shown(one.space), shown(one.time),
                              shown(one.both)));
     any |= out_of_range(one.space) || out_of_range(one.time) || out_of_range(one.both);
     last = &one;
