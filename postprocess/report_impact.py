@@ -17,7 +17,7 @@ def impact(run: RunFolder) -> list[Table]:
     if len(rows) > 1:
         rows.append(touch(run, "all", given["all"]))
     title = (f"Forces are added by their moduli; the force of a step acts all through it. 1 to 99 %: of the impulse. Sustained: the largest mean "
-             f"over {quantity(given['all']['sustained_over'], 's')}, in which a wave crosses four elements. † need not converge with step and size.")
+             f"over {quantity(given['all']['sustained_over'], 's')}, which converges with step and size where the force is smooth. † need not converge with step and size.")
     if any(one.get("peak_at_onset") for one in [*given["obstacles"], given["all"]]):
         title += " ∗ as contact begins, before a wave has crossed the body."
     head = ["Obstacle", "Contact from †", "to †", "In contact for †", "1 to 99 % in", "Impulse", "Resultant of it", "Sustained peak", "Peak of two steps †"]

@@ -89,8 +89,8 @@ void add_impact(const forward::Impact& impact, int dim, std::vector<std::string>
     return;
   }
   lines.emplace_back(
-      "contact (impulse, the time from 1 to 99 % of it and the sustained peak converge with step and size; "
-      "first and last touch and the peak of two steps need not):");
+      "contact (impulse and the time from 1 to 99 % of it converge with step and size, the sustained peak "
+      "where the force is smooth; first and last touch and the peak of two steps need not):");
   for (const forward::Touch& one : impact.obstacles)
     lines.push_back(touch_line(one.name, one, dim));
   if (std::ranges::count_if(impact.obstacles, &forward::Touch::occurred) > 1)

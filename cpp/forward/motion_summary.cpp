@@ -139,8 +139,9 @@ std::optional<Impact> MotionSummary::impact() const {
   Impact impact = impact_;
   const auto sum_up = [&](const ImpulseRecord& record, Touch& touch) {
     touch.impulse_duration = record.duration();
-    touch.sustained_over = sustained * stepper_.wave_time();
-    touch.sustained_peak = record.largest_mean(touch.sustained_over).force;
+    const ImpulseRecord::Mean most = record.largest_mean(sustained * stepper_.wave_time());
+    touch.sustained_over = most.over;
+    touch.sustained_peak = most.force;
   };
   for (std::size_t i = 0; i < impact.obstacles.size(); ++i)
     sum_up(records_[i], impact.obstacles[i]);

@@ -27,8 +27,8 @@ struct Touch {
                                    ///< is of what hits, and as a rule depends on step and size
   double largest_step = 0;         ///< the same of a single step
   double impulse_duration = 0;     ///< from 1 to 99 % of the normal impulse, s
-  double sustained_peak = 0; ///< largest mean of the sum of the moduli over `sustained_over`, or two steps
-  double sustained_over = 0; ///< four times that in which a wave crosses an element in contact, s
+  double sustained_peak = 0;       ///< largest mean of the sum of the moduli over `sustained_over`, N
+  double sustained_over = 0; ///< time in which a wave crosses four elements in contact, or of two steps, s
   double least_gap = std::numeric_limits<double>::infinity(); ///< of a candidate at the end of a step, m
   double least_gap_time = 0;                                  ///< the first, s
 

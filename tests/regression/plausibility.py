@@ -155,6 +155,93 @@ def stress_at_a_corner(folder: Path) -> None:
     assert found["value"] > 0 and "stress of the mesh" not in warnings(folder / "even")
 
 
+ROD = """Point(1) = {0, 0, 0}; Point(2) = {0.02, 0, 0}; Point(3) = {0.02, 0.4, 0}; Point(4) = {0, 0.4, 0};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
+Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
+Physical Surface("body") = {1}; Physical Curve("tip") = {1}; Physical Curve("boundary") = {1:4};
+"""
+RIM = """Point(1) = {0, 0, 0}; Point(2) = {0.1, 0, 0}; Point(3) = {0, 0.1, 0}; Point(4) = {-0.1, 0, 0}; Point(5) = {0, -0.1, 0};
+Circle(1) = {2, 1, 3}; Circle(2) = {3, 1, 4}; Circle(3) = {4, 1, 5}; Circle(4) = {5, 1, 2};
+Point(12) = {0.08, 0, 0}; Point(13) = {0, 0.08, 0}; Point(14) = {-0.08, 0, 0}; Point(15) = {0, -0.08, 0};
+Circle(11) = {12, 1, 13}; Circle(12) = {13, 1, 14}; Circle(13) = {14, 1, 15}; Circle(14) = {15, 1, 12};
+Curve Loop(1) = {1:4}; Curve Loop(2) = {11:14}; Plane Surface(1) = {1, 2};
+Physical Surface("body") = {1}; Physical Curve("boundary") = {1:4};
+"""
+
+
+def stress_under_one_node(folder: Path) -> None:
+    """Where one node takes all of the contact force, the warning names that node, and not another one of the cell."""
+    (folder / "rim.geo").write_text(RIM)
+    scene, out = folder / "rim.toml", folder / "rim"
+    scene.write_text(f"""[mesh]
+file = "{folder / "rim.geo"}"
+size = 0.006
+degree = 2
+[time]
+end = 6e-4
+step = 1e-5
+[material]
+density = 2700.0
+young = 7e10
+poisson = 0.33
+[contact]
+on = "boundary"
+obstacle = {{ shape = "ball", center = [0, -0.1501], radius = 0.05 }}
+[initial]
+velocity = ["0", "-1"]
+[output]
+fields = ["von_mises"]
+every = 1
+""")
+    signorini("simulate", scene, out)
+    found, steps = warnings(out), table(out / "contact.csv")
+    pushed = steps["force"] > 0
+    nodes = set(zip(steps["x"][pushed], steps["y"][pushed]))
+    assert len(nodes) == 1 and "stress of the mesh" in found, (nodes, found)
+    x, y = map(float, re.search(r"smaller elements at \((\S+), (\S+)\) m", found["stress of the mesh"]["message"]).groups())
+    assert np.allclose([x, y], nodes.pop(), atol=1e-6), (x, y, steps["x"][pushed])
+
+
+def sustained_over_two_steps(folder: Path) -> None:
+    """A rod that lands on its flat end: the force is ρ c v A all the time. In long steps the sustained peak is that of two of them, and
+    says so; in short ones the front of the wave overshoots on all meshes, and neither the run nor a study calls it convergent."""
+    (folder / "rod.geo").write_text(ROD)
+    scene, out = folder / "rod.toml", folder / "rod"
+    scene.write_text(f"""[mesh]
+file = "{folder / "rod.geo"}"
+size = 0.02
+[time]
+end = 4e-3
+step = 1e-4
+scheme = "contact-stabilized"
+[material]
+density = 1000.0
+young = 1e8
+poisson = 0.0
+[contact]
+on = "tip"
+obstacle = {{ shape = "half-space", point = [0, -0.001], normal = [0, 1] }}
+[initial]
+velocity = ["0", "-1"]
+""")
+    exact = 1000 * np.sqrt(1e8 / 1000) * 0.02
+    done = signorini("simulate", scene, out)
+    touch = json.loads((out / "run.json").read_text())["impact"]["all"]
+    normal = table(out / "obstacles.csv")["normal_force"]
+    assert abs(touch["sustained_over"] - 2e-4) < 1e-15, touch
+    assert abs(touch["sustained_peak"] - ((normal[1:] + normal[:-1]) / 2).max()) < 1e-9 * exact, touch
+    assert "the largest mean over 0.0002 s" in done.stdout and "the sustained peak where the force is smooth" in done.stdout, done.stdout
+    for size, step in ((0.02, 1e-5), (0.01, 5e-6)):
+        signorini("simulate", scene, out, mesh__size=size, time__step=step)
+        touch = json.loads((out / "run.json").read_text())["impact"]["all"]
+        assert touch["sustained_peak"] > 1.3 * exact, (touch, exact)
+    said = signorini("study", scene, folder / "rods", mesh__size=0.02, time__step=1e-4, output__fields=["von_mises"]).stdout
+    titles = [line for line in said.splitlines() if line.startswith("sustained peak force")]
+    assert len(titles) == 1 and titles[0].endswith("it need not converge"), said
+    rows = said[said.index("order of") :].splitlines()
+    assert any(line.startswith("largest_von_mises ") for line in rows), said
+
+
 def is_above_in_print(folder: Path) -> None:
     """A strain above the limit by a part in 1e7 is not told as the limit itself."""
     far = {"contact__obstacle": {"shape": "half-space", "point": [0, -9], "normal": [0, 1]}, "load__body": ["0", "0"]}
@@ -226,6 +313,8 @@ def main() -> int:
         first_exceeded(Path(folder))
         energy_lost(Path(folder))
         stress_at_a_corner(Path(folder))
+        stress_under_one_node(Path(folder))
+        sustained_over_two_steps(Path(folder))
         is_above_in_print(Path(folder))
         nodes_at_one_place(Path(folder))
         shipped_scenes(Path(folder))

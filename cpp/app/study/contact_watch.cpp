@@ -19,7 +19,7 @@ std::vector<Quantity> contact_quantities(const scene::Scene& scene, int dim) {
   const auto add = [&](const std::string& end, const std::string& of) {
     all.push_back({"impulse" + end, "impulse of contact" + of, "N s" + each});
     all.push_back({"impulse_duration" + end, "time from 1 to 99 % of the impulse" + of, "s"});
-    all.push_back({"sustained_peak" + end, "sustained peak force" + of, "N" + each});
+    all.push_back({"sustained_peak" + end, "sustained peak force" + of, "N" + each, false, false, false});
     all.push_back({"peak_force" + end, "peak force of two steps" + of, "N" + each, false, false, false});
     all.push_back({"contact_start" + end, "start of contact" + of, "s"});
     all.push_back({"contact_time" + end, "time in contact" + of, "s", false, false, false});
