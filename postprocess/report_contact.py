@@ -96,8 +96,9 @@ def contact_surface(run: RunFolder) -> Chart:
         views = surface_views(run, contact, along_surface(arc_of(contact)))
         note = "Forces are those of single nodes. Position 0 is where the node is that is pushed the most. Double-click to see all."
     else:
+        pushes = run.contact.force.any()
         apart = [run.contact.of(i) for i in range(len(names))]
-        views = {f"{name}: {view}" if len(names) > 1 else view: shown for name, own in zip(names, apart) if own.force.any()
+        views = {f"{name}: {view}" if len(names) > 1 else view: shown for name, own in zip(names, apart) if own.force.any() or not pushes
                  for view, shown in surface_views(run, own, around_contact(own)).items()}  # fmt: skip
         note = ("Of the nodes at about the same distance the largest pressure or force, or the least gap, is shown. Double-click to "
                 "see all.")  # fmt: skip
@@ -143,8 +144,9 @@ def surface_views(run: RunFolder, contact: Contact, place: Place) -> dict[str, d
 
 
 def touched(contact: Contact, place: Place) -> list[float]:
-    """Between which positions (m) contact is, with some room."""
-    rows = place.rows[contact.force.any(axis=0)]
+    """Between which positions (m) contact is, with some room; all of the surface where it is touched without a force."""
+    pushed = contact.force.any(axis=0)
+    rows = place.rows[pushed] if pushed.any() else place.rows
     low, high = place.edges[rows.min()], place.edges[rows.max() + 1]
     room = max((high - low) / 2, 2 * np.median(np.diff(place.edges)))
     return [max(low - room, place.edges[0]), min(high + room, place.edges[-1])]

@@ -56,7 +56,7 @@ void OptimizerLog::operator()(const optimize::Iteration& iteration) {
                      value.control_cost,       iteration.gradient_norm,
                      iteration.step_length,    reduced.sweeps().forward,
                      reduced.sweeps().adjoint, seconds()};
-  if (control_problem_.reference) {
+  if (reference_norm_ > 0) {
     control::Control difference = reduced.control();
     difference.add(-1, *control_problem_.reference);
     row.relative_distance_to_reference = control_problem_.controls.norm(difference) / reference_norm_;

@@ -60,6 +60,15 @@ def run_is_its_control(folder: Path) -> None:
     print("desired by the run of a control = by that control, on 1 to 3 ranks each")
 
 
+def zero_is_no_scale(folder: Path) -> None:
+    """Distances relative to a reference control of zero are undefined: nan, neither infinite nor -nan, which 0/0 is."""
+    for start in (["0", "0"], ["0", "-1"]):
+        found = history(BLOCK, folder / "zero", objective__desired={"control": ["0", "0"]}, control__initial=start)
+        assert np.isnan(found["relative_distance_to_reference"]).all(), found["relative_distance_to_reference"]
+        assert "-nan" not in (folder / "zero" / "history.csv").read_text()
+    assert found["objective"][-1] < found["objective"][0], "the search moves"
+
+
 def between_stored_times(folder: Path) -> None:
     """A motion that is linear in time is met between its stored times too."""
     free = {"load__body": ["0", "0"], "contact__obstacle__point": [0, -10]}  # flies on: y = (0, -t)
@@ -90,6 +99,7 @@ def main() -> int:
         folder = Path(name)
         run_is_its_control(folder)
         between_stored_times(folder)
+        zero_is_no_scale(folder)
     return 0
 
 

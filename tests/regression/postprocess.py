@@ -22,6 +22,7 @@ from expressions import Expression, TimeSeries  # noqa: E402
 from files import NotInRun, Table, Unreadable  # noqa: E402
 from mesh import Mesh  # noqa: E402
 from obstacles import LevelSet, Obstacle, Round, course, read_obstacles  # noqa: E402
+from report_contact import along_surface, around_contact, contact_surface, touched  # noqa: E402
 from report_control import resultant_of  # noqa: E402
 from report_cut import cut_open  # noqa: E402
 from run_folder import Contact, RunFolder, first_largest, potential_of_loads  # noqa: E402
@@ -174,6 +175,23 @@ def places_without_candidates_have_rows_of_their_own(folder: Path) -> None:
     assert arc.order[len(arc.order) // 2] == 30 and not arc.part.any()
 
 
+def touch_without_force(folder: Path) -> None:
+    """A body at rest on the floor without a load touches it and pushes nowhere: its page and figures show all of the surface."""
+    floor = '[[contact]]\non = "bottom"\nobstacle = { shape = "half-space", point = [0, 0], normal = [0, 1] }\n'
+    space = floor.replace("[0, 0], normal = [0, 1]", "[0, 0, 0], normal = [0, 0, 1]")
+    for name, text in (("rest", SQUARE + floor), ("rest-in-space", SQUARE.replace("square.geo", "cube.geo").replace("size = 0.2", "size = 0.34") + space)):
+        run = run_of(folder, name, text, output__fields=["displacement", "pressure"])
+        assert run.touches and not run.contact.force.any()
+        views = contact_surface(run).views
+        assert {"gap", "force of each step"} <= set(views), set(views)
+        contact = merged(run.contact)
+        place = along_surface(arc_of(contact)) if run.dim == 2 else around_contact(contact)
+        assert touched(contact, place) == [place.edges[0], place.edges[-1]]
+        for verb in ("report", "figures"):
+            done = subprocess.run([SIGNORINI, verb, run.path], capture_output=True, text=True)
+            assert done.returncode == 0 and not done.stderr, done.stderr
+
+
 def controls_add_up(folder: Path) -> None:
     """A control of one pushes with its scale times the area or the length, in each space of controls."""
     base = SQUARE + '[[clamp]]\non = "left"\n[control]\nscale = 3.0\ninitial = ["0", "-2"]\n'
@@ -293,6 +311,7 @@ def main() -> int:
         surfaces_are_where_heights_vanish()
         half_a_body_is_left(folder)
         places_without_candidates_have_rows_of_their_own(folder)
+        touch_without_force(folder)
         controls_add_up(folder)
         expressions_are_the_programs(folder)
         a_held_body_that_is_moved(folder)
