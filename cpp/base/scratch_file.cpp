@@ -44,7 +44,9 @@ void require_temporary_folder() {
     }
     std::error_code error;
     std::filesystem::create_directories(folder, error); // as Open MPI does
-    if (!error && access(folder, W_OK | X_OK) != 0)
+    // Not by access(): to root every folder is writable, /proc too.
+    std::string trial = fmt::format("{}/signorini-XXXXXX", folder);
+    if (!error && (!mkdtemp(trial.data()) || rmdir(trial.c_str()) != 0))
       error = std::error_code(errno, std::generic_category());
     if (error)
       throw UserError(

@@ -41,11 +41,12 @@ def temporary_folder(folder: Path) -> None:
         for command, status in ((quick, 2), ([sys.executable, "-c", "import signorini"], 1)):
             if status == 1 and (name != "TMPDIR" or not importlib.util.find_spec("signorini")):
                 continue
-            done = subprocess.run(command, env=own | {name: str(folder / "file" / "below")}, capture_output=True, text=True, stdin=subprocess.DEVNULL)
-            said = done.stderr.splitlines()
-            assert done.returncode == status, (name, done.returncode, done.stderr)
-            assert f"{name}: found the folder {folder / 'file' / 'below'}, which cannot be written (Not a directory)" in said[-1], done.stderr
-            assert status == 1 or len(said) == 1, done.stderr
+            for wrong, why in ((folder / "file" / "below", "Not a directory"), ("/proc", "")):  # /proc: root may write there, and cannot
+                done = subprocess.run(command, env=own | {name: str(wrong)}, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+                said = done.stderr.splitlines()
+                assert done.returncode == status, (name, done.returncode, done.stderr)
+                assert f"{name}: found the folder {wrong}, which cannot be written ({why}" in said[-1], done.stderr
+                assert status == 1 or len(said) == 1, done.stderr
         for usable in (str(folder / f"made for {name}"), ""):
             done = subprocess.run(quick, env=own | {name: usable}, capture_output=True, text=True, stdin=subprocess.DEVNULL)
             assert done.returncode == 0 and not done.stderr, (name, usable, done.stderr)
