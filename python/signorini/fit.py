@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _signorini
+from .problem import fixed
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 class Fit:
     """Residuals r(θ) of a scene's measurements by its unknowns θ, for scipy.optimize.least_squares and the like.
 
-    θ has the unknowns' values in the scene's units and order; arrays are whole, and the same on every rank. What was
+    θ has the unknowns' values in the scene's units and order; arrays are whole, and the same on every rank; those that are attributes are read-only. What was
     computed at the last θ is known: the Jacobian after the residuals makes no motion. All members that take θ are
     collective, and raise SceneError where the scene is none with these values, SolverFailure, KeyboardInterrupt.
     """
@@ -35,17 +36,17 @@ class Fit:
     @cached_property
     def start(self) -> np.ndarray:
         """The values that the scene starts from. (n)"""
-        return self._problem.start()
+        return fixed(self._problem.start())
 
     @cached_property
     def lower(self) -> np.ndarray:
         """Lower bounds, those of the unknowns' nature where the scene gives none. (n)"""
-        return self._problem.lower()
+        return fixed(self._problem.lower())
 
     @cached_property
     def upper(self) -> np.ndarray:
         """Upper bounds. (n)"""
-        return self._problem.upper()
+        return fixed(self._problem.upper())
 
     @cached_property
     def measurements(self) -> dict[str, slice]:
@@ -60,17 +61,17 @@ class Fit:
     @cached_property
     def times(self) -> np.ndarray:
         """Of all data, s. (values)"""
-        return self._problem.times()
+        return fixed(self._problem.times())
 
     @cached_property
     def measured(self) -> np.ndarray:
         """All data, in SI units. (values)"""
-        return self._problem.measured()
+        return fixed(self._problem.measured())
 
     @cached_property
     def deviations(self) -> np.ndarray:
         """Their standard deviations. (values)"""
-        return self._problem.deviations()
+        return fixed(self._problem.deviations())
 
     def residuals(self, theta: ArrayLike) -> np.ndarray:
         """(simulated − measured) / deviation and, after them, those of the priors, by one motion and one linearised one for

@@ -27,6 +27,13 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 
+def fixed(values: np.ndarray | None) -> np.ndarray | None:
+    """The values, read-only: an object's own, by which it computes."""
+    if values is not None:
+        values.flags.writeable = False
+    return values
+
+
 def shaped(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     """The values. Raises ValueError where they have another shape."""
     if np.shape(values) != shape:
@@ -76,16 +83,14 @@ class Metric:
     def weights(self) -> np.ndarray:
         """`diagonal` where there is one, else that of the lumped matrix, which resembles this one on every mesh: scaled by
         its root, u·√weights, entries measure alike. (intervals × values)"""
-        weights = self._problem.weights()
-        weights.flags.writeable = False
-        return weights
+        return fixed(self._problem.weights())
 
 
 class Problem:
     """J(u) of a scene's control, reduced to the control, with derivatives by adjoint sweeps: see the module's text.
 
     The motions of the two controls that were looked at last are known: asking for them again makes no sweep. Arrays that
-    are returned own their memory, which is the solver's, not a copy. Members that take a control are collective, and raise
+    methods return own their memory, which is the solver's, not a copy; those that are attributes are read-only. Members that take a control are collective, and raise
     SolverFailure where a step has no solution, KeyboardInterrupt at Ctrl-C, ValueError for arrays of another shape.
     """
 
@@ -122,27 +127,27 @@ class Problem:
     @cached_property
     def lower(self) -> np.ndarray | None:
         """Lower bounds of every value; None without."""
-        return self._problem.lower()
+        return fixed(self._problem.lower())
 
     @cached_property
     def upper(self) -> np.ndarray | None:
         """Upper bounds of every value; None without."""
-        return self._problem.upper()
+        return fixed(self._problem.upper())
 
     @cached_property
     def times(self) -> np.ndarray:
         """The middle of each interval, s; 0 for a control that is constant in time. (intervals)"""
-        return self._problem.times()
+        return fixed(self._problem.times())
 
     @cached_property
     def lengths(self) -> np.ndarray:
         """Of the intervals, s."""
-        return self._problem.lengths()
+        return fixed(self._problem.lengths())
 
     @cached_property
     def points(self) -> np.ndarray:
         """Where the control has values: nodes, or middles of cells, of the undeformed body, m. (places × dim)"""
-        return self._problem.points()
+        return fixed(self._problem.points())
 
     @property
     def components(self) -> str:
@@ -189,12 +194,12 @@ class Problem:
     @cached_property
     def step_times(self) -> np.ndarray:
         """The times of the states, s. (steps + 1)"""
-        return self._problem.step_times()
+        return fixed(self._problem.step_times())
 
     @cached_property
     def nodes(self) -> np.ndarray:
         """The nodes of this rank in the undeformed body, m. (nodes × dim)"""
-        return self._problem.nodes()
+        return fixed(self._problem.nodes())
 
     def states(self, u: np.ndarray) -> np.ndarray:
         """The displacements of u's motion at all step_times, a copy, m. (steps + 1 × nodes × dim)"""

@@ -100,6 +100,19 @@ def shapes(problem: signorini.Problem) -> None:
         assert "(2)" in raised(ValueError, lambda: fit.residuals(wrong))
 
 
+def attributes_are_read_only() -> None:
+    """Bounds, lengths, places and data are what later calls compute with: a change in place is refused, and they can be passed on."""
+    problem = half_disc(4, control__lower=-2, control__upper=1).problem()
+    fit = signorini.Scene(SCENES / "find-the-wall.toml", {"mesh.size": 8e-3}).fit()
+    for owner, names in ((problem, ("lower", "upper", "times", "lengths", "points", "step_times", "nodes")), (problem.metric, ("weights", "diagonal")),
+                         (fit, ("start", "lower", "upper", "times", "measured", "deviations"))):  # fmt: skip
+        for name in names:
+            assert getattr(owner, name).size > 0
+            assert "read-only" in raised(ValueError, lambda: getattr(owner, name).__imul__(1e3)), name
+    assert problem.value(problem.lower) == problem.value(problem.lower.copy()) and fit.residuals(fit.start).shape == fit.measured.shape
+    assert half_disc(4).problem().lower is None
+
+
 def threads() -> None:
     """Products, Riesz representatives and the ends of objects in other threads leave gradients as they are."""
     options = {"control__initial": PUSHED, "objective__desired": {"displacement": ["0", "0"]}}
@@ -251,6 +264,7 @@ def own_world() -> dict[str, str]:
 interrupts()
 sentences()
 overrides()
+attributes_are_read_only()
 threads()
 full_disk()
 alone()
