@@ -50,9 +50,25 @@ void rename(std::string& value) {
     }
 }
 
+/// A scene as a run wrote it. Paths need not be UTF-8, as TOML has to be: then each byte of theirs is a
+/// character.
+toml::table parsed(const std::string& scene) {
+  try {
+    return toml::parse(scene);
+  } catch (const toml::parse_error&) {
+    std::string escaped;
+    for (const char byte : scene)
+      if (static_cast<unsigned char>(byte) < 0x80)
+        escaped += byte;
+      else
+        escaped += fmt::format("\\u{:04x}", static_cast<unsigned char>(byte));
+    return toml::parse(escaped);
+  }
+}
+
 std::map<std::string, std::string> posed(const std::string& scene, Part besides) {
   std::map<std::string, std::string> values;
-  flatten(toml::parse(scene), "", values);
+  flatten(parsed(scene), "", values);
   std::erase_if(values, [&](const auto& entry) { return !matters(entry.first, besides); });
   if (const auto space = values.find("control.space"); space != values.end())
     rename<ControlValues>(space->second);
@@ -64,7 +80,7 @@ std::map<std::string, std::string> posed(const std::string& scene, Part besides)
 std::optional<ControlKeys> control_keys(const std::string& scene) {
   toml::table root;
   try {
-    root = toml::parse(scene);
+    root = parsed(scene);
   } catch (const toml::parse_error&) {
     return std::nullopt;
   }

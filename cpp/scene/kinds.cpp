@@ -33,7 +33,10 @@ std::string written(double value) {
 std::string written(const std::string& text) {
   std::string quoted = "\"";
   for (char c : text)
-    quoted += (c == '"' || c == '\\') ? std::string{'\\', c} : std::string{c};
+    if (const auto code = static_cast<unsigned char>(c); code < 0x20 || code == 0x7f)
+      quoted += fmt::format("\\u{:04x}", code);
+    else
+      quoted += (c == '"' || c == '\\') ? std::string{'\\', c} : std::string{c};
   return quoted + '"';
 }
 

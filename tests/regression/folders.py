@@ -196,10 +196,28 @@ inside true
     print("dev: a scratch folder that nobody can have made before, gone at its end")
 
 
+def any_name(folder: Path) -> None:
+    """A search goes on in a folder whose name is not UTF-8, or has a line break; another problem there is refused by its key."""
+    for name in (b"not UTF-8 \xff", b"two\nlines", b"\x7f\xe9 \"\\n"):
+        place = folder / os.fsdecode(name)
+        place.mkdir()
+        (place / "half-disc.geo").write_bytes((SOURCE / "meshes" / "half-disc.geo").read_bytes())
+        scene = place / "scene of mine.toml"
+        scene.write_text(HALF_DISC.read_text().replace("../meshes/half-disc.geo", "half-disc.geo"))
+        more = ("--resume", "--set", "optimizer.max_iterations=3")
+        for options in ((), more, (*more, "--set", "objective.alpha=7")):
+            done = subprocess.run([SIGNORINI, "optimize", scene, "--out", place / "out", *QUICK, *options], capture_output=True, text=True, errors="replace",
+                                  timeout=120)  # fmt: skip
+            assert options[-1:] == ("objective.alpha=7",) or done.returncode == 0, done.stderr
+            assert options != more or "resumed after iteration 2" in done.stdout, done.stdout
+        assert done.returncode == 2 and "this scene has objective.alpha = 7;" in done.stderr, done.stderr
+    print("searches go on in folders of any name")
+
+
 def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name).resolve()
-        for part in (scene_of_the_users, files_of_the_users, two_at_once, killed, states_on_disk, scratch_of_dev):
+        for part in (scene_of_the_users, files_of_the_users, any_name, two_at_once, killed, states_on_disk, scratch_of_dev):
             part(folder)
     return 0
 
