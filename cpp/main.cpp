@@ -351,13 +351,13 @@ int main(int argc, char** argv) {
   std::vector<char*> petsc_arguments{argv[0], no_file.data()};
   if (own < argc)
     petsc_arguments.insert(petsc_arguments.end(), dashes + 1, argv + argc);
+  signorini::catch_stop_signals(); // before anything is made and libraries start, so that no signal is missed
   try {
     signorini::require_temporary_folder();
   } catch (const UserError& error) {
     complain(error.what());
     return wrong_input;
   }
-  signorini::catch_stop_signals(); // before libraries start, so that no signal is missed
   int petsc_count = static_cast<int>(petsc_arguments.size());
   petsc_arguments.push_back(nullptr);
   char** petsc_values = petsc_arguments.data();

@@ -53,7 +53,7 @@ GROUPS = {"solvers": SOLVERS, "outputs": OUTPUTS}
 WATCHED_BY = SOLVERS | OUTPUTS
 MOST_RANKS = 2
 PROGRAMS = ["signorini", "signorini-unit"]
-COPIED = ["CHANGELOG.md", "CMakeLists.txt", "README.md", "cpp", "docs", "forms", "meshes", "packaging", "postprocess", "python", "scenes", "tests"]
+COPIED = ["CHANGELOG.md", "CITATION.cff", "CMakeLists.txt", "CONTRIBUTING.md", "LICENSE", "README.md", "cpp", "docs", "forms", "meshes", "packaging", "postprocess", "python", "scenes", "tests"]
 ENOUGH = 0.9
 PATIENCE = 10  # times the seconds of the sound code, and seconds beside: other work on the machine makes no mutant
 
