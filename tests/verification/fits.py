@@ -372,7 +372,7 @@ def linear(folder: Path) -> None:
             solution, covariance = np.linalg.lstsq(rows, right, rcond=None)[0], np.linalg.inv(rows.T @ rows)
             deviations = np.sqrt(np.diag(covariance))
         out, first = folder / scale, folder / f"{scale}-first"
-        signorini("optimize", file, out, optimizer__method="gauss-newton", optimizer__tolerance=1e-9, **scales)
+        said = signorini("optimize", file, out, optimizer__method="gauss-newton", optimizer__tolerance=1e-9, **scales).stdout
         signorini("optimize", file, first, optimizer__max_iterations=0, **scales)
         found, start, run = table(out / "parameters.csv"), table(first / "parameters.csv"), json.loads((out / "run.json").read_text())
         close(f"{scale}: values", found["value"], solution, 1e-7)
@@ -380,7 +380,11 @@ def linear(folder: Path) -> None:
         close(f"{scale}: gradient at the start", start["gradient"], rows.T @ (rows @ [1.3, 0.6, 1.1] - right), 1e-9)
         columns = rows * (solution if scale == "log" else 1)
         close(f"{scale}: singular values", run["fit"]["singular_values"], np.linalg.svd(columns / np.linalg.norm(columns, axis=0))[1], 1e-6)
-        close(f"{scale}: correlations", run["fit"]["correlations"], covariance / np.outer(deviations, deviations), 1e-6)
+        correlations = covariance / np.outer(deviations, deviations)
+        close(f"{scale}: correlations", run["fit"]["correlations"], correlations, 1e-6)
+        one, other = np.unravel_index(np.abs(np.triu(correlations, 1)).argmax(), correlations.shape)
+        told = f"largest correlation: {correlations[one, other]:+.2f}, of {found["name"][one]} and {found["name"][other]}"
+        assert (one, other) != (0, 1) and told in said, (told, said)
         r = rows @ solution - right
         close(f"{scale}: residuals", table(out / "measurements.csv")["residual"], r[: len(A)], 1e-6)
         close(f"{scale}: J", run["fit"]["objective"], r @ r / 2, 1e-9)
