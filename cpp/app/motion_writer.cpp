@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/motion_writer.h"
 #include "base/error.h"
+#include "forward/contact_loss.h"
 #include "io/motion_tables.h"
 #include <algorithm>
 #include <cmath>
@@ -26,7 +27,6 @@ MotionWriter::MotionWriter(const Problem& problem, const io::OutputFolder& folde
                            const forward::StepErrors* errors)
     : problem_(problem), objective_(objective), plausibility_(problem.stepper, problem.scene),
       forces_(problem.stepper), resolution_(problem.stepper, problem.scene),
-      loss_(problem.stepper, problem.scene),
       step_warnings_(problem.stepper, problem.scene, problem.scene_loads(), errors) {
   const auto timer = problem.timers.time("output");
   const scene::Output& output = problem.scene.output;
@@ -120,7 +120,6 @@ void MotionWriter::weigh(const forward::Frame& frame, forward::StepBalance& bala
   balance = (*balance_)(frame);
   invariants_->observe(frame, balance);
   summary_->observe(frame, balance, forces_);
-  loss_.observe(balance);
   if (problem_.scene.run.invariants == scene::OnViolation::stop)
     if (const auto violation = invariants_->violation(problem_.scene.run.tolerance))
       throw SolverFailure(fmt::format("step {} (t = {:.6g} s): {}", frame.k,
@@ -224,7 +223,9 @@ std::vector<forward::Warning> MotionWriter::warnings() {
   };
   add(resolution_.warnings());
   add(step_warnings_.warnings());
-  add(loss_.warnings());
+  if (summary_)
+    add(forward::contact_loss(problem_.stepper, problem_.scene, summary_->energy().contact_work,
+                              invariants_->largest_energy()));
   if (largest_stress_)
     add(largest_stress_->warnings());
   return found;

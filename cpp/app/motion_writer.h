@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "app/problem.h"
-#include "forward/contact_loss.h"
 #include "forward/contact_resolution.h"
 #include "forward/invariants.h"
 #include "forward/largest_stress.h"
@@ -91,7 +90,6 @@ private:
   forward::Plausibility plausibility_;
   forward::ObstacleForces forces_;
   forward::ContactResolution resolution_;
-  forward::ContactLoss loss_;
   forward::StepWarnings step_warnings_;
   std::optional<forward::MotionSummary> summary_;
   std::optional<io::TextFile> steps_, contact_, obstacles_, probes_;

@@ -12,19 +12,11 @@ constexpr double small_loss = 0.03;
 
 } // namespace
 
-ContactLoss::ContactLoss(const Stepper& stepper, const scene::Scene& scene)
-    : stepper_(stepper), scene_(scene),
-      rest_(std::ranges::none_of(scene.contacts,
-                                 [](const scene::Contact& one) { return scene::moves(one.obstacle); })) {}
-
-void ContactLoss::observe(const StepBalance& balance) {
-  largest_ = std::max(largest_, balance.kinetic_energy + balance.elastic_energy);
-  lost_ -= balance.contact_work;
-}
-
-std::vector<Warning> ContactLoss::warnings() const {
-  const double part = largest_ > 0 ? lost_ / largest_ : 0;
-  if (!rest_ || !(part > small_loss))
+std::vector<Warning> contact_loss(const Stepper& stepper, const scene::Scene& scene, double contact_work,
+                                  double largest_energy) {
+  const double part = largest_energy > 0 ? -contact_work / largest_energy : 0;
+  const auto moves = [](const scene::Contact& one) { return scene::moves(one.obstacle); };
+  if (!(part > small_loss) || std::ranges::any_of(scene.contacts, moves))
     return {};
   return {{"energy lost in contact",
            fmt::format(
@@ -32,8 +24,8 @@ std::vector<Warning> ContactLoss::warnings() const {
                "are at rest: an error, which falls with the step ({}) to {:.1e} s, in which a wave crosses "
                "an element in contact, and from there on with mesh.size or, where contact.mass is "
                "\"massless\", with the step still",
-               part, largest_, stepper_.space().dim() == 2 ? "J/m" : "J",
-               scene_.time.automatic() ? "time.tolerance" : "time.step", stepper_.wave_time()),
+               part, largest_energy, stepper.space().dim() == 2 ? "J/m" : "J",
+               scene.time.automatic() ? "time.tolerance" : "time.step", stepper.wave_time()),
            part, small_loss}};
 }
 
