@@ -41,7 +41,7 @@ SOLVERS = {
 RUNS = [r"regression\.values", r"regression\.(outputs|tables|definitions|time-series|desired-run)$"]
 OUTPUTS = {
     "io": [r"unit\.io\.", *RUNS, r"regression\.(docs|resume|bad-input|keys|study)$", r"verification\.fits\.(exact|linear)", r"python\.(runs|fits)"],
-    "app": [r"unit\.study\.", *RUNS, r"unit\.control\.np", r"regression\.(command-line|docs|plausibility|check-refuses|weak-contact|watch)$", r"verification\.fits\.(exact|linear)",
+    "app": [r"unit\.(study|io)\.", *RUNS, r"unit\.control\.np", r"regression\.(command-line|docs|plausibility|check-refuses|weak-contact|watch)$", r"verification\.fits\.(exact|linear)",
             r"python\.(runs|fits)", r"regression\.(resume|study|keys|bad-input|coarse-start|study-accuracy|accuracy)$",
             r"verification\.fits\.derivatives"],  # fmt: skip
     "postprocess": [r"regression\.values", r"regression\.(postprocess|watch)$", r"verification\.fits\.linear", r"python\.runs", r"regression\.(figures|pages|report)$"],

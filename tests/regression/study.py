@@ -55,6 +55,11 @@ def ladder(folder: Path) -> None:
     assert re.search(r"^rung \d+ of 24 runs again: its file is damaged", resumed, re.MULTILINE) and resumed.count("runs again") == 1
     rows = table(out / "study.csv")
     assert len(rows["rung"]) == 24 and np.isfinite(rows["J"]).all() and sum(np.isnan(rows["J_error"])) == 1
+    # Of the coarsest and a finer size it counted them; from size to size they grow by a power.
+    expected = re.findall(r"^ +\d+ +(\d+) .* size ([\d.]+), step ([\d.e-]+),", priced, re.MULTILINE)
+    found = {(size, round(7.5e-3 / steps, 9)): unknowns for size, steps, unknowns in zip(rows["size"], rows["steps"], rows["unknowns"])}
+    off = [float(count) / found[float(size), float(step)] - 1 for count, size, step in expected]
+    assert len(off) == 24 and np.max(np.abs(off)) < 0.15 and sum(one == 0 for one in off) >= 12, expected
     before = (out / "study.csv").read_bytes()
     again = study(HALF_DISC, out, *choice).stdout
     assert "24 of 24 rungs were there already" in again and "rung 1 of 24: size" not in again

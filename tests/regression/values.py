@@ -404,7 +404,9 @@ def in_space(folder: Path) -> Run:
 
 def a_single_step(folder: Path) -> None:
     """Is enough for a page with energies."""
+    held = np.ones(3 * 10**7)  # which the program that starts this run has, and not the run
     run, _ = run_of(folder, "single", BOUNCING, time__end=0.01)
+    assert run.manifest["peak_memory_bytes"] < held.nbytes, run.manifest["peak_memory_bytes"]
     energies(run, load_of(run, [[0, -2]], "gravity"))
     views = drawn.views_of(drawn.report_run.page(drawn.RunFolder(run.path)))
     assert len(drawn.numbers(views["energies"][""]["data"][0]["x"])) == 2
@@ -491,11 +493,13 @@ def study(folder: Path) -> None:
     """Rungs have the numbers of runs of their size and step; errors, envelopes and fronts follow, in study.csv and on the console."""
     (folder / "ladder.toml").write_text(BOUNCING)
     names = ["impulse", "impulse_duration", "sustained_peak", "peak_force", "energy_loss"]
-    done = captured([str(SIGNORINI), "study", str(folder / "ladder.toml"), "--sizes", "0.5,0.3", "--steps", "0.02,0.01", "--quantity", ",".join(names),
+    held = np.ones(3 * 10**7)  # bytes that are not the program's, times eight
+    done = captured([str(SIGNORINI), "study", str(folder / "ladder.toml"), "--sizes", "0.3,0.5", "--steps", "0.01,0.02", "--quantity", ",".join(names),
                      "--set", "output.fields=[]", "--out", str(folder / "ladder")])  # fmt: skip
     assert done.returncode == 0, done.stderr
     rows = table(folder / "ladder" / "study.csv")
-    assert len(rows["rung"]) == 4
+    same("rungs, the cheapest first", (list(rows["size"]), list(rows["step"])), ([0.5, 0.5, 0.3, 0.3], [0.02, 0.01, 0.02, 0.01]))
+    assert np.max(rows["memory_bytes"]) < held.nbytes / 8
     for n in range(4):
         signorini("simulate", folder / "ladder.toml", folder / "rung", mesh__size=float(rows["size"][n]), time__step=float(rows["step"][n]), output__fields=[])
         told, steps = json.loads((folder / "rung" / "run.json").read_text()), table(folder / "rung" / "steps.csv")
@@ -507,7 +511,24 @@ def study(folder: Path) -> None:
             near(f"{name} of rung {n + 1}", rows[name][n], value, TABLE)
         same("size of a rung", (rows["unknowns"][n], rows["steps"][n]), (told["unknowns"], told["steps"]["done"]))
     finest = int(np.flatnonzero((rows["size"] == rows["size"].min()) & (rows["step"] == rows["step"].min()))[0])
-    lines = done.stdout.splitlines()
+    lines, about = done.stdout.splitlines(), json.loads((folder / "ladder" / "study.json").read_text())
+    start = next(i for i, line in enumerate(lines) if line.startswith("rung    size, m"))
+    same("heads of the rungs", lines[start].replace(", ", ",").split(), "rung size,m step,s degree scheme unknowns seconds MB".split())
+    for n, line in enumerate(lines[start + 1 : start + 5]):
+        same("a line of the rungs", line.split(),
+             [str(n + 1), f"{rows['size'][n]:.4g}", f"{rows['step'][n]:.3g}", "1", "contact-implicit", f"{rows['unknowns'][n]:.0f}", f"{rows['seconds'][n]:.3g}",
+              f"{rows['memory_bytes'][n] / 1e6:.0f}"])  # fmt: skip
+    start = next(i for i, line in enumerate(lines) if line.startswith("degree 1, contact-implicit:"))
+    for one, line in zip(about["orders"], lines[start + 2 :]):
+        shown = [one["quantity"]]
+        for kind in ("space", "time", "both"):
+            order, asymptotic = one[kind], one["asymptotic"][kind]
+            if order is None:
+                shown.append("-")
+            else:
+                digits = 2 if asymptotic else 1
+                shown += [f"{order:.2f}" if asymptotic else "none", *"({:.{d}f} to {:.{d}f})".format(*one["scatter"][kind], d=digits).split()]
+        same("a line of orders", line.split(), shown)
     for name in names:
         value, exact = rows[name], name == "energy_loss"  # of an elastic body none is lost where elements and steps are small
         error = np.abs(value) if exact else np.abs(value / value[finest] - 1)
@@ -519,7 +540,7 @@ def study(folder: Path) -> None:
         envelope = rows[f"{name}_envelope"]  # to its last digit
         best = [bool(np.isfinite(e) and not ((rows["seconds"] < s) & (envelope <= e)).any()) for s, e in zip(rows["seconds"], envelope)]
         same(f"rungs that no cheaper one beats, {name}", list(map(bool, rows[f"{name}_pareto"])), best)
-        title = json.loads((folder / "ladder" / "study.json").read_text())["quantities"][name]["title"]
+        title = about["quantities"][name]["title"]
         start = next(i for i, line in enumerate(lines) if line.startswith(title))
         for n, line in enumerate(lines[start + 2 : start + 6]):
             words = line.replace(" %", "%").split()

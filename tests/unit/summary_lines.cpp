@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/summary_lines.h"
+#include "app/fit/outcome.h"
+#include <array>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
 
 using namespace signorini;
 using Catch::Matchers::ContainsSubstring;
@@ -60,4 +63,32 @@ TEST_CASE("bounces and touches are counted apart", "[io]") {
   impact.whole.touches = 1;
   impact.bounces = {{}};
   CHECK(has("restitution 0.5\n"));
+}
+
+TEST_CASE("the outcome of a fit has every number where it belongs", "[io]") {
+  io::Fit fit;
+  fit.unknowns = {{.name = "young", .unit = "Pa", .value = 2e6, .deviation = 1250, .start = 1e6},
+                  {.name = "shear viscosity", .unit = "Pa s", .deviation = INFINITY, .start = 3},
+                  {.name = "throw", .value = -1.5, .deviation = 0.25, .start = -1, .at_bound = true}};
+  fit.untold = {"The data do not tell shear viscosity."};
+  fit.compared = {{"contact_start", "s", 0.25, 0.01, 0.27}, {"contact_end", "s", 0.5, 0, NAN}};
+  fit.data = 12, fit.misfit = 0.416;
+  const std::array<std::string, 3> pairs{"-0.70, of young and shear viscosity", "-0.70, of young and throw",
+                                         "-0.70, of shear viscosity and throw"};
+  std::size_t pair = 0;
+  for (const auto [i, j] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
+    fit.correlations = {1, 0.1, 0.1, 0.1, 1, 0.1, 0.1, 0.1, 1};
+    fit.correlations[static_cast<std::size_t>(3 * i + j)] =
+        fit.correlations[static_cast<std::size_t>(3 * j + i)] = -0.7;
+    CHECK(outcome_lines(fit) ==
+          std::vector<std::string>{
+              "unknown                   value     deviation         start",
+              "young                   2000000      1.25e+03         1e+06  Pa",
+              "shear viscosity               0      not told             3  Pa s",
+              "throw                      -1.5          0.25            -1   (at its bound)",
+              "largest correlation: " + pairs[pair++], "The data do not tell shear viscosity.",
+              "contact_start: measured 0.25 s, simulated 0.27 s, +2.00 standard deviations",
+              "contact_end: measured 0.5 s, simulated no contact",
+              "misfit of 12 values: 0.416 standard deviations (root mean square)"});
+  }
 }

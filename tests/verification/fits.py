@@ -160,7 +160,8 @@ def together(folder: Path) -> None:
         assert abs(off) < 1e-3
     assert json.loads((folder / "first" / "run.json").read_text())["fit"]["decrement"] is None
     whole, cut = folder / "whole", folder / "cut"
-    signorini("optimize", file, whole, optimizer__max_iterations=12, output__fields=["control", "adjoint"], **overrides)
+    done = signorini("optimize", file, whole, optimizer__max_iterations=12, output__fields=["control", "adjoint"], **overrides)
+    agrees(whole, done.stdout)
     signorini("optimize", file, cut, optimizer__max_iterations=5, **overrides)
     not_resumed(file, cut, overrides | {"objective__gamma": 1e-3}, "objective.gamma")
     not_resumed(file, cut, overrides | {"unknown__0__upper": 1e12}, "unknown[0].upper")
@@ -170,6 +171,39 @@ def together(folder: Path) -> None:
     assert len(values[0]) == len(values[1]) == 13 and np.allclose(*values, rtol=1e-6, atol=0) and values[0][-1] < 0.3 * values[0][0]
     for name in ("control.xdmf", "adjoint.xdmf", "parameters.csv", "measurements.csv"):
         assert (whole / name).is_file(), name
+
+
+def agrees(out: Path, said: str) -> None:
+    """What a fit prints, and what run.json sums up, are what its tables have."""
+    run, history, found = json.loads((out / "run.json").read_text()), table(out / "history.csv"), table(out / "parameters.csv")
+    fit, search, control, last = run["fit"], run["optimizer"], run.get("objective"), {name: column[-1] for name, column in history.items()}
+    assert [search[name] for name in ("iterations", "forward_sweeps", "adjoint_sweeps")] == [
+        last["iteration"], last["forward_sweeps"], last.get("adjoint_sweeps", 0)], (search, last)  # fmt: skip
+    names = [str(name) for name in np.atleast_1d(found["name"])]
+    theta = [", ".join(f"{history[name][i]:.6g}" for name in names) for i in range(len(history["iteration"]))]
+    counts = [(len(names), "unknown"), (fit["values"], "value"), (len(fit["measurements"]), "measurement")]
+    unknowns, values, measurements = (f"{count} {word}{'' if count == 1 else 's'}" for count, word in counts)
+    J = f"{last['objective']:.6e}"
+    if control:
+        expected = [f"{k:4.0f}  J = {value:.6e}, misfit {misfit:.3e}, |g| = {g:.2e}; {x}" for k, value, misfit, g, x in
+                    zip(history["iteration"], history["objective"], history["misfit"], history["gradient_norm"], theta)]  # fmt: skip
+        parts = ", ".join(f"{word} {last[name]:.3e}" for word, name in
+                          (("tracking",) * 2, ("terminal",) * 2, ("control", "control_cost"), ("misfit",) * 2))  # fmt: skip
+        end = f"J {J} ({parts}): {search['iterations']} iterations, {search['forward_sweeps']} forward and {search['adjoint_sweeps']} adjoint sweeps in "
+    else:
+        expected = [f"fit of {unknowns} to {values} of {measurements}",
+                    *(f"{k:4.0f}  J = {value:.6e}, decrement {decrement:.2e}; {x}" for k, value, decrement, x in
+                      zip(history["iteration"], history["objective"], history["decrement"], theta))]  # fmt: skip
+        end = f"J {J}: {search['iterations']} iterations, {search['forward_sweeps']} forward sweeps in "
+    width = np.max([len(name) for name in [*names, "unknown"]])
+    for name, value, deviation, start, unit in zip(names, *(np.atleast_1d(found[c]) for c in ("value", "standard_deviation", "start", "unit"))):
+        assert value == last[name], (name, value, last[name])
+        expected.append(f"{name:<{width}}  {value:14.8g}  {deviation:12.3g}  {start:12.6g}  {unit if unit == unit else ''}")
+    expected += [f"misfit of {values}: {fit['misfit']:.3g} standard deviations (root mean square)", end]
+    lines, at = said.splitlines(), 0
+    for line in expected:
+        at = next((i + 1 for i in range(at, len(lines)) if lines[i].startswith(line)), 0)
+        assert at, f"not printed, or before what is above it: {line}\n{said}"
 
 
 def captured_run(file: Path, folder: Path, overrides: dict) -> None:
@@ -226,6 +260,7 @@ def recovery(folder: Path) -> None:
             iterations = len(table(out / "history.csv")["iteration"]) - 1
             print(f"{name}, {ranks} ranks: {iterations} iterations, worst error {worst:.1e}")
             assert worst <= 1e-6 and iterations <= 15, done.stdout
+            agrees(out, done.stdout)
         # Cut off after two iterations, a fit goes on where it was: the same iterates to the same end.
         cut = folder / f"{name}-cut"
         signorini("optimize", file, cut, optimizer__max_iterations=2, **data_in(folder, name))
@@ -373,6 +408,7 @@ def linear(folder: Path) -> None:
             deviations = np.sqrt(np.diag(covariance))
         out, first = folder / scale, folder / f"{scale}-first"
         said = signorini("optimize", file, out, optimizer__method="gauss-newton", optimizer__tolerance=1e-9, **scales).stdout
+        agrees(out, said)
         signorini("optimize", file, first, optimizer__max_iterations=0, **scales)
         found, start, run = table(out / "parameters.csv"), table(first / "parameters.csv"), json.loads((out / "run.json").read_text())
         close(f"{scale}: values", found["value"], solution, 1e-7)

@@ -172,6 +172,7 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   Log log(joint, fit, folder, resume, console);
   const optimize::Options options = search_options(control.controls, scene.optimizer);
   const auto end = optimize::minimize<optimize::Lbfgs>(joint, std::move(guess), options, log, log);
+  const control::ReducedProblem::Sweeps sweeps = joint.sweeps(); // of the search, without those for output
 
   if (scene.output.table(scene::StoredTable::history))
     folder.write("history.csv", log.history());
@@ -204,8 +205,8 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   add_warning(m, misfit_warning(result), console);
   m.objective = joint.value().control;
   m.iterations = log.iterations();
-  m.forward_sweeps = joint.sweeps().forward;
-  m.adjoint_sweeps = joint.sweeps().adjoint;
+  m.forward_sweeps = sweeps.forward;
+  m.adjoint_sweeps = sweeps.adjoint;
   m.kink = log.kink();
   m.fit = std::move(result);
   m.files = folder.files();
@@ -214,8 +215,8 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
                            "iterations, {} forward and {} adjoint sweeps in {:.1f} s",
                            joint.value().total(), joint.value().control.tracking,
                            joint.value().control.terminal, joint.value().control.control_cost,
-                           joint.value().misfit, log.iterations(), joint.sweeps().forward,
-                           joint.sweeps().adjoint, log.seconds()));
+                           joint.value().misfit, log.iterations(), sweeps.forward, sweeps.adjoint,
+                           log.seconds()));
   finish(folder, console);
   return end.stop == optimize::Stop::solver_failed ? exit_status::solver_failed
          : end.stop == optimize::Stop::interrupted ? exit_status::interrupted
