@@ -371,7 +371,13 @@ TEST_CASE("a checkpoint is read as it was written, and where it is damaged not a
     pieces.u = std::make_shared<const control::Control>(some(controls));
     write(controls, pieces, file);
     CHECK(same(read(controls, file), pieces));
+    {
+      io::CheckpointWriter abandoned(controls, folder.path / "half-written", file);
+      pieces.through(abandoned);
+    }
+    MPI_Barrier(MPI_COMM_WORLD);
     CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 1); // nothing half-written is left
+    CHECK(same(read(controls, file), pieces));
 
     const std::string whole = content(file);
     MPI_Barrier(MPI_COMM_WORLD);
