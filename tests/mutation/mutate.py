@@ -40,15 +40,17 @@ SOLVERS = {
 }
 RUNS = [r"regression\.values", r"regression\.(outputs|tables|definitions|time-series|desired-run)$"]
 OUTPUTS = {
-    "io": [r"unit\.io\.", *RUNS, r"regression\.(docs|resume|bad-input|keys|study)$", r"verification\.fits\.(exact|linear)", r"python\.(runs|fits)"],
+    "io": [r"unit\.io\.", *RUNS, r"regression\.(docs|resume|bad-input|keys|study|replay)$", r"verification\.fits\.(exact|linear|recovery)",
+           r"python\.(runs|fits)"],
     "app": [r"unit\.(study|io)\.", *RUNS, r"unit\.control\.np", r"regression\.(command-line|docs|plausibility|check-refuses|weak-contact|watch)$", r"verification\.fits\.(exact|linear)",
             r"python\.(runs|fits)", r"regression\.(resume|study|keys|bad-input|coarse-start|study-accuracy|accuracy)$",
-            r"verification\.fits\.derivatives"],  # fmt: skip
-    "postprocess": [r"regression\.values", r"regression\.(postprocess|watch)$", r"verification\.fits\.linear", r"python\.runs", r"regression\.(figures|pages|report)$"],
+            r"verification\.fits\.(derivatives|recovery|together)"],  # fmt: skip
+    "postprocess": [r"regression\.(geometry|values)$", r"regression\.(postprocess|watch)$", r"verification\.fits\.linear", r"python\.runs",
+                    r"regression\.(figures|pages|report|accuracy)$"],
     "python": [r"python\.(fits|runs|derivatives|errors)", r"python\.(optimizers|ranks)"],
 }  # fmt: skip
 # What takes long meets those alone that all others let through.
-SLOW = re.compile(r"regression\.(resume|study|keys|bad-input|coarse-start|study-accuracy|accuracy|figures|pages|report)$|verification\.fits\.derivatives|python\.(optimizers|ranks)")
+SLOW = re.compile(r"regression\.(resume|study|keys|bad-input|coarse-start|study-accuracy|accuracy|figures|pages|report|replay)$|verification\.fits\.(derivatives|recovery|together)|python\.(optimizers|ranks)")
 GROUPS = {"solvers": SOLVERS, "outputs": OUTPUTS}
 WATCHED_BY = SOLVERS | OUTPUTS
 MOST_RANKS = 2

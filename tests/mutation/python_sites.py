@@ -7,7 +7,7 @@ index       argmin and argmax exchanged
 statement   a call, an augmented assignment or one to an entry, break or continue, left out
 
 Left alone is what has no effect on results, or would only raise a TypeError: annotations, decorators, imports, raise, constants in
-capitals, the command line's options, looks (widths, sizes, opacities), and sums and products of texts and lists.
+capitals, the command line's options, looks (widths, sizes, opacities), the number that reshape finds itself, and sums and products of texts and lists.
 """
 
 import ast
@@ -78,6 +78,8 @@ class PythonSource:
             return True
         if isinstance(node, ast.keyword):
             return node.arg in LOOKS
+        if isinstance(node, ast.UnaryOp) and isinstance(parent, ast.Call) and name_of(parent.func) == "reshape":  # any negative number
+            return True
         if isinstance(parent, ast.Dict) and node in parent.values:
             key = parent.keys[parent.values.index(node)]
             return isinstance(key, ast.Constant) and key.value in LOOKS

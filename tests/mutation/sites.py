@@ -11,11 +11,12 @@ factor      * and /, *= and /= exchanged; a number with a point doubled; a whole
 statement   an expression's statement, or break or continue, left out
 argument    two neighbouring arguments of a call exchanged
 
-Left alone is what has no effect on results, or is a choice where another would be as right: comments, texts,
-preprocessor lines, template arguments and what they must fulfil, messages of errors (and, unless what is `printed` counts, other texts), counters, timers and reserve(), calls
-that give back what a library lent, first values of variables that PETSc writes, numbers with an exponent, constexpr
-values and those of structs of options (tolerances, limits), -1 where it says "none", and the arguments of functions that are symmetric in them. The sources are taken to be formatted as .clang-format says: an operator of two operands has
-spaces around it, brackets of a template have none.
+Left alone is what has no effect on results, or is a choice where another would be as right: comments, texts, preprocessor lines,
+template arguments and what they must fulfil, messages of errors (and, unless what is `printed` counts, other texts), counters, timers,
+reserve() and errno before a call, calls that give back what a library lent, first values of variables that PETSc writes, numbers with an
+exponent, constexpr values and those of structs of options (tolerances, limits), -1 where it says "none", and the arguments of functions
+that are symmetric in them. The sources are taken to be formatted as .clang-format says: an operator of two operands has spaces around it,
+brackets of a template have none.
 """
 
 import re
@@ -38,7 +39,7 @@ EXCHANGED = {"+": ("sign", "-"), "-": ("sign", "+"), "+=": ("sign", "-="), "-=":
 EXCHANGED_WORDS = {"true": ("comparison", "false"), "false": ("comparison", "true"), "min": ("comparison", "max"),
                    "max": ("comparison", "min"), "front": ("index", "back"), "back": ("index", "front")}
 MOVED_BY_ONE = {"<": "<=", "<=": "<", ">": ">=", ">=": ">"}
-SYMMETRIC = {"dot", "hypot", "max", "min", "swap", "product", "inner", "product_at"}
+SYMMETRIC = {"distance", "dot", "hypot", "max", "min", "swap", "product", "inner", "product_at"}
 KEYWORDS = set("""alignas alignof asm auto case catch class const constexpr consteval constinit decltype default delete do else enum
     explicit extern for friend goto if inline mutable namespace new noexcept operator private protected public return sizeof static
     static_assert struct switch template throw try typedef typename union using virtual volatile while concept requires""".split())
@@ -140,6 +141,8 @@ class Source:
                 self.skip(i, self.end_of_statement(i) if self.is_word(i + 1) and self.at(i + 2) == "=" else i)
             elif token.text == "operator":
                 self.skip(i, i + 2)
+            elif token.text == "errno" and self.at(i + 1) == "=":
+                self.skip(i, self.end_of_statement(i))
             elif token.text == "auto" and self.at(i + 1).startswith("timer"):
                 self.skip(i, self.end_of_statement(i))
             elif token.text in ("reserve", "format") and self.no_effect.match(token.text) and self.at(i + 1) == "(":

@@ -174,6 +174,9 @@ def refusals(folder: Path) -> None:
         assert done.returncode == 2 and len(done.stderr.splitlines()) == 1, (verb, options, done.returncode, done.stderr)
         assert all(word in done.stderr for word in words), (words, done.stderr)
         assert not (folder / "refused").exists()
+    fixed = f'mesh={{file="{SOURCE / "tests" / "data" / "fixed-density.geo"}", size=0.25}}'  # which no size changes
+    done = captured(command("optimize", BLOCK, folder / "refused", "--accuracy", "1e-2", "--set", fixed))
+    assert done.returncode == 2 and "mesh.size: " in done.stderr and "Transfinite" in done.stderr, done.stderr
 
 
 def main() -> int:

@@ -19,6 +19,7 @@ LINES = {
     'double f(const std::array<double, 3>& x, Vec y, int k) {': [],
     '  // y = x - 1;': [],
     '  ++made;': [],
+    '  errno = 0;': [],
     '  out.reserve(2 * k);': [],
     '  check(MatRestoreRow(A, k));': [],
     '  if (k < 0) throw UserError(fmt::format("{} < {}", k - 1, 2));':
@@ -57,6 +58,7 @@ PYTHON = {
     '    ü = "é" + f"{n - 1:.3g}"; u = -x * 0.25':
         ['    ü = "é" + f"{n + 1:.3g}"; u = -x * 0.25', '    ü = "é" + f"{n - 2:.3g}"; u = -x * 0.25', '    ü = "é" + f"{n - 1:.3g}"; u = x * 0.25',
          '    ü = "é" + f"{n - 1:.3g}"; u = -x / 0.25', '    ü = "é" + f"{n - 1:.3g}"; u = -x * 0.5'],
+    '    u = u.reshape(-1, 3)': ['    u = u.reshape(-1, 4)', '    u = u.reshape(3, -1)'],
     '    u += n': ['    pass', '    u -= n'],
     '    x[n:] = g(u, n)': ['    pass', '    x[n:] = g(n, u)'],
     '    draw(x, width=2, shift=2)': ['    pass', '    draw(x, width=2, shift=3)'],
