@@ -31,6 +31,12 @@ def complain(error: Exception) -> None:
     print(f"{Path(sys.argv[0]).name}: {error}", file=sys.stderr)
 
 
+def say(*lines: object) -> None:
+    """On stdout, one below the other; names of files may have bytes that no text has."""
+    sys.stdout.reconfigure(errors="surrogateescape")
+    print(*lines, sep="\n", flush=True)
+
+
 def run_alone(draw: Callable[..., list[Path]], description: str, timed: bool = False) -> int:
     """Draws one figure into RUN_FOLDER/figures and prints the paths; returns the exit status."""
     given = arguments(description, timed)
@@ -40,5 +46,5 @@ def run_alone(draw: Callable[..., list[Path]], description: str, timed: bool = F
     except (NotInRun, Unreadable, OSError) as error:
         complain(error)
         return 2
-    print(*paths, sep="\n")
+    say(*paths)
     return 0

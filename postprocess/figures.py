@@ -17,7 +17,7 @@ import energy
 import measurements
 import objective
 import tracking_error
-from command_line import Parents, arguments, complain
+from command_line import Parents, arguments, complain, say
 from files import NotInRun, Unreadable
 from run_folder import RunFolder
 
@@ -48,9 +48,9 @@ def draw_all(run: RunFolder, time: float | None) -> int:
             old.unlink()
         try:
             for path in draw(run):
-                print(path, flush=True)
+                say(path)
         except NotInRun as reason:
-            print(f"no {name}: {reason}", flush=True)
+            say(f"no {name}: {reason}")
         except (Unreadable, OSError) as error:
             complain(error)
             status = 2

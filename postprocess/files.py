@@ -29,9 +29,10 @@ class Table(dict[str, np.ndarray]):
         raise Unreadable(f"{self.file}: there is no column {name}")
 
 
-def whole_text(file: Path) -> str:
-    """A text file that ends as every line of it does. Raises ValueError where it does not: then its end is missing."""
-    text = file.read_text(encoding="utf-8")
+def whole_text(file: Path, with_names: bool = False) -> str:
+    """A text file that ends as every line of it does; with names of files, which may have bytes that no text has. Raises ValueError
+    where it does not: then its end is missing."""
+    text = file.read_text(encoding="utf-8", errors="surrogateescape" if with_names else "strict")
     if not text.endswith("\n"):
         raise ValueError("its end is missing")
     return text

@@ -19,7 +19,7 @@ from plotly.offline import get_plotlyjs
 import report_compare
 import report_run
 import report_study
-from command_line import Parents, complain
+from command_line import Parents, complain, say
 from files import NotInRun, Unreadable
 from report_parts import Page
 from run_folder import RunFolder
@@ -72,12 +72,11 @@ def main(parents: Parents = ()) -> int:
         else:
             page, file = comparison_of(given.folder, given.other), given.other / "comparison.html"
         with whole_file(file) as partial:
-            partial.write_text(html(page), encoding="utf-8")
+            partial.write_bytes(html(page).encode("utf-8", "replace"))  # a folder's name need not be text
     except (NotInRun, Unreadable, OSError) as error:
         complain(error)
         return 2
-    print(page.identity)
-    print(file)
+    say(page.identity, file)
     return 0
 
 

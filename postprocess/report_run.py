@@ -9,7 +9,7 @@ import report_fit
 import report_motion
 import report_probes
 import style
-from files import NotInRun, Table as Columns
+from files import NotInRun, Table as Columns, whole_text
 from report_impact import energy_account, impact
 from report_parts import GREY, Chart, Gathering, Page, Section, Table, dots, figure, line, quantity, time_axis, whole
 from run_folder import RunFolder, potential_of_loads
@@ -50,7 +50,7 @@ def sections_of(run: RunFolder, gather: Gathering) -> list[Section]:
         Section("convergence", "Convergence", convergence),
         Section("accuracy", "Accuracy", gather("error indicators", error_indicators, run) if run.has_indicators and run.dim == 2 else []),
         Section("time", "Where the time went", gather("times", timings, run)),
-        Section("scene", "Scene", file=("scene.toml", (run.path / "scene.toml").read_text(encoding="utf-8"))),
+        Section("scene", "Scene", file=("scene.toml", whole_text(run.path / "scene.toml", with_names=True))),
     ]
 
 

@@ -372,7 +372,7 @@ class RunFolder:
 
 def read_scene(file: Path) -> dict:
     """scene.toml, which would be one without its last tables too. Raises ValueError where the last key is missing."""
-    scene = tomllib.loads(whole_text(file))
+    scene = tomllib.loads(whole_text(file, with_names=True))
     if "tables" not in scene.get("output", {}):
         raise ValueError("its end is missing")
     control = scene.get("control", {})

@@ -133,6 +133,9 @@ def whole_file(path: Path) -> Iterator[Path]:
     try:
         yield partial
         partial.replace(path)
+    except OSError as error:
+        error.filename = error.filename or path  # a full disk is found by write(), which has no name
+        raise
     finally:
         partial.unlink(missing_ok=True)
 

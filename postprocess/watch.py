@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 
 import style
-from command_line import Parents, complain
+from command_line import Parents, complain, say
 from files import NotInRun, Table, Unreadable, read_csv
 from matplotlib.figure import Figure
 from run_folder import RunFolder
@@ -86,12 +86,12 @@ def watch(folder: Path, every: float) -> None:
         if stamp is None:
             require_search(folder)
             if waited == 0:
-                print(f"waiting for {file}", flush=True)
+                say(f"waiting for {file}")
         elif stamp != seen:
             history = read_csv(file)
             path = folder / "figures" / "convergence.png"
             draw(history, path)
-            print(f"{last_line(history)}: {path}", flush=True)
+            say(f"{last_line(history)}: {path}")
             seen = stamp
         if ended:
             return

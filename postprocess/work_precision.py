@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import style
-from command_line import complain
+from command_line import complain, say
 from matplotlib.lines import Line2D
 from run_folder import Unreadable
 from study_folder import Method, StudyFolder, is_study
@@ -64,7 +64,7 @@ def main() -> int:
         study = StudyFolder(folder)
         for quantity in study.manifest["quantities"]:
             if any(rung[f"{quantity}_error"] > 0 for rung in study.rungs):
-                print(draw(study, quantity))
+                say(draw(study, quantity))
     except (Unreadable, KeyError) as error:
         complain(error)
         return 2

@@ -100,7 +100,7 @@ std::vector<double> edges(const control::ControlSpace& controls) {
 } // namespace
 
 void OptimizerLog::write(io::CheckpointWriter& out) const {
-  resume::store_problem(out, scene::echo(scene_, problem_.space.dim()));
+  resume::store_problem(out, scene::echo(scene_, problem_.space.dim()), problem_.mesh);
   out(solver, std::string(problem_.stepper.solver().iterates() ? iterative : "direct"));
   out("edges", edges(control_problem_.controls));
   out(levels, problem_.stepper.grid().levels());
@@ -112,7 +112,7 @@ void OptimizerLog::write(io::CheckpointWriter& out) const {
 }
 
 void OptimizerLog::read(io::CheckpointReader& in) {
-  resume::require_same_problem(in, scene::echo(scene_, problem_.space.dim()));
+  resume::require_same_problem(in, scene::echo(scene_, problem_.space.dim()), problem_.mesh);
   in.match_places();
   std::vector<double> history;
   in("history", history);

@@ -11,7 +11,7 @@ namespace signorini::resume {
 namespace {
 
 /// The version of the layout of checkpoint.h5.
-constexpr int format = 6;
+constexpr int format = 7;
 
 } // namespace
 
@@ -25,13 +25,14 @@ bool found(const io::OutputFolder& folder, const Console& console) {
   return there != 0;
 }
 
-void store_problem(io::CheckpointWriter& out, const std::string& scene) {
+void store_problem(io::CheckpointWriter& out, const std::string& scene, const mesh::Mesh& mesh) {
   out("format", format);
   out("program", std::string("signorini ") + SIGNORINI_VERSION);
   out("scene", scene);
+  out("mesh", mesh.digest());
 }
 
-void require_same_problem(io::CheckpointReader& in, const std::string& scene) {
+void require_same_problem(io::CheckpointReader& in, const std::string& scene, const mesh::Mesh& mesh) {
   int layout = 0;
   in("format", layout);
   if (layout != format)
@@ -42,13 +43,19 @@ void require_same_problem(io::CheckpointReader& in, const std::string& scene) {
   if (!difference.first.empty())
     in.fail(fmt::format("found a run with {}, this scene has {}; allowed is the scene that was interrupted",
                         difference.first, difference.second));
+  in("mesh", stored);
+  int same = rank(mesh.comm()) != 0 || stored == mesh.digest();
+  MPI_Bcast(&same, 1, MPI_INT, 0, mesh.comm());
+  if (!same)
+    in.fail("found a run on another mesh, whose nodes, elements or groups differ; allowed is the mesh of the "
+            "run that was interrupted");
 }
 
 void require_same_value(const std::filesystem::path& file, double stored, double found, double scale) {
   constexpr double other_ranks = 1e-6;
   if (!(std::abs(found - stored) <= other_ranks * scale))
     throw UserError(fmt::format("--resume: {}: found J = {:.10g} at its point, where it was {:.10g}; allowed "
-                                "are the forms, mesh and data of the run that was interrupted",
+                                "are the forms and data of the run that was interrupted",
                                 file.string(), found, stored));
 }
 

@@ -40,12 +40,13 @@ bool drawn(const fs::path& file) {
   return start.find("signorini report") != std::string::npos;
 }
 
-/// The page and the figures of an earlier run, by their paths within the folder.
+/// The pages and the figures of an earlier run, by their paths within the folder.
 std::vector<std::string> drawings(const fs::path& folder) {
   std::vector<std::string> found;
   std::error_code none;
-  if (fs::is_regular_file(folder / "report.html", none) && drawn(folder / "report.html"))
-    found.emplace_back("report.html");
+  for (const char* page : {"report.html", "comparison.html"})
+    if (fs::is_regular_file(folder / page, none) && drawn(folder / page))
+      found.emplace_back(page);
   for (const fs::directory_entry& entry : fs::directory_iterator(folder / "figures", none))
     if (entry.is_regular_file(none) && drawn(entry.path()))
       found.push_back("figures/" + entry.path().filename().string());

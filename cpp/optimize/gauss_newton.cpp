@@ -90,8 +90,8 @@ struct Model {
     for (std::size_t i = 0; i < n; ++i)
       free[i] = !box.blocks(i, x[i], g[i]);
     minimise(free, 0, d);
-    const double squared = -dot(g, d); // NaN stays one
-    return squared < 0 ? 0 : std::sqrt(squared);
+    const double squared = -dot(g, d);            // NaN stays one
+    return squared <= 0 ? 0 : std::sqrt(squared); // −0 would show its sign
   }
 };
 

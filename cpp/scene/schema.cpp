@@ -401,7 +401,8 @@ Keys<Measurement> keys_of(Of<Measurement>) {
       value("deviation", &Measurement::deviation, Number{above_zero}, "",
             "standard, of each value, in its unit", {.otherwise = "the file's column `deviation`"}),
       value("noise", &Measurement::noise, Number{above_zero}, "",
-            "in place of `deviation`: relative to the largest value", {.otherwise = "none"})};
+            "in place of `deviation` and of the file's column: relative to the largest value",
+            {.otherwise = "none"})};
 }
 
 Keys<Optimizer> keys_of(Of<Optimizer>) {

@@ -211,6 +211,11 @@ def any_name(folder: Path) -> None:
             assert options[-1:] == ("objective.alpha=7",) or done.returncode == 0, done.stderr
             assert options != more or "resumed after iteration 2" in done.stdout, done.stdout
         assert done.returncode == 2 and "this scene has objective.alpha = 7;" in done.stderr, done.stderr
+        if name.startswith(b"not UTF-8"):
+            for given in ([place / "out"], [place / "out", place / "out"]):
+                done = subprocess.run([SIGNORINI, "report", *given], capture_output=True, timeout=120)
+                page = place / "out" / ("report.html" if len(given) == 1 else "comparison.html")
+                assert done.returncode == 0 and done.stdout.endswith(os.fsencode(page) + b"\n") and page.is_file(), (done.stdout, done.stderr)
     print("searches go on in folders of any name")
 
 

@@ -92,12 +92,12 @@ def no_old_page_stays(folder: Path) -> None:
         out = folder / f"page-{verb}"
         signorini("optimize", HALF_DISC, out, mesh__size=3, optimizer__max_iterations=0)
         (out / "figures").mkdir()
-        for name, content in ({"report.html": page.encode(), "figures/energy.png": picture} | kept).items():
+        for name, content in ({"report.html": page.encode(), "comparison.html": page.encode(), "figures/energy.png": picture} | kept).items():
             (out / name).write_bytes(content)
         done = captured([str(SIGNORINI), verb, str(HALF_DISC), "--out", str(out), "--set", "mesh.size=3", "--set",
                          "optimizer.max_iterations=0", *(["--replace"] if verb == "simulate" else [])])  # fmt: skip
         assert done.returncode == 0, done.stderr
-        assert not (out / "report.html").exists() and not (out / "figures" / "energy.png").exists()
+        assert not any((out / name).exists() for name in ("report.html", "comparison.html", "figures/energy.png"))
         assert {name: (out / name).read_bytes() for name in kept} == kept and (out / "figures").exists() == bool(kept)
         assert not [path for path in out.iterdir() if path.name.startswith(".")]
     (out / "report.html").write_text(page.replace("signorini report", "my own"))

@@ -286,10 +286,18 @@ obstacle = { shape = "half-space", point = [0, -0.1], normal = [0.3, 1] }
 [initial]
 velocity = ["0", "-1"]
 """)
-    study(scene, folder / "stress", "--sizes", "0.5,0.25", "--steps", "0.02", "--quantity", "largest_von_mises,impulse")
+    said = study(scene, folder / "stress", "--sizes", "0.5,0.25", "--steps", "0.02", "--quantity", "largest_von_mises,impulse").stdout
     rows = table(folder / "stress" / "study.csv")
-    told = {warning["rung"] for warning in json.loads((folder / "stress" / "study.json").read_text())["warnings"]}
+    warnings = json.loads((folder / "stress" / "study.json").read_text())["warnings"]
+    told = {warning["rung"] for warning in warnings if warning["name"] == "stress of the mesh"}
     assert told
+    # What is alike is said once, of the finest rung.
+    for name in {warning["name"] for warning in warnings}:
+        alike = [warning for warning in warnings if warning["name"] == name]
+        others = [str(warning["rung"]) for warning in alike[:-1]]
+        likewise = f" (likewise rung{'s' * (len(others) > 1)} {', '.join(others)}: study.json)" if others else ""
+        assert f"warning: rung {alike[-1]['rung']}: {alike[-1]['message']}{likewise}\n" in said, (alike, said)
+    assert said.count("warning: rung") == len({warning["name"] for warning in warnings}) < len(warnings), said
     for rung, size, value, impulse in zip(rows["rung"], rows["size"], rows["largest_von_mises"], rows["impulse"]):
         signorini("simulate", scene, folder / "one", mesh__size=float(size), output__fields=["von_mises"], output__every=1)
         run = json.loads((folder / "one" / "run.json").read_text())

@@ -103,7 +103,7 @@ private:
       return start;
     }
     io::CheckpointReader in(folder_.comm(), checkpoint_);
-    resume::require_same_problem(in, echoed());
+    resume::require_same_problem(in, echoed(), problem_.discretisation()->mesh);
     std::string history;
     double objective = 0;
     int sweeps = 0;
@@ -130,7 +130,7 @@ private:
   /// Writes a checkpoint. A failure is reported and the search goes on.
   void store(const optimize::GaussNewtonIterate& now) const {
     io::CheckpointWriter out(folder_.comm(), folder_.staged(resume::checkpoint), checkpoint_);
-    resume::store_problem(out, echoed());
+    resume::store_problem(out, echoed(), problem_.discretisation()->mesh);
     out("history", history_.text());
     out("x", now.x);
     out("objective", now.at.value());

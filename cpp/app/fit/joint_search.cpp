@@ -81,7 +81,7 @@ public:
     if (!resumes_)
       return false;
     io::CheckpointReader in(problem_.controls(), file_);
-    resume::require_same_problem(in, echoed());
+    resume::require_same_problem(in, echoed(), fit_.discretisation()->mesh);
     in.match_places();
     in("rows", rows_);
     in("seconds", earlier_);
@@ -119,7 +119,7 @@ public:
     if (every_ == 0)
       return;
     io::CheckpointWriter out(problem_.controls(), folder_.staged(resume::checkpoint), file_);
-    resume::store_problem(out, echoed());
+    resume::store_problem(out, echoed(), fit_.discretisation()->mesh);
     out("rows", rows_);
     out("seconds", seconds());
     out("sweeps",

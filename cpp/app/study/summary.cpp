@@ -2,6 +2,7 @@
 #include "app/study/summary.h"
 #include <algorithm>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace signorini::study {
 namespace {
@@ -86,10 +87,30 @@ void Summary::show_rungs(const Console& console) const {
 }
 
 void Summary::show_warnings(const Console& console) const {
+  struct Told {
+    std::string name, message; // that of the dearest rung
+    std::vector<std::size_t> rungs;
+  };
+  std::vector<Told> told;
   for (std::size_t i = 0; i < results_.size(); ++i)
     if (results_[i].measured)
-      for (const forward::Warning& one : results_[i].measured->warnings)
-        console.line(fmt::format("warning: rung {}: {}", i + 1, one.message));
+      for (const forward::Warning& one : results_[i].measured->warnings) {
+        auto at = std::ranges::find(told, one.name, &Told::name);
+        if (at == told.end())
+          at = told.insert(at, {one.name, {}, {}});
+        at->message = one.message;
+        if (at->rungs.empty() || at->rungs.back() != i + 1)
+          at->rungs.push_back(i + 1);
+      }
+  for (Told& one : told) {
+    const std::size_t last = one.rungs.back();
+    one.rungs.pop_back();
+    const std::string others =
+        one.rungs.empty() ? ""
+                          : fmt::format(" (likewise rung{} {}: study.json)", one.rungs.size() == 1 ? "" : "s",
+                                        fmt::join(one.rungs, ", "));
+    console.line(fmt::format("warning: rung {}: {}{}", last, one.message, others));
+  }
 }
 
 void Summary::show_errors(const Errors& errors, const Console& console) const {
