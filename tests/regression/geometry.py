@@ -15,6 +15,7 @@ from harness import SOURCE  # noqa: E402
 sys.path.insert(0, str(SOURCE / "postprocess"))
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
+import style  # noqa: E402
 import surfaces  # noqa: E402
 from mesh import Mesh, Series  # noqa: E402
 from obstacles import normals, read_obstacles  # noqa: E402
@@ -199,7 +200,21 @@ def bodies(folder: Path) -> None:
     assert nodal(Series(flat, np.array([0.0]), [], False), points) is points
 
 
+def pictures() -> None:
+    """The box that is drawn fills the picture, and more of the world is seen where it is too slim for labels."""
+    for low, high in (([1.0, 2.0], [3.0, 2.5]), ([-5.0, 1.0], [-4.0, 31.0]), ([2.0, 2.0], [4.0, 4.0])):
+        low, high = np.array(low), np.array(high)
+        axes = style.plan(low, high, ("x", "y"))
+        seen = np.array([axes.get_xlim(), axes.get_ylim()]).T
+        inches = axes.get_position().size * axes.figure.get_size_inches()
+        near("in its middle", seen.mean(axis=0), (low + high) / 2)
+        near("of equal scale", inches / (seen[1] - seen[0]), np.full(2, np.min(style.PLAN / (high - low))))
+        near("as wide as the box or as labels", inches, np.maximum(np.min(style.PLAN / (high - low)) * (high - low), style.LEAST_PLAN))
+        assert (axes.get_xlabel(), axes.get_ylabel()) == ("x (m)", "y (m)")
+
+
 def main() -> int:
+    pictures()
     half_spaces()
     balls_and_cylinders()
     level_sets()

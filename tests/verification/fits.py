@@ -414,6 +414,8 @@ def linear(folder: Path) -> None:
         signorini("optimize", file, first, optimizer__max_iterations=0, **scales)
         found, start, run = table(out / "parameters.csv"), table(first / "parameters.csv"), json.loads((out / "run.json").read_text())
         close(f"{scale}: values", found["value"], solution, 1e-7)
+        if scale == "log":  # whose ends are those of what rounding leaves of J's curvature
+            close("ends of the scale", [found["lower"] / found["start"], found["start"] / found["upper"]], np.full((2, 3), 2.0**-26), 1e-9)
         close(f"{scale}: deviations", found["standard_deviation"], deviations, 1e-7)
         close(f"{scale}: gradient at the start", start["gradient"], rows.T @ (rows @ [1.3, 0.6, 1.1] - right), 1e-9)
         columns = rows * (solution if scale == "log" else 1)
