@@ -31,7 +31,7 @@ def impact(run: RunFolder) -> list[Table]:
         stress = run.manifest.get("largest_von_mises")
         if stress:
             body.append(["Largest von Mises stress of the stored times",
-                         f"{quantity(stress['value'], 'Pa')} at {vector(stress['point'], 'm')}, {quantity(stress['time'], 's')}"])
+                         f"{quantity(stress['value'], 'Pa')} at {vector(stress['point'], 'm')}, {quantity(stress['time'], 's')}{', as contact begins' if stress.get('at_onset') else ''}"])
         tables.append(Table("The body as a whole", ["Quantity", "Value"], body))
     bounces = given.get("bounces", [])
     if len(bounces) > 1:

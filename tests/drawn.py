@@ -363,7 +363,7 @@ def tables(run: Run, found: dict[str, Table]) -> None:
     if impact["restitution"] is not None:
         body["Restitution"] = f"{impact['restitution']:.4g}"
     if stress := run.manifest.get("largest_von_mises"):
-        body["Largest von Mises stress of the stored times"] = f"{quantity(stress['value'], 'Pa')} at {vector(stress['point'], 'm')}, {quantity(stress['time'], 's')}"
+        body["Largest von Mises stress of the stored times"] = f"{quantity(stress['value'], 'Pa')} at {vector(stress['point'], 'm')}, {quantity(stress['time'], 's')}{', as contact begins' if stress['at_onset'] else ''}"
     same("the body as a whole", {row[0]: row[1] for row in found["Quantity"].rows}, body)
     if len(impact["bounces"]) > 1:
         same("bounces", found["Contact from"].rows,

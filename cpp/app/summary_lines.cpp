@@ -129,12 +129,12 @@ std::vector<std::string> summary_lines(const io::Manifest& manifest) {
   if (manifest.energy)
     add_energy(*manifest.energy, manifest.dim, lines);
   if (manifest.von_mises)
-    lines.push_back(
-        fmt::format("largest von Mises stress of the stored times: {:.4g} Pa in the cell at {} m, {:.6g} s; "
-                    "{:.4g} Pa recovered from the cells around it",
-                    manifest.von_mises->stress.largest.value,
-                    components(manifest.von_mises->stress.largest.at, manifest.dim), manifest.von_mises->time,
-                    manifest.von_mises->stress.recovered));
+    lines.push_back(fmt::format(
+        "largest von Mises stress of the stored times: {:.4g} Pa in the cell at {} m, {:.6g} s{}; "
+        "{:.4g} Pa recovered from the cells around it",
+        manifest.von_mises->stress.largest.value,
+        components(manifest.von_mises->stress.largest.at, manifest.dim), manifest.von_mises->time,
+        stress_at_onset(manifest) ? ", as contact begins" : "", manifest.von_mises->stress.recovered));
   return lines;
 }
 

@@ -164,6 +164,11 @@ std::optional<Impact> MotionSummary::impact() const {
   return impact;
 }
 
+bool Impact::begins(double t, double crossing) const {
+  return std::ranges::any_of(bounces,
+                             [&](const Rebound& one) { return one.start <= t && t <= one.start + crossing; });
+}
+
 std::vector<Rebound> MotionSummary::bounces() const {
   const bool fit = unfit().empty();
   std::vector<Rebound> all;

@@ -57,6 +57,9 @@ struct Impact {
   Rebound whole;                ///< from the first contact to the last
   std::vector<Rebound> bounces; ///< one by one: touches with longer pauses between them than within
   std::string no_restitution;   ///< why the whole has none; empty if it has one
+
+  /// Whether at `t` a wave that takes `crossing` (s) has not crossed the body since a bounce began.
+  [[nodiscard]] bool begins(double t, double crossing) const;
 };
 
 /// Where the energy of a motion came from and went to, J, in 2D J/m: the sums over its steps.

@@ -234,6 +234,10 @@ void add_fit(ordered_json& json, const Fit& fit) {
 
 } // namespace
 
+bool stress_at_onset(const Manifest& m) {
+  return m.von_mises && m.impact && m.impact->begins(m.von_mises->time, m.body.crossing);
+}
+
 std::string lines(const ordered_json& json) {
   return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
@@ -287,7 +291,8 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
     json["largest_von_mises"] = {{"value", m.von_mises->stress.largest.value},
                                  {"recovered", m.von_mises->stress.recovered},
                                  {"point", vector(m.von_mises->stress.largest.at, m.dim)},
-                                 {"time", m.von_mises->time}};
+                                 {"time", m.von_mises->time},
+                                 {"at_onset", stress_at_onset(m)}};
   if (m.energy)
     json["energy"] = energy_json(*m.energy);
   for (const forward::Invariants::Defect& defect : m.invariants)

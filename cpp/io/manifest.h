@@ -92,6 +92,9 @@ struct Manifest {
   std::vector<std::string> files; ///< of the run
 };
 
+/// Whether the largest stress is that of a wave as contact begins, whose front the mesh and the steps decide.
+[[nodiscard]] bool stress_at_onset(const Manifest& m);
+
 /// A document as text of lines; of names that are not UTF-8, as files may have, what is not is replaced.
 std::string lines(const nlohmann::ordered_json& json);
 

@@ -169,6 +169,9 @@ def stresses(run: Run) -> None:
     near("the largest von Mises stress", told["value"], equivalent.max())
     near("its place", told["point"], body.points[body.cells[cell]].mean(axis=0))
     near("its time", told["time"], run.steps["time"][time])
+    impact, crossing = run.manifest.get("impact"), run.manifest["body"]["crossing_time"]
+    begins = [one["start"] for one in impact["bounces"]] if impact else []
+    same("whether it is a front's", told["at_onset"], any(begin <= told["time"] <= begin + crossing for begin in begins))
 
 
 def probes(run: Run) -> None:
@@ -332,7 +335,8 @@ def summary(run: Run, printed: str) -> None:
     assert len(values) > 3
     numbers(text + ": {} at the end, {} of it elastic", *values, energy["kinetic_at_end"] + energy["elastic_at_end"], energy["elastic_at_end"])
     stress = told["largest_von_mises"]
-    numbers(f"largest von Mises stress of the stored times: {{}} Pa in the cell at {vector} m, {{}} s; {{}} Pa recovered from the cells around it",
+    onset = ", as contact begins" if stress["at_onset"] else ""
+    numbers(f"largest von Mises stress of the stored times: {{}} Pa in the cell at {vector} m, {{}} s{onset}; {{}} Pa recovered from the cells around it",
             stress["value"], stress["point"], stress["time"], stress["recovered"])  # fmt: skip
     whole = told["impact"]
     for number, one in enumerate(whole["bounces"] if len(whole["bounces"]) > 1 else [], 1):
