@@ -571,6 +571,7 @@ def comparison(first: Run, second: Run) -> None:
         nodes = np.array([np.abs(run.body.points - point).max(axis=1).argmin() for point in points])
         values = np.linalg.norm(run.v[frames][:, nodes], axis=2)
         top = np.max([np.linalg.norm(other.v, axis=2).max() for other in runs])
+        same("in the unit of the larger", field["label"], f"velocity ({prefix(np.array([top]), 'm/s')[1]})")
         unit = {f"velocity ({PREFIXES[i]}m/s)": 1000.0 ** (3 - i) for i in range(len(PREFIXES))}[field["label"]]
         near("speeds of both", numbers(field["values"]) * field["scale"], unit * values, 1e-4, unit * top)
 
@@ -741,6 +742,7 @@ def search_figures(run: Run, caught: dict, curves: object, shaded: object, times
     axes = curves("objective", {"": (iteration[above], (J - J[-1])[above])}, ("iteration $i$", f"objective $J_i - {last}$ ({unit})"))
     same("objective.png: the last value", axes.texts[0].get_text(), f"${last}$ = {J[-1]:.4g} {unit}")
     best = int(distance.argmin())
+    same("distance_to_reference.png: from 0 on", caught["distance_to_reference"].axes[0].get_ylim()[0], 0)
     curves("distance_to_reference", {"": (iteration, distance), f"smallest: {distance[best]:.3f} at iteration {iteration[best]:.0f}": (iteration[[best]], distance[[best]])},
            ("iteration", r"$\|u - u_\mathrm{ref}\| \,/\, \|u_\mathrm{ref}\|$ (relative)"))  # fmt: skip
     shaded(curves("tracking_error", {"distance to the desired state": (times, run.steps["tracking_error"])},

@@ -15,6 +15,7 @@ from harness import SOURCE  # noqa: E402
 sys.path.insert(0, str(SOURCE / "postprocess"))
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
+import report_compare  # noqa: E402
 import style  # noqa: E402
 import surfaces  # noqa: E402
 from mesh import Mesh, Series  # noqa: E402
@@ -213,7 +214,31 @@ def pictures() -> None:
         assert (axes.get_xlabel(), axes.get_ylabel()) == ("x (m)", "y (m)")
 
 
+def side_by_side() -> None:
+    """Two motions have the fields that both have, in the unit of the larger values, and one box."""
+    def body(end: float, box: list, *fields: tuple) -> tuple[dict, Series]:
+        made = [{"name": name, "label": f"{name} ({unit})", "factor": factor, "scale": factor / 8, "least": factor * least, "largest": factor * largest}
+                for name, unit, factor, least, largest in fields]  # fmt: skip
+        return {"fields": made, "box": box, "eye": end, "start": end, "note": "."}, Series(None, np.array([0.0, end]), [], False)
+
+    slow = body(1.0, [[0, 0], [1, 4]], ("speed", "mm/s", 1e3, 0.1, 0.5), ("stress", "Pa", 1.0, 0, 7), ("own", "m", 1.0, 0, 1))
+    fast = body(2.0, [[-1, 1], [3, 2]], ("stress", "Pa", 1.0, 1, 9), ("speed", "m/s", 1.0, 0.2, 8))
+    for pair in ((slow, fast), (fast, slow)):
+        motions = report_compare.alike([dict(one, fields=[dict(field) for field in one["fields"]]) for one, _ in pair], np.array([0.0, 2]), [own for _, own in pair])
+        for one, (own, _) in zip(motions, pair):
+            found = {field["name"]: field for field in one["fields"]}
+            assert set(found) == {"speed", "stress"} and [field["name"] for field in one["fields"]] == [
+                field["name"] for field in motions[0]["fields"]], "not in one order"  # fmt: skip
+            for name, label, least, largest in (("speed", "speed (m/s)", 0.1, 8), ("stress", "stress (Pa)", 0, 9)):
+                assert found[name]["label"] == label and found[name]["factor"] == 1
+                near("one range", [found[name][key] for key in ("least", "largest", "scale")], [least, largest, 1 / 8])
+            near("one box", one["box"], [[-1, 0], [3, 4]])
+            assert one["eye"] == one["start"] == pair[0][0]["eye"]
+            assert one["note"] == (". It ends at 1 s and stays as it is then." if own is slow[0] else ".")
+
+
 def main() -> int:
+    side_by_side()
     pictures()
     half_spaces()
     balls_and_cylinders()

@@ -375,6 +375,9 @@ TEST_CASE("steps that the motion chooses are a family of their own", "[study]") 
   const Errors against = errors(Q, results, {});
   CHECK(against.reference == 5); // the smaller error bar
   CHECK_THAT(*against.envelope[0], WithinRel((0.1 - 9.0 / 14400) / (1 + 9.0 / 14400), 1e-9));
+  for (int steps : {10, 20, 40}) // of the smallest size, though their error bar is the larger one
+    results.push_back(run(0.5, steps, 4 * steps, 1 + 1.0 / steps));
+  CHECK(errors(Q, results, {}).reference == 8);
 }
 
 TEST_CASE("graded meshes are a family of their own", "[study]") {
