@@ -725,6 +725,7 @@ def single_time(run: Run, caught: dict) -> None:
         return
     same("contact_force.png: forces", axes.get_ylabel(), f"nodal contact force ({unit})")
     merged = candidates(run)[1]["force"][at]
+    near("contact_force.png: from 0 to all", axes.get_ylim(), [0, 1.06 * factor * merged.max()], 1e-12)
     drawn = np.concatenate([line.get_ydata() for line in axes.lines])
     near("contact_force.png: forces of the nodes", np.sort(drawn), np.sort(factor * merged), 1e-12)
     if len(run.manifest["impact"]["obstacles"]) == 1:

@@ -197,6 +197,7 @@ void write_optimum(io::OutputFolder& folder, const Problem& problem, const scene
   console.line("stopped: " + optimize::name(found.stop) + going_on(found.stop, scene.optimizer));
   io::Manifest m = manifest(problem, "optimize", optimize::name(found.stop), reduced.trajectory().steps());
   add_watched(m, recorder, scene.run, console);
+  add_warning(m, desired_warning(problem), console);
   if (found.stop == optimize::Stop::no_decrease)
     add_chatter(m, reduced, console);
   m.objective = reduced.value();

@@ -306,6 +306,31 @@ Displacements given_motion(const Problem& problem, bool keep) {
   return std::make_unique<Constant>(problem, *field);
 }
 
+std::optional<forward::Warning> desired_warning(const Problem& problem) {
+  const auto* run =
+      problem.scene.objective ? std::get_if<scene::DesiredRun>(&problem.scene.objective->desired) : nullptr;
+  if (!run)
+    return std::nullopt;
+  const forward::TimeGrid& grid = problem.stepper.grid();
+  const io::StoredField stored(problem.space, run->folder / "state.h5", "displacement",
+                               "objective.desired.run", grid.time(problem.steps()));
+  double apart = 0, longest = 0;
+  for (std::size_t i = 1; i < stored.times().size(); ++i)
+    apart = std::max(apart, stored.times()[i] - stored.times()[i - 1]);
+  for (int k = 1; k <= problem.steps(); ++k)
+    longest = std::max(longest, grid.length(k));
+  constexpr double alike = 1.5;
+  if (!(apart > alike * longest))
+    return std::nullopt;
+  return forward::Warning{
+      "desired motion between stored times",
+      fmt::format("the states of {} are up to {:.3g} s apart, between which the desired motion "
+                  "is taken as linear, and the steps here are {:.3g} s long: let that run "
+                  "have output.every = 1",
+                  run->folder.string(), apart, longest),
+      apart / longest, alike};
+}
+
 forward::StateStoreFactory state_stores(const Problem& problem) {
   const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
   return {problem.stepper, problem.scene.trajectory, problem.steps(), computed ? 0.5 : 1, problem.timers};

@@ -65,6 +65,10 @@ struct Problem {
 /// memory. Collective. `problem` must outlive it. Throws UserError.
 std::unique_ptr<const forward::Displacements> given_motion(const Problem& problem, bool keep);
 
+/// Warns where a run whose motion is desired stored fewer states than this one has. Collective. Throws
+/// UserError.
+std::optional<forward::Warning> desired_warning(const Problem& problem);
+
 /// The control that a scene gives (control.initial, within its bounds), for runs that do not optimise. Where
 /// the lengths of steps are still to be chosen and it is constant on each, it is evaluated step by step.
 class GivenControl {

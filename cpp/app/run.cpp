@@ -108,8 +108,10 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
     m.lengths->rejected = control->rejected();
   add_watched(m, recorder, scene.run, console);
   m.accuracy = accuracy;
-  if (objective && complete)
+  if (objective && complete) {
     m.objective = objective->value();
+    add_warning(m, desired_warning(problem), console);
+  }
   m.files = folder.files();
   folder.write("run.json", io::to_json(m, told, timers));
   for (const std::string& line : summary_lines(m))

@@ -38,7 +38,7 @@ SOLVERS = {
     "linalg": [r"unit\.(base|optimize|contact)\."],  # its tests are among those of base
     "optimize": [r"unit\.optimize\."],
 }
-RUNS = [r"regression\.values", r"regression\.(outputs|tables|definitions|time-series|desired-run)$"]
+RUNS = [r"regression\.values", r"regression\.(outputs|measure|tables|definitions|time-series|desired-run)$"]
 OUTPUTS = {
     "io": [r"unit\.io\.", *RUNS, r"regression\.(docs|resume|bad-input|keys|study|replay)$", r"verification\.fits\.(exact|linear|recovery)",
            r"python\.(runs|fits)"],

@@ -126,12 +126,21 @@ def echo_goes_home(folder: Path) -> None:
     print("the echo of a run is run again in its own folder")
 
 
+def missing_package(folder: Path) -> None:
+    """A Python without a package that pages need is told so, and which."""
+    (folder / "h5py.py").write_text('raise ModuleNotFoundError("gone", name="h5py")\n')
+    done = subprocess.run([SIGNORINI, "report", folder], env=os.environ | {"PYTHONPATH": str(folder)}, capture_output=True, text=True)
+    assert done.returncode == 2 and done.stderr.startswith("signorini report: found no Python package h5py ("), done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    print("a package that is missing is named")
+
+
 def main() -> int:
     version()
     options_where_they_work()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name).resolve()
-        for part in (completion, temporary_folder, how_to_go_on, echo_goes_home):
+        for part in (completion, temporary_folder, how_to_go_on, echo_goes_home, missing_package):
             part(folder)
     return 0
 

@@ -76,10 +76,22 @@ def between_stored_times(folder: Path) -> None:
     signorini("simulate", by_run, folder / "flown", output__every=7, **free)
     by_displacement = scene(folder, BLOCK, "given", '{ displacement = ["0", "-t"] }')
     rounding = 1e-9  # of two sums, which the line search passes on
+
+    def warned(out: str) -> list[float]:
+        found = json.loads((folder / out / "run.json").read_text())["warnings"]
+        return [one["value"] for one in found if one["name"] == "desired motion between stored times"]
+
     start = {"control__initial": ["0.3", "-0.5"]}
     expected = history(by_displacement, folder / "d", **free, **start)
     found = history(by_run, folder / "f", **free, **start)
     same(found, expected, rounding)
+    assert np.allclose(warned("f"), [7], rtol=1e-9, atol=0) and not warned("d"), warned("f")
+    for verb, ranks in (("simulate", 1), ("simulate", 2)):
+        done = signorini(verb, by_run, folder / "once", ranks, **free, **start)
+        assert len(warned("once")) == 1 and done.stdout.count("are up to 0.14 s apart") == 1, done.stdout
+    signorini("simulate", by_run, folder / "flown-whole", output__every=1, **free)
+    signorini("simulate", by_run, folder / "once", **free, **start, objective__desired={"run": str(folder / "flown-whole")})
+    assert not warned("once")
     for storage in ("disk", "checkpoints"):  # desired states one by one, forwards and backwards
         for desired, usual in ((by_run, found), (by_displacement, expected)):
             one_by_one = history(desired, folder / "f", trajectory__storage=storage, **free, **start)

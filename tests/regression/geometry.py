@@ -8,6 +8,7 @@ import itertools
 import sys
 import tempfile
 from pathlib import Path
+from types import SimpleNamespace
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import SOURCE  # noqa: E402
@@ -16,6 +17,8 @@ sys.path.insert(0, str(SOURCE / "postprocess"))
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 import report_compare  # noqa: E402
+import report_motion  # noqa: E402
+import scenery  # noqa: E402
 import style  # noqa: E402
 import surfaces  # noqa: E402
 from mesh import Mesh, Series  # noqa: E402
@@ -237,7 +240,40 @@ def side_by_side() -> None:
             assert one["note"] == (". It ends at 1 s and stays as it is then." if own is slow[0] else ".")
 
 
+def beside_the_body() -> None:
+    """An obstacle over the frames of a picture: one shape that comes along, or one a frame where it grows; none where it is far."""
+    times, size = np.linspace(0, 1, 5), 2.0
+    position = np.tile(np.array([[0.0, 0], [2, 0], [2, 1]]), (5, 1, 1))
+
+    def seen(**obstacle: object) -> tuple[object, np.ndarray]:
+        found, box = scenery.scenery(read_obstacles({"contact": {"obstacle": obstacle}}, size), times, position, size)
+        assert len(found) == 1
+        return found[0], box
+
+    slot = np.array([[0.0, 0], [2, 1]]) + scenery.MARGIN * size * np.array([[-1], [1]])
+    still, box = seen(shape="half-space", point=[0, -0.5], normal=[0, 1])
+    near("the body and a margin", box, slot)
+    assert len(still.shapes) == 1 and list(still.shape) == [0] * 5 and not still.offset.any()
+    assert report_motion.packed_scenery(still, 5)["offset"] is None
+    rising, _ = seen(shape="half-space", point=["t", "t - 1"], normal=[0, 2])
+    where = [points + rising.offset[i] for i, (points, _) in ((i, rising.shapes[rising.shape[i]]) for i in range(5))]
+    near("where it is in each frame", [points[:, 1].max() for points in where], times - 1)
+    assert report_motion.packed_scenery(rising, 5)["offset"] is not None, "it moves along one axis alone"
+    growing, box = seen(shape="ball", center=[1, -0.6], radius="0.5 + 0.25*t")
+    assert len(growing.shapes) == 5 and list(growing.shape) == [0, 1, 2, 3, 4] and not growing.offset.any()
+    near("its size in each frame", [np.ptp(points[:, 0]) for points, _ in growing.shapes], 1 + times / 2, 0.01)
+    near("all of it is in the picture", box[0, 1], -1.35 - scenery.BAND * size)
+    assert scenery.scenery(read_obstacles({"contact": {"obstacle": {"shape": "ball", "center": [1, 9], "radius": 1}}}, size), times, position, size)[0] == []
+    # Of the candidates those that ever touch tell how near it is.
+    force, points = np.array([[0.0, 1, 0], [0, 0, 0], [0, 1, 2]]), np.array([[0.0, 0], [1, 0], [2, 0]])
+    for pushes, expected in ((force, points[1:]), (0 * force, points)):
+        contact = SimpleNamespace(of=lambda obstacle, pushes=pushes: SimpleNamespace(force=pushes, points=points))
+        near("candidates that touch", scenery.candidates(SimpleNamespace(has_contact_table=True, contact=contact), 0, None), expected)
+    near("no table", scenery.candidates(SimpleNamespace(has_contact_table=False), 0, Mesh(points, points)), points)
+
+
 def main() -> int:
+    beside_the_body()
     side_by_side()
     pictures()
     half_spaces()

@@ -9,6 +9,7 @@ import json
 import re
 import sys
 import tempfile
+from math import comb
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -431,6 +432,15 @@ def costs() -> None:
     for name, found in (("A", re.search(r" A (\S+) MB", printed)[1]), ("viscosity", rows["viscosity"].split()[0])):
         near(f"memory of {name}", float(found), (blocks * (4 * 8 + 4) + 4 * len(nodes)) / 1e6, 5e-3)
     counts = re.search(r"unknowns: (\d+) \((\d+) free\), cells: (\d+), candidates: (\d+), steps: (\d+) of (\S+) s", printed)
+    # Griewank and Walther, Algorithm 799: revolve (2000): r l - C(s + r, r - 1) of l states from s checkpoints, the start among both.
+    for budget in (10_000, 20_000):
+        printed = signorini("info", BLOCK_SCENE, trajectory__storage="checkpoints", trajectory__budget=budget).stdout
+        again, slots = re.search(r"and (\S+) steps made again of either motion \((\d+) checkpoints\)", printed).groups()
+        states, kept, repeats = 31, int(slots) + 1, 0
+        while comb(kept + repeats, repeats) < states:
+            repeats += 1
+        assert 1 < kept < states
+        near("steps made again", float(again), (repeats * states - comb(kept + repeats, repeats - 1)) / 30 - 1, 0.0051, 1)
     near("counts", [float(one) for one in counts.groups()], [2 * len(nodes), 2 * len(nodes), len(cells), int((nodes[:, 1] < 1e-9).sum()), 30, 0.02])
 
 

@@ -54,6 +54,7 @@ TEST_CASE("bounces and touches are counted apart", "[io]") {
     return all.find(text) != std::string::npos;
   };
   CHECK(has("restitution 0.5 over one bounce of 13 touches\n"));
+  CHECK_FALSE(has("bounce 1 of 1")); // the body as a whole says it all
   impact.bounces = {{.touches = 12}, {.touches = 1}};
   CHECK(has("restitution 0.5 over all 2 bounces of 13 touches\n"));
   CHECK(has("bounce 1 of 2: from 0 to 0 s in 12 touches, impulse"));

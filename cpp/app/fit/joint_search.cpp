@@ -202,6 +202,7 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   io::Manifest m = manifest(joint.problem(), "optimize", optimize::name(end.stop), joint.problem().steps());
   add_doubts(m, fit.doubts());
   add_watched(m, recorder, scene.run, console);
+  add_warning(m, desired_warning(joint.problem()), console);
   add_warning(m, misfit_warning(result), console);
   m.objective = joint.value().control;
   m.iterations = log.iterations();
