@@ -743,7 +743,8 @@ def search_figures(run: Run, caught: dict, curves: object, shaded: object, times
     axes = curves("objective", {"": (iteration[above], (J - J[-1])[above])}, ("iteration $i$", f"objective $J_i - {last}$ ({unit})"))
     same("objective.png: the last value", axes.texts[0].get_text(), f"${last}$ = {J[-1]:.4g} {unit}")
     best = int(distance.argmin())
-    same("distance_to_reference.png: from 0 on", caught["distance_to_reference"].axes[0].get_ylim()[0], 0)
+    axes = caught["distance_to_reference"].axes[0]
+    same("distance_to_reference.png: from 0 on", (axes.get_xlim(), axes.get_ylim()[0]), ((0, np.max([iteration[-1], 1])), 0))
     curves("distance_to_reference", {"": (iteration, distance), f"smallest: {distance[best]:.3f} at iteration {iteration[best]:.0f}": (iteration[[best]], distance[[best]])},
            ("iteration", r"$\|u - u_\mathrm{ref}\| \,/\, \|u_\mathrm{ref}\|$ (relative)"))  # fmt: skip
     shaded(curves("tracking_error", {"distance to the desired state": (times, run.steps["tracking_error"])},

@@ -23,7 +23,7 @@ void Duals::move(int k, Vec p_k, const contact::ContactSets* later) {
     jump = predictor->linearised_jump(later->predictor, work_, *predictor_);
   }
   std::swap(velocity, velocity_later);
-  check(VecAXPBYPCZ(velocity, tau, -1, 0, p, velocity_later));
+  petsc::combine(velocity, tau, p, -1, velocity_later);
   if (jump)
     check(VecAXPY(velocity, tau, jump));
   std::swap(p, p_later);
@@ -59,17 +59,16 @@ void DualBubbles::residual(int k, const Duals& duals) {
   const fem::Operators& operators = body_.operators();
   const forward::Scheme now = grid_.scheme(k), later = grid_.scheme(k + 1);
   forward::assemble(derivative_.at(k), operators, left_);
-  check(VecAXPBYPCZ(coarse_, 1 / later.tau + 2 / now.tau, -1 / later.tau, 0, duals.velocity,
-                    duals.velocity_later));
+  petsc::combine(coarse_, 1 / later.tau + 2 / now.tau, duals.velocity, -1 / later.tau, duals.velocity_later);
   check(VecAXPY(coarse_, -1, duals.p));
   add(operators.M, 1);
   if (operators.B) {
-    check(VecAXPBYPCZ(coarse_, later.tau / 2, -now.tau / 2, 0, duals.p_later, duals.p));
+    petsc::combine(coarse_, later.tau / 2, duals.p_later, -now.tau / 2, duals.p);
     add(*operators.B, 1);
     check(MatMult(*operators.B, b_, work_));
     check(VecAXPY(left_, 1, work_));
   }
-  check(VecAXPBYPCZ(coarse_, now.stiffness(), later.stiffness(), 0, duals.p, duals.p_later));
+  petsc::combine(coarse_, now.stiffness(), duals.p, later.stiffness(), duals.p_later);
   add(operators.A, -1);
 }
 

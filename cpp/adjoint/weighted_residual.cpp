@@ -65,7 +65,7 @@ public:
 private:
   /// sum −= matrix (a x + b y)
   void subtract(Mat matrix, double a, Vec x, double b, Vec y) {
-    check(VecAXPBYPCZ(coarse_, a, b, 0, x, y));
+    petsc::combine(coarse_, a, x, b, y);
     body_.embed(coarse_, fine_);
     check(MatMult(matrix, fine_, product_));
     check(VecAXPY(sum_, -1, product_));
@@ -127,12 +127,12 @@ private:
     const double squared = (std::pow(tau, 3) + std::pow(tau_later, 3)) / (2 * between),
                  jump = tau * tau - tau_later * tau_later;
     check(VecWAXPY(change_, -1, now_, later_));
-    check(VecAXPBYPCZ(moves_, 0.5 / between, -0.5 / between, 0, motion_.later.y, motion_.before.y));
+    petsc::combine(moves_, 0.5 / between, motion_.later.y, -0.5 / between, motion_.before.y);
     sum_ -= squared / 6 * weighed(change_, body.A);
     if (jump != 0) // lengths change
       sum_ += jump / 12 * weighed(at_end(tau, tau_later), body.A);
     if (body.B) {
-      check(VecAXPBYPCZ(moves_, 1 / tau_later, 1 / tau, 0, motion_.later.y, motion_.before.y));
+      petsc::combine(moves_, 1 / tau_later, motion_.later.y, 1 / tau, motion_.before.y);
       check(VecAXPY(moves_, -(1 / tau + 1 / tau_later), motion_.now.y));
       sum_ -= squared / (12 * between) * weighed(change_, *body.B);
     }
@@ -144,7 +144,7 @@ private:
   Vec at_end(double tau, double tau_later) {
     if (!end_)
       end_ = stepper_.space().vector();
-    check(VecAXPBYPCZ(end_, tau_later / (tau + tau_later), tau / (tau + tau_later), 0, now_, later_));
+    petsc::combine(end_, tau_later / (tau + tau_later), now_, tau / (tau + tau_later), later_);
     return end_;
   }
 
@@ -196,8 +196,8 @@ public:
     if (k < steps_) {
       make_room();
       // Step 1 takes β_1 at both ends, and step N β_{N−1}.
-      check(VecAXPBYPCZ(between_[0], (k == 1 ? 1 : 0.5) * grid_.length(k),
-                        (k + 1 == steps_ ? 1 : 0.5) * grid_.length(k + 1), 0, r, later_));
+      petsc::combine(between_[0], (k == 1 ? 1 : 0.5) * grid_.length(k), r,
+                     (k + 1 == steps_ ? 1 : 0.5) * grid_.length(k + 1), later_);
       if (k + 1 == steps_)
         for (int j : {1, 2})
           check(VecCopy(between_[0], between_[static_cast<std::size_t>(j)]));
@@ -230,7 +230,7 @@ public:
     if (operators.B)
       value += first.tau / 2 * weighed(*operators.B, duals_.p_later, 2 / first.tau, dy);
     value -= first.stiffness() * weighed(operators.A, duals_.p_later, 2 / first.tau, dy);
-    check(VecAXPBYPCZ(coarse_, 1 / first.tau, -1 / first.tau, 0, duals_.velocity, duals_.velocity_later));
+    petsc::combine(coarse_, 1 / first.tau, duals_.velocity, -1 / first.tau, duals_.velocity_later);
     return value + weighed(operators.M, coarse_, 0, dy);
   }
 
@@ -240,7 +240,7 @@ private:
   /// Weighs the residuals about the time of the last bubbles by these, in the mean of three times: they
   /// alternate from step to step in contact, as forces do.
   void weigh_last() {
-    check(VecAXPBYPCZ(mean_, 0.25, 0.5, 0, between_[0], between_[1]));
+    petsc::combine(mean_, 0.25, between_[0], 0.5, between_[1]);
     check(VecAXPY(mean_, 0.25, between_[2]));
     space_ += dot(last_, mean_);
     if (!by_nodes_)

@@ -52,6 +52,14 @@ Vector copy(Vec x) {
   return y;
 }
 
+void combine(Vec out, double a, Vec x, double b, Vec y) {
+  // With a = 1 VecAXPBYPCZ() adds 0 times what it overwrites: nan where a sweep failed.
+  if (a == 1)
+    check(VecWAXPY(out, b, y, x));
+  else
+    check(VecAXPBYPCZ(out, a, b, 0, x, y));
+}
+
 Vector vector_of(Mat matrix) {
   Vector x;
   check(MatCreateVecs(matrix, x.put(), nullptr));

@@ -57,6 +57,9 @@ Vector copy(Vec x);
 /// A zero vector x of the layout for products matrix x (the columns'). Collective.
 Vector vector_of(Mat matrix);
 
+/// out = a x + b y, whatever `out` held, which is neither x nor y. Collective.
+void combine(Vec out, double a, Vec x, double b, Vec y);
+
 /// A series of vectors, one per time step.
 using Series = std::vector<Vector>;
 

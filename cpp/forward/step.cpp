@@ -112,7 +112,7 @@ void Stepper::right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functiona
     check(VecAXPBY(work.work, a, 0, z));
     check(MatMult(M(), work.work, work.r));
   } else if (rho) { // M = ρ W: one product for both terms
-    check(VecAXPBYPCZ(work.work, a, b / *rho, 0, z, source.density));
+    petsc::combine(work.work, a, z, b / *rho, source.density);
     check(MatMult(M(), work.work, work.r));
   } else {
     check(MatMult(M(), z, work.r));

@@ -112,7 +112,7 @@ double StepErrors::error_of(Vec third_difference, Vec y) {
 
 void StepErrors::set_mean(const Frame& frame) {
   const double rate = 1 / stepper_.grid().length(frame.k);
-  check(VecAXPBYPCZ(means_[0].w, -rate, rate, 0, frame.y0, frame.y1));
+  petsc::combine(means_[0].w, -rate, frame.y0, rate, frame.y1);
   means_[0].middle = stepper_.grid().middle(frame.k);
 }
 
@@ -126,7 +126,7 @@ double StepErrors::error_of(const Frame& frame, bool abrupt) {
   for (double& factor : factors)
     factor *= tau * part;
   if (quantity_ == scene::StepQuantity::energy) {
-    check(VecAXPBYPCZ(difference_, factors[0], factors[1], 0, means_[0].w, means_[1].w));
+    petsc::combine(difference_, factors[0], means_[0].w, factors[1], means_[1].w);
     check(VecAXPY(difference_, factors[2], means_[2].w));
     return error_of(difference_, frame.y1);
   }

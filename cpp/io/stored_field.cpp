@@ -207,7 +207,7 @@ void StoredField::at(double t, Vec out) {
     check(VecCopy(stored(second), out));
   } else {
     const Vec from = stored(first), to = stored(second);
-    check(VecAXPBYPCZ(out, 1 - weight, weight, 0, from, to));
+    petsc::combine(out, 1 - weight, from, weight, to);
   }
 }
 

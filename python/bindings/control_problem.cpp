@@ -5,8 +5,10 @@
 #include "control/metric.h"
 #include "rows.h"
 #include "scene.h"
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <fmt/format.h>
 #include <limits>
@@ -124,17 +126,31 @@ public:
   [[nodiscard]] control::ReducedProblem& reduced() const { return all().problem.reduced; }
   [[nodiscard]] double seconds() const { return seconds_; }
 
-  /// A control of given values, which `order` takes from a whole one's. Throws std::invalid_argument.
+  /// A control of given values, which `order` takes from a whole one's. Collective. Throws
+  /// std::invalid_argument on every rank where one rank's array has another shape or what is no number.
   [[nodiscard]] Control control(const Given& given, const Rows* order = nullptr) const {
     const std::span<const double> all = values_of(given);
     const int count = controls().count();
-    if (order) {
-      require_shape(given, {order->size()}, "one entry for each value of all ranks");
-      return {order->of(all), count};
+    std::string wrong;
+    try {
+      if (order)
+        require_shape(given, {order->size()}, "one entry for each value of all ranks");
+      else
+        require_shape(given, {static_cast<std::size_t>(count), controls().size()},
+                      "intervals x values of this rank");
+      if (!std::ranges::all_of(all, [](double x) { return std::isfinite(x); }))
+        wrong = "found nan or inf, allowed are finite numbers";
+    } catch (const std::invalid_argument& error) {
+      wrong = error.what();
     }
-    require_shape(given, {static_cast<std::size_t>(count), controls().size()},
-                  "intervals x values of this rank");
-    return {std::vector<double>(all.begin(), all.end()), count};
+    const int any = compute([&] {
+      int anywhere = !wrong.empty();
+      MPI_Allreduce(MPI_IN_PLACE, &anywhere, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+      return anywhere;
+    });
+    if (any)
+      throw std::invalid_argument(wrong.empty() ? "another rank's array is refused" : wrong);
+    return {order ? order->of(all) : std::vector<double>(all.begin(), all.end()), count};
   }
 
   [[nodiscard]] Control first_guess() const {

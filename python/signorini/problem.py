@@ -90,8 +90,9 @@ class Problem:
     """J(u) of a scene's control, reduced to the control, with derivatives by adjoint sweeps: see the module's text.
 
     The motions of the two controls that were looked at last are known: asking for them again makes no sweep. Arrays that
-    methods return own their memory, which is the solver's, not a copy; those that are attributes are read-only. Members that take a control are collective, and raise
-    SolverFailure where a step has no solution, KeyboardInterrupt at Ctrl-C, ValueError for arrays of another shape.
+    methods return own their memory, which is the solver's, not a copy; those that are attributes are read-only. Members that
+    take a control are collective, and raise SolverFailure where a step has no solution, KeyboardInterrupt at Ctrl-C,
+    ValueError on every rank where one rank's array has another shape, nan or inf.
     """
 
     def __init__(self, scene: Scene) -> None:

@@ -134,7 +134,39 @@ def limits(problem: signorini.Problem) -> None:
         assert np.all(theirs == beyond_it) and np.allclose(one_sided.replicated().control(mine), 0.25, rtol=1e-13, atol=0)
 
 
+def refused(problem: signorini.Problem, u: np.ndarray) -> None:
+    """What is no control of this problem on one rank is refused on all, and leaves what is known."""
+    before, last = problem.gradient(u), signorini.rank == signorini.ranks - 1
+    for number in (np.nan, np.inf, None):
+        bad = u.copy()
+        if last and number is None:
+            bad = bad[:, :-1]
+        elif last:
+            bad.flat[-1] = number
+        for call in (lambda: problem.value(bad), lambda: problem.gradient(bad), lambda: problem.hessian_product(u, bad), lambda: problem.hessian_product(bad, u)):
+            try:
+                call()
+            except ValueError as error:
+                own = "found nan or inf" if number is not None else "found an array of shape"
+                assert (own if last else "another rank's array is refused") in str(error), error
+            else:
+                raise AssertionError(f"taken: {number}")
+    assert np.array_equal(problem.gradient(u), before)
+
+
+def after_failure() -> None:
+    """A sweep whose numbers overflow leaves nothing in those that follow."""
+    problem = half_disc(**{"control__initial": PUSHED}).problem()
+    u = problem.first_guess()
+    product = problem.hessian_product(0 * u, np.full_like(u, 1e308))
+    assert not np.isfinite(product).all(), "it did not overflow: the case says nothing"
+    problem.value(u)
+    found, expected = problem.gradient(u), half_disc(**{"control__initial": PUSHED}).problem().gradient(u)
+    assert np.max(np.abs(found - expected)) <= ROUNDING * np.max(np.abs(expected))
+
+
 def main() -> None:
+    after_failure()
     for name, overrides in {
         "free": {},
         "bounded": {"control__lower": [-2, -1.5], "control__upper": 1.25},
@@ -159,6 +191,7 @@ def main() -> None:
         hessian(problem, u)
         metric(problem, u)
         known(problem, u)
+        refused(problem, u)
         places(problem, u)
 
 

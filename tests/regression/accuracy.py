@@ -138,6 +138,8 @@ def motion_is_met(folder: Path) -> None:
     fine = json.loads((signorini("simulate", DROP, folder / "fine", mesh__size=1, time__step=2.5e-3), (folder / "fine" / "run.json").read_text())[1])
     graded, said = order("simulate", DROP, folder / "graded", "--accuracy", "1e-2", "--quantity", "impulse", "--set", "mesh.size=auto")
     assert graded["accuracy"]["estimated"] <= 1e-2 and "sizes by the error of the stress" in said and (folder / "graded" / "mesh.msh").is_file()
+    least, largest, cells = re.findall(r"^sizes by the error of the stress: from (\S+) to (\S+) m, (\d+) elements$", said, re.MULTILINE)[-1]
+    assert float(least) < float(largest) and int(cells) == graded["cells"], said
     took, half = map(float, re.search(r"of which the run took (\S+) s; half the error would take about (\S+) s", said).groups())
     assert half > 1.5 * took, said  # order 2 in space: twice the cells, and no fewer steps
     signorini("simulate", folder / "graded" / "scene.toml", folder / "on-graded")  # which names the mesh that was kept

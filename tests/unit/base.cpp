@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
+#include "base/petsc.h"
 #include "linalg/simplex_qp.h"
 #include "linalg/updated_cholesky.h"
 #include <algorithm>
@@ -322,4 +323,25 @@ TEST_CASE("The best combination of vectors with prices satisfies its conditions"
     }
   }
   CHECK(cheaper > 10);
+}
+
+TEST_CASE("A sum of vectors does not depend on what it overwrites", "[base]") {
+  const auto vector = [](double a, double b) {
+    petsc::Vector x;
+    petsc::check(VecCreateSeq(PETSC_COMM_SELF, 2, x.put()));
+    petsc::check(VecSetValue(x, 0, a, INSERT_VALUES));
+    petsc::check(VecSetValue(x, 1, b, INSERT_VALUES));
+    petsc::check(VecAssemblyBegin(x));
+    petsc::check(VecAssemblyEnd(x));
+    return x;
+  };
+  const petsc::Vector x = vector(3, -5), y = vector(0.25, 7);
+  for (const double a : {-1.0, 0.0, 0.5, 1.0})
+    for (const double b : {-1.0, 0.0, 1.0, 2.0}) {
+      const petsc::Vector out = vector(std::nan(""), INFINITY);
+      petsc::combine(out, a, x, b, y);
+      const petsc::ReadArray found(out);
+      CHECK(found[0] == a * 3 + b * 0.25);
+      CHECK(found[1] == a * -5 + b * 7);
+    }
 }
