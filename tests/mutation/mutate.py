@@ -45,7 +45,7 @@ OUTPUTS = {
     "app": [r"unit\.(study|io)\.", *RUNS, r"unit\.control\.np", r"regression\.(command-line|docs|plausibility|check-refuses|weak-contact|watch)$", r"verification\.fits\.(exact|linear)",
             r"python\.(runs|fits)", r"regression\.(resume|study|keys|bad-input|coarse-start|study-accuracy|accuracy)$",
             r"verification\.fits\.(derivatives|recovery|together)"],  # fmt: skip
-    "postprocess": [r"regression\.(geometry|values)$", r"regression\.(postprocess|watch)$", r"verification\.fits\.linear", r"python\.runs",
+    "postprocess": [r"regression\.(geometry|values)$", r"regression\.(postprocess|watch|command-line)$", r"verification\.fits\.linear", r"python\.runs",
                     r"regression\.(figures|pages|report|accuracy)$"],
     "python": [r"python\.(fits|runs|derivatives|errors)", r"python\.(optimizers|ranks)"],
 }  # fmt: skip

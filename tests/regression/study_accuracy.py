@@ -164,15 +164,16 @@ def suggestion(folder: Path) -> None:
 
 
 def suggested_quantity(folder: Path) -> None:
-    """Without an objective: what is found for a tolerance is the exact value to that tolerance, and for any quantity of contact."""
+    """Without an objective: what is found for a tolerance is the exact value to that tolerance, and for any quantity of contact. Error bars are
+    some ten times the error there; one per cent takes 25 times as long as two."""
     number = r"([\d.e+-]+)"
     for name, truth in (("impulse", 200.0), ("contact_time", 2 / 3)):
-        said = study(IMPACT, None, "--suggest", "5e-2", "--quantity", name, "--set", "mesh.size=0.5", "--set", "time.step=0.01").stdout
-        found = re.search(rf"0\.05 in .* is met by: size {number}, step {number}, degree [12], .* {number} \S.*, error bar {number} %", said)
+        said = study(IMPACT, None, "--suggest", "2e-2", "--quantity", name, "--set", "mesh.size=0.5", "--set", "time.step=0.01").stdout
+        found = re.search(rf"0\.02 in .* is met by: size {number}, step {number}, degree [12], .* {number} \S.*, error bar {number} %", said)
         assert found, said
         value, bar = float(found[3]), float(found[4]) / 100
-        print(f"suggested for 5 % in {name}: size {found[1]}, step {found[2]} s: {abs(value / truth - 1):.1e} off, its error bar {bar:.1e}")
-        assert bar <= 5e-2 and abs(value / truth - 1) <= bar
+        print(f"suggested for 2 % in {name}: size {found[1]}, step {found[2]} s: {abs(value / truth - 1):.1e} off, its error bar {bar:.1e}")
+        assert bar <= 2e-2 and abs(value / truth - 1) <= bar
     beyond = study(IMPACT, None, "--suggest", "1e-9", "--quantity", "impulse", "--budget", "1e-9s", status=1).stdout
     assert "beyond the budget" in beyond and "not met" in beyond
 
