@@ -74,7 +74,7 @@ public:
   ReadArray(const ReadArray&) = delete;
   ReadArray& operator=(const ReadArray&) = delete;
   operator std::span<const double>() const { return {data_, size_}; }
-  double operator[](std::size_t i) const { return data_[i]; }
+  double operator[](std::size_t i) const { return std::span(data_, size_)[i]; }
   [[nodiscard]] std::size_t size() const { return size_; }
 
 private:
@@ -91,7 +91,7 @@ public:
   WriteArray(const WriteArray&) = delete;
   WriteArray& operator=(const WriteArray&) = delete;
   operator std::span<double>() const { return {data_, size_}; }
-  double& operator[](std::size_t i) const { return data_[i]; }
+  double& operator[](std::size_t i) const { return std::span(data_, size_)[i]; }
   [[nodiscard]] std::size_t size() const { return size_; }
 
 private:
