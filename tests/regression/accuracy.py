@@ -55,6 +55,8 @@ def optimum_is_met(folder: Path) -> None:
     finer, _ = order("optimize", HALF_DISC, folder / "finer", "--accuracy", "2e-3")
     assert len(finer["optimizer"]["coarse_levels"]) >= 1 and finer["unknowns"] > 3 * run["unknowns"]
     assert {p.name for p in (folder / "finer").iterdir()} == FILES
+    steps = [level["steps"] for level in finer["optimizer"]["coarse_levels"]] + [finer["steps"]["done"]]
+    assert steps == sorted(steps) and steps[-1] > 1.5 * steps[0], steps
     again = json.loads((signorini("simulate", folder / "finer" / "scene.toml", folder / "again"), (folder / "again" / "run.json").read_text())[1])
     assert (again["unknowns"], again["steps"]["done"]) == (finer["unknowns"], finer["steps"]["done"])
 

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -152,7 +153,18 @@ def interrupted(folder: Path) -> None:
     study(HALF_DISC, out, *choice, "--budget", "1e-9s")  # does not run it again
     left, whole = columns(out), columns(folder / "whole")
     assert len(left["J"]) == 3 and set(left["J_error"][np.isfinite(left["J_error"])]) <= set(whole["J_error"])
-    print(f"interrupted after {some} of 6 rungs")
+    # A motion that is cut short has no figures.
+    cut = folder / "cut"
+    process = subprocess.Popen([str(SIGNORINI), "study", str(IMPACT), "--out", str(cut), "--sizes", "0.5,0.05", "--steps", "0.01,5e-6", "--quantity", "impulse"],
+                               stdout=subprocess.PIPE, text=True)  # fmt: skip
+    for line in process.stdout:
+        if line.startswith("rung 3 of 4: "):
+            break
+    time.sleep(0.3)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=300)
+    assert process.returncode == 130 and list(table(cut / "study.csv")["rung"]) == [1, 2, 3] and len(list((cut / "rungs").iterdir())) == 3
+    print(f"interrupted after {some} of 6 rungs, and within one")
 
 
 def memory(folder: Path) -> None:

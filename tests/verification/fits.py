@@ -7,8 +7,10 @@ usage: fits.py SIGNORINI SOURCE derivatives|together|recovery|exact|linear|start
 import base64
 import json
 import re
+import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
@@ -263,6 +265,8 @@ def recovery(folder: Path) -> None:
             print(f"{name}, {ranks} ranks: {iterations} iterations, worst error {worst:.1e}")
             assert worst <= 1e-6 and iterations <= 15, done.stdout
             agrees(out, done.stdout)
+        if name == MADE[0]:
+            shown_meanwhile(file, folder / "meanwhile", data_in(folder, name))
         # Cut off after two iterations, a fit goes on where it was: the same iterates to the same end.
         cut = folder / f"{name}-cut"
         signorini("optimize", file, cut, optimizer__max_iterations=2, **data_in(folder, name))
@@ -276,6 +280,18 @@ def recovery(folder: Path) -> None:
         for key, (value, deviation) in fitted(folder / "noisy").items():
             print(f"  {key}: {value:.6g} +- {deviation:.2g}, off by {(value - TRUE[key]) / deviation:+.2f} deviations")
             assert abs(value - TRUE[key]) <= 3 * deviation
+
+
+def shown_meanwhile(file: Path, out: Path, overrides: dict) -> None:
+    """history.csv has the iterates so far while the fit runs."""
+    process = subprocess.Popen([str(SIGNORINI), "optimize", str(file), "--out", str(out), "--quiet", *settings(overrides)])
+    seen = 0
+    while process.poll() is None and seen < 2:
+        time.sleep(0.01)
+        if (out / "history.csv").is_file():
+            seen = len((out / "history.csv").read_text().splitlines()) - 1
+    unfinished = not (out / "run.json").exists()
+    assert process.wait(300) == 0 and seen >= 2 and unfinished, seen
 
 
 def drawn_where_found(folder: Path) -> None:
