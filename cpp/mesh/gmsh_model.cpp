@@ -285,7 +285,8 @@ private:
     for (std::size_t row = 0; row < count; ++row) {
       if (first[row] == static_cast<std::int64_t>(row)) {
         kept_[row] = static_cast<std::int64_t>(single.size() / corners);
-        single.insert(single.end(), &raw_.cells[row * corners], &raw_.cells[(row + 1) * corners]);
+        const auto cell = raw_.cells.begin() + static_cast<std::ptrdiff_t>(row * corners);
+        single.insert(single.end(), cell, cell + static_cast<std::ptrdiff_t>(corners));
       } else {
         kept_[row] = kept_[first[row]];
       }

@@ -145,7 +145,7 @@ private:
     const std::vector<std::int64_t> corners = nodes(raw_.dim - 1);
     std::map<Facet, std::size_t> number;
     for (std::size_t i = 0; i * dim_ < corners.size(); ++i)
-      number[sorted(&corners[i * dim_], &corners[(i + 1) * dim_])] = i;
+      number[sorted(&corners[i * dim_], &corners[i * dim_] + dim_)] = i;
     const auto facets_of = topology_.connectivity(raw_.dim, raw_.dim - 1);
     for (const auto& [name, facets] : raw_.facets) {
       std::vector<bool> own(number.size());
