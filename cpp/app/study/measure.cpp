@@ -82,8 +82,7 @@ public:
   void operator()(const forward::Frame& frame) {
     warnings_.observe(frame);
     const forward::StepBalance balance = weigh_(frame);
-    const double tau = problem_.stepper.grid().length(std::max(frame.k, 1)),
-                 t = problem_.stepper.grid().time(frame.k);
+    const double tau = problem_.stepper.grid().length(frame.k), t = problem_.stepper.grid().time(frame.k);
     energy_ = std::max(energy_, balance.kinetic_energy + balance.elastic_energy);
     lost_ -= balance.contact_work;
     contact_(frame);
