@@ -312,11 +312,17 @@ std::optional<forward::Warning> desired_warning(const Problem& problem) {
   if (!run)
     return std::nullopt;
   const forward::TimeGrid& grid = problem.stepper.grid();
-  const io::StoredField stored(problem.space, run->folder / "state.h5", "displacement",
-                               "objective.desired.run", grid.time(problem.steps()));
+  std::vector<double> times;
+  try {
+    times = io::StoredField(problem.space, run->folder / "state.h5", "displacement", "objective.desired.run",
+                            grid.time(problem.steps()))
+                .times();
+  } catch (const UserError&) { // gone since it was read, which is no reason to lose a run
+    return std::nullopt;
+  }
   double apart = 0, longest = 0;
-  for (std::size_t i = 1; i < stored.times().size(); ++i)
-    apart = std::max(apart, stored.times()[i] - stored.times()[i - 1]);
+  for (std::size_t i = 1; i < times.size(); ++i)
+    apart = std::max(apart, times[i] - times[i - 1]);
   for (int k = 1; k <= problem.steps(); ++k)
     longest = std::max(longest, grid.length(k));
   constexpr double alike = 1.5;

@@ -65,8 +65,7 @@ struct Problem {
 /// memory. Collective. `problem` must outlive it. Throws UserError.
 std::unique_ptr<const forward::Displacements> given_motion(const Problem& problem, bool keep);
 
-/// Warns where a run whose motion is desired stored fewer states than this one has. Collective. Throws
-/// UserError.
+/// Warns where a run whose motion is desired stored fewer states than this one has. Collective.
 std::optional<forward::Warning> desired_warning(const Problem& problem);
 
 /// The control that a scene gives (control.initial, within its bounds), for runs that do not optimise. Where
