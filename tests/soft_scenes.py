@@ -32,3 +32,13 @@ obstacle = { shape = "ball", center = [0.5, 0.5, -0.62], radius = 0.6 }
 [initial]
 velocity = ["0", "0", "-1"]
 """
+
+# Tables that throw a square onto a tilted plane, which its corner meets first.
+ONTO_A_SLOPE = """
+[contact]
+on = "bottom"
+obstacle = { shape = "half-space", point = [0, -0.1], normal = [0.3, 1] }
+
+[initial]
+velocity = ["0", "-1"]
+"""

@@ -13,7 +13,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import HALF_DISC, SIGNORINI, SOURCE, captured, signorini, table  # noqa: E402
-from soft_scenes import soft  # noqa: E402
+from soft_scenes import ONTO_A_SLOPE, soft  # noqa: E402
 from studies import DATA, IMPACT, pressure, study  # noqa: E402
 
 import numpy as np  # noqa: E402
@@ -290,14 +290,7 @@ def own_density(folder: Path, ranks: int = 1) -> None:
 def stress(folder: Path) -> None:
     """The largest stress is that of a run that stores all steps, and in doubt where the mesh makes it; no other quantity is for that."""
     scene = folder / "thrown.toml"
-    scene.write_text(soft("square.geo", 0.25, 0.4, 0.02) + """
-[contact]
-on = "bottom"
-obstacle = { shape = "half-space", point = [0, -0.1], normal = [0.3, 1] }
-
-[initial]
-velocity = ["0", "-1"]
-""")
+    scene.write_text(soft("square.geo", 0.25, 0.4, 0.02) + ONTO_A_SLOPE)
     said = study(scene, folder / "stress", "--sizes", "0.5,0.25", "--steps", "0.02", "--quantity", "largest_von_mises,impulse").stdout
     rows = table(folder / "stress" / "study.csv")
     warnings = json.loads((folder / "stress" / "study.json").read_text())["warnings"]

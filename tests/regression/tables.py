@@ -9,7 +9,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import HALF_BALL, SIGNORINI, SOURCE, attempt, captured, signorini, stored, table  # noqa: E402
-from soft_scenes import soft  # noqa: E402
+from soft_scenes import ONTO_A_SLOPE, soft  # noqa: E402
 
 import numpy as np  # noqa: E402
 
@@ -183,14 +183,7 @@ def few_nodes_in_the_plane(folder: Path) -> None:
     nodes, nothing = run(size)
     assert 5 <= nodes < 20 and not nothing, (size, nodes, nothing)
     tilted = folder / "tilted.toml"
-    tilted.write_text(soft("square.geo", 0.25, 0.14, 0.01) + """
-[contact]
-on = "bottom"
-obstacle = { shape = "half-space", point = [0, -0.1], normal = [0.3, 1] }
-
-[initial]
-velocity = ["0", "-1"]
-""")
+    tilted.write_text(soft("square.geo", 0.25, 0.14, 0.01) + ONTO_A_SLOPE)
     signorini("simulate", tilted, out, output__fields=[])
     found = [one["value"] for one in told(out)["warnings"] if one["name"] == "few nodes in contact"]
     assert len(found) == 1 and abs(found[0] - 0.25) < 1e-6, f"the last nodes of a face whose nodes are 0.25 m apart: {found}"

@@ -87,22 +87,22 @@ void Summary::show_rungs(const Console& console) const {
 }
 
 void Summary::show_warnings(const Console& console) const {
-  struct Told {
-    std::string name, message; // that of the dearest rung
+  struct Alike {
+    std::string name, message; // the message of the most expensive rung
     std::vector<std::size_t> rungs;
   };
-  std::vector<Told> told;
+  std::vector<Alike> warnings;
   for (std::size_t i = 0; i < results_.size(); ++i)
     if (results_[i].measured)
       for (const forward::Warning& one : results_[i].measured->warnings) {
-        auto at = std::ranges::find(told, one.name, &Told::name);
-        if (at == told.end())
-          at = told.insert(at, {one.name, {}, {}});
+        auto at = std::ranges::find(warnings, one.name, &Alike::name);
+        if (at == warnings.end())
+          at = warnings.insert(at, {one.name, {}, {}});
         at->message = one.message;
         if (at->rungs.empty() || at->rungs.back() != i + 1)
           at->rungs.push_back(i + 1);
       }
-  for (Told& one : told) {
+  for (Alike& one : warnings) {
     const std::size_t last = one.rungs.back();
     one.rungs.pop_back();
     const std::string others =
