@@ -16,11 +16,11 @@ public:
       : density_(std::move(density)), vector_(std::move(vector)) {}
   [[nodiscard]] bool has_density() const override { return static_cast<bool>(density_); }
   [[nodiscard]] bool has_vector() const override { return static_cast<bool>(vector_); }
-  void add(int k, Part sum) const override {
+  void add(const forward::TimeStep& step, Part sum) const override {
     if (density_)
-      density_(k, sum.density);
+      density_(step.k, sum.density);
     if (vector_)
-      vector_(k, sum.vector);
+      vector_(step.k, sum.vector);
   }
 
 private:
@@ -33,7 +33,9 @@ using Dual = ByFunctions<forward::StateDual>;
 class Displacements final : public forward::Displacements {
 public:
   explicit Displacements(const petsc::Series& y) : y_(y) {}
-  [[nodiscard]] Vec y(int k) const override { return y_[static_cast<std::size_t>(k)]; }
+  [[nodiscard]] Vec y(const forward::TimeStep& step) const override {
+    return y_[static_cast<std::size_t>(step.k)];
+  }
 
 private:
   const petsc::Series& y_;
@@ -48,7 +50,7 @@ struct Recorded {
 
   Recorded(const Problem& problem, const forward::ForceAtStep& load) {
     forward::Balance weigh(problem.stepper);
-    steps = forward::integrate(problem.stepper, problem.initial, load, problem.steps(),
+    steps = forward::integrate(problem.stepper, problem.grid, problem.initial, load,
                                [&](const forward::Frame& frame) {
                                  y.push_back(petsc::copy(frame.y1));
                                  v.push_back(petsc::copy(frame.v1));

@@ -8,7 +8,8 @@
 namespace signorini::adjoint {
 using petsc::check, petsc::dot;
 
-Duals::Duals(const forward::Stepper& stepper) : stepper_(stepper), work_(stepper.space().vector()) {
+Duals::Duals(const forward::Stepper& stepper, const forward::TimeGrid& grid)
+    : stepper_(stepper), grid_(grid), work_(stepper.space().vector()) {
   for (petsc::Vector* x : {&p, &p_later, &velocity, &velocity_later})
     *x = stepper.space().vector();
   if (stepper.predictor())
@@ -17,7 +18,7 @@ Duals::Duals(const forward::Stepper& stepper) : stepper_(stepper), work_(stepper
 
 void Duals::move(int k, Vec p_k, const contact::ContactSets* later) {
   Vec jump = nullptr;
-  const double tau = later ? stepper_.grid().length(k + 1) : 0;
+  const double tau = later ? grid_.length(k + 1) : 0;
   if (const forward::Predictor* predictor = stepper_.predictor(); predictor && later) {
     check(VecWAXPY(work_, -2 / tau, velocity, p));
     jump = predictor->linearised_jump(later->predictor, work_, *predictor_);
@@ -58,7 +59,7 @@ void DualBubbles::residual(int k, const Duals& duals) {
     coarse_ = petsc::zero_like(duals.p);
   const fem::Operators& operators = body_.operators();
   const forward::Scheme now = grid_.scheme(k), later = grid_.scheme(k + 1);
-  forward::assemble(derivative_.at(k), operators, left_);
+  forward::assemble(derivative_.at(grid_.step(k)), operators, left_);
   petsc::combine(coarse_, 1 / later.tau + 2 / now.tau, duals.velocity, -1 / later.tau, duals.velocity_later);
   check(VecAXPY(coarse_, -1, duals.p));
   add(operators.M, 1);

@@ -10,8 +10,8 @@ namespace signorini::adjoint {
 ///     ω_N = 0,   ω_{k−1} = τ_k p_k − ω_k;   contact-stabilized steps add τ_k (Π_k − 1)(p_k − 2/τ_k ω_k)
 class Duals {
 public:
-  /// `stepper` must outlive this object. Collective.
-  explicit Duals(const forward::Stepper& stepper);
+  /// `grid`: of the motion. `stepper` must outlive this object. Collective.
+  Duals(const forward::Stepper& stepper, const forward::TimeGrid& grid);
 
   /// Moves from step k + 1 to k, with p_k in `p`. `later` is the contact of step k + 1, null at N.
   /// Collective.
@@ -21,6 +21,7 @@ public:
 
 private:
   const forward::Stepper& stepper_;
+  forward::TimeGrid grid_;
   petsc::Vector work_;
   std::optional<forward::Predictor::Workspace> predictor_;
 };

@@ -20,8 +20,8 @@ public:
   Sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work, const forward::Trajectory& motion,
         const std::function<std::span<const double>(int k)>& lambda, const MotionDuals& duals,
         forward::ParameterRates& rates, const std::function<void(int k, Vec p)>& visit)
-      : stepper_(stepper), work_(work), motion_(motion), lambda_(lambda), duals_(duals), rates_(rates),
-        visit_(visit), extrapolation_(stepper),
+      : stepper_(stepper), work_(work), motion_(motion), grid_(motion.grid()), lambda_(lambda), duals_(duals),
+        rates_(rates), visit_(visit), extrapolation_(stepper),
         normal_(static_cast<std::size_t>(forward::candidates(stepper))), zero_(normal_.size()),
         c_(normal_.size()), e_(duals.velocities()), e_next_(e_.size()), factors_(e_.size()),
         gradient_(rates.count()) {
@@ -57,6 +57,7 @@ private:
   [[nodiscard]] const contact::ContactSets& contact(int k) const {
     return motion_.contact()[static_cast<std::size_t>(k)];
   }
+  [[nodiscard]] forward::StepContact made(int k) const { return {grid_.scheme(k), contact(k)}; }
   /// Whether the predictor of step k is projected.
   [[nodiscard]] bool projected(int k) const {
     return stepper_.predictor() && k <= motion_.steps() && !contact(k).predictor.empty();
@@ -77,8 +78,8 @@ private:
     std::swap(e_, e_next_);
     duals_.velocity_factors(k, e_);
     const bool moved = projected(k + 1), last = k == motion_.steps();
-    const double rate = k > 0 ? stepper_.grid().scheme(k).rate() : 0,
-                 later = last || moved ? 0 : stepper_.grid().scheme(k + 1).rate();
+    const double rate = k > 0 ? grid_.scheme(k).rate() : 0,
+                 later = last || moved ? 0 : grid_.scheme(k + 1).rate();
     for (std::size_t i = 0; i < e_.size(); ++i) {
       e_[i] += moved ? e_next_[i] : -e_next_[i];
       factors_[i] = rate * e_[i] - later * e_next_[i];
@@ -91,7 +92,7 @@ private:
     guide_ = {nullptr, zero_};
     if (e_.empty())
       return guide_;
-    const double rate = stepper_.grid().scheme(k + 1).rate();
+    const double rate = grid_.scheme(k + 1).rate();
     for (std::size_t i = 0; i < e_.size(); ++i)
       factors_[i] = -rate * e_next_[i];
     check(VecZeroEntries(force_));
@@ -104,10 +105,9 @@ private:
     if (duals_.of_forces())
       duals_.forces(k, normal_);
     prepare(k);
-    extrapolation_.guess(stepper_.grid().time(k), p_);
-    const Vec jump = stepper_.adjoint_step({k,
-                                            contact(k),
-                                            k < motion_.steps() ? &contact(k + 1) : nullptr,
+    extrapolation_.guess(grid_.time(k), p_);
+    const Vec jump = stepper_.adjoint_step({made(k),
+                                            k < motion_.steps() ? std::optional(made(k + 1)) : std::nullopt,
                                             {{.vector = w_}},
                                             p_next_,
                                             omega_,
@@ -115,7 +115,7 @@ private:
                                             normal_,
                                             projected(k + 1) ? &guide(k) : nullptr},
                                            work_);
-    extrapolation_.remember(stepper_.grid().time(k), p_);
+    extrapolation_.remember(grid_.time(k), p_);
     if (jump)
       add_predictor(jump, contact(k + 1).predictor);
   }
@@ -123,7 +123,7 @@ private:
   /// s_{k+1}, of which the transposed projection of step k + 1 is made.
   void prepare(int k) {
     if (projected(k + 1))
-      check(VecWAXPY(s_, -stepper_.grid().scheme(k + 1).rate(), omega_, p_next_));
+      check(VecWAXPY(s_, -grid_.scheme(k + 1).rate(), omega_, p_next_));
   }
 
   /// Of the step that rates_ refer to: z·r_j + ζ·e_j, z = s + jump.
@@ -141,7 +141,7 @@ private:
 
   void add_step(int k) {
     const std::span<const double> lambda = rates_.turn() ? lambda_(k) : std::span<const double>();
-    rates_.set({k, {y0_, v0_}, {y1_, v1_}, contact(k), lambda});
+    rates_.set({grid_.step(k), {y0_, v0_}, {y1_, v1_}, contact(k), lambda});
     for (std::size_t j = 0; j < gradient_.size(); ++j) {
       gradient_[j] += rates_.pairing(j, p_);
       if (rates_.constraint(j, c_))
@@ -156,16 +156,9 @@ private:
   void start() {
     const petsc::Vector y_dual = stepper_.space().vector(), dual = stepper_.space().vector();
     prepare(0);
-    const Vec jump = stepper_.adjoint_start({0,
-                                             contact(0),
-                                             &contact(1),
-                                             {{.vector = w_}},
-                                             p_next_,
-                                             omega_,
-                                             y_dual,
-                                             {},
-                                             projected(1) ? &guide(0) : nullptr},
-                                            work_);
+    const Vec jump = stepper_.adjoint_start(
+        {made(0), made(1), {{.vector = w_}}, p_next_, omega_, y_dual, {}, projected(1) ? &guide(0) : nullptr},
+        work_);
     if (jump)
       add_predictor(jump, contact(1).predictor);
     check(MatMult(stepper_.M(), omega_, dual));
@@ -181,6 +174,7 @@ private:
   const forward::Stepper& stepper_;
   forward::Stepper::Workspace& work_;
   const forward::Trajectory& motion_;
+  forward::TimeGrid grid_;
   const std::function<std::span<const double>(int k)>& lambda_;
   const MotionDuals& duals_;
   forward::ParameterRates& rates_;

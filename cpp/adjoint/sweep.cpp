@@ -11,7 +11,7 @@ namespace {
 long& sweeps = count("adjoint sweeps");
 }
 
-void sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work,
+void sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work, const forward::TimeGrid& grid,
            const std::vector<contact::ContactSets>& contact, const forward::DualAtStep& derivative,
            const std::function<void(int k, Vec p)>& visit) {
   ++sweeps;
@@ -19,13 +19,16 @@ void sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work,
                 omega = stepper.space().vector();
   forward::Extrapolation extrapolation(stepper);
   const int steps = static_cast<int>(contact.size()) - 1;
+  const auto at = [&](int k) {
+    return forward::StepContact{grid.scheme(k), contact[static_cast<std::size_t>(k)]};
+  };
   for (int k = steps; k >= 1; --k) {
     try {
-      extrapolation.guess(stepper.grid().time(k), p);
-      const auto i = static_cast<std::size_t>(k);
-      stepper.adjoint_step(
-          {k, contact[i], k < steps ? &contact[i + 1] : nullptr, derivative.at(k), p_next, omega, p}, work);
-      extrapolation.remember(stepper.grid().time(k), p);
+      extrapolation.guess(grid.time(k), p);
+      stepper.adjoint_step({at(k), k < steps ? std::optional(at(k + 1)) : std::nullopt,
+                            derivative.at(grid.step(k)), p_next, omega, p},
+                           work);
+      extrapolation.remember(grid.time(k), p);
     } catch (const SolverFailure& failure) {
       throw SolverFailure(fmt::format("adjoint step {}: {}", k, failure.what()));
     }

@@ -7,10 +7,11 @@
 namespace signorini::adjoint {
 
 /// The backward sweep p_N … p_1 (4.40)–(4.41), docs/method.md section 4: for each step of a motion the
-/// adjoint step on its whole active set A_k, given by `contact` (0…N). `derivative` is ∂J/∂y_k;
+/// adjoint step on its whole active set A_k, given by `contact` (0…N); `grid` has these N steps.
+/// `derivative` is ∂J/∂y_k;
 /// `visit(k, p_k)` receives the adjoint states, each valid during the call. Collective. Throws SolverFailure
 /// naming the step.
-void sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work,
+void sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work, const forward::TimeGrid& grid,
            const std::vector<contact::ContactSets>& contact, const forward::DualAtStep& derivative,
            const std::function<void(int k, Vec p)>& visit);
 

@@ -54,7 +54,7 @@ public:
   Vec operator()(int k) {
     const fem::Operators& operators = body_.operators();
     const double rate = 1 / grid_.length(k);
-    forward::assemble(load_.at(k), operators, sum_);
+    forward::assemble(load_.at(grid_.step(k)), operators, sum_);
     subtract(operators.M, rate, motion_.now.v, -rate, motion_.before.v);
     if (operators.B)
       subtract(*operators.B, rate, motion_.now.y, -rate, motion_.before.y);
@@ -81,8 +81,9 @@ private:
 /// The time part, summed over t_k from k = N down.
 class TimePart {
 public:
-  TimePart(const forward::Stepper& stepper, const Window& motion, int steps, const forward::ForceAtStep& load)
-      : stepper_(stepper), motion_(motion), grid_(stepper.grid()), steps_(steps), load_(load) {
+  TimePart(const forward::Stepper& stepper, const Window& motion, const Weighted& run)
+      : stepper_(stepper), motion_(motion), grid_(run.motion.grid()), steps_(run.motion.steps()),
+        load_(run.load) {
     for (petsc::Vector* x : {&change_, &now_, &later_, &force_, &force_later_, &moves_, &product_})
       *x = stepper.space().vector();
   }
@@ -91,7 +92,7 @@ public:
   void take(int k, Vec p) {
     std::swap(force_, force_later_);
     std::swap(now_, later_);
-    forward::assemble(load_.at(k), stepper_.operators(), force_);
+    forward::assemble(load_.at(grid_.step(k)), stepper_.operators(), force_);
     check(VecAXPBY(now_, grid_.length(k) / 2, 0, p));
     if (k == steps_)
       end();
@@ -177,8 +178,8 @@ class SpacePart {
 public:
   SpacePart(const forward::Stepper& stepper, const EnrichedBody& body, const Window& motion,
             const Weighted& run, Vec by_nodes)
-      : body_(body), by_nodes_(by_nodes), contact_(run.motion.contact()), grid_(stepper.grid()),
-        steps_(run.motion.steps()), duals_(stepper), bubbles_(body, *run.enriched_derivative, grid_),
+      : body_(body), by_nodes_(by_nodes), contact_(run.motion.contact()), grid_(run.motion.grid()),
+        steps_(run.motion.steps()), duals_(stepper, grid_), bubbles_(body, *run.enriched_derivative, grid_),
         residual_(body, motion, *run.enriched_load, grid_), later_(body.space().vector()),
         dual_(body.space().vector()), product_(body.space().vector()), coarse_(stepper.space().vector()),
         mean_(body.space().vector()), last_(body.space().vector()) {
@@ -276,12 +277,12 @@ private:
 ErrorParts weighted_residual(const forward::Stepper& stepper, const EnrichedBody* enriched,
                              const Weighted& run, Vec by_nodes) {
   Window motion(stepper.space(), run.motion);
-  TimePart time(stepper, motion, run.motion.steps(), run.load);
+  TimePart time(stepper, motion, run);
   std::optional<SpacePart> space;
   if (enriched)
     space.emplace(stepper, *enriched, motion, run, by_nodes);
   forward::Stepper::Workspace work = stepper.workspace();
-  sweep(stepper, work, run.motion.contact(), run.derivative, [&](int k, Vec p) {
+  sweep(stepper, work, run.motion.grid(), run.motion.contact(), run.derivative, [&](int k, Vec p) {
     motion.move(k);
     time.take(k, p);
     if (space)

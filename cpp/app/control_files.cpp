@@ -21,7 +21,7 @@ void write_control(const io::OutputFolder& folder, const Problem& problem,
     io::FieldFile file(problem.space, folder, name + ".xdmf", {{name, values}}, steps.size());
     at([&](int k, Vec x) {
       if (const auto found = std::ranges::lower_bound(steps, k); found != steps.end() && *found == k)
-        file.write(name, static_cast<std::size_t>(found - steps.begin()), problem.stepper.grid().time(k), x);
+        file.write(name, static_cast<std::size_t>(found - steps.begin()), problem.grid.time(k), x);
     });
     file.close();
   };
@@ -30,7 +30,8 @@ void write_control(const io::OutputFolder& folder, const Problem& problem,
     std::vector<double> mean(controls.size());
     for (int k : steps) {
       std::ranges::fill(mean, 0);
-      controls.for_each_interval(k, [&](int j, double part) { axpy(part, u.at(j), mean); });
+      controls.for_each_interval(controls.grid().step(k),
+                                 [&](int j, double part) { axpy(part, u.at(j), mean); });
       controls.extend(mean, field);
       store(k, field);
     }

@@ -16,10 +16,10 @@ public:
   EnrichedLoads(const adjoint::EnrichedBody& body, const Problem& problem,
                 const control::ControlSpace& controls)
       : body_(body), coarse_(controls),
-        controls_(body.space(), body.operators(), problem.stepper.grid(), *problem.scene.control),
+        controls_(body.space(), body.operators(), problem.grid, *problem.scene.control),
         coarse_field_(controls.field()), field_(controls_.field()), values_(controls_.size()) {
     if (problem.scene.load)
-      load_.emplace(body.space(), body.operators().M, *problem.scene.load, problem.stepper.grid());
+      load_.emplace(body.space(), body.operators().M, *problem.scene.load, problem.stepper.end());
   }
 
   /// The forces of the loads and of a control; valid as long as `force` lives.
@@ -33,9 +33,10 @@ public:
     Force(const EnrichedLoads& loads, const control::Control& u) : loads_(loads), u_(u) {}
     [[nodiscard]] bool has_density() const override { return loads_.controls_.acts_by_density(); }
     [[nodiscard]] bool has_vector() const override { return !has_density(); }
-    void add(int k, forward::NodalForce sum) const override {
-      loads_.controls_.for_each_interval(
-          k, [&](int j, double part) { loads_.controls_.add_force(loads_.enriched(u_.at(j)), sum, part); });
+    void add(const forward::TimeStep& step, forward::NodalForce sum) const override {
+      loads_.controls_.for_each_interval(step, [&](int j, double part) {
+        loads_.controls_.add_force(loads_.enriched(u_.at(j)), sum, part);
+      });
     }
 
   private:
@@ -91,7 +92,7 @@ public:
     if (!desired_)
       return;
     if (k > 0 && desired_->depends_on_time())
-      body_.interpolation_error(*desired_, problem_.stepper.grid().time(k), off_);
+      body_.interpolation_error(*desired_, problem_.grid.time(k), off_);
     parts.desired += weight / 2 * change(off_, -1);
   }
 
@@ -104,9 +105,10 @@ public:
         : objective_(objective), motion_(motion) {}
     [[nodiscard]] bool has_density() const override { return !objective_.own_; }
     [[nodiscard]] bool has_vector() const override { return !has_density(); }
-    void add(int k, forward::StateDual sum) const override {
+    void add(const forward::TimeStep& step, forward::StateDual sum) const override {
       const EnrichedObjective& o = objective_;
-      check(VecWAXPY(o.coarse_, -1, o.objective_.desired(k), motion_.y(k)));
+      const int k = step.k;
+      check(VecWAXPY(o.coarse_, -1, o.objective_.desired(k), motion_.y(step)));
       o.body_.embed(o.coarse_, o.distance_);
       check(VecScale(o.distance_, o.objective_.weight(k)));
       if (o.own_)
@@ -166,11 +168,11 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
     if (trajectory.steps() < problem.steps())
       throw Interrupted();
   };
-  forward::Trajectory motion(stepper, problem.initial, problem.steps(), control_problem.storage, true);
+  forward::Trajectory motion(stepper, problem.initial, control_problem.storage, true);
   const control::ControlForce force(control_problem.controls, reduced.control());
   run(motion, force, [&](const forward::Frame& frame) {
     if (objective)
-      objective->observe(frame.k, frame.y1);
+      objective->observe(frame.step.k, frame.y1);
   });
   const control::Derivative along(control_problem.objective, motion);
   const forward::DualAtStep derivative(problem.space, along);
@@ -198,7 +200,7 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
   if (control_problem.reference) {
     const control::ControlForce u(control_problem.controls, *control_problem.reference);
     const forward::StateStoreFactory storage = state_stores(problem);
-    forward::Trajectory desired(stepper, problem.initial, problem.steps(), storage, true);
+    forward::Trajectory desired(stepper, problem.initial, storage, true);
     run(desired, u, {});
     if (by_nodes)
       check(VecScale(by_nodes, -1)); // as the parts: those of the motion less those of the desired one
@@ -219,7 +221,7 @@ Verified verify_with_half_steps(const Problem& problem, const ControlProblem& co
   Verified found;
   {
     forward::StepWarnings watch(problem.stepper, problem.scene, problem.scene_loads());
-    const int done = forward::integrate(problem.stepper, problem.initial, reduced.load(), problem.steps(),
+    const int done = forward::integrate(problem.stepper, problem.grid, problem.initial, reduced.load(),
                                         [&](const forward::Frame& frame) { watch.observe(frame); });
     if (done < problem.steps())
       throw Interrupted();
@@ -228,8 +230,8 @@ Verified verify_with_half_steps(const Problem& problem, const ControlProblem& co
   const scene::Scene halved = study::on_rung(problem.scene, study::own_rung(problem.scene).with_steps(0.5));
   const Console silent(false, false);
   Timers timers;
-  const Problem finer(problem.discretisation, halved, search_needs(halved), timers);
-  if (!finer.stepper.grid().complete())
+  Problem finer(problem.discretisation, halved, search_needs(halved), timers);
+  if (!finer.grid.complete())
     choose_steps(finer, control_problem.controls, reduced.control(), silent);
   ControlProblem there(finer, silent);
   const control::Interpolation interpolate(control_problem.controls, there.controls);

@@ -76,8 +76,7 @@ std::map<std::string, Cost> costs(const Problem& problem) {
     costs["viscosity"] = {"B", petsc::bytes(*body.B), "nothing: it is in D and R"};
   if (stepper.motion())
     costs["moving clamp"] = {"D before the clamps",
-                             petsc::bytes(stepper.of_length(stepper.grid().first_length()).whole_D),
-                             "a product"};
+                             petsc::bytes(stepper.of_length(stepper.first_length()).whole_D), "a product"};
   if (const contact::ContactPairs* pairs = stepper.pairs()) {
     costs["contact"] = {fmt::format("of the {} candidates", pairs->count()),
                         stepper.solver().memory().condensation,
@@ -115,7 +114,7 @@ std::map<std::string, Cost> costs(const Problem& problem) {
   costs["measurements"].step = "in a fit, a few values";
   if (!scene.objective)
     return costs;
-  const control::ControlSpace controls(problem.space, body, stepper.grid(), *scene.control);
+  const control::ControlSpace controls(problem.space, body, problem.grid, *scene.control);
   const bool own = controls.matrix_bytes() > 0;
   costs["control"] = {own ? "its L2" : "W",
                       (own ? controls.matrix_bytes() : petsc::bytes(*body.W)) + 5 * controls.control_bytes(),
@@ -152,23 +151,26 @@ StepTimes time_steps(const Problem& problem, int steps) {
                       p = problem.space.vector();
   const int last = std::max(1, problem.steps() - 1); // with a step after it
   auto start = Clock::now();
-  forward::integrate(problem.stepper, problem.initial, given.load(), steps, [&](const forward::Frame& frame) {
-    const double seconds = seconds_since(start);
-    const bool touches = !frame.contact.active.empty();
-    if (frame.k > 0) {
-      (touches ? times.contact : times.free) += seconds;
-      ++(touches ? times.contact_steps : times.free_steps);
-    }
-    if (frame.last && problem.scene.objective) {
-      petsc::check(VecCopy(frame.y1, p_next));
-      start = Clock::now();
-      for (int k = 0; k < steps; ++k)
-        problem.stepper.adjoint_step(
-            {std::clamp(k + 1, 1, last), frame.contact, &frame.contact, {}, p_next, omega, p}, work);
-      times.adjoint = seconds_since(start) / steps;
-    }
-    start = Clock::now();
-  });
+  forward::integrate(
+      problem.stepper, problem.grid.first(steps), problem.initial, given.load(),
+      [&](const forward::Frame& frame) {
+        const double seconds = seconds_since(start);
+        const bool touches = !frame.contact.active.empty();
+        if (frame.step.k > 0) {
+          (touches ? times.contact : times.free) += seconds;
+          ++(touches ? times.contact_steps : times.free_steps);
+        }
+        if (frame.last && problem.scene.objective) {
+          petsc::check(VecCopy(frame.y1, p_next));
+          const auto at = [&](int k) { return forward::StepContact{problem.grid.scheme(k), frame.contact}; };
+          start = Clock::now();
+          for (int k = 0; k < steps; ++k)
+            problem.stepper.adjoint_step(
+                {at(std::min(k + 1, last)), at(std::min(k + 2, last + 1)), {}, p_next, omega, p}, work);
+          times.adjoint = seconds_since(start) / steps;
+        }
+        start = Clock::now();
+      });
   times.free /= std::max(times.free_steps, 1);
   times.contact /= std::max(times.contact_steps, 1);
   return times;
@@ -216,7 +218,7 @@ std::string coarse_levels(const Problem& problem) {
 
 } // namespace
 
-void print_info(const Problem& problem, int timed_steps, const Console& console) {
+void print_info(Problem& problem, int timed_steps, const Console& console) {
   choose_steps(problem, console);
   const fem::Operators& body = problem.operators;
   const forward::Stepper& stepper = problem.stepper;
@@ -224,14 +226,14 @@ void print_info(const Problem& problem, int timed_steps, const Console& console)
       fmt::format("{}: unknowns: {} ({} free), cells: {}, candidates: {}, steps: {} of {}\nsolver: {}",
                   problem.scene.name, problem.space.dofs(), problem.free_dofs(), problem.mesh.cells(),
                   forward::candidates(stepper), problem.steps(),
-                  stepper.grid().equal() ? fmt::format("{} s", problem.scene.time.step) : "varying length",
+                  problem.grid.equal() ? fmt::format("{} s", problem.scene.time.step) : "varying length",
                   stepper.solver().choice()));
   console.line(body_lines(problem));
   for (const std::string& line : forward::first_touch_lines(stepper, problem.scene))
     console.line(line);
   console.line(fmt::format("always: M {}, A {}, R {}, {} {}; a step: one solve with D, products with R and M",
                            megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)),
-                           megabytes(petsc::bytes(stepper.of_length(stepper.grid().first_length()).R)),
+                           megabytes(petsc::bytes(stepper.of_length(stepper.first_length()).R)),
                            stepper.solver().tolerance() > 0 ? "D and its preconditioner" : "the factor of D",
                            megabytes(stepper.solver().memory().factor)));
   console.line(

@@ -21,7 +21,8 @@ io::Kink describe(control::ReducedProblem& reduced,
     if (times < certificate.points.size()) {
       const auto& [k, i] = where;
       const double* x = &reduced.stepper().pairs()->points()[3 * static_cast<std::size_t>(i)];
-      kink.weak.push_back({k, reduced.stepper().grid().time(k), i, {x, x + reduced.stepper().space().dim()}});
+      kink.weak.push_back(
+          {k, reduced.controls().grid().time(k), i, {x, x + reduced.stepper().space().dim()}});
     }
   return kink;
 }

@@ -12,14 +12,12 @@
 namespace signorini {
 using Field = scene::StoredField;
 
-bool stored(const forward::TimeGrid& grid, int k, int every, bool last) {
-  if (last || k == 0 || every > 0)
-    return last || k == 0 || k % every == 0;
+bool stored(const forward::TimeStep& step, double end, int every, bool last) {
+  if (last || step.k == 0 || every > 0)
+    return last || step.k == 0 || step.k % every == 0;
   constexpr double hair = 1e-9; // of a part
-  const auto part = [&](int step) {
-    return std::floor(scene::Output::most_frames * grid.time(step) / grid.end() + hair);
-  };
-  return part(k) > part(k - 1);
+  const auto part = [&](double t) { return std::floor(scene::Output::most_frames * t / end + hair); };
+  return part(step.end) > part(step.begin);
 }
 
 MotionWriter::MotionWriter(const Problem& problem, const io::OutputFolder& folder,
@@ -78,7 +76,7 @@ void MotionWriter::open_state(const io::OutputFolder& folder) {
       fields.push_back({scene::name(field), values});
   // Steps of varying length may not be known yet; the disk is asked for what so many take.
   constexpr int usual_steps = 1000;
-  const int steps = problem_.stepper.grid().complete() ? problem_.steps() : usual_steps,
+  const int steps = problem_.grid.complete() ? problem_.steps() : usual_steps,
             stored = output.every > 0 ? (steps - 1) / output.every : scene::Output::most_frames;
   const auto times =
       static_cast<std::size_t>(stored + 3); // with the first, the last and that of the largest force
@@ -105,9 +103,9 @@ void MotionWriter::operator()(const forward::Frame& frame) {
   const auto timer = problem_.timers.time("output");
   add_rows(frame, balance);
   const bool regular =
-      signorini::stored(problem_.stepper.grid(), frame.k, problem_.scene.output.every, frame.last);
+      signorini::stored(frame.step, problem_.stepper.end(), problem_.scene.output.every, frame.last);
   if (regular)
-    store({frame.k, frame.y1, frame.v1, frame.contact});
+    store({frame.step, frame.y1, frame.v1, frame.contact});
   if (largest_force_.observe(forces_.all().normal_force)) {
     if (regular)
       aside_.reset();
@@ -122,12 +120,12 @@ void MotionWriter::weigh(const forward::Frame& frame, forward::StepBalance& bala
   summary_->observe(frame, balance, forces_);
   if (problem_.scene.run.invariants == scene::OnViolation::stop)
     if (const auto violation = invariants_->violation(problem_.scene.run.tolerance))
-      throw SolverFailure(fmt::format("step {} (t = {:.6g} s): {}", frame.k,
-                                      problem_.stepper.grid().time(frame.k), *violation));
+      throw SolverFailure(
+          fmt::format("step {} (t = {:.6g} s): {}", frame.step.k, frame.step.end, *violation));
 }
 
 void MotionWriter::add_rows(const forward::Frame& frame, const forward::StepBalance& balance) {
-  const double time = problem_.stepper.grid().time(frame.k);
+  const double time = frame.step.end;
   const int dim = problem_.space.dim();
   const auto append = [&](io::TextFile& file, auto&& add) {
     text_.clear();
@@ -137,41 +135,42 @@ void MotionWriter::add_rows(const forward::Frame& frame, const forward::StepBala
   if (steps_) {
     std::optional<double> tracking_error;
     if (objective_)
-      tracking_error = objective_->distance(frame.k, frame.y1);
+      tracking_error = objective_->distance(frame.step.k, frame.y1);
     append(*steps_, [&] {
-      io::add_steps_row(text_, frame.k, time, dim, balance, *invariants_, frame.contact,
+      io::add_steps_row(text_, frame.step.k, time, dim, balance, *invariants_, frame.contact,
                         forces_.all().normal_force, tracking_error);
     });
   }
   if (obstacles_)
     append(*obstacles_,
-           [&] { io::add_obstacle_rows(text_, frame.k, time, dim, problem_.scene.contacts, forces_); });
+           [&] { io::add_obstacle_rows(text_, frame.step.k, time, dim, problem_.scene.contacts, forces_); });
   if (probes_)
     append(*probes_, [&] {
       values_.clear();
       problem_.probes->add_values(frame, forces_, balance_ ? balance_->reactions() : nullptr, values_);
-      io::add_probes_row(text_, frame.k, time, values_);
+      io::add_probes_row(text_, frame.step.k, time, values_);
     });
 }
 
-const std::string& MotionWriter::contact_rows(int k, const contact::ContactState& contact) {
+const std::string& MotionWriter::contact_rows(const forward::TimeStep& step,
+                                              const contact::ContactState& contact) {
   text_.clear();
-  contact_table_->add_rows(text_, k, problem_.stepper.grid(), contact);
+  contact_table_->add_rows(text_, step, contact);
   return text_;
 }
 
 void MotionWriter::store(const Snapshot& now) {
   if (contact_)
-    contact_->append(contact_rows(now.k, now.contact));
+    contact_->append(contact_rows(now.step, now.contact));
   if (state_)
     store_fields(now, stored_.size());
-  stored_.push_back(now.k);
+  stored_.push_back(now.step.k);
 }
 
 void MotionWriter::put_aside(const forward::Frame& frame) {
   if (!aside_)
-    aside_ = {.k = 0, .y = problem_.space.vector(), .v = problem_.space.vector(), .contact = {}, .rows = 0};
-  aside_->k = frame.k;
+    aside_ = {.step{}, .y = problem_.space.vector(), .v = problem_.space.vector(), .contact = {}, .rows = 0};
+  aside_->step = frame.step;
   aside_->contact = frame.contact;
   aside_->rows = contact_ ? contact_->size() : 0;
   if (!state_)
@@ -181,20 +180,20 @@ void MotionWriter::put_aside(const forward::Frame& frame) {
 }
 
 void MotionWriter::insert(const Aside& peak) {
-  const auto place = std::ranges::lower_bound(stored_, peak.k);
+  const auto place = std::ranges::lower_bound(stored_, peak.step.k);
   if (contact_)
-    contact_->insert(peak.rows, contact_rows(peak.k, peak.contact));
+    contact_->insert(peak.rows, contact_rows(peak.step, peak.contact));
   if (state_) {
     const auto number = static_cast<std::size_t>(place - stored_.begin());
     state_->make_room(number);
-    store_fields({peak.k, peak.y, peak.v, peak.contact}, number);
+    store_fields({peak.step, peak.y, peak.v, peak.contact}, number);
   }
-  stored_.insert(place, peak.k);
+  stored_.insert(place, peak.step.k);
 }
 
 void MotionWriter::store_fields(const Snapshot& now, std::size_t number) {
   const scene::Output& output = problem_.scene.output;
-  const double t = problem_.stepper.grid().time(now.k);
+  const double t = now.step.end;
   const auto write = [&](Field field, auto&& values) {
     if (output.field(field))
       state_->write(scene::name(field), number, t, values());
@@ -210,7 +209,7 @@ void MotionWriter::store_fields(const Snapshot& now, std::size_t number) {
   if (largest_stress_)
     largest_stress_->observe(*cell_fields_, now.y, now.v, t);
   write(Field::pressure, [&] {
-    const double impulse = problem_.stepper.grid().scheme(now.k).impulse();
+    const double impulse = now.step.scheme().impulse();
     return contact::at_nodes(problem_.space, *problem_.stepper.pairs(),
                              (*pressure_)(now.contact.lambda, impulse));
   });

@@ -15,10 +15,10 @@
 
 namespace signorini {
 
-/// Whether a run stores fields and contact of step k: every n-th or, where that is 0, the first after each of
-/// Output::most_frames equal parts of the time; the initial state, and the last step that it makes. The step
-/// of the largest contact force is stored as well, wherever it is.
-bool stored(const forward::TimeGrid& grid, int k, int every, bool last);
+/// Whether a run that ends at the time `end` (s) stores fields and contact of a step: every n-th or, where
+/// that is 0, the first after each of Output::most_frames equal parts of the time; the initial state, and the
+/// last step that it makes. The step of the largest contact force is stored as well, wherever it is.
+bool stored(const forward::TimeStep& step, double end, int every, bool last);
 
 /// Writes steps.csv, contact.csv, obstacles.csv, probes.csv and state.xdmf of a motion frame by frame, as the
 /// scene's [output] asks, sums it up, and monitors its invariants and plausibility.
@@ -63,15 +63,15 @@ private:
   void open_tables(const io::OutputFolder& folder, bool probed);
   /// Opens state.xdmf if a field in it is asked for.
   void open_state(const io::OutputFolder& folder);
-  /// The state and contact after step k.
+  /// The state and contact after a step.
   struct Snapshot {
-    int k;
+    forward::TimeStep step;
     Vec y, v;
     const contact::ContactState& contact;
   };
   /// A step that is to be stored unless a later one has a larger contact force.
   struct Aside {
-    int k;
+    forward::TimeStep step;
     petsc::Vector y, v; ///< with fields
     contact::ContactState contact;
     std::streamoff rows; ///< where those of the step belong in contact.csv
@@ -81,7 +81,8 @@ private:
   void store_fields(const Snapshot& now, std::size_t number);
   void insert(const Aside& peak);
   /// The rows of contact.csv.
-  [[nodiscard]] const std::string& contact_rows(int k, const contact::ContactState& contact);
+  [[nodiscard]] const std::string& contact_rows(const forward::TimeStep& step,
+                                                const contact::ContactState& contact);
 
   const Problem& problem_;
   const control::Objective* objective_;

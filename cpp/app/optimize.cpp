@@ -22,7 +22,7 @@ namespace {
 /// steps.csv, contact.csv, state.xdmf.
 void write_motion(const Problem& problem, const control::ReducedProblem& reduced, MotionWriter& recorder) {
   const auto timer = problem.timers.time("replay");
-  forward::integrate(problem.stepper, problem.initial, reduced.load(), problem.steps(), std::ref(recorder),
+  forward::integrate(problem.stepper, problem.grid, problem.initial, reduced.load(), std::ref(recorder),
                      forward::Stops::ignored);
   recorder.finish();
 }
@@ -138,12 +138,14 @@ forward::Stepper::Needs needs(MPI_Comm comm, const scene::Scene& scene, const st
   return needs;
 }
 
-/// Takes the lengths of steps that a checkpoint has. Throws UserError if they are not those of a motion.
-void restore_steps(const Problem& problem, const std::vector<double>& levels) {
-  forward::TimeGrid grid = problem.stepper.grid(); // the same steps
-  if (grid.equal() || !grid.take(levels))
+/// The steps that a checkpoint has. Throws UserError if they are not those of a motion.
+forward::TimeGrid restored_steps(const forward::Ladder* ladder, const std::vector<double>& levels) {
+  const std::optional<forward::TimeGrid> grid =
+      ladder ? forward::TimeGrid::of_levels(*ladder, levels) : std::nullopt;
+  if (!grid)
     throw UserError(
         "--resume: found a checkpoint with other lengths of steps, allowed is that of this scene");
+  return *grid;
 }
 
 } // namespace
@@ -228,13 +230,13 @@ int optimize_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   require_control_problem(comm, scene, out);
   io::OutputFolder folder(comm, out, resume ? resume::checkpoint : "");
   Timers timers;
-  const Problem problem(comm, scene, needs(comm, scene, out, resume), timers);
+  Problem problem(comm, scene, needs(comm, scene, out, resume), timers);
   console.line(headline(problem));
   if (const std::vector<double> levels =
           resume ? io::checkpoint_numbers(comm, out / resume::checkpoint, OptimizerLog::levels)
                  : std::vector<double>();
       !levels.empty())
-    restore_steps(problem, levels);
+    problem.grid = restored_steps(problem.stepper.ladder(), levels);
   choose_steps(problem, console);
   ControlProblem control_problem(problem, console);
   OptimizerLog record(control_problem, problem, folder, resume, console);

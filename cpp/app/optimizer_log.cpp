@@ -103,7 +103,7 @@ void OptimizerLog::write(io::CheckpointWriter& out) const {
   resume::store_problem(out, scene::echo(scene_, problem_.space.dim()), problem_.mesh);
   out(solver, std::string(problem_.stepper.solver().iterates() ? iterative : "direct"));
   out("edges", edges(control_problem_.controls));
-  out(levels, problem_.stepper.grid().levels());
+  out(levels, problem_.grid.levels());
   out("history", flat(rows_));
   out("seconds", seconds());
   out("sweeps",

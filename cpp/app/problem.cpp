@@ -54,13 +54,13 @@ Displacements computed(const Problem& problem, const control::ControlSpace& cont
   public:
     Computed(const Problem& problem, const control::ControlSpace& controls, const control::Control& u,
              const forward::StateStoreFactory& storage)
-        : force_(controls, u), trajectory_(problem.stepper, problem.initial, problem.steps(), storage) {}
+        : force_(controls, u), trajectory_(problem.stepper, problem.initial, storage) {}
     void run(const Problem& problem, const forward::StepObserver& watch) {
       trajectory_.run(problem.load(&force_), watch);
       if (trajectory_.steps() < problem.steps())
         throw Interrupted();
     }
-    [[nodiscard]] Vec y(int k) const override { return trajectory_.y(k); }
+    [[nodiscard]] Vec y(const forward::TimeStep& step) const override { return trajectory_.y(step); }
 
   private:
     control::ControlForce force_;
@@ -69,7 +69,7 @@ Displacements computed(const Problem& problem, const control::ControlSpace& cont
   auto motion = std::make_unique<Computed>(problem, controls, reference, storage);
   Progress progress(console, "desired state", static_cast<std::size_t>(problem.steps()));
   motion->run(problem,
-              [&](const forward::Frame& frame) { progress.update(static_cast<std::size_t>(frame.k)); });
+              [&](const forward::Frame& frame) { progress.update(static_cast<std::size_t>(frame.step.k)); });
   return motion;
 }
 
@@ -82,9 +82,11 @@ public:
   Kept(const Problem& problem, const Evaluate& evaluate)
       : all_(petsc::zero_series(problem.initial.y, static_cast<std::size_t>(problem.steps()) + 1)) {
     for (int k = 0; k <= problem.steps(); ++k)
-      evaluate(problem.stepper.grid().time(k), all_[static_cast<std::size_t>(k)]);
+      evaluate(problem.grid.time(k), all_[static_cast<std::size_t>(k)]);
   }
-  [[nodiscard]] Vec y(int k) const override { return all_[static_cast<std::size_t>(k)]; }
+  [[nodiscard]] Vec y(const forward::TimeStep& step) const override {
+    return all_[static_cast<std::size_t>(step.k)];
+  }
 
 private:
   petsc::Series all_;
@@ -95,10 +97,10 @@ class Evaluated final : public forward::Displacements {
 public:
   Evaluated(const Problem& problem, Evaluate evaluate)
       : problem_(problem), evaluate_(std::move(evaluate)), y_(problem.space.vector()) {}
-  [[nodiscard]] Vec y(int k) const override {
-    if (std::exchange(last_, k) != k) {
+  [[nodiscard]] Vec y(const forward::TimeStep& step) const override {
+    if (std::exchange(last_, step.k) != step.k) {
       const auto timer = problem_.timers.time("desired state");
-      evaluate_(problem_.stepper.grid().time(k), y_);
+      evaluate_(step.end, y_);
     }
     return y_;
   }
@@ -116,7 +118,7 @@ public:
   Constant(const Problem& problem, const scene::Field& field) : y_(problem.space.vector()) {
     problem.space.interpolate(field, 0, y_);
   }
-  [[nodiscard]] Vec y(int) const override { return y_; }
+  [[nodiscard]] Vec y(const forward::TimeStep&) const override { return y_; }
 
 private:
   petsc::Vector y_;
@@ -209,11 +211,12 @@ Problem::Problem(std::shared_ptr<const Discretisation> shared, const scene::Scen
                             space, s.materials, has_densities(s, needs.sliding || s.objective.has_value()));
                       })),
       stepper(timed(t, "solver", [&] { return forward::Stepper(space, operators, s, needs); })),
+      grid(stepper.ladder() ? forward::TimeGrid(*stepper.ladder()) : forward::TimeGrid(s.time)),
       initial(stepper, s.initial) {
   if (stops == forward::Stops::obeyed && stop_requested(space.comm()))
     throw Interrupted();
   if (s.load)
-    scene_load.emplace(space, stepper.M(), *s.load, stepper.grid());
+    scene_load.emplace(space, stepper.M(), *s.load, stepper.end());
   if (!s.output.probes.empty())
     probes.emplace(stepper, s);
 }
@@ -228,8 +231,8 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
   if (!has_given_control(problem.scene))
     return;
   const scene::Control& control = *problem.scene.control;
-  controls_.emplace(problem.space, problem.operators, problem.stepper.grid(), control);
-  if (controls_->stepwise() && !problem.stepper.grid().complete()) {
+  controls_.emplace(problem.space, problem.operators, problem.grid, control);
+  if (controls_->stepwise() && !problem.grid.complete()) {
     if (control.stored)
       throw UserError("control.initial: found the control of a run with time.step = \"auto\", allowed is one "
                       "on intervals of its own (control.step), or expressions");
@@ -237,23 +240,21 @@ GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
     return;
   }
   require_memory(problem, *controls_, false);
-  make_control();
+  control_ = first_guess(*controls_, control);
   force_ = std::make_unique<control::ControlForce>(*controls_, *control_);
 }
 
-void GivenControl::make_control() const { control_ = first_guess(*controls_, *problem_.scene.control); }
-
-const control::Control* GivenControl::control() const {
-  if (force_ && !control_)
-    make_control();
-  return control_ ? &*control_ : nullptr;
+control::Control GivenControl::control(const control::ControlSpace& controls) const {
+  if (!acts())
+    return controls.zero();
+  return control_ ? *control_ : first_guess(controls, *problem_.scene.control);
 }
 
-void choose_steps(const Problem& problem, const forward::ForceAtStep& load, const Console& console) {
+void choose_steps(Problem& problem, const forward::ForceAtStep& load, const Console& console) {
   const auto timer = problem.timers.time("lengths of steps");
-  const forward::TimeGrid& grid = problem.stepper.grid();
   forward::StepControl control(problem.stepper, problem.scene);
-  forward::integrate_choosing(problem.stepper, problem.initial, load, control, {});
+  const forward::TimeGrid grid =
+      forward::integrate_choosing(problem.stepper, problem.initial, load, control, {});
   if (!grid.complete())
     throw Interrupted();
   double shortest = grid.end(), longest = 0;
@@ -264,25 +265,25 @@ void choose_steps(const Problem& problem, const forward::ForceAtStep& load, cons
   console.line(
       fmt::format("{} steps, of {:.3g} s to {:.3g} s, chosen by a motion in which {} were made again",
                   grid.steps(), shortest, longest, control.rejected()));
+  problem.grid = grid;
 }
 
-void choose_steps(const Problem& problem, const control::ControlSpace& from, const control::Control& u,
+void choose_steps(Problem& problem, const control::ControlSpace& from, const control::Control& u,
                   const Console& console) {
   const control::ControlSpace held(problem.space, problem.operators, from.grid(), *problem.scene.control);
   const control::Control here = control::Interpolation(from, held)(u);
-  const control::HeldForce force(held, here, problem.stepper.grid());
+  const control::HeldForce force(held, here);
   choose_steps(problem, problem.load(&force), console);
 }
 
-void choose_steps(const Problem& problem, const Console& console) {
-  if (problem.stepper.grid().complete())
+void choose_steps(Problem& problem, const Console& console) {
+  if (problem.grid.complete())
     return;
   const scene::Scene& scene = problem.scene;
   const auto* desired =
       scene.objective ? std::get_if<scene::DesiredControl>(&scene.objective->desired) : nullptr;
   if (!has_given_control(scene) && desired) {
-    const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.grid(),
-                                         *scene.control);
+    const control::ControlSpace controls(problem.space, problem.operators, problem.grid, *scene.control);
     const control::SampledForce reference(controls, desired->control, "objective.desired.control", false);
     choose_steps(problem, problem.load(&reference), console);
   } else {
@@ -292,9 +293,9 @@ void choose_steps(const Problem& problem, const Console& console) {
 
 Displacements given_motion(const Problem& problem, bool keep) {
   if (const auto* run = std::get_if<scene::DesiredRun>(&problem.scene.objective->desired)) {
-    const auto stored = std::make_shared<io::StoredField>(problem.space, run->folder / "state.h5",
-                                                          "displacement", "objective.desired.run",
-                                                          problem.stepper.grid().time(problem.steps()));
+    const auto stored =
+        std::make_shared<io::StoredField>(problem.space, run->folder / "state.h5", "displacement",
+                                          "objective.desired.run", problem.stepper.end());
     return given(problem, [stored](double t, Vec y) { stored->at(t, y); }, keep);
   }
   const auto& desired = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
@@ -311,11 +312,11 @@ std::optional<forward::Warning> desired_warning(const Problem& problem) {
       problem.scene.objective ? std::get_if<scene::DesiredRun>(&problem.scene.objective->desired) : nullptr;
   if (!run)
     return std::nullopt;
-  const forward::TimeGrid& grid = problem.stepper.grid();
+  const forward::TimeGrid& grid = problem.grid;
   std::vector<double> times;
   try {
     times = io::StoredField(problem.space, run->folder / "state.h5", "displacement", "objective.desired.run",
-                            grid.time(problem.steps()))
+                            grid.end())
                 .times();
   } catch (const UserError&) { // gone since it was read, which is no reason to lose a run
     return std::nullopt;
@@ -339,16 +340,16 @@ std::optional<forward::Warning> desired_warning(const Problem& problem) {
 
 forward::StateStoreFactory state_stores(const Problem& problem) {
   const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
-  return {problem.stepper, problem.scene.trajectory, problem.steps(), computed ? 0.5 : 1, problem.timers};
+  return {problem.stepper, problem.grid, problem.scene.trajectory, computed ? 0.5 : 1, problem.timers};
 }
 
 forward::ForceAtStep GivenControl::load() const { return problem_.load(force_.get()); }
 
 ControlProblem::ControlProblem(const Problem& problem, const Console& console)
-    : controls(problem.space, problem.operators, problem.stepper.grid(), *problem.scene.control),
+    : controls(problem.space, problem.operators, problem.grid, *problem.scene.control),
       reference(reference_control(problem, controls)), storage(state_stores(problem)),
       desired_storage(state_stores(problem)),
-      objective(controls, problem.operators, problem.stepper.grid(),
+      objective(controls, problem.operators, problem.grid,
                 desired_states(problem, controls, reference, desired_storage, console),
                 *problem.scene.objective),
       reduced(problem.stepper, controls, objective, problem.initial, problem.scene_loads(), storage,

@@ -34,6 +34,7 @@ struct Problem {
   const fem::Space& space;
   fem::Operators operators;
   forward::Stepper stepper;
+  forward::TimeGrid grid; ///< the steps; none until choose_steps() where their lengths vary
   forward::Initial initial;
   std::optional<forward::SceneLoad> scene_load;
   std::optional<forward::Probes> probes; ///< absent if the scene has none
@@ -45,7 +46,7 @@ struct Problem {
   [[nodiscard]] forward::ForceAtStep load(const forward::Load* control = nullptr) const {
     return {space, {scene_loads(), control}};
   }
-  [[nodiscard]] int steps() const { return stepper.grid().steps(); }
+  [[nodiscard]] int steps() const { return grid.steps(); }
   /// Unknowns that no clamp holds, on all ranks. Collective.
   [[nodiscard]] long free_dofs() const;
 };
@@ -83,26 +84,24 @@ public:
   /// All forces, the control's included; valid as long as this object lives.
   [[nodiscard]] forward::ForceAtStep load() const;
 
-  /// Null where it is zero. To be called once all steps are known. Collective. Throws UserError.
-  [[nodiscard]] const control::Control* control() const;
+  /// The control on the steps of `controls`, zero where the scene gives none. Collective. Throws UserError.
+  [[nodiscard]] control::Control control(const control::ControlSpace& controls) const;
 
 private:
-  void make_control() const;
-
   const Problem& problem_;
   std::optional<control::ControlSpace> controls_;
-  mutable std::optional<control::Control> control_;
+  std::optional<control::Control> control_;
   std::unique_ptr<const forward::Load> force_;
 };
 
-/// Chooses the lengths of the steps, if they vary and are not known yet, by a motion under the control that
-/// the scene gives or, where it gives none, the one whose motion is desired. Collective. Throws UserError,
-/// SolverFailure, Interrupted.
-void choose_steps(const Problem& problem, const Console& console);
-/// The same by a motion under `load`, whether or not they are known.
-void choose_steps(const Problem& problem, const forward::ForceAtStep& load, const Console& console);
-/// The same by a motion under a control of other steps, or of another mesh.
-void choose_steps(const Problem& problem, const control::ControlSpace& from, const control::Control& u,
+/// Sets the steps of the problem, if their lengths vary and are not known yet, by a motion under the control
+/// that the scene gives or, where it gives none, the one whose motion is desired. What refers to the steps is
+/// to be made afterwards. Collective. Throws UserError, SolverFailure, Interrupted.
+void choose_steps(Problem& problem, const Console& console);
+/// Sets the steps by a motion under `load`, whether or not they are known.
+void choose_steps(Problem& problem, const forward::ForceAtStep& load, const Console& console);
+/// Sets the steps by a motion under a control of other steps, or of another mesh.
+void choose_steps(Problem& problem, const control::ControlSpace& from, const control::Control& u,
                   const Console& console);
 
 /// The control problem of a scene: control, objective, desired motion and reduced problem.

@@ -64,28 +64,28 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   if (request.measure)
     require_measurable(world(), scene, out, request.replace);
   Timers timers;
-  const Problem problem(std::make_shared<const Discretisation>(world(), scene, timers, meshing), scene,
-                        simulation_needs(scene), timers);
+  Problem problem(std::make_shared<const Discretisation>(world(), scene, timers, meshing), scene,
+                  simulation_needs(scene), timers);
   console.line(headline(problem));
 
   const GivenControl given(problem);
   const forward::ForceAtStep load = given.load();
   std::optional<RunObjective> objective;
   const std::string unknown = start_objective(problem, given, objective);
-  const forward::TimeGrid& grid = problem.stepper.grid();
+  const forward::TimeGrid equal = problem.grid; // or none yet
   std::optional<forward::StepControl> control;
-  if (!grid.equal())
+  if (!equal.equal())
     control.emplace(problem.stepper, scene);
   MotionWriter recorder(problem, folder, nullptr, given.acts(), control ? &control->errors() : nullptr);
   std::optional<SyntheticData> data;
   if (request.measure)
-    data.emplace(problem.stepper, scene);
+    data.emplace(problem.stepper, problem.grid, scene);
   constexpr int per_mille = 1000;
   int steps = 0;
   {
     const auto timer = timers.time("forward");
-    Progress progress(console, grid.equal() ? "steps" : "per mille of the time",
-                      static_cast<std::size_t>(grid.equal() ? grid.steps() : per_mille));
+    Progress progress(console, equal.equal() ? "steps" : "per mille of the time",
+                      static_cast<std::size_t>(equal.equal() ? equal.steps() : per_mille));
     const auto watch = [&](const forward::Frame& frame) {
       recorder(frame);
       if (objective)
@@ -93,12 +93,16 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
       if (data)
         data->observe(frame);
       progress.update(static_cast<std::size_t>(
-          grid.equal() ? frame.k : std::floor(per_mille * grid.time(frame.k) / grid.end())));
+          equal.equal() ? frame.step.k : std::floor(per_mille * frame.step.end / problem.stepper.end())));
     };
-    steps = control ? forward::integrate_choosing(problem.stepper, problem.initial, load, *control, watch)
-                    : forward::integrate(problem.stepper, problem.initial, load, grid.steps(), watch);
+    if (control) {
+      problem.grid = forward::integrate_choosing(problem.stepper, problem.initial, load, *control, watch);
+      steps = problem.steps();
+    } else {
+      steps = forward::integrate(problem.stepper, problem.grid, problem.initial, load, watch);
+    }
   }
-  const bool complete = problem.stepper.grid().complete() && steps == problem.steps();
+  const bool complete = problem.grid.complete() && steps == problem.steps();
   if (steps == 0 || (whole && !complete)) // no result that could replace an earlier run's
     throw Interrupted();
   recorder.finish();
@@ -222,7 +226,7 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
 
 int check(const scene::Scene& scene, const Console& console) {
   Timers timers;
-  const Problem problem(world(), scene, check_needs(scene), timers);
+  Problem problem(world(), scene, check_needs(scene), timers);
   console.line(headline(problem));
   return check_scene(problem, console) ? exit_status::done : exit_status::check_failed;
 }
@@ -318,7 +322,7 @@ int run(const Request& request, const SceneFile& file, const Console& console) {
     return request.suggest ? study::suggest(world(), scene, *request.suggest, request.study, console)
                            : study::run_study(world(), scene, out, request.study, console);
   Timers timers;
-  const Problem problem(world(), scene, study_needs(scene), timers);
+  Problem problem(world(), scene, study_needs(scene), timers);
   print_info(problem, request.timed_steps, console);
   return exit_status::done;
 }

@@ -26,11 +26,11 @@ std::string headline(const Problem& problem) {
   for (const auto& [name, active] : io::effects(problem.scene))
     if (active)
       on += (on.empty() ? "" : ", ") + name;
-  const forward::TimeGrid& grid = problem.stepper.grid();
-  const std::string steps = grid.equal()
-                                ? fmt::format("{} steps of {} s", grid.steps(), problem.scene.time.step)
-                                : fmt::format("steps of {:.3g} s to {:.3g} s",
-                                              grid.ladder()->length(grid.ladder()->levels), grid.longest());
+  const forward::TimeGrid& grid = problem.grid;
+  const std::string steps =
+      grid.equal() ? fmt::format("{} steps of {} s", grid.steps(), problem.scene.time.step)
+                   : fmt::format("steps of {:.3g} s to {:.3g} s", problem.stepper.ladder()->shortest_step(),
+                                 problem.stepper.ladder()->longest_step());
   return fmt::format("{}: {} free unknowns, {} contact candidates, {}, {} "
                      "rank{}{}\n{}\neffects: {}\nsolver: {}",
                      problem.scene.name, problem.free_dofs(), forward::candidates(problem.stepper), steps,
@@ -76,7 +76,7 @@ io::Manifest manifest(const Problem& problem, const std::string& verb, const std
   m.free_unknowns = problem.free_dofs();
   m.cells = static_cast<long>(problem.mesh.cells());
   m.candidates = forward::candidates(problem.stepper);
-  const forward::TimeGrid& grid = problem.stepper.grid();
+  const forward::TimeGrid& grid = problem.grid;
   m.steps_done = steps_done;
   m.steps_asked = grid.steps();
   m.wave_time = problem.stepper.wave_time();

@@ -6,7 +6,7 @@ namespace signorini {
 
 namespace {
 
-/// The motion under a reference control, made as far as it is asked for; states in ascending order.
+/// The motion under a reference control, made as far as it is asked for, step by step.
 class Marching final : public forward::Displacements {
 public:
   Marching(const Problem& problem, const control::ControlSpace& controls, const scene::Components& reference)
@@ -15,16 +15,16 @@ public:
         contact_{contact::ContactState(forward::candidates(problem.stepper)),
                  contact::ContactState(forward::candidates(problem.stepper))},
         integrator_(problem.stepper, problem.initial.y, problem.initial.v,
-                    [this](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
-                      problem_.stepper.step({k, {y0, v0}, load_.at(k), contact(k - 1)},
-                                            {{y1, v1}, contact(k)}, work_);
+                    [this](const forward::TimeStep& step, Vec y0, Vec v0, Vec y1, Vec v1) {
+                      problem_.stepper.step({step, {y0, v0}, load_.at(step), contact(step.k - 1)},
+                                            {{y1, v1}, contact(step.k)}, work_);
                     }) {
     integrator_.restart();
   }
-  [[nodiscard]] Vec y(int k) const override {
+  [[nodiscard]] Vec y(const forward::TimeStep& step) const override {
     const auto timer = problem_.timers.time("desired state");
-    while (integrator_.state().k < k)
-      integrator_.advance();
+    if (integrator_.state().k < step.k)
+      integrator_.advance(step);
     return integrator_.state().y;
   }
 
@@ -49,19 +49,23 @@ std::unique_ptr<const forward::Displacements> desired(const Problem& problem,
 } // namespace
 
 RunObjective::RunObjective(const Problem& problem, const GivenControl& given)
-    : problem_(problem),
-      controls_(problem.space, problem.operators, problem.stepper.grid(), *problem.scene.control),
-      given_(given), objective_(controls_, problem.operators, problem.stepper.grid(),
-                                desired(problem, controls_), *problem.scene.objective) {}
+    : problem_(problem), given_(given),
+      controls_(problem.space, problem.operators, problem.grid, *problem.scene.control),
+      observed_(problem.space, problem.operators, *problem.scene.objective),
+      desired_(desired(problem, controls_)) {}
 
 void RunObjective::observe(const forward::Frame& frame) {
   const auto timer = problem_.timers.time("objective");
-  objective_.observe(frame.k, frame.y1, squared_distances_);
+  const Vec desired = desired_->y(frame.step); // every one: it may be made step by step
+  const bool weighs = problem_.scene.objective->tracking > 0 || frame.last;
+  squared_distances_.push_back(weighs ? observed_.squared_distance(frame.y1, desired) : 0);
 }
 
 control::Value RunObjective::value() const {
-  const control::Control* given = given_.control();
-  return objective_.value(squared_distances_, given ? *given : controls_.zero());
+  const scene::Scene& scene = problem_.scene;
+  const control::ControlSpace controls(problem_.space, problem_.operators, problem_.grid, *scene.control);
+  const control::Objective objective(controls, problem_.operators, problem_.grid, nullptr, *scene.objective);
+  return objective.value(squared_distances_, given_.control(controls));
 }
 
 } // namespace signorini

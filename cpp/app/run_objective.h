@@ -4,8 +4,9 @@
 
 namespace signorini {
 
-/// J along a motion that is simulated under the scene's given control, looked at frame by frame. A desired
-/// motion that a control makes is simulated beside it: of either no more than two states are in memory.
+/// J along a motion that is simulated under the scene's given control, sampled frame by frame, also where its
+/// steps are chosen on the way. A desired motion that a control makes is simulated beside it: of either no
+/// more than two states are in memory.
 class RunObjective {
 public:
   /// For a scene with an objective. Collective. The references must outlive this object. Throws UserError.
@@ -16,14 +17,15 @@ public:
   /// Takes the frames 0…N one after another. Collective. Throws UserError, SolverFailure.
   void observe(const forward::Frame& frame);
 
-  /// J, once all frames have been taken. Collective.
+  /// J, once all frames have been taken and the problem has all its steps. Collective.
   [[nodiscard]] control::Value value() const;
 
 private:
   const Problem& problem_;
-  control::ControlSpace controls_;
   const GivenControl& given_;
-  control::Objective objective_;
+  control::ControlSpace controls_; ///< of the reference control
+  control::ObservedSet observed_;
+  std::unique_ptr<const forward::Displacements> desired_;
   std::vector<double> squared_distances_;
 };
 

@@ -90,9 +90,9 @@ private:
     }
   };
 
-  static const Problem& with_steps(const Problem& problem, const SearchLevel* last) {
+  static const Problem& with_steps(Problem& problem, const SearchLevel* last) {
     const Console silent(false, false);
-    if (problem.stepper.grid().complete())
+    if (problem.grid.complete())
       return problem;
     if (!last || !last->last_) {
       choose_steps(problem, silent);

@@ -12,10 +12,11 @@ SampledForce::SampledForce(const ControlSpace& controls, const scene::Components
   profile_.require_resolved();
 }
 
-void SampledForce::add(int k, forward::NodalForce sum) const {
-  controls_.for_each_interval(k, [&](int j, double part) {
-    const double begin = controls_.begin(j);
-    const std::pair of(begin, begin + controls_.length(j));
+void SampledForce::add(const forward::TimeStep& step, forward::NodalForce sum) const {
+  controls_.for_each_interval(step, [&](int j, double part) {
+    const bool own = !controls_.stepwise(); // steps may still be unknown to `controls_`
+    const double begin = own ? controls_.begin(j) : step.begin;
+    const std::pair of(begin, begin + (own ? controls_.length(j) : step.tau));
     const bool first = of_.second == 0;
     if (first || (profile_.field().depends_on_time() && of_ != of)) {
       profile_.mean(of.first, of.second, controls_.components(), values_.at(1));

@@ -17,7 +17,7 @@ public:
                bool within);
   [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
   [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
-  void add(int k, forward::NodalForce sum) const override;
+  void add(const forward::TimeStep& step, forward::NodalForce sum) const override;
   [[nodiscard]] double variation(double from, double to) const override {
     return profile_.variation(from, to);
   }
@@ -37,8 +37,8 @@ public:
   ControlForce(const ControlSpace& controls, const Control& u) : controls_(controls), u_(u) {}
   [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
   [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
-  void add(int k, forward::NodalForce sum) const override {
-    controls_.for_each_interval(k, [&](int j, double part) { controls_.add_force(u_.at(j), sum, part); });
+  void add(const forward::TimeStep& step, forward::NodalForce sum) const override {
+    controls_.for_each_interval(step, [&](int j, double part) { controls_.add_force(u_.at(j), sum, part); });
   }
   [[nodiscard]] double variation(double from, double to) const override {
     return controls_.variation(u_, from, to);
@@ -52,13 +52,12 @@ private:
 /// The same in a motion of other steps than those of the control.
 class HeldForce final : public forward::Load {
 public:
-  /// `grid`: of the motion. The references must outlive this object.
-  HeldForce(const ControlSpace& controls, const Control& u, forward::TimeGrid grid)
-      : controls_(controls), u_(u), grid_(std::move(grid)) {}
+  /// The references must outlive this object.
+  HeldForce(const ControlSpace& controls, const Control& u) : controls_(controls), u_(u) {}
   [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
   [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
-  void add(int k, forward::NodalForce sum) const override {
-    controls_.for_each_interval(grid_.time(k - 1), grid_.time(k),
+  void add(const forward::TimeStep& step, forward::NodalForce sum) const override {
+    controls_.for_each_interval(step.begin, step.end,
                                 [&](int j, double part) { controls_.add_force(u_.at(j), sum, part); });
   }
   [[nodiscard]] double variation(double from, double to) const override {
@@ -68,7 +67,6 @@ public:
 private:
   const ControlSpace& controls_;
   const Control& u_;
-  forward::TimeGrid grid_;
 };
 
 } // namespace signorini::control

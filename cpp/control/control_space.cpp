@@ -332,17 +332,18 @@ void ControlSpace::add_force(std::span<const double> u, forward::NodalForce sum,
 }
 
 void ControlSpace::add_riesz(int k, Vec p, Control& g) const {
-  const double factor = grid_.scheme(k).impulse() * scale_;
+  const forward::TimeStep step = grid_.step(k);
+  const double factor = step.scheme().impulse() * scale_;
   const auto weight = [&](int j, double part) { return part * factor / length(j); }; // length: of product()
   if (cellwise_) { // the mean of p over each cell
     check(MatMultTranspose(matrix_, p, work_));
     check(VecPointwiseDivide(work_, work_, volumes_));
-    for_each_interval(k,
+    for_each_interval(step,
                       [&](int j, double part) { axpy(weight(j, part), petsc::ReadArray(work_), g.at(j)); });
     return;
   }
   const petsc::ReadArray states(p);
-  for_each_interval(k, [&](int j, double part) {
+  for_each_interval(step, [&](int j, double part) {
     if (everywhere_)
       return axpy(weight(j, part), states, g.at(j));
     const std::span<double> values = g.at(j);

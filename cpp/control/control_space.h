@@ -31,7 +31,8 @@ public:
   using Vector = Control;
   using Compact = CompactControl;
 
-  /// The references must outlive this object. Throws UserError.
+  /// `grid`: the steps of motions, which may still be unknown unless controls are constant on each. The
+  /// references must outlive this object. Throws UserError.
   ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::TimeGrid grid,
                const scene::Control& scene);
 
@@ -122,12 +123,12 @@ public:
       visit(j, length(j) / (to - from));
     visit(last, (to - stop) / (to - from));
   }
-  /// Those whose values act in step k.
+  /// Those whose values act in a step.
   template <class Visit>
-  void for_each_interval(int k, Visit&& visit) const {
+  void for_each_interval(const forward::TimeStep& step, Visit&& visit) const {
     if (stepwise())
-      return visit(k, 1.0);
-    for_each_interval(grid_.time(k - 1), grid_.time(k), visit);
+      return visit(step.k, 1.0);
+    for_each_interval(step.begin, step.end, visit);
   }
   /// Of the modulus of u, the largest of its values: ∫ |u − ū| dt between two times, ū the mean there, over
   /// ∫ |u| dt.

@@ -61,11 +61,11 @@ petsc::Vector mean_over(const fem::Space& space, const std::string& group, int c
 
 } // namespace
 
-Measurements::Measurements(const forward::Stepper& stepper, const scene::Scene& scene,
-                           const std::vector<std::vector<double>>& times, std::size_t columns)
-    : stepper_(stepper),
-      alternate_(!scene.time.stabilized() && std::ranges::none_of(scene.contacts, &scene::Contact::massless)),
-      steps_(stepper.grid().steps()) {
+Measurements::Measurements(const forward::Stepper& stepper, const forward::TimeGrid& grid,
+                           const scene::Scene& scene, const std::vector<std::vector<double>>& times,
+                           std::size_t columns)
+    : stepper_(stepper), grid_(grid),
+      alternate_(scene.contact_scheme() == scene::ContactScheme::contact_implicit), steps_(grid.steps()) {
   for (std::size_t i = 0; i < scene.measurements.size(); ++i) {
     const scene::Measurement& measurement = scene.measurements[i];
     first_.push_back(samples_.size());
@@ -99,14 +99,13 @@ void Measurements::add_field(const scene::Measurement& measurement, const std::s
 }
 
 std::vector<std::pair<int, double>> Measurements::at(double t, bool force) const {
-  const forward::TimeGrid& grid = stepper_.grid();
-  const auto [step, part] = grid.place(t);
+  const auto [step, part] = grid_.place(t);
   if (!force)
     return {{step - 1, 1 - part}, {step, part}};
   if (!alternate_) { // forces of steps stand in their middle, and none before the first and after the last
     const int k = std::clamp(part < 0.5 ? step - 1 : step, 1, std::max(1, steps_ - 1)),
               next = std::min(k + 1, steps_);
-    const double from = grid.middle(k), to = grid.middle(next),
+    const double from = grid_.middle(k), to = grid_.middle(next),
                  weight = next > k ? std::clamp((t - from) / (to - from), 0.0, 1.0) : 0;
     return {{k, 1 - weight}, {next, weight}};
   }
@@ -114,7 +113,7 @@ std::vector<std::pair<int, double>> Measurements::at(double t, bool force) const
   std::vector<std::pair<int, double>> weights;
   for (const auto& [k, w] : {std::pair(step - 1, 1 - part), std::pair(step, part)}) {
     const int next = std::min(k + 1, steps_);
-    const double first = grid.length(std::max(k, 1)), second = grid.length(next), both = first + second;
+    const double first = grid_.length(std::max(k, 1)), second = grid_.length(next), both = first + second;
     weights.emplace_back(k, w * first / both);
     weights.emplace_back(next, w * second / both);
   }
@@ -129,7 +128,7 @@ double Measurements::force(int k, const Channel& channel, std::span<const double
   for (std::size_t i = 0; i < lambda.size(); ++i)
     if (lambda[i] != 0 && (channel.obstacle < 0 || pairs.obstacles()[i] == channel.obstacle))
       sum -= lambda[i] * normals[i * dim + static_cast<std::size_t>(channel.component)];
-  return sum / stepper_.grid().scheme(k).impulse();
+  return sum / grid_.scheme(k).impulse();
 }
 
 void Measurements::take(int k, std::size_t column, Vec y, Vec v) {
@@ -150,26 +149,28 @@ void Measurements::take(int k, std::size_t column, Vec y, Vec v) {
 }
 
 void Measurements::observe(const forward::Frame& frame) {
-  const auto k = static_cast<std::size_t>(frame.k);
-  take(frame.k, 0, frame.y1, frame.v1);
+  const auto k = static_cast<std::size_t>(frame.step.k);
+  take(frame.step.k, 0, frame.y1, frame.v1);
   for (Channel& channel : channels_)
     if (channel.of == Quantity::force)
       channel.values[0][k] =
-          frame.k > 0 ? force(frame.k, channel, frame.contact.lambda, stepper_.pairs()->normals()) : 0;
+          frame.step.k > 0 ? force(frame.step.k, channel, frame.contact.lambda, stepper_.pairs()->normals())
+                           : 0;
 }
 
 void Measurements::observe(const forward::Frame& frame, const forward::Tangents& tangents,
                            const forward::ParameterRates& rates) {
   observe(frame);
-  const auto k = static_cast<std::size_t>(frame.k);
+  const auto k = static_cast<std::size_t>(frame.step.k);
   for (std::size_t j = 0; j < tangents.count(); ++j) {
-    take(frame.k, j + 1, tangents.y(j), tangents.v(j));
+    take(frame.step.k, j + 1, tangents.y(j), tangents.v(j));
     for (Channel& channel : channels_) {
-      if (channel.of != Quantity::force || frame.k == 0)
+      if (channel.of != Quantity::force || frame.step.k == 0)
         continue;
-      channel.values[j + 1][k] = force(frame.k, channel, tangents.lambda(j), stepper_.pairs()->normals());
+      channel.values[j + 1][k] =
+          force(frame.step.k, channel, tangents.lambda(j), stepper_.pairs()->normals());
       if (const std::vector<double>* turning = rates.normals(j))
-        channel.values[j + 1][k] += force(frame.k, channel, frame.contact.lambda, *turning);
+        channel.values[j + 1][k] += force(frame.step.k, channel, frame.contact.lambda, *turning);
     }
   }
 }
@@ -182,7 +183,7 @@ std::vector<double> Measurements::values(std::size_t column) const {
     if (sample.impulse) {
       std::vector<double>& sum = sums[sample.channel];
       for (std::size_t k = sum.size(); k < series->size(); ++k)
-        sum.push_back(k > 0 ? sum.back() + stepper_.grid().length(static_cast<int>(k)) * (*series)[k] : 0);
+        sum.push_back(k > 0 ? sum.back() + grid_.length(static_cast<int>(k)) * (*series)[k] : 0);
       series = &sum;
     }
     double& value = found.emplace_back();
@@ -205,7 +206,7 @@ void Measurements::set_derivative(std::span<const double> by_values) {
     for (std::size_t k = rows; k-- > 0;) {
       later += of_sums[c][k];
       if (k > 0)
-        derivative_[c][k] += stepper_.grid().length(static_cast<int>(k)) * later;
+        derivative_[c][k] += grid_.length(static_cast<int>(k)) * later;
     }
   }
 }
@@ -248,7 +249,7 @@ void Measurements::forces(int k, std::span<double> dual) const {
     const Channel& channel = channels_[c];
     if (channel.of != Quantity::force)
       continue;
-    const double factor = derivative_[c][static_cast<std::size_t>(k)] / stepper_.grid().scheme(k).impulse();
+    const double factor = derivative_[c][static_cast<std::size_t>(k)] / grid_.scheme(k).impulse();
     for (std::size_t i = 0; i < dual.size(); ++i)
       if (channel.obstacle < 0 || pairs.obstacles()[i] == channel.obstacle)
         dual[i] -= factor * pairs.normals()[i * dim + static_cast<std::size_t>(channel.component)];

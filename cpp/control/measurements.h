@@ -25,7 +25,7 @@ class Measurements final : public adjoint::MotionDuals {
 public:
   /// `times`: for each of the scene's measurements those at which it is wanted, s. `columns`: 1 for the
   /// motion alone, one more for each derivative. The references must outlive this object. Throws UserError.
-  Measurements(const forward::Stepper& stepper, const scene::Scene& scene,
+  Measurements(const forward::Stepper& stepper, const forward::TimeGrid& grid, const scene::Scene& scene,
                const std::vector<std::vector<double>>& times, std::size_t columns = 1);
 
   /// Takes the frame after the last one, from frame 0 on, and the derivatives there.
@@ -77,6 +77,7 @@ private:
   void take(int k, std::size_t column, Vec y, Vec v);
 
   const forward::Stepper& stepper_;
+  forward::TimeGrid grid_;
   bool alternate_; ///< forces of single steps do
   int steps_;
   std::vector<Channel> channels_;

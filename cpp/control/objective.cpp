@@ -12,12 +12,26 @@ namespace {
 long& objectives = count("objectives");
 }
 
+ObservedSet::ObservedSet(const fem::Space& space, const fem::Operators& operators,
+                         const scene::Objective& scene)
+    : own_(scene.on ? fem::assemble_L2(space, *scene.on, "objective.on") : petsc::Matrix()),
+      product_(own_ ? Mat(own_) : Mat(*operators.W)), difference_(space.vector()), work_(space.vector()) {}
+
+double ObservedSet::squared_distance(Vec y, Vec other) const {
+  check(VecWAXPY(difference_, -1, other, y));
+  check(MatMult(product_, difference_, work_));
+  return petsc::dot(difference_, work_);
+}
+
+double ObservedSet::norm(Vec y) const {
+  check(MatMult(product_, y, work_));
+  return std::sqrt(petsc::dot(y, work_));
+}
+
 Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, forward::TimeGrid grid,
                      std::unique_ptr<const forward::Displacements> desired, const scene::Objective& scene)
     : grid_(std::move(grid)), desired_(std::move(desired)), tracking_(scene.tracking), alpha_(scene.alpha),
-      gamma_(scene.gamma), controls_(controls),
-      own_(scene.on ? fem::assemble_L2(controls.space(), *scene.on, "objective.on") : petsc::Matrix()),
-      observed_(own_ ? Mat(own_) : Mat(*operators.W)), error_(controls.space().vector()),
+      gamma_(scene.gamma), controls_(controls), observed_(controls.space(), operators, scene),
       work_(controls.space().vector()) {
   ++objectives;
 }
@@ -28,18 +42,9 @@ double Objective::tracking_weight(int k) const {
 
 double Objective::terminal_weight(int k) const { return k == grid_.steps() ? 2 * gamma_ : 0; }
 
-double Objective::squared_distance(int k, Vec y) const {
-  check(VecWAXPY(error_, -1, desired(k), y));
-  check(MatMult(observed_, error_, work_));
-  return petsc::dot(error_, work_);
-}
+double Objective::squared_distance(int k, Vec y) const { return observed_.squared_distance(y, desired(k)); }
 
 double Objective::distance(int k, Vec y) const { return std::sqrt(squared_distance(k, y)); }
-
-double Objective::norm(Vec y) const {
-  check(MatMult(observed_, y, work_));
-  return std::sqrt(petsc::dot(y, work_));
-}
 
 void Objective::observe(int k, Vec y, std::vector<double>& squared_distances) const {
   squared_distances.resize(std::max(squared_distances.size(), static_cast<std::size_t>(grid_.steps()) + 1));
@@ -122,15 +127,15 @@ void Objective::add_second_derivative(int k, Vec dy, forward::StateDual sum) con
 }
 
 void Objective::add_weighted(int k, Vec y, Vec less, forward::StateDual sum) const {
-  const Vec out = own_ ? Vec(work_) : sum.density;
-  if (own_)
+  const Vec out = !observed_.whole() ? Vec(work_) : sum.density;
+  if (!observed_.whole())
     check(VecZeroEntries(out));
   if (less)
     check(VecAXPBYPCZ(out, weight(k), -weight(k), 1, y, less));
   else
     check(VecAXPY(out, weight(k), y));
-  if (own_)
-    check(MatMultAdd(observed_, work_, sum.vector, sum.vector));
+  if (!observed_.whole())
+    check(MatMultAdd(observed_.product(), work_, sum.vector, sum.vector));
 }
 
 } // namespace signorini::control

@@ -14,12 +14,32 @@ struct Value {
   [[nodiscard]] double total() const { return tracking + terminal + control_cost; }
 };
 
+/// The set on which an objective compares motions, with its product in L2: the body, a part of it or a
+/// surface. All members collective.
+class ObservedSet {
+public:
+  /// `operators` must outlive this object. Throws UserError.
+  ObservedSet(const fem::Space& space, const fem::Operators& operators, const scene::Objective& scene);
+
+  [[nodiscard]] bool whole() const { return !own_; }
+  /// The matrix of the product: W for the whole body.
+  [[nodiscard]] Mat product() const { return product_; }
+  [[nodiscard]] double squared_distance(Vec y, Vec other) const;
+  [[nodiscard]] double norm(Vec y) const;
+
+private:
+  petsc::Matrix own_; ///< null for the whole body
+  Mat product_;       ///< own_ or W
+  petsc::Vector difference_, work_;
+};
+
 /// The objective J (docs/method.md section 3): the distance of the motion from the desired one in L2 of the
 /// body, a part of it or a surface, and the cost of the control. A term whose weight is zero is not
 /// evaluated. All members collective.
 class Objective {
 public:
-  /// `desired` is y_d,0…y_d,N, read in any order. The references must outlive this object. Throws UserError.
+  /// `desired` is y_d,0…y_d,N, read in any order; null where value() alone is wanted. The references must
+  /// outlive this object. Throws UserError.
   Objective(const ControlSpace& controls, const fem::Operators& operators, forward::TimeGrid grid,
             std::unique_ptr<const forward::Displacements> desired, const scene::Objective& scene);
 
@@ -30,7 +50,7 @@ public:
   [[nodiscard]] Value value(const std::vector<double>& squared_distances, const Control& u) const;
 
   /// Whether derivatives by states are densities, else vectors (forward::Functional).
-  [[nodiscard]] bool observes_whole() const { return !own_; }
+  [[nodiscard]] bool observes_whole() const { return observed_.whole(); }
   /// Adds ∂J/∂y_k = weight(k) W (y − y_d,k).
   void add_derivative(int k, Vec y, forward::StateDual sum) const;
   /// Adds ∂²J/∂y_k² δy.
@@ -48,10 +68,10 @@ public:
   [[nodiscard]] double distance(int k, Vec y) const;
 
   /// ‖y‖ there.
-  [[nodiscard]] double norm(Vec y) const;
+  [[nodiscard]] double norm(Vec y) const { return observed_.norm(y); }
 
   /// y_d,k, valid until the next is asked for.
-  [[nodiscard]] Vec desired(int k) const { return desired_->y(k); }
+  [[nodiscard]] Vec desired(int k) const { return desired_->y(grid_.step(k)); }
 
   /// w_k of docs/method.md section 3: the state part of J is Σ_k ½ weight(k) ‖e_k‖², tracking and terminal
   /// term.
@@ -70,9 +90,8 @@ private:
   std::unique_ptr<const forward::Displacements> desired_;
   double tracking_, alpha_, gamma_;
   const ControlSpace& controls_;
-  petsc::Matrix own_; ///< the L2 product of the observed set; null for the whole body
-  Mat observed_;      ///< own_ or W
-  petsc::Vector error_, work_;
+  ObservedSet observed_;
+  petsc::Vector work_;
 };
 
 /// Derivatives of an objective by the states along a motion, or a linearised one. States without weight are
@@ -94,9 +113,9 @@ protected:
 class Derivative final : public ObjectiveDuals {
 public:
   using ObjectiveDuals::ObjectiveDuals;
-  void add(int k, forward::StateDual sum) const override {
-    if (objective_.weight(k) != 0)
-      objective_.add_derivative(k, motion_.y(k), sum);
+  void add(const forward::TimeStep& step, forward::StateDual sum) const override {
+    if (objective_.weight(step.k) != 0)
+      objective_.add_derivative(step.k, motion_.y(step), sum);
   }
 };
 
@@ -104,9 +123,9 @@ public:
 class SecondDerivative final : public ObjectiveDuals {
 public:
   using ObjectiveDuals::ObjectiveDuals;
-  void add(int k, forward::StateDual sum) const override {
-    if (objective_.weight(k) != 0)
-      objective_.add_second_derivative(k, motion_.y(k), sum);
+  void add(const forward::TimeStep& step, forward::StateDual sum) const override {
+    if (objective_.weight(step.k) != 0)
+      objective_.add_second_derivative(step.k, motion_.y(step), sum);
   }
 };
 

@@ -17,7 +17,7 @@ long& problems = count("reduced problems");
 class LinearisedMotion final : public forward::Displacements {
 public:
   explicit LinearisedMotion(forward::StateStore& states) : states_(states) {}
-  [[nodiscard]] Vec y(int k) const override { return states_.at(k).y; }
+  [[nodiscard]] Vec y(const forward::TimeStep& step) const override { return states_.at(step.k).y; }
 
 private:
   forward::StateStore& states_;
@@ -44,7 +44,7 @@ void ReducedProblem::simulate(const Control& u) {
   const auto timer = timers_.time("forward");
   trial_->trajectory.run(load(*trial_), [&](const forward::Frame& frame) {
     const auto other = timers_.time("objective");
-    objective_.observe(frame.k, frame.y1, trial_->squared_distances);
+    objective_.observe(frame.step.k, frame.y1, trial_->squared_distances);
   });
   if (trial_->trajectory.steps() < controls_.steps())
     throw Interrupted();
@@ -64,7 +64,8 @@ Control ReducedProblem::riesz(const std::vector<contact::ContactSets>& contact,
   const auto timer = timers_.time("adjoint");
   Control g = u;
   g.scale(scale);
-  adjoint::sweep(stepper_, work_, contact, dual, [&](int k, Vec p) { controls_.add_riesz(k, p, g); });
+  adjoint::sweep(stepper_, work_, controls_.grid(), contact, dual,
+                 [&](int k, Vec p) { controls_.add_riesz(k, p, g); });
   ++sweeps_.adjoint;
   return g;
 }
@@ -82,7 +83,8 @@ Control ReducedProblem::l2_gradient() { return l2_gradient(*current_); }
 
 void ReducedProblem::adjoint_states(const std::function<void(int k, Vec p)>& visit) {
   const Derivative derivative(objective_, current_->trajectory);
-  adjoint::sweep(stepper_, work_, current_->trajectory.contact(), {stepper_.space(), derivative}, visit);
+  adjoint::sweep(stepper_, work_, controls_.grid(), current_->trajectory.contact(),
+                 {stepper_.space(), derivative}, visit);
 }
 
 Control ReducedProblem::gradient() {
@@ -102,8 +104,8 @@ void ReducedProblem::integrate_linearised(
   const std::vector<contact::ContactSets>& contact = current_->trajectory.contact();
   integrate_linearised(
       d,
-      [&](const forward::LinearisedStep& step) {
-        stepper_.linearised_step(step, contact[static_cast<std::size_t>(step.k)], work_);
+      [&](int k, const forward::LinearisedStep& step) {
+        stepper_.linearised_step(step, contact[static_cast<std::size_t>(k)], work_);
       },
       use);
 }
@@ -113,9 +115,10 @@ void ReducedProblem::integrate_linearised(
   const petsc::Vector rest = stepper_.space().vector();
   const ControlForce force(controls_, d);
   const forward::ForceAtStep forces(stepper_.space(), force);
-  forward::TimeIntegrator integrator(stepper_, rest, rest, [&](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
-    step({k, {y0, v0}, forces.at(k), {y1, v1}});
-  });
+  forward::TimeIntegrator integrator(stepper_, rest, rest,
+                                     [&](const forward::TimeStep& at, Vec y0, Vec v0, Vec y1, Vec v1) {
+                                       step(at.k, {at.scheme(), {y0, v0}, forces.at(at), {y1, v1}});
+                                     });
   use(integrator);
 }
 
@@ -127,7 +130,7 @@ void ReducedProblem::make_linearised_steps(forward::TimeIntegrator& integrator,
   for (int k = 1; k <= controls_.steps(); ++k) {
     if (stop_requested(stepper_.space().comm()))
       throw Interrupted();
-    integrator.advance();
+    integrator.advance(controls_.grid().step(k));
     visit(integrator.state());
   }
   ++sweeps_.forward;
@@ -149,14 +152,14 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
   OneSided slope{.contact = current_->trajectory.contact()};
   slope.by_motion = {.value = objective_.alpha() * controls_.product(current_->u, d),
                      .size = objective_.alpha() * controls_.norm(current_->u) * controls_.norm(d)};
-  const Step make = [&](const forward::LinearisedStep& step) {
-    stepper_.one_sided_step(step, slope.contact[static_cast<std::size_t>(step.k)], work_);
+  const Step make = [&](int k, const forward::LinearisedStep& step) {
+    stepper_.one_sided_step(step, slope.contact[static_cast<std::size_t>(k)], work_);
   };
   integrate_linearised(d, make, [&](forward::TimeIntegrator& integrator) {
     make_linearised_steps(integrator, [&](const forward::State& state) {
       if (state.k == 0)
         return;
-      const forward::StateDual dual = derivative.at(state.k);
+      const forward::StateDual dual = derivative.at(controls_.grid().step(state.k));
       if (dual.density) {
         check(MatMult(*stepper_.operators().W, dual.density, work));
         slope.by_motion.add(work, state.y);

@@ -101,7 +101,7 @@ private:
   struct Point {
     Point(const ControlSpace& controls, const forward::Stepper& stepper, const forward::Initial& initial,
           const forward::StateStoreFactory& storage)
-        : u(controls.zero()), force(controls, u), trajectory(stepper, initial, controls.steps(), storage) {}
+        : u(controls.zero()), force(controls, u), trajectory(stepper, initial, storage) {}
 
     Control u;
     ControlForce force; ///< of u
@@ -114,7 +114,7 @@ private:
   [[nodiscard]] forward::ForceAtStep load(const Point& at) const {
     return {stepper_.space(), {load_, &at.force}};
   }
-  using Step = std::function<void(const forward::LinearisedStep& step)>;
+  using Step = std::function<void(int k, const forward::LinearisedStep& step)>;
   /// Calls `use` with an integrator of S'(u) d that makes these steps or, without them, those linearised on
   /// the current contact.
   void integrate_linearised(const Control& d, const Step& step,

@@ -32,7 +32,7 @@ Approach::Approach(const Stepper& stepper, const scene::Scene& scene, const Step
     : stepper_(stepper), errors_(errors), points_(scene.contacts.size()), obstacles_(scene.contacts.size()),
       clamped_(scene.clamps.size()) {
   const fem::Space& space = stepper.space();
-  const double end = stepper.grid().end();
+  const double end = stepper.end();
   if (const contact::ContactPairs* pairs = stepper.pairs())
     for (std::size_t i = 0; i < pairs->psi().size(); ++i) {
       std::vector<double>& points = points_[static_cast<std::size_t>(pairs->obstacles()[i])];
@@ -95,12 +95,11 @@ double Approach::until_touch(double t) const {
   for (std::size_t o = 0; o < obstacles_.size(); ++o)
     if (!obstacles_[o].empty() && !errors_.contact(o))
       least = std::min(least, until_moving(o, t));
-  return t + least < stepper_.grid().end() ? least : never;
+  return t + least < stepper_.end() ? least : never;
 }
 
 double Approach::until_moving(std::size_t obstacle, double t) const {
   const contact::ContactPairs& pairs = *stepper_.pairs();
-  const TimeGrid& grid = stepper_.grid();
   std::vector<std::size_t> candidates;
   for (std::size_t i = 0; i < pairs.psi().size(); ++i)
     if (pairs.obstacles()[i] == static_cast<int>(obstacle))
@@ -122,8 +121,8 @@ double Approach::until_moving(std::size_t obstacle, double t) const {
     return 0;
   // Farther and farther, so that what is near is looked at closely.
   double from = t;
-  for (double length = grid.ladder()->length(grid.ladder()->levels); from < grid.end(); length *= 2) {
-    const double to = std::min(from + length, grid.end());
+  for (double length = stepper_.ladder()->shortest_step(); from < stepper_.end(); length *= 2) {
+    const double to = std::min(from + length, stepper_.end());
     for (const std::unique_ptr<fem::TimeProfile>& profile : obstacles_[obstacle])
       if (std::ranges::any_of(profile->times(from, to), touches))
         return from - t;

@@ -15,11 +15,11 @@ double length(const Components& x) { return std::hypot(x[0], x[1], x[2]); }
 
 /// −(2/τ²) Σ λ_i ν_i, the contact forces on the body (N), including components that clamps hold; these act on
 /// the clamps alone.
-void contact_forces(const Stepper& stepper, int k, const contact::ContactState& contact, Vec force) {
+void contact_forces(const Stepper& stepper, const Scheme& scheme, const contact::ContactState& contact,
+                    Vec force) {
   check(VecZeroEntries(force));
   if (stepper.pairs())
-    contact::NormalOperator(*stepper.pairs())
-        .add_whole(-1 / stepper.grid().scheme(k).impulse(), contact.lambda, force);
+    contact::NormalOperator(*stepper.pairs()).add_whole(-1 / scheme.impulse(), contact.lambda, force);
 }
 
 } // namespace
@@ -53,16 +53,16 @@ StepBalance Balance::operator()(const Frame& frame) {
   StepBalance now;
   std::swap(Ay0_, Ay1_), std::swap(Mv0_, Mv1_);
   add_state(frame, sums);
-  if (frame.k > 0)
+  if (frame.step.k > 0)
     now.load_work = add_step(frame, sums);
   sums.add_up(stepper_.space().comm());
   now.kinetic_energy = sums.kinetic / 2;
   now.elastic_energy = sums.elastic / 2;
   now.momentum = sums.momentum;
   const double before = std::exchange(energy_, now.kinetic_energy + now.elastic_energy);
-  if (frame.k == 0)
+  if (frame.step.k == 0)
     return now;
-  const double tau = stepper_.grid().length(frame.k);
+  const double tau = frame.step.tau;
   if (!loads_alone_)
     now.load_work = sums.load;
   now.viscous_dissipation = tau * sums.viscous;
@@ -102,18 +102,18 @@ void Balance::add_state(const Frame& frame, Sums& sums) {
 
 double Balance::add_step(const Frame& frame, Sums& sums) {
   const fem::Operators& body = stepper_.operators();
-  const double tau = stepper_.grid().length(frame.k);
+  const double tau = frame.step.tau;
   check(VecWAXPY(w_, -1, frame.y0, frame.y1)); // w holds y_k − y_{k−1} until it is divided by τ
   double load_work = 0;
   if (loads_alone_) {
-    assemble(loads_alone_->at(frame.k), body, load_);
+    assemble(loads_alone_->at(frame.step), body, load_);
     load_work = dot(load_, w_);
   }
   check(VecScale(w_, 1 / tau));
   if (body.B)
     check(MatMult(*body.B, w_, Bw_)); // w is (v_{k−1} + v_k)/2 unless there is a jump or a moving clamp
   assemble(frame.load, body, load_);
-  contact_forces(stepper_, frame.k, frame.contact, force_);
+  contact_forces(stepper_, frame.step.scheme(), frame.contact, force_);
   const petsc::ReadArray y0(frame.y0), y1(frame.y1), v0(frame.v0), v1(frame.v1), w(w_), Ay0(Ay0_), Ay1(Ay1_),
       Mv0(Mv0_), Mv1(Mv1_), Bw(Bw_), load(load_), force(force_);
   const petsc::WriteArray defect(defect_);

@@ -24,8 +24,9 @@ Alternations alternations(const std::vector<contact::ContactSets>& contact) {
 std::string calmer_contact(const Stepper& stepper) {
   if (stepper.predictor())
     return "try shorter time steps or more viscosity";
-  return stepper.massless() ? "try time.scheme = \"contact-stabilized\" (with contact.mass = \"consistent\")"
-                            : "try time.scheme = \"contact-stabilized\"";
+  return scene::takes_mass(stepper.contact_scheme())
+             ? "try time.scheme = \"contact-stabilized\" (with contact.mass = \"consistent\")"
+             : "try time.scheme = \"contact-stabilized\"";
 }
 
 } // namespace signorini::forward

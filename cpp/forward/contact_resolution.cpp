@@ -130,7 +130,7 @@ void ContactResolution::observe(const Frame& frame, const ObstacleForces& forces
     if (!(mean > zone.force && now.normal_force > 0))
       continue;
     zone.force = mean;
-    zone.time = stepper_.grid().time(frame.k);
+    zone.time = frame.step.end;
     double largest = 0;
     for (std::size_t i = 0; i < frame.contact.lambda.size(); ++i)
       if (stepper_.pairs()->obstacles()[i] == static_cast<int>(o) && frame.contact.lambda[i] > largest) {

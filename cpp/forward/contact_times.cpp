@@ -16,29 +16,26 @@ double crossing(double near, double far, double between, double step) {
 
 } // namespace
 
-ContactTimes::ContactTimes(TimeGrid grid, std::vector<int> candidates)
-    : grid_(grid), candidates_(std::move(candidates)) {}
-
-void ContactTimes::observe(int k, const contact::ContactState& contact) {
-  k_ = k;
+void ContactTimes::observe(const TimeStep& step, const contact::ContactState& contact) {
+  step_before_ = std::exchange(step_, step);
   std::swap(before_, last_);
   std::swap(last_, now_);
   now_.clear();
   for (const int i : candidates_)
     now_.push_back(contact.gap[static_cast<std::size_t>(i)]);
   if (std::exchange(ending_, false))
-    intervals_.back().end = grid_.time(k - 1) - since_release();
+    intervals_.back().end = step.begin - since_release();
   std::vector<int> touching;
   for (std::size_t place = 0; place < candidates_.size(); ++place)
     if (contact.status[static_cast<std::size_t>(candidates_[place])] == contact::Status::strong)
       touching.push_back(static_cast<int>(place));
   if (!touching.empty() && touching_.empty())
-    intervals_.push_back({grid_.time(k - 1) + until_onset(touching), grid_.time(k)});
+    intervals_.push_back({step.begin + until_onset(touching), step.end});
   else if (!touching.empty())
-    intervals_.back().end = grid_.time(k);
+    intervals_.back().end = step.end;
   else if (!touching_.empty()) {
     ending_ = true;
-    intervals_.back().end = grid_.time(k - 1) + grid_.length(k) * unknown;
+    intervals_.back().end = step.begin + step.tau * unknown;
     held_ = touching_;
   }
   touching_ = std::move(touching);
@@ -47,23 +44,23 @@ void ContactTimes::observe(int k, const contact::ContactState& contact) {
 std::vector<ContactTimes::Interval> ContactTimes::intervals() const { return intervals_; }
 
 double ContactTimes::until_onset(const std::vector<int>& touching) const {
-  const double step = grid_.length(k_);
+  const double step = step_.tau;
   double first = step;
   for (const int place : touching) {
     const auto i = static_cast<std::size_t>(place);
     const double gap = last_[i];
     first = std::min(first, gap <= 0          ? 0
                             : before_.empty() ? unknown * step
-                                              : crossing(gap, before_[i], grid_.length(k_ - 1), step));
+                                              : crossing(gap, before_[i], step_before_.tau, step));
   }
   return first;
 }
 
 double ContactTimes::since_release() const {
-  double least = grid_.length(k_ - 1);
+  double least = step_before_.tau;
   for (const int place : held_) {
     const auto i = static_cast<std::size_t>(place);
-    least = std::min(least, crossing(last_[i], now_[i], grid_.length(k_), grid_.length(k_ - 1)));
+    least = std::min(least, crossing(last_[i], now_[i], step_.tau, step_before_.tau));
   }
   return least;
 }

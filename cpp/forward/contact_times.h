@@ -2,6 +2,7 @@
 #pragma once
 #include "contact/contact_state.h"
 #include "forward/time_grid.h"
+#include <utility>
 
 namespace signorini::forward {
 
@@ -17,11 +18,11 @@ namespace signorini::forward {
 /// the times are those that counting steps gives.
 class ContactTimes {
 public:
-  /// `candidates`: numbers of those that are looked at.
-  ContactTimes(TimeGrid grid, std::vector<int> candidates);
+  /// `candidates`: numbers of those that are observed.
+  explicit ContactTimes(std::vector<int> candidates) : candidates_(std::move(candidates)) {}
 
-  /// Takes the contact after step k, of all candidates, for k = 0, 1, 2 … in turn.
-  void observe(int k, const contact::ContactState& contact);
+  /// Takes the contact of all candidates after a step, for k = 0, 1, 2 … in turn.
+  void observe(const TimeStep& step, const contact::ContactState& contact);
 
   /// s.
   struct Interval {
@@ -36,13 +37,12 @@ private:
   [[nodiscard]] double until_onset(const std::vector<int>& touching) const;
   [[nodiscard]] double since_release() const;
 
-  TimeGrid grid_;
   std::vector<int> candidates_;
   std::vector<double> before_, last_, now_; ///< gaps after steps k − 2, k − 1 and k
   std::vector<int> touching_;               ///< places, among the candidates, of those in contact in step k
   std::vector<int> held_;                   ///< likewise, in the last step of the last interval
   std::vector<Interval> intervals_;
-  int k_ = 0;
+  TimeStep step_, step_before_; ///< steps k and k − 1
   bool ending_ = false; ///< step k is the first without contact: the gap after the next one tells the end
 };
 

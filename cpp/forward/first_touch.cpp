@@ -16,7 +16,8 @@ constexpr double never = std::numeric_limits<double>::infinity();
 class RigidFlight {
 public:
   RigidFlight(const Stepper& stepper, const scene::Scene& scene, int intervals)
-      : stepper_(stepper), rigid_(stepper.space(), stepper.clamped(), stepper.M()), normal_(*stepper.pairs()),
+      : stepper_(stepper), grid_(stepper.end() / intervals, intervals),
+        rigid_(stepper.space(), stepper.clamped(), stepper.M()), normal_(*stepper.pairs()),
         force_(stepper.space().vector()) {
     const auto m = static_cast<std::size_t>(stepper.pairs()->count());
     for (const petsc::Vector& motion : rigid_.basis())
@@ -25,9 +26,8 @@ public:
     normal_.normal_components(initial.y, position_ = std::vector<double>(m));
     velocity_ = along(rigid_.coefficients(initial.v));
     acceleration_.resize(m);
-    const double h = stepper.grid().end() / intervals;
     if (scene.load)
-      load_.emplace(stepper.space(), stepper.M(), *scene.load, TimeGrid(h, intervals));
+      load_.emplace(stepper.space(), stepper.M(), *scene.load, grid_.end());
     if (load_)
       sum_.emplace(stepper.space(), *load_);
   }
@@ -36,7 +36,7 @@ public:
   void accelerate(int interval) {
     if (!load_ || (interval > 1 && !load_->depends_on_time()))
       return;
-    assemble(sum_->at(interval), stepper_.operators(), force_);
+    assemble(sum_->at(grid_.step(interval)), stepper_.operators(), force_);
     acceleration_ = along(rigid_.products(force_));
   }
   void advance(double s) {
@@ -64,6 +64,7 @@ private:
   }
 
   const Stepper& stepper_;
+  TimeGrid grid_; ///< of the intervals
   fem::RigidMotions rigid_;
   contact::NormalOperator normal_;
   petsc::Vector force_;
@@ -89,7 +90,7 @@ std::vector<FirstTouch> first_touches(const Stepper& stepper, const scene::Scene
   if (!pairs)
     return {};
   constexpr int samples = 256;
-  const double h = stepper.grid().end() / samples;
+  const double h = stepper.end() / samples;
   RigidFlight flight(stepper, scene, samples);
   std::vector<FirstTouch> found(static_cast<std::size_t>(pairs->obstacle_count()));
   contact::ContactPairs::Gaps at = pairs->gaps();
@@ -143,7 +144,7 @@ std::vector<std::string> first_touch_lines(const Stepper& stepper, const scene::
     else
       text += fmt::format("none before {:.4g} s by the rigid motion{}; gap {:.4g} m, at least {:.4g} m (at "
                           "{:.4g} s)",
-                          stepper.grid().end(), without, one.gap, one.nearest, one.nearest_time);
+                          stepper.end(), without, one.gap, one.nearest, one.nearest_time);
     lines.push_back(std::move(text));
   }
   return lines;

@@ -42,10 +42,11 @@ Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
   PetscReal later = 0;
   if (stepper.motion()) {
     PrescribedMotion::At at = stepper.motion()->storage();
-    stepper.motion()->evaluate(0, at);
+    const double tau = stepper.first_length();
+    stepper.motion()->evaluate({.tau = tau}, at);
     check(VecCopy(at.position, y_held));
     check(VecCopy(at.velocity, v_held));
-    stepper.motion()->evaluate(1, at);
+    stepper.motion()->evaluate({1, 0, tau, tau}, at);
     check(VecNorm(at.velocity, NORM_INFINITY, &later));
   }
   // The clamps' velocity is taken by differences and agrees with the scene's only up to their error, which is
@@ -79,19 +80,20 @@ void set_initial_gaps(const Stepper& stepper, Vec y, contact::ContactState& cont
 
 } // namespace
 
-int integrate_with(const Stepper& stepper, TimeIntegrator& integrator, int steps, Stops stops,
+int integrate_with(const Stepper& stepper, const TimeGrid& grid, TimeIntegrator& integrator, Stops stops,
                    const std::function<contact::ContactState&(int k)>& contact, const NodalForce& acting,
                    const StepObserver& watch) {
   const auto stopped = [&] { return stops == Stops::obeyed && stop_requested(stepper.space().comm()); };
   integrator.restart();
   set_initial_gaps(stepper, integrator.state().y, contact(0));
   bool last = stopped();
-  watch({0, nullptr, nullptr, {}, integrator.state().y, integrator.state().v, contact(0), last});
+  watch({grid.step(0), nullptr, nullptr, {}, integrator.state().y, integrator.state().v, contact(0), last});
   int k = 0;
   while (!last) {
-    integrator.advance();
-    last = ++k == steps || stopped();
-    watch({k, integrator.y0(), integrator.v0(), acting, integrator.state().y, integrator.state().v,
+    const TimeStep step = grid.step(++k);
+    integrator.advance(step);
+    last = k == grid.steps() || stopped();
+    watch({step, integrator.y0(), integrator.v0(), acting, integrator.state().y, integrator.state().v,
            contact(k), last});
   }
   return k;
@@ -104,9 +106,9 @@ struct Rolling {
   Rolling(const Stepper& stepper, const Initial& initial, const ForceAtStep& load)
       : work(stepper.workspace()),
         two{contact::ContactState(candidates(stepper)), contact::ContactState(candidates(stepper))},
-        integrator(stepper, initial.y, initial.v, [&](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
-          acting = load.at(k);
-          stepper.step({k, {y0, v0}, acting, contact(k - 1)}, {{y1, v1}, contact(k)}, work);
+        integrator(stepper, initial.y, initial.v, [&](const TimeStep& step, Vec y0, Vec v0, Vec y1, Vec v1) {
+          acting = load.at(step);
+          stepper.step({step, {y0, v0}, acting, contact(step.k - 1)}, {{y1, v1}, contact(step.k)}, work);
         }) {}
 
   contact::ContactState& contact(int k) { return two[static_cast<std::size_t>(k % 2)]; }
@@ -119,19 +121,17 @@ struct Rolling {
 
 } // namespace
 
-int integrate(const Stepper& stepper, const Initial& initial, const ForceAtStep& load, int steps,
+int integrate(const Stepper& stepper, const TimeGrid& grid, const Initial& initial, const ForceAtStep& load,
               const StepObserver& watch, Stops stops) {
   Rolling motion(stepper, initial, load);
   return integrate_with(
-      stepper, motion.integrator, steps, stops,
+      stepper, grid, motion.integrator, stops,
       [&](int k) -> contact::ContactState& { return motion.contact(k); }, motion.acting,
       watch ? watch : [](const Frame&) {});
 }
 
-int integrate_choosing(const Stepper& stepper, const Initial& initial, const ForceAtStep& load,
-                       StepControl& control, const StepObserver& watch, Stops stops) {
-  TimeGrid grid = stepper.grid(); // the same steps
-  grid.clear();
+TimeGrid integrate_choosing(const Stepper& stepper, const Initial& initial, const ForceAtStep& load,
+                            StepControl& control, const StepObserver& watch, Stops stops) {
   Rolling motion(stepper, initial, load);
   TimeIntegrator& integrator = motion.integrator;
   const State& state = integrator.state();
@@ -141,30 +141,28 @@ int integrate_choosing(const Stepper& stepper, const Initial& initial, const For
       watch(frame);
   };
   const auto advance = [&] {
-    grid.add(control.level());
-    const int k = grid.steps();
-    integrator.advance();
-    return Frame{k,       integrator.y0(), integrator.v0(),   motion.acting,
-                 state.y, state.v,         motion.contact(k), false};
+    const TimeStep step = control.next_step();
+    integrator.advance(step);
+    return Frame{step,    integrator.y0(), integrator.v0(),        motion.acting,
+                 state.y, state.v,         motion.contact(step.k), false};
   };
   integrator.restart();
   set_initial_gaps(stepper, state.y, motion.contact(0));
   control.start(state.y, state.v, load);
   bool last = stopped();
-  show({0, nullptr, nullptr, {}, state.y, state.v, motion.contact(0), last});
+  show({{.tau = stepper.first_length()}, nullptr, nullptr, {}, state.y, state.v, motion.contact(0), last});
   while (!last) {
     const Frame made = advance();
     if (!control.accepts(made)) {
-      grid.remove();
       integrator.take_back();
       continue;
     }
-    last = grid.complete() || stopped();
+    last = control.steps().complete() || stopped();
     Frame frame = made;
     frame.last = last;
     show(frame);
   }
-  return grid.steps();
+  return control.steps().grid();
 }
 
 } // namespace signorini::forward

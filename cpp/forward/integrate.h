@@ -19,7 +19,7 @@ struct Initial {
 /// State of a motion at t_k, with the step k that led to it. Frame 0 is the initial state: it has no step,
 /// and the vectors of one are null. Valid only during the call of the observer.
 struct Frame {
-  int k;
+  TimeStep step;
   Vec y0, v0;      ///< at t_{k−1}
   NodalForce load; ///< f_k + s u_k
   Vec y1, v1;      ///< at t_k
@@ -32,22 +32,24 @@ using StepObserver = std::function<void(const Frame&)>;
 /// Whether a request to stop ends a motion.
 enum class Stops { obeyed, ignored };
 
-/// Makes `steps` steps from the initial state and passes each frame to `watch` (which may be empty), storing
-/// no more than the last two states; ends early if a stop was requested and is obeyed. Returns the number of
-/// steps done. Collective. Throws SolverFailure naming the step.
-int integrate(const Stepper& stepper, const Initial& initial, const ForceAtStep& load, int steps,
+/// Makes the steps of `grid` from the initial state and passes each frame to `watch` (which may be empty),
+/// storing no more than the last two states; ends early if a stop was requested and is obeyed. Returns the
+/// number of steps done. Collective. Throws SolverFailure naming the step.
+int integrate(const Stepper& stepper, const TimeGrid& grid, const Initial& initial, const ForceAtStep& load,
               const StepObserver& watch, Stops stops = Stops::obeyed);
 
 class StepControl;
 
-/// Likewise to the end of the motion, with steps whose lengths `control` chooses: they become those of the
-/// stepper's grid, in place of any that it had. `watch` sees none that is made again.
-int integrate_choosing(const Stepper& stepper, const Initial& initial, const ForceAtStep& load,
-                       StepControl& control, const StepObserver& watch, Stops stops = Stops::obeyed);
+/// Integrates to the end of the motion with steps whose lengths `control` chooses; returns these, which are
+/// incomplete if a stop was requested and is obeyed. `watch` sees no step that is repeated. Collective.
+/// Throws SolverFailure naming the step.
+[[nodiscard]] TimeGrid integrate_choosing(const Stepper& stepper, const Initial& initial,
+                                          const ForceAtStep& load, StepControl& control,
+                                          const StepObserver& watch, Stops stops = Stops::obeyed);
 
-/// Likewise, with the steps of `integrator` from t_0 on. `acting` and `contact(k)` refer to the load and the
-/// contact of the integrator's last step.
-int integrate_with(const Stepper& stepper, TimeIntegrator& integrator, int steps, Stops stops,
+/// Makes the steps of `grid` by `integrator` from t_0 on, as integrate() does. `acting` and `contact(k)`
+/// refer to the load and the contact of the integrator's last step.
+int integrate_with(const Stepper& stepper, const TimeGrid& grid, TimeIntegrator& integrator, Stops stops,
                    const std::function<contact::ContactState&(int k)>& contact, const NodalForce& acting,
                    const StepObserver& watch);
 

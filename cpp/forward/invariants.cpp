@@ -43,7 +43,7 @@ void Invariants::observe(const Frame& frame, const StepBalance& balance) {
       forces_);
   const double length = stepper_.space().mesh().diameter();
   const contact::ContactState& state = frame.contact;
-  const double unit = frame.k > 0 ? stepper_.grid().scheme(frame.k).impulse() : 1; // of λ by forces
+  const double unit = frame.step.k > 0 ? frame.step.scheme().impulse() : 1; // of λ by forces
   for (double lambda : state.lambda)
     contact_force_ = std::max(contact_force_, std::abs(lambda) / unit);
   const double scale = std::max(contact_force_, std::sqrt(2 * energy_ * mass_) / crossing_);
@@ -55,7 +55,7 @@ void Invariants::observe(const Frame& frame, const StepBalance& balance) {
   for (std::size_t j = 0; j < now_.size(); ++j)
     if (worse(now_[j], defects_[j].worst)) {
       defects_[j].worst = now_[j];
-      defects_[j].step = frame.k;
+      defects_[j].step = frame.step.k;
     }
 }
 

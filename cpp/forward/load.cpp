@@ -31,10 +31,10 @@ SumAtStep<Part>::SumAtStep(const fem::Space& space, std::initializer_list<const 
 }
 
 template <class Part>
-Part SumAtStep<Part>::at(int k) const {
+Part SumAtStep<Part>::at(const TimeStep& step) const {
   const Part sum{{zeroed(density_), zeroed(vector_)}};
   for (const StepByStep<Part>* term : terms_)
-    term->add(k, sum);
+    term->add(step, sum);
   return sum;
 }
 
@@ -57,8 +57,8 @@ void assemble(Functional functional, const fem::Operators& operators, Vec out) {
     check(VecAXPY(out, 1, functional.vector));
 }
 
-SceneLoad::SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, TimeGrid grid)
-    : space_(space), grid_(grid) {
+SceneLoad::SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, double end)
+    : space_(space), end_(end) {
   if (scene.body)
     body_.emplace(term(*scene.body, "load.body"));
   const auto add = [&](Term made, Mat product) {
@@ -80,8 +80,7 @@ SceneLoad::SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, T
 }
 
 SceneLoad::Term SceneLoad::term(const scene::Components& components, const std::string& key) const {
-  Term made{{space_.comm(), scene::Field(components, key, true), space_.points(), grid_.end()},
-            space_.vector()};
+  Term made{{space_.comm(), scene::Field(components, key, true), space_.points(), end_}, space_.vector()};
   if (!made.profile.field().depends_on_time()) {
     ++evaluations;
     space_.interpolate(made.profile.field(), 0, made.nodal);
@@ -94,10 +93,10 @@ void SceneLoad::multiply(const Term& term) {
     check(MatMult(term.product, term.nodal, term.force));
 }
 
-void SceneLoad::add_term(const Term& term, int k, Vec out) const {
+void SceneLoad::add_term(const Term& term, const TimeStep& step, Vec out) {
   if (term.profile.field().depends_on_time()) {
     ++evaluations;
-    term.profile.mean(grid_.time(k - 1), grid_.time(k), petsc::WriteArray(term.nodal));
+    term.profile.mean(step.begin, step.end, petsc::WriteArray(term.nodal));
     multiply(term);
   }
   check(VecAXPY(out, 1, term.product ? term.force : term.nodal));
@@ -145,11 +144,11 @@ double SceneLoad::surface_bytes() const {
   return sum;
 }
 
-void SceneLoad::add(int k, NodalForce sum) const {
+void SceneLoad::add(const TimeStep& step, NodalForce sum) const {
   if (body_)
-    add_term(*body_, k, sum.density);
+    add_term(*body_, step, sum.density);
   for (const Term& term : forces_)
-    add_term(term, k, sum.vector);
+    add_term(term, step, sum.vector);
 }
 
 } // namespace signorini::forward

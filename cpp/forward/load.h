@@ -23,7 +23,8 @@ struct NodalForce : Functional {};
 /// The derivative of a function of the states with respect to one of them, such as ∂J/∂y_k.
 struct StateDual : Functional {};
 
-/// Forces, or duals of states, of the steps k = 1…N. All members collective.
+/// Forces of the steps k = 1…N, or duals of the states k = 0…N, each given by the step that leads to it. All
+/// members collective.
 template <class Part>
 class StepByStep {
 public:
@@ -31,8 +32,8 @@ public:
   /// Whether any step has such a part; if none has, add() leaves that part of `sum` alone.
   [[nodiscard]] virtual bool has_density() const = 0;
   [[nodiscard]] virtual bool has_vector() const = 0;
-  /// Adds the force or dual of step k to `sum`.
-  virtual void add(int k, Part sum) const = 0;
+  /// Adds the force or dual of a step to `sum`.
+  virtual void add(const TimeStep& step, Part sum) const = 0;
   /// ∫ |f − f̄| dt between two times (s), f̄ the mean there, over ∫ |f| dt of the motion; 0 of what is constant
   /// or no function of time. Collective.
   [[nodiscard]] virtual double variation(double from, double to) const {
@@ -52,8 +53,8 @@ public:
   SumAtStep(const fem::Space& space, std::initializer_list<const StepByStep<Part>*> terms);
   SumAtStep(const fem::Space& space, const StepByStep<Part>& term) : SumAtStep(space, {&term}) {}
 
-  /// The sum at step k; valid until the next call.
-  [[nodiscard]] Part at(int k) const;
+  /// The sum at a step; valid until the next call.
+  [[nodiscard]] Part at(const TimeStep& step) const;
   /// The largest variation of a term.
   [[nodiscard]] double variation(double from, double to) const;
 
@@ -72,8 +73,8 @@ void assemble(Functional functional, const fem::Operators& operators, Vec out);
 class Displacements {
 public:
   virtual ~Displacements() = default;
-  /// y_k, valid until the next is asked for. Collective.
-  [[nodiscard]] virtual Vec y(int k) const = 0;
+  /// y_k at the end of a step, valid until the next is asked for. Collective.
+  [[nodiscard]] virtual Vec y(const TimeStep& step) const = 0;
 };
 
 /// The body force, the weight and the tractions of a scene, each by its exact mean over a step; evaluated
@@ -81,13 +82,13 @@ public:
 class SceneLoad final : public Load {
 public:
   /// `M`: the mass matrix by which gravity acts, and inertia too: then a free body falls without strain.
-  /// Collective. The references must outlive this object. Throws UserError.
-  SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, TimeGrid grid);
+  /// `end`: of the motion, s. Collective. The references must outlive this object. Throws UserError.
+  SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, double end);
 
   [[nodiscard]] bool has_density() const override { return body_.has_value(); }
   [[nodiscard]] bool has_vector() const override { return !forces_.empty(); }
-  /// Adds the mean of f over step k.
-  void add(int k, NodalForce sum) const override;
+  /// Adds the mean of f over the step.
+  void add(const TimeStep& step, NodalForce sum) const override;
 
   /// Whether any part of it is evaluated in every step.
   [[nodiscard]] bool depends_on_time() const;
@@ -110,13 +111,13 @@ private:
   /// Evaluated unless it depends on time.
   [[nodiscard]] Term term(const scene::Components& components, const std::string& key) const;
   static void multiply(const Term& term);
-  void add_term(const Term& term, int k, Vec out) const;
+  static void add_term(const Term& term, const TimeStep& step, Vec out);
   /// Calls visit(term) for all.
   template <class Visit>
   void for_each(Visit&& visit) const;
 
   const fem::Space& space_;
-  TimeGrid grid_;
+  double end_; ///< of the motion, s
   std::optional<Term> body_;
   std::vector<Term> forces_; ///< of gravity and tractions
 };

@@ -37,9 +37,8 @@ bool PrescribedMotion::in(const std::vector<scene::Clamp>& clamps) {
   return std::ranges::any_of(clamps, moves);
 }
 
-PrescribedMotion::PrescribedMotion(const fem::Space& space, const std::vector<scene::Clamp>& clamps,
-                                   TimeGrid grid)
-    : space_(space), grid_(grid) {
+PrescribedMotion::PrescribedMotion(const fem::Space& space, const std::vector<scene::Clamp>& clamps)
+    : space_(space) {
   for (std::size_t i = 0; i < clamps.size(); ++i)
     if (moves(clamps[i])) {
       const std::string key = scene::clamp_key(clamps, i);
@@ -65,9 +64,8 @@ PrescribedMotion::At PrescribedMotion::storage() const {
   return at;
 }
 
-void PrescribedMotion::evaluate(int k, At& at) const {
-  const double t = grid_.time(k),
-               reach = k == 0 ? grid_.first_length() : -grid_.length(k); // keeps times within the run
+void PrescribedMotion::evaluate(const TimeStep& step, At& at) const {
+  const double t = step.end, reach = step.k == 0 ? step.tau : -step.tau; // keeps times within the run
   if (at.t >= 0 && (at_rest_ || (at.t == t && at.reach == reach))) {
     at.reach = reach;
     return;

@@ -13,7 +13,7 @@ namespace signorini::forward {
 class PrescribedMotion {
 public:
   /// Throws UserError.
-  PrescribedMotion(const fem::Space& space, const std::vector<scene::Clamp>& clamps, TimeGrid grid);
+  PrescribedMotion(const fem::Space& space, const std::vector<scene::Clamp>& clamps);
 
   /// Whether any of the clamps moves.
   [[nodiscard]] static bool in(const std::vector<scene::Clamp>& clamps);
@@ -25,8 +25,8 @@ public:
     petsc::Vector position, velocity, force, driving;
   };
   [[nodiscard]] At storage() const;
-  /// Evaluates them at t_k. Collective. Throws UserError where they are not finite.
-  void evaluate(int k, At& at) const;
+  /// Evaluates them at the end of a step, or at t_0. Collective. Throws UserError where they are not finite.
+  void evaluate(const TimeStep& step, At& at) const;
 
   /// Puts the motion of a step into the right-hand side `r` of the system with decoupled D: adds the force −D
   /// γ on the free dofs, where `D` is the one before its clamped dofs were decoupled, and sets the `clamped`
@@ -50,7 +50,6 @@ private:
   void for_each_dof(Visit&& visit) const;
 
   const fem::Space& space_;
-  TimeGrid grid_;
   std::vector<Clamp> clamps_;
   bool at_rest_; ///< γ does not depend on time
 };

@@ -47,7 +47,7 @@ void MotionSummary::observe(const Frame& frame, const StepBalance& balance, cons
   energy_.kinetic_at_end = balance.kinetic_energy;
   energy_.elastic_at_end = balance.elastic_energy;
   const std::array<double, 3> before = std::exchange(momentum_, balance.momentum);
-  const auto note_gap = [t = stepper_.grid().time(frame.k)](const ObstacleForce& now, Touch& touch) {
+  const auto note_gap = [t = frame.step.end](const ObstacleForce& now, Touch& touch) {
     if (now.min_gap < touch.least_gap) {
       touch.least_gap = now.min_gap;
       touch.least_gap_time = t;
@@ -56,7 +56,7 @@ void MotionSummary::observe(const Frame& frame, const StepBalance& balance, cons
   for (std::size_t i = 0; i < impact_.obstacles.size(); ++i)
     note_gap(forces.each()[i], impact_.obstacles[i]);
   note_gap(forces.all(), impact_.all);
-  if (frame.k == 0) {
+  if (frame.step.k == 0) {
     energy_.kinetic_at_start = balance.kinetic_energy;
     energy_.elastic_at_start = balance.elastic_energy;
     return;
@@ -77,15 +77,12 @@ void MotionSummary::observe(const Frame& frame, const StepBalance& balance, cons
     take(frame, forces.each()[i], impact_.obstacles[i], last_[i]);
   take(frame, forces.all(), impact_.all, last_.back());
   for (std::size_t i = 0; i < records_.size(); ++i)
-    records_[i].add(stepper_.grid().time(frame.k), last_[i].normal_force);
+    records_[i].add(frame.step.end, last_[i].normal_force);
 }
 
 void MotionSummary::rebound(const Frame& frame, const ObstacleForce& now, const std::array<double, 3>& before,
                             const std::array<double, 3>& after) {
-  const TimeGrid& grid = stepper_.grid();
-  const auto begun = [&] {
-    return Rebound{.start = grid.time(frame.k - 1), .before = over(before, impact_.mass)};
-  };
+  const auto begun = [&] { return Rebound{.start = frame.step.begin, .before = over(before, impact_.mass)}; };
   if (touches_.empty())
     impact_.whole = begun();
   if (parted_) { // before a step that closes a gap without a force, too
@@ -94,7 +91,7 @@ void MotionSummary::rebound(const Frame& frame, const ObstacleForce& now, const 
   }
   Rebound& touch = touches_.back();
   for (Rebound* one : {&impact_.whole, &touch}) {
-    one->end = grid.time(frame.k);
+    one->end = frame.step.end;
     one->after = over(after, impact_.mass);
     one->impulse = now.impulse;
   }
@@ -106,8 +103,7 @@ void MotionSummary::rebound(const Frame& frame, const ObstacleForce& now, const 
 }
 
 void MotionSummary::take(const Frame& frame, const ObstacleForce& now, Touch& touch, Last& last) const {
-  const TimeGrid& grid = stepper_.grid();
-  const double tau = grid.length(frame.k), earlier = grid.time(frame.k - 1);
+  const double tau = frame.step.tau, earlier = frame.step.begin;
   std::array<double, 3> mean{};
   for (std::size_t c = 0; c < 3; ++c)
     mean[c] = (last.force[c] + now.force[c]) / 2;
@@ -129,7 +125,7 @@ void MotionSummary::take(const Frame& frame, const ObstacleForce& now, Touch& to
     return;
   if (!touch.occurred())
     touch.start = earlier;
-  touch.end = grid.time(frame.k);
+  touch.end = frame.step.end;
   touch.contact_time += tau;
 }
 

@@ -30,7 +30,7 @@ void ObstacleForces::observe(const Frame& frame) {
     return;
   const contact::ContactPairs& pairs = *stepper_.pairs();
   const auto dim = static_cast<std::size_t>(pairs.dim());
-  const double impulse = stepper_.grid().scheme(frame.k).impulse();
+  const double impulse = frame.step.scheme().impulse();
   for (std::size_t i = 0; i < frame.contact.lambda.size(); ++i) {
     const double modulus = frame.contact.lambda[i] / impulse;
     for (ObstacleForce* one : {&each_[static_cast<std::size_t>(pairs.obstacles()[i])], &all_}) {
@@ -41,7 +41,7 @@ void ObstacleForces::observe(const Frame& frame) {
       one->min_gap = std::min(one->min_gap, frame.contact.gap[i]);
     }
   }
-  const double tau = stepper_.grid().length(frame.k);
+  const double tau = frame.step.tau;
   add_impulse(all_, tau);
   for (ObstacleForce& one : each_)
     add_impulse(one, tau);

@@ -23,14 +23,6 @@ struct ParameterRates::Rate {
   [[nodiscard]] bool turns() const { return pairs && !pairs->normals.empty(); }
 };
 
-namespace {
-
-bool any_massless(const scene::Scene& scene) {
-  return std::ranges::any_of(scene.contacts, &scene::Contact::massless);
-}
-
-} // namespace
-
 ParameterRates::ParameterRates(const Stepper& stepper, const scene::Scene& scene,
                                std::span<const double> values)
     : stepper_(stepper), zeta_(stepper.pairs() ? static_cast<std::size_t>(stepper.pairs()->count()) : 0),
@@ -84,7 +76,7 @@ void ParameterRates::add_material(const scene::Scene& scene, const scene::Unknow
     rate.B = fem::symmetric_half(assembled(unknown.of == bulk ? fem::Form::b_kappa : fem::Form::b_eta));
   else {
     petsc::Matrix M = assembled(fem::Form::m_rho);
-    if (any_massless(scene))
+    if (scene::takes_mass(stepper_.contact_scheme()))
       M = contact::massless(stepper_.space(), *stepper_.pairs(), contact::massless_obstacles(scene.contacts),
                             M);
     rate.M = fem::symmetric_half(M);
@@ -97,7 +89,7 @@ void ParameterRates::add_gravity(const scene::Scene& scene, Rate& rate) const {
     return;
   scene::Load gravity;
   gravity.gravity = scene.load->gravity;
-  rate.load.emplace(stepper_.space(), rate.M, gravity, stepper_.grid());
+  rate.load.emplace(stepper_.space(), rate.M, gravity, stepper_.end());
   rate.force.emplace(stepper_.space(), *rate.load);
 }
 
@@ -159,7 +151,7 @@ void ParameterRates::add_load(const scene::Scene& scene, const scene::Unknown& u
   else
     std::ranges::copy_if(scene.load->tractions, std::back_inserter(load.tractions),
                          [&](const scene::Traction& one) { return scene::scales(unknown, one); });
-  rate.load.emplace(stepper_.space(), stepper_.M(), load, stepper_.grid());
+  rate.load.emplace(stepper_.space(), stepper_.M(), load, stepper_.end());
   rate.force.emplace(stepper_.space(), *rate.load);
 }
 
@@ -167,30 +159,30 @@ bool ParameterRates::turn() const {
   return std::ranges::any_of(rates_, [](const auto& rate) { return rate->turns(); });
 }
 
-void ParameterRates::set(const StepMade& step) {
-  made_.emplace(step);
-  const Scheme scheme = stepper_.grid().scheme(step.k);
-  check(VecWAXPY(sum_, 1, step.from.y, step.to.y));
-  check(VecWAXPY(difference_, -1, step.from.y, step.to.y));
-  jumps_ = stepper_.predictor() && !step.contact.predictor.empty();
-  Vec momentum = step.from.v;
+void ParameterRates::set(const StepMade& made) {
+  made_.emplace(made);
+  const Scheme scheme = made.step.scheme();
+  check(VecWAXPY(sum_, 1, made.from.y, made.to.y));
+  check(VecWAXPY(difference_, -1, made.from.y, made.to.y));
+  jumps_ = stepper_.predictor() && !made.contact.predictor.empty();
+  Vec momentum = made.from.v;
   if (jumps_) { // z − x, by the update of the velocity
-    check(VecWAXPY(jump_, 1, step.from.v, step.to.v));
+    check(VecWAXPY(jump_, 1, made.from.v, made.to.v));
     check(VecAYPX(jump_, -1 / scheme.rate(), difference_));
     stepper_.clamped().clear(jump_);
     check(VecWAXPY(inertia_, scheme.jump_rate(), jump_, momentum));
     momentum = inertia_;
   }
   if (motion_) {
-    stepper_.motion()->evaluate(step.k, *motion_);
-    momentum = stepper_.motion()->driving(*motion_, step.from.y, momentum);
+    stepper_.motion()->evaluate(made.step, *motion_);
+    momentum = stepper_.motion()->driving(*motion_, made.from.y, momentum);
   }
   check(VecAXPBY(inertia_, scheme.momentum(), 0, momentum));
   check(VecAXPY(inertia_, -1, difference_));
   if (jumps_ && turn()) {
     check(MatMult(stepper_.M(), jump_, work_));
     check(VecScale(work_, -1)); // N ζ = −M j
-    contact::NormalOperator(*stepper_.pairs()).forces(step.contact.predictor, work_, zeta_);
+    contact::NormalOperator(*stepper_.pairs()).forces(made.contact.predictor, work_, zeta_);
   }
 }
 
@@ -207,13 +199,13 @@ void ParameterRates::for_each_product(const Rate& rate, const Scheme& scheme, Ad
 
 void ParameterRates::add_source(std::size_t j, Vec sum) const {
   const Rate& rate = *rates_[j];
-  const Scheme scheme = stepper_.grid().scheme(made_->k);
+  const Scheme scheme = made_->step.scheme();
   for_each_product(rate, scheme, [&](Mat matrix, double factor, Vec x) {
     check(MatMult(matrix, x, work_));
     check(VecAXPY(sum, factor, work_));
   });
   if (rate.force) {
-    assemble(rate.force->at(made_->k), stepper_.operators(), work_);
+    assemble(rate.force->at(made_->step), stepper_.operators(), work_);
     check(VecAXPY(sum, scheme.impulse(), work_));
   }
   if (rate.turns())
@@ -222,14 +214,14 @@ void ParameterRates::add_source(std::size_t j, Vec sum) const {
 
 double ParameterRates::pairing(std::size_t j, Vec p) const {
   const Rate& rate = *rates_[j];
-  const Scheme scheme = stepper_.grid().scheme(made_->k);
+  const Scheme scheme = made_->step.scheme();
   double sum = 0;
   for_each_product(rate, scheme, [&](Mat matrix, double factor, Vec x) {
     check(MatMult(matrix, x, work_));
     sum += factor * petsc::dot(p, work_);
   });
   if (rate.force) {
-    const NodalForce force = rate.force->at(made_->k);
+    const NodalForce force = rate.force->at(made_->step);
     if (force.density) {
       check(MatMult(*stepper_.operators().W, force.density, work_));
       sum += scheme.impulse() * petsc::dot(p, work_);
@@ -249,7 +241,7 @@ bool ParameterRates::constraint(std::size_t j, std::span<double> c) const {
   Rate& rate = *rates_[j];
   if (!rate.pairs)
     return false;
-  stepper_.pairs()->set_time(rate.obstacle, rate.obstacle_rate, stepper_.grid().time(made_->k), *rate.pairs);
+  stepper_.pairs()->set_time(rate.obstacle, rate.obstacle_rate, made_->step.end, *rate.pairs);
   std::ranges::copy(rate.pairs->psi, c.begin());
   if (rate.turns()) {
     contact::NormalOperator(*stepper_.pairs())
@@ -275,7 +267,7 @@ bool ParameterRates::predictor(std::size_t j, Vec r, std::span<double> e) const 
   if (rate.turns()) { // ν·z in place of ν·y_k, z = y + τ v + j
     const contact::NormalOperator N(*stepper_.pairs());
     N.add_along(-1, zeta_, rate.pairs->directions, r);
-    check(VecWAXPY(work_, stepper_.grid().length(made_->k), made_->from.v, made_->from.y));
+    check(VecWAXPY(work_, made_->step.tau, made_->from.v, made_->from.y));
     check(VecAXPY(work_, 1, jump_));
     N.components_along(rate.pairs->normals, work_, components_);
     for (std::size_t i = 0; i < e.size(); ++i)

@@ -10,7 +10,7 @@ namespace signorini::forward {
 
 /// A step that was made, as its derivatives by parameters need it.
 struct StepMade {
-  int k;
+  TimeStep step;
   Motion from, to;
   const contact::ContactSets& contact;
   std::span<const double> lambda; ///< λ_k (m); read only where a parameter turns normals
@@ -33,7 +33,7 @@ public:
   /// Whether λ_k is needed: normals turn.
   [[nodiscard]] bool turn() const;
   /// Takes the step that all others refer to; valid until the next, as long as its vectors do not change.
-  void set(const StepMade& step);
+  void set(const StepMade& made);
 
   /// sum += s_kj.
   void add_source(std::size_t j, Vec sum) const;

@@ -33,7 +33,7 @@ void Passage::observe(const Frame& frame) {
   if (!pairs)
     return;
   std::swap(now_, before_);
-  const std::span<const double> psi = pairs->psi(stepper_.grid().time(frame.k), *now_);
+  const std::span<const double> psi = pairs->psi(frame.step.end, *now_);
   const auto dim = static_cast<std::size_t>(pairs->dim());
   struct Approach {
     double body = 0, gap = std::numeric_limits<double>::infinity(), depth = 0; ///< m
@@ -53,7 +53,7 @@ void Passage::observe(const Frame& frame) {
       one.depth = depth_along(&pairs->normals()[dim * i], stepper_.space().mesh().extent(), dim);
     }
   }
-  for (std::size_t o = 0; frame.k > 0 && o < all.size(); ++o) {
+  for (std::size_t o = 0; frame.step.k > 0 && o < all.size(); ++o) {
     const Approach& one = all[o];
     const contact::Obstacle::Place &from = before_->place[o], &to = now_->place[o];
     const double way = std::hypot(to.point[0] - from.point[0], to.point[1] - from.point[1],
@@ -61,7 +61,7 @@ void Passage::observe(const Frame& frame) {
                  path = one.body + std::max(way, one.level),
                  depth = one.shape->surrounds() ? one.depth : std::min(one.depth, 2 * to.radius);
     if (path > most * depth && one.gap < path && path / depth > worst_[o].share)
-      worst_[o] = {path / depth, path, depth, frame.k};
+      worst_[o] = {path / depth, path, depth, frame.step};
   }
 }
 
@@ -75,8 +75,8 @@ std::vector<Warning> Passage::warnings() const {
                "{}: in the step to t = {:.6g} s the obstacle and the body approach by {:.3g} m, {:.3g} "
                "times the {:.3g} m that the thinner one is deep: what happens within the step is "
                "not seen, and one may pass through the other; let time.step be below {:.2g} s",
-               stepper_.pairs()->key(static_cast<int>(o)), stepper_.grid().time(worst.step), worst.path,
-               worst.share, worst.depth, stepper_.grid().length(worst.step) * most / worst.share),
+               stepper_.pairs()->key(static_cast<int>(o)), worst.step.end, worst.path, worst.share,
+               worst.depth, worst.step.tau * most / worst.share),
            worst.share, most});
   return found;
 }

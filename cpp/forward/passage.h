@@ -23,7 +23,7 @@ public:
 private:
   struct Worst {
     double share = 0, path = 0, depth = 0; ///< of the depth; m
-    int step = 0;
+    TimeStep step;
   };
   const Stepper& stepper_;
   std::optional<contact::ContactPairs::Gaps> now_, before_;

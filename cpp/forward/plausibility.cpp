@@ -55,19 +55,17 @@ void Plausibility::observe(const Frame& frame, const StepBalance* balance) {
   if (balance && balance->elastic_energy > energy_) {
     energy_ = balance->elastic_energy;
     check(VecCopy(frame.y1, strained_));
-    strained_at_ = frame.k;
+    strained_at_ = frame.step.end;
   }
-  const TimeGrid& grid = stepper_.grid();
   constexpr double rounding = 1e-9;
-  const int part = static_cast<int>(looks * grid.time(frame.k) / grid.end() + rounding) + 1;
+  const int part = static_cast<int>(looks * frame.step.end / stepper_.end() + rounding) + 1;
   if (part > looked_ || frame.last) {
     looked_ = part;
-    look(frame.y1, frame.k);
+    look(frame.y1, frame.step.end);
   }
 }
 
-void Plausibility::look(Vec y, int k) {
-  const double t = stepper_.grid().time(k);
+void Plausibility::look(Vec y, double t) {
   const fem::Deformation now = fem::deformation(stepper_.space(), y);
   const auto take = [t](Worst& worst, double value, const std::array<double, 3>& at, double limit) {
     if (value > limit)
@@ -79,12 +77,11 @@ void Plausibility::look(Vec y, int k) {
   take(rotation_, now.rotation.value, now.rotation.at, small_rotation);
   take(inverted_, static_cast<double>(now.inverted), {}, 0);
   if (stepper_.pairs())
-    look_at_contact(y, k);
+    look_at_contact(y, t);
 }
 
-void Plausibility::look_at_contact(Vec y, int k) {
+void Plausibility::look_at_contact(Vec y, double t) {
   const contact::ContactPairs& pairs = *stepper_.pairs();
-  const double t = stepper_.grid().time(k);
   contact::NormalOperator(pairs).gap(pairs.psi(t, *psi_), y, gaps_);
   const auto dim = static_cast<std::size_t>(pairs.dim());
   Row slip{}, gap{};

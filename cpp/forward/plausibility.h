@@ -38,8 +38,9 @@ private:
     double passed = std::numeric_limits<double>::infinity();
   };
 
-  void look(Vec y, int k);
-  void look_at_contact(Vec y, int k);
+  /// `t`: time of the state, s.
+  void look(Vec y, double t);
+  void look_at_contact(Vec y, double t);
   void add_of_mesh(std::vector<Warning>& warnings) const;
   [[nodiscard]] std::string where(const Worst& worst) const;
   [[nodiscard]] static std::string since(const Worst& worst);
@@ -49,7 +50,7 @@ private:
   int looked_ = 0;         ///< parts of the time of which a frame has been checked
   petsc::Vector strained_; ///< y at the largest elastic energy so far
   double energy_ = 0;
-  int strained_at_ = -1;
+  double strained_at_ = -1; ///< s; < 0: never
   Worst strain_, rotation_, inverted_, slip_, gap_;
   std::vector<double> gaps_; ///< (m)
   std::optional<contact::ContactPairs::Gaps> psi_;

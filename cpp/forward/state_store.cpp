@@ -114,9 +114,9 @@ struct StateStoreFactory::Pool {
 
 class StateStoreFactory::Checkpoints final : public StateStore {
 public:
-  Checkpoints(const Stepper& stepper, int steps, std::shared_ptr<Pool> pool, TimeIntegrator& integrator,
-              Timers& timers)
-      : stepper_(stepper), steps_(steps), pool_(std::move(pool)), integrator_(integrator), timers_(timers) {}
+  Checkpoints(const Stepper& stepper, const TimeGrid& grid, std::shared_ptr<Pool> pool,
+              TimeIntegrator& integrator, Timers& timers)
+      : stepper_(stepper), grid_(grid), pool_(std::move(pool)), integrator_(integrator), timers_(timers) {}
   ~Checkpoints() override {
     if (pool_->owner == this)
       pool_->owner = nullptr;
@@ -127,7 +127,7 @@ public:
     if (state.k == 0)
       pool_->release_beyond(0);
     went_back_ = false;
-    place(steps_);
+    place(grid_.steps());
   }
 
   View at(int k) override {
@@ -146,8 +146,8 @@ public:
     if (integrator_.state().k < k) {
       const auto timer = timers_.time(recomputing);
       for (; integrator_.state().k < k; ++recomputed) {
-        place(back ? k : steps_);
-        integrator_.advance();
+        place(back ? k : grid_.steps());
+        integrator_.advance(grid_.step(integrator_.state().k + 1));
       }
     }
     return {integrator_.state().y, integrator_.state().v};
@@ -169,16 +169,16 @@ private:
   }
 
   const Stepper& stepper_;
-  int steps_;
+  TimeGrid grid_;
   std::shared_ptr<Pool> pool_;
   TimeIntegrator& integrator_;
   Timers& timers_;
   bool went_back_ = false; ///< a reverse sweep is under way
 };
 
-StateStoreFactory::StateStoreFactory(const Stepper& stepper, const scene::Trajectory& scene, int steps,
-                                     double share, Timers& timers)
-    : stepper_(stepper), scene_(scene), steps_(steps), timers_(timers) {
+StateStoreFactory::StateStoreFactory(const Stepper& stepper, const TimeGrid& grid,
+                                     const scene::Trajectory& scene, double share, Timers& timers)
+    : stepper_(stepper), scene_(scene), grid_(grid), timers_(timers) {
   if (scene.storage != scene::Storage::checkpoints)
     return;
   const double one = State::bytes(stepper), room = share * scene.budget / one;
@@ -188,21 +188,21 @@ StateStoreFactory::StateStoreFactory(const Stepper& stepper, const scene::Trajec
                     "{:.3g} MB, and {}",
                     scene.budget, std::ceil(one / share), one * 1e-6,
                     share < 1 ? "the desired motion needs one of its own" : "there must be one"));
-  pool_ = std::make_shared<Pool>(static_cast<std::size_t>(std::min(room, std::max(steps - 1.0, 0.0))));
+  pool_ = std::make_shared<Pool>(static_cast<std::size_t>(std::min(room, std::max(grid.steps() - 1.0, 0.0))));
 }
 
 std::unique_ptr<StateStore> StateStoreFactory::place(TimeIntegrator& integrator, bool velocities) const {
   if (pool_)
-    return std::make_unique<Checkpoints>(stepper_, steps_, pool_, integrator, timers_);
+    return std::make_unique<Checkpoints>(stepper_, grid_, pool_, integrator, timers_);
   if (in_memory())
-    return std::make_unique<InMemory>(stepper_, steps_, velocities);
-  return std::make_unique<OnDisk>(stepper_, steps_, velocities, timers_);
+    return std::make_unique<InMemory>(stepper_, grid_.steps(), velocities);
+  return std::make_unique<OnDisk>(stepper_, grid_.steps(), velocities, timers_);
 }
 
 double StateStoreFactory::bytes(bool velocities) const {
   return pool_ ? static_cast<double>(pool_->room) * State::bytes(stepper_)
                : (velocities ? 2 : 1) * sizeof(PetscScalar) * static_cast<double>(stepper_.space().dofs()) *
-                     (steps_ + 1.0);
+                     (grid_.steps() + 1.0);
 }
 
 } // namespace signorini::forward

@@ -30,14 +30,16 @@ public:
   /// `share` is the part of the scene's budget that these stores may use. Checkpoints belong to the store
   /// that was used last; those of the others are discarded. The references must outlive this object. Throws
   /// UserError if there is no room for one checkpoint.
-  StateStoreFactory(const Stepper& stepper, const scene::Trajectory& scene, int steps, double share,
-                    Timers& timers);
+  StateStoreFactory(const Stepper& stepper, const TimeGrid& grid, const scene::Trajectory& scene,
+                    double share, Timers& timers);
 
   /// A store for the states of one motion, that of `integrator`, which recomputes those that are not kept;
   /// `velocities`: v is wanted too. This object and the integrator must outlive it. Collective. Throws
   /// WriteFailure.
   [[nodiscard]] std::unique_ptr<StateStore> place(TimeIntegrator& integrator, bool velocities = false) const;
 
+  /// The steps of the motions.
+  [[nodiscard]] const TimeGrid& grid() const { return grid_; }
   [[nodiscard]] bool in_memory() const { return scene_.storage == scene::Storage::memory; }
   /// Memory or disk space on all ranks, bytes: of one motion's store, with `velocities` as in place(), or of
   /// all checkpoints, each of which has them. Collective.
@@ -51,7 +53,7 @@ private:
 
   const Stepper& stepper_;
   scene::Trajectory scene_;
-  int steps_;
+  TimeGrid grid_;
   Timers& timers_;
   std::shared_ptr<Pool> pool_; ///< null without checkpoints
 };

@@ -51,24 +51,28 @@ double shortest_step(const scene::Time& time, double wave_time) {
 } // namespace
 
 Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene,
-                 Needs needs, std::optional<TimeGrid> grid)
-    : space_(space), operators_(operators), wave_time_(forward::wave_time(space, scene)),
-      grid_(grid ? *grid : TimeGrid(scene.time, shortest_step(scene.time, wave_time_))),
-      clamped_(space, scene.clamps) {
+                 Needs needs)
+    : space_(space), operators_(operators), contact_scheme_(scene.contact_scheme()),
+      wave_time_(forward::wave_time(space, scene)),
+      ladder_(scene.time.automatic()
+                  ? std::optional<Ladder>(Ladder(scene.time, shortest_step(scene.time, wave_time_)))
+                  : std::nullopt),
+      end_(ladder_ ? ladder_->end : scene.time.steps * scene.time.step),
+      first_length_(ladder_ ? ladder_->shortest_step() : scene.time.step), clamped_(space, scene.clamps) {
   if (!scene.contacts.empty())
     pairs_.emplace(space, clamped_, scene.contacts, scene.time);
   scene::Solver solver = scene.solver;
   if (needs.iterative)
     solver.linear = scene::LinearMethod::iterative;
-  const double solves = needs.passes * grid_.steps(); // of unknown lengths 0
-  if (std::ranges::any_of(scene.contacts, &scene::Contact::massless))
+  const double solves = ladder_ ? 0 : needs.passes * scene.time.steps;
+  if (scene::takes_mass(contact_scheme_))
     move_mass(scene);
-  if (pairs_ && scene.time.stabilized())
+  if (pairs_ && contact_scheme_ == scene::ContactScheme::contact_stabilized)
     predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_, *pairs_, solver,
                        needs.sliding, solves);
   thread_products(M());
   if (PrescribedMotion::in(scene.clamps))
-    motion_.emplace(space, scene.clamps, grid_);
+    motion_.emplace(space, scene.clamps);
   lengths_.emplace(space, operators.A, clamped_, pairs(), solver, needs.sliding, solves, motion_.has_value(),
                    [this, &materials = scene.materials](double tau) {
                      petsc::Matrix D = fem::assemble_step_operator(space_, materials, tau);
@@ -78,7 +82,7 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
                      }
                      return D;
                    });
-  (void)of_length(grid_.first_length()); // fails here rather than in a step
+  (void)of_length(first_length_); // fails here rather than in a step
 }
 
 void Stepper::move_mass(const scene::Scene& scene) {
@@ -157,17 +161,17 @@ void set_velocity(const Scheme& scheme, Motion from, Vec jump, Motion to) {
 } // namespace
 
 void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) const {
-  const Scheme scheme = grid_.scheme(in.k);
+  const Scheme scheme = in.step.scheme();
   const StepOperators::OfLength& with = of_length(scheme.tau);
   const std::span<const double> psi =
-      pairs_ ? pairs_->psi(grid_.time(in.k), *work.gaps) : std::span<const double>();
+      pairs_ ? pairs_->psi(in.step.end, *work.gaps) : std::span<const double>();
   const Vec jump = predictor_
                        ? predictor_->jump(psi, predicted(scheme, in.from, work.work), in.previous.predictor,
                                           out.contact.predictor, *work.predictor)
                        : nullptr;
   Vec momentum = with_jump(in.from.v, scheme.jump_rate(), jump, work.moved);
   if (motion_) {
-    motion_->evaluate(in.k, *work.motion);
+    motion_->evaluate(in.step, *work.motion);
     momentum = motion_->driving(*work.motion, in.from.y, momentum);
   }
   right_hand_side(with.R, in.from.y, scheme.momentum(), momentum, scheme.impulse(), in.load, work);
@@ -238,7 +242,7 @@ void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactSets& contac
 
 Vec Stepper::linearised_right_hand_side(const LinearisedStep& step, const contact::ContactSets& contact,
                                         Workspace& work) const {
-  const Scheme scheme = grid_.scheme(step.k);
+  const Scheme scheme = step.scheme;
   const Vec jump =
       predictor_ ? predictor_->linearised_jump(contact.predictor, predicted(scheme, step.from, work.work),
                                                *work.predictor, step.predictor)
@@ -252,8 +256,8 @@ Vec Stepper::linearised_right_hand_side(const LinearisedStep& step, const contac
 void Stepper::linearised_step(const LinearisedStep& step, const contact::ContactSets& contact,
                               Workspace& work) const {
   const Vec jump = linearised_right_hand_side(step, contact, work);
-  solve_sliding(grid_.length(step.k), contact.active, step.normal, step.to.y, work);
-  set_velocity(grid_.scheme(step.k), step.from, jump, step.to);
+  solve_sliding(step.scheme.tau, contact.active, step.normal, step.to.y, work);
+  set_velocity(step.scheme, step.from, jump, step.to);
   ++linearised_steps;
 }
 
@@ -261,10 +265,10 @@ void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactSets& c
                              Workspace& work) const {
   const Vec jump = linearised_right_hand_side(step, contact, work);
   if (!contact.weak.empty())
-    solve_one_sided(grid_.scheme(step.k), contact, step.to.y, work);
+    solve_one_sided(step.scheme, contact, step.to.y, work);
   else
-    solve_sliding(grid_.length(step.k), contact.active, step.normal, step.to.y, work);
-  set_velocity(grid_.scheme(step.k), step.from, jump, step.to);
+    solve_sliding(step.scheme.tau, contact.active, step.normal, step.to.y, work);
+  set_velocity(step.scheme, step.from, jump, step.to);
   ++linearised_steps;
 }
 
@@ -274,11 +278,12 @@ Vec Stepper::transposed_right_hand_side(const AdjointStep& step, double rate, Wo
     clamped_.clear(work.r);
     return nullptr;
   }
-  const Scheme later = grid_.scheme(step.k + 1);
+  const Scheme later = step.next->scheme;
   Vec jump = nullptr;
-  if (predictor_ && !step.next->predictor.empty()) {
+  if (predictor_ && !step.next->contact.predictor.empty()) {
     check(VecWAXPY(work.work, -later.rate(), step.omega, step.p_next));
-    jump = predictor_->linearised_jump(step.next->predictor, work.work, *work.predictor, step.predictor);
+    jump =
+        predictor_->linearised_jump(step.next->contact.predictor, work.work, *work.predictor, step.predictor);
   }
   {
     const petsc::ReadArray p(step.p_next);
@@ -299,9 +304,8 @@ Vec Stepper::transposed_right_hand_side(const AdjointStep& step, double rate, Wo
 }
 
 Vec Stepper::adjoint_step(const AdjointStep& step, Workspace& work) const {
-  const Scheme scheme = grid_.scheme(step.k);
-  const Vec jump = transposed_right_hand_side(step, scheme.rate(), work);
-  solve_sliding(scheme.tau, step.contact.active, step.normal, step.p, work);
+  const Vec jump = transposed_right_hand_side(step, step.step.scheme.rate(), work);
+  solve_sliding(step.step.scheme.tau, step.step.contact.active, step.normal, step.p, work);
   ++adjoint_steps;
   return jump;
 }

@@ -17,7 +17,7 @@ struct Motion {
 
 /// What step k starts from.
 struct StepInput {
-  int k;
+  TimeStep step;
   Motion from;                          ///< at t_{k−1}
   NodalForce load;                      ///< f_k + s u_k
   const contact::ContactSets& previous; ///< contact at t_{k−1}
@@ -32,7 +32,7 @@ struct StepOutput {
 
 /// A linearised step of (δy, δv) under δload on the active set of `contact`, that of step k.
 struct LinearisedStep {
-  int k;
+  Scheme scheme;
   Motion from;
   NodalForce load;
   Motion to;                              ///< as in StepOutput
@@ -40,11 +40,16 @@ struct LinearisedStep {
   const Predictor::Guide* predictor = {}; ///< of δz, null: none
 };
 
+/// What the derivative of a step depends on.
+struct StepContact {
+  Scheme scheme;
+  const contact::ContactSets& contact;
+};
+
 /// A transposed step, from step k + 1 to k.
 struct AdjointStep {
-  int k;
-  const contact::ContactSets& contact;    ///< of step k
-  const contact::ContactSets* next;       ///< of step k + 1, null at N
+  StepContact step;                       ///< k
+  std::optional<StepContact> next;        ///< k + 1, none at N
   StateDual derivative;                   ///< ∂J/∂y_k
   Vec p_next;                             ///< p_{k+1}
   Vec omega;                              ///< ω_{k+1} on entry, ω_k on return
@@ -65,28 +70,31 @@ public:
     bool iterative = false; ///< as the run did that this one goes on with
   };
 
-  /// Assembles and factorises, for steps of `grid` or, without one, of the scene's length. Collective. The
-  /// references must outlive this object. Throws UserError, SolverFailure.
-  Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene, Needs needs,
-          std::optional<TimeGrid> grid = {});
+  /// Assembles and factorises for the first step. Collective. The references must outlive this object. Throws
+  /// UserError, SolverFailure.
+  Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene, Needs needs);
 
   Stepper(const Stepper&) = delete; // its parts refer to each other
   Stepper& operator=(const Stepper&) = delete;
 
-  [[nodiscard]] const TimeGrid& grid() const { return grid_; }
+  /// The lengths that steps may have; null if all have the scene's.
+  [[nodiscard]] const Ladder* ladder() const { return ladder_ ? &*ladder_ : nullptr; }
+  /// The end of motions, s.
+  [[nodiscard]] double end() const { return end_; }
+  /// The length of a first step of which none is chosen yet, s.
+  [[nodiscard]] double first_length() const { return first_length_; }
   [[nodiscard]] const fem::Space& space() const { return space_; }
   [[nodiscard]] const fem::Operators& operators() const { return operators_; }
   [[nodiscard]] const fem::DirichletDofs& clamped() const { return clamped_; }
-  /// Of the first step; those of other lengths solve in the same way. Valid until the next step. Collective.
-  [[nodiscard]] const SolverChoice& solver() const { return *of_length(grid_.first_length()).solver; }
+  /// Of the latest step; those of other lengths solve by the same method. Valid until the next step.
+  [[nodiscard]] const SolverChoice& solver() const { return *lengths_->latest().solver; }
   /// What steps of a length need; valid until the next step. Collective.
   [[nodiscard]] const StepOperators::OfLength& of_length(double tau) const { return lengths_->at(tau); }
   /// Number of lengths that were factorised, each time counted.
   [[nodiscard]] int factorisations() const { return lengths_->made(); }
   /// Seconds that these took.
   [[nodiscard]] double factorisation_seconds() const { return lengths_->seconds(); }
-  /// Whether contact nodes carry no mass.
-  [[nodiscard]] bool massless() const { return massless_.has_value(); }
+  [[nodiscard]] scene::ContactScheme contact_scheme() const { return contact_scheme_; }
   /// The mass matrix M of this run: the body's, or with massless contact EᵀME (docs/method.md section 2).
   [[nodiscard]] Mat M() const { return massless_ ? Mat(*massless_) : Mat(operators_.M); }
   /// Null except in contact-stabilized stepping.
@@ -160,8 +168,10 @@ private:
 
   const fem::Space& space_;
   const fem::Operators& operators_;
+  scene::ContactScheme contact_scheme_;
   double wave_time_;
-  TimeGrid grid_;
+  std::optional<Ladder> ladder_;
+  double end_, first_length_;
   fem::DirichletDofs clamped_;
   std::optional<PrescribedMotion> motion_;
   std::optional<contact::ContactPairs> pairs_;

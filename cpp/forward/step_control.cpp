@@ -32,9 +32,9 @@ constexpr double price_in_plane = 40, price_in_space = 80, price_if_iterative = 
 StepControl::StepControl(const Stepper& stepper, const scene::Scene& scene)
     : stepper_(stepper), quantity_(scene.time.quantity), tolerance_(scene.time.tolerance),
       waves_(2 * body_figures(stepper, scene).crossing), window_(stepper.wave_time()),
-      floor_(stepper.grid().ladder()->levels), errors_(stepper, scene), approach_(stepper, scene, errors_),
-      used_(static_cast<std::size_t>(floor_) + 1), rejections_(used_.size()),
-      difference_(stepper.space().vector()) {
+      steps_(*stepper.ladder()), floor_(steps_.ladder().levels), errors_(stepper, scene),
+      approach_(stepper, scene, errors_), used_(static_cast<std::size_t>(floor_) + 1),
+      rejections_(used_.size()), difference_(stepper.space().vector()) {
   price_ = stepper.solver().iterates()  ? price_if_iterative
            : stepper.space().dim() == 2 ? price_in_plane
                                         : price_in_space;
@@ -46,7 +46,7 @@ StepControl::StepControl(const Stepper& stepper, const scene::Scene& scene)
 void StepControl::start(Vec y, Vec v, const ForceAtStep& load) {
   load_ = &load;
   errors_.start(y, v);
-  const TimeGrid& grid = stepper_.grid();
+  steps_.clear();
   level_ = floor_;
   stored_ = flight_steps_ = rejected_ = least_level_ = 0;
   fresh_ = false;
@@ -61,12 +61,10 @@ void StepControl::start(Vec y, Vec v, const ForceAtStep& load) {
     rigid.subtract(rigid.coefficients(x), difference_);
     return errors_.size(difference_) <= undeformed * size;
   };
-  strained_ = !is_rigid(y) || !is_rigid(v) || load.variation(0, grid.end()) > 0;
+  strained_ = !is_rigid(y) || !is_rigid(v) || load.variation(0, stepper_.end()) > 0;
   if (!strained_) {
-    TimeGrid first = grid; // refers to the same steps
-    first.add(floor_);
-    assemble(load.at(1), stepper_.operators(), difference_);
-    first.remove();
+    const double tau = stepper_.ladder()->shortest_step();
+    assemble(load.at({1, 0, tau, tau}), stepper_.operators(), difference_);
     stepper_.clamped().clear(difference_);
     PetscReal size = 0, rest = 0;
     check(VecNorm(difference_, NORM_INFINITY, &size));
@@ -86,7 +84,7 @@ double StepControl::limit(double tau) const {
   if (lets_vibration_go())
     return std::numeric_limits<double>::infinity();
   const double until = approach_.free() ? until_touch_ : errors_.closing(),
-               flight = time_ - errors_.last_contact().end + std::min(until, stepper_.grid().end() - time_);
+               flight = time_ - errors_.last_contact().end + std::min(until, stepper_.end() - time_);
   return std::min(each, tolerance_ * tau / (2 * flight) * errors_.scale()); // phases add up
 }
 
@@ -94,11 +92,11 @@ bool StepControl::lets_vibration_go() const {
   if (let_go_ || errors_.without_phases() <= tolerance_ * errors_.scale())
     return true;
   return quantity_ == scene::StepQuantity::contact_force && stepper_.pairs() && approach_.free() &&
-         std::isinf(until_touch_) && !(load_->variation(time_, stepper_.grid().end()) > 0);
+         std::isinf(until_touch_) && !(load_->variation(time_, stepper_.end()) > 0);
 }
 
 int StepControl::judged(const Frame& frame) {
-  const int level = stepper_.grid().level(frame.k);
+  const int level = steps_.ladder().level(frame.step.tau);
   const StepErrors::Step step = errors_.judge(frame);
   if (level == floor_)
     return level;
@@ -107,7 +105,7 @@ int StepControl::judged(const Frame& frame) {
   if (!strained_)
     return level;
   int again = level;
-  if (const double most = limit(stepper_.grid().length(frame.k)); step.error > most) {
+  if (const double most = limit(frame.step.tau); step.error > most) {
     constexpr double most_levels = 40;
     const double thirds = std::min(std::ceil(std::log2(step.error / most) / 6), most_levels);
     again += std::max(least_shortening, 2 * static_cast<int>(thirds));
@@ -118,8 +116,7 @@ int StepControl::judged(const Frame& frame) {
 }
 
 bool StepControl::accepts(const Frame& frame) {
-  const TimeGrid& grid = stepper_.grid();
-  const int level = grid.level(frame.k);
+  const int level = steps_.ladder().level(frame.step.tau);
   int decided = judged(frame);
   // Every rank has the same sums, but a difference in rounding must not divide them.
   MPI_Bcast(&decided, 1, MPI_INT, 0, stepper_.space().comm());
@@ -129,48 +126,49 @@ bool StepControl::accepts(const Frame& frame) {
     ++rejections_[static_cast<std::size_t>(level)];
     stored_ = 0;
     level_ = decided;
+    steps_.remove();
     return false;
   }
   const bool contact = errors_.contact();
   remember(frame);
   errors_.accept(frame);
-  time_ = grid.time(frame.k);
+  time_ = frame.step.end;
   strained_ = strained_ || errors_.contact();
   flight_steps_ = errors_.contact() ? 0 : flight_steps_ + 1;
   let_go_ =
       !errors_.contact() &&
       (let_go_ || flight_steps_ > std::max(most_flight, most_of_contact * errors_.last_contact().steps));
-  level_ = grid.complete() ? level : next(level);
+  level_ = steps_.complete() ? level : next(level);
   MPI_Bcast(&level_, 1, MPI_INT, 0, stepper_.space().comm());
   if (level_ < level && fresh_ && stored_ > 2)
-    errors_.coarsen(time_, apart * grid.length(frame.k), displacements_[0], displacements_[1],
-                    displacements_[2]);
+    errors_.coarsen(time_, apart * frame.step.tau, displacements_[0], displacements_[1], displacements_[2]);
   if (level_ != level || contact != errors_.contact())
     stored_ = 0;
   return true;
 }
 
 void StepControl::remember(const Frame& frame) {
-  const TimeGrid& grid = stepper_.grid();
   const auto take = [&](Vec y) {
     std::rotate(displacements_.begin(), displacements_.end() - 1, displacements_.end());
     check(VecCopy(y, displacements_[0]));
     ++stored_;
   };
   // Where a longer step may begin.
-  const auto fits = [longer = grid.level(frame.k) - apart_levels](int least) { return least <= longer; };
+  const auto fits = [longer = steps_.ladder().level(frame.step.tau) - apart_levels](int least) {
+    return least <= longer;
+  };
   if (stored_ == 0 && fits(least_level_))
     take(frame.y0);
-  least_level_ = grid.least_level();
+  least_level_ = steps_.least_level();
   fresh_ = stored_ > 0 && fits(least_level_);
   if (fresh_)
     take(frame.y1);
 }
 
 int StepControl::next(int level) {
-  const TimeGrid& grid = stepper_.grid();
+  const Ladder& ladder = steps_.ladder();
   until_touch_ = approach_.until_touch(time_);
-  const double left = grid.end() - time_, ahead = std::min(until_touch_, left);
+  const double left = ladder.end - time_, ahead = std::min(until_touch_, left);
   if (errors_.contact()) {
     level = worth(grown(level), std::min(lasts(), ahead));
   } else if (!strained_ || lets_vibration_go()) {
@@ -178,10 +176,10 @@ int StepControl::next(int level) {
   } else {
     level = worth(grown(level), ahead);
   }
-  if (grid.ladder()->length(level) > until_touch_)
+  if (ladder.length(level) > until_touch_)
     level = worth(longest_within(until_touch_), ahead);
   const auto resolved = [&](int one) {
-    const double to = std::min(time_ + grid.ladder()->length(one), grid.end());
+    const double to = std::min(time_ + ladder.length(one), ladder.end);
     return load_->variation(time_, to) <= of_load * tolerance_ &&
            approach_.smooth(time_, to, of_load * tolerance_ * errors_.scale(), of_load * tolerance_);
   };
@@ -193,25 +191,24 @@ int StepControl::next(int level) {
 int StepControl::longest_within(double time) const {
   constexpr double hair = 1e-9; // where a length fills the time, in any unit
   int level = floor_;
-  while (level >= flight_levels &&
-         stepper_.grid().ladder()->length(level - flight_levels) <= (1 + hair) * time)
+  while (level >= flight_levels && steps_.ladder().length(level - flight_levels) <= (1 + hair) * time)
     level -= flight_levels;
   return level;
 }
 
 int StepControl::worth(int level, double ahead) const {
-  const TimeGrid& grid = stepper_.grid();
-  int known = std::max(level, grid.least_level());
+  const Ladder& ladder = steps_.ladder();
+  int known = std::max(level, steps_.least_level());
   while (!used_[static_cast<std::size_t>(known)])
     ++known; // to the floor
-  if (level < grid.least_level() || known == level)
+  if (level < steps_.least_level() || known == level)
     return known;
-  const double saved = ahead / grid.ladder()->length(known) - ahead / grid.ladder()->length(level);
+  const double saved = ahead / ladder.length(known) - ahead / ladder.length(level);
   return saved > price_ ? level : known;
 }
 
 int StepControl::grown(int level) {
-  const Ladder& ladder = *stepper_.grid().ladder();
+  const Ladder& ladder = steps_.ladder();
   const double tau = ladder.length(level);
   const int steps = apart * (stored_ - 1);
   if (!fresh_ || steps < settled)

@@ -19,11 +19,13 @@ public:
 
   /// Begins with the state at t_0, before there are steps, under a load. Collective.
   void start(Vec y, Vec v, const ForceAtStep& load);
-  /// The level of the next step.
-  [[nodiscard]] int level() const { return level_; }
-  /// Whether the last step of the grid is good; if not, level() is that by which to repeat it; if it is, that
-  /// of the next one. Collective, the same on every rank.
+  /// The next step to make: a new one or, after one that was not accepted, a shorter one in its place.
+  [[nodiscard]] TimeStep next_step() { return steps_.add(level_); }
+  /// Whether the step made last is good; if not, it is removed from the grid. Collective, the same on every
+  /// rank.
   [[nodiscard]] bool accepts(const Frame& frame);
+  /// The accepted steps.
+  [[nodiscard]] const TimeGridBuilder& steps() const { return steps_; }
 
   /// Steps that were repeated, so far.
   [[nodiscard]] int rejected() const { return rejected_; }
@@ -57,8 +59,9 @@ private:
   const Stepper& stepper_;
   scene::StepQuantity quantity_;
   double tolerance_;
-  double waves_;     ///< time in which a wave crosses the body twice, s
-  double window_;    ///< in which one crosses an element in contact, s
+  double waves_;  ///< time in which a wave crosses the body twice, s
+  double window_; ///< in which one crosses an element in contact, s
+  TimeGridBuilder steps_;
   int floor_;        ///< level of the shortest steps
   double price_ = 0; ///< of a factorisation, steps
   StepErrors errors_;

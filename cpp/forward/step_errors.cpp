@@ -111,14 +111,14 @@ double StepErrors::error_of(Vec third_difference, Vec y) {
 }
 
 void StepErrors::set_mean(const Frame& frame) {
-  const double rate = 1 / stepper_.grid().length(frame.k);
+  const double rate = 1 / frame.step.tau;
   petsc::combine(means_[0].w, -rate, frame.y0, rate, frame.y1);
-  means_[0].middle = stepper_.grid().middle(frame.k);
+  means_[0].middle = frame.step.begin + frame.step.tau / 2;
 }
 
 double StepErrors::error_of(const Frame& frame, bool abrupt) {
   const std::array times{means_[0].middle, means_[1].middle, means_[2].middle};
-  const double tau = stepper_.grid().length(frame.k);
+  const double tau = frame.step.tau;
   // Of a smooth motion the distance grows with that of the earlier steps; of a sudden change it does not.
   const double part =
       abrupt ? 1 : std::min(1.0, 2 * tau * tau / ((times[0] - times[1]) * (times[0] - times[2])));
@@ -144,10 +144,10 @@ double StepErrors::error_of(const Frame& frame, bool abrupt) {
 }
 
 bool StepErrors::passes(const Frame& frame) const {
-  if (gaps_before_.empty() || frame.k < 2)
+  if (gaps_before_.empty() || frame.step.k < 2)
     return false;
   const contact::ContactPairs& pairs = *stepper_.pairs();
-  const double tau = stepper_.grid().length(frame.k), before = stepper_.grid().length(frame.k - 1),
+  const double tau = frame.step.tau, before = last_length_,
                deep = tolerance_ * scale_ + pairs.gap_tolerance();
   for (std::size_t i = 0; i < gaps_.size(); ++i) {
     if (contact(static_cast<std::size_t>(pairs.obstacles()[i])) ||
@@ -175,11 +175,11 @@ void StepErrors::coarsen(double t, double apart, Vec last, Vec before, Vec first
 
 StepErrors::Step StepErrors::judge(const Frame& frame) {
   set_mean(frame);
-  const double tau = stepper_.grid().length(frame.k);
+  const double tau = frame.step.tau;
   Step step;
   // The first step has no history, and the shortest ones are what others are measured by: they count where
   // vibration goes on to the next touch.
-  const bool shortest = stepper_.grid().level(frame.k) >= stepper_.grid().ladder()->levels;
+  const bool shortest = stepper_.ladder()->level(frame.step.tau) >= stepper_.ladder()->levels;
   const bool judges = known_ > 1 && (!shortest || (!contact_.lasts && contact_.steps > 0));
   const double error = judges ? error_of(frame, frame.contact.active != active_) : 0;
   error_ = shortest ? of_shortest * error : error;
@@ -187,7 +187,7 @@ StepErrors::Step StepErrors::judge(const Frame& frame) {
   if (const contact::ContactPairs* pairs = stepper_.pairs()) {
     double force = 0;
     for (const double lambda : frame.contact.lambda)
-      force += lambda / stepper_.grid().scheme(frame.k).impulse();
+      force += lambda / frame.step.scheme().impulse();
     force_of_two_ = (tau * force + last_length_ * last_force_) / (tau + last_length_);
     constexpr double parabola = 6;
     step.bend = std::abs(force_of_two_ - 2 * forces_of_two_[0] + forces_of_two_[1]) / parabola;
@@ -214,7 +214,7 @@ void StepErrors::accept(const Frame& frame) {
 }
 
 void StepErrors::observe(const Frame& frame) {
-  if (frame.k == 0)
+  if (frame.step.k == 0)
     return start(frame.y1, frame.v1);
   (void)judge(frame);
   accept(frame);
@@ -227,7 +227,7 @@ void StepErrors::take_rigid(const Frame& frame) {
     return;
   std::vector<double> velocity = rigid_.coefficients(frame.v1);
   for (std::size_t j = 0; free && j < velocity.size(); ++j)
-    rigid_state_.acceleration[j] = (velocity[j] - rigid_state_.velocity[j]) / stepper_.grid().length(frame.k);
+    rigid_state_.acceleration[j] = (velocity[j] - rigid_state_.velocity[j]) / frame.step.tau;
   rigid_state_.velocity = std::move(velocity);
 }
 
@@ -235,9 +235,9 @@ void StepErrors::take_deformation(const Frame& frame) {
   const contact::ContactPairs* pairs = stepper_.pairs();
   double most = 0;
   if (pairs) {
-    const std::span<const double> psi = pairs->psi(stepper_.grid().time(frame.k), *psi_);
+    const std::span<const double> psi = pairs->psi(frame.step.end, *psi_);
     const std::size_t k = rigid_.count();
-    const double tau = stepper_.grid().length(frame.k);
+    const double tau = frame.step.tau;
     for (std::size_t o = 0; o < reach_.size(); ++o)
       if (contact(o))
         reach_[o] = swing_[o] = 0;
@@ -254,7 +254,7 @@ void StepErrors::take_deformation(const Frame& frame) {
   }
   if (!contact_.lasts || !pairs || quantity_ == scene::StepQuantity::energy) {
     rigid_.without(rigid_state_.position, frame.y1, difference_);
-    const double deformed = norm(difference_), tau = stepper_.grid().length(frame.k);
+    const double deformed = norm(difference_), tau = frame.step.tau;
     flight_.time += tau;
     flight_.squares += tau * deformed * deformed;
     if (!pairs || quantity_ == scene::StepQuantity::energy)
@@ -264,8 +264,7 @@ void StepErrors::take_deformation(const Frame& frame) {
 }
 
 void StepErrors::take_contact(const Frame& frame) {
-  const double tau = stepper_.grid().length(frame.k), begin = stepper_.grid().time(frame.k - 1),
-               end = stepper_.grid().time(frame.k);
+  const double tau = frame.step.tau, begin = frame.step.begin, end = frame.step.end;
   std::vector<bool> closed(open_.size());
   for (const int i : frame.contact.active)
     closed[static_cast<std::size_t>(stepper_.pairs()->obstacles()[static_cast<std::size_t>(i)])] = true;
@@ -276,7 +275,7 @@ void StepErrors::take_contact(const Frame& frame) {
   }
   double force = 0;
   for (const double lambda : frame.contact.lambda)
-    force += lambda / stepper_.grid().scheme(frame.k).impulse();
+    force += lambda / frame.step.scheme().impulse();
   if (any && begins_.empty() && !gaps_before_.empty())
     judge_flight(frame);
   if (any && !contact_.lasts) {
@@ -301,7 +300,7 @@ void StepErrors::take_contact(const Frame& frame) {
     flight_.error += error_;
   } else {
     flight_ = {};
-    if (stepper_.grid().level(frame.k) < stepper_.grid().ladder()->levels) {
+    if (stepper_.ladder()->level(frame.step.tau) < stepper_.ladder()->levels) {
       contact_error_ += error_;
       first_long_ = std::min(first_long_, begin);
     }
@@ -319,8 +318,7 @@ void StepErrors::judge_flight(const Frame& frame) {
       speed = std::max(speed, (gaps_before_[at] - gaps_[at]) / last_length_);
   // What rounding of A y turns a body by that flies without strain, as measured; y grows with the time.
   constexpr double turned = 0.05;
-  const double time = stepper_.grid().time(frame.k) / stepper_.wave_time(),
-               window = speed * stepper_.wave_time();
+  const double time = frame.step.end / stepper_.wave_time(), window = speed * stepper_.wave_time();
   if (window > 0)
     drift_ = turned * std::numeric_limits<double>::epsilon() * time * time * size(frame.y0) / window;
 }
@@ -356,8 +354,7 @@ std::vector<Warning> StepErrors::warnings() const {
                      "add up to {:.2g} of it, {:g} are meant (time.tolerance)",
                      vibration_.amplitude / scale_, vibration_.time, vibration_.error / scale_, tolerance_),
          vibration_.error / scale_, tolerance_});
-  const TimeGrid& grid = stepper_.grid();
-  if (const double most = most_turned * grid.ladder()->length(grid.ladder()->levels) / stepper_.wave_time();
+  if (const double most = most_turned * stepper_.ladder()->shortest_step() / stepper_.wave_time();
       drift_ > most)
     found.push_back(
         {"rounding in flight",

@@ -34,6 +34,8 @@ public:
 
   /// Those of a length; valid until the next call. Collective. Throws SolverFailure.
   const OfLength& at(double tau) const;
+  /// Those returned last; at() must have been called before.
+  [[nodiscard]] const OfLength& latest() const { return lengths_.front(); }
 
   /// Number of lengths that were factorised, each time counted, and how long that took, s.
   [[nodiscard]] int made() const { return made_; }

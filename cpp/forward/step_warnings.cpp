@@ -8,7 +8,7 @@ namespace signorini::forward {
 StepWarnings::StepWarnings(const Stepper& stepper, const scene::Scene& scene, const SceneLoad* load,
                            const StepErrors* errors)
     : load_(load), passage_(stepper), errors_(errors) {
-  if (!errors && !stepper.grid().equal())
+  if (!errors && stepper.ladder())
     errors_ = &own_.emplace(stepper, scene);
 }
 

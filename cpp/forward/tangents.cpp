@@ -15,7 +15,7 @@ Tangents::Tangents(const Stepper& stepper, ParameterRates& rates)
 }
 
 void Tangents::observe(const Frame& frame) {
-  if (frame.k == 0) {
+  if (frame.step.k == 0) {
     for (std::size_t j = 0; j < motions_.size(); ++j) {
       const auto start = [](Vec rate, Vec x) { check(rate ? VecCopy(rate, x) : VecZeroEntries(x)); };
       start(rates_.displacement(j), motions_[j].y);
@@ -24,8 +24,8 @@ void Tangents::observe(const Frame& frame) {
     }
     return;
   }
-  rates_.set({frame.k, {frame.y0, frame.v0}, {frame.y1, frame.v1}, frame.contact, frame.contact.lambda});
-  const Scheme scheme = stepper_.grid().scheme(frame.k);
+  rates_.set({frame.step, {frame.y0, frame.v0}, {frame.y1, frame.v1}, frame.contact, frame.contact.lambda});
+  const Scheme scheme = frame.step.scheme();
   for (std::size_t j = 0; j < motions_.size(); ++j) {
     Derivative& now = motions_[j];
     check(VecCopy(now.y, y_));
@@ -37,9 +37,13 @@ void Tangents::observe(const Frame& frame) {
     rates_.constraint(j, normal_);
     const bool guided = rates_.predictor(j, force_, predictor_normal_);
     const Predictor::Guide guide{force_, predictor_normal_};
-    stepper_.linearised_step(
-        {frame.k, {y_, v_}, {{.vector = source_}}, {now.y, now.v}, normal_, guided ? &guide : nullptr},
-        frame.contact, work_);
+    stepper_.linearised_step({frame.step.scheme(),
+                              {y_, v_},
+                              {{.vector = source_}},
+                              {now.y, now.v},
+                              normal_,
+                              guided ? &guide : nullptr},
+                             frame.contact, work_);
     if (work_.contact)
       std::ranges::copy(work_.contact->mu, now.lambda.begin());
   }

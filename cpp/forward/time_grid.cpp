@@ -24,13 +24,34 @@ Ladder::Ladder(const scene::Time& time, double floor)
         std::clamp(static_cast<int>(std::floor(std::log2(length(0) / *time.shortest) + rounding)), 0, levels);
 }
 
-TimeGrid::TimeGrid(const scene::Time& time, double floor)
-    : TimeGrid(time.automatic() ? TimeGrid(Ladder(time, floor)) : TimeGrid(time.step, time.steps)) {}
+int Ladder::level(double tau) const { return static_cast<int>(std::lround(std::log2(length(0) / tau))); }
 
-TimeGrid::TimeGrid(double tau, int steps) : steps_(std::make_shared<Steps>(Steps{tau, steps, {}, {}})) {}
+TimeGrid::TimeGrid(double tau, int steps) : TimeGrid(Steps{tau, steps, {}, {}}) {}
 
-TimeGrid::TimeGrid(const Ladder& ladder)
-    : steps_(std::make_shared<Steps>(Steps{ladder.length(ladder.levels), 0, ladder, {0}})) {}
+TimeGrid::TimeGrid(const Ladder& ladder) : TimeGrid(Steps{ladder.shortest_step(), 0, ladder, {0}}) {}
+
+TimeGrid::TimeGrid(const scene::Time& time)
+    : TimeGrid(time.automatic() ? TimeGrid(Ladder(time, 0)) : TimeGrid(time.step, time.steps)) {}
+
+std::optional<TimeGrid> TimeGrid::of_levels(const Ladder& ladder, const std::vector<double>& levels) {
+  TimeGridBuilder builder(ladder);
+  for (const double level : levels) {
+    const int whole = static_cast<int>(level);
+    if (builder.complete() || !(level >= builder.least_level() && level <= ladder.levels) || whole != level)
+      return std::nullopt;
+    builder.add(whole);
+  }
+  return builder.complete() ? std::optional(builder.grid()) : std::nullopt;
+}
+
+TimeGrid TimeGrid::first(int steps) const {
+  Steps fewer = *steps_;
+  if (equal())
+    fewer.count = steps;
+  else
+    fewer.ticks.resize(static_cast<std::size_t>(steps) + 1);
+  return TimeGrid(std::move(fewer));
+}
 
 int TimeGrid::steps() const { return equal() ? steps_->count : static_cast<int>(steps_->ticks.size()) - 1; }
 
@@ -49,9 +70,9 @@ double TimeGrid::time(int k) const {
 double TimeGrid::length(int k) const {
   if (equal())
     return steps_->tick;
-  if (k == 0)
-    return first_length();
-  const auto i = static_cast<std::size_t>(k);
+  if (steps() == 0)
+    return steps_->ladder->shortest_step();
+  const auto i = static_cast<std::size_t>(std::max(k, 1));
   return static_cast<double>(steps_->ticks[i] - steps_->ticks[i - 1]) * steps_->tick;
 }
 
@@ -60,12 +81,6 @@ double TimeGrid::middle(int k) const {
 }
 
 double TimeGrid::end() const { return equal() ? time(steps()) : steps_->ladder->end; }
-
-double TimeGrid::longest() const { return equal() ? steps_->tick : steps_->ladder->length(0); }
-
-double TimeGrid::first_length() const {
-  return steps() > 0 ? length(1) : steps_->ladder->length(steps_->ladder->levels);
-}
 
 TimeGrid::Place TimeGrid::place(double t) const {
   if (equal()) {
@@ -82,46 +97,29 @@ TimeGrid::Place TimeGrid::place(double t) const {
   return {static_cast<int>(after - ticks.begin()), std::clamp((tick - from) / (to - from), 0.0, 1.0)};
 }
 
-int TimeGrid::level(int k) const {
-  const auto i = static_cast<std::size_t>(k);
-  return steps_->ladder->levels -
-         std::countr_zero(static_cast<std::uint64_t>(steps_->ticks[i] - steps_->ticks[i - 1]));
-}
-
-int TimeGrid::least_level() const {
-  const std::int64_t here = steps_->ticks.back();
-  const int levels = steps_->ladder->levels;
-  return here == 0 ? 0 : std::max(0, levels - std::countr_zero(static_cast<std::uint64_t>(here)));
-}
-
-void TimeGrid::add(int level) {
-  steps_->ticks.push_back(steps_->ticks.back() + Ladder::parts(steps_->ladder->levels - level));
-}
-
-void TimeGrid::remove() { steps_->ticks.pop_back(); }
-
 std::vector<double> TimeGrid::levels() const {
   std::vector<double> all;
   for (int k = 1; !equal() && k <= steps(); ++k)
-    all.push_back(level(k));
+    all.push_back(steps_->ladder->level(length(k)));
   return all;
 }
 
-bool TimeGrid::take(const std::vector<double>& levels) {
-  TimeGrid other(*steps_->ladder);
-  for (const double level : levels) {
-    const int whole = static_cast<int>(level);
-    if (other.complete() || !(level >= other.least_level() && level <= steps_->ladder->levels) ||
-        whole != level)
-      return false;
-    other.add(whole);
-  }
-  if (!other.complete())
-    return false;
-  steps_->ticks = other.steps_->ticks;
-  return true;
+int TimeGridBuilder::least_level() const {
+  const std::int64_t here = ticks_.back();
+  return here == 0 ? 0 : std::max(0, ladder_.levels - std::countr_zero(static_cast<std::uint64_t>(here)));
 }
 
-void TimeGrid::clear() { steps_->ticks.resize(1); }
+TimeStep TimeGridBuilder::add(int level) {
+  const std::int64_t before = ticks_.back(), length = Ladder::parts(ladder_.levels - level);
+  ticks_.push_back(before + length);
+  const double tick = ladder_.shortest_step();
+  return {steps(), static_cast<double>(before) * tick,
+          complete() ? ladder_.end : static_cast<double>(ticks_.back()) * tick,
+          static_cast<double>(length) * tick};
+}
+
+TimeGrid TimeGridBuilder::grid() const {
+  return TimeGrid(TimeGrid::Steps{ladder_.shortest_step(), 0, ladder_, ticks_});
+}
 
 } // namespace signorini::forward

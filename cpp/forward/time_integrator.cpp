@@ -30,8 +30,8 @@ double State::bytes(const Stepper& stepper) {
 }
 
 TimeIntegrator::TimeIntegrator(const Stepper& stepper, Vec y, Vec v, Step step)
-    : stepper_(stepper), y_start_(y), v_start_(v), step_(std::move(step)), state_(stepper),
-      y0_(stepper.space().vector()), v0_(stepper.space().vector()) {
+    : y_start_(y), v_start_(v), step_(std::move(step)), state_(stepper), y0_(stepper.space().vector()),
+      v0_(stepper.space().vector()) {
   vectors += 2;
   state_.k = nowhere;
 }
@@ -45,19 +45,18 @@ void TimeIntegrator::restart() {
 
 void TimeIntegrator::resume(const State& state) { state_.take(state); }
 
-void TimeIntegrator::advance() {
-  const int k = std::exchange(state_.k, nowhere) + 1;
-  state_.guesses.remember(stepper_.grid().time(k - 1), state_.y);
+void TimeIntegrator::advance(const TimeStep& step) {
+  state_.k = nowhere;
+  state_.guesses.remember(step.begin, state_.y);
   std::swap(state_.y, y0_);
   std::swap(state_.v, v0_);
   try {
-    state_.guesses.guess(stepper_.grid().time(k), state_.y);
-    step_(k, y0_, v0_, state_.y, state_.v);
+    state_.guesses.guess(step.end, state_.y);
+    step_(step, y0_, v0_, state_.y, state_.v);
   } catch (const SolverFailure& failure) {
-    throw SolverFailure(
-        fmt::format("step {} (t = {:.6g} s): {}", k, stepper_.grid().time(k), failure.what()));
+    throw SolverFailure(fmt::format("step {} (t = {:.6g} s): {}", step.k, step.end, failure.what()));
   }
-  state_.k = k;
+  state_.k = step.k;
 }
 
 void TimeIntegrator::take_back() {

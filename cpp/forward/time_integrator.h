@@ -24,8 +24,8 @@ struct State {
 /// Integrates in time, y_0 … y_N, one step at a time. All members collective.
 class TimeIntegrator {
 public:
-  /// From (y0, v0) to (y1, v1) by step k; y1 holds a guess on entry.
-  using Step = std::function<void(int k, Vec y0, Vec v0, Vec y1, Vec v1)>;
+  /// Makes a step from (y0, v0) to (y1, v1); y1 holds a guess on entry.
+  using Step = std::function<void(const TimeStep& step, Vec y0, Vec v0, Vec y1, Vec v1)>;
 
   /// `y` and `v` are the state at t_0. All must outlive this object.
   TimeIntegrator(const Stepper& stepper, Vec y, Vec v, Step step);
@@ -34,8 +34,9 @@ public:
   void restart();
   /// Continues from `state`.
   void resume(const State& state);
-  /// Makes one step. Throws SolverFailure naming it, after which only restart() and resume() may be called.
-  void advance();
+  /// Makes a step, the one after that to the current state. Throws SolverFailure naming it, after which only
+  /// restart() and resume() may be called.
+  void advance(const TimeStep& step);
   /// Takes the last step back, once.
   void take_back();
 
@@ -46,7 +47,6 @@ public:
   [[nodiscard]] Vec v0() const { return v0_; }
 
 private:
-  const Stepper& stepper_;
   Vec y_start_, v_start_;
   Step step_;
   State state_;

@@ -4,15 +4,15 @@
 
 namespace signorini::forward {
 
-Trajectory::Trajectory(const Stepper& stepper, const Initial& initial, int steps,
-                       const StateStoreFactory& storage, bool velocities)
-    : stepper_(stepper), capacity_(steps), contact_(static_cast<std::size_t>(steps) + 1),
+Trajectory::Trajectory(const Stepper& stepper, const Initial& initial, const StateStoreFactory& storage,
+                       bool velocities)
+    : stepper_(stepper), grid_(storage.grid()), contact_(static_cast<std::size_t>(grid_.steps()) + 1),
       now_(candidates(stepper)), work_(stepper.workspace()),
       integrator_(stepper, initial.y, initial.v,
-                  [this](int k, Vec y0, Vec v0, Vec y1, Vec v1) {
-                    const auto i = static_cast<std::size_t>(k);
-                    acting_ = load_->at(k);
-                    stepper_.step({k, {y0, v0}, acting_, contact_[i - 1]}, {{y1, v1}, now_}, work_);
+                  [this](const TimeStep& step, Vec y0, Vec v0, Vec y1, Vec v1) {
+                    const auto i = static_cast<std::size_t>(step.k);
+                    acting_ = load_->at(step);
+                    stepper_.step({step, {y0, v0}, acting_, contact_[i - 1]}, {{y1, v1}, now_}, work_);
                   }),
       states_(storage.place(integrator_, velocities)) {}
 
@@ -33,11 +33,11 @@ void Trajectory::run(ForceAtStep load, const StepObserver& watch) {
   now_ = contact::ContactState(candidates(stepper_));
   margins_ = {};
   const auto contact = [this](int) -> contact::ContactState& { return now_; };
-  integrate_with(stepper_, integrator_, capacity_, Stops::obeyed, contact, acting_, [&](const Frame& frame) {
-    steps_ = frame.k;
-    contact_[static_cast<std::size_t>(frame.k)] = now_;
-    if (frame.k > 0)
-      margins_.take(now_, stepper_.grid().scheme(frame.k));
+  integrate_with(stepper_, grid_, integrator_, Stops::obeyed, contact, acting_, [&](const Frame& frame) {
+    steps_ = frame.step.k;
+    contact_[static_cast<std::size_t>(frame.step.k)] = now_;
+    if (frame.step.k > 0)
+      margins_.take(now_, frame.step.scheme());
     states_->keep(integrator_.state());
     if (watch)
       watch(frame);

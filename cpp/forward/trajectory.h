@@ -19,12 +19,12 @@ struct Margins {
   void take(const contact::ContactState& contact, Scheme scheme);
 };
 
-/// A motion of N steps that can be looked up again: its states from `storage`, the active sets of all steps
-/// from memory. All members collective.
+/// A motion that can be looked up again: its states from `storage`, which names its N steps, the active sets
+/// of all steps from memory. All members collective.
 class Trajectory final : public Displacements {
 public:
   /// `velocities`: at() returns v too. The references must outlive this object. Throws WriteFailure.
-  Trajectory(const Stepper& stepper, const Initial& initial, int steps, const StateStoreFactory& storage,
+  Trajectory(const Stepper& stepper, const Initial& initial, const StateStoreFactory& storage,
              bool velocities = false);
   Trajectory(const Trajectory&) = delete; // its parts refer to it
   Trajectory& operator=(const Trajectory&) = delete;
@@ -34,6 +34,7 @@ public:
   /// recomputed. Throws SolverFailure naming the step, WriteFailure.
   void run(ForceAtStep load, const StepObserver& watch = {});
 
+  [[nodiscard]] const TimeGrid& grid() const { return grid_; }
   /// Number of steps of the last run.
   [[nodiscard]] int steps() const { return steps_; }
   /// Active sets of the steps 0…N of the last run; 0 is the initial state, whose candidates count as open.
@@ -41,11 +42,12 @@ public:
   [[nodiscard]] const Margins& margins() const { return margins_; }
   /// Displacement and velocity at t_k. Valid until the next call of at(). Throws WriteFailure, SolverFailure.
   [[nodiscard]] StateStore::View at(int k) const { return states_->at(k); }
-  [[nodiscard]] Vec y(int k) const override { return at(k).y; }
+  [[nodiscard]] Vec y(const TimeStep& step) const override { return at(step.k).y; }
 
 private:
   const Stepper& stepper_;
-  int capacity_, steps_ = 0;
+  TimeGrid grid_;
+  int steps_ = 0;
   std::vector<contact::ContactSets> contact_;
   contact::ContactState now_; ///< contact of the last step made
   Stepper::Workspace work_;

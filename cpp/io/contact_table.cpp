@@ -25,11 +25,11 @@ std::string ContactTable::header() const {
                    : "step,time,x,y,gap,force,obstacle,normal_x,normal_y,area,pressure\n";
 }
 
-void ContactTable::add_rows(std::string& text, int k, const forward::TimeGrid& grid,
+void ContactTable::add_rows(std::string& text, const forward::TimeStep& step,
                             const contact::ContactState& contact) const {
-  const double impulse = grid.scheme(k).impulse();
+  const double impulse = step.scheme().impulse();
   const std::vector<double> pressure = pressure_(contact.lambda, impulse);
-  const std::string when = fmt::format("{},{:.10g}", k, grid.time(k));
+  const std::string when = fmt::format("{},{:.10g}", step.k, step.end);
   auto out = std::back_inserter(text);
   for (std::size_t i = 0; i < fixed_.size(); ++i)
     fmt::format_to(out, "{}{},{},{}{},{}\n", when, fixed_[i].point, contact.gap[i],

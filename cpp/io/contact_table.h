@@ -20,9 +20,8 @@ public:
 
   [[nodiscard]] std::string header() const;
 
-  /// Appends the rows of step k.
-  void add_rows(std::string& text, int k, const forward::TimeGrid& grid,
-                const contact::ContactState& contact) const;
+  /// Appends the rows of a step.
+  void add_rows(std::string& text, const forward::TimeStep& step, const contact::ContactState& contact) const;
 
 private:
   /// What of each candidate's row never changes, before and behind gap and force.

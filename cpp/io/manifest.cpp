@@ -22,33 +22,35 @@ std::vector<std::pair<std::string, bool>> effects(const scene::Scene& scene) {
   const auto moves = [](const scene::Clamp& clamp) { return clamp.value && !scene::vanishes(*clamp.value); };
   const auto obstacle_moves = [](const scene::Contact& contact) { return scene::moves(contact.obstacle); };
   const auto& objective = scene.objective;
+  const scene::ContactScheme scheme = scene.contact_scheme();
   const bool viscous = std::ranges::any_of(
       scene.materials, [](const scene::Material& material) { return material.viscosity.has_value(); });
-  return {{"several materials", scene.materials.size() > 1},
-          {"viscosity", viscous},
-          {"clamp", !scene.clamps.empty()},
-          {"moving clamp", std::ranges::any_of(scene.clamps, moves)},
-          {"contact", !scene.contacts.empty()},
-          {"steps of varying length", scene.time.automatic()},
-          {"contact-stabilized", !scene.contacts.empty() && scene.time.stabilized()},
-          {"massless contact", std::ranges::any_of(scene.contacts, &scene::Contact::massless)},
-          {"moving obstacle", std::ranges::any_of(scene.contacts, obstacle_moves)},
-          {"body load", scene.load && given(scene.load->body)},
-          {"gravity", scene.load && given(scene.load->gravity)},
-          {"traction", scene.load && !scene.load->tractions.empty()},
-          {"initial displacement", given(scene.initial.displacement)},
-          {"initial velocity", given(scene.initial.velocity)},
-          {"control", scene.control.has_value()},
-          {"control bounds", scene.control && (scene.control->lower || scene.control->upper)},
-          {"objective", objective.has_value()},
-          {"tracking term", objective && objective->tracking > 0},
-          {"terminal term", objective && objective->gamma > 0},
-          {"control cost", objective && objective->alpha > 0},
-          {"stored fields", !scene.output.fields.empty()},
-          {"tables", !scene.output.tables.empty()},
-          {"probes", !scene.output.probes.empty()},
-          {"unknowns", !scene.unknowns.empty()},
-          {"measurements", !scene.measurements.empty()}};
+  return {
+      {"several materials", scene.materials.size() > 1},
+      {"viscosity", viscous},
+      {"clamp", !scene.clamps.empty()},
+      {"moving clamp", std::ranges::any_of(scene.clamps, moves)},
+      {"contact", !scene.contacts.empty()},
+      {"steps of varying length", scene.time.automatic()},
+      {"contact-stabilized", !scene.contacts.empty() && scheme == scene::ContactScheme::contact_stabilized},
+      {"massless contact", scene::takes_mass(scheme)},
+      {"moving obstacle", std::ranges::any_of(scene.contacts, obstacle_moves)},
+      {"body load", scene.load && given(scene.load->body)},
+      {"gravity", scene.load && given(scene.load->gravity)},
+      {"traction", scene.load && !scene.load->tractions.empty()},
+      {"initial displacement", given(scene.initial.displacement)},
+      {"initial velocity", given(scene.initial.velocity)},
+      {"control", scene.control.has_value()},
+      {"control bounds", scene.control && (scene.control->lower || scene.control->upper)},
+      {"objective", objective.has_value()},
+      {"tracking term", objective && objective->tracking > 0},
+      {"terminal term", objective && objective->gamma > 0},
+      {"control cost", objective && objective->alpha > 0},
+      {"stored fields", !scene.output.fields.empty()},
+      {"tables", !scene.output.tables.empty()},
+      {"probes", !scene.output.probes.empty()},
+      {"unknowns", !scene.unknowns.empty()},
+      {"measurements", !scene.measurements.empty()}};
 }
 
 nlohmann::ordered_json versions() {

@@ -34,6 +34,18 @@ constexpr Names<3> names(Component) { return {"x", "y", "z"}; }
 enum class ContactMass { consistent, massless };
 constexpr Names<2> names(ContactMass) { return {"consistent", "massless"}; }
 
+/// How contact enters the time stepping (docs/method.md section 2): time.scheme and contact.mass of a scene
+/// as one choice. mixed: contact-implicit, with some obstacles that take the mass of their candidates and
+/// others that do not.
+enum class ContactScheme { contact_implicit, contact_stabilized, massless, mixed };
+constexpr Names<4> names(ContactScheme) {
+  return {"contact-implicit", "contact-stabilized", "massless", "mixed"};
+}
+/// Whether there are candidates without mass.
+constexpr bool takes_mass(ContactScheme scheme) {
+  return scheme == ContactScheme::massless || scheme == ContactScheme::mixed;
+}
+
 /// What becomes of nodes that start inside the obstacle: an error, or they are moved out of it.
 enum class ContactStart { outside, project };
 constexpr Names<2> names(ContactStart) { return {"outside", "project"}; }

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/overloads.h"
 #include "scene/expression.h"
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -92,8 +93,16 @@ void require_rules(Reader& in, const Cylinder& obstacle, const Scene&) {
   }
 }
 
+ContactScheme Scene::contact_scheme() const {
+  const auto without = std::ranges::count_if(contacts, &Contact::massless);
+  if (without > 0)
+    return without == std::ssize(contacts) ? ContactScheme::massless : ContactScheme::mixed;
+  return time.scheme == TimeScheme::contact_stabilized ? ContactScheme::contact_stabilized
+                                                       : ContactScheme::contact_implicit;
+}
+
 void require_rules(Reader& in, const Contact& contact, const Scene& scene) {
-  if (contact.massless() && scene.time.stabilized())
+  if (contact.massless() && scene.time.scheme == TimeScheme::contact_stabilized)
     in.fail("mass",
             "found \"massless\" with time.scheme \"contact-stabilized\", which projects in the norm of the "
             "mass; allowed is \"consistent\"");

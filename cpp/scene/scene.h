@@ -74,7 +74,6 @@ struct Time {
   static constexpr int usual_longest = 8;        ///< longest steps to the end, where `longest` is not given
   static constexpr int most_steps = 100'000'000; ///< beyond any run, and within 32-bit integers
 
-  [[nodiscard]] bool stabilized() const { return scheme == TimeScheme::contact_stabilized; }
   [[nodiscard]] bool automatic() const { return step == 0; }
   [[nodiscard]] static bool automatic_steps(const Time& time) { return time.automatic(); }
 };
@@ -339,6 +338,8 @@ struct Scene {
   Output output;
   std::string digest_of_series;   ///< of the files of its time series; empty without any
   std::vector<std::string> given; ///< keys of --set, without the numbers of tables
+
+  [[nodiscard]] ContactScheme contact_scheme() const;
 };
 
 /// Returns the text of a scene file. Throws UserError if it cannot be read.

@@ -33,7 +33,7 @@ class Reduced final : public Open {
         : scene(from.scene()), modules(from.discretisation(), scene, search_needs(scene), timers),
           problem(with_steps(modules, silent), silent) {}
 
-    static const signorini::Problem& with_steps(const signorini::Problem& problem, const Console& console) {
+    static const signorini::Problem& with_steps(signorini::Problem& problem, const Console& console) {
       choose_steps(problem, console);
       return problem;
     }
@@ -194,7 +194,7 @@ public:
     std::vector<double> values = at(control(given), [&] {
       std::vector<double> all;
       for (int k = first; k < first + count; ++k) {
-        const petsc::ReadArray y(reduced().trajectory().y(k));
+        const petsc::ReadArray y(reduced().trajectory().at(k).y);
         const std::span<const double> entries(y);
         all.insert(all.end(), entries.begin(), entries.end());
       }
@@ -260,7 +260,7 @@ void bind_places(nb::class_<Reduced>& bound_class) {
            [](const Reduced& self) {
              std::vector<double> times;
              for (int k = 0; k <= self.modules().steps(); ++k)
-               times.push_back(self.modules().stepper.grid().time(k));
+               times.push_back(self.modules().grid.time(k));
              return array_of(std::move(times));
            })
       .def("times",

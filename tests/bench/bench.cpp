@@ -50,24 +50,24 @@ public:
   std::pair<double, double> operator()(const test::Recorded& motion, int k) {
     const auto i = static_cast<std::size_t>(k);
     const forward::Stepper& stepper = problem_.stepper;
-    const forward::Scheme scheme = stepper.grid().scheme(1);
-    const forward::NodalForce load = load_.at(k);
+    const forward::Scheme scheme = problem_.grid.scheme(1);
+    const forward::NodalForce load = load_.at(problem_.grid.step(k));
     Watch watch;
     check(VecAXPBYPCZ(f_, scheme.momentum(), scheme.impulse() / *problem_.operators.uniform_density, 0,
                       motion.v[i - 1], load.density));
     watch.lap();
     check(MatMult(problem_.operators.M, f_, r_));
     double products = watch.lap();
-    check(MatMultAdd(stepper.of_length(stepper.grid().length(1)).R, motion.y[i - 1], r_, r_));
+    check(MatMultAdd(stepper.of_length(scheme.tau).R, motion.y[i - 1], r_, r_));
     products += watch.lap();
     stepper.clamped().clear(r_);
     if (stepper.pairs())
       contact::NormalOperator(*stepper.pairs()).add(-1, motion.contact[i].lambda, r_);
-    guess_.guess(stepper.grid().time(k), y_);
+    guess_.guess(problem_.grid.time(k), y_);
     watch.lap();
     stepper.solver().linear().solve(r_, y_);
     const double solve = watch.lap();
-    guess_.remember(stepper.grid().time(k), motion.y[i]);
+    guess_.remember(problem_.grid.time(k), motion.y[i]);
     return {solve, products};
   }
 
@@ -105,16 +105,17 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   for (int repeat = 0; repeat < repeats; ++repeat) {
     Floor floor(problem, floor_load);
     watch.lap();
-    forward::integrate(problem.stepper, problem.initial, load, steps, [&](const forward::Frame& frame) {
-      const double seconds = watch.lap();
-      if (frame.k > 0) {
-        forward.take(frame.k, seconds);
-        const auto [s, p] = floor(motion, frame.k);
-        solve.take(frame.k, s);
-        products.take(frame.k, p);
-      }
-      watch.lap();
-    });
+    forward::integrate(problem.stepper, problem.grid, problem.initial, load,
+                       [&](const forward::Frame& frame) {
+                         const double seconds = watch.lap();
+                         if (frame.step.k > 0) {
+                           forward.take(frame.step.k, seconds);
+                           const auto [s, p] = floor(motion, frame.step.k);
+                           solve.take(frame.step.k, s);
+                           products.take(frame.step.k, p);
+                         }
+                         watch.lap();
+                       });
   }
   const test::Displacements states(motion.y);
   const control::Derivative derivative(control_problem.objective, states);
@@ -122,20 +123,21 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   for (int repeat = 0; repeat < repeats; ++repeat) {
     Floor floor(problem, floor_load);
     watch.lap();
-    adjoint::sweep(problem.stepper, work, motion.sets(), {problem.space, derivative}, [&](int k, Vec p) {
-      axpy(1, petsc::ReadArray(p), gradient.at(k));
-      adjoint.take(k, watch.lap());
-      const auto [s, w] = floor(motion, k);
-      adjoint_floor.take(k, s + w);
-      watch.lap();
-    });
+    adjoint::sweep(problem.stepper, work, problem.grid, motion.sets(), {problem.space, derivative},
+                   [&](int k, Vec p) {
+                     axpy(1, petsc::ReadArray(p), gradient.at(k));
+                     adjoint.take(k, watch.lap());
+                     const auto [s, w] = floor(motion, k);
+                     adjoint_floor.take(k, s + w);
+                     watch.lap();
+                   });
   }
 
   // Whole runs, as the optimizer makes them.
   double run = std::numeric_limits<double>::infinity(), whole = run;
   for (int repeat = 0; repeat < repeats; ++repeat) {
     watch.lap();
-    forward::integrate(problem.stepper, problem.initial, load, steps, {});
+    forward::integrate(problem.stepper, problem.grid, problem.initial, load, {});
     run = std::min(run, watch.lap());
     reduced.simulate(u);
     reduced.accept();

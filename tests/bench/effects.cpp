@@ -23,7 +23,7 @@ public:
   /// The last displacement.
   Vec operator()() {
     const double tau = problem_.scene.time.step;
-    Mat M = problem_.operators.M, R = problem_.stepper.of_length(problem_.stepper.grid().length(1)).R;
+    Mat M = problem_.operators.M, R = problem_.stepper.of_length(problem_.grid.length(1)).R;
     const LinearSolver& D = problem_.stepper.solver().linear();
     const std::vector<int>& clamped = problem_.stepper.clamped().dofs();
     check(VecCopy(problem_.initial.y, y0_));
@@ -67,7 +67,8 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     given.emplace(problem);
   const auto load = [&] { return controlled ? control_problem->reduced.load() : given->load(); };
   std::optional<BareLoop> bare;
-  if (scene.contacts.empty() && !load().at(1).density && !load().at(1).vector)
+  if (scene.contacts.empty() && !load().at(problem.grid.step(1)).density &&
+      !load().at(problem.grid.step(1)).vector)
     bare.emplace(problem);
 
   constexpr double never = std::numeric_limits<double>::infinity();
@@ -80,7 +81,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     long before = count("solves with D");
     if (!controlled) {
       watch.lap();
-      forward::integrate(problem.stepper, problem.initial, load(), problem.steps(), {});
+      forward::integrate(problem.stepper, problem.grid, problem.initial, load(), {});
       run = std::min(run, watch.lap());
       run_solves = count("solves with D") - before;
       if (bare) {
@@ -111,7 +112,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
 
   // Once more, looked at: whether contact occurred, and that the bare loop moves the body alike.
   double difference = 0;
-  forward::integrate(problem.stepper, problem.initial, load(), problem.steps(),
+  forward::integrate(problem.stepper, problem.grid, problem.initial, load(),
                      [&](const forward::Frame& frame) {
                        contact_steps += !frame.contact.active.empty();
                        if (!frame.last || !bare)

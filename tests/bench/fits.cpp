@@ -17,7 +17,9 @@ public:
   explicit Pull(Vec dual) : dual_(dual) {}
   [[nodiscard]] bool has_density() const override { return false; }
   [[nodiscard]] bool has_vector() const override { return true; }
-  void add(int, forward::StateDual sum) const override { petsc::check(VecAXPY(sum.vector, 1, dual_)); }
+  void add(const forward::TimeStep&, forward::StateDual sum) const override {
+    petsc::check(VecAXPY(sum.vector, 1, dual_));
+  }
 
 private:
   Vec dual_;
@@ -28,7 +30,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   const Problem problem(MPI_COMM_WORLD, scene, {.sliding = true}, timers);
   const int steps = problem.steps();
   const GivenControl given(problem);
-  const forward::StateStoreFactory storage(problem.stepper, scene.trajectory, steps, 1, timers);
+  const forward::StateStoreFactory storage(problem.stepper, problem.grid, scene.trajectory, 1, timers);
   const petsc::Vector dual = problem.space.vector();
   petsc::check(VecSet(dual, 1));
   const Pull pull(dual);
@@ -37,8 +39,9 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   forward::ParameterRates rates(problem.stepper, scene, values);
   std::vector<double> times;
   for (int k = 1; k <= steps; ++k)
-    times.push_back(problem.stepper.grid().time(k));
-  control::Measurements measurements(problem.stepper, scene, std::vector(scene.measurements.size(), times));
+    times.push_back(problem.grid.time(k));
+  control::Measurements measurements(problem.stepper, problem.grid, scene,
+                                     std::vector(scene.measurements.size(), times));
   forward::Stepper::Workspace work = problem.stepper.workspace();
   const double infinity = std::numeric_limits<double>::infinity();
   double control_alone = infinity, unknowns = infinity;
@@ -47,19 +50,19 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   Watch watch;
   for (int repeat = 0; repeat < repeats; ++repeat) {
     {
-      forward::Trajectory motion(problem.stepper, problem.initial, steps, storage);
+      forward::Trajectory motion(problem.stepper, problem.initial, storage);
       watch.lap();
       motion.run(given.load());
-      adjoint::sweep(problem.stepper, work, motion.contact(), derivative, [](int, Vec) {});
+      adjoint::sweep(problem.stepper, work, problem.grid, motion.contact(), derivative, [](int, Vec) {});
       control_alone = std::min(control_alone, watch.lap());
     }
-    forward::Trajectory motion(problem.stepper, problem.initial, steps, storage, true);
+    forward::Trajectory motion(problem.stepper, problem.initial, storage, true);
     std::vector<std::vector<double>> lambda(static_cast<std::size_t>(steps) + 1);
     watch.lap();
     motion.run(given.load(), [&](const forward::Frame& frame) {
       measurements.observe(frame);
       if (rates.turn())
-        lambda[static_cast<std::size_t>(frame.k)] = frame.contact.lambda;
+        lambda[static_cast<std::size_t>(frame.step.k)] = frame.contact.lambda;
     });
     measurements.set_derivative(std::vector<double>(measurements.count(), 1.0));
     gradient = adjoint::parameter_gradient(

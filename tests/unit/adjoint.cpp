@@ -42,7 +42,7 @@ int projected(const test::Recorded& trajectory) {
 TEST_CASE("the sweep is the transpose of the linearised steps", "[adjoint]") {
   for (const std::vector<std::string>& scheme : schemes) {
     const InContact run(scheme);
-    const bool stabilized = run.ready.scene.time.stabilized(),
+    const bool stabilized = run.ready.scene.contact_scheme() == scene::ContactScheme::contact_stabilized,
                iterative = run.ready.scene.solver.linear == scene::LinearMethod::iterative;
     CHECK((projected(run.trajectory) > 1) == stabilized);
     const forward::Stepper& stepper = run.ready.problem.stepper;
@@ -54,7 +54,7 @@ TEST_CASE("the sweep is the transpose of the linearised steps", "[adjoint]") {
     double forward = 0, backward = 0;
     for (int k = 1; k <= run.trajectory.steps; ++k) {
       const petsc::Vector density = test::smooth(space, k);
-      stepper.linearised_step({k, {y0, v0}, {{.density = density}}, {y1, v1}},
+      stepper.linearised_step({run.ready.problem.grid.scheme(k), {y0, v0}, {{.density = density}}, {y1, v1}},
                               run.trajectory.contact[static_cast<std::size_t>(k)], work);
       check(MatMult(*run.ready.problem.operators.W, test::smooth(space, -k), product));
       forward += dot(y1, product);
@@ -62,10 +62,11 @@ TEST_CASE("the sweep is the transpose of the linearised steps", "[adjoint]") {
       std::swap(v0, v1);
     }
     const test::Dual smooth([&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(space, -k))); });
-    adjoint::sweep(stepper, work, run.trajectory.sets(), {space, smooth}, [&](int k, Vec p) {
-      check(MatMult(*run.ready.problem.operators.W, test::smooth(space, k), product));
-      backward += stepper.grid().scheme(1).impulse() * dot(p, product);
-    });
+    adjoint::sweep(stepper, work, run.ready.problem.grid, run.trajectory.sets(), {space, smooth},
+                   [&](int k, Vec p) {
+                     check(MatMult(*run.ready.problem.operators.W, test::smooth(space, k), product));
+                     backward += run.ready.problem.grid.scheme(1).impulse() * dot(p, product);
+                   });
     CHECK(std::abs(forward) > 0);
     CHECK(std::abs(forward - backward) < (iterative ? 1e-9 : 1e-12) * std::abs(forward));
   }
@@ -74,7 +75,7 @@ TEST_CASE("the sweep is the transpose of the linearised steps", "[adjoint]") {
 TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
   for (const std::vector<std::string>& scheme : schemes) {
     const InContact run(scheme);
-    const bool stabilized = run.ready.scene.time.stabilized(),
+    const bool stabilized = run.ready.scene.contact_scheme() == scene::ContactScheme::contact_stabilized,
                iterative = run.ready.scene.solver.linear == scene::LinearMethod::iterative;
     CHECK((projected(run.trajectory) > 1) == stabilized);
     const forward::Stepper& stepper = run.ready.problem.stepper;
@@ -85,7 +86,7 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
                         dload = test::smooth(space, 3);
     petsc::Vector load = space.vector(), y = space.vector(), v = space.vector(), ly = space.vector(),
                   lv = space.vector();
-    check(VecCopy(run.ready.problem.load().at(k).density, load));
+    check(VecCopy(run.ready.problem.load().at(run.ready.problem.grid.step(k)).density, load));
     contact::ContactState moved(stepper.pairs()->count());
     forward::Stepper::Workspace work = stepper.workspace();
     // A step is piecewise affine: no truncation, only rounding, so that the largest ε that keeps the sets is
@@ -99,11 +100,14 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
       check(VecAXPY(y0, epsilon, dy));
       check(VecAXPY(v0, epsilon, dv));
       check(VecAXPY(f, epsilon, dload));
-      stepper.step({k, {y0, v0}, {{.density = f}}, run.trajectory.contact[i - 1]}, {{y, v}, moved}, work);
+      stepper.step(
+          {run.ready.problem.grid.step(k), {y0, v0}, {{.density = f}}, run.trajectory.contact[i - 1]},
+          {{y, v}, moved}, work);
     } while (moved.active != run.trajectory.contact[i].active ||
              moved.predictor != run.trajectory.contact[i].predictor);
     REQUIRE(!moved.active.empty());
-    stepper.linearised_step({k, {dy, dv}, {{.density = dload}}, {ly, lv}}, moved, work);
+    stepper.linearised_step({run.ready.problem.grid.scheme(k), {dy, dv}, {{.density = dload}}, {ly, lv}},
+                            moved, work);
     check(VecAXPY(y, -1, run.trajectory.y[i]));
     check(VecScale(y, 1 / epsilon));
     check(VecAXPY(v, -1, run.trajectory.v[i]));
@@ -114,7 +118,7 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
                        test::largest(run.trajectory.y[i]) / epsilon;
     CHECK(off < 1e-4 * test::largest(ly)); // else it says nothing
     CHECK(test::difference(y, ly) < off);
-    CHECK(test::difference(v, lv) < stepper.grid().scheme(1).rate() * off);
+    CHECK(test::difference(v, lv) < run.ready.problem.grid.scheme(1).rate() * off);
   }
 }
 
@@ -122,7 +126,7 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
   const InContact run({"mesh.degree=2"});
   const Problem& problem = run.ready.problem;
   const forward::Stepper& stepper = problem.stepper;
-  const double tau = stepper.grid().length(1);
+  const double tau = problem.grid.length(1);
   const std::size_t N = static_cast<std::size_t>(run.trajectory.steps);
   std::vector<petsc::Vector> p(N + 2);
   const auto dual = [&](int k) {
@@ -132,7 +136,7 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
   };
   const test::Dual smooth([&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(problem.space, k))); });
   forward::Stepper::Workspace work = stepper.workspace();
-  adjoint::sweep(stepper, work, run.trajectory.sets(), {problem.space, smooth},
+  adjoint::sweep(stepper, work, problem.grid, run.trajectory.sets(), {problem.space, smooth},
                  [&](int k, Vec pk) { p[static_cast<std::size_t>(k)] = petsc::copy(pk); });
 
   // The paper's recursion, written out with matrices: D = M + τ/2 B + τ²/4 A, R = M + τ/2 B − τ²/4 A.
@@ -188,8 +192,8 @@ TEST_CASE("adjoint states vanish on the clamp", "[adjoint]") {
   const test::Dual smooth(
       [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(ready.problem.space, k))); });
   forward::Stepper::Workspace work = ready.problem.stepper.workspace();
-  adjoint::sweep(ready.problem.stepper, work, trajectory.sets(), {ready.problem.space, smooth},
-                 [&](int, Vec p) {
+  adjoint::sweep(ready.problem.stepper, work, ready.problem.grid, trajectory.sets(),
+                 {ready.problem.space, smooth}, [&](int, Vec p) {
                    petsc::Vector rest = petsc::copy(p);
                    ready.problem.stepper.clamped().clear(rest);
                    CHECK(test::difference(rest, p) == 0);
@@ -254,15 +258,15 @@ TEST_CASE("bubbles of the adjoint states take up what the run's duals leave", "[
   const forward::Stepper& stepper = ready.problem.stepper;
   const adjoint::EnrichedBody body(ready.problem.space, stepper.pairs(), ready.scene);
   const fem::Operators& operators = body.operators();
-  const double tau = stepper.grid().length(1);
+  const double tau = ready.problem.grid.length(1);
   const petsc::Vector pushed = test::smooth(body.space(), 3);
   const test::Dual at_step_4({}, [&](int k, Vec out) {
     if (k == 4)
       check(VecAXPY(out, 1, pushed));
   });
   const forward::DualAtStep derivative(body.space(), at_step_4);
-  adjoint::DualBubbles bubbles(body, derivative, stepper.grid());
-  adjoint::Duals duals(stepper);
+  adjoint::DualBubbles bubbles(body, derivative, ready.problem.grid);
+  adjoint::Duals duals(stepper, ready.problem.grid);
   const contact::ActiveSet active{1, 2};
   petsc::Vector before = body.space().vector(), residual = body.space().vector(),
                 product = body.space().vector(), embedded = body.space().vector(),

@@ -79,20 +79,21 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
                               "time.scheme=contact-stabilized"}) {
     const test::Ready ready("scenes/half-disc.toml", {"mesh.size=1", setting});
     const Problem& problem = ready.problem;
-    const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.grid(),
+    const control::ControlSpace controls(problem.space, problem.operators, problem.grid,
                                          *ready.scene.control);
     const control::Control u = controls.interpolate({"0", "-1"}, "u");
     const control::ControlForce force(controls, u);
     const auto load = [&] { return problem.load(&force); };
     Timers timers;
-    const forward::StateStoreFactory storage(problem.stepper, {}, problem.steps(), 1, timers);
-    forward::Trajectory trajectory(problem.stepper, problem.initial, problem.steps(), storage);
+    const forward::StateStoreFactory storage(problem.stepper, problem.grid, {}, 1, timers);
+    forward::Trajectory trajectory(problem.stepper, problem.initial, storage);
     trajectory.run(load()); // work space that CHOLMOD and PETSc make once
     long stepping = 0, before = 0;
     int contact_steps = 0, set_changes = 0;
     (void)allocations([&] {
       trajectory.run(load(), [&](const forward::Frame& frame) {
-        stepping += frame.k > 1 ? calls - before : 0; // what comes before the first step is made once a run
+        stepping +=
+            frame.step.k > 1 ? calls - before : 0; // what comes before the first step is made once a run
         contact_steps += !frame.contact.active.empty();
         set_changes += frame.contact.vi_iterations > 0;
         before = calls;
@@ -104,10 +105,10 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
     forward::Balance weigh(problem.stepper);
     long streaming = 0;
     const auto stream = [&] {
-      forward::integrate(problem.stepper, problem.initial, load(), problem.steps(),
+      forward::integrate(problem.stepper, problem.grid, problem.initial, load(),
                          [&](const forward::Frame& frame) {
                            weigh(frame);
-                           streaming += frame.k > 1 ? calls - before : 0;
+                           streaming += frame.step.k > 1 ? calls - before : 0;
                            before = calls;
                          });
     };
@@ -118,7 +119,7 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
     forward::Stepper::Workspace work = problem.stepper.workspace();
     (void)allocations([&] {
       const test::Dual derivative([&](int, Vec density) { petsc::check(VecAXPY(density, 1, dual)); });
-      adjoint::sweep(problem.stepper, work, trajectory.contact(), {problem.space, derivative},
+      adjoint::sweep(problem.stepper, work, problem.grid, trajectory.contact(), {problem.space, derivative},
                      [&](int k, Vec) {
                        back += k < problem.steps() ? calls - before : 0;
                        before = calls;
@@ -142,14 +143,14 @@ TEST_CASE("steps between several obstacles, one of which moves, allocate nothing
   const Problem& problem = ready.problem;
   REQUIRE(problem.stepper.pairs()->dependent());
   const auto run = [&](const forward::StepObserver& watch) {
-    forward::integrate(problem.stepper, problem.initial, problem.load(), problem.steps(), watch);
+    forward::integrate(problem.stepper, problem.grid, problem.initial, problem.load(), watch);
   };
   run({});
   long stepping = 0, before = 0;
   std::array<bool, 3> touched{};
   (void)allocations([&] {
     run([&](const forward::Frame& frame) {
-      stepping += frame.k > 1 ? calls - before : 0;
+      stepping += frame.step.k > 1 ? calls - before : 0;
       for (int i : frame.contact.active)
         touched[static_cast<std::size_t>(problem.stepper.pairs()->obstacles()[static_cast<std::size_t>(i)])] =
             true;

@@ -30,7 +30,7 @@ TEST_CASE("a body moves with its clamps", "[forward]") {
     for (int k = 0; k <= trajectory.steps; ++k) {
       REQUIRE(trajectory.contact[static_cast<std::size_t>(k)].active.empty());
       ready.problem.space.interpolate(scene::Field({"t^2/2", "0.1*t"}, "test", true),
-                                      ready.problem.stepper.grid().time(k), exact);
+                                      ready.problem.grid.time(k), exact);
       CHECK(test::difference(trajectory.y[static_cast<std::size_t>(k)], exact) < tolerance);
     }
   }
@@ -156,7 +156,7 @@ TEST_CASE("the force of a frictionless plane is normal to it, also where clamps 
     CHECK(std::abs(force[0] - 0.3 * force[1]) <= 1e-12 * force[1]);
     double sum = 0;
     for (double lambda : motion.contact[k].lambda)
-      sum += lambda / ready.problem.stepper.grid().scheme(1).impulse();
+      sum += lambda / ready.problem.grid.scheme(1).impulse();
     CHECK(std::abs(std::hypot(force[0], force[1]) - sum) <= 1e-12 * sum);
     energy = std::max(energy, step.kinetic_energy + step.elastic_energy);
     CHECK(step.contact_work <= 1e-12 * energy); // the plane rests
@@ -185,9 +185,9 @@ TEST_CASE("the velocity of clamps is known at any step, whatever was asked befor
   forward::PrescribedMotion::At at = stepper.motion()->storage();
   petsc::Vector exact = ready.problem.space.vector(), moving = ready.problem.space.vector();
   for (const int k : {4, 1, 0, 3}) {
-    stepper.motion()->evaluate(2, at);
-    stepper.motion()->evaluate(k, at);
-    const double t = stepper.grid().time(k);
+    stepper.motion()->evaluate(ready.problem.grid.step(2), at);
+    stepper.motion()->evaluate(ready.problem.grid.step(k), at);
+    const double t = ready.problem.grid.time(k);
     ready.problem.space.interpolate(scene::Field({fmt::format("{:.17g}", 0.6 * t), "0.2*x"}, "test", false),
                                     0, moving);
     check(VecZeroEntries(exact));
@@ -242,7 +242,7 @@ TEST_CASE("clamps that move strain a body as they say, from node to node", "[for
   petsc::Vector exact = ready.problem.space.vector();
   for (int k = 0; k <= trajectory.steps; ++k) {
     ready.problem.space.interpolate(scene::Field({"(0.3*x - 0.1*y)*t", "0.2*x*t"}, "test", true),
-                                    ready.problem.stepper.grid().time(k), exact);
+                                    ready.problem.grid.time(k), exact);
     CHECK(test::difference(trajectory.y[static_cast<std::size_t>(k)], exact) < 1e-13);
   }
   CHECK(test::largest(exact) > 0.05);

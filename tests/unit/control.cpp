@@ -67,7 +67,7 @@ TEST_CASE("a first guess that is not written is moved into the bounds too", "[co
       loaded("tests/data/block.toml", {"load.body=[\"0.5\", \"-1.25\"]"}), free("tests/data/block.toml");
   const auto density = [](const test::Ready& ready) {
     const GivenControl given(ready.problem);
-    return petsc::copy(given.load().at(1).density);
+    return petsc::copy(given.load().at(ready.problem.grid.step(1)).density);
   };
   CHECK(test::difference(density(bounded), density(loaded)) == 0);
   CHECK(test::difference(density(bounded), density(free)) == 0.5);
@@ -125,7 +125,7 @@ TEST_CASE("derivatives are exact for every kind of control and objective", "[con
     for (const std::string& setting : overrides)
       what += setting + " ";
     INFO(what);
-    const test::Ready ready("tests/data/block.toml", overrides);
+    test::Ready ready("tests/data/block.toml", overrides);
     CHECK(check_scene(ready.problem, test::silent()));
   }
 }
@@ -134,7 +134,7 @@ TEST_CASE("a control holds values where it acts and nowhere else", "[control]") 
   const auto values = [](const std::vector<std::string>& overrides) {
     const test::Ready ready("tests/data/block.toml", overrides);
     const Problem& problem = ready.problem;
-    const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.grid(),
+    const control::ControlSpace controls(problem.space, problem.operators, problem.grid,
                                          *ready.scene.control);
     const control::Control u = controls.interpolate({"1 + x", "2 + y*y"}, "test");
     petsc::Vector field = controls.field(), rest = controls.field();
@@ -179,14 +179,15 @@ TEST_CASE("a control pushes with its resultant where it acts", "[control]") {
         overrides.push_back(fmt::format("control.on={}", on));
       const test::Ready ready("tests/data/block.toml", overrides);
       const Problem& problem = ready.problem;
-      const control::ControlSpace controls(problem.space, problem.operators, problem.stepper.grid(),
+      const control::ControlSpace controls(problem.space, problem.operators, problem.grid,
                                            *ready.scene.control);
       const control::Control u = controls.interpolate({"0", "3"}, "test");
       const double size = *on ? 3 : 1; // three sides, or the square
       CHECK(std::abs(controls.product(u, u) / (9 * size * ready.scene.time.end) - 1) < 1e-12);
       const control::ControlForce pushes(controls, u);
       petsc::Vector force = problem.space.vector();
-      forward::assemble(forward::ForceAtStep(problem.space, pushes).at(1), problem.operators, force);
+      forward::assemble(forward::ForceAtStep(problem.space, pushes).at(problem.grid.step(1)),
+                        problem.operators, force);
       PetscScalar sum = 0;
       petsc::check(VecSum(force, &sum));
       CHECK(std::abs(sum / (2 * 3 * size) - 1) < 1e-12);

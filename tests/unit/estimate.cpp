@@ -81,8 +81,9 @@ TEST_CASE("the error of steps of varying length is estimated by its first term",
       for (const int level : all)
         levels.insert(levels.end(), std::size_t(1) << halvings, level + halvings);
     }
-    forward::TimeGrid grid = ready.problem.stepper.grid();
-    REQUIRE(grid.take(levels));
+    const auto grid = forward::TimeGrid::of_levels(*ready.problem.stepper.ladder(), levels);
+    REQUIRE(grid);
+    ready.problem.grid = *grid;
     ControlProblem control_problem(ready.problem, test::silent());
     control_problem.reduced.simulate(control_problem.first_guess(ready.scene));
     control_problem.reduced.accept();

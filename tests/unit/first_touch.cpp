@@ -77,11 +77,11 @@ TEST_CASE("the first touch of a run is the one that was foreseen", "[forward]") 
     const Problem& problem = ready.problem;
     forward::ObstacleForces forces(problem.stepper);
     double first = -1;
-    forward::integrate(problem.stepper, problem.initial, problem.load(), problem.steps(),
+    forward::integrate(problem.stepper, problem.grid, problem.initial, problem.load(),
                        [&](const forward::Frame& frame) {
                          forces.observe(frame);
                          if (first < 0 && forces.all().normal_force > 0)
-                           first = problem.stepper.grid().time(frame.k);
+                           first = frame.step.end;
                        });
     const double foreseen = forward::first_touches(problem.stepper, ready.scene).at(0).time;
     REQUIRE(first > 0);

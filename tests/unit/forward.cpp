@@ -24,7 +24,7 @@ TEST_CASE("a free body falls as Newton says", "[forward]") {
   petsc::Vector exact = ready.problem.space.vector();
   for (int k = 0; k <= trajectory.steps; ++k) {
     REQUIRE(trajectory.contact[static_cast<std::size_t>(k)].active.empty());
-    const double t = ready.problem.stepper.grid().time(k);
+    const double t = ready.problem.grid.time(k);
     ready.problem.space.interpolate(
         scene::Field({"0", fmt::format("{:.17g}", -t - t * t / 2)}, "test", false), 0, exact);
     CHECK(test::difference(trajectory.y[static_cast<std::size_t>(k)], exact) < 1e-14);
@@ -83,7 +83,7 @@ TEST_CASE("gravity is the density as a body force, and may change with time", "[
     }
     CHECK(touched > 0);
     CHECK_FALSE(forward::SceneLoad(gravity.problem.space, gravity.problem.operators.M, *gravity.scene.load,
-                                   gravity.problem.stepper.grid())
+                                   gravity.problem.stepper.end())
                     .has_density());
   }
 }
@@ -123,27 +123,27 @@ TEST_CASE("the momentum law notices a velocity that is wrong", "[forward]") {
   const test::Ready ready("tests/data/block.toml");
   const forward::Stepper& stepper = ready.problem.stepper;
   forward::Balance weigh(stepper);
-  const double off = 0.25, tau = stepper.grid().length(5);
+  const double off = 0.25, tau = ready.problem.grid.length(5);
   const petsc::Vector shift = ready.problem.space.vector(), wrong = petsc::zero_like(shift),
                       moved = petsc::zero_like(shift);
   ready.problem.space.interpolate(scene::Field({"0.25", "0"}, "test", false), 0, shift);
   petsc::check(MatMult(stepper.M(), shift, moved));
   const double mass = petsc::dot(shift, moved) / (off * off);
   int looked = 0;
-  forward::integrate(
-      stepper, ready.problem.initial, ready.problem.load(), 5, [&](const forward::Frame& frame) {
-        if (frame.k < 5) {
-          weigh(frame);
-          return;
-        }
-        petsc::check(VecWAXPY(wrong, 1, shift, frame.v1));
-        const auto residual =
-            weigh({frame.k, frame.y0, frame.v0, frame.load, frame.y1, wrong, frame.contact, frame.last})
-                .momentum_residual;
-        CHECK(std::abs(residual[0] - mass * off / tau) < 1e-9 * mass * off / tau);
-        CHECK(std::abs(residual[1]) < 1e-9 * mass * off / tau);
-        ++looked;
-      });
+  forward::integrate(stepper, ready.problem.grid.first(5), ready.problem.initial, ready.problem.load(),
+                     [&](const forward::Frame& frame) {
+                       if (frame.step.k < 5) {
+                         weigh(frame);
+                         return;
+                       }
+                       petsc::check(VecWAXPY(wrong, 1, shift, frame.v1));
+                       const auto residual = weigh({frame.step, frame.y0, frame.v0, frame.load, frame.y1,
+                                                    wrong, frame.contact, frame.last})
+                                                 .momentum_residual;
+                       CHECK(std::abs(residual[0] - mass * off / tau) < 1e-9 * mass * off / tau);
+                       CHECK(std::abs(residual[1]) < 1e-9 * mass * off / tau);
+                       ++looked;
+                     });
   CHECK(looked == 1);
 }
 
@@ -244,7 +244,7 @@ TEST_CASE("a plane that meets a body is a body that meets the plane", "[forward]
     int touched = 0;
     double force = 0, defect = 0;
     for (std::size_t k = 0; k < a.contact.size(); ++k) {
-      const double t = rest.problem.stepper.grid().time(static_cast<int>(k));
+      const double t = rest.problem.grid.time(static_cast<int>(k));
       rest.problem.space.interpolate(
           scene::Field({fmt::format("{:.17g}", 0.3 * t), fmt::format("{:.17g}", 0.7 * t)}, "test", false), 0,
           shift);

@@ -38,13 +38,14 @@ TEST_CASE("defects of a motion are weighed by what the run has seen", "[forward]
   forward::Invariants invariants(stepper, body);
   int k = 0;
   const auto observe = [&](const forward::StepBalance& balance, const contact::ContactState& contact) {
-    invariants.observe({++k, zero, zero, {}, zero, zero, contact, false}, balance);
+    invariants.observe({ready.problem.grid.step(++k), zero, zero, {}, zero, zero, contact, false}, balance);
   };
   const contact::ContactState open(static_cast<int>(m));
   contact::ContactState pressed = open;
   // The scales: energy 3 + 1, forces 8, and the contact force of an impact with this energy, of which the
   // pressed node has half. No defect.
-  const double meeting = std::sqrt(2 * 4 * body.mass) / body.crossing * stepper.grid().scheme(1).impulse();
+  const double meeting =
+      std::sqrt(2 * 4 * body.mass) / body.crossing * ready.problem.grid.scheme(1).impulse();
   pressed.lambda[1] = meeting / 2;
   observe({.kinetic_energy = 3, .elastic_energy = 1, .momentum_scale = 8}, pressed);
   CHECK_FALSE(invariants.violation(0));
@@ -110,7 +111,7 @@ TEST_CASE("the scale of the momentum balance adds the moduli of its terms", "[fo
   const test::Ready ready("tests/data/block.toml");
   const forward::Stepper& stepper = ready.problem.stepper;
   const fem::Space& space = ready.problem.space;
-  const double tau = stepper.grid().length(1);
+  const double tau = ready.problem.grid.length(1);
   const petsc::Vector y0 = test::smooth(space, 1), y1 = test::smooth(space, 2), v0 = test::smooth(space, 3),
                       v1 = test::smooth(space, 4), density = test::smooth(space, 5);
   contact::ContactState contact(stepper.pairs()->count());
@@ -138,13 +139,14 @@ TEST_CASE("the scale of the momentum balance adds the moduli of its terms", "[fo
   petsc::Vector change = product(stepper.M(), v1), pushes = space.vector();
   check(VecAXPY(change, -1, product(stepper.M(), v0)));
   contact::NormalOperator(*stepper.pairs())
-      .add(-1 / stepper.grid().scheme(1).impulse(), contact.lambda, pushes);
+      .add(-1 / ready.problem.grid.scheme(1).impulse(), contact.lambda, pushes);
   const double exact = length_of_sum(change) / tau +
                        length_of_sum(product(*ready.problem.operators.W, density)) + length_of_sum(pushes) +
                        all(product(ready.problem.operators.A, y1)) + all(product(stepper.M(), v1)) / tau;
   forward::Balance weigh(stepper);
-  (void)weigh({0, nullptr, nullptr, {}, y0, v0, contact, false});
-  const forward::StepBalance balance = weigh({1, y0, v0, {{.density = density}}, y1, v1, contact, true});
+  (void)weigh({ready.problem.grid.step(0), nullptr, nullptr, {}, y0, v0, contact, false});
+  const forward::StepBalance balance =
+      weigh({ready.problem.grid.step(1), y0, v0, {{.density = density}}, y1, v1, contact, true});
   CHECK(std::abs(balance.momentum_scale / exact - 1) < 1e-12);
   CHECK(std::abs(std::hypot(balance.contact_force[0], balance.contact_force[1]) / length_of_sum(pushes) - 1) <
         1e-12);

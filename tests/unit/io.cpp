@@ -210,16 +210,16 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
       forward::Balance weigh(problem.stepper);
       std::vector<forward::StepBalance> balance;
       std::vector<contact::ContactState> states;
-      forward::integrate(problem.stepper, problem.initial, problem.load(), problem.steps(),
-                         [&](const forward::Frame& frame) {
-                           balance.push_back(weigh(frame));
-                           states.push_back(frame.contact);
-                           invariants.observe(frame, balance.back());
-                           io::add_steps_row(steps, frame.k, problem.stepper.grid().time(frame.k), dim,
-                                             balance.back(), invariants, frame.contact, 2.5 * frame.k,
-                                             tracking ? std::optional(1.0 / (frame.k + 3)) : std::nullopt);
-                           contact_table.add_rows(contact, frame.k, problem.stepper.grid(), frame.contact);
-                         });
+      forward::integrate(
+          problem.stepper, problem.grid, problem.initial, problem.load(), [&](const forward::Frame& frame) {
+            balance.push_back(weigh(frame));
+            states.push_back(frame.contact);
+            invariants.observe(frame, balance.back());
+            io::add_steps_row(steps, frame.step.k, frame.step.end, dim, balance.back(), invariants,
+                              frame.contact, 2.5 * frame.step.k,
+                              tracking ? std::optional(1.0 / (frame.step.k + 3)) : std::nullopt);
+            contact_table.add_rows(contact, frame.step, frame.contact);
+          });
       const auto rows = cells(steps), candidates = cells(contact);
       const auto m = static_cast<std::size_t>(pairs.count());
       REQUIRE(rows.size() == balance.size() + 1);
@@ -248,7 +248,7 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
           pressed += cell("pressure") * cell("area") - cell("force");
           CHECK(number(candidates, k * m + i, "gap") == states[k].gap[i]);
           CHECK(number(candidates, k * m + i, "force") ==
-                states[k].lambda[i] / problem.stepper.grid().scheme(1).impulse());
+                states[k].lambda[i] / problem.grid.scheme(1).impulse());
           CHECK(number(candidates, k * m + i, "x") == pairs.points()[3 * i]);
           pushed += states[k].lambda[i] > 0;
         }
@@ -365,8 +365,8 @@ TEST_CASE("a checkpoint is read as it was written, and where it is damaged not a
         {"time.end=0.1", "control.on=rest", "control.components=[\"y\"]",
          "objective.desired={displacement=[\"0\", \"0\"]}"}}) {
     const test::Ready ready("tests/data/block.toml", overrides);
-    const control::ControlSpace controls(ready.problem.space, ready.problem.operators,
-                                         ready.problem.stepper.grid(), *ready.scene.control);
+    const control::ControlSpace controls(ready.problem.space, ready.problem.operators, ready.problem.grid,
+                                         *ready.scene.control);
     Pieces pieces;
     pieces.u = std::make_shared<const control::Control>(some(controls));
     write(controls, pieces, file);
@@ -405,8 +405,8 @@ TEST_CASE("a checkpoint is read as it was written, and where it is damaged not a
     std::vector<std::string> finer = overrides;
     finer.push_back("mesh.size=0.2");
     const test::Ready other("tests/data/block.toml", finer);
-    const control::ControlSpace elsewhere(other.problem.space, other.problem.operators,
-                                          other.problem.stepper.grid(), *other.scene.control);
+    const control::ControlSpace elsewhere(other.problem.space, other.problem.operators, other.problem.grid,
+                                          *other.scene.control);
     CHECK_THROWS_WITH(read(elsewhere, file),
                       ContainsSubstring("allowed is the mesh of the run that wrote it"));
     CHECK(same(read(controls, file), pieces));

@@ -24,7 +24,7 @@ TEST_CASE("clamps follow a time series with its slopes", "[forward]") {
   const auto bent = [](double t) { return t <= 0.3 ? 0.1 * t : 0.03 + 0.7 * (t - 0.3); };
   long held = 0;
   for (int k = 0; k <= trajectory.steps; ++k) {
-    const double t = ready.problem.stepper.grid().time(k), rate = t <= 0.3 ? 0.1 : 0.7;
+    const double t = ready.problem.grid.time(k), rate = t <= 0.3 ? 0.1 : 0.7;
     const petsc::ReadArray y(trajectory.y[static_cast<std::size_t>(k)]),
         v(trajectory.v[static_cast<std::size_t>(k)]);
     for (int node = 0; node < ready.problem.space.owned_nodes(); ++node) {
@@ -87,7 +87,7 @@ TEST_CASE("a ball that rolls along a body presses where it is", "[forward]") {
   const std::vector<double>& x = ready.problem.stepper.pairs()->points();
   int inside = 0;
   for (std::size_t k = 0; k < motion.contact.size(); ++k) {
-    const double middle = -0.5 + 2 * ready.problem.stepper.grid().time(static_cast<int>(k));
+    const double middle = -0.5 + 2 * ready.problem.grid.time(static_cast<int>(k));
     double force = 0, moment = 0;
     for (std::size_t i = 0; i < motion.contact[k].lambda.size(); ++i) {
       force += motion.contact[k].lambda[i];

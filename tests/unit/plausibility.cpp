@@ -42,11 +42,10 @@ std::set<std::string> warnings(std::vector<std::string> overrides) {
   forward::Balance weigh(problem.stepper);
   forward::Plausibility watch(problem.stepper, ready.scene);
   const forward::ForceAtStep load = problem.load();
-  forward::integrate(problem.stepper, problem.initial, load, problem.steps(),
-                     [&](const forward::Frame& frame) {
-                       const forward::StepBalance balance = weigh(frame);
-                       watch.observe(frame, &balance);
-                     });
+  forward::integrate(problem.stepper, problem.grid, problem.initial, load, [&](const forward::Frame& frame) {
+    const forward::StepBalance balance = weigh(frame);
+    watch.observe(frame, &balance);
+  });
   std::set<std::string> names;
   for (const forward::Warning& warning : watch.warnings()) {
     CHECK(warning.value > warning.limit);

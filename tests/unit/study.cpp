@@ -32,7 +32,7 @@ Result run(double size, int steps, double seconds, double value) {
   measured.seconds = seconds;
   measured.numbers["Q"] = value;
   measured.fields["F"] = {value, -value};
-  return {{size, steps, 1, Scheme::contact_implicit}, measured};
+  return {{size, steps, 1, scene::ContactScheme::contact_implicit}, measured};
 }
 
 /// Runs of four sizes h and numbers N of steps with the number Q = 1 + a h^p + b N^-q.
@@ -279,7 +279,7 @@ TEST_CASE("what has no size gives no relative error, and what is no number no er
   Measured none;
   none.numbers["J"] = 0;
   none.estimate = {1e-3, 1e-3, 0, 0};
-  const std::vector<Result> alone{{{1, 10, 1, Scheme::contact_implicit}, none}};
+  const std::vector<Result> alone{{{1, 10, 1, scene::ContactScheme::contact_implicit}, none}};
   CHECK_FALSE(errors({"J", "J", ""}, alone, {}).estimate[0]);
 }
 
@@ -310,7 +310,7 @@ TEST_CASE("a scheme that is named holds for every contact, and without one each 
     std::vector<std::pair<bool, bool>> found;
     for (const Rung& rung : ladder(scene, choice)) {
       const scene::Scene changed = on_rung(scene, rung);
-      CHECK(changed.time.stabilized() == (rung.scheme == Scheme::contact_stabilized));
+      CHECK(changed.contact_scheme() == rung.scheme);
       found.emplace_back(changed.contacts[0].massless(), changed.contacts[1].massless());
     }
     return found;

@@ -20,7 +20,8 @@ std::vector<forward::ContactTimes::Interval> intervals(const std::vector<Gap>& g
   if (candidates.empty())
     for (int i = 0; i < m; ++i)
       candidates.push_back(i);
-  forward::ContactTimes times({tau, steps}, candidates);
+  const forward::TimeGrid grid(tau, steps);
+  forward::ContactTimes times(candidates);
   for (int k = 0; k <= steps; ++k) {
     contact::ContactState state(m);
     for (std::size_t i = 0; i < gaps.size(); ++i) {
@@ -29,7 +30,7 @@ std::vector<forward::ContactTimes::Interval> intervals(const std::vector<Gap>& g
       if (k > 0 && gap <= 0) // no step has led to the first frame
         state.status[i] = Status::strong;
     }
-    times.observe(k, state);
+    times.observe(grid.step(k), state);
   }
   return times.intervals();
 }

@@ -41,7 +41,7 @@ std::string content(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-const Rung rung{0.25, 10, 1, Scheme::contact_implicit};
+const Rung rung{0.25, 10, 1, scene::ContactScheme::contact_implicit};
 const Quantity J{"J", "J", ""}, displacement{"displacement", "displacement", "m", true};
 
 Measured measured() {

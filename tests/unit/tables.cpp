@@ -45,7 +45,7 @@ struct Watched {
     forward::Balance weigh(problem.stepper, {reactions, given.acts(), problem.scene_loads()});
     forward::ObstacleForces forces(problem.stepper);
     summary.emplace(problem.stepper, ready.scene);
-    forward::integrate(problem.stepper, problem.initial, given.load(), problem.steps(),
+    forward::integrate(problem.stepper, problem.grid, problem.initial, given.load(),
                        [&](const forward::Frame& frame) {
                          balance.push_back(weigh(frame));
                          forces.observe(frame);
@@ -92,7 +92,7 @@ TEST_CASE("the impulse of contact is the change of momentum less that of the loa
     for (const char* degree : {"mesh.degree=1", "mesh.degree=2"})
       for (const Settings& scheme : schemes) {
         const Watched motion(file, with({degree, "time.step=0.03"}, scheme));
-        const double tau = motion.ready.problem.stepper.grid().length(1);
+        const double tau = motion.ready.problem.grid.length(1);
         Vector impulse{},
             change = difference(motion.balance.back().momentum, motion.balance.front().momentum);
         change[dim - 1] += 0.6; // a weight of 1 N for 0.6 s
@@ -356,7 +356,8 @@ TEST_CASE("probes see linear motions as they are", "[forward]") {
       problem.space.interpolate(scene::Field(v, "test", false), 0, velocity);
       const contact::ContactState contact(problem.stepper.pairs()->count());
       std::vector<double> found;
-      const forward::Frame frame{1, nullptr, nullptr, {}, displacement, velocity, contact, false};
+      const forward::Frame frame{problem.grid.step(1), nullptr,  nullptr, {},
+                                 displacement,         velocity, contact, false};
       problem.probes->add_values(frame, forward::ObstacleForces(problem.stepper), nullptr, found);
       std::vector<double> point{0.3, 0.7, 0.2}, top(n, 0.5), centre(n, 0.5);
       point.resize(n);
@@ -396,7 +397,7 @@ TEST_CASE("what clamps, obstacles and loads do is the rate of momentum, by probe
                            with({probes, clamp, "initial.velocity=[\"0\", \"0\"]",
                                  "contact.obstacle.point=[0, -0.02]", "load.body=[\"0\", \"-3\"]"},
                                 scheme));
-      const double tau = motion.ready.problem.stepper.grid().length(1);
+      const double tau = motion.ready.problem.grid.length(1);
       double reactions = 0, forces = 0;
       for (std::size_t k = 1; k < motion.balance.size(); ++k) {
         for (const auto& [axis, weight] : {std::pair{"x", 0.0}, {"y", -3.0}}) {

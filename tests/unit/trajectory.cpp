@@ -78,12 +78,12 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
                           forward::steps_made(N, std::min(slots, N - 1)) - N);
   for (const auto& [scene, again] : storages) {
     INFO(scene::name(scene.storage) << " " << scene.budget);
-    const forward::StateStoreFactory storage(problem.stepper, scene, N, 1, timers);
-    forward::Trajectory trajectory(problem.stepper, problem.initial, N, storage, true);
+    const forward::StateStoreFactory storage(problem.stepper, problem.grid, scene, 1, timers);
+    forward::Trajectory trajectory(problem.stepper, problem.initial, storage, true);
     int shown = 0;
     trajectory.run(problem.load(), [&](const forward::Frame& frame) {
-      CHECK(frame.k == shown++);
-      CHECK(frame.last == (frame.k == N));
+      CHECK(frame.step.k == shown++);
+      CHECK(frame.last == (frame.step.k == N));
     });
     CHECK(trajectory.steps() == N);
     const auto is_right = [&](int k) {
@@ -108,9 +108,9 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
     for (const contact::ContactSets& sets : trajectory.contact()) // free flight takes no room
       CHECK((sets.active.empty() ? sets.active.capacity() : sets.weak.capacity()) <= sets.active.size());
     // Another motion in the same storage, and this one again.
-    forward::Trajectory other(problem.stepper, problem.initial, N, storage);
+    forward::Trajectory other(problem.stepper, problem.initial, storage);
     other.run({problem.space, {}});
-    CHECK(test::difference(other.y(N), expected.y.back()) > 0);
+    CHECK(test::difference(other.at(N).y, expected.y.back()) > 0);
     is_right(N);
     is_right(N / 2);
   }
@@ -245,14 +245,15 @@ TEST_CASE("a store of states takes the room that is told, with velocities and wi
     for (const bool velocities : {false, true}) {
       INFO(scene::name(scene.storage) << " " << scene.budget << (velocities ? " with velocities" : ""));
       forward::TimeIntegrator integrator(stepper, initial.y, initial.v,
-                                         [](int, Vec y0, Vec v0, Vec y1, Vec v1) {
+                                         [](const forward::TimeStep&, Vec y0, Vec v0, Vec y1, Vec v1) {
                                            check(VecCopy(y0, y1));
                                            check(VecCopy(v0, v1));
                                          });
       const long before = vectors;
-      const forward::StateStoreFactory storage(stepper, scene, N, 1, timers);
+      const forward::StateStoreFactory storage(stepper, ready.problem.grid, scene, 1, timers);
       const std::unique_ptr<forward::StateStore> store = storage.place(integrator, velocities);
-      for (integrator.restart(); integrator.state().k < N; integrator.advance())
+      for (integrator.restart(); integrator.state().k < N;
+           integrator.advance(ready.problem.grid.step(integrator.state().k + 1)))
         store->keep(integrator.state());
       store->keep(integrator.state());
       for (int k = N; k >= 1; --k)
@@ -327,8 +328,8 @@ TEST_CASE("a trajectory that runs again shows the last run's states, from every 
        {scene::Trajectory{}, scene::Trajectory{.storage = scene::Storage::disk},
         checkpoints(problem.stepper, 3)}) {
     INFO(scene::name(scene.storage));
-    const forward::StateStoreFactory storage(problem.stepper, scene, N, 1, timers);
-    forward::Trajectory trajectory(problem.stepper, problem.initial, N, storage, true);
+    const forward::StateStoreFactory storage(problem.stepper, problem.grid, scene, 1, timers);
+    forward::Trajectory trajectory(problem.stepper, problem.initial, storage, true);
     for (const test::Recorded* expected : {&loaded, &falling, &loaded}) {
       trajectory.run(expected == &loaded ? problem.load() : forward::ForceAtStep(problem.space, {}));
       for (int k : {N, N, N / 2, 1}) { // the last one asked for before the next run too

@@ -30,7 +30,7 @@ const std::vector<std::string> held{"clamp=[{on=\"top\"}]", "contact.obstacle.po
                                     "time={end=40, step=\"auto\", tolerance=1e-1}"};
 
 /// Chooses the lengths by the scene's own motion, which touches.
-void choose(const Problem& problem) { choose_steps(problem, problem.load(), test::silent()); }
+void choose(Problem& problem) { choose_steps(problem, problem.load(), test::silent()); }
 
 /// By how much two equal motions and their gradients differ, relative: MUMPS, on several ranks, does not give
 /// the same bits twice, and contact multiplies what one step leaves, to 2e-9 in the worst of 25 runs on three
@@ -48,22 +48,30 @@ std::set<double> lengths(const forward::TimeGrid& grid) {
 
 TEST_CASE("steps of a ladder begin at multiples of their length and end where the motion does", "[forward]") {
   const double end = 0.7; // no binary fraction
-  forward::TimeGrid grid(forward::Ladder(end, 3, 4));
-  CHECK(grid.ladder()->length(0) == end / 3);
-  CHECK_FALSE(grid.complete());
+  const forward::Ladder ladder(end, 3, 4);
+  forward::TimeGridBuilder builder(ladder);
+  CHECK(ladder.length(0) == end / 3);
+  CHECK_FALSE(builder.complete());
   std::vector<double> levels;
+  std::vector<forward::TimeStep> steps;
   for (const int level : {0, 2, 3, 4, 4, 2, 2, 1, 3, 3, 2}) {
-    REQUIRE(level >= grid.least_level());
-    grid.add(level);
+    REQUIRE(level >= builder.least_level());
+    builder.add(ladder.levels);
+    builder.remove(); // without a trace
+    steps.push_back(builder.add(level));
     levels.push_back(level);
   }
-  CHECK(grid.least_level() == 0); // they make up three longest ones
+  CHECK(builder.least_level() == 0); // they make up three longest ones
+  const forward::TimeGrid grid = builder.grid();
   CHECK(grid.complete());
   CHECK(grid.time(grid.steps()) == end);
   CHECK(grid.levels() == levels);
   for (int k = 1; k <= grid.steps(); ++k) {
     const double tau = grid.length(k);
-    CHECK(tau == grid.ladder()->length(grid.level(k)));
+    CHECK(tau == ladder.length(static_cast<int>(levels[static_cast<std::size_t>(k) - 1])));
+    const forward::TimeStep step = grid.step(k), &added = steps[static_cast<std::size_t>(k) - 1];
+    CHECK((step.k == k && step.begin == grid.time(k - 1) && step.end == grid.time(k) && step.tau == tau));
+    CHECK((added.k == k && added.begin == step.begin && added.end == step.end && added.tau == tau));
     CHECK(std::abs(grid.time(k - 1) + tau - grid.time(k)) < 1e-15);
     CHECK(std::abs(std::remainder(grid.time(k - 1), tau)) < 1e-15);
     const forward::TimeGrid::Place middle = grid.place(grid.middle(k));
@@ -71,14 +79,19 @@ TEST_CASE("steps of a ladder begin at multiples of their length and end where th
   }
   CHECK(grid.place(0).k == 1);
   CHECK(grid.place(end).k == grid.steps());
-  forward::TimeGrid other(*grid.ladder());
-  CHECK(other.take(levels));
-  CHECK(other.levels() == levels);
-  CHECK_FALSE(other.take({0, 2, 1, 0, 0})); // the third begins at no multiple of its length
-  CHECK_FALSE(other.take({0, 0}));          // too short
-  CHECK_FALSE(other.take({0, 0, 0, 0}));    // too long
-  CHECK_FALSE(other.take({0, 0, 5}));       // no such length
-  CHECK(other.levels() == levels);
+  const auto taken = [&](const std::vector<double>& some) {
+    return forward::TimeGrid::of_levels(ladder, some);
+  };
+  REQUIRE(taken(levels));
+  CHECK(taken(levels)->levels() == levels);
+  CHECK_FALSE(taken({0, 2, 1, 0, 0})); // the third begins at no multiple of its length
+  CHECK_FALSE(taken({0, 0}));          // too short
+  CHECK_FALSE(taken({0, 0, 0, 0}));    // too long
+  CHECK_FALSE(taken({0, 0, 5}));       // no such length
+  const forward::TimeGrid first = grid.first(4);
+  CHECK((first.steps() == 4 && !first.complete() && first.time(4) == grid.time(4)));
+  builder.remove();
+  CHECK((grid.complete() && !builder.complete() && builder.grid().steps() == grid.steps() - 1));
 }
 
 TEST_CASE("motions in steps of varying length keep the laws of energy and momentum", "[forward]") {
@@ -92,10 +105,10 @@ TEST_CASE("motions in steps of varying length keep the laws of energy and moment
     forward::StepControl control(problem.stepper, ready.scene);
     double energy = 0, off = 0, force = 0, momentum = 0;
     int touching = 0, last = -1;
-    const int steps = forward::integrate_choosing(
+    const forward::TimeGrid grid = forward::integrate_choosing(
         problem.stepper, problem.initial, problem.load(), control, [&](const forward::Frame& frame) {
-          CHECK(frame.k == last + 1); // steps that are made again are not shown
-          last = frame.k;
+          CHECK(frame.step.k == last + 1); // steps that are made again are not shown
+          last = frame.step.k;
           const forward::StepBalance balance = weigh(frame);
           energy = std::max(energy, balance.kinetic_energy + balance.elastic_energy);
           off = std::max(off, std::abs(balance.energy_residual));
@@ -105,9 +118,8 @@ TEST_CASE("motions in steps of varying length keep the laws of energy and moment
           touching += !frame.contact.active.empty();
           CHECK(balance.contact_work <= 1e-12 * energy);
         });
-    const forward::TimeGrid& grid = problem.stepper.grid();
     CHECK(grid.complete());
-    CHECK(grid.steps() == steps);
+    CHECK(grid.steps() == last);
     REQUIRE(touching > 3);
     REQUIRE(lengths(grid).size() > 1);
     rejected += control.rejected();
@@ -115,10 +127,10 @@ TEST_CASE("motions in steps of varying length keep the laws of energy and moment
     CHECK(momentum < 1e-10 * force);
     // The same motion again, of the steps that were chosen.
     petsc::Vector end = problem.space.vector();
-    forward::integrate(problem.stepper, problem.initial, problem.load(), steps,
+    forward::integrate(problem.stepper, grid, problem.initial, problem.load(),
                        [&](const forward::Frame& frame) { check(VecCopy(frame.y1, end)); });
     const petsc::Vector first = petsc::copy(end);
-    forward::integrate(problem.stepper, problem.initial, problem.load(), steps,
+    forward::integrate(problem.stepper, grid, problem.initial, problem.load(),
                        [&](const forward::Frame& frame) { check(VecCopy(frame.y1, end)); });
     CHECK(test::difference(first, end) <= rounding() * test::largest(end));
   }
@@ -145,11 +157,11 @@ TEST_CASE("chosen steps do not depend on the units of mass and time", "[forward]
         const Problem& problem = ready.problem;
         forward::StepControl control(problem.stepper, ready.scene);
         touching.push_back(0);
-        forward::integrate_choosing(
+        const forward::TimeGrid grid = forward::integrate_choosing(
             problem.stepper, problem.initial, problem.load(), control,
             [&](const forward::Frame& frame) { touching.back() += !frame.contact.active.empty(); });
-        levels.push_back(problem.stepper.grid().levels());
-        REQUIRE(lengths(problem.stepper.grid()).size() > 1);
+        levels.push_back(grid.levels());
+        REQUIRE(lengths(grid).size() > 1);
       }
       REQUIRE(touching[0] > 3);
       CHECK(touching[0] == touching[1]);
@@ -166,8 +178,8 @@ TEST_CASE("a factor that memory has no room for is made again, to the same motio
     const Problem& problem = ready.problem;
     forward::StepControl control(problem.stepper, ready.scene);
     petsc::Vector& end = ends.emplace_back(problem.space.vector());
-    forward::integrate_choosing(problem.stepper, problem.initial, problem.load(), control,
-                                [&](const forward::Frame& frame) { check(VecCopy(frame.y1, end)); });
+    (void)forward::integrate_choosing(problem.stepper, problem.initial, problem.load(), control,
+                                      [&](const forward::Frame& frame) { check(VecCopy(frame.y1, end)); });
     made.push_back(problem.stepper.factorisations());
   }
   CHECK(made[1] > made[0]);
@@ -181,14 +193,14 @@ TEST_CASE("stored motions of varying steps come back the same from memory, disk 
        {std::vector<std::string>{"trajectory.storage=memory"},
         {"trajectory.storage=disk"},
         {"trajectory.storage=checkpoints", "trajectory.budget=2e5"}}) {
-    const test::Ready ready("tests/data/block.toml", with(falling, storage));
+    test::Ready ready("tests/data/block.toml", with(falling, storage));
     choose(ready.problem);
     ControlProblem problem(ready.problem, test::silent());
     problem.reduced.simulate(problem.controls.constant(-0.3));
     problem.reduced.accept();
     const control::Control g = problem.reduced.gradient();
     gradients.emplace_back(g.values().begin(), g.values().end());
-    REQUIRE(lengths(ready.problem.stepper.grid()).size() > 1);
+    REQUIRE(lengths(ready.problem.grid).size() > 1);
   }
   for (const std::vector<double>& other : {gradients[1], gradients[2]})
     CHECK(test::difference(other, gradients[0]) <= rounding() * test::largest(gradients[0]));
@@ -250,31 +262,31 @@ TEST_CASE("steps chosen by the energy are judged by that of their errors", "[for
     std::vector<petsc::Vector> y;
     double largest = 0;
     int judged = 0;
-    const forward::TimeGrid& grid = problem.stepper.grid();
-    forward::integrate_choosing(problem.stepper, problem.initial, problem.load(), control,
-                                [&](const forward::Frame& frame) {
-                                  y.push_back(petsc::copy(frame.y1));
-                                  largest = std::max(largest, energy(frame.y1));
-                                  if (frame.k == 0)
-                                    return errors.start(frame.y1, frame.v1);
-                                  const double error = errors.judge(frame).error;
-                                  errors.accept(frame);
-                                  const auto k = static_cast<std::size_t>(frame.k);
-                                  if (k < 3 || grid.level(frame.k) == grid.ladder()->levels ||
-                                      grid.level(frame.k) != grid.level(frame.k - 2) ||
-                                      grid.level(frame.k) != grid.level(frame.k - 1))
-                                    return;
-                                  const petsc::Vector third = petsc::copy(y[k]);
-                                  check(VecAXPY(third, -3, y[k - 1]));
-                                  check(VecAXPY(third, 3, y[k - 2]));
-                                  check(VecAXPY(third, -1, y[k - 3]));
-                                  const double expected = std::sqrt(energy(third)) / 12;
-                                  if (expected < 1e-6 * errors.scale()) // rounding is taken off
-                                    return;
-                                  CHECK(std::abs(error / expected - 1) < 1e-6);
-                                  CHECK(std::abs(errors.error_of(third, y[k]) / expected - 1) < 1e-6);
-                                  ++judged;
-                                });
+    const double shortest = problem.stepper.ladder()->shortest_step();
+    std::vector<double> lengths{0};
+    (void)forward::integrate_choosing(
+        problem.stepper, problem.initial, problem.load(), control, [&](const forward::Frame& frame) {
+          y.push_back(petsc::copy(frame.y1));
+          largest = std::max(largest, energy(frame.y1));
+          if (frame.step.k == 0)
+            return errors.start(frame.y1, frame.v1);
+          const double error = errors.judge(frame).error;
+          errors.accept(frame);
+          const auto k = static_cast<std::size_t>(frame.step.k);
+          lengths.push_back(frame.step.tau);
+          if (k < 3 || lengths[k] == shortest || lengths[k] != lengths[k - 2] || lengths[k] != lengths[k - 1])
+            return;
+          const petsc::Vector third = petsc::copy(y[k]);
+          check(VecAXPY(third, -3, y[k - 1]));
+          check(VecAXPY(third, 3, y[k - 2]));
+          check(VecAXPY(third, -1, y[k - 3]));
+          const double expected = std::sqrt(energy(third)) / 12;
+          if (expected < 1e-6 * errors.scale()) // rounding is taken off
+            return;
+          CHECK(std::abs(error / expected - 1) < 1e-6);
+          CHECK(std::abs(errors.error_of(third, y[k]) / expected - 1) < 1e-6);
+          ++judged;
+        });
     CHECK(judged > 5);
     // The rigid motion has no energy: to the rounding that is left of it.
     CHECK(std::abs(errors.scale() / std::sqrt(largest) - 1) < 1e-6);

@@ -17,11 +17,10 @@ namespace {
 class ContactWatch {
 public:
   explicit ContactWatch(const forward::Stepper& stepper)
-      : pairs_(*stepper.pairs()), grid_(stepper.grid()), gaps_(pairs_.gaps()),
-        before_(pairs_.psi().begin(), pairs_.psi().end()) {}
+      : pairs_(*stepper.pairs()), gaps_(pairs_.gaps()), before_(pairs_.psi().begin(), pairs_.psi().end()) {}
 
   void observe(const forward::Frame& frame, double contact_work) {
-    if (frame.k == 0)
+    if (frame.step.k == 0)
       return;
     const contact::ContactState& state = frame.contact;
     const int strong = state.count(contact::Status::strong);
@@ -30,9 +29,9 @@ public:
     most = std::max(most, strong);
     projected += !state.predictor.empty();
     if (pairs_.moving()) {
-      const std::span<const double> psi = pairs_.psi(grid_.time(frame.k), gaps_);
+      const std::span<const double> psi = pairs_.psi(frame.step.end, gaps_);
       for (std::size_t i = 0; i < psi.size(); ++i)
-        contact_work += state.lambda[i] / grid_.scheme(frame.k).impulse() * (psi[i] - before_[i]);
+        contact_work += state.lambda[i] / frame.step.scheme().impulse() * (psi[i] - before_[i]);
       before_.assign(psi.begin(), psi.end());
     }
     work = std::max(work, contact_work);
@@ -45,7 +44,6 @@ public:
 
 private:
   const contact::ContactPairs& pairs_;
-  forward::TimeGrid grid_;
   contact::ContactPairs::Gaps gaps_;
   std::vector<double> before_;
 };
@@ -58,7 +56,7 @@ void invariants(const Problem& problem, const forward::ForceAtStep& load, std::v
     contact.emplace(problem.stepper);
   forward::Balance weigh(problem.stepper);
   forward::Invariants watch(problem.stepper, forward::body_figures(problem.stepper, problem.scene));
-  const int done = forward::integrate(problem.stepper, problem.initial, load, problem.steps(),
+  const int done = forward::integrate(problem.stepper, problem.grid, problem.initial, load,
                                       [&](const forward::Frame& frame) {
                                         const forward::StepBalance balance = weigh(frame);
                                         watch.observe(frame, balance);
@@ -94,7 +92,7 @@ void invariants(const Problem& problem, const forward::ForceAtStep& load, std::v
 
 } // namespace
 
-bool check_scene(const Problem& problem, const Console& console) {
+bool check_scene(Problem& problem, const Console& console) {
   choose_steps(problem, console);
   const scene::Scene& scene = problem.scene;
   std::vector<CheckRow> rows;

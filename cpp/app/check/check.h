@@ -8,6 +8,6 @@ namespace signorini {
 /// The verb check: checks the derivatives and the discrete invariants of a scene, prints a table, and returns
 /// whether all rows hold. A contact scene whose body never touches the obstacle fails, since contact remains
 /// unchecked. Collective. Throws UserError, SolverFailure, Interrupted.
-bool check_scene(const Problem& problem, const Console& console);
+bool check_scene(Problem& problem, const Console& console);
 
 } // namespace signorini

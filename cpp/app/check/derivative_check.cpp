@@ -48,7 +48,9 @@ public:
       : space_(controls.space()), steps_(controls.steps()), shape_(space_.vector()) {}
   [[nodiscard]] bool has_density() const override { return false; }
   [[nodiscard]] bool has_vector() const override { return true; }
-  void add(int k, forward::StateDual sum) const override { check(VecAXPY(sum.vector, 1, at(k))); }
+  void add(const forward::TimeStep& step, forward::StateDual sum) const override {
+    check(VecAXPY(sum.vector, 1, at(step.k)));
+  }
 
   /// Valid until the next call.
   [[nodiscard]] Vec at(int k) const {
@@ -135,7 +137,7 @@ private:
   double cancellation() {
     double motion = 0, error = 0;
     for (int k = 1; k <= controls_.steps(); ++k) {
-      const double norm = problem_.objective().norm(problem_.trajectory().y(k));
+      const double norm = problem_.objective().norm(problem_.trajectory().at(k).y);
       motion += norm * norm;
       error += problem_.squared_distances()[static_cast<std::size_t>(k)];
     }

@@ -143,7 +143,7 @@ struct FitProblem::Setup {
         forward::Stops stops = forward::Stops::obeyed)
       : theta(fit.values(x)), scene(scene::with_values(fit.scene_, theta)),
         problem(fit.discretisation_, scene, fit.needs(), fit.timers_, stops), given(problem),
-        measurements(problem.stepper, scene, fit.times(), columns),
+        measurements(problem.stepper, problem.grid, scene, fit.times(), columns),
         rates(problem.stepper, fit.scene_, theta) {
     fit.decide(problem.stepper.solver().iterates());
   }
@@ -163,8 +163,8 @@ optimize::LeastSquares FitProblem::evaluate(std::span<const double> x, const for
   {
     const auto timer = timers_.time("forward");
     const int steps = forward::integrate(
-        setup.problem.stepper, setup.problem.initial,
-        control ? setup.problem.load(control) : setup.given.load(), setup.problem.steps(),
+        setup.problem.stepper, setup.problem.grid, setup.problem.initial,
+        control ? setup.problem.load(control) : setup.given.load(),
         [&](const forward::Frame& frame) {
           const auto linearised = timers_.time("linearised");
           tangents.observe(frame);
@@ -193,17 +193,16 @@ optimize::LeastSquares FitProblem::evaluate(std::span<const double> x, const for
 
 FitProblem::Gradient FitProblem::swept(std::span<const double> x, bool adjoint) const {
   Setup setup(*this, x, 1);
-  const forward::StateStoreFactory storage(setup.problem.stepper, scene_.trajectory, setup.problem.steps(), 1,
+  const forward::StateStoreFactory storage(setup.problem.stepper, setup.problem.grid, scene_.trajectory, 1,
                                            timers_);
-  forward::Trajectory motion(setup.problem.stepper, setup.problem.initial, setup.problem.steps(), storage,
-                             true);
+  forward::Trajectory motion(setup.problem.stepper, setup.problem.initial, storage, true);
   std::vector<std::vector<double>> lambda(static_cast<std::size_t>(setup.problem.steps()) + 1);
   {
     const auto timer = timers_.time("forward");
     motion.run(setup.given.load(), [&](const forward::Frame& frame) {
       setup.measurements.observe(frame);
       if (setup.rates.turn())
-        lambda[static_cast<std::size_t>(frame.k)] = frame.contact.lambda;
+        lambda[static_cast<std::size_t>(frame.step.k)] = frame.contact.lambda;
     });
   }
   if (motion.steps() < setup.problem.steps())

@@ -44,9 +44,10 @@ struct JointProblem::Point {
   Point(const FitProblem& fit, const control::ControlSpace& controls, Vector at, Timers& timers)
       : v(std::move(at)), theta(fit.values(v.x)), scene(scene::with_values(fit.scene(), theta)),
         problem(fit.discretisation(), scene, fit.needs(), timers), force(controls, v.u),
-        measurements(problem.stepper, scene, fit.times()), rates(problem.stepper, fit.scene(), theta),
-        storage(problem.stepper, scene.trajectory, problem.steps(), 1, timers),
-        motion(problem.stepper, problem.initial, problem.steps(), storage, true),
+        measurements(problem.stepper, problem.grid, scene, fit.times()),
+        rates(problem.stepper, fit.scene(), theta),
+        storage(problem.stepper, problem.grid, scene.trajectory, 1, timers),
+        motion(problem.stepper, problem.initial, storage, true),
         lambda(static_cast<std::size_t>(problem.steps()) + 1) {}
 
   Vector v;
@@ -71,11 +72,11 @@ public:
   JointDuals(const control::Measurements& measurements, const control::Objective& objective,
              const forward::Trajectory& motion, const Problem& problem)
       : measurements_(measurements), derivative_(objective, motion), duals_(problem.space, derivative_),
-        operators_(problem.operators), work_(problem.space.vector()) {}
+        grid_(problem.grid), operators_(problem.operators), work_(problem.space.vector()) {}
 
   void add_displacement(int k, Vec sum) const override {
     measurements_.add_displacement(k, sum);
-    forward::assemble(duals_.at(k), operators_, work_);
+    forward::assemble(duals_.at(grid_.step(k)), operators_, work_);
     check(VecAXPY(sum, 1, work_));
   }
   [[nodiscard]] std::size_t velocities() const override { return measurements_.velocities(); }
@@ -96,6 +97,7 @@ private:
   const control::Measurements& measurements_;
   control::Derivative derivative_;
   forward::DualAtStep duals_;
+  forward::TimeGrid grid_;
   const fem::Operators& operators_;
   petsc::Vector work_;
 };
@@ -133,10 +135,10 @@ std::unique_ptr<JointProblem::Point> JointProblem::made(const Vector& v) {
   {
     const auto timer = timers_.time("forward");
     at.motion.run(at.problem.load(&at.force), [&](const forward::Frame& frame) {
-      control_.objective.observe(frame.k, frame.y1, at.squared_distances);
+      control_.objective.observe(frame.step.k, frame.y1, at.squared_distances);
       at.measurements.observe(frame);
       if (at.rates.turn())
-        at.lambda[static_cast<std::size_t>(frame.k)] = frame.contact.lambda;
+        at.lambda[static_cast<std::size_t>(frame.step.k)] = frame.contact.lambda;
     });
   }
   if (at.motion.steps() < at.problem.steps())

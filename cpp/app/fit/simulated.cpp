@@ -37,10 +37,10 @@ std::vector<io::ComparedFigure> compared(const Problem& problem, const study::Co
 Simulated simulate_measured(const Problem& problem, const FitProblem& fit, const forward::ForceAtStep& load,
                             MotionWriter& recorder) {
   const auto timer = problem.timers.time("replay");
-  control::Measurements measurements(problem.stepper, problem.scene, fit.times());
+  control::Measurements measurements(problem.stepper, problem.grid, problem.scene, fit.times());
   study::ContactWatch contact(problem.stepper);
   forward::integrate(
-      problem.stepper, problem.initial, load, problem.steps(),
+      problem.stepper, problem.grid, problem.initial, load,
       [&](const forward::Frame& frame) {
         recorder(frame);
         measurements.observe(frame);

@@ -159,9 +159,10 @@ void require_measurable(MPI_Comm comm, const scene::Scene& scene, const std::fil
   });
 }
 
-SyntheticData::SyntheticData(const forward::Stepper& stepper, const scene::Scene& scene)
+SyntheticData::SyntheticData(const forward::Stepper& stepper, const forward::TimeGrid& grid,
+                             const scene::Scene& scene)
     : comm_(stepper.space().comm()), scene_(scene), times_(ends_of_steps(scene.time)),
-      measurements_(stepper, scene, std::vector(scene.measurements.size(), times_)) {}
+      measurements_(stepper, grid, scene, std::vector(scene.measurements.size(), times_)) {}
 
 std::vector<std::string> SyntheticData::write(int seed) const {
   struct Table {

@@ -18,7 +18,7 @@ void require_measurable(MPI_Comm comm, const scene::Scene& scene, const std::fil
 class SyntheticData {
 public:
   /// The references must outlive this object. Throws UserError.
-  SyntheticData(const forward::Stepper& stepper, const scene::Scene& scene);
+  SyntheticData(const forward::Stepper& stepper, const forward::TimeGrid& grid, const scene::Scene& scene);
 
   /// Takes the frame after the last one, from frame 0 on.
   void observe(const forward::Frame& frame) { measurements_.observe(frame); }

@@ -37,7 +37,7 @@ struct Errors {
 struct Orders {
   std::string quantity;
   int degree = 1;
-  Scheme scheme;
+  scene::ContactScheme scheme;
   bool chosen; ///< steps, by tolerances
   bool graded; ///< meshes, by sizes that vary
   std::optional<Order> space, time, both;

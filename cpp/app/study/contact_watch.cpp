@@ -38,13 +38,13 @@ ContactWatch::ContactWatch(const forward::Stepper& stepper) : stepper_(stepper),
     return;
   std::vector<int> all(static_cast<std::size_t>(pairs->count()));
   std::iota(all.begin(), all.end(), 0);
-  parts_.push_back({"", {stepper.grid(), all}});
+  parts_.push_back({"", forward::ContactTimes(all)});
   for (int obstacle = 0; pairs->obstacle_count() > 1 && obstacle < pairs->obstacle_count(); ++obstacle) {
     std::vector<int> own;
     for (const int i : all)
       if (pairs->obstacles()[static_cast<std::size_t>(i)] == obstacle)
         own.push_back(i);
-    parts_.push_back({suffix(obstacle), {stepper.grid(), std::move(own)}});
+    parts_.push_back({suffix(obstacle), forward::ContactTimes(std::move(own))});
   }
 }
 
@@ -53,10 +53,10 @@ void ContactWatch::operator()(const forward::Frame& frame) {
     return;
   forces_.observe(frame);
   for (Part& part : parts_)
-    part.times.observe(frame.k, frame.contact);
-  if (frame.k == 0)
+    part.times.observe(frame.step, frame.contact);
+  if (frame.step.k == 0)
     return;
-  const double t = stepper_.grid().time(frame.k);
+  const double t = frame.step.end;
   parts_.front().add(t, forces_.all());
   for (std::size_t part = 1; part < parts_.size(); ++part)
     parts_[part].add(t, forces_.each()[part - 1]);

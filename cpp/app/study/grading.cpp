@@ -23,7 +23,7 @@ struct Indicated {
   double extent; ///< m, longest side of the body
 };
 
-Indicated by_objective(const Problem& problem) {
+Indicated by_objective(Problem& problem) {
   const Console silent(false, false);
   choose_steps(problem, silent);
   ControlProblem control_problem(problem, silent);
@@ -37,12 +37,12 @@ Indicated by_objective(const Problem& problem) {
   return found;
 }
 
-Indicated by_stress(const Problem& problem) {
+Indicated by_stress(Problem& problem) {
   fem::StressRecovery recovery(problem.space, fem::parts(problem.mesh, problem.scene.materials));
   const GivenControl given(problem);
   simulate(problem, given.load(), [&](const forward::Frame& frame) {
-    if (frame.k > 0)
-      recovery.add(frame.y1, problem.stepper.grid().length(frame.k));
+    if (frame.step.k > 0)
+      recovery.add(frame.y1, frame.step.tau);
   });
   return {recovery.mesh(), recovery.sums(), std::ranges::max(problem.mesh.extent())};
 }
@@ -51,8 +51,8 @@ Indicated by_stress(const Problem& problem) {
 Indicated indicated(MPI_Comm comm, const scene::Scene& scene, const mesh::SizeField* sizes) {
   Timers timers;
   const mesh::Meshing meshing{.sizes = sizes, .keep{}};
-  const Problem problem(std::make_shared<const Discretisation>(comm, scene, timers, meshing), scene,
-                        study_needs(scene), timers);
+  Problem problem(std::make_shared<const Discretisation>(comm, scene, timers, meshing), scene,
+                  study_needs(scene), timers);
   return scene.objective ? by_objective(problem) : by_stress(problem);
 }
 

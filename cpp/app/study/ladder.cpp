@@ -10,22 +10,15 @@
 namespace signorini::study {
 namespace {
 
-scene::TimeScheme time_scheme(Scheme scheme) {
-  return scheme == Scheme::contact_stabilized ? scene::TimeScheme::contact_stabilized
-                                              : scene::TimeScheme::contact_implicit;
+scene::TimeScheme time_scheme(scene::ContactScheme scheme) {
+  return scheme == scene::ContactScheme::contact_stabilized ? scene::TimeScheme::contact_stabilized
+                                                            : scene::TimeScheme::contact_implicit;
 }
 
-Scheme own_scheme(const scene::Scene& scene) {
-  const auto without = std::ranges::count_if(scene.contacts, &scene::Contact::massless);
-  if (without == 0)
-    return scene.time.stabilized() ? Scheme::contact_stabilized : Scheme::contact_implicit;
-  return without == std::ssize(scene.contacts) ? Scheme::massless : Scheme::mixed;
-}
-
-std::vector<Scheme> schemes(const scene::Scene& scene, const std::vector<std::string>& given) {
-  std::vector<std::string> allowed = scene::all_names<Scheme>();
+std::vector<scene::ContactScheme> schemes(const scene::Scene& scene, const std::vector<std::string>& given) {
+  std::vector<std::string> allowed = scene::all_names<scene::ContactScheme>();
   allowed.pop_back(); // mixed is what a scene may have, and nothing to ask for
-  std::vector<Scheme> schemes;
+  std::vector<scene::ContactScheme> schemes;
   for (const std::string& name : given) {
     const auto found = std::ranges::find(allowed, name);
     if (found == allowed.end())
@@ -34,7 +27,7 @@ std::vector<Scheme> schemes(const scene::Scene& scene, const std::vector<std::st
       throw UserError(fmt::format(
           "--schemes: found \"{}\" in a scene without contact, where it makes no difference, allowed is {}",
           name, allowed.front()));
-    schemes.push_back(static_cast<Scheme>(found - allowed.begin()));
+    schemes.push_back(static_cast<scene::ContactScheme>(found - allowed.begin()));
   }
   return schemes;
 }
@@ -88,10 +81,9 @@ Rung Rung::with_steps(double factor) const {
   return changed;
 }
 
-SchemeAndMass scheme_and_mass(Scheme scheme) {
-  const bool own = scheme == Scheme::massless || scheme == Scheme::mixed;
+SchemeAndMass scheme_and_mass(scene::ContactScheme scheme) {
   return {scene::name(time_scheme(scheme)),
-          own ? scene::name(scheme) : scene::name(scene::ContactMass::consistent)};
+          scene::takes_mass(scheme) ? scene::name(scheme) : scene::name(scene::ContactMass::consistent)};
 }
 
 std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
@@ -104,7 +96,7 @@ std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
   for (int degree : choice.degrees)
     if (degree != 1 && degree != 2)
       throw UserError(fmt::format("--degrees: found {}, allowed are 1 and 2", degree));
-  const std::vector<Scheme> given = schemes(scene, choice.schemes);
+  const std::vector<scene::ContactScheme> given = schemes(scene, choice.schemes);
   const bool meshed = scene.mesh.meshed();
   if (!choice.sizes.empty() && meshed)
     throw UserError("--sizes: have no effect on a .msh, which is meshed already; allowed with a .geo");
@@ -117,7 +109,7 @@ std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
   for (double width : sizes)
     for (const Rung& in_time : rungs_in_time(scene.time, choice))
       for (int degree : or_default(choice.degrees, {scene.mesh.degree}))
-        for (Scheme scheme : or_default(given, {own_scheme(scene)}))
+        for (scene::ContactScheme scheme : or_default(given, {scene.contact_scheme()}))
           rungs.push_back({width, in_time.steps, degree, scheme, in_time.tolerance});
   if (choice.graded)
     for (std::size_t i = 0, n = rungs.size(); i < n; ++i) {
@@ -134,7 +126,7 @@ Rung own_rung(const scene::Scene& scene) {
   return {.size = scene.mesh.size.value_or(scene.mesh.scale),
           .steps = scene.time.steps,
           .degree = scene.mesh.degree,
-          .scheme = own_scheme(scene),
+          .scheme = scene.contact_scheme(),
           .tolerance = scene.time.automatic() ? scene.time.tolerance : 0};
 }
 
@@ -153,10 +145,10 @@ scene::Scene on_rung(const scene::Scene& scene, const Rung& rung) {
     changed.time.tolerance = rung.tolerance;
   changed.mesh.degree = rung.degree;
   changed.time.scheme = time_scheme(rung.scheme);
-  if (rung.scheme != Scheme::mixed)
+  if (rung.scheme != scene::ContactScheme::mixed)
     for (scene::Contact& contact : changed.contacts)
-      contact.mass =
-          rung.scheme == Scheme::massless ? scene::ContactMass::massless : scene::ContactMass::consistent;
+      contact.mass = rung.scheme == scene::ContactScheme::massless ? scene::ContactMass::massless
+                                                                   : scene::ContactMass::consistent;
   return changed;
 }
 
@@ -175,7 +167,8 @@ std::string words(const Rung& rung, const scene::Scene& scene) {
   text += rung.chooses_steps() ? fmt::format("tolerance {:.3g}", rung.tolerance)
                                : fmt::format("step {:.3g}", scene.time.end / rung.steps);
   text += fmt::format(", degree {}", rung.degree);
-  return rung.scheme == Scheme::contact_implicit ? text : text + ", " + scene::name(rung.scheme);
+  return rung.scheme == scene::ContactScheme::contact_implicit ? text
+                                                               : text + ", " + scene::name(rung.scheme);
 }
 
 } // namespace signorini::study

@@ -9,19 +9,12 @@
 /// Accuracy against cost: a ladder of runs of one scene, their errors and observed orders.
 namespace signorini::study {
 
-/// Time scheme and mass of contact; massless: contact-implicit with massless contact; mixed: contact-implicit
-/// where some tables of contact are massless and others not, as the scene has it.
-enum class Scheme { contact_implicit, contact_stabilized, massless, mixed };
-constexpr scene::Names<4> names(Scheme) {
-  return {"contact-implicit", "contact-stabilized", "massless", "mixed"};
-}
-
 /// One run of a ladder.
 struct Rung {
   double size = 1; ///< element size, m; in a scene without mesh.size the scale of the .geo's own
   int steps = 0;   ///< of one length; 0 where the motion chooses them
   int degree = 1;
-  Scheme scheme = Scheme::contact_implicit;
+  scene::ContactScheme scheme = scene::ContactScheme::contact_implicit;
   double tolerance = 0; ///< of steps that the motion chooses (time.tolerance), else 0
   bool graded = false;  ///< sizes vary with the error (Mesh::graded), with as many elements as of `size`
 
@@ -48,7 +41,7 @@ struct Choice {
 struct SchemeAndMass {
   std::string scheme, mass;
 };
-SchemeAndMass scheme_and_mass(Scheme scheme);
+SchemeAndMass scheme_and_mass(scene::ContactScheme scheme);
 
 /// Every size with every step, tolerance, degree and scheme; the default is the scene's own with twice and
 /// four times its size and step or, with time.step = "auto", four and sixteen times its tolerance, and then

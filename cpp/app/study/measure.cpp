@@ -82,16 +82,16 @@ public:
   void operator()(const forward::Frame& frame) {
     warnings_.observe(frame);
     const forward::StepBalance balance = weigh_(frame);
-    const double tau = problem_.stepper.grid().length(frame.k), t = problem_.stepper.grid().time(frame.k);
+    const double tau = frame.step.tau, t = frame.step.end;
     energy_ = std::max(energy_, balance.kinetic_energy + balance.elastic_energy);
     lost_ -= balance.contact_work;
     contact_(frame);
     if (displacement_)
       displacement_->take_until(t, frame.last, [&](double at, Vec y) {
         // Within a step y is quadratic and v linear, except for the jump of a projected predictor.
-        const double s = frame.k == 0 ? 1 : 1 + (at - t) / tau;
+        const double s = frame.step.k == 0 ? 1 : 1 + (at - t) / tau;
         check(VecCopy(frame.y1, y));
-        if (frame.k > 0 && s < 1) {
+        if (frame.step.k > 0 && s < 1) {
           check(VecAXPBY(y, 1 - s, s, frame.y0));
           check(VecAXPY(y, -tau / 2 * s * (1 - s), frame.v1));
           check(VecAXPY(y, tau / 2 * s * (1 - s), frame.v0));
@@ -101,7 +101,7 @@ public:
       fields_->set(frame.y1, frame.v1);
       stress_->observe(*fields_, frame.y1, frame.v1, t);
     }
-    if (pressure_ && frame.k > 0) {
+    if (pressure_ && frame.step.k > 0) {
       constexpr std::size_t kept = 2;
       if (last_forces_.size() == kept)
         last_forces_.erase(last_forces_.begin());
@@ -137,7 +137,7 @@ private:
       for (std::size_t i = 0; i < mean.size(); ++i)
         mean[i] += force[i] / static_cast<double>(last_forces_.size());
     const std::vector<double> found =
-        (*pressure_)(std::move(mean), problem_.stepper.grid().scheme(problem_.steps()).impulse());
+        (*pressure_)(std::move(mean), problem_.grid.scheme(problem_.steps()).impulse());
     double error = 0, size = 0;
     for (std::size_t i = 0; i < found.size(); ++i) {
       const double area = pressure_->area()[i];
@@ -192,21 +192,21 @@ std::vector<double> sampled(const Problem& problem, const Samples& samples,
 
 } // namespace
 
-void simulate(const Problem& problem, const forward::ForceAtStep& load, const forward::StepObserver& watch) {
+void simulate(Problem& problem, const forward::ForceAtStep& load, const forward::StepObserver& watch) {
   const auto timer = problem.timers.time("forward");
   const auto take = [&](const forward::Frame& frame) {
     const auto other = problem.timers.time("watching");
     watch(frame);
   };
-  const forward::TimeGrid& grid = problem.stepper.grid();
   int done = 0;
-  if (grid.complete()) {
-    done = forward::integrate(problem.stepper, problem.initial, load, grid.steps(), take);
+  if (problem.grid.complete()) {
+    done = forward::integrate(problem.stepper, problem.grid, problem.initial, load, take);
   } else {
     forward::StepControl control(problem.stepper, problem.scene);
-    done = forward::integrate_choosing(problem.stepper, problem.initial, load, control, take);
+    problem.grid = forward::integrate_choosing(problem.stepper, problem.initial, load, control, take);
+    done = problem.steps();
   }
-  if (!grid.complete() || done < grid.steps())
+  if (!problem.grid.complete() || done < problem.steps())
     throw Interrupted();
 }
 
@@ -272,7 +272,7 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& sample
   const double before = resident_memory(); // such as the samples of other rungs
   Measured measured;
   Timers timers;
-  const Problem problem(comm, scene, study_needs(scene), timers);
+  Problem problem(comm, scene, study_needs(scene), timers);
   measured.unknowns = problem.free_dofs();
   Watch watch(problem, samples, wanted);
   const auto peak = [&] {

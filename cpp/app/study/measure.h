@@ -35,6 +35,6 @@ Measured measure(MPI_Comm comm, const scene::Scene& scene, const Samples& sample
 
 /// Makes all steps of a motion, whose lengths are chosen on the way if they are not known. Collective. Throws
 /// SolverFailure, Interrupted.
-void simulate(const Problem& problem, const forward::ForceAtStep& load, const forward::StepObserver& watch);
+void simulate(Problem& problem, const forward::ForceAtStep& load, const forward::StepObserver& watch);
 
 } // namespace signorini::study
