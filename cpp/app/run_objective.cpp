@@ -63,9 +63,12 @@ void RunObjective::observe(const forward::Frame& frame) {
 
 control::Value RunObjective::value() const {
   const scene::Scene& scene = problem_.scene;
-  const control::ControlSpace controls(problem_.space, problem_.operators, problem_.grid, *scene.control);
-  const control::Objective objective(controls, problem_.operators, problem_.grid, nullptr, *scene.objective);
-  return objective.value(squared_distances_, given_.control(controls));
+  std::optional<control::ControlSpace> chosen; // on steps that were unknown at first
+  if (!controls_.grid().complete())
+    chosen.emplace(problem_.space, problem_.operators, problem_.grid, *scene.control);
+  const control::ControlSpace& controls = chosen ? *chosen : controls_;
+  return control::TimeWeights(*scene.objective, problem_.grid)
+      .value(squared_distances_, controls, given_.control(controls));
 }
 
 } // namespace signorini

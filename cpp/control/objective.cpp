@@ -15,7 +15,9 @@ long& objectives = count("objectives");
 ObservedSet::ObservedSet(const fem::Space& space, const fem::Operators& operators,
                          const scene::Objective& scene)
     : own_(scene.on ? fem::assemble_L2(space, *scene.on, "objective.on") : petsc::Matrix()),
-      product_(own_ ? Mat(own_) : Mat(*operators.W)), difference_(space.vector()), work_(space.vector()) {}
+      product_(own_ ? Mat(own_) : Mat(*operators.W)), difference_(space.vector()), work_(space.vector()) {
+  ++objectives;
+}
 
 double ObservedSet::squared_distance(Vec y, Vec other) const {
   check(VecWAXPY(difference_, -1, other, y));
@@ -28,45 +30,48 @@ double ObservedSet::norm(Vec y) const {
   return std::sqrt(petsc::dot(y, work_));
 }
 
-Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, forward::TimeGrid grid,
-                     std::unique_ptr<const forward::Displacements> desired, const scene::Objective& scene)
-    : grid_(std::move(grid)), desired_(std::move(desired)), tracking_(scene.tracking), alpha_(scene.alpha),
-      gamma_(scene.gamma), controls_(controls), observed_(controls.space(), operators, scene),
-      work_(controls.space().vector()) {
-  ++objectives;
-}
+TimeWeights::TimeWeights(const scene::Objective& scene, forward::TimeGrid grid)
+    : grid_(std::move(grid)), tracking_(scene.tracking), alpha_(scene.alpha), gamma_(scene.gamma) {}
 
-double Objective::tracking_weight(int k) const {
+double TimeWeights::tracking_at(int k) const {
   return tracking_ * ((k > 0 ? grid_.length(k) : 0) + (k < grid_.steps() ? grid_.length(k + 1) : 0)) / 2;
 }
 
-double Objective::terminal_weight(int k) const { return k == grid_.steps() ? 2 * gamma_ : 0; }
+double TimeWeights::terminal_at(int k) const { return k == grid_.steps() ? 2 * gamma_ : 0; }
+
+Value TimeWeights::value(const std::vector<double>& squared_distances, const ControlSpace& controls,
+                         const Control& u) const {
+  Value value;
+  for (int k = 0; k <= grid_.steps(); ++k) {
+    const double squared = squared_distances[static_cast<std::size_t>(k)];
+    value.tracking += tracking_at(k) / 2 * squared;
+    value.terminal += terminal_at(k) / 2 * squared;
+  }
+  if (alpha_ > 0)
+    value.control_cost = alpha_ / 2 * controls.product(u, u);
+  return value;
+}
+
+Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, forward::TimeGrid grid,
+                     std::unique_ptr<const forward::Displacements> desired, const scene::Objective& scene)
+    : weights_(scene, std::move(grid)), desired_(std::move(desired)), controls_(controls),
+      observed_(controls.space(), operators, scene), work_(controls.space().vector()) {}
 
 double Objective::squared_distance(int k, Vec y) const { return observed_.squared_distance(y, desired(k)); }
 
 double Objective::distance(int k, Vec y) const { return std::sqrt(squared_distance(k, y)); }
 
 void Objective::observe(int k, Vec y, std::vector<double>& squared_distances) const {
-  squared_distances.resize(std::max(squared_distances.size(), static_cast<std::size_t>(grid_.steps()) + 1));
+  squared_distances.resize(
+      std::max(squared_distances.size(), static_cast<std::size_t>(weights_.grid().steps()) + 1));
   if (weight(k) != 0)
     squared_distances[static_cast<std::size_t>(k)] = squared_distance(k, y);
 }
 
-Value Objective::value(const std::vector<double>& squared_distances, const Control& u) const {
-  Value value;
-  for (int k = 0; k <= grid_.steps(); ++k) {
-    const double squared = squared_distances[static_cast<std::size_t>(k)];
-    value.tracking += tracking_weight(k) / 2 * squared;
-    value.terminal += terminal_weight(k) / 2 * squared;
-  }
-  if (alpha_ > 0)
-    value.control_cost = alpha_ / 2 * controls_.product(u, u);
-  return value;
-}
-
 double Objective::quadrature_error(const std::vector<double>& squared_distances, const Control& u) const {
   constexpr int points = 3;
-  const int steps = grid_.steps();
+  const forward::TimeGrid& grid = weights_.grid();
+  const int steps = grid.steps();
   if (steps < points)
     return 0;
   // Σ τ_k² times the change of f' over step k, by values f_i at ascending times x_i; slopes between two of
@@ -83,31 +88,32 @@ double Objective::quadrature_error(const std::vector<double>& squared_distances,
     };
     double sum = 0;
     for (auto [k, before] = std::pair(1, derivative(0)); k <= steps; ++k) {
-      const double now = derivative(grid_.time(k)), tau = grid_.length(k);
+      const double now = derivative(grid.time(k)), tau = grid.length(k);
       sum += tau * tau * (now - std::exchange(before, now));
     }
     return sum;
   };
   double error = 0;
-  if (tracking_ > 0) {
+  if (weights_.tracking() > 0) {
     std::vector<double> times, values;
     for (int k = 0; k <= steps; ++k) {
-      times.push_back(grid_.time(k));
+      times.push_back(grid.time(k));
       values.push_back(squared_distances[static_cast<std::size_t>(k)] / 2);
     }
-    error -= tracking_ / 12 * changes(times, values);
+    error -= weights_.tracking() / 12 * changes(times, values);
   }
-  if (alpha_ > 0 && u.count() == steps)
-    error += alpha_ / 24 * variation(u);
+  if (alpha() > 0 && u.count() == steps)
+    error += alpha() / 24 * variation(u);
   return error;
 }
 
 double Objective::variation(const Control& u) const {
-  const int steps = grid_.steps();
+  const forward::TimeGrid& grid = weights_.grid();
+  const int steps = grid.steps();
   Control change(controls_.size(), 1);
   double sum = 0;
   for (int k = 1; k < steps; ++k) {
-    const double tau = grid_.length(k), later = grid_.length(k + 1), between = (tau + later) / 2;
+    const double tau = grid.length(k), later = grid.length(k + 1), between = (tau + later) / 2;
     for (std::size_t i = 0; i < change.at(1).size(); ++i)
       change.at(1)[i] = u.at(k + 1)[i] - u.at(k)[i];
     // From middle to middle, and beyond the first and the last one.

@@ -14,6 +14,30 @@ struct Value {
   [[nodiscard]] double total() const { return tracking + terminal + control_cost; }
 };
 
+/// The weights of the terms of J in time (docs/method.md section 3).
+class TimeWeights {
+public:
+  TimeWeights(const scene::Objective& scene, forward::TimeGrid grid);
+
+  [[nodiscard]] const forward::TimeGrid& grid() const { return grid_; }
+  /// θ.
+  [[nodiscard]] double tracking() const { return tracking_; }
+  /// α: the derivative by the control is α u.
+  [[nodiscard]] double alpha() const { return alpha_; }
+  /// w_k: the state part of J is Σ_k ½ w_k ‖e_k‖², tracking and terminal term.
+  [[nodiscard]] double of(int k) const { return tracking_at(k) + terminal_at(k); }
+  /// J from the ‖e_k‖² (N + 1) and the control u, which is not read where α is zero.
+  [[nodiscard]] Value value(const std::vector<double>& squared_distances, const ControlSpace& controls,
+                            const Control& u) const;
+
+private:
+  [[nodiscard]] double tracking_at(int k) const;
+  [[nodiscard]] double terminal_at(int k) const;
+
+  forward::TimeGrid grid_;
+  double tracking_, alpha_, gamma_;
+};
+
 /// The set on which an objective compares motions, with its product in L2: the body, a part of it or a
 /// surface. All members collective.
 class ObservedSet {
@@ -38,8 +62,7 @@ private:
 /// evaluated. All members collective.
 class Objective {
 public:
-  /// `desired` is y_d,0…y_d,N, read in any order; null where value() alone is wanted. The references must
-  /// outlive this object. Throws UserError.
+  /// `desired` is y_d,0…y_d,N, read in any order. The references must outlive this object. Throws UserError.
   Objective(const ControlSpace& controls, const fem::Operators& operators, forward::TimeGrid grid,
             std::unique_ptr<const forward::Displacements> desired, const scene::Objective& scene);
 
@@ -47,7 +70,9 @@ public:
   void observe(int k, Vec y, std::vector<double>& squared_distances) const;
 
   /// J from the squared distances of observe().
-  [[nodiscard]] Value value(const std::vector<double>& squared_distances, const Control& u) const;
+  [[nodiscard]] Value value(const std::vector<double>& squared_distances, const Control& u) const {
+    return weights_.value(squared_distances, controls_, u);
+  }
 
   /// Whether derivatives by states are densities, else vectors (forward::Functional).
   [[nodiscard]] bool observes_whole() const { return observed_.whole(); }
@@ -62,7 +87,7 @@ public:
   [[nodiscard]] double quadrature_error(const std::vector<double>& squared_distances, const Control& u) const;
 
   /// α: the derivative by the control is α u.
-  [[nodiscard]] double alpha() const { return alpha_; }
+  [[nodiscard]] double alpha() const { return weights_.alpha(); }
 
   /// ‖y − y_d,k‖ in L2 of the set that is observed.
   [[nodiscard]] double distance(int k, Vec y) const;
@@ -71,24 +96,20 @@ public:
   [[nodiscard]] double norm(Vec y) const { return observed_.norm(y); }
 
   /// y_d,k, valid until the next is asked for.
-  [[nodiscard]] Vec desired(int k) const { return desired_->y(grid_.step(k)); }
+  [[nodiscard]] Vec desired(int k) const { return desired_->y(weights_.grid().step(k)); }
 
-  /// w_k of docs/method.md section 3: the state part of J is Σ_k ½ weight(k) ‖e_k‖², tracking and terminal
-  /// term.
-  [[nodiscard]] double weight(int k) const { return tracking_weight(k) + terminal_weight(k); }
+  /// w_k of docs/method.md section 3.
+  [[nodiscard]] double weight(int k) const { return weights_.of(k); }
 
 private:
   /// Σ_k τ_k² ∫ ‖u'‖² dt over step k.
   [[nodiscard]] double variation(const Control& u) const;
-  [[nodiscard]] double tracking_weight(int k) const;
-  [[nodiscard]] double terminal_weight(int k) const;
   double squared_distance(int k, Vec y) const;
   /// sum += weight(k) W (y − less); a null `less` is zero.
   void add_weighted(int k, Vec y, Vec less, forward::StateDual sum) const;
 
-  forward::TimeGrid grid_;
+  TimeWeights weights_;
   std::unique_ptr<const forward::Displacements> desired_;
-  double tracking_, alpha_, gamma_;
   const ControlSpace& controls_;
   ObservedSet observed_;
   petsc::Vector work_;

@@ -19,8 +19,8 @@ def main() -> int:
         out.mkdir()
         watcher = subprocess.Popen([sys.executable, str(SOURCE / "postprocess" / "watch.py"), str(out), "--every", "0.2"],
                                    stdout=subprocess.PIPE, text=True)  # fmt: skip
-        # It goes on until a few drawings are there, however long they take, and is interrupted then.
-        run = subprocess.Popen([str(SIGNORINI), "optimize", str(HALF_DISC), "--out", str(out), "--quiet", "--set", "mesh.size=2",
+        # Interrupted once a few drawings are there. On this mesh it takes a minute and a half to end by itself.
+        run = subprocess.Popen([str(SIGNORINI), "optimize", str(HALF_DISC), "--out", str(out), "--quiet", "--set", "mesh.size=0.5",
                                 "--set", 'optimizer.method="projected-gradient"', "--set", "optimizer.tolerance=0", "--set", "output.fields=[]",
                                 "--set", "optimizer.max_iterations=100000"])  # fmt: skip
         drawn = []
