@@ -52,8 +52,8 @@ struct Recorded {
     forward::Balance weigh(problem.stepper);
     steps = forward::integrate(problem.stepper, problem.grid, problem.initial, load,
                                [&](const forward::Frame& frame) {
-                                 y.push_back(petsc::copy(frame.y1));
-                                 v.push_back(petsc::copy(frame.v1));
+                                 y.push_back(petsc::copy(frame.after.y()));
+                                 v.push_back(petsc::copy(frame.after.v()));
                                  contact.push_back(frame.contact);
                                  balance.push_back(weigh(frame));
                                });

@@ -21,18 +21,19 @@ public:
         const std::function<std::span<const double>(int k)>& lambda, const MotionDuals& duals,
         forward::ParameterRates& rates, const std::function<void(int k, Vec p)>& visit)
       : stepper_(stepper), work_(work), motion_(motion), grid_(motion.grid()), lambda_(lambda), duals_(duals),
-        rates_(rates), visit_(visit), extrapolation_(stepper),
+        rates_(rates), visit_(visit), extrapolation_(stepper), state_(stepper.adjoint_state()),
+        from_(stepper.state()), to_(stepper.state()),
         normal_(static_cast<std::size_t>(forward::candidates(stepper))), zero_(normal_.size()),
         c_(normal_.size()), e_(duals.velocities()), e_next_(e_.size()), factors_(e_.size()),
         gradient_(rates.count()) {
-    for (petsc::Vector* one : {&p_, &p_next_, &omega_, &s_, &w_, &force_, &y0_, &v0_, &y1_, &v1_})
+    for (petsc::Vector* one : {&s_, &w_, &force_})
       *one = stepper.space().vector();
   }
 
   std::vector<double> run() {
     ++sweeps;
     const int steps = motion_.steps();
-    load(steps, y1_, v1_);
+    to_.copy(motion_.at(steps));
     for (int k = steps; k >= 1; --k) {
       collect(k);
       try {
@@ -41,12 +42,11 @@ public:
         throw SolverFailure(fmt::format("adjoint step {}: {}", k, failure.what()));
       }
       if (visit_)
-        visit_(k, p_);
-      load(k - 1, y0_, v0_);
+        visit_(k, state_.p);
+      from_.copy(motion_.at(k - 1));
       add_step(k);
-      std::swap(p_, p_next_);
-      std::swap(y0_, y1_);
-      std::swap(v0_, v1_);
+      state_.advance();
+      std::swap(from_, to_);
     }
     collect(0);
     start();
@@ -61,12 +61,6 @@ private:
   /// Whether the predictor of step k is projected.
   [[nodiscard]] bool projected(int k) const {
     return stepper_.predictor() && k <= motion_.steps() && !contact(k).predictor.empty();
-  }
-
-  void load(int k, Vec y, Vec v) {
-    const auto [at_y, at_v] = motion_.at(k);
-    check(VecCopy(at_y, y));
-    check(VecCopy(at_v, v));
   }
 
   /// e_k from e_{k+1}, and w_ = ∂J/∂y_k with what velocities add to it.
@@ -105,17 +99,15 @@ private:
     if (duals_.of_forces())
       duals_.forces(k, normal_);
     prepare(k);
-    extrapolation_.guess(grid_.time(k), p_);
+    extrapolation_.guess(grid_.time(k), state_.p);
     const Vec jump = stepper_.adjoint_step({made(k),
                                             k < motion_.steps() ? std::optional(made(k + 1)) : std::nullopt,
                                             {{.vector = w_}},
-                                            p_next_,
-                                            omega_,
-                                            p_,
+                                            state_,
                                             normal_,
                                             projected(k + 1) ? &guide(k) : nullptr},
                                            work_);
-    extrapolation_.remember(grid_.time(k), p_);
+    extrapolation_.remember(grid_.time(k), state_.p);
     if (jump)
       add_predictor(jump, contact(k + 1).predictor);
   }
@@ -123,7 +115,7 @@ private:
   /// s_{k+1}, of which the transposed projection of step k + 1 is made.
   void prepare(int k) {
     if (projected(k + 1))
-      check(VecWAXPY(s_, -grid_.scheme(k + 1).rate(), omega_, p_next_));
+      check(VecWAXPY(s_, -grid_.scheme(k + 1).rate(), state_.omega, state_.p_next));
   }
 
   /// Of the step that rates_ refer to: z·r_j + ζ·e_j, z = s + jump.
@@ -141,9 +133,9 @@ private:
 
   void add_step(int k) {
     const std::span<const double> lambda = rates_.turn() ? lambda_(k) : std::span<const double>();
-    rates_.set({grid_.step(k), {y0_, v0_}, {y1_, v1_}, contact(k), lambda});
+    rates_.set({grid_.step(k), from_, to_, contact(k), lambda});
     for (std::size_t j = 0; j < gradient_.size(); ++j) {
-      gradient_[j] += rates_.pairing(j, p_);
+      gradient_[j] += rates_.pairing(j, state_.p);
       if (rates_.constraint(j, c_))
         for (int i : contact(k).active)
           gradient_[j] += work_.contact->mu[static_cast<std::size_t>(i)] * c_[static_cast<std::size_t>(i)];
@@ -152,22 +144,22 @@ private:
     }
   }
 
-  /// The duals of the initial state, of which p_next_, omega_ and e_next_ are now those of step 1.
+  /// The duals of the initial state, of which state_.p_next, state_.omega and e_next_ are now those of
+  /// step 1.
   void start() {
-    const petsc::Vector y_dual = stepper_.space().vector(), dual = stepper_.space().vector();
+    const petsc::Vector dual = stepper_.space().vector();
     prepare(0);
     const Vec jump = stepper_.adjoint_start(
-        {made(0), made(1), {{.vector = w_}}, p_next_, omega_, y_dual, {}, projected(1) ? &guide(0) : nullptr},
-        work_);
+        {made(0), made(1), {{.vector = w_}}, state_, {}, projected(1) ? &guide(0) : nullptr}, work_);
     if (jump)
       add_predictor(jump, contact(1).predictor);
-    check(MatMult(stepper_.M(), omega_, dual));
+    check(MatMult(stepper_.M(), state_.omega, dual));
     duals_.add_velocities(e_, dual);
     for (std::size_t j = 0; j < gradient_.size(); ++j) {
       if (const Vec v = rates_.velocity(j))
         gradient_[j] += petsc::dot(dual, v);
       if (const Vec y = rates_.displacement(j))
-        gradient_[j] += petsc::dot(y_dual, y);
+        gradient_[j] += petsc::dot(state_.p, y);
     }
   }
 
@@ -180,7 +172,9 @@ private:
   forward::ParameterRates& rates_;
   const std::function<void(int k, Vec p)>& visit_;
   forward::Extrapolation extrapolation_;
-  petsc::Vector p_, p_next_, omega_, s_, w_, force_, y0_, v0_, y1_, v1_;
+  forward::AdjointState state_;
+  forward::State from_, to_; ///< of the step
+  petsc::Vector s_, w_, force_;
   std::vector<double> normal_, zero_, c_;    ///< ∂J/∂λ_k; zeros; of one unknown (m)
   std::vector<double> e_, e_next_, factors_; ///< of the functionals of velocities
   forward::Predictor::Guide guide_;

@@ -15,8 +15,7 @@ void sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work, c
            const std::vector<contact::ContactSets>& contact, const forward::DualAtStep& derivative,
            const std::function<void(int k, Vec p)>& visit) {
   ++sweeps;
-  petsc::Vector p = stepper.space().vector(), p_next = stepper.space().vector(),
-                omega = stepper.space().vector();
+  forward::AdjointState state = stepper.adjoint_state();
   forward::Extrapolation extrapolation(stepper);
   const int steps = static_cast<int>(contact.size()) - 1;
   const auto at = [&](int k) {
@@ -24,16 +23,16 @@ void sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work, c
   };
   for (int k = steps; k >= 1; --k) {
     try {
-      extrapolation.guess(grid.time(k), p);
-      stepper.adjoint_step({at(k), k < steps ? std::optional(at(k + 1)) : std::nullopt,
-                            derivative.at(grid.step(k)), p_next, omega, p},
-                           work);
-      extrapolation.remember(grid.time(k), p);
+      extrapolation.guess(grid.time(k), state.p);
+      stepper.adjoint_step(
+          {at(k), k < steps ? std::optional(at(k + 1)) : std::nullopt, derivative.at(grid.step(k)), state},
+          work);
+      extrapolation.remember(grid.time(k), state.p);
     } catch (const SolverFailure& failure) {
       throw SolverFailure(fmt::format("adjoint step {}: {}", k, failure.what()));
     }
-    visit(k, p);
-    std::swap(p, p_next);
+    visit(k, state.p);
+    state.advance();
   }
 }
 

@@ -14,32 +14,21 @@ namespace {
 /// The states of a motion at t_{k+1}, t_k and t_{k−1}, for k from N down.
 class Window {
 public:
-  struct Instant {
-    petsc::Vector y, v;
-  };
-
-  Window(const fem::Space& space, const forward::Trajectory& trajectory) : trajectory_(trajectory) {
-    for (Instant* x : {&later, &now, &before})
-      *x = {space.vector(), space.vector()};
-    fill(trajectory.steps(), before);
+  Window(const forward::Stepper& stepper, const forward::Trajectory& trajectory)
+      : later(stepper.state()), now(stepper.state()), before(stepper.state()), trajectory_(trajectory) {
+    before.copy(trajectory.at(trajectory.steps()));
   }
 
   /// Moves from t_{k+1} to t_k.
   void move(int k) {
     std::swap(later, now);
     std::swap(now, before);
-    fill(k - 1, before);
+    before.copy(trajectory_.at(k - 1));
   }
 
-  Instant later, now, before;
+  forward::State later, now, before;
 
 private:
-  void fill(int k, const Instant& x) const {
-    const forward::StateStore::View state = trajectory_.at(k);
-    check(VecCopy(state.y, x.y));
-    check(VecCopy(state.v, x.v));
-  }
-
   const forward::Trajectory& trajectory_;
 };
 
@@ -48,17 +37,17 @@ class Residual {
 public:
   Residual(const EnrichedBody& body, const Window& motion, const forward::ForceAtStep& load,
            const forward::TimeGrid& grid)
-      : body_(body), motion_(motion), load_(load), grid_(grid), coarse_(petsc::zero_like(motion.now.y)),
+      : body_(body), motion_(motion), load_(load), grid_(grid), coarse_(petsc::zero_like(motion.now.y())),
         fine_(body.space().vector()), sum_(body.space().vector()), product_(body.space().vector()) {}
 
   Vec operator()(int k) {
     const fem::Operators& operators = body_.operators();
     const double rate = 1 / grid_.length(k);
     forward::assemble(load_.at(grid_.step(k)), operators, sum_);
-    subtract(operators.M, rate, motion_.now.v, -rate, motion_.before.v);
+    subtract(operators.M, rate, motion_.now.v(), -rate, motion_.before.v());
     if (operators.B)
-      subtract(*operators.B, rate, motion_.now.y, -rate, motion_.before.y);
-    subtract(operators.A, 0.5, motion_.now.y, 0.5, motion_.before.y);
+      subtract(*operators.B, rate, motion_.now.y(), -rate, motion_.before.y());
+    subtract(operators.A, 0.5, motion_.now.y(), 0.5, motion_.before.y());
     return sum_;
   }
 
@@ -116,7 +105,7 @@ private:
   void end() {
     const double tau = grid_.length(steps_);
     check(VecAXPBY(change_, -0.5, 0, now_));
-    check(VecCopy(motion_.now.v, moves_));
+    check(VecCopy(motion_.now.v(), moves_));
     sum_ -= tau * tau / 6 * weighed(change_, stepper_.operators().A);
   }
 
@@ -128,13 +117,13 @@ private:
     const double squared = (std::pow(tau, 3) + std::pow(tau_later, 3)) / (2 * between),
                  jump = tau * tau - tau_later * tau_later;
     check(VecWAXPY(change_, -1, now_, later_));
-    petsc::combine(moves_, 0.5 / between, motion_.later.y, -0.5 / between, motion_.before.y);
+    petsc::combine(moves_, 0.5 / between, motion_.later.y(), -0.5 / between, motion_.before.y());
     sum_ -= squared / 6 * weighed(change_, body.A);
     if (jump != 0) // lengths change
       sum_ += jump / 12 * weighed(at_end(tau, tau_later), body.A);
     if (body.B) {
-      petsc::combine(moves_, 1 / tau_later, motion_.later.y, 1 / tau, motion_.before.y);
-      check(VecAXPY(moves_, -(1 / tau + 1 / tau_later), motion_.now.y));
+      petsc::combine(moves_, 1 / tau_later, motion_.later.y(), 1 / tau, motion_.before.y());
+      check(VecAXPY(moves_, -(1 / tau + 1 / tau_later), motion_.now.y()));
       sum_ -= squared / (12 * between) * weighed(change_, *body.B);
     }
     check(VecWAXPY(moves_, -1, force_, force_later_));
@@ -153,7 +142,7 @@ private:
   void start() {
     const Mat A = stepper_.operators().A;
     const double tau = grid_.length(1);
-    check(VecCopy(motion_.before.v, moves_));
+    check(VecCopy(motion_.before.v(), moves_));
     if (steps_ > 1) {
       const double between = (tau + grid_.length(2)) / 2;
       sum_ -= tau / (2 * between) * tau * tau / 6 * weighed(change_, A);
@@ -276,7 +265,7 @@ private:
 
 ErrorParts weighted_residual(const forward::Stepper& stepper, const EnrichedBody* enriched,
                              const Weighted& run, Vec by_nodes) {
-  Window motion(stepper.space(), run.motion);
+  Window motion(stepper, run.motion);
   TimePart time(stepper, motion, run);
   std::optional<SpacePart> space;
   if (enriched)

@@ -172,7 +172,7 @@ adjoint::ErrorParts estimate_error(const Problem& problem, const ControlProblem&
   const control::ControlForce force(control_problem.controls, reduced.control());
   run(motion, force, [&](const forward::Frame& frame) {
     if (objective)
-      objective->observe(frame.step.k, frame.y1);
+      objective->observe(frame.step.k, frame.after.y());
   });
   const control::Derivative along(control_problem.objective, motion);
   const forward::DualAtStep derivative(problem.space, along);

@@ -56,7 +56,8 @@ std::string again(const Problem& problem) {
   const forward::StateStoreFactory storage = state_stores(problem);
   if (kept.storage == scene::Storage::disk)
     return fmt::format(" (states on disk: {} a motion)", megabytes(storage.bytes()));
-  const int slots = static_cast<int>(std::lround(storage.bytes() / forward::State::bytes(problem.stepper)));
+  const int slots =
+      static_cast<int>(std::lround(storage.bytes() / forward::Checkpoint::bytes(problem.stepper)));
   const double made = static_cast<double>(forward::steps_made(problem.steps(), slots));
   return fmt::format(", and {:.2f} steps made again{} ({} checkpoints)", made / problem.steps() - 1,
                      computed ? " of either motion" : "", slots);
@@ -147,30 +148,30 @@ StepTimes time_steps(const Problem& problem, int steps) {
   StepTimes times;
   const GivenControl given(problem);
   forward::Stepper::Workspace work = problem.stepper.workspace();
-  const petsc::Vector p_next = problem.space.vector(), omega = problem.space.vector(),
-                      p = problem.space.vector();
+  forward::AdjointState state = problem.stepper.adjoint_state();
   const int last = std::max(1, problem.steps() - 1); // with a step after it
   auto start = Clock::now();
-  forward::integrate(
-      problem.stepper, problem.grid.first(steps), problem.initial, given.load(),
-      [&](const forward::Frame& frame) {
-        const double seconds = seconds_since(start);
-        const bool touches = !frame.contact.active.empty();
-        if (frame.step.k > 0) {
-          (touches ? times.contact : times.free) += seconds;
-          ++(touches ? times.contact_steps : times.free_steps);
-        }
-        if (frame.last && problem.scene.objective) {
-          petsc::check(VecCopy(frame.y1, p_next));
-          const auto at = [&](int k) { return forward::StepContact{problem.grid.scheme(k), frame.contact}; };
-          start = Clock::now();
-          for (int k = 0; k < steps; ++k)
-            problem.stepper.adjoint_step(
-                {at(std::min(k + 1, last)), at(std::min(k + 2, last + 1)), {}, p_next, omega, p}, work);
-          times.adjoint = seconds_since(start) / steps;
-        }
-        start = Clock::now();
-      });
+  forward::integrate(problem.stepper, problem.grid.first(steps), problem.initial, given.load(),
+                     [&](const forward::Frame& frame) {
+                       const double seconds = seconds_since(start);
+                       const bool touches = !frame.contact.active.empty();
+                       if (frame.step.k > 0) {
+                         (touches ? times.contact : times.free) += seconds;
+                         ++(touches ? times.contact_steps : times.free_steps);
+                       }
+                       if (frame.last && problem.scene.objective) {
+                         petsc::check(VecCopy(frame.after.y(), state.p_next));
+                         const auto at = [&](int k) {
+                           return forward::StepContact{problem.grid.scheme(k), frame.contact};
+                         };
+                         start = Clock::now();
+                         for (int k = 0; k < steps; ++k)
+                           problem.stepper.adjoint_step(
+                               {at(std::min(k + 1, last)), at(std::min(k + 2, last + 1)), {}, state}, work);
+                         times.adjoint = seconds_since(start) / steps;
+                       }
+                       start = Clock::now();
+                     });
   times.free /= std::max(times.free_steps, 1);
   times.contact /= std::max(times.contact_steps, 1);
   return times;

@@ -105,7 +105,7 @@ void MotionWriter::operator()(const forward::Frame& frame) {
   const bool regular =
       signorini::stored(frame.step, problem_.stepper.end(), problem_.scene.output.every, frame.last);
   if (regular)
-    store({frame.step, frame.y1, frame.v1, frame.contact});
+    store({frame.step, frame.after, frame.contact});
   if (largest_force_.observe(forces_.all().normal_force)) {
     if (regular)
       aside_.reset();
@@ -135,7 +135,7 @@ void MotionWriter::add_rows(const forward::Frame& frame, const forward::StepBala
   if (steps_) {
     std::optional<double> tracking_error;
     if (objective_)
-      tracking_error = objective_->distance(frame.step.k, frame.y1);
+      tracking_error = objective_->distance(frame.step.k, frame.after.y());
     append(*steps_, [&] {
       io::add_steps_row(text_, frame.step.k, time, dim, balance, *invariants_, frame.contact,
                         forces_.all().normal_force, tracking_error);
@@ -169,14 +169,13 @@ void MotionWriter::store(const Snapshot& now) {
 
 void MotionWriter::put_aside(const forward::Frame& frame) {
   if (!aside_)
-    aside_ = {.step{}, .y = problem_.space.vector(), .v = problem_.space.vector(), .contact = {}, .rows = 0};
+    aside_ = {.step{}, .state = problem_.stepper.state(), .contact = contact::ContactState(), .rows = 0};
   aside_->step = frame.step;
   aside_->contact = frame.contact;
   aside_->rows = contact_ ? contact_->size() : 0;
   if (!state_)
     return;
-  petsc::check(VecCopy(frame.y1, aside_->y));
-  petsc::check(VecCopy(frame.v1, aside_->v));
+  aside_->state.copy(frame.after);
 }
 
 void MotionWriter::insert(const Aside& peak) {
@@ -186,7 +185,7 @@ void MotionWriter::insert(const Aside& peak) {
   if (state_) {
     const auto number = static_cast<std::size_t>(place - stored_.begin());
     state_->make_room(number);
-    store_fields({peak.step, peak.y, peak.v, peak.contact}, number);
+    store_fields({peak.step, peak.state, peak.contact}, number);
   }
   stored_.insert(place, peak.step.k);
 }
@@ -198,16 +197,16 @@ void MotionWriter::store_fields(const Snapshot& now, std::size_t number) {
     if (output.field(field))
       state_->write(scene::name(field), number, t, values());
   };
-  write(Field::displacement, [&] { return now.y; });
-  write(Field::velocity, [&] { return now.v; });
+  write(Field::displacement, [&] { return now.state.y(); });
+  write(Field::velocity, [&] { return now.state.v(); });
   if (cell_fields_)
-    cell_fields_->set(now.y, now.v);
+    cell_fields_->set(now.state.y(), now.state.v());
   for (const auto& [field, of_cells] : {std::pair{Field::strain, fem::CellField::strain},
                                         {Field::stress, fem::CellField::stress},
                                         {Field::von_mises, fem::CellField::von_mises}})
     write(field, [&] { return (*cell_fields_)(of_cells); });
   if (largest_stress_)
-    largest_stress_->observe(*cell_fields_, now.y, now.v, t);
+    largest_stress_->observe(*cell_fields_, now.state.y(), now.state.v(), t);
   write(Field::pressure, [&] {
     const double impulse = now.step.scheme().impulse();
     return contact::at_nodes(problem_.space, *problem_.stepper.pairs(),

@@ -66,13 +66,13 @@ private:
   /// The state and contact after a step.
   struct Snapshot {
     forward::TimeStep step;
-    Vec y, v;
+    const forward::State& state;
     const contact::ContactState& contact;
   };
   /// A step that is to be stored unless a later one has a larger contact force.
   struct Aside {
     forward::TimeStep step;
-    petsc::Vector y, v; ///< with fields
+    forward::State state; ///< with fields
     contact::ContactState contact;
     std::streamoff rows; ///< where those of the step belong in contact.csv
   };

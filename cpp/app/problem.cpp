@@ -80,7 +80,7 @@ using Evaluate = std::function<void(double t, Vec y)>;
 class Kept final : public forward::Displacements {
 public:
   Kept(const Problem& problem, const Evaluate& evaluate)
-      : all_(petsc::zero_series(problem.initial.y, static_cast<std::size_t>(problem.steps()) + 1)) {
+      : all_(petsc::zero_series(problem.initial.y(), static_cast<std::size_t>(problem.steps()) + 1)) {
     for (int k = 0; k <= problem.steps(); ++k)
       evaluate(problem.grid.time(k), all_[static_cast<std::size_t>(k)]);
   }
@@ -212,7 +212,7 @@ Problem::Problem(std::shared_ptr<const Discretisation> shared, const scene::Scen
                       })),
       stepper(timed(t, "solver", [&] { return forward::Stepper(space, operators, s, needs); })),
       grid(stepper.ladder() ? forward::TimeGrid(*stepper.ladder()) : forward::TimeGrid(s.time)),
-      initial(stepper, s.initial) {
+      initial(forward::initial_state(stepper, s.initial)) {
   if (stops == forward::Stops::obeyed && stop_requested(space.comm()))
     throw Interrupted();
   if (s.load)

@@ -35,7 +35,7 @@ struct Problem {
   fem::Operators operators;
   forward::Stepper stepper;
   forward::TimeGrid grid; ///< the steps; none until choose_steps() where their lengths vary
-  forward::Initial initial;
+  forward::State initial;
   std::optional<forward::SceneLoad> scene_load;
   std::optional<forward::Probes> probes; ///< absent if the scene has none
 

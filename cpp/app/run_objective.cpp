@@ -14,18 +14,18 @@ public:
         load_(problem.load(&force_)), work_(problem.stepper.workspace()),
         contact_{contact::ContactState(forward::candidates(problem.stepper)),
                  contact::ContactState(forward::candidates(problem.stepper))},
-        integrator_(problem.stepper, problem.initial.y, problem.initial.v,
-                    [this](const forward::TimeStep& step, Vec y0, Vec v0, Vec y1, Vec v1) {
-                      problem_.stepper.step({step, {y0, v0}, load_.at(step), contact(step.k - 1)},
-                                            {{y1, v1}, contact(step.k)}, work_);
+        integrator_(problem.stepper, problem.initial,
+                    [this](const forward::TimeStep& step, const forward::State& from, forward::State& to) {
+                      problem_.stepper.step({step, from, load_.at(step), contact(step.k - 1)},
+                                            {to, contact(step.k)}, work_);
                     }) {
     integrator_.restart();
   }
   [[nodiscard]] Vec y(const forward::TimeStep& step) const override {
     const auto timer = problem_.timers.time("desired state");
-    if (integrator_.state().k < step.k)
+    if (integrator_.now().k < step.k)
       integrator_.advance(step);
-    return integrator_.state().y;
+    return integrator_.now().state.y();
   }
 
 private:
@@ -58,7 +58,7 @@ void RunObjective::observe(const forward::Frame& frame) {
   const auto timer = problem_.timers.time("objective");
   const Vec desired = desired_->y(frame.step); // every one: it may be made step by step
   const bool weighs = problem_.scene.objective->tracking > 0 || frame.last;
-  squared_distances_.push_back(weighs ? observed_.squared_distance(frame.y1, desired) : 0);
+  squared_distances_.push_back(weighs ? observed_.squared_distance(frame.after.y(), desired) : 0);
 }
 
 control::Value RunObjective::value() const {

@@ -150,7 +150,7 @@ void Measurements::take(int k, std::size_t column, Vec y, Vec v) {
 
 void Measurements::observe(const forward::Frame& frame) {
   const auto k = static_cast<std::size_t>(frame.step.k);
-  take(frame.step.k, 0, frame.y1, frame.v1);
+  take(frame.step.k, 0, frame.after.y(), frame.after.v());
   for (Channel& channel : channels_)
     if (channel.of == Quantity::force)
       channel.values[0][k] =

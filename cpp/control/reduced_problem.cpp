@@ -17,7 +17,7 @@ long& problems = count("reduced problems");
 class LinearisedMotion final : public forward::Displacements {
 public:
   explicit LinearisedMotion(forward::StateStore& states) : states_(states) {}
-  [[nodiscard]] Vec y(const forward::TimeStep& step) const override { return states_.at(step.k).y; }
+  [[nodiscard]] Vec y(const forward::TimeStep& step) const override { return states_.at(step.k).y(); }
 
 private:
   forward::StateStore& states_;
@@ -26,7 +26,7 @@ private:
 } // namespace
 
 ReducedProblem::ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls,
-                               const Objective& objective, const forward::Initial& initial,
+                               const Objective& objective, const forward::State& initial,
                                const forward::Load* load, const forward::StateStoreFactory& storage,
                                Timers& timers)
     : stepper_(stepper), controls_(controls), objective_(objective), initial_(initial), load_(load),
@@ -44,7 +44,7 @@ void ReducedProblem::simulate(const Control& u) {
   const auto timer = timers_.time("forward");
   trial_->trajectory.run(load(*trial_), [&](const forward::Frame& frame) {
     const auto other = timers_.time("objective");
-    objective_.observe(frame.step.k, frame.y1, trial_->squared_distances);
+    objective_.observe(frame.step.k, frame.after.y(), trial_->squared_distances);
   });
   if (trial_->trajectory.steps() < controls_.steps())
     throw Interrupted();
@@ -112,35 +112,35 @@ void ReducedProblem::integrate_linearised(
 
 void ReducedProblem::integrate_linearised(
     const Control& d, const Step& step, const std::function<void(forward::TimeIntegrator& integrator)>& use) {
-  const petsc::Vector rest = stepper_.space().vector();
+  const forward::State rest = stepper_.state();
   const ControlForce force(controls_, d);
   const forward::ForceAtStep forces(stepper_.space(), force);
-  forward::TimeIntegrator integrator(stepper_, rest, rest,
-                                     [&](const forward::TimeStep& at, Vec y0, Vec v0, Vec y1, Vec v1) {
-                                       step(at.k, {at.scheme(), {y0, v0}, forces.at(at), {y1, v1}});
-                                     });
+  forward::TimeIntegrator integrator(
+      stepper_, rest, [&](const forward::TimeStep& at, const forward::State& from, forward::State& to) {
+        step(at.k, {at.scheme(), from, forces.at(at), to});
+      });
   use(integrator);
 }
 
 void ReducedProblem::make_linearised_steps(forward::TimeIntegrator& integrator,
-                                           const std::function<void(const forward::State& state)>& visit) {
+                                           const std::function<void(const forward::Checkpoint& now)>& visit) {
   const auto timer = timers_.time("linearised");
   integrator.restart();
-  visit(integrator.state());
+  visit(integrator.now());
   for (int k = 1; k <= controls_.steps(); ++k) {
     if (stop_requested(stepper_.space().comm()))
       throw Interrupted();
     integrator.advance(controls_.grid().step(k));
-    visit(integrator.state());
+    visit(integrator.now());
   }
   ++sweeps_.forward;
 }
 
 void ReducedProblem::linearised(const Control& d, const std::function<void(int k, Vec dy)>& visit) {
   integrate_linearised(d, [&](forward::TimeIntegrator& integrator) {
-    make_linearised_steps(integrator, [&](const forward::State& state) {
-      if (state.k > 0)
-        visit(state.k, state.y);
+    make_linearised_steps(integrator, [&](const forward::Checkpoint& now) {
+      if (now.k > 0)
+        visit(now.k, now.state.y());
     });
   });
 }
@@ -156,16 +156,16 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
     stepper_.one_sided_step(step, slope.contact[static_cast<std::size_t>(k)], work_);
   };
   integrate_linearised(d, make, [&](forward::TimeIntegrator& integrator) {
-    make_linearised_steps(integrator, [&](const forward::State& state) {
-      if (state.k == 0)
+    make_linearised_steps(integrator, [&](const forward::Checkpoint& now) {
+      if (now.k == 0)
         return;
-      const forward::StateDual dual = derivative.at(controls_.grid().step(state.k));
+      const forward::StateDual dual = derivative.at(controls_.grid().step(now.k));
       if (dual.density) {
         check(MatMult(*stepper_.operators().W, dual.density, work));
-        slope.by_motion.add(work, state.y);
+        slope.by_motion.add(work, now.state.y());
       }
       if (dual.vector)
-        slope.by_motion.add(dual.vector, state.y);
+        slope.by_motion.add(dual.vector, now.state.y());
     });
   });
   slope.by_gradient = controls_.product(riesz(slope.contact, derivative, objective_.alpha(), current_->u), d);
@@ -176,7 +176,7 @@ Control ReducedProblem::l2_hessian_product(const Control& d) {
   std::optional<Control> h;
   integrate_linearised(d, [&](forward::TimeIntegrator& integrator) {
     const std::unique_ptr<forward::StateStore> dy = storage_.place(integrator);
-    make_linearised_steps(integrator, [&](const forward::State& state) { dy->keep(state); });
+    make_linearised_steps(integrator, [&](const forward::Checkpoint& now) { dy->keep(now); });
     const LinearisedMotion linearised(*dy);
     const SecondDerivative second(objective_, linearised);
     h = riesz(current_->trajectory.contact(), {stepper_.space(), second}, objective_.alpha(), d);

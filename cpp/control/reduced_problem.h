@@ -26,7 +26,7 @@ public:
 
   /// The references must outlive this object. `load` is the load without the control, null if there is none.
   ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls, const Objective& objective,
-                 const forward::Initial& initial, const forward::Load* load,
+                 const forward::State& initial, const forward::Load* load,
                  const forward::StateStoreFactory& storage, Timers& timers);
 
   /// Makes u the trial, by a forward sweep. Throws Interrupted, SolverFailure.
@@ -99,7 +99,7 @@ public:
 
 private:
   struct Point {
-    Point(const ControlSpace& controls, const forward::Stepper& stepper, const forward::Initial& initial,
+    Point(const ControlSpace& controls, const forward::Stepper& stepper, const forward::State& initial,
           const forward::StateStoreFactory& storage)
         : u(controls.zero()), force(controls, u), trajectory(stepper, initial, storage) {}
 
@@ -123,7 +123,7 @@ private:
                             const std::function<void(forward::TimeIntegrator& integrator)>& use);
   /// Makes all of its steps once and shows the states 0…N. Throws Interrupted.
   void make_linearised_steps(forward::TimeIntegrator& integrator,
-                             const std::function<void(const forward::State& state)>& visit);
+                             const std::function<void(const forward::Checkpoint& now)>& visit);
 
   /// scale u + S'* w for duals w and S' linearised on `contact`, as Riesz representative in L2(0,T; L2).
   Control riesz(const std::vector<contact::ContactSets>& contact, const forward::DualAtStep& dual,
@@ -133,7 +133,7 @@ private:
   const forward::Stepper& stepper_;
   const ControlSpace& controls_;
   const Objective& objective_;
-  const forward::Initial& initial_;
+  const forward::State& initial_;
   const forward::Load* load_; ///< null without one
   const forward::StateStoreFactory& storage_;
   Timers& timers_;

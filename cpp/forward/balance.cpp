@@ -86,9 +86,9 @@ StepBalance Balance::operator()(const Frame& frame) {
 }
 
 void Balance::add_state(const Frame& frame, Sums& sums) {
-  check(MatMult(stepper_.operators().A, frame.y1, Ay1_));
-  check(MatMult(stepper_.M(), frame.v1, Mv1_));
-  const petsc::ReadArray y(frame.y1), v(frame.v1), Ay(Ay1_), Mv(Mv1_);
+  check(MatMult(stepper_.operators().A, frame.after.y(), Ay1_));
+  check(MatMult(stepper_.M(), frame.after.v(), Mv1_));
+  const petsc::ReadArray y(frame.after.y()), v(frame.after.v()), Ay(Ay1_), Mv(Mv1_);
   const auto dim = static_cast<std::size_t>(stepper_.space().dim());
   for (std::size_t i = 0; i < y.size();)
     for (std::size_t c = 0; c < dim; ++c, ++i) {
@@ -103,7 +103,8 @@ void Balance::add_state(const Frame& frame, Sums& sums) {
 double Balance::add_step(const Frame& frame, Sums& sums) {
   const fem::Operators& body = stepper_.operators();
   const double tau = frame.step.tau;
-  check(VecWAXPY(w_, -1, frame.y0, frame.y1)); // w holds y_k − y_{k−1} until it is divided by τ
+  check(
+      VecWAXPY(w_, -1, frame.before->y(), frame.after.y())); // w holds y_k − y_{k−1} until it is divided by τ
   double load_work = 0;
   if (loads_alone_) {
     assemble(loads_alone_->at(frame.step), body, load_);
@@ -114,8 +115,9 @@ double Balance::add_step(const Frame& frame, Sums& sums) {
     check(MatMult(*body.B, w_, Bw_)); // w is (v_{k−1} + v_k)/2 unless there is a jump or a moving clamp
   assemble(frame.load, body, load_);
   contact_forces(stepper_, frame.step.scheme(), frame.contact, force_);
-  const petsc::ReadArray y0(frame.y0), y1(frame.y1), v0(frame.v0), v1(frame.v1), w(w_), Ay0(Ay0_), Ay1(Ay1_),
-      Mv0(Mv0_), Mv1(Mv1_), Bw(Bw_), load(load_), force(force_);
+  const petsc::ReadArray y0(frame.before->y()), y1(frame.after.y()), v0(frame.before->v()),
+      v1(frame.after.v()), w(w_), Ay0(Ay0_), Ay1(Ay1_), Mv0(Mv0_), Mv1(Mv1_), Bw(Bw_), load(load_),
+      force(force_);
   const petsc::WriteArray defect(defect_);
   const auto inertia = [&](std::size_t i) { return (Mv1[i] - Mv0[i]) / tau; };
   const auto jump = [&](std::size_t i) { return tau * (w[i] - (v0[i] + v1[i]) / 2) * inertia(i); };

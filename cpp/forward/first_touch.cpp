@@ -22,9 +22,9 @@ public:
     const auto m = static_cast<std::size_t>(stepper.pairs()->count());
     for (const petsc::Vector& motion : rigid_.basis())
       normal_.normal_components(motion, motions_.emplace_back(m));
-    const Initial initial(stepper, scene.initial);
-    normal_.normal_components(initial.y, position_ = std::vector<double>(m));
-    velocity_ = along(rigid_.coefficients(initial.v));
+    const State initial = initial_state(stepper, scene.initial);
+    normal_.normal_components(initial.y(), position_ = std::vector<double>(m));
+    velocity_ = along(rigid_.coefficients(initial.v()));
     acceleration_.resize(m);
     if (scene.load)
       load_.emplace(stepper.space(), stepper.M(), *scene.load, grid_.end());

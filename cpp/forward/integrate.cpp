@@ -35,8 +35,9 @@ petsc::Vector hold_clamped(const Stepper& stepper, Vec x, Vec held, double round
 
 } // namespace
 
-Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
-    : y(stepper.space().vector()), v(stepper.space().vector()) {
+State initial_state(const Stepper& stepper, const scene::Initial& scene) {
+  State start = stepper.state();
+  const Vec y = start.y(), v = start.v();
   petsc::Vector y_held = petsc::zero_like(y), v_held = petsc::zero_like(v);
   // Clamps' velocity after one step: the scale of the error of differences even if they start at rest.
   PetscReal later = 0;
@@ -68,6 +69,7 @@ Initial::Initial(const Stepper& stepper, const scene::Initial& scene)
     stepper.motion()->copy(written, v);
   if (stepper.pairs())
     contact::place_outside(*stepper.pairs(), y);
+  return start;
 }
 
 namespace {
@@ -85,16 +87,15 @@ int integrate_with(const Stepper& stepper, const TimeGrid& grid, TimeIntegrator&
                    const StepObserver& watch) {
   const auto stopped = [&] { return stops == Stops::obeyed && stop_requested(stepper.space().comm()); };
   integrator.restart();
-  set_initial_gaps(stepper, integrator.state().y, contact(0));
+  set_initial_gaps(stepper, integrator.now().state.y(), contact(0));
   bool last = stopped();
-  watch({grid.step(0), nullptr, nullptr, {}, integrator.state().y, integrator.state().v, contact(0), last});
+  watch({grid.step(0), nullptr, {}, integrator.now().state, contact(0), last});
   int k = 0;
   while (!last) {
     const TimeStep step = grid.step(++k);
     integrator.advance(step);
     last = k == grid.steps() || stopped();
-    watch({step, integrator.y0(), integrator.v0(), acting, integrator.state().y, integrator.state().v,
-           contact(k), last});
+    watch({step, &integrator.before(), acting, integrator.now().state, contact(k), last});
   }
   return k;
 }
@@ -103,12 +104,12 @@ namespace {
 
 /// A motion of which the last two states are stored, and the contact of the last two steps.
 struct Rolling {
-  Rolling(const Stepper& stepper, const Initial& initial, const ForceAtStep& load)
+  Rolling(const Stepper& stepper, const State& initial, const ForceAtStep& load)
       : work(stepper.workspace()),
         two{contact::ContactState(candidates(stepper)), contact::ContactState(candidates(stepper))},
-        integrator(stepper, initial.y, initial.v, [&](const TimeStep& step, Vec y0, Vec v0, Vec y1, Vec v1) {
+        integrator(stepper, initial, [&](const TimeStep& step, const State& from, State& to) {
           acting = load.at(step);
-          stepper.step({step, {y0, v0}, acting, contact(step.k - 1)}, {{y1, v1}, contact(step.k)}, work);
+          stepper.step({step, from, acting, contact(step.k - 1)}, {to, contact(step.k)}, work);
         }) {}
 
   contact::ContactState& contact(int k) { return two[static_cast<std::size_t>(k % 2)]; }
@@ -121,7 +122,7 @@ struct Rolling {
 
 } // namespace
 
-int integrate(const Stepper& stepper, const TimeGrid& grid, const Initial& initial, const ForceAtStep& load,
+int integrate(const Stepper& stepper, const TimeGrid& grid, const State& initial, const ForceAtStep& load,
               const StepObserver& watch, Stops stops) {
   Rolling motion(stepper, initial, load);
   return integrate_with(
@@ -130,11 +131,10 @@ int integrate(const Stepper& stepper, const TimeGrid& grid, const Initial& initi
       watch ? watch : [](const Frame&) {});
 }
 
-TimeGrid integrate_choosing(const Stepper& stepper, const Initial& initial, const ForceAtStep& load,
+TimeGrid integrate_choosing(const Stepper& stepper, const State& initial, const ForceAtStep& load,
                             StepControl& control, const StepObserver& watch, Stops stops) {
   Rolling motion(stepper, initial, load);
   TimeIntegrator& integrator = motion.integrator;
-  const State& state = integrator.state();
   const auto stopped = [&] { return stops == Stops::obeyed && stop_requested(stepper.space().comm()); };
   const auto show = [&](const Frame& frame) {
     if (watch)
@@ -143,14 +143,15 @@ TimeGrid integrate_choosing(const Stepper& stepper, const Initial& initial, cons
   const auto advance = [&] {
     const TimeStep step = control.next_step();
     integrator.advance(step);
-    return Frame{step,    integrator.y0(), integrator.v0(),        motion.acting,
-                 state.y, state.v,         motion.contact(step.k), false};
+    return Frame{step, &integrator.before(), motion.acting, integrator.now().state, motion.contact(step.k),
+                 false};
   };
   integrator.restart();
-  set_initial_gaps(stepper, state.y, motion.contact(0));
-  control.start(state.y, state.v, load);
+  const State& start = integrator.now().state;
+  set_initial_gaps(stepper, start.y(), motion.contact(0));
+  control.start(start.y(), start.v(), load);
   bool last = stopped();
-  show({{.tau = stepper.first_length()}, nullptr, nullptr, {}, state.y, state.v, motion.contact(0), last});
+  show({{.tau = stepper.first_length()}, nullptr, {}, start, motion.contact(0), last});
   while (!last) {
     const Frame made = advance();
     if (!control.accepts(made)) {

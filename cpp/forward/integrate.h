@@ -6,23 +6,18 @@
 
 namespace signorini::forward {
 
-/// Initial displacement and velocity.
-struct Initial {
-  petsc::Vector y, v;
-
-  /// Interpolates the scene's initial fields and moves nodes out of obstacles if the scene asks for it. A
-  /// field that is not given is zero, except on moving clamps, which prescribe it. Collective. Throws
-  /// UserError if a field differs from the clamps' motion at t = 0 or a candidate starts inside an obstacle.
-  Initial(const Stepper& stepper, const scene::Initial& scene);
-};
+/// Interpolates the scene's initial fields and moves nodes out of obstacles if the scene asks for it. A field
+/// that is not given is zero, except on moving clamps, which prescribe it. Collective. Throws UserError if a
+/// field differs from the clamps' motion at t = 0 or a candidate starts inside an obstacle.
+[[nodiscard]] State initial_state(const Stepper& stepper, const scene::Initial& scene);
 
 /// State of a motion at t_k, with the step k that led to it. Frame 0 is the initial state: it has no step,
 /// and the vectors of one are null. Valid only during the call of the observer.
 struct Frame {
   TimeStep step;
-  Vec y0, v0;      ///< at t_{k−1}
-  NodalForce load; ///< f_k + s u_k
-  Vec y1, v1;      ///< at t_k
+  const State* before; ///< at t_{k−1}, null in frame 0
+  NodalForce load;     ///< f_k + s u_k
+  const State& after;  ///< at t_k
   const contact::ContactState& contact;
   bool last; ///< no other frame follows
 };
@@ -35,7 +30,7 @@ enum class Stops { obeyed, ignored };
 /// Makes the steps of `grid` from the initial state and passes each frame to `watch` (which may be empty),
 /// storing no more than the last two states; ends early if a stop was requested and is obeyed. Returns the
 /// number of steps done. Collective. Throws SolverFailure naming the step.
-int integrate(const Stepper& stepper, const TimeGrid& grid, const Initial& initial, const ForceAtStep& load,
+int integrate(const Stepper& stepper, const TimeGrid& grid, const State& initial, const ForceAtStep& load,
               const StepObserver& watch, Stops stops = Stops::obeyed);
 
 class StepControl;
@@ -43,7 +38,7 @@ class StepControl;
 /// Integrates to the end of the motion with steps whose lengths `control` chooses; returns these, which are
 /// incomplete if a stop was requested and is obeyed. `watch` sees no step that is repeated. Collective.
 /// Throws SolverFailure naming the step.
-[[nodiscard]] TimeGrid integrate_choosing(const Stepper& stepper, const Initial& initial,
+[[nodiscard]] TimeGrid integrate_choosing(const Stepper& stepper, const State& initial,
                                           const ForceAtStep& load, StepControl& control,
                                           const StepObserver& watch, Stops stops = Stops::obeyed);
 

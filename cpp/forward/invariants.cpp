@@ -30,7 +30,7 @@ void Invariants::observe(const Frame& frame, const StepBalance& balance) {
   // Rounding of Ay and y·Ay, to which forces and energies are known at best: large where strains are small
   // relative to the displacement, as of a stiff body in flight.
   PetscReal size = 0;
-  check(VecNorm(frame.y1, NORM_2, &size));
+  check(VecNorm(frame.after.y(), NORM_2, &size));
   const double rounding_of_forces = 10 * std::numeric_limits<double>::epsilon() * stiffness_ * size,
                rounding = rounding_of_forces * size;
   energy_ = std::max(energy_, balance.kinetic_energy + balance.elastic_energy);

@@ -162,12 +162,12 @@ bool ParameterRates::turn() const {
 void ParameterRates::set(const StepMade& made) {
   made_.emplace(made);
   const Scheme scheme = made.step.scheme();
-  check(VecWAXPY(sum_, 1, made.from.y, made.to.y));
-  check(VecWAXPY(difference_, -1, made.from.y, made.to.y));
+  check(VecWAXPY(sum_, 1, made.from.y(), made.to.y()));
+  check(VecWAXPY(difference_, -1, made.from.y(), made.to.y()));
   jumps_ = stepper_.predictor() && !made.contact.predictor.empty();
-  Vec momentum = made.from.v;
+  Vec momentum = made.from.v();
   if (jumps_) { // z − x, by the update of the velocity
-    check(VecWAXPY(jump_, 1, made.from.v, made.to.v));
+    check(VecWAXPY(jump_, 1, made.from.v(), made.to.v()));
     check(VecAYPX(jump_, -1 / scheme.rate(), difference_));
     stepper_.clamped().clear(jump_);
     check(VecWAXPY(inertia_, scheme.jump_rate(), jump_, momentum));
@@ -175,7 +175,7 @@ void ParameterRates::set(const StepMade& made) {
   }
   if (motion_) {
     stepper_.motion()->evaluate(made.step, *motion_);
-    momentum = stepper_.motion()->driving(*motion_, made.from.y, momentum);
+    momentum = stepper_.motion()->driving(*motion_, made.from.y(), momentum);
   }
   check(VecAXPBY(inertia_, scheme.momentum(), 0, momentum));
   check(VecAXPY(inertia_, -1, difference_));
@@ -245,7 +245,7 @@ bool ParameterRates::constraint(std::size_t j, std::span<double> c) const {
   std::ranges::copy(rate.pairs->psi, c.begin());
   if (rate.turns()) {
     contact::NormalOperator(*stepper_.pairs())
-        .components_along(rate.pairs->normals, made_->to.y, components_);
+        .components_along(rate.pairs->normals, made_->to.y(), components_);
     for (std::size_t i = 0; i < c.size(); ++i)
       c[i] -= components_[i];
   }
@@ -267,7 +267,7 @@ bool ParameterRates::predictor(std::size_t j, Vec r, std::span<double> e) const 
   if (rate.turns()) { // ν·z in place of ν·y_k, z = y + τ v + j
     const contact::NormalOperator N(*stepper_.pairs());
     N.add_along(-1, zeta_, rate.pairs->directions, r);
-    check(VecWAXPY(work_, made_->step.tau, made_->from.v, made_->from.y));
+    check(VecWAXPY(work_, made_->step.tau, made_->from.v(), made_->from.y()));
     check(VecAXPY(work_, 1, jump_));
     N.components_along(rate.pairs->normals, work_, components_);
     for (std::size_t i = 0; i < e.size(); ++i)

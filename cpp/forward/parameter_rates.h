@@ -11,7 +11,7 @@ namespace signorini::forward {
 /// A step that was made, as its derivatives by parameters need it.
 struct StepMade {
   TimeStep step;
-  Motion from, to;
+  const State &from, &to;
   const contact::ContactSets& contact;
   std::span<const double> lambda; ///< λ_k (m); read only where a parameter turns normals
 };

@@ -54,14 +54,14 @@ Plausibility::Plausibility(const Stepper& stepper, const scene::Scene& scene)
 void Plausibility::observe(const Frame& frame, const StepBalance* balance) {
   if (balance && balance->elastic_energy > energy_) {
     energy_ = balance->elastic_energy;
-    check(VecCopy(frame.y1, strained_));
+    check(VecCopy(frame.after.y(), strained_));
     strained_at_ = frame.step.end;
   }
   constexpr double rounding = 1e-9;
   const int part = static_cast<int>(looks * frame.step.end / stepper_.end() + rounding) + 1;
   if (part > looked_ || frame.last) {
     looked_ = part;
-    look(frame.y1, frame.step.end);
+    look(frame.after.y(), frame.step.end);
   }
 }
 

@@ -197,13 +197,13 @@ void Probes::add_values(const Frame& frame, const ObstacleForces& forces, Vec re
                         std::vector<double>& values) const {
   std::vector<double> displacement, velocity;
   if (sampler_) {
-    displacement = (*sampler_)(frame.y1);
-    velocity = (*sampler_)(frame.v1);
+    displacement = (*sampler_)(frame.after.y());
+    velocity = (*sampler_)(frame.after.v());
   }
   for (const Value& value : values_) {
     if (const auto* linear = std::get_if<Linear>(&value)) {
-      const Vec x = linear->of == Of::displacement ? frame.y1
-                    : linear->of == Of::velocity   ? frame.v1
+      const Vec x = linear->of == Of::displacement ? frame.after.y()
+                    : linear->of == Of::velocity   ? frame.after.v()
                                                    : reactions;
       values.push_back(linear->factor * petsc::dot(weights_[linear->weights], x) + linear->offset);
     } else if (const auto* point = std::get_if<AtPoint>(&value)) {

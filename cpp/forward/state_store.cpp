@@ -6,8 +6,8 @@
 #include "forward/binomial_checkpointing.h"
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <fmt/format.h>
-#include <optional>
 #include <vector>
 
 namespace signorini::forward {
@@ -22,80 +22,60 @@ constexpr const char *writing = "states written", *reading = "states read",
 /// Every state, in memory.
 class StateStoreFactory::InMemory final : public StateStore {
 public:
-  InMemory(const Stepper& stepper, int steps, bool velocities)
-      : y_(petsc::zero_series(stepper.space().vector(), static_cast<std::size_t>(steps) + 1)),
-        v_(velocities ? petsc::zero_series(y_.front(), y_.size()) : petsc::Series()) {
-    vectors += static_cast<long>(y_.size() + v_.size());
+  InMemory(const Stepper& stepper, int steps, std::size_t parts) {
+    const petsc::Vector layout = stepper.space().vector();
+    for (int k = 0; k <= steps; ++k)
+      states_.emplace_back(layout, parts);
+    vectors += static_cast<long>(states_.size() * parts);
   }
 
-  void keep(const State& state) override {
-    const auto i = static_cast<std::size_t>(state.k);
-    check(VecCopy(state.y, y_[i]));
-    if (!v_.empty())
-      check(VecCopy(state.v, v_[i]));
-  }
-
-  View at(int k) override {
-    const auto i = static_cast<std::size_t>(k);
-    return {y_[i], v_.empty() ? nullptr : Vec(v_[i])};
-  }
+  void keep(const Checkpoint& now) override { states_[static_cast<std::size_t>(now.k)].copy(now.state); }
+  const State& at(int k) override { return states_[static_cast<std::size_t>(k)]; }
 
 private:
-  petsc::Series y_, v_;
+  std::vector<State> states_;
 };
 
-/// Every state, in files of the ranks, and the one read last in memory.
+/// Every state, in files of the ranks, one for each part, and the one read last in memory.
 class StateStoreFactory::OnDisk final : public StateStore {
 public:
-  OnDisk(const Stepper& stepper, int steps, bool velocities, Timers& timers)
-      : timers_(timers), y_(stepper, steps) {
-    if (velocities)
-      v_.emplace(stepper, steps);
+  OnDisk(const Stepper& stepper, int steps, std::size_t parts, Timers& timers)
+      : timers_(timers), last_(stepper.space().vector(), parts) {
+    const auto dofs = static_cast<std::size_t>(stepper.space().owned_nodes()) *
+                      static_cast<std::size_t>(stepper.space().dim());
+    for (std::size_t i = 0; i < parts; ++i)
+      files_.emplace_back(static_cast<std::size_t>(steps) + 1, dofs);
   }
 
-  void keep(const State& state) override {
+  void keep(const Checkpoint& now) override {
     const auto timer = timers_.time(writing);
     held_ = -1;
-    y_.write(state.k, state.y);
-    if (v_)
-      v_->write(state.k, state.v);
+    for (std::size_t i = 0; i < files_.size(); ++i)
+      files_[i].write(static_cast<std::size_t>(now.k), petsc::ReadArray(now.state.parts()[i]));
   }
 
-  View at(int k) override {
+  const State& at(int k) override {
     if (k != held_) {
       const auto timer = timers_.time(reading);
-      y_.read(k);
-      if (v_)
-        v_->read(k);
+      for (std::size_t i = 0; i < files_.size(); ++i)
+        files_[i].read(static_cast<std::size_t>(k), petsc::WriteArray(last_.parts()[i]));
       held_ = k;
     }
-    return {y_.last, v_ ? Vec(v_->last) : nullptr};
+    return last_;
   }
 
 private:
-  struct Table {
-    ScratchFile file;
-    petsc::Vector last;
-
-    Table(const Stepper& stepper, int steps)
-        : file(static_cast<std::size_t>(steps) + 1, static_cast<std::size_t>(stepper.space().owned_nodes()) *
-                                                        static_cast<std::size_t>(stepper.space().dim())),
-          last(stepper.space().vector()) {}
-    void write(int k, Vec x) { file.write(static_cast<std::size_t>(k), petsc::ReadArray(x)); }
-    void read(int k) const { file.read(static_cast<std::size_t>(k), petsc::WriteArray(last)); }
-  };
-
   Timers& timers_;
-  Table y_;
-  std::optional<Table> v_;
+  std::deque<ScratchFile> files_; ///< which do not move
+  State last_;
   int held_ = -1;
 };
 
 /// Checkpoints of one motion at a time.
 struct StateStoreFactory::Pool {
   std::size_t room; ///< largest number of checkpoints
-  std::vector<std::unique_ptr<State>> free;
-  std::vector<std::unique_ptr<State>> used; ///< ascending
+  std::vector<std::unique_ptr<Checkpoint>> free;
+  std::vector<std::unique_ptr<Checkpoint>> used; ///< ascending
   const void* owner = nullptr;
 
   /// Frees the checkpoints beyond t_k.
@@ -103,12 +83,12 @@ struct StateStoreFactory::Pool {
     for (; !used.empty() && used.back()->k > k; used.pop_back())
       free.push_back(std::move(used.back()));
   }
-  void keep(const Stepper& stepper, const State& state) {
+  void keep(const Stepper& stepper, const Checkpoint& now) {
     if (free.empty())
-      free.push_back(std::make_unique<State>(stepper));
+      free.push_back(std::make_unique<Checkpoint>(stepper));
     used.push_back(std::move(free.back()));
     free.pop_back();
-    used.back()->take(state);
+    used.back()->take(now);
   }
 };
 
@@ -122,17 +102,17 @@ public:
       pool_->owner = nullptr;
   }
 
-  void keep(const State& state) override {
+  void keep(const Checkpoint& now) override {
     own();
-    if (state.k == 0)
+    if (now.k == 0)
       pool_->release_beyond(0);
     went_back_ = false;
     place(grid_.steps());
   }
 
-  View at(int k) override {
+  const State& at(int k) override {
     own();
-    const bool back = integrator_.state().k < 0 || integrator_.state().k > k, up = integrator_.state().k < k;
+    const bool back = integrator_.now().k < 0 || integrator_.now().k > k, up = integrator_.now().k < k;
     if (up && std::exchange(went_back_, false)) // the reverse sweep has ended; free its checkpoints
       pool_->release_beyond(0);
     if (back) {
@@ -143,14 +123,14 @@ public:
       else
         integrator_.resume(*pool_->used.back());
     }
-    if (integrator_.state().k < k) {
+    if (integrator_.now().k < k) {
       const auto timer = timers_.time(recomputing);
-      for (; integrator_.state().k < k; ++recomputed) {
+      for (; integrator_.now().k < k; ++recomputed) {
         place(back ? k : grid_.steps());
-        integrator_.advance(grid_.step(integrator_.state().k + 1));
+        integrator_.advance(grid_.step(integrator_.now().k + 1));
       }
     }
-    return {integrator_.state().y, integrator_.state().v};
+    return integrator_.now().state;
   }
 
 private:
@@ -162,10 +142,10 @@ private:
 
   /// Makes a checkpoint of the integrator's state if one is due for the steps to t_last and back.
   void place(int last) {
-    const int here = integrator_.state().k, from = pool_->used.empty() ? 0 : pool_->used.back()->k,
+    const int here = integrator_.now().k, from = pool_->used.empty() ? 0 : pool_->used.back()->k,
               slots = static_cast<int>(pool_->room - pool_->used.size());
     if (slots > 0 && here < last && here > from && here >= from + next_checkpoint(last - from, slots))
-      pool_->keep(stepper_, integrator_.state());
+      pool_->keep(stepper_, integrator_.now());
   }
 
   const Stepper& stepper_;
@@ -181,7 +161,7 @@ StateStoreFactory::StateStoreFactory(const Stepper& stepper, const TimeGrid& gri
     : stepper_(stepper), scene_(scene), grid_(grid), timers_(timers) {
   if (scene.storage != scene::Storage::checkpoints)
     return;
-  const double one = State::bytes(stepper), room = share * scene.budget / one;
+  const double one = Checkpoint::bytes(stepper), room = share * scene.budget / one;
   if (room < 1)
     throw UserError(
         fmt::format("trajectory.budget: found {:.6g} bytes, allowed are {:.6g} or more: a checkpoint takes "
@@ -191,18 +171,18 @@ StateStoreFactory::StateStoreFactory(const Stepper& stepper, const TimeGrid& gri
   pool_ = std::make_shared<Pool>(static_cast<std::size_t>(std::min(room, std::max(grid.steps() - 1.0, 0.0))));
 }
 
-std::unique_ptr<StateStore> StateStoreFactory::place(TimeIntegrator& integrator, bool velocities) const {
+std::unique_ptr<StateStore> StateStoreFactory::place(TimeIntegrator& integrator, bool whole) const {
   if (pool_)
     return std::make_unique<Checkpoints>(stepper_, grid_, pool_, integrator, timers_);
   if (in_memory())
-    return std::make_unique<InMemory>(stepper_, grid_.steps(), velocities);
-  return std::make_unique<OnDisk>(stepper_, grid_.steps(), velocities, timers_);
+    return std::make_unique<InMemory>(stepper_, grid_.steps(), parts(whole));
+  return std::make_unique<OnDisk>(stepper_, grid_.steps(), parts(whole), timers_);
 }
 
-double StateStoreFactory::bytes(bool velocities) const {
-  return pool_ ? static_cast<double>(pool_->room) * State::bytes(stepper_)
-               : (velocities ? 2 : 1) * sizeof(PetscScalar) * static_cast<double>(stepper_.space().dofs()) *
-                     (grid_.steps() + 1.0);
+double StateStoreFactory::bytes(bool whole) const {
+  return pool_ ? static_cast<double>(pool_->room) * Checkpoint::bytes(stepper_)
+               : static_cast<double>(parts(whole)) * sizeof(PetscScalar) *
+                     static_cast<double>(stepper_.space().dofs()) * (grid_.steps() + 1.0);
 }
 
 } // namespace signorini::forward

@@ -11,16 +11,12 @@ namespace signorini::forward {
 /// first. All members collective.
 class StateStore {
 public:
-  /// Valid until the next call of the same object.
-  struct View {
-    Vec y, v; ///< v is null where velocities were not asked for
-  };
-
   virtual ~StateStore() = default;
   /// Stores the states in order, k = 0 … N; k = 0 starts a new motion. Throws WriteFailure.
-  virtual void keep(const State& state) = 0;
-  /// The state at t_k, bit for bit. Throws WriteFailure, SolverFailure.
-  virtual View at(int k) = 0;
+  virtual void keep(const Checkpoint& now) = 0;
+  /// The state at t_k, bit for bit, with its first part alone unless whole states were asked for. Valid until
+  /// the next call. Throws WriteFailure, SolverFailure.
+  virtual const State& at(int k) = 0;
 };
 
 /// Makes the stores for the states of a run's motions, as the scene's [trajectory] says: in memory, in files
@@ -34,18 +30,21 @@ public:
                     double share, Timers& timers);
 
   /// A store for the states of one motion, that of `integrator`, which recomputes those that are not kept;
-  /// `velocities`: v is wanted too. This object and the integrator must outlive it. Collective. Throws
-  /// WriteFailure.
-  [[nodiscard]] std::unique_ptr<StateStore> place(TimeIntegrator& integrator, bool velocities = false) const;
+  /// `whole`: with all parts of the states, else with displacements. This object and the integrator must
+  /// outlive it. Collective. Throws WriteFailure.
+  [[nodiscard]] std::unique_ptr<StateStore> place(TimeIntegrator& integrator, bool whole = false) const;
 
   /// The steps of the motions.
   [[nodiscard]] const TimeGrid& grid() const { return grid_; }
   [[nodiscard]] bool in_memory() const { return scene_.storage == scene::Storage::memory; }
-  /// Memory or disk space on all ranks, bytes: of one motion's store, with `velocities` as in place(), or of
-  /// all checkpoints, each of which has them. Collective.
-  [[nodiscard]] double bytes(bool velocities = false) const;
+  /// Memory or disk space on all ranks, bytes: of one motion's store, `whole` as in place(), or of all
+  /// checkpoints, which have whole states. Collective.
+  [[nodiscard]] double bytes(bool whole = false) const;
 
 private:
+  /// The number of parts that a store keeps of a state.
+  [[nodiscard]] std::size_t parts(bool whole) const { return whole ? stepper_.state_parts() : 1; }
+
   struct Pool;
   class InMemory;
   class OnDisk;

@@ -140,22 +140,22 @@ Vec with_jump(Vec x, double c, Vec jump, Vec work) {
 }
 
 /// The predictor y + τ v in `work`.
-Vec predicted(const Scheme& scheme, Motion from, Vec work) {
-  check(VecWAXPY(work, scheme.tau, from.v, from.y));
+Vec predicted(const Scheme& scheme, const State& from, Vec work) {
+  check(VecWAXPY(work, scheme.tau, from.v(), from.y()));
   return work;
 }
 
 /// v ← rate() (y_k − y_{k−1} − j) − v_{k−1}.
-void set_velocity(const Scheme& scheme, Motion from, Vec jump, Motion to) {
+void set_velocity(const Scheme& scheme, const State& from, Vec jump, const State& to) {
   const double rate = scheme.rate();
   {
-    const petsc::ReadArray before(from.y), after(to.y), velocity(from.v);
-    const petsc::WriteArray v(to.v);
+    const petsc::ReadArray before(from.y()), after(to.y()), velocity(from.v());
+    const petsc::WriteArray v(to.v());
     for (std::size_t i = 0; i < v.size(); ++i) // in one pass; subtracts before scaling
       v[i] = rate * (after[i] - before[i]) - velocity[i];
   }
   if (jump)
-    check(VecAXPY(to.v, -rate, jump));
+    check(VecAXPY(to.v(), -rate, jump));
 }
 
 } // namespace
@@ -169,23 +169,23 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
                        ? predictor_->jump(psi, predicted(scheme, in.from, work.work), in.previous.predictor,
                                           out.contact.predictor, *work.predictor)
                        : nullptr;
-  Vec momentum = with_jump(in.from.v, scheme.jump_rate(), jump, work.moved);
+  Vec momentum = with_jump(in.from.v(), scheme.jump_rate(), jump, work.moved);
   if (motion_) {
     motion_->evaluate(in.step, *work.motion);
-    momentum = motion_->driving(*work.motion, in.from.y, momentum);
+    momentum = motion_->driving(*work.motion, in.from.y(), momentum);
   }
-  right_hand_side(with.R, in.from.y, scheme.momentum(), momentum, scheme.impulse(), in.load, work);
+  right_hand_side(with.R, in.from.y(), scheme.momentum(), momentum, scheme.impulse(), in.load, work);
   if (motion_)
     motion_->apply(*work.motion, with.whole_D, clamped_, with.clamped_diagonal, work.r);
   if (const contact::ContactStepSolver* solver = contact_solver(with, work))
-    solver->solve(work.r, psi, in.previous.active, out.contact, out.to.y, *work.contact);
+    solver->solve(work.r, psi, in.previous.active, out.contact, out.to.y(), *work.contact);
   else
-    with.solver->linear().solve(work.r, out.to.y);
+    with.solver->linear().solve(work.r, out.to.y());
   set_velocity(scheme, in.from, jump, out.to);
   if (motion_)
-    motion_->copy(work.motion->velocity, out.to.v);
+    motion_->copy(work.motion->velocity, out.to.v());
   PetscReal size = 0;
-  check(VecNorm(out.to.v, NORM_2, &size));
+  check(VecNorm(out.to.v(), NORM_2, &size));
   if (!std::isfinite(size))
     throw SolverFailure("the solution is not finite");
   ++steps;
@@ -247,8 +247,8 @@ Vec Stepper::linearised_right_hand_side(const LinearisedStep& step, const contac
       predictor_ ? predictor_->linearised_jump(contact.predictor, predicted(scheme, step.from, work.work),
                                                *work.predictor, step.predictor)
                  : nullptr;
-  right_hand_side(of_length(scheme.tau).R, step.from.y, scheme.momentum(),
-                  with_jump(step.from.v, scheme.jump_rate(), jump, work.moved), scheme.impulse(), step.load,
+  right_hand_side(of_length(scheme.tau).R, step.from.y(), scheme.momentum(),
+                  with_jump(step.from.v(), scheme.jump_rate(), jump, work.moved), scheme.impulse(), step.load,
                   work);
   return jump;
 }
@@ -256,7 +256,7 @@ Vec Stepper::linearised_right_hand_side(const LinearisedStep& step, const contac
 void Stepper::linearised_step(const LinearisedStep& step, const contact::ContactSets& contact,
                               Workspace& work) const {
   const Vec jump = linearised_right_hand_side(step, contact, work);
-  solve_sliding(step.scheme.tau, contact.active, step.normal, step.to.y, work);
+  solve_sliding(step.scheme.tau, contact.active, step.normal, step.to.y(), work);
   set_velocity(step.scheme, step.from, jump, step.to);
   ++linearised_steps;
 }
@@ -265,9 +265,9 @@ void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactSets& c
                              Workspace& work) const {
   const Vec jump = linearised_right_hand_side(step, contact, work);
   if (!contact.weak.empty())
-    solve_one_sided(step.scheme, contact, step.to.y, work);
+    solve_one_sided(step.scheme, contact, step.to.y(), work);
   else
-    solve_sliding(step.scheme.tau, contact.active, step.normal, step.to.y, work);
+    solve_sliding(step.scheme.tau, contact.active, step.normal, step.to.y(), work);
   set_velocity(step.scheme, step.from, jump, step.to);
   ++linearised_steps;
 }
@@ -281,13 +281,13 @@ Vec Stepper::transposed_right_hand_side(const AdjointStep& step, double rate, Wo
   const Scheme later = step.next->scheme;
   Vec jump = nullptr;
   if (predictor_ && !step.next->contact.predictor.empty()) {
-    check(VecWAXPY(work.work, -later.rate(), step.omega, step.p_next));
+    check(VecWAXPY(work.work, -later.rate(), step.state.omega, step.state.p_next));
     jump =
         predictor_->linearised_jump(step.next->contact.predictor, work.work, *work.predictor, step.predictor);
   }
   {
-    const petsc::ReadArray p(step.p_next);
-    const petsc::WriteArray omega(step.omega), momentum(work.moved);
+    const petsc::ReadArray p(step.state.p_next);
+    const petsc::WriteArray omega(step.state.omega), momentum(work.moved);
     const double later_rate = later.rate();
     for (std::size_t i = 0; i < omega.size(); ++i) {
       const double before = later.tau * p[i] - omega[i];
@@ -296,16 +296,16 @@ Vec Stepper::transposed_right_hand_side(const AdjointStep& step, double rate, Wo
     }
   }
   if (jump) {
-    check(VecAXPY(step.omega, later.tau, jump));
+    check(VecAXPY(step.state.omega, later.tau, jump));
     check(VecAXPY(work.moved, rate * later.tau + 1, jump));
   }
-  right_hand_side(of_length(later.tau).R, step.p_next, 1, work.moved, 1, step.derivative, work);
+  right_hand_side(of_length(later.tau).R, step.state.p_next, 1, work.moved, 1, step.derivative, work);
   return jump;
 }
 
 Vec Stepper::adjoint_step(const AdjointStep& step, Workspace& work) const {
   const Vec jump = transposed_right_hand_side(step, step.step.scheme.rate(), work);
-  solve_sliding(step.step.scheme.tau, step.step.contact.active, step.normal, step.p, work);
+  solve_sliding(step.step.scheme.tau, step.step.contact.active, step.normal, step.state.p, work);
   ++adjoint_steps;
   return jump;
 }
@@ -313,7 +313,7 @@ Vec Stepper::adjoint_step(const AdjointStep& step, Workspace& work) const {
 Vec Stepper::adjoint_start(const AdjointStep& step, Workspace& work) const {
   constexpr double no_step = 0;
   const Vec jump = transposed_right_hand_side(step, no_step, work);
-  check(VecCopy(work.r, step.p));
+  check(VecCopy(work.r, step.state.p));
   return jump;
 }
 

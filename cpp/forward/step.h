@@ -5,37 +5,33 @@
 #include "forward/load.h"
 #include "forward/motion.h"
 #include "forward/predictor.h"
+#include "forward/state.h"
 #include "forward/step_operators.h"
 #include <optional>
 
 namespace signorini::forward {
 
-/// Displacement (m) and velocity (m/s).
-struct Motion {
-  Vec y, v;
-};
-
 /// What step k starts from.
 struct StepInput {
   TimeStep step;
-  Motion from;                          ///< at t_{k−1}
+  const State& from;                    ///< at t_{k−1}
   NodalForce load;                      ///< f_k + s u_k
   const contact::ContactSets& previous; ///< contact at t_{k−1}
 };
 
-/// What a step makes; `contact` is constructed for the candidates, and to.y holds a guess on entry if the
+/// What a step makes; `contact` is constructed for the candidates, and to.y() holds a guess on entry if the
 /// solver takes one.
 struct StepOutput {
-  Motion to; ///< at t_k
+  State& to; ///< at t_k
   contact::ContactState& contact;
 };
 
 /// A linearised step of (δy, δv) under δload on the active set of `contact`, that of step k.
 struct LinearisedStep {
   Scheme scheme;
-  Motion from;
+  const State& from;
   NodalForce load;
-  Motion to;                              ///< as in StepOutput
+  State& to;                              ///< as in StepOutput
   std::span<const double> normal{};       ///< δy·ν on the active set (m), zero if empty
   const Predictor::Guide* predictor = {}; ///< of δz, null: none
 };
@@ -51,9 +47,7 @@ struct AdjointStep {
   StepContact step;                       ///< k
   std::optional<StepContact> next;        ///< k + 1, none at N
   StateDual derivative;                   ///< ∂J/∂y_k
-  Vec p_next;                             ///< p_{k+1}
-  Vec omega;                              ///< ω_{k+1} on entry, ω_k on return
-  Vec p;                                  ///< p_k on return, a guess on entry
+  AdjointState& state;                    ///< of step k + 1 on entry, of step k on return
   std::span<const double> normal{};       ///< p_k·ν = ∂J/∂λ_k on the active set (m), zero if empty
   const Predictor::Guide* predictor = {}; ///< of the projection of s_{k+1}, null: none
 };
@@ -107,6 +101,12 @@ public:
   /// The least time in which a pressure wave crosses an element in contact, or under a load that varies, s.
   [[nodiscard]] double wave_time() const { return wave_time_; }
 
+  /// A zero state. Collective.
+  [[nodiscard]] State state() const { return {space_.vector(), state_parts()}; }
+  /// The number of a state's parts.
+  [[nodiscard]] static std::size_t state_parts() { return 2; }
+  [[nodiscard]] AdjointState adjoint_state() const { return AdjointState(space_.vector()); }
+
   /// Memory of what the scheme adds to contact-implicit stepping, bytes. Collective.
   [[nodiscard]] double scheme_bytes() const;
 
@@ -141,7 +141,7 @@ public:
   /// force is Scheme::impulse() p_k. Returns the jump of s_{k+1}, null without one. Collective.
   Vec adjoint_step(const AdjointStep& step, Workspace& work) const;
 
-  /// Where the transpose ends: of `step` with k = 0, ω_0 and, in place of p, the derivative of J by y_0, a
+  /// Where the transpose ends: of `step` with k = 0, ω_0 and, in place of p_0, the derivative of J by y_0, a
   /// functional on the free dofs. Collective.
   Vec adjoint_start(const AdjointStep& step, Workspace& work) const;
 

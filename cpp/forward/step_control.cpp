@@ -158,11 +158,11 @@ void StepControl::remember(const Frame& frame) {
     return least <= longer;
   };
   if (stored_ == 0 && fits(least_level_))
-    take(frame.y0);
+    take(frame.before->y());
   least_level_ = steps_.least_level();
   fresh_ = stored_ > 0 && fits(least_level_);
   if (fresh_)
-    take(frame.y1);
+    take(frame.after.y());
 }
 
 int StepControl::next(int level) {

@@ -112,7 +112,7 @@ double StepErrors::error_of(Vec third_difference, Vec y) {
 
 void StepErrors::set_mean(const Frame& frame) {
   const double rate = 1 / frame.step.tau;
-  petsc::combine(means_[0].w, -rate, frame.y0, rate, frame.y1);
+  petsc::combine(means_[0].w, -rate, frame.before->y(), rate, frame.after.y());
   means_[0].middle = frame.step.begin + frame.step.tau / 2;
 }
 
@@ -128,11 +128,12 @@ double StepErrors::error_of(const Frame& frame, bool abrupt) {
   if (quantity_ == scene::StepQuantity::energy) {
     petsc::combine(difference_, factors[0], means_[0].w, factors[1], means_[1].w);
     check(VecAXPY(difference_, factors[2], means_[2].w));
-    return error_of(difference_, frame.y1);
+    return error_of(difference_, frame.after.y());
   }
   std::array<double, 2> squares{}; // the same in one pass, since it is made in every step
   {
-    const petsc::ReadArray weight(weights_), w0(means_[0].w), w1(means_[1].w), w2(means_[2].w), y(frame.y1);
+    const petsc::ReadArray weight(weights_), w0(means_[0].w), w1(means_[1].w), w2(means_[2].w),
+        y(frame.after.y());
     for (std::size_t i = 0; i < weight.size(); ++i) {
       const double off = factors[0] * w0[i] + factors[1] * w1[i] + factors[2] * w2[i];
       squares[0] += weight[i] * off * off;
@@ -215,17 +216,17 @@ void StepErrors::accept(const Frame& frame) {
 
 void StepErrors::observe(const Frame& frame) {
   if (frame.step.k == 0)
-    return start(frame.y1, frame.v1);
+    return start(frame.after.y(), frame.after.v());
   (void)judge(frame);
   accept(frame);
 }
 
 void StepErrors::take_rigid(const Frame& frame) {
-  rigid_state_.position = rigid_.coefficients(frame.y1);
+  rigid_state_.position = rigid_.coefficients(frame.after.y());
   const bool free = frame.contact.active.empty() && frame.contact.predictor.empty();
   if (!free && open_.size() == 1) // nothing else can be touched
     return;
-  std::vector<double> velocity = rigid_.coefficients(frame.v1);
+  std::vector<double> velocity = rigid_.coefficients(frame.after.v());
   for (std::size_t j = 0; free && j < velocity.size(); ++j)
     rigid_state_.acceleration[j] = (velocity[j] - rigid_state_.velocity[j]) / frame.step.tau;
   rigid_state_.velocity = std::move(velocity);
@@ -253,7 +254,7 @@ void StepErrors::take_deformation(const Frame& frame) {
     most = reach_.empty() ? 0 : std::ranges::max(reach_);
   }
   if (!contact_.lasts || !pairs || quantity_ == scene::StepQuantity::energy) {
-    rigid_.without(rigid_state_.position, frame.y1, difference_);
+    rigid_.without(rigid_state_.position, frame.after.y(), difference_);
     const double deformed = norm(difference_), tau = frame.step.tau;
     flight_.time += tau;
     flight_.squares += tau * deformed * deformed;
@@ -320,7 +321,7 @@ void StepErrors::judge_flight(const Frame& frame) {
   constexpr double turned = 0.05;
   const double time = frame.step.end / stepper_.wave_time(), window = speed * stepper_.wave_time();
   if (window > 0)
-    drift_ = turned * std::numeric_limits<double>::epsilon() * time * time * size(frame.y0) / window;
+    drift_ = turned * std::numeric_limits<double>::epsilon() * time * time * size(frame.before->y()) / window;
 }
 
 void StepErrors::end_contact() {

@@ -6,30 +6,28 @@ namespace signorini::forward {
 using petsc::check;
 
 Tangents::Tangents(const Stepper& stepper, ParameterRates& rates)
-    : stepper_(stepper), rates_(rates), work_(stepper.workspace()), y_(stepper.space().vector()),
-      v_(stepper.space().vector()), source_(stepper.space().vector()), force_(stepper.space().vector()),
+    : stepper_(stepper), rates_(rates), work_(stepper.workspace()), from_(stepper.state()),
+      source_(stepper.space().vector()), force_(stepper.space().vector()),
       normal_(static_cast<std::size_t>(candidates(stepper))), predictor_normal_(normal_.size()) {
   for (std::size_t j = 0; j < rates.count(); ++j)
-    motions_.push_back(
-        {stepper.space().vector(), stepper.space().vector(), std::vector<double>(normal_.size())});
+    motions_.push_back({stepper.state(), std::vector<double>(normal_.size())});
 }
 
 void Tangents::observe(const Frame& frame) {
   if (frame.step.k == 0) {
     for (std::size_t j = 0; j < motions_.size(); ++j) {
       const auto start = [](Vec rate, Vec x) { check(rate ? VecCopy(rate, x) : VecZeroEntries(x)); };
-      start(rates_.displacement(j), motions_[j].y);
-      start(rates_.velocity(j), motions_[j].v);
+      start(rates_.displacement(j), motions_[j].state.y());
+      start(rates_.velocity(j), motions_[j].state.v());
       std::ranges::fill(motions_[j].lambda, 0);
     }
     return;
   }
-  rates_.set({frame.step, {frame.y0, frame.v0}, {frame.y1, frame.v1}, frame.contact, frame.contact.lambda});
+  rates_.set({frame.step, *frame.before, frame.after, frame.contact, frame.contact.lambda});
   const Scheme scheme = frame.step.scheme();
   for (std::size_t j = 0; j < motions_.size(); ++j) {
     Derivative& now = motions_[j];
-    check(VecCopy(now.y, y_));
-    check(VecCopy(now.v, v_));
+    from_.copy(now.state);
     check(VecZeroEntries(source_));
     rates_.add_source(j, source_);
     check(VecScale(source_, 1 / scheme.impulse())); // as a nodal force
@@ -37,13 +35,9 @@ void Tangents::observe(const Frame& frame) {
     rates_.constraint(j, normal_);
     const bool guided = rates_.predictor(j, force_, predictor_normal_);
     const Predictor::Guide guide{force_, predictor_normal_};
-    stepper_.linearised_step({frame.step.scheme(),
-                              {y_, v_},
-                              {{.vector = source_}},
-                              {now.y, now.v},
-                              normal_,
-                              guided ? &guide : nullptr},
-                             frame.contact, work_);
+    stepper_.linearised_step(
+        {frame.step.scheme(), from_, {{.vector = source_}}, now.state, normal_, guided ? &guide : nullptr},
+        frame.contact, work_);
     if (work_.contact)
       std::ranges::copy(work_.contact->mu, now.lambda.begin());
   }

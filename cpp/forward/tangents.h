@@ -17,20 +17,21 @@ public:
 
   [[nodiscard]] std::size_t count() const { return motions_.size(); }
   /// δy_k, δv_k, δλ_k (m), of the frame taken last, per unit of the unknown j.
-  [[nodiscard]] Vec y(std::size_t j) const { return motions_[j].y; }
-  [[nodiscard]] Vec v(std::size_t j) const { return motions_[j].v; }
+  [[nodiscard]] Vec y(std::size_t j) const { return motions_[j].state.y(); }
+  [[nodiscard]] Vec v(std::size_t j) const { return motions_[j].state.v(); }
   [[nodiscard]] std::span<const double> lambda(std::size_t j) const { return motions_[j].lambda; }
 
 private:
   struct Derivative {
-    petsc::Vector y, v;
+    State state;
     std::vector<double> lambda;
   };
 
   const Stepper& stepper_;
   ParameterRates& rates_;
   Stepper::Workspace work_;
-  petsc::Vector y_, v_, source_, force_;
+  State from_;
+  petsc::Vector source_, force_;
   std::vector<double> normal_, predictor_normal_;
   std::vector<Derivative> motions_;
 };

@@ -12,57 +12,51 @@ long& vectors = count("trajectory vectors");
 constexpr int nowhere = -1;
 } // namespace
 
-State::State(const Stepper& stepper)
-    : y(stepper.space().vector()), v(stepper.space().vector()), guesses(stepper) {
-  vectors += 2;
+Checkpoint::Checkpoint(const Stepper& stepper) : state(stepper.state()), guesses(stepper) {
+  vectors += static_cast<long>(state.parts().size());
 }
 
-void State::take(const State& other) {
+void Checkpoint::take(const Checkpoint& other) {
   k = other.k;
-  check(VecCopy(other.y, y));
-  check(VecCopy(other.v, v));
+  state.copy(other.state);
   guesses.take(other.guesses);
 }
 
-double State::bytes(const Stepper& stepper) {
-  return (2 + Extrapolation::vectors(stepper)) * sizeof(PetscScalar) *
+double Checkpoint::bytes(const Stepper& stepper) {
+  return (stepper.state_parts() + Extrapolation::vectors(stepper)) * sizeof(PetscScalar) *
          static_cast<double>(stepper.space().dofs());
 }
 
-TimeIntegrator::TimeIntegrator(const Stepper& stepper, Vec y, Vec v, Step step)
-    : y_start_(y), v_start_(v), step_(std::move(step)), state_(stepper), y0_(stepper.space().vector()),
-      v0_(stepper.space().vector()) {
-  vectors += 2;
-  state_.k = nowhere;
+TimeIntegrator::TimeIntegrator(const Stepper& stepper, const State& start, Step step)
+    : start_(start), step_(std::move(step)), now_(stepper), before_(stepper.state()) {
+  vectors += static_cast<long>(before_.parts().size());
+  now_.k = nowhere;
 }
 
 void TimeIntegrator::restart() {
-  check(VecCopy(y_start_, state_.y));
-  check(VecCopy(v_start_, state_.v));
-  state_.guesses.forget();
-  state_.k = 0;
+  now_.state.copy(start_);
+  now_.guesses.forget();
+  now_.k = 0;
 }
 
-void TimeIntegrator::resume(const State& state) { state_.take(state); }
+void TimeIntegrator::resume(const Checkpoint& from) { now_.take(from); }
 
 void TimeIntegrator::advance(const TimeStep& step) {
-  state_.k = nowhere;
-  state_.guesses.remember(step.begin, state_.y);
-  std::swap(state_.y, y0_);
-  std::swap(state_.v, v0_);
+  now_.k = nowhere;
+  now_.guesses.remember(step.begin, now_.state.y());
+  std::swap(now_.state, before_);
   try {
-    state_.guesses.guess(step.end, state_.y);
-    step_(step, y0_, v0_, state_.y, state_.v);
+    now_.guesses.guess(step.end, now_.state.y());
+    step_(step, before_, now_.state);
   } catch (const SolverFailure& failure) {
     throw SolverFailure(fmt::format("step {} (t = {:.6g} s): {}", step.k, step.end, failure.what()));
   }
-  state_.k = step.k;
+  now_.k = step.k;
 }
 
 void TimeIntegrator::take_back() {
-  std::swap(state_.y, y0_);
-  std::swap(state_.v, v0_);
-  --state_.k;
+  std::swap(now_.state, before_);
+  --now_.k;
 }
 
 } // namespace signorini::forward

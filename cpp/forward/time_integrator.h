@@ -5,17 +5,17 @@
 
 namespace signorini::forward {
 
-/// State at t_k of a motion or a linearised one: all that the next steps depend on, except for the contact of
-/// the last one, so that steps from a copy give the same bits.
-struct State {
+/// What the steps after t_k depend on, except for the contact of step k, so that steps from a copy give the
+/// same bits.
+struct Checkpoint {
   int k = 0;
-  petsc::Vector y, v;    ///< displacement (m) and velocity (m/s)
+  State state;
   Extrapolation guesses; ///< extrapolation of the states up to here
 
   /// Collective.
-  explicit State(const Stepper& stepper);
+  explicit Checkpoint(const Stepper& stepper);
   /// Copies `other`.
-  void take(const State& other);
+  void take(const Checkpoint& other);
 
   /// Memory on all ranks, bytes.
   static double bytes(const Stepper& stepper);
@@ -24,33 +24,32 @@ struct State {
 /// Integrates in time, y_0 … y_N, one step at a time. All members collective.
 class TimeIntegrator {
 public:
-  /// Makes a step from (y0, v0) to (y1, v1); y1 holds a guess on entry.
-  using Step = std::function<void(const TimeStep& step, Vec y0, Vec v0, Vec y1, Vec v1)>;
+  /// Makes a step; to.y() holds a guess on entry.
+  using Step = std::function<void(const TimeStep& step, const State& from, State& to)>;
 
-  /// `y` and `v` are the state at t_0. All must outlive this object.
-  TimeIntegrator(const Stepper& stepper, Vec y, Vec v, Step step);
+  /// `start` is the state at t_0. All must outlive this object.
+  TimeIntegrator(const Stepper& stepper, const State& start, Step step);
 
   /// Returns to t_0.
   void restart();
-  /// Continues from `state`.
-  void resume(const State& state);
+  /// Continues from a checkpoint.
+  void resume(const Checkpoint& from);
   /// Makes a step, the one after that to the current state. Throws SolverFailure naming it, after which only
   /// restart() and resume() may be called.
   void advance(const TimeStep& step);
   /// Takes the last step back, once.
   void take_back();
 
-  /// The current state; k < 0 before the first restart() or resume() and after a failed step.
-  [[nodiscard]] const State& state() const { return state_; }
-  /// Displacement and velocity before the last step; valid until the next.
-  [[nodiscard]] Vec y0() const { return y0_; }
-  [[nodiscard]] Vec v0() const { return v0_; }
+  /// Where it is; k < 0 before the first restart() or resume() and after a failed step.
+  [[nodiscard]] const Checkpoint& now() const { return now_; }
+  /// The state before the last step; valid until the next.
+  [[nodiscard]] const State& before() const { return before_; }
 
 private:
-  Vec y_start_, v_start_;
+  const State& start_;
   Step step_;
-  State state_;
-  petsc::Vector y0_, v0_;
+  Checkpoint now_;
+  State before_;
 };
 
 } // namespace signorini::forward

@@ -4,17 +4,17 @@
 
 namespace signorini::forward {
 
-Trajectory::Trajectory(const Stepper& stepper, const Initial& initial, const StateStoreFactory& storage,
-                       bool velocities)
+Trajectory::Trajectory(const Stepper& stepper, const State& initial, const StateStoreFactory& storage,
+                       bool whole)
     : stepper_(stepper), grid_(storage.grid()), contact_(static_cast<std::size_t>(grid_.steps()) + 1),
       now_(candidates(stepper)), work_(stepper.workspace()),
-      integrator_(stepper, initial.y, initial.v,
-                  [this](const TimeStep& step, Vec y0, Vec v0, Vec y1, Vec v1) {
-                    const auto i = static_cast<std::size_t>(step.k);
+      integrator_(stepper, initial,
+                  [this](const TimeStep& step, const State& from, State& to) {
                     acting_ = load_->at(step);
-                    stepper_.step({step, {y0, v0}, acting_, contact_[i - 1]}, {{y1, v1}, now_}, work_);
+                    stepper_.step({step, from, acting_, contact_[static_cast<std::size_t>(step.k) - 1]},
+                                  {to, now_}, work_);
                   }),
-      states_(storage.place(integrator_, velocities)) {}
+      states_(storage.place(integrator_, whole)) {}
 
 void Margins::take(const contact::ContactState& contact, Scheme scheme) {
   for (std::size_t i = 0; i < contact.status.size(); ++i)
@@ -38,7 +38,7 @@ void Trajectory::run(ForceAtStep load, const StepObserver& watch) {
     contact_[static_cast<std::size_t>(frame.step.k)] = now_;
     if (frame.step.k > 0)
       margins_.take(now_, frame.step.scheme());
-    states_->keep(integrator_.state());
+    states_->keep(integrator_.now());
     if (watch)
       watch(frame);
   });

@@ -23,9 +23,9 @@ struct Margins {
 /// of all steps from memory. All members collective.
 class Trajectory final : public Displacements {
 public:
-  /// `velocities`: at() returns v too. The references must outlive this object. Throws WriteFailure.
-  Trajectory(const Stepper& stepper, const Initial& initial, const StateStoreFactory& storage,
-             bool velocities = false);
+  /// `whole`: at() returns whole states. The references must outlive this object. Throws WriteFailure.
+  Trajectory(const Stepper& stepper, const State& initial, const StateStoreFactory& storage,
+             bool whole = false);
   Trajectory(const Trajectory&) = delete; // its parts refer to it
   Trajectory& operator=(const Trajectory&) = delete;
 
@@ -40,9 +40,10 @@ public:
   /// Active sets of the steps 0…N of the last run; 0 is the initial state, whose candidates count as open.
   [[nodiscard]] const std::vector<contact::ContactSets>& contact() const { return contact_; }
   [[nodiscard]] const Margins& margins() const { return margins_; }
-  /// Displacement and velocity at t_k. Valid until the next call of at(). Throws WriteFailure, SolverFailure.
-  [[nodiscard]] StateStore::View at(int k) const { return states_->at(k); }
-  [[nodiscard]] Vec y(const TimeStep& step) const override { return at(step.k).y; }
+  /// The state at t_k, of which y() alone without `whole`. Valid until the next call of at(). Throws
+  /// WriteFailure, SolverFailure.
+  [[nodiscard]] const State& at(int k) const { return states_->at(k); }
+  [[nodiscard]] Vec y(const TimeStep& step) const override { return at(step.k).y(); }
 
 private:
   const Stepper& stepper_;

@@ -194,7 +194,7 @@ public:
     std::vector<double> values = at(control(given), [&] {
       std::vector<double> all;
       for (int k = first; k < first + count; ++k) {
-        const petsc::ReadArray y(reduced().trajectory().at(k).y);
+        const petsc::ReadArray y(reduced().trajectory().at(k).y());
         const std::span<const double> entries(y);
         all.insert(all.end(), entries.begin(), entries.end());
       }

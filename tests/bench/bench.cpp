@@ -43,7 +43,7 @@ public:
   Floor(const Problem& problem, const forward::ForceAtStep& load)
       : problem_(problem), load_(load), r_(problem.space.vector()), y_(problem.space.vector()),
         f_(problem.space.vector()), guess_(problem.stepper) {
-    guess_.remember(0, problem.initial.y);
+    guess_.remember(0, problem.initial.y());
   }
 
   /// Seconds of the solve and of the products at step k of a motion.

@@ -26,8 +26,8 @@ public:
     Mat M = problem_.operators.M, R = problem_.stepper.of_length(problem_.grid.length(1)).R;
     const LinearSolver& D = problem_.stepper.solver().linear();
     const std::vector<int>& clamped = problem_.stepper.clamped().dofs();
-    check(VecCopy(problem_.initial.y, y0_));
-    check(VecCopy(problem_.initial.v, v0_));
+    check(VecCopy(problem_.initial.y(), y0_));
+    check(VecCopy(problem_.initial.v(), v0_));
     for (int k = 1; k <= problem_.steps(); ++k) {
       check(VecAXPBY(work_, tau, 0, v0_));
       check(MatMult(M, work_, r_));
@@ -118,8 +118,8 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
                        if (!frame.last || !bare)
                          return;
                        PetscReal size = 0;
-                       check(VecNorm(frame.y1, NORM_2, &size));
-                       check(VecAXPY(last, -1, frame.y1));
+                       check(VecNorm(frame.after.y(), NORM_2, &size));
+                       check(VecAXPY(last, -1, frame.after.y()));
                        check(VecNorm(last, NORM_2, &difference));
                        difference /= size;
                      });

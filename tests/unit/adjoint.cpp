@@ -48,18 +48,17 @@ TEST_CASE("the sweep is the transpose of the linearised steps", "[adjoint]") {
     const forward::Stepper& stepper = run.ready.problem.stepper;
     const fem::Space& space = run.ready.problem.space;
     REQUIRE(run.contact_steps.size() > 1);
-    petsc::Vector y0 = space.vector(), v0 = space.vector(), y1 = space.vector(), v1 = space.vector(),
-                  product = space.vector();
+    forward::State from = stepper.state(), to = stepper.state();
+    const petsc::Vector product = space.vector();
     forward::Stepper::Workspace work = stepper.workspace();
     double forward = 0, backward = 0;
     for (int k = 1; k <= run.trajectory.steps; ++k) {
       const petsc::Vector density = test::smooth(space, k);
-      stepper.linearised_step({run.ready.problem.grid.scheme(k), {y0, v0}, {{.density = density}}, {y1, v1}},
+      stepper.linearised_step({run.ready.problem.grid.scheme(k), from, {{.density = density}}, to},
                               run.trajectory.contact[static_cast<std::size_t>(k)], work);
       check(MatMult(*run.ready.problem.operators.W, test::smooth(space, -k), product));
-      forward += dot(y1, product);
-      std::swap(y0, y1);
-      std::swap(v0, v1);
+      forward += dot(to.y(), product);
+      std::swap(from, to);
     }
     const test::Dual smooth([&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(space, -k))); });
     adjoint::sweep(stepper, work, run.ready.problem.grid, run.trajectory.sets(), {space, smooth},
@@ -82,10 +81,11 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
     const fem::Space& space = run.ready.problem.space;
     const int k = run.contact_steps.at(run.contact_steps.size() / 2);
     const std::size_t i = static_cast<std::size_t>(k);
-    const petsc::Vector dy = test::smooth(space, 1), dv = test::smooth(space, 2),
-                        dload = test::smooth(space, 3);
-    petsc::Vector load = space.vector(), y = space.vector(), v = space.vector(), ly = space.vector(),
-                  lv = space.vector();
+    const petsc::Vector dload = test::smooth(space, 3), load = space.vector();
+    const forward::State change = stepper.state();
+    forward::State found = stepper.state(), linear = stepper.state();
+    check(VecCopy(test::smooth(space, 1), change.y()));
+    check(VecCopy(test::smooth(space, 2), change.v()));
     check(VecCopy(run.ready.problem.load().at(run.ready.problem.grid.step(k)).density, load));
     contact::ContactState moved(stepper.pairs()->count());
     forward::Stepper::Workspace work = stepper.workspace();
@@ -95,30 +95,29 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
     do {
       epsilon /= 10;
       REQUIRE(epsilon > 1e-6);
-      petsc::Vector y0 = petsc::copy(run.trajectory.y[i - 1]), v0 = petsc::copy(run.trajectory.v[i - 1]),
-                    f = petsc::copy(load);
-      check(VecAXPY(y0, epsilon, dy));
-      check(VecAXPY(v0, epsilon, dv));
+      const forward::State from = stepper.state();
+      const petsc::Vector f = petsc::copy(load);
+      check(VecWAXPY(from.y(), epsilon, change.y(), run.trajectory.y[i - 1]));
+      check(VecWAXPY(from.v(), epsilon, change.v(), run.trajectory.v[i - 1]));
       check(VecAXPY(f, epsilon, dload));
-      stepper.step(
-          {run.ready.problem.grid.step(k), {y0, v0}, {{.density = f}}, run.trajectory.contact[i - 1]},
-          {{y, v}, moved}, work);
+      stepper.step({run.ready.problem.grid.step(k), from, {{.density = f}}, run.trajectory.contact[i - 1]},
+                   {found, moved}, work);
     } while (moved.active != run.trajectory.contact[i].active ||
              moved.predictor != run.trajectory.contact[i].predictor);
     REQUIRE(!moved.active.empty());
-    stepper.linearised_step({run.ready.problem.grid.scheme(k), {dy, dv}, {{.density = dload}}, {ly, lv}},
-                            moved, work);
-    check(VecAXPY(y, -1, run.trajectory.y[i]));
-    check(VecScale(y, 1 / epsilon));
-    check(VecAXPY(v, -1, run.trajectory.v[i]));
-    check(VecScale(v, 1 / epsilon));
+    stepper.linearised_step({run.ready.problem.grid.scheme(k), change, {{.density = dload}}, linear}, moved,
+                            work);
+    check(VecAXPY(found.y(), -1, run.trajectory.y[i]));
+    check(VecAXPY(found.v(), -1, run.trajectory.v[i]));
+    for (const petsc::Vector& part : found.parts())
+      check(VecScale(part, 1 / epsilon));
     // What rounding, or a few times the solver's tolerance, leaves of two displacements; velocities are 2/τ
     // times as much.
     const double off = (iterative ? 10 * stepper.solver().tolerance() : 1e-14) *
                        test::largest(run.trajectory.y[i]) / epsilon;
-    CHECK(off < 1e-4 * test::largest(ly)); // else it says nothing
-    CHECK(test::difference(y, ly) < off);
-    CHECK(test::difference(v, lv) < run.ready.problem.grid.scheme(1).rate() * off);
+    CHECK(off < 1e-4 * test::largest(linear.y())); // else it says nothing
+    CHECK(test::difference(found.y(), linear.y()) < off);
+    CHECK(test::difference(found.v(), linear.v()) < run.ready.problem.grid.scheme(1).rate() * off);
   }
 }
 

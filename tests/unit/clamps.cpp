@@ -136,7 +136,7 @@ TEST_CASE("an initial velocity written down is kept where clamps move, and must 
                                     fmt::format("initial={{velocity=[\"{}\", \"-0.3\"]}}", velocity)};
   };
   const test::Ready ready("tests/data/block.toml", start("0.4500001"));
-  CHECK(std::abs(test::largest(ready.problem.initial.v) - 0.4500001) < 1e-15);
+  CHECK(std::abs(test::largest(ready.problem.initial.v()) - 0.4500001) < 1e-15);
   CHECK_THROWS_WITH(test::Ready("tests/data/block.toml", start("0.46")),
                     Catch::Matchers::ContainsSubstring("initial.velocity: found a difference of 0.01"));
 }
@@ -255,5 +255,5 @@ TEST_CASE("clamps that move strain a body as they say, from node to node", "[for
   petsc::Vector inside = petsc::copy(exact);
   ready.problem.stepper.clamped().clear(inside);
   check(VecAXPY(exact, -1, inside));
-  CHECK(test::difference(started.problem.initial.v, exact) < 1e-9);
+  CHECK(test::difference(started.problem.initial.v(), exact) < 1e-9);
 }

@@ -170,8 +170,8 @@ TEST_CASE("what initial data lack by interpolation is estimated as functions of 
           linear.interpolate({*field, "initial", false}, 0, values);
           check(MatMult(embed, values, x));
         };
-        start(ready.scene.initial.displacement, ready.problem.initial.y);
-        start(ready.scene.initial.velocity, ready.problem.initial.v);
+        start(ready.scene.initial.displacement, ready.problem.initial.y());
+        start(ready.scene.initial.velocity, ready.problem.initial.v());
       }
       ControlProblem control_problem(ready.problem, test::silent());
       return control_problem.reduced.value(control_problem.first_guess(ready.scene));

@@ -31,14 +31,14 @@ TEST_CASE("the margins of a motion are those of the step that is nearest to othe
 TEST_CASE("defects of a motion are weighed by what the run has seen", "[forward]") {
   const test::Ready ready("tests/data/block.toml");
   const forward::Stepper& stepper = ready.problem.stepper;
-  const petsc::Vector zero = ready.problem.space.vector();
+  const forward::State zero = stepper.state();
   const double length = ready.problem.space.mesh().diameter();
   const auto m = static_cast<std::size_t>(stepper.pairs()->count());
   const forward::BodyFigures body = forward::body_figures(stepper, ready.problem.scene);
   forward::Invariants invariants(stepper, body);
   int k = 0;
   const auto observe = [&](const forward::StepBalance& balance, const contact::ContactState& contact) {
-    invariants.observe({ready.problem.grid.step(++k), zero, zero, {}, zero, zero, contact, false}, balance);
+    invariants.observe({ready.problem.grid.step(++k), &zero, {}, zero, contact, false}, balance);
   };
   const contact::ContactState open(static_cast<int>(m));
   contact::ContactState pressed = open;
@@ -114,6 +114,9 @@ TEST_CASE("the scale of the momentum balance adds the moduli of its terms", "[fo
   const double tau = ready.problem.grid.length(1);
   const petsc::Vector y0 = test::smooth(space, 1), y1 = test::smooth(space, 2), v0 = test::smooth(space, 3),
                       v1 = test::smooth(space, 4), density = test::smooth(space, 5);
+  const forward::State before = stepper.state(), after = stepper.state();
+  check(VecCopy(y0, before.y())), check(VecCopy(v0, before.v()));
+  check(VecCopy(y1, after.y())), check(VecCopy(v1, after.v()));
   contact::ContactState contact(stepper.pairs()->count());
   for (std::size_t i = 0; i < contact.lambda.size(); ++i)
     contact.lambda[i] = 1e-4 * (1 + static_cast<double>(i));
@@ -144,9 +147,9 @@ TEST_CASE("the scale of the momentum balance adds the moduli of its terms", "[fo
                        length_of_sum(product(*ready.problem.operators.W, density)) + length_of_sum(pushes) +
                        all(product(ready.problem.operators.A, y1)) + all(product(stepper.M(), v1)) / tau;
   forward::Balance weigh(stepper);
-  (void)weigh({ready.problem.grid.step(0), nullptr, nullptr, {}, y0, v0, contact, false});
+  (void)weigh({ready.problem.grid.step(0), nullptr, {}, before, contact, false});
   const forward::StepBalance balance =
-      weigh({ready.problem.grid.step(1), y0, v0, {{.density = density}}, y1, v1, contact, true});
+      weigh({ready.problem.grid.step(1), &before, {{.density = density}}, after, contact, true});
   CHECK(std::abs(balance.momentum_scale / exact - 1) < 1e-12);
   CHECK(std::abs(std::hypot(balance.contact_force[0], balance.contact_force[1]) / length_of_sum(pushes) - 1) <
         1e-12);

@@ -351,13 +351,12 @@ TEST_CASE("probes see linear motions as they are", "[forward]") {
         y.push_back(fmt::format("{} + {}*x + {}*y + {}*z", shift[c], G[c][0], G[c][1], n == 3 ? G[c][2] : 0));
         v.push_back("2*(" + y.back().text + ")");
       }
-      const petsc::Vector displacement = problem.space.vector(), velocity = problem.space.vector();
-      problem.space.interpolate(scene::Field(y, "test", false), 0, displacement);
-      problem.space.interpolate(scene::Field(v, "test", false), 0, velocity);
+      const forward::State state = problem.stepper.state();
+      problem.space.interpolate(scene::Field(y, "test", false), 0, state.y());
+      problem.space.interpolate(scene::Field(v, "test", false), 0, state.v());
       const contact::ContactState contact(problem.stepper.pairs()->count());
       std::vector<double> found;
-      const forward::Frame frame{problem.grid.step(1), nullptr,  nullptr, {},
-                                 displacement,         velocity, contact, false};
+      const forward::Frame frame{problem.grid.step(1), nullptr, {}, state, contact, false};
       problem.probes->add_values(frame, forward::ObstacleForces(problem.stepper), nullptr, found);
       std::vector<double> point{0.3, 0.7, 0.2}, top(n, 0.5), centre(n, 0.5);
       point.resize(n);

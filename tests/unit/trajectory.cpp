@@ -23,7 +23,7 @@ namespace {
 long &recomputed = count("recomputed steps"), &vectors = count("trajectory vectors");
 
 scene::Trajectory checkpoints(const forward::Stepper& stepper, int slots) {
-  return {.storage = scene::Storage::checkpoints, .budget = slots * forward::State::bytes(stepper)};
+  return {.storage = scene::Storage::checkpoints, .budget = slots * forward::Checkpoint::bytes(stepper)};
 }
 
 /// ‖a − b‖∞ over all steps.
@@ -87,10 +87,10 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
     });
     CHECK(trajectory.steps() == N);
     const auto is_right = [&](int k) {
-      const forward::StateStore::View state = trajectory.at(k);
+      const forward::State& state = trajectory.at(k);
       const auto i = static_cast<std::size_t>(k);
-      CHECK(test::difference(state.y, expected.y[i]) == 0);
-      CHECK(test::difference(state.v, expected.v[i]) == 0);
+      CHECK(test::difference(state.y(), expected.y[i]) == 0);
+      CHECK(test::difference(state.v(), expected.v[i]) == 0);
       CHECK(trajectory.contact()[i].active == expected.contact[i].active);
       CHECK(trajectory.contact()[i].weak == expected.contact[i].weak);
       CHECK(trajectory.contact()[i].predictor == expected.contact[i].predictor);
@@ -110,7 +110,7 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
     // Another motion in the same storage, and this one again.
     forward::Trajectory other(problem.stepper, problem.initial, storage);
     other.run({problem.space, {}});
-    CHECK(test::difference(other.at(N).y, expected.y.back()) > 0);
+    CHECK(test::difference(other.at(N).y(), expected.y.back()) > 0);
     is_right(N);
     is_right(N / 2);
   }
@@ -235,7 +235,7 @@ double scratch_bytes() {
 TEST_CASE("a store of states takes the room that is told, with velocities and without", "[forward]") {
   const test::Ready ready("tests/data/block.toml", {"mesh.size=0.04", "solver.linear=direct"});
   const forward::Stepper& stepper = ready.problem.stepper;
-  const forward::Initial& initial = ready.problem.initial;
+  const forward::State& initial = ready.problem.initial;
   const int N = ready.problem.steps();
   const double vector = sizeof(PetscScalar) * static_cast<double>(ready.problem.space.dofs());
   Timers timers;
@@ -244,18 +244,16 @@ TEST_CASE("a store of states takes the room that is told, with velocities and wi
         checkpoints(stepper, 5 * N)})
     for (const bool velocities : {false, true}) {
       INFO(scene::name(scene.storage) << " " << scene.budget << (velocities ? " with velocities" : ""));
-      forward::TimeIntegrator integrator(stepper, initial.y, initial.v,
-                                         [](const forward::TimeStep&, Vec y0, Vec v0, Vec y1, Vec v1) {
-                                           check(VecCopy(y0, y1));
-                                           check(VecCopy(v0, v1));
-                                         });
+      forward::TimeIntegrator integrator(
+          stepper, initial,
+          [](const forward::TimeStep&, const forward::State& from, forward::State& to) { to.copy(from); });
       const long before = vectors;
       const forward::StateStoreFactory storage(stepper, ready.problem.grid, scene, 1, timers);
       const std::unique_ptr<forward::StateStore> store = storage.place(integrator, velocities);
-      for (integrator.restart(); integrator.state().k < N;
-           integrator.advance(ready.problem.grid.step(integrator.state().k + 1)))
-        store->keep(integrator.state());
-      store->keep(integrator.state());
+      for (integrator.restart(); integrator.now().k < N;
+           integrator.advance(ready.problem.grid.step(integrator.now().k + 1)))
+        store->keep(integrator.now());
+      store->keep(integrator.now());
       for (int k = N; k >= 1; --k)
         (void)store->at(k);
       const double told = storage.bytes(velocities);
@@ -304,7 +302,7 @@ TEST_CASE("a scratch file has no name, and says when it cannot be", "[forward]")
 
 TEST_CASE("a budget without room for a checkpoint is refused with what is needed", "[control]") {
   const std::string needed = fmt::format(
-      "{:.6g}", 2 * forward::State::bytes(
+      "{:.6g}", 2 * forward::Checkpoint::bytes(
                         test::Ready("tests/data/block.toml").problem.stepper)); // and the desired one's
   const test::Ready small("tests/data/block.toml", {"trajectory={storage=\"checkpoints\", budget=1000}"});
   CHECK_THROWS_AS(ControlProblem(small.problem, test::silent()), UserError);
@@ -333,9 +331,9 @@ TEST_CASE("a trajectory that runs again shows the last run's states, from every 
     for (const test::Recorded* expected : {&loaded, &falling, &loaded}) {
       trajectory.run(expected == &loaded ? problem.load() : forward::ForceAtStep(problem.space, {}));
       for (int k : {N, N, N / 2, 1}) { // the last one asked for before the next run too
-        const forward::StateStore::View state = trajectory.at(k);
-        CHECK(test::difference(state.y, expected->y[static_cast<std::size_t>(k)]) == 0);
-        CHECK(test::difference(state.v, expected->v[static_cast<std::size_t>(k)]) == 0);
+        const forward::State& state = trajectory.at(k);
+        CHECK(test::difference(state.y(), expected->y[static_cast<std::size_t>(k)]) == 0);
+        CHECK(test::difference(state.v(), expected->v[static_cast<std::size_t>(k)]) == 0);
       }
       (void)trajectory.at(N);
     }

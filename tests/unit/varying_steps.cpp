@@ -128,10 +128,10 @@ TEST_CASE("motions in steps of varying length keep the laws of energy and moment
     // The same motion again, of the steps that were chosen.
     petsc::Vector end = problem.space.vector();
     forward::integrate(problem.stepper, grid, problem.initial, problem.load(),
-                       [&](const forward::Frame& frame) { check(VecCopy(frame.y1, end)); });
+                       [&](const forward::Frame& frame) { check(VecCopy(frame.after.y(), end)); });
     const petsc::Vector first = petsc::copy(end);
     forward::integrate(problem.stepper, grid, problem.initial, problem.load(),
-                       [&](const forward::Frame& frame) { check(VecCopy(frame.y1, end)); });
+                       [&](const forward::Frame& frame) { check(VecCopy(frame.after.y(), end)); });
     CHECK(test::difference(first, end) <= rounding() * test::largest(end));
   }
   CHECK(rejected > 0); // and not shown
@@ -178,8 +178,9 @@ TEST_CASE("a factor that memory has no room for is made again, to the same motio
     const Problem& problem = ready.problem;
     forward::StepControl control(problem.stepper, ready.scene);
     petsc::Vector& end = ends.emplace_back(problem.space.vector());
-    (void)forward::integrate_choosing(problem.stepper, problem.initial, problem.load(), control,
-                                      [&](const forward::Frame& frame) { check(VecCopy(frame.y1, end)); });
+    (void)forward::integrate_choosing(
+        problem.stepper, problem.initial, problem.load(), control,
+        [&](const forward::Frame& frame) { check(VecCopy(frame.after.y(), end)); });
     made.push_back(problem.stepper.factorisations());
   }
   CHECK(made[1] > made[0]);
@@ -266,10 +267,10 @@ TEST_CASE("steps chosen by the energy are judged by that of their errors", "[for
     std::vector<double> lengths{0};
     (void)forward::integrate_choosing(
         problem.stepper, problem.initial, problem.load(), control, [&](const forward::Frame& frame) {
-          y.push_back(petsc::copy(frame.y1));
-          largest = std::max(largest, energy(frame.y1));
+          y.push_back(petsc::copy(frame.after.y()));
+          largest = std::max(largest, energy(frame.after.y()));
           if (frame.step.k == 0)
-            return errors.start(frame.y1, frame.v1);
+            return errors.start(frame.after.y(), frame.after.v());
           const double error = errors.judge(frame).error;
           errors.accept(frame);
           const auto k = static_cast<std::size_t>(frame.step.k);

@@ -137,7 +137,7 @@ private:
   double cancellation() {
     double motion = 0, error = 0;
     for (int k = 1; k <= controls_.steps(); ++k) {
-      const double norm = problem_.objective().norm(problem_.trajectory().at(k).y);
+      const double norm = problem_.objective().norm(problem_.trajectory().at(k).y());
       motion += norm * norm;
       error += problem_.squared_distances()[static_cast<std::size_t>(k)];
     }

@@ -135,7 +135,7 @@ std::unique_ptr<JointProblem::Point> JointProblem::made(const Vector& v) {
   {
     const auto timer = timers_.time("forward");
     at.motion.run(at.problem.load(&at.force), [&](const forward::Frame& frame) {
-      control_.objective.observe(frame.step.k, frame.y1, at.squared_distances);
+      control_.objective.observe(frame.step.k, frame.after.y(), at.squared_distances);
       at.measurements.observe(frame);
       if (at.rates.turn())
         at.lambda[static_cast<std::size_t>(frame.step.k)] = frame.contact.lambda;

@@ -42,7 +42,7 @@ Indicated by_stress(Problem& problem) {
   const GivenControl given(problem);
   simulate(problem, given.load(), [&](const forward::Frame& frame) {
     if (frame.step.k > 0)
-      recovery.add(frame.y1, frame.step.tau);
+      recovery.add(frame.after.y(), frame.step.tau);
   });
   return {recovery.mesh(), recovery.sums(), std::ranges::max(problem.mesh.extent())};
 }

@@ -90,16 +90,16 @@ public:
       displacement_->take_until(t, frame.last, [&](double at, Vec y) {
         // Within a step y is quadratic and v linear, except for the jump of a projected predictor.
         const double s = frame.step.k == 0 ? 1 : 1 + (at - t) / tau;
-        check(VecCopy(frame.y1, y));
+        check(VecCopy(frame.after.y(), y));
         if (frame.step.k > 0 && s < 1) {
-          check(VecAXPBY(y, 1 - s, s, frame.y0));
-          check(VecAXPY(y, -tau / 2 * s * (1 - s), frame.v1));
-          check(VecAXPY(y, tau / 2 * s * (1 - s), frame.v0));
+          check(VecAXPBY(y, 1 - s, s, frame.before->y()));
+          check(VecAXPY(y, -tau / 2 * s * (1 - s), frame.after.v()));
+          check(VecAXPY(y, tau / 2 * s * (1 - s), frame.before->v()));
         }
       });
     if (stress_) {
-      fields_->set(frame.y1, frame.v1);
-      stress_->observe(*fields_, frame.y1, frame.v1, t);
+      fields_->set(frame.after.y(), frame.after.v());
+      stress_->observe(*fields_, frame.after.y(), frame.after.v(), t);
     }
     if (pressure_ && frame.step.k > 0) {
       constexpr std::size_t kept = 2;
