@@ -2,7 +2,6 @@
 #include "adjoint/enriched_body.h"
 #include "base/dolfinx_versions.h"
 #include "contact/lcp/primal_dual.h"
-#include "contact/normal_operator.h"
 #include "fem/function.h"
 #include <algorithm>
 #include <cmath>
@@ -135,8 +134,8 @@ void EnrichedBody::keep_bubbles(const contact::ActiveSet& active, Vec x) const {
   for (std::size_t j = 0; j < ends_.size(); ++j)
     if (closed(ends_[j][0]) && closed(ends_[j][1]))
       between.push_back(static_cast<int>(j));
-  contact::drop_dependent(*pairs_, between);
-  contact::NormalOperator(*pairs_).set_normal(between, zero_, x);
+  contact::drop_dependent(pairs_->rows(), between);
+  pairs_->rows().prescribe(between, zero_, x);
 }
 
 } // namespace signorini::adjoint

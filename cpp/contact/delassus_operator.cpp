@@ -14,12 +14,12 @@ namespace {
 constexpr double to_rounding = 10; ///< in units of the last place
 }
 
-DelassusOperator::DelassusOperator(const ContactPairs& pairs, std::unique_ptr<const Elimination> elimination)
-    : pairs_(pairs), N_(pairs), elimination_(std::move(elimination)), S_(elimination_->condensed()),
-      zero_(static_cast<std::size_t>(pairs.count()), 0.0) {}
+DelassusOperator::DelassusOperator(const ConstraintRows& rows, std::unique_ptr<const Elimination> elimination)
+    : rows_(rows), elimination_(std::move(elimination)), S_(elimination_->condensed()),
+      zero_(static_cast<std::size_t>(rows.count()), 0.0) {}
 
 Workspace DelassusOperator::workspace() const {
-  Workspace work(pairs_.count());
+  Workspace work(rows_.count());
   work.prediction = elimination_->prediction();
   work.factor.reserve(S_.size());
   return work;
@@ -29,8 +29,8 @@ void DelassusOperator::solve_active(const ActiveSet& set, std::span<double> b, W
   if (set.empty())
     return;
   // LAPACK's last digits may differ between the ranks' processors: rank 0's result is used on all of them.
-  on_root<SolverFailure>(pairs_.comm(), [&] { solve_here(set, b, work); });
-  MPI_Bcast(b.data(), static_cast<int>(b.size()), MPI_DOUBLE, 0, pairs_.comm());
+  on_root<SolverFailure>(rows_.comm(), [&] { solve_here(set, b, work); });
+  MPI_Bcast(b.data(), static_cast<int>(b.size()), MPI_DOUBLE, 0, rows_.comm());
 }
 
 void DelassusOperator::solve_here(const ActiveSet& set, std::span<double> b, Workspace& work) const {
@@ -51,7 +51,7 @@ void DelassusOperator::solve_here(const ActiveSet& set, std::span<double> b, Wor
 }
 
 std::vector<double> DelassusOperator::inverse() const {
-  const auto m = static_cast<std::size_t>(pairs_.count());
+  const auto m = static_cast<std::size_t>(rows_.count());
   std::vector<double> K = S_;
   int pivot = factorise_dense(K, m);
   if (pivot == 0)
@@ -63,20 +63,20 @@ std::vector<double> DelassusOperator::inverse() const {
 }
 
 void DelassusOperator::finish(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
-                              std::span<double> normal, Vec y, Workspace& work, double digits) const {
+                              std::span<double> motion, Vec y, Workspace& work, double digits) const {
   // Iterative refinement. Where rigid motions dominate S (a stiff body without a clamp), it is
   // ill-conditioned and one pass leaves gaps on the set; each pass gains as many digits as the factor of S_AA
   // is accurate to. For a well-conditioned S one pass suffices.
   constexpr int most = 4;
   for (int pass = 0;; ++pass) {
     elimination_->finish(work.prediction, lambda, y);
-    N_.normal_components(y, normal);
+    rows_.apply_transpose(y, motion);
     double size = 0, defect = 0;
-    for (std::size_t i = 0; i < normal.size(); ++i)
-      size = std::max({size, std::abs(normal[i]), std::abs(psi[i])});
+    for (std::size_t i = 0; i < motion.size(); ++i)
+      size = std::max({size, std::abs(motion[i]), std::abs(psi[i])});
     work.b.clear();
     for (int i : set) {
-      work.b.push_back(normal[static_cast<std::size_t>(i)] - psi[static_cast<std::size_t>(i)]);
+      work.b.push_back(motion[static_cast<std::size_t>(i)] - psi[static_cast<std::size_t>(i)]);
       defect = std::max(defect, std::abs(work.b.back()));
     }
     if (defect <= digits * std::numeric_limits<double>::epsilon() * size || pass + 1 == most)
@@ -104,7 +104,7 @@ void DelassusOperator::finish_closed(const ActiveSet& set, std::span<const doubl
 
 void DelassusOperator::solve_guided(Vec r, const ActiveSet& active, std::span<const double> value, Vec p,
                                     Workspace& work) const {
-  elimination_->predict(r, work.prediction, work.normal);
+  elimination_->predict(r, work.prediction, work.motion);
   std::ranges::fill(work.mu, 0);
   if (active.empty()) {
     elimination_->finish(work.prediction, zero_, p);
@@ -113,24 +113,24 @@ void DelassusOperator::solve_guided(Vec r, const ActiveSet& active, std::span<co
   const bool prescribed = !value.empty();
   if (!prescribed)
     value = zero_;
-  if (pairs_.dependent()) {
+  if (rows_.dependent()) {
     work.independent = active;
-    drop_dependent(pairs_, work.independent);
+    drop_dependent(rows_, work.independent);
   }
-  const ActiveSet& set = pairs_.dependent() ? work.independent : active;
+  const ActiveSet& set = rows_.dependent() ? work.independent : active;
   work.b.clear();
   for (int i : set)
-    work.b.push_back(work.normal[static_cast<std::size_t>(i)] - value[static_cast<std::size_t>(i)]);
+    work.b.push_back(work.motion[static_cast<std::size_t>(i)] - value[static_cast<std::size_t>(i)]);
   solve_active(set, work.b, work);
   for (std::size_t i = 0; i < set.size(); ++i)
     work.mu[static_cast<std::size_t>(set[i])] = work.b[i];
   // Prescribed motions are data of derivatives, which no law of energy watches: a pass for their last digits
   // would cost half a solve.
-  finish(set, value, work.mu, work.normal, p, work, prescribed ? 1e4 : to_rounding);
+  finish(set, value, work.mu, work.motion, p, work, prescribed ? 1e4 : to_rounding);
 }
 
 double DelassusOperator::bytes() const {
-  return elimination_->bytes() + ranks(pairs_.comm()) * 2 * sizeof(double) * static_cast<double>(S_.size());
+  return elimination_->bytes() + ranks(rows_.comm()) * 2 * sizeof(double) * static_cast<double>(S_.size());
 }
 
 } // namespace signorini::contact

@@ -4,12 +4,12 @@
 
 namespace signorini::contact {
 
-/// The Delassus operator S = NᵀD⁻¹N: the step operator D condensed to the contact candidates (docs/method.md
+/// The Delassus operator S = HᵀD⁻¹H: the step operator D condensed to the contact candidates (docs/method.md
 /// section 5).
 class DelassusOperator {
 public:
-  /// Collective. `pairs` must outlive this object.
-  DelassusOperator(const ContactPairs& pairs, std::unique_ptr<const Elimination> elimination);
+  /// Collective. `rows` must outlive this object.
+  DelassusOperator(const ConstraintRows& rows, std::unique_ptr<const Elimination> elimination);
 
   /// S (m × m), symmetric, the same on every rank; singular where candidates are linearly dependent.
   [[nodiscard]] const std::vector<double>& S() const { return S_; }
@@ -26,7 +26,7 @@ public:
   /// Predicted gaps g⁰ = g(D⁻¹r) (m), in metres, for the given ψ (m). Collective.
   void predict_gap(Vec r, std::span<const double> psi, std::span<double> gap, Prediction& prediction) const;
 
-  /// Solves D y = r − Nλ with g(y) = 0 on an independent `set` and λ = 0 elsewhere, for the r of
+  /// Solves D y = r − Hλ with g(y) = 0 on an independent `set` and λ = 0 elsewhere, for the r of
   /// `work.prediction` and the given ψ (m). `lambda` (m) holds the λ found from the predicted gaps on entry,
   /// and on return λ refined until the gaps on the set vanish to rounding; `gap` (m) becomes g(y).
   /// Collective. Throws SolverFailure.
@@ -42,13 +42,12 @@ public:
 private:
   /// solve_active() on this rank alone.
   void solve_here(const ActiveSet& set, std::span<double> b, Workspace& work) const;
-  /// finish_closed(), returning ν_i·y (m) in `normal` instead of gaps; `digits`: how far these may be off on
+  /// finish_closed(), returning Hᵀy (m) in `motion` instead of gaps; `digits`: how far these may be off on
   /// the set, in units of the last place of the largest.
   void finish(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
-              std::span<double> normal, Vec y, Workspace& work, double digits) const;
+              std::span<double> motion, Vec y, Workspace& work, double digits) const;
 
-  const ContactPairs& pairs_;
-  const NormalOperator N_;
+  const ConstraintRows& rows_;
   std::unique_ptr<const Elimination> elimination_;
   std::vector<double> S_;
   const std::vector<double> zero_; ///< (m)

@@ -19,33 +19,14 @@ void triangular(const std::vector<double>& L, const char* transposed, std::span<
     BLAStrsv_("L", transposed, "N", &n, L.data(), &n, x.data(), &one);
 }
 
-/// Columns of N solved at a time: enough for MUMPS to work by dense products, few enough for the block to
+/// Columns of H solved at a time: enough for MUMPS to work by dense products, few enough for the block to
 /// take little memory beside the factor.
 constexpr int block = 64;
 
-/// `count` columns of N, transposed, on rank 0.
-petsc::Matrix transposed_columns(const ContactPairs& pairs, int first, int count, Vec layout) {
-  const MPI_Comm comm = petsc::comm(layout);
-  const bool mine = rank(comm) == 0;
-  PetscInt n = 0;
-  check(VecGetSize(layout, &n));
-  petsc::Matrix columns;
-  check(MatCreateAIJ(comm, mine ? count : 0, mine ? n : 0, count, n, pairs.dim(), nullptr, 0, nullptr,
-                     columns.put()));
-  for (PetscInt j = 0; mine && j < count; ++j)
-    for (int c = 0; c < pairs.dim(); ++c)
-      check(MatSetValue(columns, j, pairs.first_dofs()[first + j] + c,
-                        pairs.directions()[static_cast<std::size_t>((first + j) * pairs.dim() + c)],
-                        INSERT_VALUES));
-  check(MatAssemblyBegin(columns, MAT_FINAL_ASSEMBLY));
-  check(MatAssemblyEnd(columns, MAT_FINAL_ASSEMBLY));
-  return columns;
-}
-
 } // namespace
 
-TrailingBlockElimination::TrailingBlockElimination(const ContactPairs& pairs, const SparseCholesky& D)
-    : pairs_(pairs), D_(D), L_(D.corner_factor()) {}
+TrailingBlockElimination::TrailingBlockElimination(const ConstraintRows& rows, const SparseCholesky& D)
+    : rows_(rows), D_(D), L_(D.corner_factor()) {}
 
 Prediction TrailingBlockElimination::prediction() const {
   Prediction made;
@@ -54,18 +35,12 @@ Prediction TrailingBlockElimination::prediction() const {
   return made;
 }
 
-void TrailingBlockElimination::predict(Vec r, Prediction& prediction, std::span<double> normal) const {
+void TrailingBlockElimination::predict(Vec r, Prediction& prediction, std::span<double> motion) const {
   std::vector<double>&z = prediction.z, &corner = prediction.corner;
   D_.forward(r, z);
   std::copy(z.end() - static_cast<std::ptrdiff_t>(corner.size()), z.end(), corner.begin());
   triangular(L_, "T", corner);
-  const auto dim = static_cast<std::size_t>(pairs_.dim());
-  for (std::size_t i = 0; i < normal.size(); ++i) {
-    const auto node = static_cast<std::size_t>(pairs_.node_numbers()[i]);
-    normal[i] = 0;
-    for (std::size_t c = 0; c < dim; ++c)
-      normal[i] += pairs_.normals()[i * dim + c] * corner[node * dim + c];
-  }
+  rows_.apply_transpose(corner, motion);
 }
 
 void TrailingBlockElimination::finish(Prediction& prediction, std::span<const double> lambda, Vec y) const {
@@ -75,13 +50,7 @@ void TrailingBlockElimination::finish(Prediction& prediction, std::span<const do
     return;
   }
   std::vector<double>& corner = prediction.corner;
-  const auto dim = static_cast<std::size_t>(pairs_.dim());
-  std::ranges::fill(corner, 0);
-  for (std::size_t i = 0; i < lambda.size(); ++i) {
-    const auto node = static_cast<std::size_t>(pairs_.node_numbers()[i]);
-    for (std::size_t c = 0; c < dim; ++c)
-      corner[node * dim + c] += pairs_.directions()[i * dim + c] * lambda[i];
-  }
+  rows_.apply(lambda, corner);
   triangular(L_, "N", corner);
   const std::size_t before = z.size() - corner.size();
   for (std::size_t i = 0; i < corner.size(); ++i)
@@ -90,17 +59,12 @@ void TrailingBlockElimination::finish(Prediction& prediction, std::span<const do
 }
 
 std::vector<double> TrailingBlockElimination::condensed() const {
-  const auto m = static_cast<std::size_t>(pairs_.count()), dim = static_cast<std::size_t>(pairs_.dim()),
-             c = static_cast<std::size_t>(D_.corner_size());
-  std::vector<double> X(c * m, 0.0), S(m * m, 0.0); // X = L⁻¹N
-  for (std::size_t i = 0; i < m; ++i)
-    for (std::size_t k = 0; k < dim; ++k)
-      X[i * c + static_cast<std::size_t>(pairs_.node_numbers()[i]) * dim + k] =
-          pairs_.directions()[i * dim + k];
-  const auto rows = static_cast<PetscBLASInt>(c), columns = static_cast<PetscBLASInt>(m);
+  const auto m = static_cast<std::size_t>(rows_.count()), c = static_cast<std::size_t>(D_.corner_size());
+  std::vector<double> X = rows_.dense(), S(m * m, 0.0); // X = L⁻¹H
+  const auto height = static_cast<PetscBLASInt>(c), columns = static_cast<PetscBLASInt>(m);
   const double one = 1, zero = 0;
-  BLAStrsm_("L", "L", "N", "N", &rows, &columns, &one, L_.data(), &rows, X.data(), &rows);
-  BLASsyrk_("L", "T", &columns, &rows, &one, X.data(), &rows, &zero, S.data(), &columns);
+  BLAStrsm_("L", "L", "N", "N", &height, &columns, &one, L_.data(), &height, X.data(), &height);
+  BLASsyrk_("L", "T", &columns, &height, &one, X.data(), &height, &zero, S.data(), &columns);
   for (std::size_t j = 0; j < m; ++j) // the BLAS fills the lower triangle, column by column
     for (std::size_t i = j + 1; i < m; ++i)
       S[i * m + j] = S[j * m + i];
@@ -109,22 +73,22 @@ std::vector<double> TrailingBlockElimination::condensed() const {
 
 double TrailingBlockElimination::bytes() const { return sizeof(double) * static_cast<double>(L_.size()); }
 
-StoredColumnsElimination::StoredColumnsElimination(const ContactPairs& pairs, const MumpsSolver& D,
+StoredColumnsElimination::StoredColumnsElimination(const ConstraintRows& rows, const MumpsSolver& D,
                                                    Vec layout, double memory)
-    : pairs_(pairs), N_(pairs), D_(D), layout_(petsc::zero_like(layout)) {
-  const auto m = static_cast<std::size_t>(pairs.count());
+    : rows_(rows), D_(D), layout_(petsc::zero_like(layout)) {
+  const auto m = static_cast<std::size_t>(rows.count());
   PetscInt n = 0;
   check(VecGetSize(layout, &n));
   const bool keep = sizeof(double) * static_cast<double>(m) * static_cast<double>(n) <= memory;
   S_.resize(m * m);
-  for (int first = 0; first < pairs.count(); first += block) {
+  for (int first = 0; first < rows.count(); first += block) {
     if (stop_requested(petsc::comm(layout)))
       throw Interrupted();
-    const int count = std::min(block, pairs.count() - first);
-    const petsc::Matrix X = D.solve_sparse(transposed_columns(pairs, first, count, layout));
+    const int count = std::min(block, rows.count() - first);
+    const petsc::Matrix X = D.solve_sparse(rows.rows(first, count, layout));
     for (int j = 0; j < count; ++j) {
       const petsc::Column y(X, j);
-      N_.normal_components(y, std::span(&S_[static_cast<std::size_t>(first + j) * m], m));
+      rows_.apply_transpose(y, std::span(&S_[static_cast<std::size_t>(first + j) * m], m));
       if (keep)
         columns_.push_back(petsc::copy(y));
     }
@@ -138,15 +102,15 @@ Prediction StoredColumnsElimination::prediction() const {
   Prediction made;
   for (petsc::Vector* x : {&made.r, &made.y, &made.forces})
     *x = petsc::zero_like(layout_);
-  made.weights.reserve(static_cast<std::size_t>(pairs_.count()));
-  made.columns.reserve(static_cast<std::size_t>(pairs_.count()));
+  made.weights.reserve(static_cast<std::size_t>(rows_.count()));
+  made.columns.reserve(static_cast<std::size_t>(rows_.count()));
   return made;
 }
 
-void StoredColumnsElimination::predict(Vec r, Prediction& prediction, std::span<double> normal) const {
+void StoredColumnsElimination::predict(Vec r, Prediction& prediction, std::span<double> motion) const {
   check(VecCopy(r, prediction.r));
   D_.solve(r, prediction.y);
-  N_.normal_components(prediction.y, normal);
+  rows_.apply_transpose(prediction.y, motion);
 }
 
 void StoredColumnsElimination::finish(Prediction& prediction, std::span<const double> lambda, Vec y) const {
@@ -168,7 +132,7 @@ void StoredColumnsElimination::finish(Prediction& prediction, std::span<const do
     return;
   }
   check(VecCopy(prediction.r, prediction.forces));
-  N_.add(-1, lambda, prediction.forces);
+  rows_.apply(-1, lambda, prediction.forces);
   D_.solve(prediction.forces, y);
 }
 

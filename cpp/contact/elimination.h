@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "contact/normal_operator.h"
+#include "contact/constraint_rows.h"
 #include "contact/workspace.h"
 #include "linalg/sparse_cholesky.h"
 
@@ -16,14 +16,14 @@ public:
   /// Storage for predict(). Collective.
   [[nodiscard]] virtual Prediction prediction() const = 0;
 
-  /// First half for the right-hand side r: `normal` (m) becomes ν_i·D⁻¹r. Collective.
-  virtual void predict(Vec r, Prediction& prediction, std::span<double> normal) const = 0;
+  /// First half for the right-hand side r: `motion` (m) becomes Hᵀ D⁻¹r. Collective.
+  virtual void predict(Vec r, Prediction& prediction, std::span<double> motion) const = 0;
 
-  /// Second half: y = D⁻¹ (r − Nλ); may be repeated with other λ (m). Of `prediction` only scratch changes.
+  /// Second half: y = D⁻¹ (r − Hλ); may be repeated with other λ (m). Of `prediction` only scratch changes.
   /// Collective.
   virtual void finish(Prediction& prediction, std::span<const double> lambda, Vec y) const = 0;
 
-  /// S = Nᵀ D⁻¹ N (m × m), the same on every rank. Collective.
+  /// S = Hᵀ D⁻¹ H (m × m), the same on every rank. Collective.
   [[nodiscard]] virtual std::vector<double> condensed() const = 0;
 
   /// Memory beyond that of D's factor on all ranks, bytes. Collective.
@@ -34,43 +34,41 @@ public:
 /// diagonal block of the factor (its corner), and a step with contact takes one solve, as one without.
 class TrailingBlockElimination final : public Elimination {
 public:
-  /// The corner of `D` must be the candidates' nodes, each once, in their order. The arguments must outlive
-  /// this object.
-  TrailingBlockElimination(const ContactPairs& pairs, const SparseCholesky& D);
+  /// The corner of `D` must be the rows' dofs, in their order. The arguments must outlive this object.
+  TrailingBlockElimination(const ConstraintRows& rows, const SparseCholesky& D);
 
   [[nodiscard]] Prediction prediction() const override;
-  void predict(Vec r, Prediction& prediction, std::span<double> normal) const override;
+  void predict(Vec r, Prediction& prediction, std::span<double> motion) const override;
   void finish(Prediction& prediction, std::span<const double> lambda, Vec y) const override;
   [[nodiscard]] std::vector<double> condensed() const override;
   [[nodiscard]] double bytes() const override;
 
 private:
-  const ContactPairs& pairs_;
+  const ConstraintRows& rows_;
   const SparseCholesky& D_;
   std::vector<double> L_; ///< corner of the factor (c × c)
 };
 
-/// Works on any number of ranks. The columns of D⁻¹N, solved for in blocks, are stored if they fit into
+/// Works on any number of ranks. The columns of D⁻¹H, solved for in blocks, are stored if they fit into
 /// `memory` (bytes, on all ranks); if not, a step with contact takes a second solve.
 class StoredColumnsElimination final : public Elimination {
 public:
   /// Solves with D for each candidate; `layout` is a vector of V. Collective. The references must outlive
   /// this object. Throws Interrupted, SolverFailure.
-  StoredColumnsElimination(const ContactPairs& pairs, const MumpsSolver& D, Vec layout, double memory);
+  StoredColumnsElimination(const ConstraintRows& rows, const MumpsSolver& D, Vec layout, double memory);
 
   [[nodiscard]] Prediction prediction() const override;
-  void predict(Vec r, Prediction& prediction, std::span<double> normal) const override;
+  void predict(Vec r, Prediction& prediction, std::span<double> motion) const override;
   void finish(Prediction& prediction, std::span<const double> lambda, Vec y) const override;
   [[nodiscard]] std::vector<double> condensed() const override { return S_; }
   [[nodiscard]] double bytes() const override;
 
 private:
-  const ContactPairs& pairs_;
-  const NormalOperator N_;
+  const ConstraintRows& rows_;
   const MumpsSolver& D_;
   std::vector<double> S_;
   petsc::Vector layout_;
-  petsc::Series columns_; ///< D⁻¹N; empty where they do not fit
+  petsc::Series columns_; ///< D⁻¹H; empty where they do not fit
 };
 
 } // namespace signorini::contact

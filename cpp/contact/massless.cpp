@@ -3,7 +3,6 @@
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/text.h"
-#include "contact/node_basis.h"
 #include "fem/coherence.h"
 #include "linalg/dense.h"
 #include <algorithm>
@@ -165,8 +164,8 @@ std::map<PetscInt, Point> places(const fem::Space& space, const std::vector<Surr
 /// within the body it is not known. Collective.
 std::vector<bool> facing(const fem::Space& space, const ContactPairs& pairs) {
   const auto dim = static_cast<std::size_t>(pairs.dim()), count = static_cast<std::size_t>(pairs.count());
-  std::map<PetscInt, const ContactPairs::Node*> in_pairs; // by the first dof
-  for (const ContactPairs::Node& node : pairs.nodes())
+  std::map<PetscInt, const ConstraintRows::Cluster*> in_pairs; // by the first dof
+  for (const ConstraintRows::Cluster& node : pairs.rows().clusters())
     in_pairs[pairs.first_dofs()[static_cast<std::size_t>(node.first)]] = &node;
   std::vector<int> seen(2 * count); // on the boundary; facing
   for (const fem::OutwardNormal& here : fem::outward_normals(space)) {
@@ -177,7 +176,7 @@ std::vector<bool> facing(const fem::Space& space, const ContactPairs& pairs) {
          pair < static_cast<std::size_t>(found->second->last); ++pair) {
       const double* towards = &pairs.normals()[pair * dim];
       seen[2 * pair] = 1;
-      if (std::inner_product(towards, towards + dim, here.n.begin(), 0.0) > NodeBasis::parallel)
+      if (std::inner_product(towards, towards + dim, here.n.begin(), 0.0) > RowBasis::parallel)
         seen[2 * pair + 1] = 1;
     }
   }
@@ -191,7 +190,7 @@ std::vector<bool> facing(const fem::Space& space, const ContactPairs& pairs) {
 using Block = std::array<double, 9>; // dim × dim, row by row
 
 /// The nodes with constraints against massless obstacles, with the directions of these.
-using Bases = std::map<PetscInt, NodeBasis>;
+using Bases = std::map<PetscInt, RowBasis>;
 
 /// `massless`: of the scene's obstacles. Collective.
 Bases massless_directions(const fem::Space& space, const ContactPairs& pairs,
@@ -201,20 +200,21 @@ Bases massless_directions(const fem::Space& space, const ContactPairs& pairs,
   for (int i = 0; i < pairs.count(); ++i)
     if (massless[static_cast<std::size_t>(pairs.obstacles()[static_cast<std::size_t>(i)])] &&
         faces[static_cast<std::size_t>(i)])
-      bases.try_emplace(pairs.first_dofs()[static_cast<std::size_t>(i)] / pairs.dim(), pairs.dim())
-          .first->second.add(pairs.direction(i));
+      bases.try_emplace(pairs.first_dofs()[static_cast<std::size_t>(i)] / pairs.dim(), pairs.rows())
+          .first->second.add(i);
   return bases;
 }
 
 /// The projector onto the directions of a basis.
-Block projector(const NodeBasis& basis, int dim) {
+Block projector(const RowBasis& basis, int dim) {
   Block onto{};
   for (int c = 0; c < dim; ++c) {
-    Point unit{}, part{}, column{};
+    Point unit{}, column{};
+    RowBasis::Coordinates part = basis.coordinates();
     unit[c] = 1;
     for (std::size_t k = 0; k < basis.size(); ++k)
-      part[k] = basis.along(k, unit.data());
-    basis.add_to(column.data(), part);
+      part[k] = basis.along(k, unit);
+    basis.add_to(column, part);
     for (int row = 0; row < dim; ++row)
       onto[row * dim + c] = column[row];
   }
@@ -274,7 +274,7 @@ petsc::Matrix massless(const fem::Space& space, const ContactPairs& pairs, const
 
   const Bases bases = massless_directions(space, pairs, massless);
   std::vector<int> owned; // the first pair of each of these nodes
-  for (const ContactPairs::Node& here : pairs.nodes())
+  for (const ConstraintRows::Cluster& here : pairs.rows().clusters())
     if (const PetscInt first = pairs.first_dofs()[here.first];
         first >= begin && first < end && bases.contains(first / dim))
       owned.push_back(here.first);

@@ -3,7 +3,6 @@
 #include "base/collective.h"
 #include "base/counters.h"
 #include "base/text.h"
-#include "contact/node_basis.h"
 #include "contact/placement.h"
 #include <algorithm>
 #include <array>
@@ -39,15 +38,14 @@ ContactPairs::ContactPairs(const fem::Space& space, const fem::DirichletDofs& cl
       moving_.push_back(i);
   }
   add_pairs(contacts, space, clamped, time);
-  group_by_node();
   NodeWork work = node_work();
   require_room(*this, psi_, 0, work);
 }
 
 ContactPairs::NodeWork ContactPairs::node_work() const {
   std::size_t most = 0;
-  for (const Node& node : per_node_)
-    most = std::max(most, static_cast<std::size_t>(node.last - node.first));
+  for (const ConstraintRows::Cluster& cluster : rows().clusters())
+    most = std::max(most, static_cast<std::size_t>(cluster.last - cluster.first));
   return NodeWork(most);
 }
 
@@ -119,6 +117,7 @@ std::vector<double> ContactPairs::times_of_meeting(const std::vector<BoundaryNod
 void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const fem::Space& space,
                              const fem::DirichletDofs& clamped, const scene::Time& time) {
   std::vector<int> candidates(contacts.size());
+  std::vector<std::vector<ConstraintRows::Entry>> rows;
   clamped_dofs_.resize(contacts.size());
   const std::vector<BoundaryNode> nodes = boundary_nodes(contacts, space, clamped);
   const std::vector<double> meeting = times_of_meeting(nodes, time);
@@ -131,27 +130,25 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
     }
     const Obstacle& shape = shapes_[obstacle];
     const Obstacle::Plane plane = shape.at(node.x.data(), shape.place(meeting[number]));
-    std::array<double, 3> force{};
+    std::vector<ConstraintRows::Entry> row;
     double free = 0;
-    for (int c = 0; c < dim_; ++c)
-      if (node.free_components & (1 << c)) {
-        force[c] = -plane.normal[c]; // ν points into the obstacle, the obstacle's normal out of it
-        free = std::hypot(free, force[c]);
-      }
-    if (free <= NodeBasis::parallel) { // the node cannot move towards the obstacle
+    for (int c = 0; c < dim_; ++c) { // ν points into the obstacle, the obstacle's normal out of it
+      const bool held = !(node.free_components & (1 << c));
+      row.push_back({static_cast<PetscInt>(node.first_dof) + c, -plane.normal[c], held});
+      if (!held)
+        free = std::hypot(free, plane.normal[c]);
+    }
+    if (free <= RowBasis::parallel) { // the node cannot move towards the obstacle
       clamped_dofs_[obstacle].push_back(static_cast<PetscInt>(node.first_dof));
       continue;
     }
-    held_ |= node.free_components != (1 << dim_) - 1;
-    for (int c = 0; c < dim_; ++c) {
-      normals_.push_back(-plane.normal[c]);
-      directions_.push_back(force[c]);
-    }
+    for (const ConstraintRows::Entry& entry : row)
+      normals_.push_back(entry.coefficient);
+    rows.push_back(std::move(row));
     points_.insert(points_.end(), node.x.begin(), node.x.end());
     psi_.push_back(meeting[number] == 0 ? plane.height : shape.at(node.x.data()).height);
     first_dofs_.push_back(static_cast<PetscInt>(node.first_dof));
     obstacles_.push_back(node.obstacle);
-    free_components_.push_back(node.free_components);
     ++candidates[obstacle];
   }
   for (std::vector<PetscInt>& dofs : clamped_dofs_)
@@ -165,27 +162,12 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
   const PetscInt end = space.first_dof() + space.owned_nodes() * dim_;
   for (PetscInt dof : first_dofs_)
     local_.push_back(dof >= space.first_dof() && dof < end ? static_cast<int>(dof - space.first_dof()) : -1);
-}
-
-void ContactPairs::group_by_node() {
-  for (int i = 0; i < count();) {
-    Node node{i, i, false};
-    NodeBasis basis(dim_);
-    for (; node.last < count() && first_dofs_[node.last] == first_dofs_[i]; ++node.last) {
-      nodes_.push_back(static_cast<int>(per_node_.size()));
-      node.crowded |= !basis.add(direction(node.last));
-    }
-    dependent_ |= node.crowded;
-    per_node_.push_back(node);
-    i = node.last;
-  }
+  rows_.emplace(comm_, rows, space.first_dof(), end);
 }
 
 ContactPairs::Rates ContactPairs::rates(int obstacle, const scene::ObstacleRate& rate) const {
   const auto m = static_cast<std::size_t>(count()), dim = static_cast<std::size_t>(dim_);
-  Rates rates{.psi = std::vector<double>(m),
-              .normals = std::vector<double>(m * dim),
-              .directions = std::vector<double>(m * dim)};
+  Rates rates{.psi = std::vector<double>(m), .normals = std::vector<double>(m * dim), .rows = {}};
   const Obstacle& shape = shapes_[static_cast<std::size_t>(obstacle)];
   const Obstacle::Place place = shape.place(0);
   bool turns = false;
@@ -196,12 +178,13 @@ ContactPairs::Rates ContactPairs::rates(int obstacle, const scene::ObstacleRate&
     rates.psi[i] = change.height;
     for (std::size_t c = 0; c < dim; ++c) {
       rates.normals[i * dim + c] = -change.normal[c];
-      rates.directions[i * dim + c] = free_components_[i] & (1 << c) ? -change.normal[c] : 0;
       turns |= change.normal[c] != 0;
     }
   }
-  if (!turns)
-    rates.normals.clear(), rates.directions.clear();
+  if (turns)
+    rates.rows = rows().with(rates.normals);
+  else
+    rates.normals.clear();
   return rates;
 }
 

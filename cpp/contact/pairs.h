@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "contact/constraint_rows.h"
 #include "contact/contact_state.h"
 #include "contact/lcp/goldfarb_idnani.h"
 #include "contact/obstacle.h"
 #include "fem/operators.h"
+#include <optional>
 #include <span>
 
 namespace signorini::contact {
@@ -29,12 +31,8 @@ public:
   [[nodiscard]] const std::vector<double>& points() const { return points_; }
   /// ν_i (m × dim), unit vectors from the body to the obstacle.
   [[nodiscard]] const std::vector<double>& normals() const { return normals_; }
-  /// Columns of N (m × dim), the directions of the contact forces: ν_i, but zero in components that a clamp
-  /// holds.
-  [[nodiscard]] const std::vector<double>& directions() const { return directions_; }
-  [[nodiscard]] const double* direction(int i) const {
-    return &directions_[static_cast<std::size_t>(i * dim_)];
-  }
+  /// The constraints as rows on the dofs of their nodes: H of which a gap is ψ − Hᵀy.
+  [[nodiscard]] const ConstraintRows& rows() const { return *rows_; }
   /// ψ_i at t = 0 (m), the gaps of the undeformed body, in metres.
   [[nodiscard]] std::span<const double> psi() const { return psi_; }
 
@@ -63,8 +61,9 @@ public:
   [[nodiscard]] std::span<const double> psi(double t, Gaps& gaps) const;
   /// Derivatives of the pairs by a parameter of an obstacle; zero for those of others.
   struct Rates {
-    std::vector<double> psi;                 ///< at t = 0 (m)
-    std::vector<double> normals, directions; ///< (m × dim); empty if the normals do not change
+    std::vector<double> psi;            ///< at t = 0 (m)
+    std::vector<double> normals;        ///< (m × dim); empty if the normals do not change
+    std::optional<ConstraintRows> rows; ///< likewise
   };
   [[nodiscard]] Rates rates(int obstacle, const scene::ObstacleRate& rate) const;
   /// Sets the derivatives of ψ, of obstacles that move, to those at time t.
@@ -97,29 +96,12 @@ public:
   [[nodiscard]] const std::vector<PetscInt>& first_dofs() const { return first_dofs_; }
   /// First local dof of each pair's node, −1 on ranks that do not own it (m).
   [[nodiscard]] const std::vector<int>& local_dofs() const { return local_; }
-  /// Number of each pair's node among the nodes that are in pairs, ascending (m).
-  [[nodiscard]] const std::vector<int>& node_numbers() const { return nodes_; }
   /// The displacement (dim) of pair i's node among the entries of y that this rank owns; null if another rank
   /// owns the node.
   [[nodiscard]] const double* displacement(int i, std::span<const double> y) const {
     const int first = local_[static_cast<std::size_t>(i)];
     return first < 0 ? nullptr : &y[static_cast<std::size_t>(first)];
   }
-
-  /// Pairs of one node: [first, last).
-  struct Node {
-    int first, last;
-    bool crowded; ///< their directions are linearly dependent
-  };
-  [[nodiscard]] const std::vector<Node>& nodes() const { return per_node_; }
-  [[nodiscard]] const Node& node(int i) const {
-    return per_node_[static_cast<std::size_t>(nodes_[static_cast<std::size_t>(i)])];
-  }
-  /// Whether the directions of some node's pairs are linearly dependent: more obstacles than dimensions, or
-  /// opposite walls. Contact forces are then not unique, and S is singular.
-  [[nodiscard]] bool dependent() const { return dependent_; }
-  /// Whether clamps hold components of some pair's node.
-  [[nodiscard]] bool held() const { return held_; }
 
   /// Diameter of the body, in metres.
   [[nodiscard]] double diameter() const { return diameter_; }
@@ -144,7 +126,6 @@ private:
   /// The time for the direction of each node's pair, s.
   [[nodiscard]] std::vector<double> times_of_meeting(const std::vector<BoundaryNode>& nodes,
                                                      const scene::Time& time) const;
-  void group_by_node();
 
   int dim_;
   double diameter_, gap_tolerance_;
@@ -154,12 +135,10 @@ private:
   std::vector<Obstacle> shapes_;
   std::vector<std::size_t> moving_; ///< numbers of the obstacles that move
   std::vector<std::vector<PetscInt>> clamped_dofs_;
-  std::vector<double> points_, normals_, directions_, psi_;
+  std::vector<double> points_, normals_, psi_;
   std::vector<PetscInt> first_dofs_;
-  std::vector<int> nodes_, obstacles_, local_;
-  std::vector<int> free_components_; ///< that no clamp holds, a bit each (m)
-  std::vector<Node> per_node_;
-  bool dependent_ = false, held_ = false;
+  std::vector<int> obstacles_, local_;
+  std::optional<ConstraintRows> rows_; ///< absent until the pairs are known
 };
 
 } // namespace signorini::contact

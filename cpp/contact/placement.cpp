@@ -2,12 +2,9 @@
 #include "contact/placement.h"
 #include "base/collective.h"
 #include "base/text.h"
-#include "contact/node_basis.h"
-#include "contact/normal_operator.h"
 #include <algorithm>
 #include <fmt/format.h>
 #include <functional>
-#include <numeric>
 
 namespace signorini::contact {
 namespace {
@@ -16,23 +13,19 @@ std::string shown(const ContactPairs& pairs, int i) {
   return point_text(&pairs.points()[3 * static_cast<std::size_t>(i)]);
 }
 
-/// Solves 0 ≤ λ ⟂ g + NᵀNλ ≥ 0 at one node with the gaps g: −Nλ moves the node to the closest position
+/// Solves 0 ≤ λ ⟂ g + HᵀHλ ≥ 0 at one cluster with the gaps g: −Hλ moves the node to the closest position
 /// allowed. λ is in work.lambda. False if there is no such position.
-[[nodiscard]] bool place(const ContactPairs& pairs, const ContactPairs::Node& node,
+[[nodiscard]] bool place(const ContactPairs& pairs, const ConstraintRows::Cluster& node,
                          std::span<const double> gap, ContactPairs::NodeWork& work) {
-  const int dim = pairs.dim();
+  const ConstraintRows& rows = pairs.rows();
   const auto size = static_cast<std::size_t>(node.last - node.first);
-  work.gram.clear();
-  for (int i = node.first; i < node.last; ++i)
-    for (int j = node.first; j < node.last; ++j)
-      work.gram.push_back(
-          std::inner_product(pairs.direction(i), pairs.direction(i) + dim, pairs.direction(j), 0.0));
+  rows.gram(node, work.gram);
   work.lambda.resize(size);
   const auto depends = [&](const ActiveSet& set, int j) {
-    NodeBasis basis(dim);
+    RowBasis basis(rows);
     for (int i : set)
-      basis.add(pairs.direction(node.first + i));
-    return !basis.add(pairs.direction(node.first + j));
+      basis.add(node.first + i);
+    return !basis.add(node.first + j);
   };
   int steps = 0;
   return goldfarb_idnani(work.gram, gap.subspan(static_cast<std::size_t>(node.first), size),
@@ -44,11 +37,12 @@ std::string shown(const ContactPairs& pairs, int i) {
 
 void require_room(const ContactPairs& pairs, std::span<const double> psi, double t,
                   ContactPairs::NodeWork& work) {
-  if (pairs.held() || !pairs.dependent()) // in the first case it depends on the motion of the clamps too
+  if (pairs.rows().clamped() ||
+      !pairs.rows().dependent()) // in the first case it depends on the motion of the clamps too
     return;
   together(pairs.comm(), [&] {
-    for (const ContactPairs::Node& node : pairs.nodes())
-      if (node.crowded && !place(pairs, node, psi, work))
+    for (const ConstraintRows::Cluster& node : pairs.rows().clusters())
+      if (node.dependent && !place(pairs, node, psi, work))
         throw UserError(fmt::format(
             "contact: at t = {:.6g} s the obstacles leave no room for the node at {}, allowed are "
             "obstacles between which every node has a place",
@@ -57,12 +51,11 @@ void require_room(const ContactPairs& pairs, std::span<const double> psi, double
 }
 
 void place_outside(const ContactPairs& pairs, Vec y) {
-  const NormalOperator N(pairs);
   const std::vector<int>& obstacles = pairs.obstacles();
   const double allowed = pairs.gap_tolerance();
   ContactPairs::NodeWork work = pairs.node_work();
   std::vector<double> g(pairs.psi().size()), forces(g.size());
-  N.gap(pairs.psi(), y, g);
+  pairs.rows().gap(pairs.psi(), y, g);
   int deepest = -1;
   for (int i = 0; i < pairs.count(); ++i)
     if (g[i] < -allowed && !pairs.projects(obstacles[i]) && (deepest < 0 || g[i] < g[deepest]))
@@ -89,7 +82,7 @@ void place_outside(const ContactPairs& pairs, Vec y) {
                     inside == all && all > 1 ? fmt::format(", as do all {} candidates", all) : "", cure));
   }
   together(pairs.comm(), [&] {
-    for (const ContactPairs::Node& here : pairs.nodes()) {
+    for (const ConstraintRows::Cluster& here : pairs.rows().clusters()) {
       if (std::all_of(&g[here.first], &g[here.first] + (here.last - here.first),
                       [&](double depth) { return depth >= -allowed; }))
         continue;
@@ -101,7 +94,7 @@ void place_outside(const ContactPairs& pairs, Vec y) {
       std::ranges::copy(work.lambda, &forces[here.first]);
     }
   });
-  N.add(-1, forces, y);
+  pairs.rows().apply(-1, forces, y);
 }
 
 } // namespace signorini::contact

@@ -32,7 +32,7 @@ struct CondensedVi {
 /// and K in `condensed`: both belong to one D. One at a time may work with it.
 struct Workspace {
   /// For m candidates.
-  explicit Workspace(int m) : gap0(static_cast<std::size_t>(m)), normal(gap0.size()), mu(gap0.size()) {
+  explicit Workspace(int m) : gap0(static_cast<std::size_t>(m)), motion(gap0.size()), mu(gap0.size()) {
     for (ActiveSet* one : {&set, &next, &wrong, &factorised, &independent})
       one->reserve(gap0.size());
     b.reserve(gap0.size());
@@ -50,7 +50,7 @@ struct Workspace {
   ActiveSet set, next, wrong;         ///< that of an iterate, the one after it, where they differ
   ActiveSet factorised, independent;  ///< the set of `factor`; the independent part of a set
   std::vector<double> factor;         ///< Cholesky factor of S_AA
-  std::vector<double> normal, mu;     ///< ν·y; forces of a sliding solve (m)
+  std::vector<double> motion, mu;     ///< Hᵀy; forces of a sliding solve (m)
   std::vector<double> b;              ///< right-hand side on a set
   petsc::Vector residual, correction; ///< made when a solution is first refined
   GoldfarbIdnaniWork dual;

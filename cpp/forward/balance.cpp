@@ -19,7 +19,7 @@ void contact_forces(const Stepper& stepper, const Scheme& scheme, const contact:
                     Vec force) {
   check(VecZeroEntries(force));
   if (stepper.pairs())
-    contact::NormalOperator(*stepper.pairs()).add_whole(-1 / scheme.impulse(), contact.lambda, force);
+    stepper.pairs()->rows().apply_whole(-1 / scheme.impulse(), contact.lambda, force);
 }
 
 } // namespace

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/first_touch.h"
-#include "contact/normal_operator.h"
 #include "fem/rigid_motions.h"
 #include "forward/integrate.h"
 #include <algorithm>
@@ -17,13 +16,13 @@ class RigidFlight {
 public:
   RigidFlight(const Stepper& stepper, const scene::Scene& scene, int intervals)
       : stepper_(stepper), grid_(stepper.end() / intervals, intervals),
-        rigid_(stepper.space(), stepper.clamped(), stepper.M()), normal_(*stepper.pairs()),
+        rigid_(stepper.space(), stepper.clamped(), stepper.M()), rows_(stepper.pairs()->rows()),
         force_(stepper.space().vector()) {
     const auto m = static_cast<std::size_t>(stepper.pairs()->count());
     for (const petsc::Vector& motion : rigid_.basis())
-      normal_.normal_components(motion, motions_.emplace_back(m));
+      rows_.apply_transpose(motion, motions_.emplace_back(m));
     const State initial = initial_state(stepper, scene.initial);
-    normal_.normal_components(initial.y(), position_ = std::vector<double>(m));
+    rows_.apply_transpose(initial.y(), position_ = std::vector<double>(m));
     velocity_ = along(rigid_.coefficients(initial.v()));
     acceleration_.resize(m);
     if (scene.load)
@@ -66,7 +65,7 @@ private:
   const Stepper& stepper_;
   TimeGrid grid_; ///< of the intervals
   fem::RigidMotions rigid_;
-  contact::NormalOperator normal_;
+  const contact::ConstraintRows& rows_;
   petsc::Vector force_;
   std::vector<std::vector<double>> motions_;
   std::vector<double> position_, velocity_, acceleration_;

@@ -77,7 +77,7 @@ namespace {
 /// Begins a motion: the gaps of the initial state, since no step has computed them yet.
 void set_initial_gaps(const Stepper& stepper, Vec y, contact::ContactState& contact) {
   if (const contact::ContactPairs* pairs = stepper.pairs())
-    contact::NormalOperator(*pairs).gap(pairs->psi(), y, contact.gap);
+    pairs->rows().gap(pairs->psi(), y, contact.gap);
 }
 
 } // namespace

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/parameter_rates.h"
 #include "contact/massless.h"
-#include "contact/normal_operator.h"
 #include "scene/unknown_limits.h"
 #include <algorithm>
 #include <array>
@@ -181,8 +180,8 @@ void ParameterRates::set(const StepMade& made) {
   check(VecAXPY(inertia_, -1, difference_));
   if (jumps_ && turn()) {
     check(MatMult(stepper_.M(), jump_, work_));
-    check(VecScale(work_, -1)); // N ζ = −M j
-    contact::NormalOperator(*stepper_.pairs()).forces(made.contact.predictor, work_, zeta_);
+    check(VecScale(work_, -1)); // H ζ = −M j
+    stepper_.pairs()->rows().multipliers(made.contact.predictor, work_, zeta_);
   }
 }
 
@@ -209,7 +208,7 @@ void ParameterRates::add_source(std::size_t j, Vec sum) const {
     check(VecAXPY(sum, scheme.impulse(), work_));
   }
   if (rate.turns())
-    contact::NormalOperator(*stepper_.pairs()).add_along(-1, made_->lambda, rate.pairs->directions, sum);
+    rate.pairs->rows->apply(-1, made_->lambda, sum);
 }
 
 double ParameterRates::pairing(std::size_t j, Vec p) const {
@@ -230,7 +229,7 @@ double ParameterRates::pairing(std::size_t j, Vec p) const {
       sum += scheme.impulse() * petsc::dot(p, force.vector);
   }
   if (rate.turns()) {
-    contact::NormalOperator(*stepper_.pairs()).components_along(rate.pairs->directions, p, components_);
+    rate.pairs->rows->apply_transpose(p, components_);
     for (int i : made_->contact.active)
       sum -= made_->lambda[static_cast<std::size_t>(i)] * components_[static_cast<std::size_t>(i)];
   }
@@ -244,8 +243,7 @@ bool ParameterRates::constraint(std::size_t j, std::span<double> c) const {
   stepper_.pairs()->set_time(rate.obstacle, rate.obstacle_rate, made_->step.end, *rate.pairs);
   std::ranges::copy(rate.pairs->psi, c.begin());
   if (rate.turns()) {
-    contact::NormalOperator(*stepper_.pairs())
-        .components_along(rate.pairs->normals, made_->to.y(), components_);
+    rate.pairs->rows->apply_transpose(made_->to.y(), components_);
     for (std::size_t i = 0; i < c.size(); ++i)
       c[i] -= components_[i];
   }
@@ -265,11 +263,10 @@ bool ParameterRates::predictor(std::size_t j, Vec r, std::span<double> e) const 
   if (!constraint(j, e))
     return true;
   if (rate.turns()) { // ν·z in place of ν·y_k, z = y + τ v + j
-    const contact::NormalOperator N(*stepper_.pairs());
-    N.add_along(-1, zeta_, rate.pairs->directions, r);
+    rate.pairs->rows->apply(-1, zeta_, r);
     check(VecWAXPY(work_, made_->step.tau, made_->from.v(), made_->from.y()));
     check(VecAXPY(work_, 1, jump_));
-    N.components_along(rate.pairs->normals, work_, components_);
+    rate.pairs->rows->apply_transpose(work_, components_);
     for (std::size_t i = 0; i < e.size(); ++i)
       e[i] = rate.pairs->psi[i] - components_[i];
   }

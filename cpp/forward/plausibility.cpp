@@ -82,7 +82,7 @@ void Plausibility::look(Vec y, double t) {
 
 void Plausibility::look_at_contact(Vec y, double t) {
   const contact::ContactPairs& pairs = *stepper_.pairs();
-  contact::NormalOperator(pairs).gap(pairs.psi(t, *psi_), y, gaps_);
+  pairs.rows().gap(pairs.psi(t, *psi_), y, gaps_);
   const auto dim = static_cast<std::size_t>(pairs.dim());
   Row slip{}, gap{};
   {

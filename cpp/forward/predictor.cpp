@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/predictor.h"
-#include "contact/normal_operator.h"
 #include <algorithm>
 
 namespace signorini::forward {
@@ -33,7 +32,7 @@ Predictor::Workspace Predictor::workspace() const {
 Vec Predictor::jump(std::span<const double> psi, Vec x, const contact::ActiveSet& previous,
                     contact::ActiveSet& set, Workspace& work) const {
   set.clear();
-  contact::NormalOperator(pairs_).gap(psi, x, work.gap);
+  pairs_.rows().gap(psi, x, work.gap);
   if (std::ranges::all_of(work.gap, [&](double g) { return g >= -pairs_.gap_tolerance(); }))
     return nullptr;
   check(VecZeroEntries(work.jump));

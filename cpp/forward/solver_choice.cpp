@@ -12,14 +12,13 @@ using petsc::check;
 
 namespace {
 
-/// Local nodes of the candidates of a run on one rank, each once.
-std::vector<int> candidate_nodes(const contact::ContactPairs* pairs) {
+/// Local nodes whose dofs contact constrains, of a run on one rank, each once.
+std::vector<int> constrained_nodes(const contact::ContactPairs* pairs) {
   std::vector<int> nodes;
   if (pairs)
-    for (PetscInt dof : pairs->first_dofs())
+    for (PetscInt dof : pairs->rows().dofs())
       nodes.push_back(static_cast<int>(dof / pairs->dim()));
-  nodes.erase(std::ranges::unique(nodes).begin(),
-              nodes.end()); // several candidates of a node follow each other
+  nodes.erase(std::ranges::unique(nodes).begin(), nodes.end()); // the dofs of a node follow each other
   return nodes;
 }
 
@@ -87,8 +86,8 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
     return kept;
   };
   if (ranks(petsc::comm(D_)) == 1) {
-    auto solver =
-        std::make_unique<SparseCholesky>(D_, candidate_nodes(pairs), std::numeric_limits<int>::max(), order);
+    auto solver = std::make_unique<SparseCholesky>(D_, constrained_nodes(pairs),
+                                                   std::numeric_limits<int>::max(), order);
     const double corner = solver->corner_size();
     cholesky_ = settle(std::move(solver), corner);
   } else {
@@ -135,10 +134,10 @@ std::unique_ptr<contact::ContactStepSolver> SolverChoice::by_linear(const contac
     return std::make_unique<contact::ProjectedSolver>(pairs, *iterative_, D_);
   std::unique_ptr<contact::Elimination> elimination;
   if (cholesky_)
-    elimination = std::make_unique<contact::TrailingBlockElimination>(pairs, *cholesky_);
+    elimination = std::make_unique<contact::TrailingBlockElimination>(pairs.rows(), *cholesky_);
   else
     elimination = std::make_unique<contact::StoredColumnsElimination>(
-        pairs, *mumps_, petsc::vector_of(D_), scene.memory - linear_->bytes() - dense_bytes(&pairs));
+        pairs.rows(), *mumps_, petsc::vector_of(D_), scene.memory - linear_->bytes() - dense_bytes(&pairs));
   return std::make_unique<contact::CondensedSolver>(pairs, D_, std::move(elimination), std::move(residual));
 }
 

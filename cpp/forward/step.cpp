@@ -210,18 +210,18 @@ void Stepper::solve_sliding(double tau, const contact::ActiveSet& active, std::s
 
 void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactSets& contact, Vec p,
                               Workspace& work) const {
-  const contact::NormalOperator N(*pairs_);
+  const contact::ConstraintRows& rows = pairs_->rows();
   const auto m = static_cast<std::size_t>(pairs_->count());
   std::vector<double> force(m), motion(m);
   contact::ActiveSet &closed = contact.active, next, wrong;
   const petsc::Vector residual = petsc::zero_like(p);
-  for (contact::BlockPivoting pivoting(*pairs_);; pivoting.advance(closed, next, wrong)) {
+  for (contact::BlockPivoting pivoting(rows);; pivoting.advance(closed, next, wrong)) {
     solve_sliding(scheme.tau, closed, {}, p, work);
     check(MatMult(of_length(scheme.tau).R, p, residual)); // D p = R p + 2 stiffness() A p
     check(MatMult(operators_.A, p, work.work));
     check(VecAXPBYPCZ(residual, 1, -2 * scheme.stiffness(), -1, work.r, work.work));
-    N.forces(closed, residual, force);
-    N.normal_components(p, motion);
+    rows.multipliers(closed, residual, force);
+    rows.apply_transpose(p, motion);
     PetscReal largest_force = 0, largest_motion = 0;
     check(VecNorm(work.r, NORM_INFINITY, &largest_force));
     check(VecNorm(p, NORM_INFINITY, &largest_motion));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "contact/normal_operator.h"
+#include "contact/pairs.h"
 #include "fem/operators.h"
 #include "forward/load.h"
 #include "forward/motion.h"

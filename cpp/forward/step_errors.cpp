@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/step_errors.h"
-#include "contact/normal_operator.h"
 #include "forward/body_figures.h"
 #include <algorithm>
 #include <cmath>
@@ -52,7 +51,7 @@ StepErrors::StepErrors(const Stepper& stepper, const scene::Scene& scene)
   const std::size_t k = rigid_.count(), m = gaps_.size();
   normal_.resize(m * k);
   for (std::size_t j = 0; j < k; ++j) {
-    contact::NormalOperator(*pairs).normal_components(rigid_.basis()[j], gaps_);
+    pairs->rows().apply_transpose(rigid_.basis()[j], gaps_);
     for (std::size_t i = 0; i < m; ++i)
       normal_[i * k + j] = gaps_[i];
   }
@@ -81,7 +80,7 @@ void StepErrors::start(Vec y, Vec v) {
   forces_of_two_ = {};
   last_force_ = last_length_ = contact_error_ = scale_ = drift_ = 0;
   if (const contact::ContactPairs* pairs = stepper_.pairs())
-    contact::NormalOperator(*pairs).gap(pairs->psi(0, *psi_), y, gaps_);
+    pairs->rows().gap(pairs->psi(0, *psi_), y, gaps_);
 }
 
 double StepErrors::size(Vec x) {

@@ -62,7 +62,7 @@ public:
     products += watch.lap();
     stepper.clamped().clear(r_);
     if (stepper.pairs())
-      contact::NormalOperator(*stepper.pairs()).add(-1, motion.contact[i].lambda, r_);
+      stepper.pairs()->rows().apply(-1, motion.contact[i].lambda, r_);
     guess_.guess(problem_.grid.time(k), y_);
     watch.lap();
     stepper.solver().linear().solve(r_, y_);

@@ -163,13 +163,13 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
     }
     // What is left is μ_k: normal forces on A_k.
     const contact::ActiveSet active = run.trajectory.contact[k].active;
-    contact::NormalOperator(*stepper.pairs()).normal_components(defect, normal);
+    stepper.pairs()->rows().apply_transpose(defect, normal);
     for (std::size_t i = 0; i < normal.size(); ++i)
       if (std::ranges::find(active, static_cast<int>(i)) == active.end())
         normal[i] = 0;
-    contact::NormalOperator(*stepper.pairs()).add(-1, normal, defect);
+    stepper.pairs()->rows().apply(-1, normal, defect);
     CHECK(test::largest(defect) < 1e-11 * size);
-    contact::NormalOperator(*stepper.pairs()).normal_components(p[k], normal);
+    stepper.pairs()->rows().apply_transpose(p[k], normal);
     for (int i : active)
       CHECK(std::abs(normal[static_cast<std::size_t>(i)]) < 1e-12 * test::largest(p[k]));
     sliding += !active.empty();

@@ -141,7 +141,7 @@ TEST_CASE("steps between several obstacles, one of which moves, allocate nothing
        "{on=\"boundary\", obstacle={shape=\"half-space\", point=[-0.1, 0], normal=[1, 0]}}, "
        "{on=\"boundary\", obstacle={shape=\"half-space\", point=[0, 1.5], normal=[0, -1]}}]"});
   const Problem& problem = ready.problem;
-  REQUIRE(problem.stepper.pairs()->dependent());
+  REQUIRE(problem.stepper.pairs()->rows().dependent());
   const auto run = [&](const forward::StepObserver& watch) {
     forward::integrate(problem.stepper, problem.grid, problem.initial, problem.load(), watch);
   };

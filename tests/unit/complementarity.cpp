@@ -121,7 +121,7 @@ TEST_CASE("contact is told apart by what rounding leaves of gaps, and of forces 
     std::vector<double> one(m);
     one[i] = 1;
     petsc::Vector normal = parts.space.vector(), product = parts.space.vector();
-    parts.N.add(1, one, normal);
+    parts.H.apply(1, one, normal);
     check(VecPointwiseMult(product, diagonal, normal));
     stiffness[i] = petsc::dot(product, normal);
     REQUIRE(stiffness[i] > 0);

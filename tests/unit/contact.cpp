@@ -26,7 +26,7 @@ TEST_CASE("candidates know their gap to a tilted plane", "[contact]") {
   petsc::Vector y = parts.space.vector();
   check(VecSet(y, -0.05));
   std::vector<double> gap(5);
-  parts.N.gap(parts.pairs.psi(), y, gap);
+  parts.H.gap(parts.pairs.psi(), y, gap);
   for (int i = 0; i < 5; ++i)
     CHECK(std::abs(gap[static_cast<std::size_t>(i)] -
                    (parts.pairs.psi()[static_cast<std::size_t>(i)] - 0.05 * 1.3 / n)) < 1e-14);
@@ -62,7 +62,7 @@ TEST_CASE("all solvers of the contact step find its solution, which is complemen
       // D y = r − Nλ with 0 ≤ λ ⟂ g ≥ 0.
       check(MatMult(parts.D, y, defect));
       check(VecAXPY(defect, -1, r));
-      parts.N.add(1, a.lambda, defect);
+      parts.H.apply(1, a.lambda, defect);
       CHECK(test::largest(defect) < 1e-13 * test::largest(r));
       for (std::size_t i = 0; i < a.lambda.size(); ++i) {
         CHECK(a.lambda[i] >= 0);
@@ -95,18 +95,18 @@ TEST_CASE("sliding solves move along the obstacle with normal forces alone", "[c
     contact::Workspace work = parts.solver.contact()->workspace();
     parts.solver.contact()->solve_sliding(r, set, p, work);
     std::vector<double> normal(static_cast<std::size_t>(parts.pairs.count()));
-    parts.N.normal_components(p, normal);
+    parts.H.apply_transpose(p, normal);
     for (int i : set)
       CHECK(std::abs(normal[static_cast<std::size_t>(i)]) < 1e-13 * test::largest(p));
     // What is left of r − D p must be normal forces on the set.
     check(MatMult(parts.D, p, defect));
     check(VecAYPX(defect, -1, r));
-    parts.N.normal_components(defect, normal);
+    parts.H.apply_transpose(defect, normal);
     for (std::size_t i = 0; i < normal.size(); ++i)
       if (std::ranges::find(set, static_cast<int>(i)) == set.end())
         normal[i] = 0;
     CHECK(test::largest(defect) > 1e-3 * test::largest(r));
-    parts.N.add(-1, normal, defect);
+    parts.H.apply(-1, normal, defect);
     CHECK(test::largest(defect) < tolerance * test::largest(r));
   }
 }
@@ -161,10 +161,10 @@ struct Pushed {
     check(MatMult(parts.D, p, defect));
     const double force = test::largest(defect);
     CHECK(test::largest(work.mu) > 0.1 * force);
-    parts.N.add(1, work.mu, defect);
+    parts.H.apply(1, work.mu, defect);
     CHECK(test::largest(defect) < 1e-10 * force);
     std::vector<double> normal(value.size());
-    parts.N.normal_components(p, normal);
+    parts.H.apply_transpose(p, normal);
     for (int i : set)
       CHECK(std::abs(normal[static_cast<std::size_t>(i)] - value[static_cast<std::size_t>(i)]) <
             1e-14 * test::largest(p));

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "contact/normal_operator.h"
 #include "contact/pairs.h"
 #include "fixtures.h"
 #include "forward/solver_choice.h"
@@ -15,7 +14,7 @@ struct Parts {
   fem::DirichletDofs clamped;
   petsc::Matrix D;
   contact::ContactPairs pairs;
-  contact::NormalOperator N{pairs};
+  const contact::ConstraintRows& H = pairs.rows();
   forward::SolverChoice solver;
 
   explicit Parts(const std::vector<std::string>& overrides = {})

@@ -18,8 +18,8 @@ TEST_CASE("the condensed matrix is what D says", "[contact]") {
   const Parts parts;
   MumpsSolver D(parts.D);
   D.factorise();
-  const contact::StoredColumnsElimination columns(parts.pairs, D, parts.space.vector(), 1e9),
-      solves(parts.pairs, D, parts.space.vector(), 0);
+  const contact::StoredColumnsElimination columns(parts.pairs.rows(), D, parts.space.vector(), 1e9),
+      solves(parts.pairs.rows(), D, parts.space.vector(), 0);
   CHECK(columns.bytes() > 0);
   CHECK(solves.bytes() == 0);
   const std::size_t m = static_cast<std::size_t>(parts.pairs.count());
@@ -27,7 +27,7 @@ TEST_CASE("the condensed matrix is what D says", "[contact]") {
   std::ranges::transform(lambda, minus.begin(), std::negate{});
   petsc::Vector y = parts.space.vector(), zero = parts.space.vector(), direct = parts.space.vector(),
                 force = parts.space.vector();
-  parts.N.add(1, lambda, force);
+  parts.H.apply(1, lambda, force);
   D.solve(force, direct);
   for (const contact::StoredColumnsElimination* elimination : {&columns, &solves}) {
     contact::Prediction prediction = elimination->prediction();
@@ -35,7 +35,7 @@ TEST_CASE("the condensed matrix is what D says", "[contact]") {
     CHECK(std::ranges::all_of(slip, [](double s) { return s == 0; }));
     elimination->finish(prediction, minus, y);
     CHECK(test::difference(y, direct) < 1e-13 * test::largest(direct));
-    parts.N.normal_components(y, slip);
+    parts.H.apply_transpose(y, slip);
     const std::vector<double> S = elimination->condensed();
     for (std::size_t i = 0; i < m; ++i) {
       double product = 0;
@@ -135,8 +135,8 @@ TEST_CASE("contact in the corner of the factor is contact everywhere", "[contact
     CHECK(cholesky.bytes() > 0.5 * estimate);
     MumpsSolver mumps(parts.D);
     mumps.factorise();
-    const contact::TrailingBlockElimination fast(parts.pairs, cholesky);
-    const contact::StoredColumnsElimination slow(parts.pairs, mumps, parts.space.vector(), 0);
+    const contact::TrailingBlockElimination fast(parts.pairs.rows(), cholesky);
+    const contact::StoredColumnsElimination slow(parts.pairs.rows(), mumps, parts.space.vector(), 0);
     const std::vector<double> S = fast.condensed(), T = slow.condensed();
     double worst = 0;
     for (std::size_t i = 0; i < S.size(); ++i)

@@ -141,8 +141,7 @@ TEST_CASE("the scale of the momentum balance adds the moduli of its terms", "[fo
   };
   petsc::Vector change = product(stepper.M(), v1), pushes = space.vector();
   check(VecAXPY(change, -1, product(stepper.M(), v0)));
-  contact::NormalOperator(*stepper.pairs())
-      .add(-1 / ready.problem.grid.scheme(1).impulse(), contact.lambda, pushes);
+  stepper.pairs()->rows().apply(-1 / ready.problem.grid.scheme(1).impulse(), contact.lambda, pushes);
   const double exact = length_of_sum(change) / tau +
                        length_of_sum(product(*ready.problem.operators.W, density)) + length_of_sum(pushes) +
                        all(product(ready.problem.operators.A, y1)) + all(product(stepper.M(), v1)) / tau;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "contact/lcp/goldfarb_idnani.h"
 #include "contact/lcp/primal_dual.h"
-#include "contact/node_basis.h"
 #include <array>
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
@@ -11,45 +11,9 @@
 using namespace signorini;
 using Point = std::array<double, 3>;
 
-TEST_CASE("a node basis finds shortest motions and forces", "[contact]") {
-  contact::NodeBasis basis(3);
-  const Point a{0, 0, 1}, b{0, 0.6, 0.8}, c{0, 1, 0}, d{1, 1e-9, 0};
-  CHECK(basis.add(a.data()));
-  CHECK(basis.add(b.data()));
-  CHECK_FALSE(basis.add(c.data())); // in the plane of the first two
-  CHECK(basis.add(d.data()));
-  CHECK_FALSE(basis.add(a.data()));
-  Point x{}, values{0.3, -0.2, 0.7};
-  basis.shortest(values);
-  basis.add_to(x.data(), values);
-  CHECK(std::abs(x[2] - 0.3) < 1e-15);
-  CHECK(std::abs(0.6 * x[1] + 0.8 * x[2] + 0.2) < 1e-15);
-  CHECK(std::abs(x[0] + 1e-9 * x[1] - 0.7) < 1e-15);
-  // 2 a − b + 3 d.
-  const Point sum{3, -0.6 + 3e-9, 2 - 0.8};
-  Point parts{basis.along(0, sum.data()), basis.along(1, sum.data()), basis.along(2, sum.data())};
-  basis.combine(parts);
-  CHECK(std::abs(parts[0] - 2) + std::abs(parts[1] + 1) + std::abs(parts[2] - 3) < 1e-14);
-}
-
-TEST_CASE("directions may follow each other without a gap", "[contact]") {
-  // A basis looks at as many components as there are dimensions, whatever stands behind them.
-  for (const std::size_t dim : {2, 3}) {
-    std::vector<double> packed;
-    for (std::size_t i = 0; i < dim; ++i)
-      for (std::size_t c = 0; c < dim; ++c)
-        packed.push_back(i == c ? 0.8 : 0.1);
-    packed.push_back(std::numeric_limits<double>::quiet_NaN());
-    contact::NodeBasis basis(static_cast<int>(dim));
-    for (std::size_t i = 0; i < dim; ++i)
-      CHECK(basis.add(&packed[i * dim]));
-    CHECK(basis.size() == dim);
-  }
-}
-
 TEST_CASE("the dual active-set method solves singular problems or tells that they have no solution",
           "[contact]") {
-  // Columns of N in the plane: directions round the circle, of which any three depend on each other.
+  // Rows in the plane: directions round the circle, of which any three depend on each other.
   constexpr int m = 7;
   std::vector<double> N, S(m * m), lambda(m);
   for (int i = 0; i < m; ++i)
@@ -58,11 +22,16 @@ TEST_CASE("the dual active-set method solves singular problems or tells that the
   for (int i = 0; i < m; ++i)
     for (int j = 0; j < m; ++j)
       S[static_cast<std::size_t>(m * i + j)] = N[2 * i] * N[2 * j] + N[2 * i + 1] * N[2 * j + 1];
+  std::vector<std::vector<contact::ConstraintRows::Entry>> entries;
+  for (std::size_t i = 0; i < m; ++i)
+    entries.push_back({{0, N[2 * i], false}, {1, N[2 * i + 1], false}});
+  const contact::ConstraintRows rows(MPI_COMM_SELF, entries, 0, 2);
+  REQUIRE(rows.dependent());
   const auto depends = [&](const contact::ActiveSet& set, int i) {
-    contact::NodeBasis basis(2);
+    contact::RowBasis basis(rows);
     for (int j : set)
-      basis.add(&N[static_cast<std::size_t>(2 * j)]);
-    return !basis.add(&N[static_cast<std::size_t>(2 * i)]);
+      basis.add(j);
+    return !basis.add(i);
   };
   contact::GoldfarbIdnaniWork work(m);
   contact::ActiveSet set;

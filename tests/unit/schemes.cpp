@@ -21,7 +21,7 @@ struct Moved {
   fem::Space space;
   fem::DirichletDofs clamped;
   contact::ContactPairs pairs;
-  contact::NormalOperator N{pairs};
+  const contact::ConstraintRows& H = pairs.rows();
   petsc::Matrix before, after;
 
   Moved(const std::string& file, const std::vector<std::string>& overrides)
@@ -81,7 +81,7 @@ TEST_CASE("massless contact keeps the mass, its moments and the moments of inert
       std::vector<double> one(m, 0.0);
       one[i] = 1;
       check(VecZeroEntries(x));
-      body.N.add(1, one, x);
+      body.H.apply(1, one, x);
       check(MatMult(body.after, x, y));
       CHECK(test::largest(y) < 1e-14 * product(body.before, x, x));
     }
@@ -102,7 +102,7 @@ TEST_CASE("candidates that face away from the obstacle keep their mass", "[conta
       std::vector<double> one(m, 0.0);
       one[i] = 1;
       check(VecZeroEntries(x));
-      body.N.add(1, one, x);
+      body.H.apply(1, one, x);
       const double mass = product(body.after, x, x), before = product(body.before, x, x);
       if (body.pairs.points()[3 * i + 1] < 1e-12) {
         ++below;
@@ -140,14 +140,14 @@ TEST_CASE("the predictor goes to the nearest place in the norm of the mass", "[f
     std::vector<double> push(m), gap(m), normal(m);
     for (std::size_t i = 0; i < m; ++i)
       push[i] = pairs.psi()[i] + (i % 2 ? 0.05 : -0.05);
-    contact::NormalOperator(pairs).add(1, push, x);
+    pairs.rows().apply(1, push, x);
     stepper.clamped().clear(x);
     const Vec jump = stepper.predictor()->jump(pairs.psi(), x, {}, touched, storage);
     REQUIRE(jump);
     REQUIRE(!touched.empty());
     petsc::Vector z = petsc::copy(x);
     check(VecAXPY(z, 1, jump));
-    contact::NormalOperator(pairs).gap(pairs.psi(), z, gap);
+    pairs.rows().gap(pairs.psi(), z, gap);
     for (std::size_t i = 0; i < m; ++i) {
       CHECK(gap[i] > -pairs.gap_tolerance());
       if (std::ranges::find(touched, static_cast<int>(i)) != touched.end())
@@ -157,13 +157,13 @@ TEST_CASE("the predictor goes to the nearest place in the norm of the mass", "[f
     check(MatMult(stepper.M(), jump, work));
     stepper.clamped().clear(work);
     const double size = test::largest(work);
-    contact::NormalOperator(pairs).normal_components(work, normal);
+    pairs.rows().apply_transpose(work, normal);
     for (std::size_t i = 0; i < m; ++i)
       if (std::ranges::find(touched, static_cast<int>(i)) == touched.end())
         normal[i] = 0;
       else
         CHECK(normal[i] < 1e-8 * size);
-    contact::NormalOperator(pairs).add(-1, normal, work);
+    pairs.rows().apply(-1, normal, work);
     CHECK(test::largest(work) < 1e-8 * size);
     // The linearised projection: its own transpose with M, and nothing is left of a projected vector.
     const petsc::Vector a = test::smooth(ready.problem.space, 1), b = test::smooth(ready.problem.space, 2);

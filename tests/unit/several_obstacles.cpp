@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
 #include "contact/lcp/primal_dual.h"
-#include "contact/normal_operator.h"
 #include "contact/placement.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
@@ -23,7 +22,7 @@ struct Walls {
   fem::DirichletDofs clamped;
   petsc::Matrix D;
   contact::ContactPairs pairs;
-  contact::NormalOperator N{pairs};
+  const contact::ConstraintRows& H = pairs.rows();
 
   explicit Walls(const std::string& contacts, const std::string& file = "block.toml",
                  std::vector<std::string> overrides = {})
@@ -68,7 +67,7 @@ struct Walls {
     petsc::Vector defect = space.vector();
     check(MatMult(D, y, defect));
     check(VecAXPY(defect, -1, r));
-    contact::NormalOperator(pairs).add(1, state.lambda, defect);
+    pairs.rows().apply(1, state.lambda, defect);
     return test::largest(defect) / test::largest(r);
   }
 };
@@ -94,18 +93,20 @@ TEST_CASE("candidates are numbered by place, then by obstacle", "[contact]") {
   const Walls walls(half_space("left", "[-0.1, 0]", "[1, 0]") + half_space("bottom", "[0, -0.2]", "[0, 1]"));
   const contact::ContactPairs& pairs = walls.pairs;
   REQUIRE(pairs.count() == 10);
-  CHECK_FALSE(pairs.dependent());
+  CHECK_FALSE(pairs.rows().dependent());
   // The left side from below, the corner twice, then along the bottom.
   const std::vector<int> obstacles{0, 1, 0, 0, 0, 0, 1, 1, 1, 1}, nodes{0, 0, 1, 2, 3, 4, 5, 6, 7, 8};
   CHECK(pairs.obstacles() == obstacles);
-  CHECK(pairs.node_numbers() == nodes);
   for (std::size_t i = 0; i < 10; ++i) {
     const bool left = obstacles[i] == 0;
     CHECK(pairs.normals()[2 * i] == (left ? -1 : 0));
     CHECK(pairs.normals()[2 * i + 1] == (left ? 0 : -1));
     CHECK(std::abs(pairs.psi()[i] - (left ? 0.1 : 0.2)) < 1e-12);
+    const int row = static_cast<int>(i);
+    CHECK(&pairs.rows().cluster(row) == &pairs.rows().clusters()[static_cast<std::size_t>(nodes[i])]);
+    CHECK(std::ranges::equal(pairs.rows().force(row), std::span(&pairs.normals()[2 * i], 2)));
   }
-  CHECK(pairs.directions() == pairs.normals());
+  CHECK_FALSE(pairs.rows().clamped());
   CHECK(pairs.first_dofs()[0] == pairs.first_dofs()[1]);
 }
 
@@ -130,7 +131,7 @@ TEST_CASE("several obstacles at a node: all solvers find the solution, which is 
              {"0", "-0.4*x"},
              true}}) {
     const Walls walls(contacts, "block.toml", {"mesh.size=0.1"});
-    REQUIRE(walls.pairs.dependent() == dependent);
+    REQUIRE(walls.pairs.rows().dependent() == dependent);
     const petsc::Vector r = walls.pushing(motion);
     contact::ContactState a(walls.pairs.count()), b(walls.pairs.count());
     const forward::SolverChoice direct = walls.solver(scene::LinearMethod::direct),
@@ -152,16 +153,16 @@ TEST_CASE("several obstacles at a node: all solvers find the solution, which is 
       contact::Workspace work = solver->contact()->workspace();
       solver->contact()->solve_sliding(q, a.active, p, work);
       std::vector<double> normal(a.lambda.size());
-      walls.N.normal_components(p, normal);
+      walls.H.apply_transpose(p, normal);
       for (int i : a.active)
         CHECK(std::abs(normal[static_cast<std::size_t>(i)]) < 1e-12 * test::largest(p));
       petsc::Vector left = walls.space.vector();
       check(MatMult(walls.D, p, left));
       check(VecAYPX(left, -1, q));
       contact::ActiveSet set = a.active;
-      contact::drop_dependent(walls.pairs, set);
-      walls.N.forces(set, left, normal);
-      walls.N.add(-1, normal, left);
+      contact::drop_dependent(walls.H, set);
+      walls.H.multipliers(set, left, normal);
+      walls.H.apply(-1, normal, left);
       CHECK(test::largest(left) < 1e-9 * test::largest(q));
     }
   }
@@ -222,11 +223,11 @@ TEST_CASE("nodes that start inside are moved out the shortest way if asked", "[c
     petsc::Vector y = walls.space.vector();
     contact::place_outside(walls.pairs, y);
     std::vector<double> gap(static_cast<std::size_t>(walls.pairs.count()));
-    walls.N.gap(walls.pairs.psi(), y, gap);
+    walls.H.gap(walls.pairs.psi(), y, gap);
     CHECK(std::ranges::min(gap) > -1e-15);
     // The corner node goes to (0.1, 0.3), not to (0.1, 0.2) as one after the other would.
     std::vector<double> normal(gap.size());
-    walls.N.normal_components(y, normal);
+    walls.H.apply_transpose(y, normal);
     CHECK(walls.pairs.obstacles()[0] == 0);
     CHECK(std::abs(normal[0] + 0.1) < 1e-15);
     CHECK(std::abs(normal[1] + (0.3 - 0.1) / std::numbers::sqrt2) < 1e-15);
@@ -258,7 +259,7 @@ TEST_CASE("a candidate whose twin carries the force is not weak", "[contact]") {
   for (scene::LinearMethod linear : {scene::LinearMethod::direct, scene::LinearMethod::iterative}) {
     const Walls walls(floor + floor, "block.toml", {"time.step=1e-4"});
     const forward::SolverChoice solver = walls.solver(linear);
-    REQUIRE(walls.pairs.dependent());
+    REQUIRE(walls.pairs.rows().dependent());
     contact::ContactState state(walls.pairs.count());
     // Pressed down, all are held, each with a share that is any; without weight each could be lifted.
     const petsc::Vector down = walls.pushing({"0", "-1"});
@@ -290,7 +291,7 @@ TEST_CASE("the obstacles of a node follow each other in their order, at many nod
   for (int i = 0; i < pairs.count(); ++i) {
     const auto j = static_cast<std::size_t>(i);
     CHECK(pairs.obstacles()[j] == i % 3);
-    CHECK(pairs.node_numbers()[j] == i / 3);
+    CHECK(pairs.rows().clusters()[j / 3].first == i / 3 * 3);
     CHECK(std::abs(pairs.points()[3 * j] - 0.02 * (i / 3)) < 1e-10);
   }
 }

@@ -226,9 +226,9 @@ TEST_CASE("a node of two surfaces has the area of each and, as a field, the larg
   const fem::Space& space = ready.problem.space;
   const contact::ContactPairs& pairs = *ready.problem.stepper.pairs();
   const contact::Pressure pressure(space, pairs, ready.scene.contacts);
-  const auto corner =
-      std::ranges::find_if(pairs.nodes(), [](const auto& node) { return node.last - node.first == 2; });
-  REQUIRE(corner != pairs.nodes().end());
+  const auto corner = std::ranges::find_if(pairs.rows().clusters(),
+                                           [](const auto& node) { return node.last - node.first == 2; });
+  REQUIRE(corner != pairs.rows().clusters().end());
   const auto first = static_cast<std::size_t>(corner->first);
   // Half of an edge of a quarter of a metre, to whose middle it is as far; the mesher rounds to 1e-12.
   for (const std::size_t i : {first, first + 1}) {

@@ -24,24 +24,9 @@ double accuracy(double tolerance) {
 
 Complementarity::Complementarity(const ContactPairs& pairs, Mat D)
     : pairs_(pairs), gap_tolerance_(pairs.gap_tolerance()) {
-  const petsc::Vector diagonal = fem::diagonal(D);
-  // Σ_c n_c² D_cc is the stiffness against moving the node alone along n, the direction of its force, if D's
-  // entries that couple the node's components are neglected.
-  const std::size_t m = static_cast<std::size_t>(pairs.count());
-  stiffness_.assign(m, 0.0);
-  PetscInt begin = 0, end = 0;
-  check(VecGetOwnershipRange(diagonal, &begin, &end));
-  {
-    const petsc::ReadArray d(diagonal);
-    const auto dim = static_cast<std::size_t>(pairs.dim());
-    for (std::size_t i = 0; i < m; ++i)
-      if (const PetscInt first = pairs.first_dofs()[i]; first >= begin && first < end)
-        for (std::size_t c = 0; c < dim; ++c) {
-          const double n = pairs.directions()[i * dim + c];
-          stiffness_[i] += n * n * d[static_cast<std::size_t>(first - begin) + c];
-        }
-  }
-  MPI_Allreduce(MPI_IN_PLACE, stiffness_.data(), static_cast<int>(m), MPI_DOUBLE, MPI_SUM, petsc::comm(D));
+  // Σ_j h_j² D_jj is the stiffness against moving the row's dofs alone along its force, if D's entries that
+  // couple them are neglected.
+  stiffness_ = pairs.rows().weighted_squares(fem::diagonal(D));
 }
 
 double Complementarity::negligible_gap(double deepest, double size) const {
@@ -98,7 +83,8 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
     if (state.status[i] == Status::open && state.gap[i] <= closed)
       // It cannot open while the candidates with forces on which it depends are closed, and part of their
       // force may be assigned to it.
-      state.status[i] = depends(pairs_, state.active, static_cast<int>(i)) ? Status::strong : Status::weak;
+      state.status[i] =
+          depends(pairs_.rows(), state.active, static_cast<int>(i)) ? Status::strong : Status::weak;
   state.active.clear();
   for (std::size_t i = 0; i < state.status.size(); ++i) {
     if (state.status[i] != Status::open)

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "contact/pairs.h"
+#include "contact/constraint_rows.h"
 #include <limits>
 
 namespace signorini::contact {
 
-/// Whether the direction of candidate i depends linearly on those of its node in an independent set, which
+/// Whether the direction of candidate i depends linearly on those of its cluster in an independent set, which
 /// may be in any order.
-[[nodiscard]] bool depends(const ContactPairs& pairs, const ActiveSet& set, int i);
+[[nodiscard]] bool depends(const ConstraintRows& rows, const ActiveSet& set, int i);
 
 /// Removes candidates that depend on earlier ones of their node.
-void drop_dependent(const ContactPairs& pairs, ActiveSet& set);
+void drop_dependent(const ConstraintRows& rows, ActiveSet& set);
 
 /// The next set of a primal-dual step, independent, from the solution on an independent `set`: closed
 /// candidates with λ > 0 and open ones with g < 0 (Hintermüller, Ito, Kunisch 2003). A candidate that depends
-/// on others of its node replaces the one whose force falls to zero first as its own grows (ratio test).
-void next_set(const ContactPairs& pairs, const ActiveSet& set, std::span<const double> lambda,
+/// on others of its cluster replaces the one whose force falls to zero first as its own grows (ratio test).
+void next_set(const ConstraintRows& rows, const ActiveSet& set, std::span<const double> lambda,
               std::span<const double> gap, ActiveSet& next);
 
 /// Block principal pivoting (Júdice, Pires 1994): whole primal-dual steps as long as the number of candidates
@@ -23,8 +23,8 @@ void next_set(const ContactPairs& pairs, const ActiveSet& set, std::span<const d
 /// candidate on the wrong side, which ends after finitely many steps (Murty 1974).
 class BlockPivoting {
 public:
-  /// `pairs` must outlive this object.
-  explicit BlockPivoting(const ContactPairs& pairs) : pairs_(pairs) {}
+  /// `rows` must outlive this object.
+  explicit BlockPivoting(const ConstraintRows& rows) : rows_(rows) {}
 
   /// Whether the next step is a whole one.
   [[nodiscard]] bool whole() const { return left_ > 0; }
@@ -37,7 +37,7 @@ public:
 private:
   static constexpr int patience = 10;
 
-  const ContactPairs& pairs_;
+  const ConstraintRows& rows_;
   std::size_t fewest_ = std::numeric_limits<std::size_t>::max();
   int left_ = patience, steps_ = 0;
 };

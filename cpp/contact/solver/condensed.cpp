@@ -20,12 +20,12 @@ double deepest(std::span<const double> gap0) { return std::max(0.0, -std::ranges
 
 CondensedSolver::CondensedSolver(const ContactPairs& pairs, Mat D,
                                  std::unique_ptr<const Elimination> elimination, Residual residual)
-    : pairs_(pairs), delassus_(pairs, std::move(elimination)), complementarity_(pairs, D), N_(pairs),
+    : pairs_(pairs), delassus_(pairs.rows(), std::move(elimination)), complementarity_(pairs, D),
       residual_(std::move(residual)), length_unit_(pairs.gap_tolerance()) {}
 
 Workspace CondensedSolver::workspace() const {
   Workspace work = delassus_.workspace();
-  if (pairs_.dependent())
+  if (pairs_.rows().dependent())
     work.dual = GoldfarbIdnaniWork(work.gap0.size());
   return work;
 }
@@ -83,7 +83,7 @@ void CondensedSolver::settle(ContactState& state, std::span<const double> psi, d
     return complementarity_.holds_within(negligible, state.lambda, state.gap) && holds(state, psi, work.gap0);
   };
   for (int i = 0; i < most && !settled(); ++i, ++state.vi_iterations) {
-    next_set(pairs_, work.set, state.lambda, state.gap, work.next);
+    next_set(pairs_.rows(), work.set, state.lambda, state.gap, work.next);
     std::swap(work.set, work.next);
     solve_on_set(state, work);
   }
@@ -117,7 +117,7 @@ void CondensedSolver::find_set(ContactState& state, Workspace& work) const {
 }
 
 void CondensedSolver::find_independent_set(ContactState& state, Workspace& work) const {
-  const auto depending = [this](const ActiveSet& set, int i) { return depends(pairs_, set, i); };
+  const auto depending = [this](const ActiveSet& set, int i) { return depends(pairs_.rows(), set, i); };
   // 1e-8 is two digits above the rounding of S (Complementarity::negligible_gap()); if gaps of its size
   // counted as penetration, the search could cycle.
   const double tolerance = std::min(length_unit_, 1e-8 * deepest(work.gap0));
@@ -130,7 +130,7 @@ void CondensedSolver::search(ContactState& state, Workspace& work) const {
   // PETSc counts the entries of a dense matrix in PetscInt.
   const bool fits =
       work.gap0.size() * work.gap0.size() < static_cast<std::size_t>(std::numeric_limits<PetscInt>::max());
-  if (pairs_.dependent() || !fits)
+  if (pairs_.rows().dependent() || !fits)
     find_independent_set(state, work);
   else
     find_set(state, work);
@@ -156,17 +156,17 @@ void CondensedSolver::refine(Vec r, std::span<const double> psi, ContactState& s
     // A pass gains the digits that the free motion of what is left of r has fewer than that of r.
     constexpr int passes = 3;
     for (int pass = 0; pass < passes; ++pass) {
-      N_.set_normal(work.set, psi, y);
+      pairs_.rows().prescribe(work.set, psi, y);
       residual_(y, r, work.residual);
-      N_.add(-1, state.lambda, work.residual);
+      pairs_.rows().apply(-1, state.lambda, work.residual);
       delassus_.solve_guided(work.residual, work.set, {}, work.correction, work);
       check(VecAXPY(y, 1, work.correction));
       for (int j : work.set)
         state.lambda[static_cast<std::size_t>(j)] += work.mu[static_cast<std::size_t>(j)];
     }
-    N_.set_normal(work.set, psi, y);
-    N_.gap(psi, y, state.gap);
-    next_set(pairs_, work.set, state.lambda, state.gap, work.next);
+    pairs_.rows().prescribe(work.set, psi, y);
+    pairs_.rows().gap(psi, y, state.gap);
+    next_set(pairs_.rows(), work.set, state.lambda, state.gap, work.next);
     if (work.next == work.set || complementarity_.holds_within(length_unit_, state.lambda, state.gap))
       return;
     std::swap(work.set, work.next);
@@ -185,7 +185,7 @@ void CondensedSolver::solve(Vec r, std::span<const double> psi, const ActiveSet&
   if (std::ranges::any_of(work.gap0, [](double g) { return g < 0; })) {
     count_solved();
     work.set = previous;
-    drop_dependent(pairs_, work.set);
+    drop_dependent(pairs_.rows(), work.set);
     solve_on_set(state, work);
     // Closing a residual penetration does spurious work, which is large relative to the motion in a short
     // step even where the penetration is negligible relative to the body; so solve to rounding.

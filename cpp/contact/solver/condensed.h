@@ -11,7 +11,7 @@ namespace signorini::contact {
 using Residual = std::function<void(Vec y, Vec r, Vec out)>;
 
 /// Solves the step's VI condensed to the m candidates (docs/method.md section 5): with the predicted gaps g⁰
-/// = g(D⁻¹r), 0 ≤ λ ⟂ g = g⁰ + Sλ ≥ 0 and y = D⁻¹(r − Nλ). No VI is solved if no predicted gap is negative.
+/// = g(D⁻¹r), 0 ≤ λ ⟂ g = g⁰ + Sλ ≥ 0 and y = D⁻¹(r − Hλ). No VI is solved if no predicted gap is negative.
 /// Otherwise the active set is sought by primal-dual steps from that of the previous step, from which it
 /// mostly differs in few candidates. Where these do not settle soon, PETSc's VI solver finds the set from the
 /// VI in the gaps, 0 ≤ g ⟂ S⁻¹(g − g⁰) ≥ 0: S⁻¹, unlike S, is close to an M-matrix, for which reduced-space
@@ -69,7 +69,6 @@ private:
   const ContactPairs& pairs_;
   DelassusOperator delassus_;
   Complementarity complementarity_;
-  NormalOperator N_;
   Residual residual_;
   double length_unit_; ///< of gaps in PETSc's VI: a negligible gap, m
 };

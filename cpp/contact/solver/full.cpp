@@ -32,9 +32,9 @@ std::array<double, 9> frame(const double* n, double length, int dim, int axis) {
 std::vector<int> largest_components(const ContactPairs& pairs) {
   std::vector<int> axes;
   for (int i = 0; i < pairs.count(); ++i) {
-    const double* n = &pairs.directions()[i * pairs.dim()];
+    const std::span<const double> n = pairs.rows().force(i);
     const auto smaller = [](double a, double b) { return std::abs(a) < std::abs(b); };
-    axes.push_back(static_cast<int>(std::max_element(n, n + pairs.dim(), smaller) - n));
+    axes.push_back(static_cast<int>(std::ranges::max_element(n, smaller) - n.begin()));
   }
   return axes;
 }
@@ -42,22 +42,22 @@ std::vector<int> largest_components(const ContactPairs& pairs) {
 std::vector<double> lengths(const ContactPairs& pairs) {
   std::vector<double> lengths;
   for (int i = 0; i < pairs.count(); ++i) {
-    const double* n = &pairs.directions()[i * pairs.dim()];
-    lengths.push_back(std::sqrt(std::inner_product(n, n + pairs.dim(), n, 0.0)));
+    const std::span<const double> n = pairs.rows().force(i);
+    lengths.push_back(std::sqrt(std::inner_product(n.begin(), n.end(), n.begin(), 0.0)));
   }
   return lengths;
 }
 
 void require_one_per_node(const ContactPairs& pairs) {
-  const std::vector<int>& nodes = pairs.node_numbers();
-  const auto twin = std::ranges::adjacent_find(nodes);
-  if (twin == nodes.end())
+  const auto& clusters = pairs.rows().clusters();
+  const auto several = std::ranges::find_if(
+      clusters, [](const ConstraintRows::Cluster& one) { return one.last - one.first > 1; });
+  if (several == clusters.end())
     return;
-  throw UserError(
-      fmt::format("solver.vi: found \"full\" with {} obstacles for the node at {}, "
-                  "allowed is \"condensed\": the full VI takes one obstacle per node",
-                  std::ranges::count(nodes, *twin),
-                  point_text(&pairs.points()[3 * static_cast<std::size_t>(twin - nodes.begin())])));
+  throw UserError(fmt::format("solver.vi: found \"full\" with {} obstacles for the node at {}, "
+                              "allowed is \"condensed\": the full VI takes one obstacle per node",
+                              several->last - several->first,
+                              point_text(&pairs.points()[3 * static_cast<std::size_t>(several->first)])));
 }
 
 petsc::Matrix frames(const ContactPairs& pairs, Mat D, const std::vector<int>& axes,
@@ -77,7 +77,7 @@ petsc::Matrix frames(const ContactPairs& pairs, Mat D, const std::vector<int>& a
     if (first < begin || first >= end)
       continue;
     std::array<PetscInt, 3> dofs{first, first + 1, first + 2};
-    const std::array<double, 9> F = frame(&pairs.directions()[i * dim], lengths[i], dim, axes[i]);
+    const std::array<double, 9> F = frame(pairs.rows().force(i).data(), lengths[i], dim, axes[i]);
     check(MatSetValues(Q, dim, dofs.data(), dim, dofs.data(), F.data(), INSERT_VALUES));
   }
   check(MatAssemblyBegin(Q, MAT_FINAL_ASSEMBLY));
@@ -88,9 +88,9 @@ petsc::Matrix frames(const ContactPairs& pairs, Mat D, const std::vector<int>& a
 } // namespace
 
 FullSolver::FullSolver(const ContactPairs& pairs, Mat D)
-    : pairs_(pairs), N_(pairs), complementarity_(pairs, D), length_unit_(pairs.gap_tolerance()),
+    : pairs_(pairs), complementarity_(pairs, D), length_unit_(pairs.gap_tolerance()),
       axis_(largest_components(pairs)), length_(lengths(pairs)), Q_(frames(pairs, D, axis_, length_)) {
-  if (pairs.held())
+  if (pairs.rows().clamped())
     diagonal_ = fem::diagonal(D);
   petsc::Matrix rows; // PETSc multiplies and extracts submatrices by rows, not by blocks
   check(MatConvert(D, MATAIJ, MAT_INITIAL_MATRIX, rows.put()));
@@ -123,7 +123,7 @@ void FullSolver::solve(Vec r, std::span<const double> psi, const ActiveSet&, Con
   const std::size_t m = psi.size();
   check(MatMultTranspose(Q_, r, r_));
   check(VecScale(r_, -1 / force_unit_));
-  N_.hold(diagonal_, r, y);
+  pairs_.rows().set_clamped(diagonal_, r, y);
   check(MatMultTranspose(Q_, y, z_));
   check(VecScale(z_, 1 / length_unit_));
   {
@@ -131,7 +131,8 @@ void FullSolver::solve(Vec r, std::span<const double> psi, const ActiveSet&, Con
     const petsc::WriteArray upper(vi_->upper()), z(z_);
     for (std::size_t i = 0; i < m; ++i)
       if (const PetscInt at = coordinate(i); at >= 0) {
-        upper[at] = (psi[i] - N_.held_normal(static_cast<int>(i), known)) / length_[i] / length_unit_;
+        upper[at] =
+            (psi[i] - pairs_.rows().clamped_part(static_cast<int>(i), known)) / length_[i] / length_unit_;
         // Rounding may put a guess on the bound slightly below it, where the solver would leave it: within
         // one unit, the gap tolerance, it counts as on the bound.
         if (z[at] >= upper[at] - 1)
@@ -151,7 +152,7 @@ void FullSolver::solve(Vec r, std::span<const double> psi, const ActiveSet&, Con
   MPI_Allreduce(MPI_IN_PLACE, state.lambda.data(), static_cast<int>(m), MPI_DOUBLE, MPI_SUM, petsc::comm(r_));
   check(VecScale(z_, length_unit_));
   check(MatMult(Q_, z_, y));
-  N_.gap(psi, y, state.gap);
+  pairs_.rows().gap(psi, y, state.gap);
   complementarity_.classify(state, y);
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 #include "contact/lcp/complementarity.h"
 #include "contact/lcp/snes_vi.h"
-#include "contact/normal_operator.h"
 #include "contact/solver/contact_step_solver.h"
 
 namespace signorini::contact {
@@ -36,7 +35,6 @@ private:
   [[nodiscard]] PetscInt coordinate(std::size_t i) const;
 
   const ContactPairs& pairs_;
-  const NormalOperator N_;
   Complementarity complementarity_;
   double length_unit_, force_unit_; ///< of the VI: a negligible gap (m); that times D's largest diagonal
   std::vector<int> axis_;           ///< component that each candidate's force direction replaces (m)

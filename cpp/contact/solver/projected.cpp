@@ -8,39 +8,39 @@ namespace signorini::contact {
 using petsc::check;
 
 ProjectedSolver::ProjectedSolver(const ContactPairs& pairs, const ConjugateGradients& D, Mat matrix)
-    : pairs_(pairs), N_(pairs), D_(D), matrix_(matrix), complementarity_(pairs, matrix),
+    : pairs_(pairs), rows_(pairs.rows()), D_(D), matrix_(matrix), complementarity_(pairs, matrix),
       zero_(static_cast<std::size_t>(pairs.count()), 0.0), residual_(petsc::vector_of(matrix)) {
-  if (pairs.held())
+  if (rows_.clamped())
     diagonal_ = fem::diagonal(matrix);
 }
 
 void ProjectedSolver::evaluate(Vec r, std::span<const double> psi, Vec y, ContactState& state,
                                Workspace& work) const {
-  N_.gap(psi, y, state.gap);
+  rows_.gap(psi, y, state.gap);
   if (work.set.empty()) {
     std::ranges::fill(state.lambda, 0);
   } else {
     check(MatMult(matrix_, y, residual_));
     check(VecAYPX(residual_, -1, r));
-    N_.forces(work.set, residual_, state.lambda); // Nλ = r − D y
+    rows_.multipliers(work.set, residual_, state.lambda); // Hλ = r − D y
   }
-  next_set(pairs_, work.set, state.lambda, state.gap, work.next);
+  next_set(rows_, work.set, state.lambda, state.gap, work.next);
 }
 
 void ProjectedSolver::solve(Vec r, std::span<const double> psi, const ActiveSet& previous,
                             ContactState& state, Vec y, Workspace& work) const {
-  const ConjugateGradients::Projector project = [&](Vec x) { N_.set_normal(work.set, zero_, x); };
+  const ConjugateGradients::Projector project = [&](Vec x) { rows_.prescribe(work.set, zero_, x); };
   const auto look = [&](Vec x) {
     evaluate(r, psi, x, state, work);
     return work.next == work.set;
   };
   const ConjugateGradients::Judge judge = std::cref(look); // a reference: std::function does not allocate
   work.set = previous;
-  drop_dependent(pairs_, work.set);
-  N_.hold(diagonal_, r, y); // gaps depend on held components too
-  for (BlockPivoting pivoting(pairs_);; pivoting.advance(work.set, work.next, work.wrong)) {
+  drop_dependent(rows_, work.set);
+  rows_.set_clamped(diagonal_, r, y); // gaps depend on held components too
+  for (BlockPivoting pivoting(rows_);; pivoting.advance(work.set, work.next, work.wrong)) {
     state.vi_iterations = pivoting.steps();
-    N_.set_normal(work.set, psi, y);
+    rows_.prescribe(work.set, psi, y);
     if (D_.solve(r, y, project, pivoting.whole() ? judge : nullptr)) {
       evaluate(r, psi, y, state, work);
       PetscReal size = 0;
@@ -57,14 +57,14 @@ void ProjectedSolver::solve(Vec r, std::span<const double> psi, const ActiveSet&
 
 void ProjectedSolver::solve_guided(Vec r, const ActiveSet& set, std::span<const double> value, Vec p,
                                    Workspace& work) const {
-  const ConjugateGradients::Projector project = [&](Vec x) { N_.set_normal(set, zero_, x); };
-  N_.set_normal(set, value.empty() ? std::span<const double>(zero_) : value, p);
+  const ConjugateGradients::Projector project = [&](Vec x) { rows_.prescribe(set, zero_, x); };
+  rows_.prescribe(set, value.empty() ? std::span<const double>(zero_) : value, p);
   D_.solve(r, p, project, {});
   if (value.empty())
     return;
   check(MatMult(matrix_, p, residual_));
   check(VecAYPX(residual_, -1, r));
-  N_.forces(set, residual_, work.mu); // Nμ = r − D p
+  rows_.multipliers(set, residual_, work.mu); // Hμ = r − D p
 }
 
 } // namespace signorini::contact

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "contact/lcp/complementarity.h"
-#include "contact/normal_operator.h"
 #include "contact/solver/contact_step_solver.h"
 #include "linalg/linear_solver.h"
 
@@ -28,7 +27,7 @@ private:
   void evaluate(Vec r, std::span<const double> psi, Vec y, ContactState& state, Workspace& work) const;
 
   const ContactPairs& pairs_;
-  const NormalOperator N_;
+  const ConstraintRows& rows_;
   const ConjugateGradients& D_;
   Mat matrix_;
   Complementarity complementarity_;

@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "contact/constraint_rows.h"
+#include "base/collective.h"
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace signorini::contact {
+using petsc::check;
+
+ConstraintRows::ConstraintRows(MPI_Comm comm, const std::vector<std::vector<Entry>>& rows, PetscInt first,
+                               PetscInt end)
+    : comm_(comm), row_begin_{0} {
+  std::size_t of_cluster = 0; // begin of the present cluster's dofs
+  for (const std::vector<Entry>& row : rows) {
+    const auto known = [&](const Entry& entry) {
+      return std::find(dofs_.begin() + static_cast<std::ptrdiff_t>(of_cluster), dofs_.end(), entry.dof);
+    };
+    if (std::ranges::none_of(row, [&](const Entry& entry) { return known(entry) != dofs_.end(); }))
+      of_cluster = dofs_.size();
+    for (const Entry& entry : row) {
+      const auto at = known(entry);
+      columns_.push_back(static_cast<int>(at - dofs_.begin()));
+      if (at == dofs_.end())
+        dofs_.push_back(entry.dof);
+      motions_.push_back(entry.coefficient);
+      forces_.push_back(entry.clamped ? 0 : entry.coefficient);
+      clamped_.push_back(entry.clamped);
+      any_clamped_ = any_clamped_ || entry.clamped;
+    }
+    row_begin_.push_back(columns_.size());
+  }
+  for (const PetscInt dof : dofs_)
+    local_.push_back(dof >= first && dof < end ? static_cast<int>(dof - first) : -1);
+  find_clusters();
+}
+
+void ConstraintRows::find_clusters() {
+  for (int row = 0; row < count(); ++row) {
+    const auto [least, most] = std::ranges::minmax(columns(row));
+    if (clusters_.empty() || least >= clusters_.back().end)
+      clusters_.push_back({row, row, least, least, false, local_[static_cast<std::size_t>(least)] >= 0});
+    Cluster& here = clusters_.back();
+    here.last = row + 1;
+    here.end = std::max(here.end, most + 1);
+    cluster_of_.push_back(static_cast<int>(clusters_.size()) - 1);
+  }
+  RowBasis basis(*this);
+  for (Cluster& here : clusters_) {
+    basis.clear();
+    for (int row = here.first; row < here.last; ++row)
+      here.dependent = !basis.add(row) || here.dependent;
+    dependent_ = dependent_ || here.dependent;
+  }
+}
+
+ConstraintRows ConstraintRows::with(std::vector<double> coefficients) const {
+  ConstraintRows other = *this;
+  for (std::size_t i = 0; i < coefficients.size(); ++i)
+    other.forces_[i] = clamped_[i] ? 0 : coefficients[i];
+  other.motions_ = std::move(coefficients);
+  return other;
+}
+
+void ConstraintRows::spread(int row, std::span<double> out) const {
+  std::ranges::fill(out, 0);
+  const std::span<const int> at = columns(row);
+  const std::span<const double> values = force(row);
+  for (std::size_t j = 0; j < at.size(); ++j)
+    out[static_cast<std::size_t>(at[j] - cluster(row).begin)] = values[j];
+}
+
+void ConstraintRows::apply_transpose(Vec x, std::span<double> out) const {
+  std::ranges::fill(out, 0);
+  {
+    const petsc::ReadArray values(x);
+    for (int i = 0; i < count(); ++i) {
+      if (!here(i))
+        continue;
+      const std::span<const int> at = columns(i);
+      const std::span<const double> row = motion(i);
+      for (std::size_t j = 0; j < at.size(); ++j)
+        out[static_cast<std::size_t>(i)] +=
+            row[j] * values[static_cast<std::size_t>(local_[static_cast<std::size_t>(at[j])])];
+    }
+  }
+  // Every entry comes from one rank alone, so the sum is exact and the same on every rank.
+  MPI_Allreduce(MPI_IN_PLACE, out.data(), count(), MPI_DOUBLE, MPI_SUM, comm_);
+}
+
+void ConstraintRows::gap(std::span<const double> psi, Vec y, std::span<double> out) const {
+  apply_transpose(y, out);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] = psi[i] - out[i];
+}
+
+void ConstraintRows::add(const std::vector<double>& coefficients, double scale,
+                         std::span<const double> lambda, Vec x) const {
+  const petsc::WriteArray values(x);
+  for (int i = 0; i < count(); ++i) {
+    if (!here(i))
+      continue;
+    const std::span<const int> at = columns(i);
+    const std::span<const double> row = part(coefficients, i);
+    for (std::size_t j = 0; j < at.size(); ++j)
+      values[static_cast<std::size_t>(local_[static_cast<std::size_t>(at[j])])] +=
+          scale * lambda[static_cast<std::size_t>(i)] * row[j];
+  }
+}
+
+void ConstraintRows::apply_transpose(std::span<const double> x, std::span<double> out) const {
+  for (int i = 0; i < count(); ++i) {
+    const std::span<const int> at = columns(i);
+    const std::span<const double> row = motion(i);
+    out[static_cast<std::size_t>(i)] = 0;
+    for (std::size_t j = 0; j < at.size(); ++j)
+      out[static_cast<std::size_t>(i)] += row[j] * x[static_cast<std::size_t>(at[j])];
+  }
+}
+
+void ConstraintRows::apply(std::span<const double> lambda, std::span<double> x) const {
+  std::ranges::fill(x, 0);
+  for (int i = 0; i < count(); ++i) {
+    const std::span<const int> at = columns(i);
+    const std::span<const double> row = force(i);
+    for (std::size_t j = 0; j < at.size(); ++j)
+      x[static_cast<std::size_t>(at[j])] += row[j] * lambda[static_cast<std::size_t>(i)];
+  }
+}
+
+std::vector<double> ConstraintRows::dense() const {
+  std::vector<double> H(dofs_.size() * static_cast<std::size_t>(count()));
+  for (int i = 0; i < count(); ++i) {
+    const std::span<const int> at = columns(i);
+    const std::span<const double> row = force(i);
+    for (std::size_t j = 0; j < at.size(); ++j)
+      H[static_cast<std::size_t>(i) * dofs_.size() + static_cast<std::size_t>(at[j])] = row[j];
+  }
+  return H;
+}
+
+void ConstraintRows::gram(const Cluster& cluster, std::vector<double>& out) const {
+  SmallArray<double, 3> one(cluster.width()), other(cluster.width());
+  out.clear();
+  for (int i = cluster.first; i < cluster.last; ++i)
+    for (int j = cluster.first; j < cluster.last; ++j) {
+      spread(i, one);
+      spread(j, other);
+      out.push_back(std::inner_product(one.begin(), one.end(), other.begin(), 0.0));
+    }
+}
+
+petsc::Matrix ConstraintRows::rows(int first, int count, Vec layout) const {
+  const bool mine = rank(comm_) == 0;
+  PetscInt n = 0;
+  check(VecGetSize(layout, &n));
+  std::size_t most = 0;
+  for (int i = first; i < first + count; ++i)
+    most = std::max(most, columns(i).size());
+  petsc::Matrix made;
+  check(MatCreateAIJ(comm_, mine ? count : 0, mine ? n : 0, count, n, static_cast<PetscInt>(most), nullptr, 0,
+                     nullptr, made.put()));
+  for (int i = 0; mine && i < count; ++i) {
+    const std::span<const int> at = columns(first + i);
+    const std::span<const double> row = force(first + i);
+    for (std::size_t j = 0; j < at.size(); ++j)
+      check(MatSetValue(made, i, dofs_[static_cast<std::size_t>(at[j])], row[j], INSERT_VALUES));
+  }
+  check(MatAssemblyBegin(made, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(made, MAT_FINAL_ASSEMBLY));
+  return made;
+}
+
+std::vector<double> ConstraintRows::weighted_squares(Vec diagonal) const {
+  std::vector<double> sums(static_cast<std::size_t>(count()));
+  {
+    const petsc::ReadArray d(diagonal);
+    for (int i = 0; i < count(); ++i) {
+      if (!here(i))
+        continue;
+      const std::span<const int> at = columns(i);
+      const std::span<const double> row = force(i);
+      for (std::size_t j = 0; j < at.size(); ++j)
+        sums[static_cast<std::size_t>(i)] +=
+            row[j] * row[j] * d[static_cast<std::size_t>(local_[static_cast<std::size_t>(at[j])])];
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), count(), MPI_DOUBLE, MPI_SUM, comm_);
+  return sums;
+}
+
+void ConstraintRows::multipliers(const ActiveSet& set, Vec x, std::span<double> lambda) const {
+  std::ranges::fill(lambda, 0);
+  {
+    const petsc::ReadArray values(x);
+    RowBasis basis(*this);
+    for (auto at = set.begin(); at != set.end();) {
+      const Cluster& cluster = this->cluster(*at);
+      basis.clear();
+      for (; at != set.end() && *at < cluster.last; ++at)
+        basis.add(*at);
+      if (!cluster.here)
+        continue;
+      SmallArray<double, 3> here(cluster.width());
+      for (std::size_t j = 0; j < cluster.width(); ++j)
+        here[j] = values[static_cast<std::size_t>(local_[static_cast<std::size_t>(cluster.begin) + j])];
+      RowBasis::Coordinates b = basis.coordinates();
+      for (std::size_t k = 0; k < basis.size(); ++k)
+        b[k] = basis.along(k, here);
+      basis.combine(b);
+      for (std::size_t k = 0; k < basis.size(); ++k)
+        lambda[static_cast<std::size_t>(basis.member(k))] = b[k];
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, lambda.data(), count(), MPI_DOUBLE, MPI_SUM, comm_); // exact, as above
+}
+
+void ConstraintRows::prescribe(std::span<const int> set, std::span<const double> value, Vec x) const {
+  const petsc::WriteArray values(x);
+  RowBasis basis(*this);
+  for (auto at = set.begin(); at != set.end();) {
+    const Cluster& cluster = this->cluster(*at);
+    if (!cluster.here) {
+      at = std::find_if(at, set.end(), [&](int i) { return i >= cluster.last; });
+      continue;
+    }
+    SmallArray<double, 3> here(cluster.width());
+    const auto entry = [&](std::size_t j) -> double& {
+      return values[static_cast<std::size_t>(local_[static_cast<std::size_t>(cluster.begin) + j])];
+    };
+    for (std::size_t j = 0; j < cluster.width(); ++j)
+      here[j] = entry(j);
+    basis.clear();
+    RowBasis::Coordinates change = basis.coordinates();
+    for (; at != set.end() && *at < cluster.last; ++at)
+      if (basis.add(*at)) {
+        const std::span<const int> columns = this->columns(*at);
+        const std::span<const double> row = motion(*at);
+        double moved = 0;
+        for (std::size_t j = 0; j < row.size(); ++j)
+          moved += row[j] * here[static_cast<std::size_t>(columns[j] - cluster.begin)];
+        change[basis.size() - 1] = value[static_cast<std::size_t>(*at)] - moved;
+      }
+    basis.shortest(change);
+    basis.add_to(here, change);
+    for (std::size_t j = 0; j < cluster.width(); ++j)
+      entry(j) = here[j];
+  }
+}
+
+void ConstraintRows::set_clamped(Vec diagonal, Vec r, Vec y) const {
+  if (!clamped())
+    return;
+  const petsc::ReadArray d(diagonal), force(r);
+  const petsc::WriteArray values(y);
+  for (std::size_t entry = 0; entry < columns_.size(); ++entry)
+    if (const int at = local_[static_cast<std::size_t>(columns_[entry])];
+        at >= 0 && forces_[entry] != motions_[entry])
+      values[static_cast<std::size_t>(at)] =
+          force[static_cast<std::size_t>(at)] / d[static_cast<std::size_t>(at)];
+}
+
+double ConstraintRows::clamped_part(int row, std::span<const double> y) const {
+  const std::span<const int> at = columns(row);
+  double sum = 0;
+  for (std::size_t j = 0; j < at.size(); ++j)
+    sum += (motion(row)[j] - force(row)[j]) *
+           y[static_cast<std::size_t>(local_[static_cast<std::size_t>(at[j])])];
+  return sum;
+}
+
+std::size_t RowBasis::widest(const ConstraintRows& rows) {
+  std::size_t most = 0;
+  for (const ConstraintRows::Cluster& cluster : rows.clusters())
+    most = std::max(most, cluster.width());
+  return most;
+}
+
+RowBasis::RowBasis(const ConstraintRows& rows)
+    : rows_(rows), capacity_(widest(rows)), q_(capacity_ * capacity_), R_(capacity_ * capacity_),
+      members_(capacity_) {}
+
+namespace {
+
+double norm(std::span<const double> x) {
+  constexpr std::size_t of_node = 3;
+  if (x.size() <= of_node)
+    return std::hypot(x[0], x.size() > 1 ? x[1] : 0, x.size() > 2 ? x[2] : 0);
+  return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.0));
+}
+
+} // namespace
+
+bool RowBasis::add(int row) {
+  width_ = rows_.cluster(row).width();
+  SmallArray<double, 3> whole(width_), part(capacity_);
+  rows_.spread(row, whole);
+  SmallArray<double, 3> left = whole;
+  for (int pass = 0; pass < 2; ++pass) // the second pass removes the rounding of the first
+    for (std::size_t k = 0; k < size_; ++k) {
+      const double along_k = along(k, left);
+      part[k] += along_k;
+      for (std::size_t c = 0; c < width_; ++c)
+        left[c] -= along_k * q_[k * capacity_ + c];
+    }
+  const double rest = norm(left);
+  if (size_ == width_ || !(rest > parallel * norm(whole)))
+    return false;
+  for (std::size_t c = 0; c < width_; ++c)
+    q_[size_ * capacity_ + c] = left[c] / rest;
+  part[size_] = rest;
+  for (std::size_t k = 0; k < capacity_; ++k)
+    R_[size_ * capacity_ + k] = part[k];
+  members_[size_++] = row;
+  return true;
+}
+
+void RowBasis::replace(std::size_t k, int row) {
+  SmallArray<int, 3> members = members_;
+  members[k] = row;
+  const std::size_t size = std::exchange(size_, 0);
+  for (std::size_t j = 0; j < size; ++j)
+    add(members[j]);
+}
+
+double RowBasis::along(std::size_t k, std::span<const double> x) const {
+  double sum = 0;
+  for (std::size_t c = 0; c < width_; ++c)
+    sum += q_[k * capacity_ + c] * x[c];
+  return sum;
+}
+
+void RowBasis::coefficients(int row, Coordinates& out) const {
+  SmallArray<double, 3> whole(width_);
+  rows_.spread(row, whole);
+  for (std::size_t k = 0; k < size_; ++k)
+    out[k] = along(k, whole);
+  combine(out);
+}
+
+void RowBasis::add_to(std::span<double> x, const Coordinates& b) const {
+  for (std::size_t k = 0; k < size_; ++k)
+    for (std::size_t c = 0; c < width_; ++c)
+      x[c] += b[k] * q_[k * capacity_ + c];
+}
+
+void RowBasis::shortest(Coordinates& b) const {
+  for (std::size_t j = 0; j < size_; ++j) {
+    for (std::size_t k = 0; k < j; ++k)
+      b[j] -= R_[j * capacity_ + k] * b[k];
+    b[j] /= R_[j * capacity_ + j];
+  }
+}
+
+void RowBasis::combine(Coordinates& b) const {
+  for (std::size_t k = size_; k-- > 0;) {
+    for (std::size_t j = k + 1; j < size_; ++j)
+      b[k] -= R_[j * capacity_ + k] * b[j];
+    b[k] /= R_[k * capacity_ + k];
+  }
+}
+
+} // namespace signorini::contact

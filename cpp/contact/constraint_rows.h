@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/petsc.h"
+#include "contact/contact_state.h"
+#include <array>
+#include <span>
+
+namespace signorini::contact {
+
+/// The constraint operator H, N of docs/method.md section 2: a sparse matrix with a row for each multiplier,
+/// over the dofs that any of them constrains. Hᵀy are the motions that gaps see, Hλ the nodal forces of
+/// multipliers. Clamped dofs count in motions, whose value there is prescribed, and receive no force. Rows
+/// that share dofs form a cluster, here those of one node: they follow each other, and their dofs are on one
+/// rank. The matrix is the same on every rank. Arrays over rows have count() entries.
+class ConstraintRows {
+public:
+  struct Entry {
+    PetscInt dof; ///< global
+    double coefficient;
+    bool clamped;
+  };
+  struct Cluster {
+    int first, last; ///< rows [first, last)
+    int begin, end;  ///< of the constrained dofs, [begin, end)
+    bool dependent;  ///< its rows are linearly dependent
+    bool here;       ///< its dofs are on this rank
+    [[nodiscard]] std::size_t width() const { return static_cast<std::size_t>(end - begin); }
+  };
+
+  /// `rows` are the same on every rank; this one owns the dofs [first, end).
+  ConstraintRows(MPI_Comm comm, const std::vector<std::vector<Entry>>& rows, PetscInt first, PetscInt end);
+
+  [[nodiscard]] int count() const { return static_cast<int>(row_begin_.size()) - 1; }
+  [[nodiscard]] MPI_Comm comm() const { return comm_; }
+  /// The global dofs that are constrained, cluster by cluster.
+  [[nodiscard]] const std::vector<PetscInt>& dofs() const { return dofs_; }
+  [[nodiscard]] const std::vector<Cluster>& clusters() const { return clusters_; }
+  [[nodiscard]] const Cluster& cluster(int row) const {
+    return clusters_[static_cast<std::size_t>(cluster_of_[static_cast<std::size_t>(row)])];
+  }
+  /// Whether the rows of some cluster are linearly dependent: multipliers are then not unique.
+  [[nodiscard]] bool dependent() const { return dependent_; }
+  /// Whether any of the dofs is clamped.
+  [[nodiscard]] bool clamped() const { return any_clamped_; }
+  /// Rows with the same dofs and other coefficients, one for each entry, row by row.
+  [[nodiscard]] ConstraintRows with(std::vector<double> coefficients) const;
+
+  /// Coefficients of a row at the dofs that no clamp holds, zero at the others: the nodal force of a unit
+  /// multiplier.
+  [[nodiscard]] std::span<const double> force(int row) const { return part(forces_, row); }
+  /// Coefficients of a row at all of its dofs.
+  [[nodiscard]] std::span<const double> motion(int row) const { return part(motions_, row); }
+  /// Number of each entry's dof among dofs().
+  [[nodiscard]] std::span<const int> columns(int row) const {
+    return {&columns_[row_begin_[static_cast<std::size_t>(row)]],
+            row_begin_[static_cast<std::size_t>(row) + 1] - row_begin_[static_cast<std::size_t>(row)]};
+  }
+  /// The force coefficients of a row over its cluster's dofs (width).
+  void spread(int row, std::span<double> out) const;
+
+  /// out ← Hᵀx, including clamped dofs. Collective.
+  void apply_transpose(Vec x, std::span<double> out) const;
+  /// out ← g(y) = ψ − Hᵀy, m, for ψ in metres. Collective.
+  void gap(std::span<const double> psi, Vec y, std::span<double> out) const;
+  /// x += scale · Hλ.
+  void apply(double scale, std::span<const double> lambda, Vec x) const { add(forces_, scale, lambda, x); }
+  /// x += scale · Hλ, and at clamped dofs what would be their share.
+  void apply_whole(double scale, std::span<const double> lambda, Vec x) const {
+    add(motions_, scale, lambda, x);
+  }
+
+  /// out ← Hᵀx for the values x of the constrained dofs.
+  void apply_transpose(std::span<const double> x, std::span<double> out) const;
+  /// x ← Hλ, the values at the constrained dofs.
+  void apply(std::span<const double> lambda, std::span<double> x) const;
+  /// H as a dense matrix (dofs × rows), column by column.
+  [[nodiscard]] std::vector<double> dense() const;
+  /// HᵀH of a cluster (rows × rows), at the dofs that no clamp holds.
+  void gram(const Cluster& cluster, std::vector<double>& out) const;
+  /// Rows [first, first + count) of Hᵀ, on rank 0. Collective.
+  [[nodiscard]] petsc::Matrix rows(int first, int count, Vec layout) const;
+  /// Σ_j h_j² d_j of each row, for a diagonal d. Collective.
+  [[nodiscard]] std::vector<double> weighted_squares(Vec diagonal) const;
+
+  /// λ with Hλ = x at the clusters of `set` and zero elsewhere, for an x in the range of the set's columns of
+  /// H; of linearly dependent rows the first ones carry the force. Collective.
+  void multipliers(const ActiveSet& set, Vec x, std::span<double> lambda) const;
+  /// Makes Hᵀx = value on `set` by the smallest change of the dofs that no clamp holds; of linearly dependent
+  /// rows, for the first ones.
+  void prescribe(std::span<const int> set, std::span<const double> value, Vec x) const;
+
+  /// Sets the clamped dofs of y to their values in the step's system, in which they are decoupled: r divided
+  /// by the matrix's diagonal.
+  void set_clamped(Vec diagonal, Vec r, Vec y) const;
+  /// What clamped dofs contribute to (Hᵀy)_row, for a row of this rank and the owned entries of y.
+  [[nodiscard]] double clamped_part(int row, std::span<const double> y) const;
+  /// Whether this rank owns the dofs of a row.
+  [[nodiscard]] bool here(int row) const { return cluster(row).here; }
+
+private:
+  [[nodiscard]] std::span<const double> part(const std::vector<double>& all, int row) const {
+    return {&all[row_begin_[static_cast<std::size_t>(row)]], columns(row).size()};
+  }
+  void add(const std::vector<double>& coefficients, double scale, std::span<const double> lambda,
+           Vec x) const;
+  void find_clusters();
+
+  MPI_Comm comm_;
+  std::vector<std::size_t> row_begin_; ///< of each row's entries, and the end of the last one's
+  std::vector<int> columns_;           ///< of entries, numbers among dofs_
+  std::vector<double> motions_, forces_;
+  std::vector<bool> clamped_; ///< entries
+  std::vector<PetscInt> dofs_;
+  std::vector<int> local_; ///< numbers of dofs_ on this rank, −1 on others
+  std::vector<Cluster> clusters_;
+  std::vector<int> cluster_of_; ///< of rows
+  bool dependent_ = false, any_clamped_ = false;
+};
+
+/// An array of `size` zeros, without allocation if there are at most `few`.
+template <class T, std::size_t few>
+class SmallArray {
+public:
+  explicit SmallArray(std::size_t size) : many_(size > few ? size : 0), size_(size) {}
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] T* begin() { return many_.empty() ? few_.data() : many_.data(); }
+  [[nodiscard]] T* end() { return begin() + size_; }
+  [[nodiscard]] const T* begin() const { return many_.empty() ? few_.data() : many_.data(); }
+  [[nodiscard]] const T* end() const { return begin() + size_; }
+  T& operator[](std::size_t i) { return begin()[i]; }
+  const T& operator[](std::size_t i) const { return begin()[i]; }
+
+private:
+  std::array<T, few> few_{};
+  std::vector<T> many_;
+  std::size_t size_;
+};
+
+/// Orthonormal basis q of the force directions of rows of one cluster, its members, by Gram–Schmidt:
+/// h_j = Σ_k R_jk q_k. Allocates nothing for clusters of one node.
+class RowBasis {
+public:
+  /// Rows count as linearly dependent if orthogonalisation leaves less than this part of one of them: forces
+  /// that distinguish them would be accurate to four digits only.
+  static constexpr double parallel = 1e-6;
+  using Coordinates = SmallArray<double, 3>;
+
+  /// For any cluster of `rows`, which must outlive this object.
+  explicit RowBasis(const ConstraintRows& rows);
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] int member(std::size_t k) const { return members_[k]; }
+  void clear() { size_ = 0; }
+
+  /// Adds a row, of the cluster of the members if there are any. Returns false and adds nothing if it depends
+  /// linearly on these.
+  bool add(int row);
+  /// Puts a row in the place of a member; members that then depend on earlier ones leave.
+  void replace(std::size_t k, int row);
+  /// q_k·x, x over the cluster's dofs.
+  [[nodiscard]] double along(std::size_t k, std::span<const double> x) const;
+  /// Coefficients of the members in the force direction of a row that depends on them.
+  void coefficients(int row, Coordinates& out) const;
+  /// x += Σ_k b_k q_k.
+  void add_to(std::span<double> x, const Coordinates& b) const;
+  /// Coordinates of the shortest vector x with h_j·x = b_j: b ← R⁻¹ b.
+  void shortest(Coordinates& b) const;
+  /// Coefficients a of the members in the vector with coordinates b, Σ_j a_j h_j = Σ_k b_k q_k: b ← R⁻ᵀ b.
+  void combine(Coordinates& b) const;
+  [[nodiscard]] Coordinates coordinates() const { return Coordinates(capacity_); }
+
+private:
+  [[nodiscard]] static std::size_t widest(const ConstraintRows& rows);
+
+  const ConstraintRows& rows_;
+  std::size_t capacity_, width_ = 0, size_ = 0;
+  SmallArray<double, 9> q_, R_; ///< (capacity × capacity), row by row
+  SmallArray<int, 3> members_;
+};
+
+} // namespace signorini::contact
