@@ -59,7 +59,9 @@ struct Recorded {
                                });
   }
   /// Of the steps 0…N.
-  [[nodiscard]] std::vector<contact::ContactSets> sets() const { return {contact.begin(), contact.end()}; }
+  [[nodiscard]] std::vector<contact::ContactLinearisation> sets() const {
+    return {contact.begin(), contact.end()};
+  }
   explicit Recorded(const Problem& problem) : Recorded(problem, problem.load()) {}
 };
 

@@ -16,7 +16,7 @@ Duals::Duals(const forward::Stepper& stepper, const forward::TimeGrid& grid)
     predictor_ = stepper.predictor()->workspace();
 }
 
-void Duals::move(int k, Vec p_k, const contact::ContactSets* later) {
+void Duals::move(int k, Vec p_k, const contact::ContactLinearisation* later) {
   Vec jump = nullptr;
   const double tau = later ? grid_.length(k + 1) : 0;
   if (const forward::Predictor* predictor = stepper_.predictor(); predictor && later) {

@@ -15,7 +15,7 @@ public:
 
   /// Moves from step k + 1 to k, with p_k in `p`. `later` is the contact of step k + 1, null at N.
   /// Collective.
-  void move(int k, Vec p, const contact::ContactSets* later);
+  void move(int k, Vec p, const contact::ContactLinearisation* later);
 
   petsc::Vector p, p_later, velocity, velocity_later; ///< p_k, p_{k+1}, ω_k, ω_{k+1}
 

@@ -18,14 +18,13 @@ long& sweeps = count("adjoint sweeps");
 class Sweep {
 public:
   Sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work, const forward::Trajectory& motion,
-        const std::function<std::span<const double>(int k)>& lambda, const MotionDuals& duals,
-        forward::ParameterRates& rates, const std::function<void(int k, Vec p)>& visit)
-      : stepper_(stepper), work_(work), motion_(motion), grid_(motion.grid()), lambda_(lambda), duals_(duals),
-        rates_(rates), visit_(visit), extrapolation_(stepper), state_(stepper.adjoint_state()),
-        from_(stepper.state()), to_(stepper.state()),
-        normal_(static_cast<std::size_t>(forward::candidates(stepper))), zero_(normal_.size()),
-        c_(normal_.size()), e_(duals.velocities()), e_next_(e_.size()), factors_(e_.size()),
-        gradient_(rates.count()) {
+        const MotionDuals& duals, forward::ParameterRates& rates,
+        const std::function<void(int k, Vec p)>& visit)
+      : stepper_(stepper), work_(work), motion_(motion), grid_(motion.grid()), duals_(duals), rates_(rates),
+        visit_(visit), extrapolation_(stepper), state_(stepper.adjoint_state()), from_(stepper.state()),
+        to_(stepper.state()), normal_(static_cast<std::size_t>(forward::candidates(stepper))),
+        zero_(normal_.size()), c_(normal_.size()), mu_(normal_.size()), zeta_(normal_.size()),
+        e_(duals.velocities()), e_next_(e_.size()), factors_(e_.size()), gradient_(rates.count()) {
     for (petsc::Vector* one : {&s_, &w_, &force_})
       *one = stepper.space().vector();
   }
@@ -54,7 +53,7 @@ public:
   }
 
 private:
-  [[nodiscard]] const contact::ContactSets& contact(int k) const {
+  [[nodiscard]] const contact::ContactLinearisation& contact(int k) const {
     return motion_.contact()[static_cast<std::size_t>(k)];
   }
   [[nodiscard]] forward::StepContact made(int k) const { return {grid_.scheme(k), contact(k)}; }
@@ -82,17 +81,17 @@ private:
   }
 
   /// The force −rate() e_{k+1} that the transposed projection sees beside M s_{k+1}.
-  const forward::Predictor::Guide& guide(int k) {
-    guide_ = {nullptr, zero_};
+  const forward::Predictor::Data& projection(int k) {
+    projection_ = {nullptr, zero_, zeta_};
     if (e_.empty())
-      return guide_;
+      return projection_;
     const double rate = grid_.scheme(k + 1).rate();
     for (std::size_t i = 0; i < e_.size(); ++i)
       factors_[i] = -rate * e_next_[i];
     check(VecZeroEntries(force_));
     duals_.add_velocities(factors_, force_);
-    guide_.force = force_;
-    return guide_;
+    projection_.force = force_;
+    return projection_;
   }
 
   void step(int k) {
@@ -105,7 +104,8 @@ private:
                                             {{.vector = w_}},
                                             state_,
                                             normal_,
-                                            projected(k + 1) ? &guide(k) : nullptr},
+                                            mu_,
+                                            projected(k + 1) ? &projection(k) : nullptr},
                                            work_);
     extrapolation_.remember(grid_.time(k), state_.p);
     if (jump)
@@ -121,26 +121,24 @@ private:
   /// Of the step that rates_ refer to: z·r_j + ζ·e_j, z = s + jump.
   void add_predictor(Vec jump, const contact::ActiveSet& set) {
     check(VecAXPY(s_, 1, jump));
-    const std::vector<double>& zeta = work_.predictor->solver.mu;
     for (std::size_t j = 0; j < gradient_.size(); ++j) {
       if (!rates_.predictor(j, force_, c_))
         continue;
       gradient_[j] += petsc::dot(s_, force_);
       for (int i : set)
-        gradient_[j] += zeta[static_cast<std::size_t>(i)] * c_[static_cast<std::size_t>(i)];
+        gradient_[j] += zeta_[static_cast<std::size_t>(i)] * c_[static_cast<std::size_t>(i)];
     }
   }
 
   void add_step(int k) {
-    const std::span<const double> lambda = rates_.turn() ? lambda_(k) : std::span<const double>();
-    rates_.set({grid_.step(k), from_, to_, contact(k), lambda});
+    rates_.set({grid_.step(k), from_, to_, contact(k)});
     for (std::size_t j = 0; j < gradient_.size(); ++j) {
       gradient_[j] += rates_.pairing(j, state_.p);
       if (rates_.constraint(j, c_))
         for (int i : contact(k).active)
-          gradient_[j] += work_.contact->mu[static_cast<std::size_t>(i)] * c_[static_cast<std::size_t>(i)];
+          gradient_[j] += mu_[static_cast<std::size_t>(i)] * c_[static_cast<std::size_t>(i)];
       if (const std::vector<double>* normals = rates_.normals(j); normals && duals_.of_forces())
-        gradient_[j] += duals_.by_normals(k, lambda, *normals);
+        gradient_[j] += duals_.by_normals(k, contact(k), *normals);
     }
   }
 
@@ -150,7 +148,7 @@ private:
     const petsc::Vector dual = stepper_.space().vector();
     prepare(0);
     const Vec jump = stepper_.adjoint_start(
-        {made(0), made(1), {{.vector = w_}}, state_, {}, projected(1) ? &guide(0) : nullptr}, work_);
+        {made(0), made(1), {{.vector = w_}}, state_, {}, {}, projected(1) ? &projection(0) : nullptr}, work_);
     if (jump)
       add_predictor(jump, contact(1).predictor);
     check(MatMult(stepper_.M(), state_.omega, dual));
@@ -167,7 +165,6 @@ private:
   forward::Stepper::Workspace& work_;
   const forward::Trajectory& motion_;
   forward::TimeGrid grid_;
-  const std::function<std::span<const double>(int k)>& lambda_;
   const MotionDuals& duals_;
   forward::ParameterRates& rates_;
   const std::function<void(int k, Vec p)>& visit_;
@@ -176,19 +173,19 @@ private:
   forward::State from_, to_; ///< of the step
   petsc::Vector s_, w_, force_;
   std::vector<double> normal_, zero_, c_;    ///< ∂J/∂λ_k; zeros; of one unknown (m)
+  std::vector<double> mu_, zeta_;            ///< multipliers of the step, of the projection (m)
   std::vector<double> e_, e_next_, factors_; ///< of the functionals of velocities
-  forward::Predictor::Guide guide_;
+  forward::Predictor::Data projection_;
   std::vector<double> gradient_;
 };
 
 } // namespace
 
 std::vector<double> parameter_gradient(const forward::Stepper& stepper, forward::Stepper::Workspace& work,
-                                       const forward::Trajectory& motion,
-                                       const std::function<std::span<const double>(int k)>& lambda,
-                                       const MotionDuals& duals, forward::ParameterRates& rates,
+                                       const forward::Trajectory& motion, const MotionDuals& duals,
+                                       forward::ParameterRates& rates,
                                        const std::function<void(int k, Vec p)>& visit) {
-  return Sweep(stepper, work, motion, lambda, duals, rates, visit).run();
+  return Sweep(stepper, work, motion, duals, rates, visit).run();
 }
 
 } // namespace signorini::adjoint

@@ -23,19 +23,17 @@ public:
   [[nodiscard]] virtual bool of_forces() const = 0;
   /// Sets ∂J/∂λ_k (m), k = 1…N.
   virtual void forces(int k, std::span<double> dual) const = 0;
-  /// What J changes by if the normals change by `rate` (m × dim), for λ_k (m).
-  [[nodiscard]] virtual double by_normals(int k, std::span<const double> lambda,
+  /// What J changes by if the normals change by `rate` (m × dim), for the forces of step k.
+  [[nodiscard]] virtual double by_normals(int k, const contact::ContactLinearisation& contact,
                                           const std::vector<double>& rate) const = 0;
 };
 
-/// dJ/dθ by one backward sweep for all unknowns θ (docs/method.md section 9), along a motion that has its
-/// velocities, with λ_k (m), of which only candidates in contact are read, and only if normals turn;
-/// `visit(k, p_k)`, if given, receives the adjoint states, each valid during the call. Collective. Throws
-/// SolverFailure naming the step.
+/// dJ/dθ by one backward sweep for all unknowns θ (docs/method.md section 9), along a motion that has whole
+/// states; `visit(k, p_k)`, if given, receives the adjoint states, each valid during the call. Collective.
+/// Throws SolverFailure naming the step.
 std::vector<double> parameter_gradient(const forward::Stepper& stepper, forward::Stepper::Workspace& work,
-                                       const forward::Trajectory& motion,
-                                       const std::function<std::span<const double>(int k)>& lambda,
-                                       const MotionDuals& duals, forward::ParameterRates& rates,
+                                       const forward::Trajectory& motion, const MotionDuals& duals,
+                                       forward::ParameterRates& rates,
                                        const std::function<void(int k, Vec p)>& visit = {});
 
 } // namespace signorini::adjoint

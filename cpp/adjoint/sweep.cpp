@@ -12,7 +12,7 @@ long& sweeps = count("adjoint sweeps");
 }
 
 void sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work, const forward::TimeGrid& grid,
-           const std::vector<contact::ContactSets>& contact, const forward::DualAtStep& derivative,
+           const std::vector<contact::ContactLinearisation>& contact, const forward::DualAtStep& derivative,
            const std::function<void(int k, Vec p)>& visit) {
   ++sweeps;
   forward::AdjointState state = stepper.adjoint_state();

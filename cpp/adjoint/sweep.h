@@ -12,7 +12,7 @@ namespace signorini::adjoint {
 /// `visit(k, p_k)` receives the adjoint states, each valid during the call. Collective. Throws SolverFailure
 /// naming the step.
 void sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work, const forward::TimeGrid& grid,
-           const std::vector<contact::ContactSets>& contact, const forward::DualAtStep& derivative,
+           const std::vector<contact::ContactLinearisation>& contact, const forward::DualAtStep& derivative,
            const std::function<void(int k, Vec p)>& visit);
 
 } // namespace signorini::adjoint

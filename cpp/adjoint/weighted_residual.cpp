@@ -249,7 +249,7 @@ private:
 
   const EnrichedBody& body_;
   Vec by_nodes_;
-  const std::vector<contact::ContactSets>& contact_;
+  const std::vector<contact::ContactLinearisation>& contact_;
   forward::TimeGrid grid_;
   int steps_;
   Duals duals_;

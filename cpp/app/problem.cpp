@@ -178,22 +178,22 @@ forward::Stepper::Needs simulation_needs(const scene::Scene& scene) {
 
 forward::Stepper::Needs study_needs(const scene::Scene& scene) {
   constexpr double motion = 1, gradient = 3; // the desired motion's pass included
-  return {.sliding = scene.objective.has_value(), .passes = scene.objective ? gradient : motion};
+  return {.derivatives = scene.objective.has_value(), .passes = scene.objective ? gradient : motion};
 }
 
 forward::Stepper::Needs check_needs(const scene::Scene& scene) {
   constexpr double few = 10;
-  return {.sliding = scene.objective.has_value(), .passes = few};
+  return {.derivatives = scene.objective.has_value(), .passes = few};
 }
 
 forward::Stepper::Needs search_needs(const scene::Scene& scene) {
   constexpr int usual = 50;    // iterations until most of what can be had is had
   constexpr double sweeps = 2; // forward and adjoint
-  return {.sliding = true, .passes = sweeps * (1 + std::min(usual, scene.optimizer.max_iterations))};
+  return {.derivatives = true, .passes = sweeps * (1 + std::min(usual, scene.optimizer.max_iterations))};
 }
 
 forward::Stepper::Needs fit_needs(const scene::Scene& scene) {
-  return {.sliding = true, .passes = 1 + static_cast<double>(scene.unknowns.size())};
+  return {.derivatives = true, .passes = 1 + static_cast<double>(scene.unknowns.size())};
 }
 
 Discretisation::Discretisation(MPI_Comm comm, const scene::Scene& scene, Timers& timers,
@@ -208,7 +208,8 @@ Problem::Problem(std::shared_ptr<const Discretisation> shared, const scene::Scen
       operators(timed(t, "assembly",
                       [&] {
                         return fem::assemble_operators(
-                            space, s.materials, has_densities(s, needs.sliding || s.objective.has_value()));
+                            space, s.materials,
+                            has_densities(s, needs.derivatives || s.objective.has_value()));
                       })),
       stepper(timed(t, "solver", [&] { return forward::Stepper(space, operators, s, needs); })),
       grid(stepper.ladder() ? forward::TimeGrid(*stepper.ladder()) : forward::TimeGrid(s.time)),

@@ -19,7 +19,7 @@ public:
   /// Steps of varying length are chosen by a motion under what `last`, if given, has found. Throws UserError,
   /// SolverFailure, Interrupted.
   SearchLevel(MPI_Comm comm, scene::Scene scene, const mesh::Meshing& meshing, const SearchLevel* last,
-              forward::Stepper::Needs needs = {.sliding = true})
+              forward::Stepper::Needs needs = {.derivatives = true})
       : scene_(std::move(scene)),
         problem_(std::make_shared<const Discretisation>(comm, scene_, timers_, meshing), scene_, needs,
                  timers_),

@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace signorini::contact {
@@ -16,16 +17,24 @@ enum class Status : std::uint8_t {
 /// Numbers of the candidates in contact, ascending.
 using ActiveSet = std::vector<int>;
 
-/// The active sets, on which a step's derivative and the next step depend, the same on every rank. They grow
-/// with the number of candidates in contact, not with m.
-struct ContactSets {
-  ActiveSet active;    ///< A = S ∪ W
-  ActiveSet weak;      ///< W
-  ActiveSet predictor; ///< Z: candidates that the projected predictor touches; contact-stabilized only
+/// Contact of a step as its derivative and the next step depend on it, the same on every rank. It grows with
+/// the number of candidates in contact, not with m.
+struct ContactLinearisation {
+  ActiveSet active;           ///< A = S ∪ W
+  std::vector<double> forces; ///< λ_i of these, τ²/2 times the nodal contact forces
+  ActiveSet weak;             ///< W
+  ActiveSet predictor;        ///< Z: candidates that the projected predictor touches; contact-stabilized only
+
+  /// λ of all candidates, zero off the active set.
+  void spread(std::span<double> lambda) const {
+    std::ranges::fill(lambda, 0);
+    for (std::size_t j = 0; j < active.size(); ++j)
+      lambda[static_cast<std::size_t>(active[j])] = forces[j];
+  }
 };
 
 /// Contact after one step; arrays over all m candidates.
-struct ContactState : ContactSets {
+struct ContactState : ContactLinearisation {
   std::vector<double> lambda; ///< λ_i ≥ 0: τ²/2 times the nodal contact force
   std::vector<double> gap;    ///< g_i, m
   std::vector<Status> status;
@@ -36,6 +45,7 @@ struct ContactState : ContactSets {
       : lambda(static_cast<std::size_t>(m)), gap(static_cast<std::size_t>(m)),
         status(static_cast<std::size_t>(m), Status::open) {
     active.reserve(static_cast<std::size_t>(m));
+    forces.reserve(static_cast<std::size_t>(m));
     weak.reserve(static_cast<std::size_t>(m));
     predictor.reserve(static_cast<std::size_t>(m));
   }

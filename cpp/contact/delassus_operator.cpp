@@ -3,6 +3,7 @@
 #include "base/collective.h"
 #include "base/error.h"
 #include "contact/lcp/primal_dual.h"
+#include "contact/solver/contact_step_solver.h"
 #include "linalg/dense.h"
 #include <cmath>
 #include <fmt/format.h>
@@ -102,31 +103,30 @@ void DelassusOperator::finish_closed(const ActiveSet& set, std::span<const doubl
     gap[i] = psi[i] - gap[i];
 }
 
-void DelassusOperator::solve_guided(Vec r, const ActiveSet& active, std::span<const double> value, Vec p,
-                                    Workspace& work) const {
-  elimination_->predict(r, work.prediction, work.motion);
-  std::ranges::fill(work.mu, 0);
-  if (active.empty()) {
-    elimination_->finish(work.prediction, zero_, p);
+void DelassusOperator::solve_linearised(const LinearisedContact& step, Workspace& work) const {
+  const std::span<double> mu = step.multipliers.empty() ? work.mu : step.multipliers;
+  elimination_->predict(step.r, work.prediction, work.motion);
+  std::ranges::fill(mu, 0);
+  if (step.set.empty()) {
+    elimination_->finish(work.prediction, zero_, step.x);
     return;
   }
-  const bool prescribed = !value.empty();
-  if (!prescribed)
-    value = zero_;
+  const bool prescribed = !step.value.empty();
+  const std::span<const double> value = prescribed ? step.value : zero_;
   if (rows_.dependent()) {
-    work.independent = active;
+    work.independent = step.set;
     drop_dependent(rows_, work.independent);
   }
-  const ActiveSet& set = rows_.dependent() ? work.independent : active;
+  const ActiveSet& set = rows_.dependent() ? work.independent : step.set;
   work.b.clear();
   for (int i : set)
     work.b.push_back(work.motion[static_cast<std::size_t>(i)] - value[static_cast<std::size_t>(i)]);
   solve_active(set, work.b, work);
   for (std::size_t i = 0; i < set.size(); ++i)
-    work.mu[static_cast<std::size_t>(set[i])] = work.b[i];
+    mu[static_cast<std::size_t>(set[i])] = work.b[i];
   // Prescribed motions are data of derivatives, which no law of energy watches: a pass for their last digits
   // would cost half a solve.
-  finish(set, value, work.mu, work.motion, p, work, prescribed ? 1e4 : to_rounding);
+  finish(set, value, mu, work.motion, step.x, work, prescribed ? 1e4 : to_rounding);
 }
 
 double DelassusOperator::bytes() const {

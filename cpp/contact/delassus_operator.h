@@ -4,6 +4,8 @@
 
 namespace signorini::contact {
 
+struct LinearisedContact;
+
 /// The Delassus operator S = HᵀD⁻¹H: the step operator D condensed to the contact candidates (docs/method.md
 /// section 5).
 class DelassusOperator {
@@ -33,8 +35,8 @@ public:
   void finish_closed(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
                      std::span<double> gap, Vec y, Workspace& work) const;
 
-  /// As ContactStepSolver::solve_guided().
-  void solve_guided(Vec r, const ActiveSet& set, std::span<const double> value, Vec p, Workspace& work) const;
+  /// Collective. Throws SolverFailure.
+  void solve_linearised(const LinearisedContact& step, Workspace& work) const;
 
   /// Memory on all ranks, bytes. Collective.
   [[nodiscard]] double bytes() const;

@@ -50,7 +50,7 @@ struct Workspace {
   ActiveSet set, next, wrong;         ///< that of an iterate, the one after it, where they differ
   ActiveSet factorised, independent;  ///< the set of `factor`; the independent part of a set
   std::vector<double> factor;         ///< Cholesky factor of S_AA
-  std::vector<double> motion, mu;     ///< Hᵀy; forces of a sliding solve (m)
+  std::vector<double> motion, mu;     ///< Hᵀy; multipliers of a linearised step (m)
   std::vector<double> b;              ///< right-hand side on a set
   petsc::Vector residual, correction; ///< made when a solution is first refined
   GoldfarbIdnaniWork dual;

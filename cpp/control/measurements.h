@@ -51,7 +51,7 @@ public:
   void add_velocities(std::span<const double> factors, Vec sum) const override;
   [[nodiscard]] bool of_forces() const override;
   void forces(int k, std::span<double> dual) const override;
-  [[nodiscard]] double by_normals(int k, std::span<const double> lambda,
+  [[nodiscard]] double by_normals(int k, const contact::ContactLinearisation& contact,
                                   const std::vector<double>& rate) const override;
 
 private:

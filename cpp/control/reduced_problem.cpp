@@ -59,7 +59,7 @@ double ReducedProblem::value(const Control& u) {
 
 void ReducedProblem::accept() { std::swap(current_, trial_); }
 
-Control ReducedProblem::riesz(const std::vector<contact::ContactSets>& contact,
+Control ReducedProblem::riesz(const std::vector<contact::ContactLinearisation>& contact,
                               const forward::DualAtStep& dual, double scale, const Control& u) {
   const auto timer = timers_.time("adjoint");
   Control g = u;
@@ -101,7 +101,7 @@ Control ReducedProblem::trial_gradient() {
 
 void ReducedProblem::integrate_linearised(
     const Control& d, const std::function<void(forward::TimeIntegrator& integrator)>& use) {
-  const std::vector<contact::ContactSets>& contact = current_->trajectory.contact();
+  const std::vector<contact::ContactLinearisation>& contact = current_->trajectory.contact();
   integrate_linearised(
       d,
       [&](int k, const forward::LinearisedStep& step) {

@@ -63,7 +63,7 @@ public:
   struct OneSided {
     petsc::Pairing by_motion;
     double by_gradient = 0;
-    std::vector<contact::ContactSets> contact; ///< with C_k as active sets
+    std::vector<contact::ContactLinearisation> contact; ///< with C_k as active sets
   };
   OneSided one_sided_slope(const Control& d);
 
@@ -126,7 +126,7 @@ private:
                              const std::function<void(const forward::Checkpoint& now)>& visit);
 
   /// scale u + S'* w for duals w and S' linearised on `contact`, as Riesz representative in L2(0,T; L2).
-  Control riesz(const std::vector<contact::ContactSets>& contact, const forward::DualAtStep& dual,
+  Control riesz(const std::vector<contact::ContactLinearisation>& contact, const forward::DualAtStep& dual,
                 double scale, const Control& u);
   Control l2_gradient(const Point& at);
 

@@ -4,7 +4,7 @@
 
 namespace signorini::forward {
 
-Alternations alternations(const std::vector<contact::ContactSets>& contact) {
+Alternations alternations(const std::vector<contact::ContactLinearisation>& contact) {
   Alternations found;
   for (std::size_t k = 1; k < contact.size(); ++k) {
     const auto has = [&](std::size_t step, int i) {

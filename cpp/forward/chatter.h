@@ -12,7 +12,7 @@ struct Alternations {
 };
 
 /// Counts over the steps 1, 2, … of a motion; entry 0 is the initial state, whose candidates count as open.
-Alternations alternations(const std::vector<contact::ContactSets>& contact);
+Alternations alternations(const std::vector<contact::ContactLinearisation>& contact);
 
 /// Advice on what makes the contact of such a motion depend less abruptly on forces: "try …".
 std::string calmer_contact(const Stepper& stepper);

@@ -24,8 +24,8 @@ struct ParameterRates::Rate {
 
 ParameterRates::ParameterRates(const Stepper& stepper, const scene::Scene& scene,
                                std::span<const double> values)
-    : stepper_(stepper), zeta_(stepper.pairs() ? static_cast<std::size_t>(stepper.pairs()->count()) : 0),
-      work_(stepper.space().vector()), components_(zeta_.size()) {
+    : stepper_(stepper), lambda_(stepper.pairs() ? static_cast<std::size_t>(stepper.pairs()->count()) : 0),
+      zeta_(lambda_.size()), work_(stepper.space().vector()), components_(lambda_.size()) {
   for (petsc::Vector* one : {&sum_, &difference_, &inertia_, &jump_})
     *one = stepper.space().vector();
   if (stepper.motion())
@@ -160,6 +160,8 @@ bool ParameterRates::turn() const {
 
 void ParameterRates::set(const StepMade& made) {
   made_.emplace(made);
+  if (turn())
+    made.contact.spread(lambda_);
   const Scheme scheme = made.step.scheme();
   check(VecWAXPY(sum_, 1, made.from.y(), made.to.y()));
   check(VecWAXPY(difference_, -1, made.from.y(), made.to.y()));
@@ -208,7 +210,7 @@ void ParameterRates::add_source(std::size_t j, Vec sum) const {
     check(VecAXPY(sum, scheme.impulse(), work_));
   }
   if (rate.turns())
-    rate.pairs->rows->apply(-1, made_->lambda, sum);
+    rate.pairs->rows->apply(-1, lambda_, sum);
 }
 
 double ParameterRates::pairing(std::size_t j, Vec p) const {
@@ -231,7 +233,7 @@ double ParameterRates::pairing(std::size_t j, Vec p) const {
   if (rate.turns()) {
     rate.pairs->rows->apply_transpose(p, components_);
     for (int i : made_->contact.active)
-      sum -= made_->lambda[static_cast<std::size_t>(i)] * components_[static_cast<std::size_t>(i)];
+      sum -= lambda_[static_cast<std::size_t>(i)] * components_[static_cast<std::size_t>(i)];
   }
   return sum;
 }

@@ -12,8 +12,7 @@ namespace signorini::forward {
 struct StepMade {
   TimeStep step;
   const State &from, &to;
-  const contact::ContactSets& contact;
-  std::span<const double> lambda; ///< λ_k (m); read only where a parameter turns normals
+  const contact::ContactLinearisation& contact;
 };
 
 /// How the equations of steps change with the unknowns of a scene, with the states held fixed
@@ -30,8 +29,6 @@ public:
   ~ParameterRates();
 
   [[nodiscard]] std::size_t count() const { return rates_.size(); }
-  /// Whether λ_k is needed: normals turn.
-  [[nodiscard]] bool turn() const;
   /// Takes the step that all others refer to; valid until the next, as long as its vectors do not change.
   void set(const StepMade& made);
 
@@ -54,6 +51,8 @@ public:
 
 private:
   struct Rate;
+  /// Whether normals change with any unknown.
+  [[nodiscard]] bool turn() const;
   void add_material(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
   void add_obstacle(const scene::Scene& scene, std::span<const double> values, std::size_t j,
                     Rate& rate) const;
@@ -72,7 +71,7 @@ private:
   std::optional<StepMade> made_;
   petsc::Vector sum_, difference_, inertia_, jump_; ///< y + y⁻, y − y⁻, τ momentum − (y − y⁻), z − x
   bool jumps_ = false;                              ///< whether Z_k is not empty
-  std::vector<double> zeta_;                        ///< of the predictor (m), where normals turn
+  std::vector<double> lambda_, zeta_;               ///< of the step, of the predictor (m), where normals turn
   mutable petsc::Vector work_;
   mutable std::vector<double> components_;
   mutable std::optional<PrescribedMotion::At> motion_;

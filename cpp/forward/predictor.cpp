@@ -15,10 +15,10 @@ petsc::Matrix decoupled(petsc::Matrix M, const fem::DirichletDofs& clamped) {
 } // namespace
 
 Predictor::Predictor(petsc::Matrix blocks, Mat M, const fem::DirichletDofs& clamped,
-                     const contact::ContactPairs& pairs, const scene::Solver& scene, bool sliding,
+                     const contact::ContactPairs& pairs, const scene::Solver& scene, bool derivatives,
                      double solves)
     : M_(M), clamped_(clamped), pairs_(pairs),
-      solver_(decoupled(std::move(blocks), clamped), &pairs, scene, sliding, solves),
+      solver_(decoupled(std::move(blocks), clamped), &pairs, scene, derivatives, solves),
       zero_(petsc::vector_of(M)) {}
 
 Predictor::Workspace Predictor::workspace() const {
@@ -36,22 +36,27 @@ Vec Predictor::jump(std::span<const double> psi, Vec x, const contact::ActiveSet
   if (std::ranges::all_of(work.gap, [&](double g) { return g >= -pairs_.gap_tolerance(); }))
     return nullptr;
   check(VecZeroEntries(work.jump));
-  solver_.contact()->solve(zero_, work.gap, previous, work.contact, work.jump, work.solver);
+  const contact::ContactProblem projection{zero_, work.gap, previous, work.contact, work.jump};
+  solver_.contact()->solve({&projection, 1}, work.solver);
   set = work.contact.active;
   return work.jump;
 }
 
 Vec Predictor::linearised_jump(const contact::ActiveSet& set, Vec x, Workspace& work,
-                               const Guide* guide) const {
+                               const Data* data) const {
   if (set.empty())
     return nullptr;
   check(MatMult(M_, x, work.r));
-  if (guide && guide->force)
-    check(VecAXPY(work.r, 1, guide->force));
+  if (data && data->force)
+    check(VecAXPY(work.r, 1, data->force));
   clamped_.clear(work.r);
   check(VecCopy(x, work.jump));
-  solver_.contact()->solve_guided(work.r, set, guide ? guide->motion : std::span<const double>(), work.jump,
-                                  work.solver);
+  contact::LinearisedContact projection{.r = work.r, .set = set, .x = work.jump};
+  if (data) {
+    projection.value = data->motion;
+    projection.multipliers = data->multipliers;
+  }
+  solver_.contact()->solve_linearised({&projection, 1}, work.solver);
   check(VecAXPY(work.jump, -1, x));
   return work.jump;
 }

@@ -11,11 +11,11 @@ namespace signorini::forward {
 /// condition. z − x is called the jump. For a predictor that obeys it already only the gaps are computed.
 class Predictor {
 public:
-  /// Factorises M, which is also given in `blocks` (BAIJ). `sliding`: linearised or transposed steps are
+  /// Factorises M, which is also given in `blocks` (BAIJ). `derivatives`: linearised or transposed steps are
   /// wanted; `solves` as of SolverChoice. Collective. The references must outlive this object. Throws
   /// SolverFailure.
   Predictor(petsc::Matrix blocks, Mat M, const fem::DirichletDofs& clamped,
-            const contact::ContactPairs& pairs, const scene::Solver& scene, bool sliding, double solves);
+            const contact::ContactPairs& pairs, const scene::Solver& scene, bool derivatives, double solves);
 
   /// Storage of jumps.
   struct Workspace {
@@ -34,14 +34,15 @@ public:
                          contact::ActiveSet& set, Workspace& work) const;
 
   /// Πx − x with Π the projection linearised on the set Z, null where Z is empty, in `work`. Π is
-  /// self-adjoint in the product of M. With `guide`, z − x for the solution of M z + N ζ = M x + force with
-  /// z·ν = motion (m) on Z, ζ then being in work.solver.mu. Collective.
-  struct Guide {
+  /// self-adjoint in the product of M. With `data`, z − x for the solution of M z + H ζ = M x + force with
+  /// Hᵀz = motion (m) on Z. Collective.
+  struct Data {
     Vec force = nullptr;            ///< a functional; null: zero
     std::span<const double> motion; ///< m
+    std::span<double> multipliers;  ///< ζ on return (m)
   };
   [[nodiscard]] Vec linearised_jump(const contact::ActiveSet& set, Vec x, Workspace& work,
-                                    const Guide* guide = nullptr) const;
+                                    const Data* data = nullptr) const;
 
   /// Memory on all ranks, bytes. Collective.
   [[nodiscard]] double bytes() const;

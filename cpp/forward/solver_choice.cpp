@@ -31,7 +31,7 @@ double dense_bytes(const contact::ContactPairs* pairs) {
 } // namespace
 
 SolverChoice::SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene,
-                           bool sliding, double solves, const EliminationOrder& order,
+                           bool derivatives, double solves, const EliminationOrder& order,
                            contact::Residual residual)
     : D_(std::move(D)), full_(pairs && scene.vi == scene::ViMethod::full) {
   std::unique_ptr<contact::FullSolver> full;
@@ -44,10 +44,10 @@ SolverChoice::SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, 
   } else {
     factorise(pairs, scene, solves, order);
   }
-  if (pairs && (!full_ || sliding))
+  if (pairs && (!full_ || derivatives))
     contact_ = by_linear(*pairs, scene, std::move(residual));
   if (full_) {
-    full->slide_by(std::move(contact_));
+    full->linearise_by(std::move(contact_));
     contact_ = std::move(full);
   }
   if (!iterative_)

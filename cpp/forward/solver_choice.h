@@ -15,13 +15,14 @@ namespace signorini::forward {
 class SolverChoice {
 public:
   /// Estimates the factor's memory and time, chooses a solver and factorises. `pairs` is null without
-  /// contact; `sliding`: linearised or transposed steps are wanted; `solves`: expected, by which times are
-  /// compared, 0 to choose by memory alone. Collective, with the same choice on every rank. The references
-  /// must outlive this object. `order`: the elimination order of a matrix with the same entries, if one is
-  /// known; `residual`: of D, which is not kept where it is factorised, for CondensedSolver. Throws
+  /// contact; `derivatives`: linearised or transposed steps are wanted; `solves`: expected, by which times
+  /// are compared, 0 to choose by memory alone. Collective, with the same choice on every rank. The
+  /// references must outlive this object. `order`: the elimination order of a matrix with the same entries,
+  /// if one is known; `residual`: of D, which is not kept where it is factorised, for CondensedSolver. Throws
   /// SolverFailure.
-  SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene, bool sliding,
-               double solves = 0, const EliminationOrder& order = {}, contact::Residual residual = {});
+  SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene,
+               bool derivatives, double solves = 0, const EliminationOrder& order = {},
+               contact::Residual residual = {});
 
   /// Whether D is not factorised.
   [[nodiscard]] bool iterates() const { return iterative_ != nullptr; }

@@ -69,12 +69,12 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
     move_mass(scene);
   if (pairs_ && contact_scheme_ == scene::ContactScheme::contact_stabilized)
     predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_, *pairs_, solver,
-                       needs.sliding, solves);
+                       needs.derivatives, solves);
   thread_products(M());
   if (PrescribedMotion::in(scene.clamps))
     motion_.emplace(space, scene.clamps);
-  lengths_.emplace(space, operators.A, clamped_, pairs(), solver, needs.sliding, solves, motion_.has_value(),
-                   [this, &materials = scene.materials](double tau) {
+  lengths_.emplace(space, operators.A, clamped_, pairs(), solver, needs.derivatives, solves,
+                   motion_.has_value(), [this, &materials = scene.materials](double tau) {
                      petsc::Matrix D = fem::assemble_step_operator(space_, materials, tau);
                      if (massless_) {
                        check(MatAXPY(D, -1, *mass_blocks_, SUBSET_NONZERO_PATTERN));
@@ -177,9 +177,10 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
   right_hand_side(with.R, in.from.y(), scheme.momentum(), momentum, scheme.impulse(), in.load, work);
   if (motion_)
     motion_->apply(*work.motion, with.whole_D, clamped_, with.clamped_diagonal, work.r);
-  if (const contact::ContactStepSolver* solver = contact_solver(with, work))
-    solver->solve(work.r, psi, in.previous.active, out.contact, out.to.y(), *work.contact);
-  else
+  if (const contact::ContactStepSolver* solver = contact_solver(with, work)) {
+    const contact::ContactProblem problem{work.r, psi, in.previous.active, out.contact, out.to.y()};
+    solver->solve({&problem, 1}, *work.contact);
+  } else
     with.solver->linear().solve(work.r, out.to.y());
   set_velocity(scheme, in.from, jump, out.to);
   if (motion_)
@@ -199,28 +200,26 @@ const contact::ContactStepSolver* Stepper::contact_solver(const StepOperators::O
   return solver;
 }
 
-void Stepper::solve_sliding(double tau, const contact::ActiveSet& active, std::span<const double> normal,
-                            Vec p, Workspace& work) const {
+void Stepper::solve_on_active_set(double tau, const contact::ActiveSet& active, std::span<const double> value,
+                                  Vec x, std::span<double> multipliers, Workspace& work) const {
   const StepOperators::OfLength& with = of_length(tau);
-  if (const contact::ContactStepSolver* solver = contact_solver(with, work))
-    solver->solve_guided(work.r, active, normal, p, *work.contact);
-  else
-    with.solver->linear().solve(work.r, p);
+  if (const contact::ContactStepSolver* solver = contact_solver(with, work)) {
+    const contact::LinearisedContact step{work.r, active, value, x, multipliers};
+    solver->solve_linearised({&step, 1}, *work.contact);
+  } else {
+    with.solver->linear().solve(work.r, x);
+  }
 }
 
-void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactSets& contact, Vec p,
+void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactLinearisation& contact, Vec p,
                               Workspace& work) const {
   const contact::ConstraintRows& rows = pairs_->rows();
   const auto m = static_cast<std::size_t>(pairs_->count());
-  std::vector<double> force(m), motion(m);
+  std::vector<double> force(m), motion(m), lambda(m);
+  contact.spread(lambda);
   contact::ActiveSet &closed = contact.active, next, wrong;
-  const petsc::Vector residual = petsc::zero_like(p);
   for (contact::BlockPivoting pivoting(rows);; pivoting.advance(closed, next, wrong)) {
-    solve_sliding(scheme.tau, closed, {}, p, work);
-    check(MatMult(of_length(scheme.tau).R, p, residual)); // D p = R p + 2 stiffness() A p
-    check(MatMult(operators_.A, p, work.work));
-    check(VecAXPBYPCZ(residual, 1, -2 * scheme.stiffness(), -1, work.r, work.work));
-    rows.multipliers(closed, residual, force);
+    solve_on_active_set(scheme.tau, closed, {}, p, force, work);
     rows.apply_transpose(p, motion);
     PetscReal largest_force = 0, largest_motion = 0;
     check(VecNorm(work.r, NORM_INFINITY, &largest_force));
@@ -228,20 +227,24 @@ void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactSets& contac
     constexpr double rounding = 1e-10;
     next.clear();
     for (int i = 0; i < pairs_->count(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
       const bool is_closed = std::ranges::binary_search(closed, i);
       const bool flips =
           std::ranges::binary_search(contact.weak, i) &&
-          (is_closed ? force[i] < -rounding * largest_force : motion[i] > rounding * largest_motion);
+          (is_closed ? force[at] < -rounding * largest_force : motion[at] > rounding * largest_motion);
       if (is_closed != flips)
         next.push_back(i);
     }
     if (next == closed)
-      return;
+      break;
   }
+  contact.forces.clear();
+  for (const int i : closed)
+    contact.forces.push_back(lambda[static_cast<std::size_t>(i)]);
 }
 
-Vec Stepper::linearised_right_hand_side(const LinearisedStep& step, const contact::ContactSets& contact,
-                                        Workspace& work) const {
+Vec Stepper::linearised_right_hand_side(const LinearisedStep& step,
+                                        const contact::ContactLinearisation& contact, Workspace& work) const {
   const Scheme scheme = step.scheme;
   const Vec jump =
       predictor_ ? predictor_->linearised_jump(contact.predictor, predicted(scheme, step.from, work.work),
@@ -253,21 +256,21 @@ Vec Stepper::linearised_right_hand_side(const LinearisedStep& step, const contac
   return jump;
 }
 
-void Stepper::linearised_step(const LinearisedStep& step, const contact::ContactSets& contact,
+void Stepper::linearised_step(const LinearisedStep& step, const contact::ContactLinearisation& contact,
                               Workspace& work) const {
   const Vec jump = linearised_right_hand_side(step, contact, work);
-  solve_sliding(step.scheme.tau, contact.active, step.normal, step.to.y(), work);
+  solve_on_active_set(step.scheme.tau, contact.active, step.normal, step.to.y(), step.multipliers, work);
   set_velocity(step.scheme, step.from, jump, step.to);
   ++linearised_steps;
 }
 
-void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactSets& contact,
+void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactLinearisation& contact,
                              Workspace& work) const {
   const Vec jump = linearised_right_hand_side(step, contact, work);
   if (!contact.weak.empty())
     solve_one_sided(step.scheme, contact, step.to.y(), work);
   else
-    solve_sliding(step.scheme.tau, contact.active, step.normal, step.to.y(), work);
+    solve_on_active_set(step.scheme.tau, contact.active, step.normal, step.to.y(), step.multipliers, work);
   set_velocity(step.scheme, step.from, jump, step.to);
   ++linearised_steps;
 }
@@ -305,7 +308,8 @@ Vec Stepper::transposed_right_hand_side(const AdjointStep& step, double rate, Wo
 
 Vec Stepper::adjoint_step(const AdjointStep& step, Workspace& work) const {
   const Vec jump = transposed_right_hand_side(step, step.step.scheme.rate(), work);
-  solve_sliding(step.step.scheme.tau, step.step.contact.active, step.normal, step.state.p, work);
+  solve_on_active_set(step.step.scheme.tau, step.step.contact.active, step.normal, step.state.p,
+                      step.multipliers, work);
   ++adjoint_steps;
   return jump;
 }

@@ -14,9 +14,9 @@ namespace signorini::forward {
 /// What step k starts from.
 struct StepInput {
   TimeStep step;
-  const State& from;                    ///< at t_{k−1}
-  NodalForce load;                      ///< f_k + s u_k
-  const contact::ContactSets& previous; ///< contact at t_{k−1}
+  const State& from;                             ///< at t_{k−1}
+  NodalForce load;                               ///< f_k + s u_k
+  const contact::ContactLinearisation& previous; ///< contact at t_{k−1}
 };
 
 /// What a step makes; `contact` is constructed for the candidates, and to.y() holds a guess on entry if the
@@ -31,25 +31,27 @@ struct LinearisedStep {
   Scheme scheme;
   const State& from;
   NodalForce load;
-  State& to;                              ///< as in StepOutput
-  std::span<const double> normal{};       ///< δy·ν on the active set (m), zero if empty
-  const Predictor::Guide* predictor = {}; ///< of δz, null: none
+  State& to;                             ///< as in StepOutput
+  std::span<const double> normal{};      ///< Hᵀδy on the active set (m), zero if empty
+  std::span<double> multipliers{};       ///< δλ on return (m), not computed if empty
+  const Predictor::Data* predictor = {}; ///< of δz, null: none
 };
 
 /// What the derivative of a step depends on.
 struct StepContact {
   Scheme scheme;
-  const contact::ContactSets& contact;
+  const contact::ContactLinearisation& contact;
 };
 
 /// A transposed step, from step k + 1 to k.
 struct AdjointStep {
-  StepContact step;                       ///< k
-  std::optional<StepContact> next;        ///< k + 1, none at N
-  StateDual derivative;                   ///< ∂J/∂y_k
-  AdjointState& state;                    ///< of step k + 1 on entry, of step k on return
-  std::span<const double> normal{};       ///< p_k·ν = ∂J/∂λ_k on the active set (m), zero if empty
-  const Predictor::Guide* predictor = {}; ///< of the projection of s_{k+1}, null: none
+  StepContact step;                      ///< k
+  std::optional<StepContact> next;       ///< k + 1, none at N
+  StateDual derivative;                  ///< ∂J/∂y_k
+  AdjointState& state;                   ///< of step k + 1 on entry, of step k on return
+  std::span<const double> normal{};      ///< Hᵀp_k = ∂J/∂λ_k on the active set (m), zero if empty
+  std::span<double> multipliers{};       ///< μ_k on return (m), not computed if empty
+  const Predictor::Data* predictor = {}; ///< of the projection of s_{k+1}, null: none
 };
 
 /// Makes time steps and their derivatives (docs/method.md sections 2 and 4), and holds what no step changes:
@@ -59,9 +61,9 @@ class Stepper {
 public:
   /// What a run needs, by which solvers are chosen.
   struct Needs {
-    bool sliding = false;   ///< linearised or transposed steps
-    double passes = 0;      ///< over all steps, expected; 0: the solver is chosen by memory alone
-    bool iterative = false; ///< as the run did that this one goes on with
+    bool derivatives = false; ///< linearised or transposed steps
+    double passes = 0;        ///< over all steps, expected; 0: the solver is chosen by memory alone
+    bool iterative = false;   ///< as the run did that this one goes on with
   };
 
   /// Assembles and factorises for the first step. Collective. The references must outlive this object. Throws
@@ -128,13 +130,14 @@ public:
   void step(const StepInput& in, const StepOutput& out, Workspace& work) const;
 
   /// The step linearised on the active set of `contact` (docs/method.md section 4). Collective.
-  void linearised_step(const LinearisedStep& step, const contact::ContactSets& contact,
+  void linearised_step(const LinearisedStep& step, const contact::ContactLinearisation& contact,
                        Workspace& work) const;
 
   /// The one-sided derivative of the step: as linearised_step(), but weakly active candidates may open, x·ν ≤
   /// 0 there in place of 0 (docs/method.md section 4). On return the active set of `contact` is the set C
   /// that stays closed, on which linearised_step() gives the same. Collective. Throws SolverFailure.
-  void one_sided_step(const LinearisedStep& step, contact::ContactSets& contact, Workspace& work) const;
+  void one_sided_step(const LinearisedStep& step, contact::ContactLinearisation& contact,
+                      Workspace& work) const;
 
   /// The transpose of linearised_step (4.40)–(4.41), by the formula at Scheme: p_k, and ω_k with M ω_k the
   /// derivative by v_k of the part of J after t_k. Both are zero at k = N + 1. The dual of step k's nodal
@@ -151,20 +154,22 @@ private:
   /// work.r = R x + a M z + b source on the free dofs, zero on the clamped ones: of steps and adjoint steps.
   void right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functional source, Workspace& work) const;
   /// work.r of a linearised step; returns the predictor's jump, null without one.
-  Vec linearised_right_hand_side(const LinearisedStep& step, const contact::ContactSets& contact,
+  Vec linearised_right_hand_side(const LinearisedStep& step, const contact::ContactLinearisation& contact,
                                  Workspace& work) const;
   /// The contact solver of a length, with scratch that is fit for it; null without contact.
   const contact::ContactStepSolver* contact_solver(const StepOperators::OfLength& with,
                                                    Workspace& work) const;
-  /// Solves with work.r on an active set, with p·ν = `normal` (m) there, zero if empty.
-  void solve_sliding(double tau, const contact::ActiveSet& active, std::span<const double> normal, Vec p,
-                     Workspace& work) const;
+  /// Solves D x + H μ = work.r, Hᵀx = `value` on an active set, zero if empty, and sets `multipliers` to μ
+  /// (m) unless they are empty.
+  void solve_on_active_set(double tau, const contact::ActiveSet& active, std::span<const double> value, Vec x,
+                           std::span<double> multipliers, Workspace& work) const;
   /// ω_k of an adjoint step from ω_{k+1}, and the jump of s_{k+1}, null without one; work.r = R p_{k+1} + M
   /// (rate ω_k − rate_{k+1} ω_{k+1} + j) + ∂J/∂y_k, the terms of step k + 1 being zero at N.
   Vec transposed_right_hand_side(const AdjointStep& step, double rate, Workspace& work) const;
-  /// solve_sliding() where weakly active candidates may open: min ½ p·Dp − r·p over p·ν = 0 on S, p·ν ≤ 0 on
-  /// W. The set that stays closed becomes the active one.
-  void solve_one_sided(const Scheme& scheme, contact::ContactSets& contact, Vec p, Workspace& work) const;
+  /// solve_on_active_set() where weakly active candidates may open: min ½ p·Dp − r·p over p·ν = 0 on S, p·ν ≤
+  /// 0 on W. The set that stays closed becomes the active one.
+  void solve_one_sided(const Scheme& scheme, contact::ContactLinearisation& contact, Vec p,
+                       Workspace& work) const;
 
   const fem::Space& space_;
   const fem::Operators& operators_;

@@ -7,9 +7,9 @@
 namespace signorini::forward {
 
 StepOperators::StepOperators(const fem::Space& space, Mat A, const fem::DirichletDofs& clamped,
-                             const contact::ContactPairs* pairs, const scene::Solver& solver, bool sliding,
-                             double solves, bool whole, Assemble assemble)
-    : space_(space), A_(A), clamped_(clamped), pairs_(pairs), scene_(solver), sliding_(sliding),
+                             const contact::ContactPairs* pairs, const scene::Solver& solver,
+                             bool derivatives, double solves, bool whole, Assemble assemble)
+    : space_(space), A_(A), clamped_(clamped), pairs_(pairs), scene_(solver), derivatives_(derivatives),
       solves_(solves), whole_(whole), assemble_(std::move(assemble)) {}
 
 const StepOperators::OfLength& StepOperators::at(double tau) const {
@@ -54,7 +54,7 @@ StepOperators::OfLength StepOperators::make(double tau) const {
     made.whole_D = fem::symmetric_half(D);
   made.clamped_diagonal = clamped_.decouple(D);
   fem::attach_rigid_motions(D, space_);
-  made.solver = std::make_unique<SolverChoice>(std::move(D), pairs_, scene_, sliding_, solves_, order_,
+  made.solver = std::make_unique<SolverChoice>(std::move(D), pairs_, scene_, derivatives_, solves_, order_,
                                                residual(tau, made.R));
   if (made_ == 0) {
     scene_.linear = made.solver->iterates() ? scene::LinearMethod::iterative : scene::LinearMethod::direct;

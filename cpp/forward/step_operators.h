@@ -29,8 +29,8 @@ public:
   /// `solves`: expected with one length, as of SolverChoice; `whole`: clamps move. The references must
   /// outlive this object.
   StepOperators(const fem::Space& space, Mat A, const fem::DirichletDofs& clamped,
-                const contact::ContactPairs* pairs, const scene::Solver& solver, bool sliding, double solves,
-                bool whole, Assemble assemble);
+                const contact::ContactPairs* pairs, const scene::Solver& solver, bool derivatives,
+                double solves, bool whole, Assemble assemble);
 
   /// Those of a length; valid until the next call. Collective. Throws SolverFailure.
   const OfLength& at(double tau) const;
@@ -51,7 +51,7 @@ private:
   const fem::DirichletDofs& clamped_;
   const contact::ContactPairs* pairs_;
   mutable scene::Solver scene_; ///< once the first length is known, with the way of solving chosen for it
-  bool sliding_;
+  bool derivatives_;
   double solves_;
   bool whole_;
   Assemble assemble_;

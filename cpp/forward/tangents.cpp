@@ -8,7 +8,8 @@ using petsc::check;
 Tangents::Tangents(const Stepper& stepper, ParameterRates& rates)
     : stepper_(stepper), rates_(rates), work_(stepper.workspace()), from_(stepper.state()),
       source_(stepper.space().vector()), force_(stepper.space().vector()),
-      normal_(static_cast<std::size_t>(candidates(stepper))), predictor_normal_(normal_.size()) {
+      normal_(static_cast<std::size_t>(candidates(stepper))), predictor_normal_(normal_.size()),
+      zeta_(normal_.size()) {
   for (std::size_t j = 0; j < rates.count(); ++j)
     motions_.push_back({stepper.state(), std::vector<double>(normal_.size())});
 }
@@ -23,7 +24,7 @@ void Tangents::observe(const Frame& frame) {
     }
     return;
   }
-  rates_.set({frame.step, *frame.before, frame.after, frame.contact, frame.contact.lambda});
+  rates_.set({frame.step, *frame.before, frame.after, frame.contact});
   const Scheme scheme = frame.step.scheme();
   for (std::size_t j = 0; j < motions_.size(); ++j) {
     Derivative& now = motions_[j];
@@ -33,13 +34,16 @@ void Tangents::observe(const Frame& frame) {
     check(VecScale(source_, 1 / scheme.impulse())); // as a nodal force
     std::ranges::fill(normal_, 0);
     rates_.constraint(j, normal_);
-    const bool guided = rates_.predictor(j, force_, predictor_normal_);
-    const Predictor::Guide guide{force_, predictor_normal_};
-    stepper_.linearised_step(
-        {frame.step.scheme(), from_, {{.vector = source_}}, now.state, normal_, guided ? &guide : nullptr},
-        frame.contact, work_);
-    if (work_.contact)
-      std::ranges::copy(work_.contact->mu, now.lambda.begin());
+    const bool projected = rates_.predictor(j, force_, predictor_normal_);
+    const Predictor::Data data{force_, predictor_normal_, zeta_};
+    stepper_.linearised_step({frame.step.scheme(),
+                              from_,
+                              {{.vector = source_}},
+                              now.state,
+                              normal_,
+                              now.lambda,
+                              projected ? &data : nullptr},
+                             frame.contact, work_);
   }
 }
 

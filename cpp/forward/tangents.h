@@ -32,7 +32,7 @@ private:
   Stepper::Workspace work_;
   State from_;
   petsc::Vector source_, force_;
-  std::vector<double> normal_, predictor_normal_;
+  std::vector<double> normal_, predictor_normal_, zeta_;
   std::vector<Derivative> motions_;
 };
 

@@ -38,7 +38,7 @@ public:
   /// Number of steps of the last run.
   [[nodiscard]] int steps() const { return steps_; }
   /// Active sets of the steps 0…N of the last run; 0 is the initial state, whose candidates count as open.
-  [[nodiscard]] const std::vector<contact::ContactSets>& contact() const { return contact_; }
+  [[nodiscard]] const std::vector<contact::ContactLinearisation>& contact() const { return contact_; }
   [[nodiscard]] const Margins& margins() const { return margins_; }
   /// The state at t_k, of which y() alone without `whole`. Valid until the next call of at(). Throws
   /// WriteFailure, SolverFailure.
@@ -49,7 +49,7 @@ private:
   const Stepper& stepper_;
   TimeGrid grid_;
   int steps_ = 0;
-  std::vector<contact::ContactSets> contact_;
+  std::vector<contact::ContactLinearisation> contact_;
   contact::ContactState now_; ///< contact of the last step made
   Stepper::Workspace work_;
   Margins margins_;

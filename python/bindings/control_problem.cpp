@@ -208,7 +208,7 @@ public:
   std::vector<std::size_t> active(const Given& given) {
     return at(control(given), [&] {
       std::vector<std::size_t> counts;
-      for (const contact::ContactSets& sets : reduced().trajectory().contact())
+      for (const contact::ContactLinearisation& sets : reduced().trajectory().contact())
         counts.push_back(sets.active.size());
       return counts;
     });

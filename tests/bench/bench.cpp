@@ -85,7 +85,7 @@ double total(double mine) {
 
 nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   Timers timers;
-  const Problem problem(MPI_COMM_WORLD, scene, {.sliding = true}, timers);
+  const Problem problem(MPI_COMM_WORLD, scene, {.derivatives = true}, timers);
   const int steps = problem.steps();
   const double setup_peak = total(peak_memory()), setup_resident = total(resident_memory());
   ControlProblem control_problem(problem, Console(false, false));

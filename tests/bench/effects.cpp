@@ -58,7 +58,7 @@ private:
 nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   Timers timers;
   const bool controlled = scene.objective.has_value();
-  const Problem problem(MPI_COMM_WORLD, scene, {.sliding = controlled}, timers);
+  const Problem problem(MPI_COMM_WORLD, scene, {.derivatives = controlled}, timers);
   std::optional<ControlProblem> control_problem;
   std::optional<GivenControl> given;
   if (controlled)

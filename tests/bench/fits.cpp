@@ -27,7 +27,7 @@ private:
 
 nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   Timers timers;
-  const Problem problem(MPI_COMM_WORLD, scene, {.sliding = true}, timers);
+  const Problem problem(MPI_COMM_WORLD, scene, {.derivatives = true}, timers);
   const int steps = problem.steps();
   const GivenControl given(problem);
   const forward::StateStoreFactory storage(problem.stepper, problem.grid, scene.trajectory, 1, timers);
@@ -57,18 +57,10 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
       control_alone = std::min(control_alone, watch.lap());
     }
     forward::Trajectory motion(problem.stepper, problem.initial, storage, true);
-    std::vector<std::vector<double>> lambda(static_cast<std::size_t>(steps) + 1);
     watch.lap();
-    motion.run(given.load(), [&](const forward::Frame& frame) {
-      measurements.observe(frame);
-      if (rates.turn())
-        lambda[static_cast<std::size_t>(frame.step.k)] = frame.contact.lambda;
-    });
+    motion.run(given.load(), [&](const forward::Frame& frame) { measurements.observe(frame); });
     measurements.set_derivative(std::vector<double>(measurements.count(), 1.0));
-    gradient = adjoint::parameter_gradient(
-        problem.stepper, work, motion,
-        [&](int k) { return std::span<const double>(lambda[static_cast<std::size_t>(k)]); }, measurements,
-        rates);
+    gradient = adjoint::parameter_gradient(problem.stepper, work, motion, measurements, rates);
     unknowns = std::min(unknowns, watch.lap());
     touching = static_cast<int>(
         std::ranges::count_if(motion.contact(), [](const auto& sets) { return !sets.active.empty(); }));

@@ -98,7 +98,9 @@ TEST_CASE("units of mass and time leave contact as it is", "[contact]") {
       check(VecScale(scaled, unit));
       contact::ContactState state(parts.pairs.count());
       contact::Workspace work = solver.contact()->workspace();
-      solver.contact()->solve(scaled, parts.pairs.psi(), {}, state, y, work);
+      const contact::ActiveSet none;
+      const contact::ContactProblem step{scaled, parts.pairs.psi(), none, state, y};
+      solver.contact()->solve({&step, 1}, work);
       CHECK(state.status == expected.status);
     };
     petsc::Vector y = parts.space.vector(), r = parts.space.vector();

@@ -86,14 +86,15 @@ TEST_CASE("a warm start changes the effort, not the solution", "[contact]") {
   CHECK(test::difference(cold, warm) < 1e-14 * test::largest(cold)); // MUMPS sums in no fixed order
 }
 
-TEST_CASE("sliding solves move along the obstacle with normal forces alone", "[contact]") {
+TEST_CASE("linearised steps move along the obstacle with normal forces alone", "[contact]") {
   for (const auto& [linear, tolerance] : {std::pair{"direct", 1e-13}, {"iterative", 1e-10}}) {
     const Parts parts({"mesh.degree=2", fmt::format("solver.linear={}", linear)});
     const contact::ActiveSet set{1, 2, 5};
     const petsc::Vector r = parts.pressing(3);
     petsc::Vector p = parts.space.vector(), defect = parts.space.vector();
     contact::Workspace work = parts.solver.contact()->workspace();
-    parts.solver.contact()->solve_sliding(r, set, p, work);
+    const contact::LinearisedContact step{.r = r, .set = set, .x = p};
+    parts.solver.contact()->solve_linearised({&step, 1}, work);
     std::vector<double> normal(static_cast<std::size_t>(parts.pairs.count()));
     parts.H.apply_transpose(p, normal);
     for (int i : set)
@@ -151,17 +152,21 @@ struct Pushed {
   const petsc::Vector r = parts.space.vector();
   petsc::Vector p = parts.space.vector();
   std::vector<double> value = std::vector<double>(static_cast<std::size_t>(parts.pairs.count()), -0.1);
+  std::vector<double> mu = std::vector<double>(value.size());
   contact::Workspace work = parts.solver.contact()->workspace();
 
   /// From the guess p.
-  void solve() { parts.solver.contact()->solve_guided(r, set, value, p, work); }
+  void solve() {
+    const contact::LinearisedContact step{r, set, value, p, mu};
+    parts.solver.contact()->solve_transposed({&step, 1}, work);
+  }
 
   void check_solution() const {
     petsc::Vector defect = parts.space.vector();
     check(MatMult(parts.D, p, defect));
     const double force = test::largest(defect);
-    CHECK(test::largest(work.mu) > 0.1 * force);
-    parts.H.apply(1, work.mu, defect);
+    CHECK(test::largest(mu) > 0.1 * force);
+    parts.H.apply(1, mu, defect);
     CHECK(test::largest(defect) < 1e-10 * force);
     std::vector<double> normal(value.size());
     parts.H.apply_transpose(p, normal);
@@ -206,7 +211,9 @@ TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[
   const forward::SolverChoice solver(Parts::copy(parts.D), &parts.pairs, parts.scene.solver, true);
   contact::ContactState other(parts.pairs.count());
   contact::Workspace work = solver.contact()->workspace();
-  solver.contact()->solve(r, parts.pairs.psi(), {}, other, z, work);
+  const contact::ActiveSet none;
+  const contact::ContactProblem step{r, parts.pairs.psi(), none, other, z};
+  solver.contact()->solve({&step, 1}, work);
   CHECK(usual.count(contact::Status::strong) > 1);
   CHECK(usual.vi_iterations > 5);
   CHECK(other.vi_iterations != usual.vi_iterations);

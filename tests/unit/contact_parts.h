@@ -36,7 +36,8 @@ struct Parts {
   contact::ContactState solve(Vec r, const contact::ContactState& previous, Vec y) const {
     contact::ContactState state(pairs.count());
     contact::Workspace work = solver.contact()->workspace();
-    solver.contact()->solve(r, pairs.psi(), previous.active, state, y, work);
+    const contact::ContactProblem step{r, pairs.psi(), previous.active, state, y};
+    solver.contact()->solve({&step, 1}, work);
     return state;
   }
 

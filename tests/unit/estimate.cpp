@@ -22,7 +22,7 @@ Estimated estimated(const std::string& file, const std::vector<std::string>& ove
   control_problem.reduced.simulate(control_problem.first_guess(ready.scene));
   control_problem.reduced.accept();
   bool touched = false;
-  for (const contact::ContactSets& state : control_problem.reduced.trajectory().contact())
+  for (const contact::ContactLinearisation& state : control_problem.reduced.trajectory().contact())
     touched |= !state.active.empty();
   REQUIRE(touched == contact);
   return {control_problem.reduced.value().total(), estimate_error(ready.problem, control_problem)};

@@ -24,7 +24,8 @@ struct Ready {
   Problem problem;
 
   explicit Ready(const std::string& file, const std::vector<std::string>& overrides = {})
-      : scene(parse(source(file), overrides)), problem(MPI_COMM_WORLD, scene, {.sliding = true}, timers) {}
+      : scene(parse(source(file), overrides)), problem(MPI_COMM_WORLD, scene, {.derivatives = true}, timers) {
+  }
 };
 
 /// A PETSc option for as long as this object lives.

@@ -50,7 +50,9 @@ struct Walls {
   petsc::Vector solve(const forward::SolverChoice& solver, Vec r, contact::ContactState& state) const {
     petsc::Vector y = space.vector();
     contact::Workspace work = solver.contact()->workspace();
-    solver.contact()->solve(r, pairs.psi(), {}, state, y, work);
+    const contact::ActiveSet none;
+    const contact::ContactProblem step{r, pairs.psi(), none, state, y};
+    solver.contact()->solve({&step, 1}, work);
     return y;
   }
 
@@ -151,7 +153,8 @@ TEST_CASE("several obstacles at a node: all solvers find the solution, which is 
       const petsc::Vector q = walls.pushing({"x - y", "1 + x*y"});
       petsc::Vector p = walls.space.vector();
       contact::Workspace work = solver->contact()->workspace();
-      solver->contact()->solve_sliding(q, a.active, p, work);
+      const contact::LinearisedContact step{.r = q, .set = a.active, .x = p};
+      solver->contact()->solve_linearised({&step, 1}, work);
       std::vector<double> normal(a.lambda.size());
       walls.H.apply_transpose(p, normal);
       for (int i : a.active)

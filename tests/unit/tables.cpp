@@ -431,7 +431,7 @@ TEST_CASE("a probe that is not of the body is refused", "[forward]") {
 
 TEST_CASE("contact that changes for a single step is counted", "[forward]") {
   const auto counted = [](const std::vector<contact::ActiveSet>& active) {
-    std::vector<contact::ContactSets> sets(1);
+    std::vector<contact::ContactLinearisation> sets(1);
     for (const contact::ActiveSet& set : active)
       sets.push_back({set, {}, {}});
     return forward::alternations(sets);

@@ -69,8 +69,8 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
   const Problem& problem = ready.problem;
   const test::Recorded expected(problem);
   const int N = problem.steps();
-  REQUIRE(
-      std::ranges::any_of(expected.contact, [](const contact::ContactSets& c) { return !c.active.empty(); }));
+  REQUIRE(std::ranges::any_of(expected.contact,
+                              [](const contact::ContactLinearisation& c) { return !c.active.empty(); }));
   Timers timers;
   std::vector<std::pair<scene::Trajectory, long>> storages{{{}, 0}, {{.storage = scene::Storage::disk}, 0}};
   for (int slots : {1, 2, 3, 7, N - 1, 5 * N})
@@ -105,7 +105,7 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
     CHECK(recomputed - before == (scene.storage == scene::Storage::checkpoints ? again + N - 1 : 0));
     for (int k : {0, 1, 1, 2, 3, N, N - 1, 5, 17, 4, N, 0}) // and in no order at all
       is_right(k);
-    for (const contact::ContactSets& sets : trajectory.contact()) // free flight takes no room
+    for (const contact::ContactLinearisation& sets : trajectory.contact()) // free flight takes no room
       CHECK((sets.active.empty() ? sets.active.capacity() : sets.weak.capacity()) <= sets.active.size());
     // Another motion in the same storage, and this one again.
     forward::Trajectory other(problem.stepper, problem.initial, storage);
@@ -166,7 +166,7 @@ TEST_CASE("gradients and Hessian products are the same to the last bit from ever
       reduced.simulate(control(1));
       reduced.accept();
       REQUIRE(std::ranges::any_of(reduced.trajectory().contact(),
-                                  [](const contact::ContactSets& c) { return !c.active.empty(); }));
+                                  [](const contact::ContactLinearisation& c) { return !c.active.empty(); }));
       const control::Control gradient = reduced.gradient();
       const control::Control product = reduced.l2_hessian_product(control(0.5));
       reduced.simulate(control(0.7)); // a trial that is rejected
@@ -197,7 +197,7 @@ TEST_CASE("errors are estimated alike from every storage", "[adjoint]") {
       problem.reduced.simulate(some(problem.controls, 1));
       problem.reduced.accept();
       REQUIRE(std::ranges::any_of(problem.reduced.trajectory().contact(),
-                                  [](const contact::ContactSets& c) { return !c.active.empty(); }));
+                                  [](const contact::ContactLinearisation& c) { return !c.active.empty(); }));
       const long before = recomputed;
       const adjoint::ErrorParts error = estimate_error(ready.problem, problem);
       CHECK((recomputed > before) == (kind == scene::Storage::checkpoints));

@@ -241,7 +241,7 @@ private:
   /// Candidates in weak contact, over all steps.
   [[nodiscard]] int weak_candidates() const {
     int weak = 0;
-    for (const contact::ContactSets& state : problem_.trajectory().contact())
+    for (const contact::ContactLinearisation& state : problem_.trajectory().contact())
       weak += static_cast<int>(state.weak.size());
     return weak;
   }
@@ -262,8 +262,9 @@ private:
   }
 
   [[nodiscard]] bool contact_occurs() const {
-    return std::ranges::any_of(problem_.trajectory().contact(),
-                               [](const contact::ContactSets& state) { return !state.active.empty(); });
+    return std::ranges::any_of(
+        problem_.trajectory().contact(),
+        [](const contact::ContactLinearisation& state) { return !state.active.empty(); });
   }
 
   static double epsilon_of(int j) { return std::pow(10, -2 - 0.5 * j); }

@@ -16,7 +16,7 @@ struct CheckRow {
 /// A row that holds where `value` is at most `limit`.
 CheckRow below(const std::string& name, double value, double limit);
 
-using ContactHistory = std::vector<contact::ContactSets>;
+using ContactHistory = std::vector<contact::ContactLinearisation>;
 
 /// Changes of candidates between active and open from one motion to another, those of projected predictors
 /// included.

@@ -196,14 +196,9 @@ FitProblem::Gradient FitProblem::swept(std::span<const double> x, bool adjoint) 
   const forward::StateStoreFactory storage(setup.problem.stepper, setup.problem.grid, scene_.trajectory, 1,
                                            timers_);
   forward::Trajectory motion(setup.problem.stepper, setup.problem.initial, storage, true);
-  std::vector<std::vector<double>> lambda(static_cast<std::size_t>(setup.problem.steps()) + 1);
   {
     const auto timer = timers_.time("forward");
-    motion.run(setup.given.load(), [&](const forward::Frame& frame) {
-      setup.measurements.observe(frame);
-      if (setup.rates.turn())
-        lambda[static_cast<std::size_t>(frame.step.k)] = frame.contact.lambda;
-    });
+    motion.run(setup.given.load(), [&](const forward::Frame& frame) { setup.measurements.observe(frame); });
   }
   if (motion.steps() < setup.problem.steps())
     throw Interrupted();
@@ -213,7 +208,7 @@ FitProblem::Gradient FitProblem::swept(std::span<const double> x, bool adjoint) 
                  .residuals = r,
                  .by_x = {},
                  .contact = motion.contact()};
-  for (const contact::ContactSets& sets : found.contact)
+  for (const contact::ContactLinearisation& sets : found.contact)
     found.weak += static_cast<long>(sets.weak.size());
   if (!adjoint)
     return found;
@@ -221,10 +216,8 @@ FitProblem::Gradient FitProblem::swept(std::span<const double> x, bool adjoint) 
   forward::Stepper::Workspace work = setup.problem.stepper.workspace();
   {
     const auto timer = timers_.time("adjoint");
-    found.by_x = adjoint::parameter_gradient(
-        setup.problem.stepper, work, motion,
-        [&](int k) { return std::span<const double>(lambda[static_cast<std::size_t>(k)]); },
-        setup.measurements, setup.rates);
+    found.by_x =
+        adjoint::parameter_gradient(setup.problem.stepper, work, motion, setup.measurements, setup.rates);
   }
   found.by_x = on_scale_gradient(std::move(found.by_x), r, x);
   return found;

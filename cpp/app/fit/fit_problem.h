@@ -45,9 +45,9 @@ public:
   struct Gradient {
     double value;
     std::vector<double> residuals;
-    std::vector<double> by_x;                  ///< empty without the adjoint sweep
-    std::vector<contact::ContactSets> contact; ///< of the motion
-    long weak = 0;                             ///< candidates in weak contact, over all steps
+    std::vector<double> by_x;                           ///< empty without the adjoint sweep
+    std::vector<contact::ContactLinearisation> contact; ///< of the motion
+    long weak = 0;                                      ///< candidates in weak contact, over all steps
   };
   [[nodiscard]] Gradient gradient(std::span<const double> x) const;
   /// All but the gradient.

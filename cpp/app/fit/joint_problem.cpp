@@ -47,8 +47,7 @@ struct JointProblem::Point {
         measurements(problem.stepper, problem.grid, scene, fit.times()),
         rates(problem.stepper, fit.scene(), theta),
         storage(problem.stepper, problem.grid, scene.trajectory, 1, timers),
-        motion(problem.stepper, problem.initial, storage, true),
-        lambda(static_cast<std::size_t>(problem.steps()) + 1) {}
+        motion(problem.stepper, problem.initial, storage, true) {}
 
   Vector v;
   std::vector<double> theta;
@@ -59,7 +58,6 @@ struct JointProblem::Point {
   forward::ParameterRates rates;
   forward::StateStoreFactory storage;
   forward::Trajectory motion;
-  std::vector<std::vector<double>> lambda; ///< where normals turn
   std::vector<double> squared_distances, residuals;
   Value value;
 };
@@ -88,9 +86,9 @@ public:
   }
   [[nodiscard]] bool of_forces() const override { return measurements_.of_forces(); }
   void forces(int k, std::span<double> dual) const override { measurements_.forces(k, dual); }
-  [[nodiscard]] double by_normals(int k, std::span<const double> lambda,
+  [[nodiscard]] double by_normals(int k, const contact::ContactLinearisation& contact,
                                   const std::vector<double>& rate) const override {
-    return measurements_.by_normals(k, lambda, rate);
+    return measurements_.by_normals(k, contact, rate);
   }
 
 private:
@@ -137,8 +135,6 @@ std::unique_ptr<JointProblem::Point> JointProblem::made(const Vector& v) {
     at.motion.run(at.problem.load(&at.force), [&](const forward::Frame& frame) {
       control_.objective.observe(frame.step.k, frame.after.y(), at.squared_distances);
       at.measurements.observe(frame);
-      if (at.rates.turn())
-        at.lambda[static_cast<std::size_t>(frame.step.k)] = frame.contact.lambda;
     });
   }
   if (at.motion.steps() < at.problem.steps())
@@ -168,10 +164,8 @@ JointProblem::Vector JointProblem::gradient(Point& at, const std::function<void(
   forward::Stepper::Workspace work = at.problem.stepper.workspace();
   Vector g(at.v.u, {});
   g.u.scale(control_.objective.alpha());
-  const std::vector<double> by_theta = adjoint::parameter_gradient(
-      at.problem.stepper, work, at.motion,
-      [&](int k) { return std::span<const double>(at.lambda[static_cast<std::size_t>(k)]); }, duals, at.rates,
-      [&](int k, Vec p) {
+  const std::vector<double> by_theta =
+      adjoint::parameter_gradient(at.problem.stepper, work, at.motion, duals, at.rates, [&](int k, Vec p) {
         control_.controls.add_riesz(k, p, g.u);
         if (visit)
           visit(k, p);

@@ -53,6 +53,7 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
     throw SolverFailure("the solution is not finite");
   std::ranges::fill(state.status, Status::open);
   state.active.clear();
+  state.forces.clear();
   state.weak.clear();
   if (std::ranges::all_of(state.gap, [&](double g) { return g > gap_tolerance_; }) &&
       std::ranges::all_of(state.lambda, [](double force) { return force == 0; }))
@@ -87,8 +88,10 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
           depends(pairs_.rows(), state.active, static_cast<int>(i)) ? Status::strong : Status::weak;
   state.active.clear();
   for (std::size_t i = 0; i < state.status.size(); ++i) {
-    if (state.status[i] != Status::open)
+    if (state.status[i] != Status::open) {
       state.active.push_back(static_cast<int>(i));
+      state.forces.push_back(state.lambda[i]);
+    }
     if (state.status[i] == Status::weak)
       state.weak.push_back(static_cast<int>(i));
   }

@@ -14,7 +14,7 @@ public:
   /// Collective.
   Complementarity(const ContactPairs& pairs, Mat D);
 
-  /// Sets status and active sets of `state` from its λ and gaps and the step's solution y, whose relative
+  /// Sets status and linearisation of `state` from its λ and gaps and the step's solution y, whose relative
   /// error from the solver is `tolerance`, 0 for rounding alone. Collective. Throws SolverFailure if they are
   /// not finite or not complementary.
   void classify(ContactState& state, Vec y, double tolerance = 0) const;

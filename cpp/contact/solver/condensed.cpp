@@ -159,7 +159,7 @@ void CondensedSolver::refine(Vec r, std::span<const double> psi, ContactState& s
       pairs_.rows().prescribe(work.set, psi, y);
       residual_(y, r, work.residual);
       pairs_.rows().apply(-1, state.lambda, work.residual);
-      delassus_.solve_guided(work.residual, work.set, {}, work.correction, work);
+      delassus_.solve_linearised({.r = work.residual, .set = work.set, .x = work.correction}, work);
       check(VecAXPY(y, 1, work.correction));
       for (int j : work.set)
         state.lambda[static_cast<std::size_t>(j)] += work.mu[static_cast<std::size_t>(j)];
@@ -177,8 +177,8 @@ void CondensedSolver::refine(Vec r, std::span<const double> psi, ContactState& s
   }
 }
 
-void CondensedSolver::solve(Vec r, std::span<const double> psi, const ActiveSet& previous,
-                            ContactState& state, Vec y, Workspace& work) const {
+void CondensedSolver::solve_one(const ContactProblem& step, Workspace& work) const {
+  const auto& [r, psi, previous, state, y] = step;
   state.vi_iterations = 0;
   delassus_.predict_gap(r, psi, work.gap0, work.prediction);
   work.set.clear();

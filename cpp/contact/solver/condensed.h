@@ -29,17 +29,15 @@ public:
                   Residual residual);
 
   [[nodiscard]] Workspace workspace() const override;
-  void solve(Vec r, std::span<const double> psi, const ActiveSet& previous, ContactState& state, Vec y,
-             Workspace& work) const override;
-  void solve_guided(Vec r, const ActiveSet& set, std::span<const double> value, Vec p,
-                    Workspace& work) const override {
-    delassus_.solve_guided(r, set, value, p, work);
-  }
   [[nodiscard]] double bytes() const override { return delassus_.bytes(); }
 
   [[nodiscard]] const DelassusOperator& delassus() const { return delassus_; }
 
 private:
+  void solve_one(const ContactProblem& step, Workspace& work) const override;
+  void solve_one(const LinearisedContact& step, Workspace& work) const override {
+    delassus_.solve_linearised(step, work);
+  }
   /// Computes λ, with zero gaps on work.set and zero forces elsewhere, and the gaps g⁰ + Sλ of all
   /// candidates.
   void solve_on_set(ContactState& state, Workspace& work) const;

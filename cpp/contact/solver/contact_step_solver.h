@@ -4,9 +4,29 @@
 
 namespace signorini::contact {
 
-/// Solver of contact steps and of their linearised and transposed forms. Only `state` or `p`, `y` and `work`
-/// change; PETSc's solver objects hold scratch of their own, so that one solver serves one step at a time.
-/// All members collective.
+/// A contact step: minimise ½ y·Dy − r·y over g(y) ≥ 0 (4.22), docs/method.md section 2, that is D y + H λ =
+/// r with 0 ≤ λ ⟂ g(y) ≥ 0.
+struct ContactProblem {
+  Vec r;
+  std::span<const double> psi; ///< gaps of the undeformed body at the end of the step (m), in metres
+  const ActiveSet& previous;   ///< of the step before, from which the search starts
+  ContactState& state;         ///< constructed for the m candidates
+  Vec y;                       ///< the solution, a guess on entry
+};
+
+/// A linearised or transposed step on an active set (docs/method.md section 4): D x + H μ = r, Hᵀx = value
+/// and free μ on the set, μ = 0 elsewhere. Of linearly dependent candidates the first ones carry the force.
+struct LinearisedContact {
+  Vec r;
+  const ActiveSet& set;
+  std::span<const double> value{}; ///< (m), zero if empty
+  Vec x;                           ///< the solution, a guess on entry that direct solvers ignore; not r
+  std::span<double> multipliers{}; ///< μ (m) on return, not computed if empty
+};
+
+/// Solver of contact steps with one D, and of their linearised and transposed forms. Only results and `work`
+/// change; PETSc's solver objects hold scratch of their own, so that one solver serves one call at a time.
+/// All members are collective; those that solve throw SolverFailure with reason and residual.
 class ContactStepSolver {
 public:
   ContactStepSolver();
@@ -14,31 +34,26 @@ public:
 
   [[nodiscard]] virtual Workspace workspace() const = 0;
 
-  /// A step: minimise ½ y·Dy − r·y over g(y) ≥ 0 (4.22), docs/method.md section 2. Solves for `y`, which
-  /// holds a guess on entry, and for `state`, constructed for the m candidates; `psi` (m) are the gaps of the
-  /// undeformed body at the end of the step, in metres, `previous` is the active set of the step before, from
-  /// which the search starts. Throws SolverFailure with reason and residual.
-  virtual void solve(Vec r, std::span<const double> psi, const ActiveSet& previous, ContactState& state,
-                     Vec y, Workspace& work) const = 0;
-
-  /// A linearised or transposed step on an active set (docs/method.md section 4): D p − μ = r, p·ν = 0 on the
-  /// set and normal forces μ there. The solution operator r ↦ p is symmetric. Solves for `p`, which holds a
-  /// guess on entry that direct solvers ignore; `r` and `p` must be different vectors. Of linearly dependent
-  /// candidates the first ones carry the force. Throws SolverFailure.
-  void solve_sliding(Vec r, const ActiveSet& set, Vec p, Workspace& work) const {
-    solve_guided(r, set, {}, p, work);
+  void solve(std::span<const ContactProblem> steps, Workspace& work) const {
+    for (const ContactProblem& one : steps)
+      solve_one(one, work);
   }
-
-  /// The same with p·ν = `value` (m) on the set, zero if empty: D p + N μ = r. On return work.mu (m) holds
-  /// the forces μ, zero off the set; with conjugate gradients only if `value` is given. Collective. Throws
-  /// SolverFailure.
-  virtual void solve_guided(Vec r, const ActiveSet& set, std::span<const double> value, Vec p,
-                            Workspace& work) const = 0;
+  void solve_linearised(std::span<const LinearisedContact> steps, Workspace& work) const {
+    for (const LinearisedContact& one : steps)
+      solve_one(one, work);
+  }
+  /// The transposes of linearised steps: without friction r ↦ x is symmetric.
+  void solve_transposed(std::span<const LinearisedContact> steps, Workspace& work) const {
+    solve_linearised(steps, work);
+  }
 
   /// Memory beyond that of D's factor on all ranks, bytes.
   [[nodiscard]] virtual double bytes() const = 0;
 
 protected:
+  virtual void solve_one(const ContactProblem& step, Workspace& work) const = 0;
+  virtual void solve_one(const LinearisedContact& step, Workspace& work) const = 0;
+
   /// Counts a step whose inequality had to be solved. Solvers that test the motion without contact first do
   /// not count steps in which it does not penetrate.
   static void count_solved();

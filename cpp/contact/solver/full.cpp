@@ -115,11 +115,11 @@ PetscInt FullSolver::coordinate(std::size_t i) const {
 }
 
 Workspace FullSolver::workspace() const {
-  return sliding_ ? sliding_->workspace() : Workspace(pairs_.count());
+  return linearised_ ? linearised_->workspace() : Workspace(pairs_.count());
 }
 
-void FullSolver::solve(Vec r, std::span<const double> psi, const ActiveSet&, ContactState& state, Vec y,
-                       Workspace&) const {
+void FullSolver::solve_one(const ContactProblem& step, Workspace&) const {
+  const auto& [r, psi, previous, state, y] = step;
   const std::size_t m = psi.size();
   check(MatMultTranspose(Q_, r, r_));
   check(VecScale(r_, -1 / force_unit_));

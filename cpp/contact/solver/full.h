@@ -17,20 +17,18 @@ public:
   FullSolver(const ContactPairs& pairs, Mat D);
 
   /// Lets `solver` solve linearised and transposed steps.
-  void slide_by(std::unique_ptr<const ContactStepSolver> solver) { sliding_ = std::move(solver); }
+  void linearise_by(std::unique_ptr<const ContactStepSolver> solver) { linearised_ = std::move(solver); }
 
   [[nodiscard]] Workspace workspace() const override;
-  void solve(Vec r, std::span<const double> psi, const ActiveSet& previous, ContactState& state, Vec y,
-             Workspace& work) const override;
-  /// To be called only after slide_by().
-  void solve_guided(Vec r, const ActiveSet& set, std::span<const double> value, Vec p,
-                    Workspace& work) const override {
-    sliding_->solve_guided(r, set, value, p, work);
-  }
   /// Of the solver of linearised steps; that of PETSc's solver is not known.
-  [[nodiscard]] double bytes() const override { return sliding_ ? sliding_->bytes() : 0; }
+  [[nodiscard]] double bytes() const override { return linearised_ ? linearised_->bytes() : 0; }
 
 private:
+  void solve_one(const ContactProblem& step, Workspace& work) const override;
+  /// To be called only after linearise_by().
+  void solve_one(const LinearisedContact& step, Workspace& work) const override {
+    linearised_->solve_linearised({&step, 1}, work);
+  }
   /// Local number in z_ of a candidate's bounded coordinate if this rank owns it, else −1.
   [[nodiscard]] PetscInt coordinate(std::size_t i) const;
 
@@ -44,7 +42,7 @@ private:
   petsc::Vector diagonal_; ///< of D where clamps hold components of candidates' nodes, else null
   petsc::Vector z_, r_;
   std::optional<SnesVi> vi_;
-  std::unique_ptr<const ContactStepSolver> sliding_;
+  std::unique_ptr<const ContactStepSolver> linearised_;
 };
 
 } // namespace signorini::contact

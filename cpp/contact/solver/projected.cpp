@@ -27,8 +27,8 @@ void ProjectedSolver::evaluate(Vec r, std::span<const double> psi, Vec y, Contac
   next_set(rows_, work.set, state.lambda, state.gap, work.next);
 }
 
-void ProjectedSolver::solve(Vec r, std::span<const double> psi, const ActiveSet& previous,
-                            ContactState& state, Vec y, Workspace& work) const {
+void ProjectedSolver::solve_one(const ContactProblem& step, Workspace& work) const {
+  const auto& [r, psi, previous, state, y] = step;
   const ConjugateGradients::Projector project = [&](Vec x) { rows_.prescribe(work.set, zero_, x); };
   const auto look = [&](Vec x) {
     evaluate(r, psi, x, state, work);
@@ -55,16 +55,15 @@ void ProjectedSolver::solve(Vec r, std::span<const double> psi, const ActiveSet&
   complementarity_.classify(state, y, D_.tolerance());
 }
 
-void ProjectedSolver::solve_guided(Vec r, const ActiveSet& set, std::span<const double> value, Vec p,
-                                   Workspace& work) const {
-  const ConjugateGradients::Projector project = [&](Vec x) { rows_.prescribe(set, zero_, x); };
-  rows_.prescribe(set, value.empty() ? std::span<const double>(zero_) : value, p);
-  D_.solve(r, p, project, {});
-  if (value.empty())
+void ProjectedSolver::solve_one(const LinearisedContact& step, Workspace&) const {
+  const ConjugateGradients::Projector project = [&](Vec x) { rows_.prescribe(step.set, zero_, x); };
+  rows_.prescribe(step.set, step.value.empty() ? std::span<const double>(zero_) : step.value, step.x);
+  D_.solve(step.r, step.x, project, {});
+  if (step.multipliers.empty())
     return;
-  check(MatMult(matrix_, p, residual_));
-  check(VecAYPX(residual_, -1, r));
-  rows_.multipliers(set, residual_, work.mu); // Hμ = r − D p
+  check(MatMult(matrix_, step.x, residual_));
+  check(VecAYPX(residual_, -1, step.r));
+  rows_.multipliers(step.set, residual_, step.multipliers); // Hμ = r − D x
 }
 
 } // namespace signorini::contact

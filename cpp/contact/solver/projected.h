@@ -15,13 +15,11 @@ public:
   ProjectedSolver(const ContactPairs& pairs, const ConjugateGradients& D, Mat matrix);
 
   [[nodiscard]] Workspace workspace() const override { return Workspace(pairs_.count()); }
-  void solve(Vec r, std::span<const double> psi, const ActiveSet& previous, ContactState& state, Vec y,
-             Workspace& work) const override;
-  void solve_guided(Vec r, const ActiveSet& set, std::span<const double> value, Vec p,
-                    Workspace& work) const override;
   [[nodiscard]] double bytes() const override { return 0; }
 
 private:
+  void solve_one(const ContactProblem& step, Workspace& work) const override;
+  void solve_one(const LinearisedContact& step, Workspace& work) const override;
   /// Computes λ and g of a motion y that keeps the gaps of work.set closed, and the next set, work.next.
   /// Collective.
   void evaluate(Vec r, std::span<const double> psi, Vec y, ContactState& state, Workspace& work) const;
