@@ -2,6 +2,7 @@
 #include "forward/step.h"
 #include "base/counters.h"
 #include "base/error.h"
+#include "contact/law.h"
 #include "contact/lcp/primal_dual.h"
 #include "contact/massless.h"
 #include "fem/wave_time.h"
@@ -229,10 +230,10 @@ void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactLinearisatio
     for (int i = 0; i < pairs_->count(); ++i) {
       const auto at = static_cast<std::size_t>(i);
       const bool is_closed = std::ranges::binary_search(closed, i);
-      const bool flips =
-          std::ranges::binary_search(contact.weak, i) &&
-          (is_closed ? force[at] < -rounding * largest_force : motion[at] > rounding * largest_motion);
-      if (is_closed != flips)
+      if (std::ranges::binary_search(contact.weak, i)
+              ? contact::unilateral::closes_to_first_order(
+                    is_closed, force[at], motion[at], rounding * largest_force, rounding * largest_motion)
+              : is_closed)
         next.push_back(i);
     }
     if (next == closed)

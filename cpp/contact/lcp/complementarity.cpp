@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/lcp/complementarity.h"
 #include "base/error.h"
+#include "contact/law.h"
 #include "contact/lcp/primal_dual.h"
 #include <algorithm>
 #include <cmath>
@@ -67,8 +68,8 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
   for (std::size_t i = 0; i < state.lambda.size(); ++i) {
     penetration = std::max(penetration, -state.gap[i]);
     adhesion = std::max(adhesion, -state.lambda[i] / stiffness_[i]);
-    if (state.lambda[i] > motion * stiffness_[i]) {
-      state.status[i] = Status::strong;
+    state.status[i] = unilateral::status(state.lambda[i], state.gap[i], motion * stiffness_[i], closed);
+    if (state.status[i] == Status::strong) {
       distance = std::max(distance, state.gap[i]);
       state.active.push_back(static_cast<int>(i));
     }
@@ -81,11 +82,10 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
                     penetration, distance, gap_tolerance_, adhesion, motion, state.count(Status::strong),
                     state.lambda.size()));
   for (std::size_t i = 0; i < state.lambda.size(); ++i)
-    if (state.status[i] == Status::open && state.gap[i] <= closed)
+    if (state.status[i] == Status::weak && depends(pairs_.rows(), state.active, static_cast<int>(i)))
       // It cannot open while the candidates with forces on which it depends are closed, and part of their
       // force may be assigned to it.
-      state.status[i] =
-          depends(pairs_.rows(), state.active, static_cast<int>(i)) ? Status::strong : Status::weak;
+      state.status[i] = Status::strong;
   state.active.clear();
   for (std::size_t i = 0; i < state.status.size(); ++i) {
     if (state.status[i] != Status::open) {
@@ -99,12 +99,9 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
 
 bool Complementarity::holds_to(double negligible, double motion, std::span<const double> lambda,
                                std::span<const double> gap) const {
-  for (std::size_t i = 0; i < lambda.size(); ++i) {
-    const double zero_force = motion * stiffness_[i];
-    if (!(gap[i] >= -negligible && lambda[i] >= -zero_force &&
-          (lambda[i] <= zero_force || gap[i] <= negligible)))
+  for (std::size_t i = 0; i < lambda.size(); ++i)
+    if (!unilateral::holds(lambda[i], gap[i], motion * stiffness_[i], negligible))
       return false;
-  }
   return true;
 }
 

@@ -2,6 +2,7 @@
 #include "contact/solver/condensed.h"
 #include "base/collective.h"
 #include "base/error.h"
+#include "contact/law.h"
 #include "contact/lcp/primal_dual.h"
 #include <algorithm>
 #include <cmath>
@@ -182,7 +183,7 @@ void CondensedSolver::solve_one(const ContactProblem& step, Workspace& work) con
   state.vi_iterations = 0;
   delassus_.predict_gap(r, psi, work.gap0, work.prediction);
   work.set.clear();
-  if (std::ranges::any_of(work.gap0, [](double g) { return g < 0; })) {
+  if (!std::ranges::all_of(work.gap0, unilateral::open)) {
     count_solved();
     work.set = previous;
     drop_dependent(pairs_.rows(), work.set);
