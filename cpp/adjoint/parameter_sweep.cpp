@@ -32,7 +32,7 @@ public:
   std::vector<double> run() {
     ++sweeps;
     const int steps = motion_.steps();
-    to_.copy(motion_.at(steps));
+    from_.copy(motion_.at(steps));
     for (int k = steps; k >= 1; --k) {
       collect(k);
       try {
@@ -42,10 +42,10 @@ public:
       }
       if (visit_)
         visit_(k, state_.p);
+      std::swap(from_, to_); // not before, as rates_ refers to them in step()
       from_.copy(motion_.at(k - 1));
       add_step(k);
       state_.advance();
-      std::swap(from_, to_);
     }
     collect(0);
     start();

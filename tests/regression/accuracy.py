@@ -101,12 +101,12 @@ def budget_is_kept(folder: Path) -> None:
         start = time.perf_counter()
         order(verb, scene, out, "--accuracy", "0.5", *more)
         seconds = 5 * (time.perf_counter() - start)
-        run, said = order(verb, scene, out, "--accuracy", "1e-5", "--budget", f"{seconds:.2f}s", *more, status=1)
-        assert "budget" in said and run["accuracy"]["estimated"] > 1e-5 and not run["accuracy"]["met"]
+        run, said = order(verb, scene, out, "--accuracy", "1e-7", "--budget", f"{seconds:.2f}s", *more, status=1)
+        assert "budget" in said and not run["accuracy"]["met"]
         assert run["steps"]["done"] == run["steps"]["asked"], "what the budget cut off stands in place of a whole answer"
         # What was asked is far beyond it; that the run ends is what keeping it means.
         assert "budget is spent" in said or "beyond the budget" in said, said
-        assert run["accuracy"]["estimated"] > 10 * 1e-5, "the budget would have been enough"
+        assert run["accuracy"]["estimated"] > 10 * 1e-7, "the budget would have been enough"
         assert not list(out.glob(".unfinished*")) and (out / "state.h5").is_file()
         if verb == "optimize":  # whose error is known from the first round on
             further = re.search(r"what is asked would take about (\S+) s", said)
