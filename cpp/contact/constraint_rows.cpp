@@ -9,11 +9,10 @@
 namespace signorini::contact {
 using petsc::check;
 
-ConstraintRows::ConstraintRows(MPI_Comm comm, const std::vector<std::vector<Entry>>& rows, PetscInt first,
-                               PetscInt end)
+ConstraintRows::ConstraintRows(MPI_Comm comm, const std::vector<Row>& rows, PetscInt first, PetscInt end)
     : comm_(comm), row_begin_{0} {
   std::size_t of_cluster = 0; // begin of the present cluster's dofs
-  for (const std::vector<Entry>& row : rows) {
+  for (const auto& [row, law] : rows) {
     const auto known = [&](const Entry& entry) {
       return std::find(dofs_.begin() + static_cast<std::ptrdiff_t>(of_cluster), dofs_.end(), entry.dof);
     };
@@ -30,6 +29,7 @@ ConstraintRows::ConstraintRows(MPI_Comm comm, const std::vector<std::vector<Entr
       any_clamped_ = any_clamped_ || entry.clamped;
     }
     row_begin_.push_back(columns_.size());
+    laws_.push_back(law);
   }
   for (const PetscInt dof : dofs_)
     local_.push_back(dof >= first && dof < end ? static_cast<int>(dof - first) : -1);

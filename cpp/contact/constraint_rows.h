@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "base/petsc.h"
-#include "contact/contact_state.h"
+#include "contact/law.h"
 #include <array>
 #include <span>
 
@@ -19,6 +19,10 @@ public:
     double coefficient;
     bool clamped;
   };
+  struct Row {
+    std::vector<Entry> entries;
+    const Law* law = &unilateral; ///< which must outlive the rows
+  };
   struct Cluster {
     int first, last; ///< rows [first, last)
     int begin, end;  ///< of the constrained dofs, [begin, end)
@@ -28,7 +32,7 @@ public:
   };
 
   /// `rows` are the same on every rank; this one owns the dofs [first, end).
-  ConstraintRows(MPI_Comm comm, const std::vector<std::vector<Entry>>& rows, PetscInt first, PetscInt end);
+  ConstraintRows(MPI_Comm comm, const std::vector<Row>& rows, PetscInt first, PetscInt end);
 
   [[nodiscard]] int count() const { return static_cast<int>(row_begin_.size()) - 1; }
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
@@ -44,6 +48,9 @@ public:
   [[nodiscard]] bool clamped() const { return any_clamped_; }
   /// Rows with the same dofs and other coefficients, one for each entry, row by row.
   [[nodiscard]] ConstraintRows with(std::vector<double> coefficients) const;
+
+  /// The law of a row's multiplier and gap.
+  [[nodiscard]] const Law& law(int row) const { return *laws_[static_cast<std::size_t>(row)]; }
 
   /// Coefficients of a row at the dofs that no clamp holds, zero at the others: the nodal force of a unit
   /// multiplier.
@@ -107,6 +114,7 @@ private:
 
   MPI_Comm comm_;
   std::vector<std::size_t> row_begin_; ///< of each row's entries, and the end of the last one's
+  std::vector<const Law*> laws_;       ///< of rows
   std::vector<int> columns_;           ///< of entries, numbers among dofs_
   std::vector<double> motions_, forces_;
   std::vector<bool> clamped_; ///< entries

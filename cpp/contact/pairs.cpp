@@ -117,7 +117,7 @@ std::vector<double> ContactPairs::times_of_meeting(const std::vector<BoundaryNod
 void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const fem::Space& space,
                              const fem::DirichletDofs& clamped, const scene::Time& time) {
   std::vector<int> candidates(contacts.size());
-  std::vector<std::vector<ConstraintRows::Entry>> rows;
+  std::vector<ConstraintRows::Row> rows;
   clamped_dofs_.resize(contacts.size());
   const std::vector<BoundaryNode> nodes = boundary_nodes(contacts, space, clamped);
   const std::vector<double> meeting = times_of_meeting(nodes, time);
@@ -130,11 +130,11 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
     }
     const Obstacle& shape = shapes_[obstacle];
     const Obstacle::Plane plane = shape.at(node.x.data(), shape.place(meeting[number]));
-    std::vector<ConstraintRows::Entry> row;
+    ConstraintRows::Row row;
     double free = 0;
     for (int c = 0; c < dim_; ++c) { // ν points into the obstacle, the obstacle's normal out of it
       const bool held = !(node.free_components & (1 << c));
-      row.push_back({static_cast<PetscInt>(node.first_dof) + c, -plane.normal[c], held});
+      row.entries.push_back({static_cast<PetscInt>(node.first_dof) + c, -plane.normal[c], held});
       if (!held)
         free = std::hypot(free, plane.normal[c]);
     }
@@ -142,7 +142,7 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
       clamped_dofs_[obstacle].push_back(static_cast<PetscInt>(node.first_dof));
       continue;
     }
-    for (const ConstraintRows::Entry& entry : row)
+    for (const ConstraintRows::Entry& entry : row.entries)
       normals_.push_back(entry.coefficient);
     rows.push_back(std::move(row));
     points_.insert(points_.end(), node.x.begin(), node.x.end());

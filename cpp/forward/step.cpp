@@ -2,7 +2,6 @@
 #include "forward/step.h"
 #include "base/counters.h"
 #include "base/error.h"
-#include "contact/law.h"
 #include "contact/lcp/primal_dual.h"
 #include "contact/massless.h"
 #include "fem/wave_time.h"
@@ -231,8 +230,8 @@ void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactLinearisatio
       const auto at = static_cast<std::size_t>(i);
       const bool is_closed = std::ranges::binary_search(closed, i);
       if (std::ranges::binary_search(contact.weak, i)
-              ? contact::unilateral::closes_to_first_order(
-                    is_closed, force[at], motion[at], rounding * largest_force, rounding * largest_motion)
+              ? rows.law(i).closes_to_first_order(is_closed, force[at], motion[at], rounding * largest_force,
+                                                  rounding * largest_motion)
               : is_closed)
         next.push_back(i);
     }

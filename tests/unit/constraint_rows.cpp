@@ -12,7 +12,7 @@ using petsc::check;
 
 namespace {
 
-using Rows = std::vector<std::vector<ConstraintRows::Entry>>;
+using Rows = std::vector<ConstraintRows::Row>;
 
 /// Rows over all of so many dofs, of which no clamp holds any.
 ConstraintRows dense_rows(const std::vector<std::vector<double>>& coefficients) {
@@ -20,19 +20,19 @@ ConstraintRows dense_rows(const std::vector<std::vector<double>>& coefficients) 
   for (const std::vector<double>& one : coefficients) {
     rows.emplace_back();
     for (std::size_t c = 0; c < one.size(); ++c)
-      rows.back().push_back({static_cast<PetscInt>(c), one[c], false});
+      rows.back().entries.push_back({static_cast<PetscInt>(c), one[c], false});
   }
   return {MPI_COMM_SELF, rows, 0, static_cast<PetscInt>(coefficients.front().size())};
 }
 
 /// A clamped component, a node with three rows of which two depend on each other, and two rows that tie one
 /// dof to others with weights, as meshes that do not match are tied.
-const Rows mixed{{{2, 0.6, false}, {3, -0.8, true}},
-                 {{6, 0, false}, {7, 1, false}},
-                 {{6, 0, false}, {7, -1, false}},
-                 {{6, 1, false}, {7, 0, false}},
-                 {{10, 1, false}, {12, -0.25, false}, {14, -0.75, false}},
-                 {{11, 1, false}, {14, -0.5, false}, {16, -0.5, false}}};
+const Rows mixed{{{{2, 0.6, false}, {3, -0.8, true}}},
+                 {{{6, 0, false}, {7, 1, false}}},
+                 {{{6, 0, false}, {7, -1, false}}},
+                 {{{6, 1, false}, {7, 0, false}}},
+                 {{{10, 1, false}, {12, -0.25, false}, {14, -0.75, false}}},
+                 {{{11, 1, false}, {14, -0.5, false}, {16, -0.5, false}}}};
 constexpr PetscInt dofs = 18;
 
 petsc::Vector numbers(double from) {

@@ -22,9 +22,9 @@ TEST_CASE("the dual active-set method solves singular problems or tells that the
   for (int i = 0; i < m; ++i)
     for (int j = 0; j < m; ++j)
       S[static_cast<std::size_t>(m * i + j)] = N[2 * i] * N[2 * j] + N[2 * i + 1] * N[2 * j + 1];
-  std::vector<std::vector<contact::ConstraintRows::Entry>> entries;
+  std::vector<contact::ConstraintRows::Row> entries;
   for (std::size_t i = 0; i < m; ++i)
-    entries.push_back({{0, N[2 * i], false}, {1, N[2 * i + 1], false}});
+    entries.push_back({{{0, N[2 * i], false}, {1, N[2 * i + 1], false}}});
   const contact::ConstraintRows rows(MPI_COMM_SELF, entries, 0, 2);
   REQUIRE(rows.dependent());
   const auto depends = [&](const contact::ActiveSet& set, int i) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/lcp/complementarity.h"
 #include "base/error.h"
-#include "contact/law.h"
 #include "contact/lcp/primal_dual.h"
 #include <algorithm>
 #include <cmath>
@@ -64,11 +63,13 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
   const double motion = negligible_motion(state.lambda, size, tolerance);
   // Gaps are differences of positions, known to the rounding of coordinates.
   const double closed = std::min(gap_tolerance_, accuracy(tolerance) * (pairs_.diameter() + size));
+  const ConstraintRows& rows = pairs_.rows();
   double penetration = 0, adhesion = 0, distance = 0;
   for (std::size_t i = 0; i < state.lambda.size(); ++i) {
     penetration = std::max(penetration, -state.gap[i]);
     adhesion = std::max(adhesion, -state.lambda[i] / stiffness_[i]);
-    state.status[i] = unilateral::status(state.lambda[i], state.gap[i], motion * stiffness_[i], closed);
+    state.status[i] =
+        rows.law(static_cast<int>(i)).status(state.lambda[i], state.gap[i], motion * stiffness_[i], closed);
     if (state.status[i] == Status::strong) {
       distance = std::max(distance, state.gap[i]);
       state.active.push_back(static_cast<int>(i));
@@ -82,7 +83,7 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
                     penetration, distance, gap_tolerance_, adhesion, motion, state.count(Status::strong),
                     state.lambda.size()));
   for (std::size_t i = 0; i < state.lambda.size(); ++i)
-    if (state.status[i] == Status::weak && depends(pairs_.rows(), state.active, static_cast<int>(i)))
+    if (state.status[i] == Status::weak && depends(rows, state.active, static_cast<int>(i)))
       // It cannot open while the candidates with forces on which it depends are closed, and part of their
       // force may be assigned to it.
       state.status[i] = Status::strong;
@@ -100,7 +101,7 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
 bool Complementarity::holds_to(double negligible, double motion, std::span<const double> lambda,
                                std::span<const double> gap) const {
   for (std::size_t i = 0; i < lambda.size(); ++i)
-    if (!unilateral::holds(lambda[i], gap[i], motion * stiffness_[i], negligible))
+    if (!pairs_.rows().law(static_cast<int>(i)).holds(lambda[i], gap[i], motion * stiffness_[i], negligible))
       return false;
   return true;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/lcp/primal_dual.h"
 #include "base/error.h"
-#include "contact/law.h"
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
@@ -85,7 +84,7 @@ void next_set(const ConstraintRows& rows, const ActiveSet& set, std::span<const 
     for (int i = here.first; i < here.last; ++i) {
       const bool closed = at != set.end() && *at == i;
       at += closed;
-      if (unilateral::closes(closed, lambda[static_cast<std::size_t>(i)], gap[static_cast<std::size_t>(i)]))
+      if (rows.law(i).closes(closed, lambda[static_cast<std::size_t>(i)], gap[static_cast<std::size_t>(i)]))
         next.push_back(i);
     }
     if (here.dependent)
