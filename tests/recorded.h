@@ -60,7 +60,10 @@ struct Recorded {
   }
   /// Of the steps 0…N.
   [[nodiscard]] std::vector<contact::ContactLinearisation> sets() const {
-    return {contact.begin(), contact.end()};
+    std::vector<contact::ContactLinearisation> all;
+    for (const contact::ContactState& one : contact)
+      all.push_back(one.linearisation());
+    return all;
   }
   explicit Recorded(const Problem& problem) : Recorded(problem, problem.load()) {}
 };

@@ -50,6 +50,9 @@ struct ContactState : ContactLinearisation {
     predictor.reserve(static_cast<std::size_t>(m));
   }
 
+  /// What outlives the step.
+  [[nodiscard]] const ContactLinearisation& linearisation() const { return *this; }
+
   [[nodiscard]] int count(Status which) const { return static_cast<int>(std::ranges::count(status, which)); }
 };
 

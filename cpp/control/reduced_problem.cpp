@@ -59,8 +59,8 @@ double ReducedProblem::value(const Control& u) {
 
 void ReducedProblem::accept() { std::swap(current_, trial_); }
 
-Control ReducedProblem::riesz(const std::vector<contact::ContactLinearisation>& contact,
-                              const forward::DualAtStep& dual, double scale, const Control& u) {
+Control ReducedProblem::pull_back(const std::vector<contact::ContactLinearisation>& contact,
+                                  const forward::DualAtStep& dual, double scale, const Control& u) {
   const auto timer = timers_.time("adjoint");
   Control g = u;
   g.scale(scale);
@@ -71,12 +71,12 @@ Control ReducedProblem::riesz(const std::vector<contact::ContactLinearisation>& 
 }
 
 Control ReducedProblem::adjoint(const forward::DualAtStep& dual) {
-  return riesz(current_->trajectory.contact(), dual, 0, current_->u);
+  return pull_back(current_->trajectory.contact(), dual, 0, current_->u);
 }
 
 Control ReducedProblem::l2_gradient(const Point& at) {
   const Derivative derivative(objective_, at.trajectory);
-  return riesz(at.trajectory.contact(), {stepper_.space(), derivative}, objective_.alpha(), at.u);
+  return pull_back(at.trajectory.contact(), {stepper_.space(), derivative}, objective_.alpha(), at.u);
 }
 
 Control ReducedProblem::l2_gradient() { return l2_gradient(*current_); }
@@ -168,7 +168,8 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
         slope.by_motion.add(dual.vector, now.state.y());
     });
   });
-  slope.by_gradient = controls_.product(riesz(slope.contact, derivative, objective_.alpha(), current_->u), d);
+  slope.by_gradient =
+      controls_.product(pull_back(slope.contact, derivative, objective_.alpha(), current_->u), d);
   return slope;
 }
 
@@ -179,7 +180,7 @@ Control ReducedProblem::l2_hessian_product(const Control& d) {
     make_linearised_steps(integrator, [&](const forward::Checkpoint& now) { dy->keep(now); });
     const LinearisedMotion linearised(*dy);
     const SecondDerivative second(objective_, linearised);
-    h = riesz(current_->trajectory.contact(), {stepper_.space(), second}, objective_.alpha(), d);
+    h = pull_back(current_->trajectory.contact(), {stepper_.space(), second}, objective_.alpha(), d);
   });
   return *std::move(h);
 }

@@ -125,9 +125,10 @@ private:
   void make_linearised_steps(forward::TimeIntegrator& integrator,
                              const std::function<void(const forward::Checkpoint& now)>& visit);
 
-  /// scale u + S'* w for duals w and S' linearised on `contact`, as Riesz representative in L2(0,T; L2).
-  Control riesz(const std::vector<contact::ContactLinearisation>& contact, const forward::DualAtStep& dual,
-                double scale, const Control& u);
+  /// scale u + S'* w, duals w pulled back by S' linearised on `contact`, as Riesz representative in
+  /// L2(0,T; L2).
+  Control pull_back(const std::vector<contact::ContactLinearisation>& contact,
+                    const forward::DualAtStep& dual, double scale, const Control& u);
   Control l2_gradient(const Point& at);
 
   const forward::Stepper& stepper_;

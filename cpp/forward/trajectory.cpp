@@ -35,7 +35,7 @@ void Trajectory::run(ForceAtStep load, const StepObserver& watch) {
   const auto contact = [this](int) -> contact::ContactState& { return now_; };
   integrate_with(stepper_, grid_, integrator_, Stops::obeyed, contact, acting_, [&](const Frame& frame) {
     steps_ = frame.step.k;
-    contact_[static_cast<std::size_t>(frame.step.k)] = now_;
+    contact_[static_cast<std::size_t>(frame.step.k)] = now_.linearisation();
     if (frame.step.k > 0)
       margins_.take(now_, frame.step.scheme());
     states_->keep(integrator_.now());
