@@ -38,9 +38,9 @@ double motions_bytes(const Problem& problem) {
                              ? 3
                              : 2;                          // iterate, trial, linearised
   const double sets = problem.stepper.predictor() ? 2 : 1, // kept on every rank
-      step =
-          sizeof(contact::ContactLinearisation) + sets * sizeof(int) * forward::candidates(problem.stepper),
-               contact = step * (problem.steps() + 1) * ranks(problem.space.comm());
+      step = sizeof(contact::ContactLinearisation) +
+             (sets * sizeof(int) + sizeof(double)) * forward::candidates(problem.stepper), // forces too
+      contact = step * (problem.steps() + 1) * ranks(problem.space.comm());
   const double states = state_stores(problem).bytes();
   const double in_memory = kept.storage == scene::Storage::memory        ? (controlled + 1) * states
                            : kept.storage == scene::Storage::checkpoints ? (computed ? 2 : 1) * states

@@ -72,9 +72,8 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   const forward::ForceAtStep load = given.load();
   std::optional<RunObjective> objective;
   const std::string unknown = start_objective(problem, given, objective);
-  const forward::TimeGrid equal = problem.grid; // or none yet
   std::optional<forward::StepControl> control;
-  if (!equal.equal())
+  if (!problem.grid.equal())
     control.emplace(problem.stepper, scene);
   MotionWriter recorder(problem, folder, nullptr, given.acts(), control ? &control->errors() : nullptr);
   std::optional<SyntheticData> data;
@@ -84,8 +83,8 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   int steps = 0;
   {
     const auto timer = timers.time("forward");
-    Progress progress(console, equal.equal() ? "steps" : "per mille of the time",
-                      static_cast<std::size_t>(equal.equal() ? equal.steps() : per_mille));
+    Progress progress(console, problem.grid.equal() ? "steps" : "per mille of the time",
+                      static_cast<std::size_t>(problem.grid.equal() ? problem.grid.steps() : per_mille));
     const auto watch = [&](const forward::Frame& frame) {
       recorder(frame);
       if (objective)
@@ -93,7 +92,8 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
       if (data)
         data->observe(frame);
       progress.update(static_cast<std::size_t>(
-          equal.equal() ? frame.step.k : std::floor(per_mille * frame.step.end / problem.stepper.end())));
+          problem.grid.equal() ? frame.step.k
+                               : std::floor(per_mille * frame.step.end / problem.stepper.end())));
     };
     if (control) {
       problem.grid = forward::integrate_choosing(problem.stepper, problem.initial, load, *control, watch);

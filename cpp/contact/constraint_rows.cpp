@@ -71,19 +71,24 @@ void ConstraintRows::spread(int row, std::span<double> out) const {
     out[static_cast<std::size_t>(at[j] - cluster(row).begin)] = values[j];
 }
 
+template <class Visit>
+void ConstraintRows::for_each_here(const std::vector<double>& coefficients, Visit&& visit) const {
+  for (int i = 0; i < count(); ++i) {
+    if (!here(i))
+      continue;
+    const std::span<const int> at = columns(i);
+    const std::span<const double> row = part(coefficients, i);
+    for (std::size_t j = 0; j < at.size(); ++j)
+      visit(static_cast<std::size_t>(i), static_cast<std::size_t>(local_[static_cast<std::size_t>(at[j])]),
+            row[j]);
+  }
+}
+
 void ConstraintRows::apply_transpose(Vec x, std::span<double> out) const {
   std::ranges::fill(out, 0);
   {
     const petsc::ReadArray values(x);
-    for (int i = 0; i < count(); ++i) {
-      if (!here(i))
-        continue;
-      const std::span<const int> at = columns(i);
-      const std::span<const double> row = motion(i);
-      for (std::size_t j = 0; j < at.size(); ++j)
-        out[static_cast<std::size_t>(i)] +=
-            row[j] * values[static_cast<std::size_t>(local_[static_cast<std::size_t>(at[j])])];
-    }
+    for_each_here(motions_, [&](std::size_t row, std::size_t dof, double h) { out[row] += h * values[dof]; });
   }
   // Every entry comes from one rank alone, so the sum is exact and the same on every rank.
   MPI_Allreduce(MPI_IN_PLACE, out.data(), count(), MPI_DOUBLE, MPI_SUM, comm_);
@@ -98,15 +103,8 @@ void ConstraintRows::gap(std::span<const double> psi, Vec y, std::span<double> o
 void ConstraintRows::add(const std::vector<double>& coefficients, double scale,
                          std::span<const double> lambda, Vec x) const {
   const petsc::WriteArray values(x);
-  for (int i = 0; i < count(); ++i) {
-    if (!here(i))
-      continue;
-    const std::span<const int> at = columns(i);
-    const std::span<const double> row = part(coefficients, i);
-    for (std::size_t j = 0; j < at.size(); ++j)
-      values[static_cast<std::size_t>(local_[static_cast<std::size_t>(at[j])])] +=
-          scale * lambda[static_cast<std::size_t>(i)] * row[j];
-  }
+  for_each_here(coefficients,
+                [&](std::size_t row, std::size_t dof, double h) { values[dof] += scale * lambda[row] * h; });
 }
 
 void ConstraintRows::apply_transpose(std::span<const double> x, std::span<double> out) const {
@@ -176,15 +174,7 @@ std::vector<double> ConstraintRows::weighted_squares(Vec diagonal) const {
   std::vector<double> sums(static_cast<std::size_t>(count()));
   {
     const petsc::ReadArray d(diagonal);
-    for (int i = 0; i < count(); ++i) {
-      if (!here(i))
-        continue;
-      const std::span<const int> at = columns(i);
-      const std::span<const double> row = force(i);
-      for (std::size_t j = 0; j < at.size(); ++j)
-        sums[static_cast<std::size_t>(i)] +=
-            row[j] * row[j] * d[static_cast<std::size_t>(local_[static_cast<std::size_t>(at[j])])];
-    }
+    for_each_here(forces_, [&](std::size_t row, std::size_t dof, double h) { sums[row] += h * h * d[dof]; });
   }
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), count(), MPI_DOUBLE, MPI_SUM, comm_);
   return sums;

@@ -108,6 +108,9 @@ private:
   [[nodiscard]] std::span<const double> part(const std::vector<double>& all, int row) const {
     return {&all[row_begin_[static_cast<std::size_t>(row)]], columns(row).size()};
   }
+  /// Calls visit(row, local dof, coefficient) for the entries on this rank, row by row.
+  template <class Visit>
+  void for_each_here(const std::vector<double>& coefficients, Visit&& visit) const;
   void add(const std::vector<double>& coefficients, double scale, std::span<const double> lambda,
            Vec x) const;
   void find_clusters();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "base/petsc.h"
-#include <algorithm>
 #include <span>
+#include <utility>
 
 namespace signorini::forward {
 

@@ -63,7 +63,7 @@ public:
   struct Needs {
     bool derivatives = false; ///< linearised or transposed steps
     double passes = 0;        ///< over all steps, expected; 0: the solver is chosen by memory alone
-    bool iterative = false;   ///< as the run did that this one goes on with
+    bool iterative = false;   ///< as the run did that this one resumes
   };
 
   /// Assembles and factorises for the first step. Collective. The references must outlive this object. Throws

@@ -107,7 +107,7 @@ TEST_CASE("motions in steps of varying length keep the laws of energy and moment
     int touching = 0, last = -1;
     const forward::TimeGrid grid = forward::integrate_choosing(
         problem.stepper, problem.initial, problem.load(), control, [&](const forward::Frame& frame) {
-          CHECK(frame.step.k == last + 1); // steps that are made again are not shown
+          CHECK(frame.step.k == last + 1); // repeated steps are not shown
           last = frame.step.k;
           const forward::StepBalance balance = weigh(frame);
           energy = std::max(energy, balance.kinetic_energy + balance.elastic_energy);
