@@ -4,20 +4,19 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 #include <utility>
 
 namespace signorini::contact {
 using petsc::check;
 
-ConstraintRows::ConstraintRows(MPI_Comm comm, const std::vector<Row>& rows, PetscInt first, PetscInt end)
+ConstraintRows::ConstraintRows(MPI_Comm comm, const std::vector<Group>& groups, PetscInt first, PetscInt end)
     : comm_(comm), row_begin_{0} {
   std::size_t of_cluster = 0; // begin of the present cluster's dofs
-  for (const auto& [row, law] : rows) {
-    const auto known = [&](const Entry& entry) {
-      return std::find(dofs_.begin() + static_cast<std::ptrdiff_t>(of_cluster), dofs_.end(), entry.dof);
-    };
-    if (std::ranges::none_of(row, [&](const Entry& entry) { return known(entry) != dofs_.end(); }))
-      of_cluster = dofs_.size();
+  const auto known = [&](const Entry& entry) {
+    return std::find(dofs_.begin() + static_cast<std::ptrdiff_t>(of_cluster), dofs_.end(), entry.dof);
+  };
+  const auto add_row = [&](const std::vector<Entry>& row) {
     for (const Entry& entry : row) {
       const auto at = known(entry);
       columns_.push_back(static_cast<int>(at - dofs_.begin()));
@@ -29,20 +28,36 @@ ConstraintRows::ConstraintRows(MPI_Comm comm, const std::vector<Row>& rows, Pets
       any_clamped_ = any_clamped_ || entry.clamped;
     }
     row_begin_.push_back(columns_.size());
-    laws_.push_back(law);
+  };
+  for (const Group& group : groups) {
+    if (std::ranges::none_of(group.entries, [&](const Entry& entry) { return known(entry) != dofs_.end(); }))
+      of_cluster = dofs_.size();
+    add_row(group.entries);
+    laws_.push_back(group.law);
+    symmetric_ = symmetric_ && group.law->symmetric();
   }
+  of_cluster = 0;
+  const std::size_t constrained = dofs_.size();
+  others_.push_back(this->groups());
+  for (const Group& group : groups) {
+    for (const std::vector<Entry>& row : group.others)
+      add_row(row);
+    others_.push_back(count());
+  }
+  if (dofs_.size() > constrained)
+    throw std::logic_error("a row of a group has a dof that its first row has not");
   for (const PetscInt dof : dofs_)
     local_.push_back(dof >= first && dof < end ? static_cast<int>(dof - first) : -1);
   find_clusters();
 }
 
 void ConstraintRows::find_clusters() {
-  for (int row = 0; row < count(); ++row) {
-    const auto [least, most] = std::ranges::minmax(columns(row));
+  for (int group = 0; group < groups(); ++group) {
+    const auto [least, most] = std::ranges::minmax(columns(group));
     if (clusters_.empty() || least >= clusters_.back().end)
-      clusters_.push_back({row, row, least, least, false, local_[static_cast<std::size_t>(least)] >= 0});
+      clusters_.push_back({group, group, least, least, false, here(group)});
     Cluster& here = clusters_.back();
-    here.last = row + 1;
+    here.last = group + 1;
     here.end = std::max(here.end, most + 1);
     cluster_of_.push_back(static_cast<int>(clusters_.size()) - 1);
   }
@@ -63,12 +78,20 @@ ConstraintRows ConstraintRows::with(std::vector<double> coefficients) const {
   return other;
 }
 
-void ConstraintRows::spread(int row, std::span<double> out) const {
+void ConstraintRows::spread(int group, std::span<double> out) const {
   std::ranges::fill(out, 0);
-  const std::span<const int> at = columns(row);
-  const std::span<const double> values = force(row);
+  const std::span<const int> at = columns(group);
+  const std::span<const double> values = force(group);
   for (std::size_t j = 0; j < at.size(); ++j)
-    out[static_cast<std::size_t>(at[j] - cluster(row).begin)] = values[j];
+    out[static_cast<std::size_t>(at[j] - cluster(group).begin)] = values[j];
+}
+
+void ConstraintRows::spread(const ContactLinearisation& contact, std::span<double> out) const {
+  std::ranges::fill(out, 0);
+  auto force = contact.forces.begin();
+  for (const int group : contact.active)
+    for (std::size_t c = 0; c < size(group); ++c)
+      out[row(group, c)] = *force++;
 }
 
 template <class Visit>
@@ -180,7 +203,7 @@ std::vector<double> ConstraintRows::weighted_squares(Vec diagonal) const {
   return sums;
 }
 
-void ConstraintRows::multipliers(const ActiveSet& set, Vec x, std::span<double> lambda) const {
+void ConstraintRows::multipliers(std::span<const int> set, Vec x, std::span<double> lambda) const {
   std::ranges::fill(lambda, 0);
   {
     const petsc::ReadArray values(x);

@@ -9,9 +9,13 @@ namespace signorini::contact {
 
 /// The constraint operator H, N of docs/method.md section 2: a sparse matrix with a row for each multiplier,
 /// over the dofs that any of them constrains. Hᵀy are the motions that gaps see, Hλ the nodal forces of
-/// multipliers. Clamped dofs count in motions, whose value there is prescribed, and receive no force. Rows
-/// that share dofs form a cluster, here those of one node: they follow each other, and their dofs are on one
-/// rank. The matrix is the same on every rank. Arrays over rows have count() entries.
+/// multipliers. Clamped dofs count in motions, whose value there is prescribed, and receive no force.
+///
+/// Rows come in groups, each of which has a law: of contact without friction one row, the normal, with
+/// friction the tangents too. Row i < groups() is the first of group i, further ones follow behind all of
+/// these, group by group. First rows that share dofs form a cluster, here those of one node: they follow each
+/// other, and their dofs are on one rank. The matrix is the same on every rank. Arrays over rows have count()
+/// entries.
 class ConstraintRows {
 public:
   struct Entry {
@@ -19,38 +23,58 @@ public:
     double coefficient;
     bool clamped;
   };
-  struct Row {
-    std::vector<Entry> entries;
-    const Law* law = &unilateral; ///< which must outlive the rows
+  struct Group {
+    std::vector<Entry> entries{};             ///< of the first row
+    std::vector<std::vector<Entry>> others{}; ///< at most two, at dofs of the first row
+    const Law* law = &unilateral;             ///< which must outlive the rows
   };
   struct Cluster {
-    int first, last; ///< rows [first, last)
+    int first, last; ///< groups [first, last)
     int begin, end;  ///< of the constrained dofs, [begin, end)
     bool dependent;  ///< its rows are linearly dependent
     bool here;       ///< its dofs are on this rank
     [[nodiscard]] std::size_t width() const { return static_cast<std::size_t>(end - begin); }
   };
 
-  /// `rows` are the same on every rank; this one owns the dofs [first, end).
-  ConstraintRows(MPI_Comm comm, const std::vector<Row>& rows, PetscInt first, PetscInt end);
+  /// `groups` are the same on every rank; this one owns the dofs [first, end).
+  ConstraintRows(MPI_Comm comm, const std::vector<Group>& groups, PetscInt first, PetscInt end);
 
   [[nodiscard]] int count() const { return static_cast<int>(row_begin_.size()) - 1; }
+  [[nodiscard]] int groups() const { return static_cast<int>(laws_.size()); }
+  /// Number of rows of a group, k.
+  [[nodiscard]] std::size_t size(int group) const {
+    return static_cast<std::size_t>(1 + others_[static_cast<std::size_t>(group) + 1] -
+                                    others_[static_cast<std::size_t>(group)]);
+  }
+  /// Number of a group's row c < k.
+  [[nodiscard]] std::size_t row(int group, std::size_t c) const {
+    return c == 0 ? static_cast<std::size_t>(group)
+                  : static_cast<std::size_t>(others_[static_cast<std::size_t>(group)]) + c - 1;
+  }
+  /// The entries of an array over rows that belong to a group; those behind its k are zero.
+  [[nodiscard]] std::array<double, 3> of_group(int group, std::span<const double> values) const {
+    std::array<double, 3> part{};
+    for (std::size_t c = 0; c < size(group); ++c)
+      part[c] = values[row(group, c)];
+    return part;
+  }
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
   /// The global dofs that are constrained, cluster by cluster.
   [[nodiscard]] const std::vector<PetscInt>& dofs() const { return dofs_; }
   [[nodiscard]] const std::vector<Cluster>& clusters() const { return clusters_; }
-  [[nodiscard]] const Cluster& cluster(int row) const {
-    return clusters_[static_cast<std::size_t>(cluster_of_[static_cast<std::size_t>(row)])];
+  [[nodiscard]] const Cluster& cluster(int group) const {
+    return clusters_[static_cast<std::size_t>(cluster_of_[static_cast<std::size_t>(group)])];
   }
-  /// Whether the rows of some cluster are linearly dependent: multipliers are then not unique.
+  /// Whether the first rows of some cluster are linearly dependent: multipliers are then not unique.
   [[nodiscard]] bool dependent() const { return dependent_; }
   /// Whether any of the dofs is clamped.
   [[nodiscard]] bool clamped() const { return any_clamped_; }
   /// Rows with the same dofs and other coefficients, one for each entry, row by row.
   [[nodiscard]] ConstraintRows with(std::vector<double> coefficients) const;
 
-  /// The law of a row's multiplier and gap.
-  [[nodiscard]] const Law& law(int row) const { return *laws_[static_cast<std::size_t>(row)]; }
+  [[nodiscard]] const Law& law(int group) const { return *laws_[static_cast<std::size_t>(group)]; }
+  /// Whether all laws are symmetric.
+  [[nodiscard]] bool symmetric() const { return symmetric_; }
 
   /// Coefficients of a row at the dofs that no clamp holds, zero at the others: the nodal force of a unit
   /// multiplier.
@@ -62,8 +86,10 @@ public:
     return {&columns_[row_begin_[static_cast<std::size_t>(row)]],
             row_begin_[static_cast<std::size_t>(row) + 1] - row_begin_[static_cast<std::size_t>(row)]};
   }
-  /// The force coefficients of a row over its cluster's dofs (width).
-  void spread(int row, std::span<double> out) const;
+  /// The force coefficients of a group's first row over its cluster's dofs (width).
+  void spread(int group, std::span<double> out) const;
+  /// The multipliers of all rows, zero off the active set.
+  void spread(const ContactLinearisation& contact, std::span<double> out) const;
 
   /// out ← Hᵀx, including clamped dofs. Collective.
   void apply_transpose(Vec x, std::span<double> out) const;
@@ -82,16 +108,16 @@ public:
   void apply(std::span<const double> lambda, std::span<double> x) const;
   /// H as a dense matrix (dofs × rows), column by column.
   [[nodiscard]] std::vector<double> dense() const;
-  /// HᵀH of a cluster (rows × rows), at the dofs that no clamp holds.
+  /// HᵀH of a cluster's first rows, at the dofs that no clamp holds.
   void gram(const Cluster& cluster, std::vector<double>& out) const;
   /// Rows [first, first + count) of Hᵀ, on rank 0. Collective.
   [[nodiscard]] petsc::Matrix rows(int first, int count, Vec layout) const;
   /// Σ_j h_j² d_j of each row, for a diagonal d. Collective.
   [[nodiscard]] std::vector<double> weighted_squares(Vec diagonal) const;
 
-  /// λ with Hλ = x at the clusters of `set` and zero elsewhere, for an x in the range of the set's columns of
-  /// H; of linearly dependent rows the first ones carry the force. Collective.
-  void multipliers(const ActiveSet& set, Vec x, std::span<double> lambda) const;
+  /// λ with Hλ = x at the clusters of `set`, groups of one row, and zero elsewhere, for an x in the range of
+  /// the set's columns of H; of linearly dependent rows the first ones carry the force. Collective.
+  void multipliers(std::span<const int> set, Vec x, std::span<double> lambda) const;
   /// Makes Hᵀx = value on `set` by the smallest change of the dofs that no clamp holds; of linearly dependent
   /// rows, for the first ones.
   void prescribe(std::span<const int> set, std::span<const double> value, Vec x) const;
@@ -102,7 +128,7 @@ public:
   /// What clamped dofs contribute to (Hᵀy)_row, for a row of this rank and the owned entries of y.
   [[nodiscard]] double clamped_part(int row, std::span<const double> y) const;
   /// Whether this rank owns the dofs of a row.
-  [[nodiscard]] bool here(int row) const { return cluster(row).here; }
+  [[nodiscard]] bool here(int row) const { return local_[static_cast<std::size_t>(columns(row)[0])] >= 0; }
 
 private:
   [[nodiscard]] std::span<const double> part(const std::vector<double>& all, int row) const {
@@ -117,15 +143,16 @@ private:
 
   MPI_Comm comm_;
   std::vector<std::size_t> row_begin_; ///< of each row's entries, and the end of the last one's
-  std::vector<const Law*> laws_;       ///< of rows
+  std::vector<int> others_;            ///< number of each group's second row, and the end
+  std::vector<const Law*> laws_;       ///< of groups
   std::vector<int> columns_;           ///< of entries, numbers among dofs_
   std::vector<double> motions_, forces_;
   std::vector<bool> clamped_; ///< entries
   std::vector<PetscInt> dofs_;
   std::vector<int> local_; ///< numbers of dofs_ on this rank, −1 on others
   std::vector<Cluster> clusters_;
-  std::vector<int> cluster_of_; ///< of rows
-  bool dependent_ = false, any_clamped_ = false;
+  std::vector<int> cluster_of_; ///< of groups
+  bool dependent_ = false, any_clamped_ = false, symmetric_ = true;
 };
 
 /// An array of `size` zeros, without allocation if there are at most `few`.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -14,35 +15,43 @@ enum class Status : std::uint8_t {
   strong, ///< S: g = 0 and λ > 0; where it depends on others of its node, their λ counts too
 };
 
+/// The largest penetration allowed of a body of a diameter, m.
+[[nodiscard]] constexpr double gap_tolerance(double diameter) { return 1e-10 * diameter; }
+
 /// Numbers of the candidates in contact, ascending.
 using ActiveSet = std::vector<int>;
+
+/// A linear equation E U + F ρ = c between the gaps and multipliers of a group of k ≤ 3 rows, in place of
+/// its law.
+struct LawEquation {
+  std::array<double, 9> E{}, F{}; ///< (k × k), row by row
+  std::array<double, 3> c{};
+};
 
 /// Contact of a step as its derivative and the next step depend on it, the same on every rank. It grows with
 /// the number of candidates in contact, not with m.
 struct ContactLinearisation {
   ActiveSet active;           ///< A = S ∪ W
-  std::vector<double> forces; ///< λ_i of these, τ²/2 times the nodal contact forces
-  ActiveSet weak;             ///< W
-  ActiveSet predictor;        ///< Z: candidates that the projected predictor touches; contact-stabilized only
-
-  /// λ of all candidates, zero off the active set.
-  void spread(std::span<double> lambda) const {
-    std::ranges::fill(lambda, 0);
-    for (std::size_t j = 0; j < active.size(); ++j)
-      lambda[static_cast<std::size_t>(active[j])] = forces[j];
-  }
+  std::vector<double> forces; ///< ρ of these groups' rows, τ²/2 times the nodal contact forces
+  /// The linearised laws of these; empty if all laws are symmetric, λ free and g = 0.
+  std::vector<LawEquation> equations;
+  ActiveSet weak;      ///< W
+  ActiveSet predictor; ///< Z: candidates that the projected predictor touches; contact-stabilized only
 };
 
-/// Contact after one step; arrays over all m candidates.
+/// Contact after one step. Arrays over the rows of constraints begin with those of the m candidates' normals.
 struct ContactState : ContactLinearisation {
-  std::vector<double> lambda; ///< λ_i ≥ 0: τ²/2 times the nodal contact force
-  std::vector<double> gap;    ///< g_i, m
-  std::vector<Status> status;
+  std::vector<double> lambda; ///< of rows, first λ_i ≥ 0: τ²/2 times the nodal contact force
+  std::vector<double> gap;    ///< of rows, first g_i, m
+  std::vector<Status> status; ///< of candidates
   int vi_iterations = 0; ///< (primal-dual) Newton steps that found the active set; 0 if it was right at once
 
-  /// All m candidates open. Reserves room for every active set, so that steps do not allocate.
-  explicit ContactState(int m = 0)
-      : lambda(static_cast<std::size_t>(m)), gap(static_cast<std::size_t>(m)),
+  /// All m candidates open, with one row each. Reserves room for every active set, so that steps do not
+  /// allocate.
+  explicit ContactState(int m = 0) : ContactState(m, m) {}
+  /// With so many rows in all.
+  ContactState(int m, int rows)
+      : lambda(static_cast<std::size_t>(rows)), gap(static_cast<std::size_t>(rows)),
         status(static_cast<std::size_t>(m), Status::open) {
     active.reserve(static_cast<std::size_t>(m));
     forces.reserve(static_cast<std::size_t>(m));

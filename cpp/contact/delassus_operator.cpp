@@ -16,33 +16,34 @@ constexpr double to_rounding = 10; ///< in units of the last place
 }
 
 DelassusOperator::DelassusOperator(const ConstraintRows& rows, std::unique_ptr<const Elimination> elimination)
-    : rows_(rows), elimination_(std::move(elimination)), S_(elimination_->condensed()),
-      zero_(static_cast<std::size_t>(rows.count()), 0.0) {}
+    : rows_(rows), elimination_(std::move(elimination)), zero_(static_cast<std::size_t>(rows.count()), 0.0) {}
 
 Workspace DelassusOperator::workspace() const {
   Workspace work(rows_.count());
   work.prediction = elimination_->prediction();
-  work.factor.reserve(S_.size());
+  if (complete())
+    work.factor.reserve(zero_.size() * zero_.size());
   return work;
 }
 
 void DelassusOperator::solve_active(const ActiveSet& set, std::span<double> b, Workspace& work) const {
   if (set.empty())
     return;
+  elimination_->prepare(set);
   // LAPACK's last digits may differ between the ranks' processors: rank 0's result is used on all of them.
   on_root<SolverFailure>(rows_.comm(), [&] { solve_here(set, b, work); });
   MPI_Bcast(b.data(), static_cast<int>(b.size()), MPI_DOUBLE, 0, rows_.comm());
 }
 
 void DelassusOperator::solve_here(const ActiveSet& set, std::span<double> b, Workspace& work) const {
-  const std::size_t m = zero_.size();
   if (set != work.factorised) {
     work.factorised.clear();
     work.factor.resize(set.size() * set.size());
-    for (std::size_t i = 0; i < set.size(); ++i)
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      const std::span<const double> column = this->column(set[i]);
       for (std::size_t j = 0; j < set.size(); ++j)
-        work.factor[i * set.size() + j] =
-            S_[static_cast<std::size_t>(set[i]) * m + static_cast<std::size_t>(set[j])];
+        work.factor[i * set.size() + j] = column[static_cast<std::size_t>(set[j])];
+    }
     if (const int pivot = factorise_dense(work.factor, set.size()); pivot != 0)
       throw SolverFailure(fmt::format("the condensed matrix of {} active candidates is singular (pivot {})",
                                       set.size(), pivot));
@@ -53,7 +54,9 @@ void DelassusOperator::solve_here(const ActiveSet& set, std::span<double> b, Wor
 
 std::vector<double> DelassusOperator::inverse() const {
   const auto m = static_cast<std::size_t>(rows_.count());
-  std::vector<double> K = S_;
+  std::vector<double> K;
+  for (int i = 0; i < rows_.count(); ++i)
+    K.insert(K.end(), column(i).begin(), column(i).end());
   int pivot = factorise_dense(K, m);
   if (pivot == 0)
     pivot = invert_factorised(K, m);
@@ -63,8 +66,8 @@ std::vector<double> DelassusOperator::inverse() const {
   return K;
 }
 
-void DelassusOperator::finish(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
-                              std::span<double> motion, Vec y, Workspace& work, double digits) const {
+void DelassusOperator::close(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
+                             std::span<double> motion, Vec y, Workspace& work, double digits) const {
   // Iterative refinement. Where rigid motions dominate S (a stiff body without a clamp), it is
   // ill-conditioned and one pass leaves gaps on the set; each pass gains as many digits as the factor of S_AA
   // is accurate to. For a well-conditioned S one pass suffices.
@@ -88,9 +91,9 @@ void DelassusOperator::finish(const ActiveSet& set, std::span<const double> psi,
   }
 }
 
-void DelassusOperator::predict_gap(Vec r, std::span<const double> psi, std::span<double> gap,
-                                   Prediction& prediction) const {
-  elimination_->predict(r, prediction, gap);
+void DelassusOperator::predict_gap(Vec r, const Guess& guess, std::span<const double> psi,
+                                   std::span<double> gap, Prediction& prediction) const {
+  elimination_->predict(r, guess, prediction, gap);
   for (std::size_t i = 0; i < gap.size(); ++i)
     gap[i] = psi[i] - gap[i];
 }
@@ -98,14 +101,24 @@ void DelassusOperator::predict_gap(Vec r, std::span<const double> psi, std::span
 void DelassusOperator::finish_closed(const ActiveSet& set, std::span<const double> psi,
                                      std::span<double> lambda, std::span<double> gap, Vec y,
                                      Workspace& work) const {
-  finish(set, psi, lambda, gap, y, work, to_rounding);
+  close(set, psi, lambda, gap, y, work, to_rounding);
   for (std::size_t i = 0; i < gap.size(); ++i)
     gap[i] = psi[i] - gap[i];
 }
 
+void DelassusOperator::finish(std::span<const double> psi, std::span<const double> lambda,
+                              std::span<double> gap, Vec y, Workspace& work) const {
+  elimination_->finish(work.prediction, lambda, y);
+  rows_.gap(psi, y, gap);
+}
+
 void DelassusOperator::solve_linearised(const LinearisedContact& step, Workspace& work) const {
+  if (!step.equations.empty()) {
+    solve_by_equations(step, false, work);
+    return;
+  }
   const std::span<double> mu = step.multipliers.empty() ? work.mu : step.multipliers;
-  elimination_->predict(step.r, work.prediction, work.motion);
+  elimination_->predict(step.r, {step.x, step.set}, work.prediction, work.motion);
   std::ranges::fill(mu, 0);
   if (step.set.empty()) {
     elimination_->finish(work.prediction, zero_, step.x);
@@ -126,11 +139,110 @@ void DelassusOperator::solve_linearised(const LinearisedContact& step, Workspace
     mu[static_cast<std::size_t>(set[i])] = work.b[i];
   // Prescribed motions are data of derivatives, which no law of energy watches: a pass for their last digits
   // would cost half a solve.
-  finish(set, value, mu, work.motion, step.x, work, prescribed ? 1e4 : to_rounding);
+  close(set, value, mu, work.motion, step.x, work, prescribed ? 1e4 : to_rounding);
+}
+
+void DelassusOperator::solve_transposed(const LinearisedContact& step, Workspace& work) const {
+  if (step.equations.empty())
+    solve_linearised(step, work);
+  else
+    solve_by_equations(step, true, work);
+}
+
+namespace {
+
+/// Visits the rows of a set of groups: visit(place among them, group's equation, k, row c of the group).
+template <class Visit>
+void for_each_row(const ConstraintRows& rows, const ActiveSet& set, std::span<const LawEquation> equations,
+                  Visit&& visit) {
+  std::size_t at = 0;
+  for (std::size_t j = 0; j < set.size(); ++j)
+    for (std::size_t c = 0; c < rows.size(set[j]); ++c)
+      visit(at++, set[j], equations[j], c);
+}
+
+/// Row c of a (k × k) matrix times x, or column c.
+double times(const std::array<double, 9>& A, std::size_t k, std::size_t c, bool transposed,
+             const std::array<double, 3>& x) {
+  double sum = 0;
+  for (std::size_t j = 0; j < k; ++j)
+    sum += A[transposed ? j * k + c : c * k + j] * x[j];
+  return sum;
+}
+
+} // namespace
+
+void DelassusOperator::solve_equations(const ActiveSet& set, std::span<const LawEquation> equations,
+                                       bool transposed, std::span<double> b, Workspace& work) const {
+  if (set.empty())
+    return;
+  std::vector<int> all;
+  for_each_row(rows_, set, equations, [&](std::size_t, int group, const LawEquation&, std::size_t c) {
+    all.push_back(static_cast<int>(rows_.row(group, c)));
+  });
+  elimination_->prepare(all);
+  work.factorised.clear();
+  on_root<SolverFailure>(rows_.comm(), [&] {
+    const std::size_t n = all.size();
+    work.factor.resize(n * n);
+    for (std::size_t j = 0; j < n; ++j) { // column by column
+      const std::span<const double> S = column(all[j]);
+      for_each_row(rows_, set, equations,
+                   [&](std::size_t i, int group, const LawEquation& law, std::size_t c) {
+                     const std::size_t k = rows_.size(group);
+                     work.factor[j * n + i] = times(law.E, k, c, false, rows_.of_group(group, S));
+                     for (std::size_t other = 0; other < k; ++other)
+                       if (static_cast<std::size_t>(all[j]) == rows_.row(group, other))
+                         work.factor[j * n + i] += law.F[c * k + other];
+                   });
+    }
+    if (const int pivot = solve_general(work.factor, n, transposed, b); pivot != 0)
+      throw SolverFailure(
+          fmt::format("the condensed matrix of {} rows in contact is singular (pivot {})", n, pivot));
+  });
+  MPI_Bcast(b.data(), static_cast<int>(b.size()), MPI_DOUBLE, 0, rows_.comm());
+}
+
+void DelassusOperator::solve_by_equations(const LinearisedContact& step, bool transposed,
+                                          Workspace& work) const {
+  const std::span<double> mu = step.multipliers.empty() ? work.mu : step.multipliers;
+  const std::span<const double> value = step.value.empty() ? zero_ : step.value;
+  elimination_->predict(step.r, {step.x, step.set}, work.prediction, work.motion);
+  // With D x + Hρ = r: E (Hᵀx − value) = F ρ. Transposed, with ρ = Eᵀn: Hᵀx − value = Fᵀ n.
+  std::vector<double> n(zero_.size()); // ρ of the step itself, n of its transpose
+  constexpr int passes = 2;            // the second one corrects the rounding of S
+  for (int pass = 0; pass < passes; ++pass) {
+    work.b.clear();
+    for_each_row(rows_, step.set, step.equations,
+                 [&](std::size_t, int group, const LawEquation& law, std::size_t c) {
+                   const std::size_t k = rows_.size(group);
+                   std::array<double, 3> defect = rows_.of_group(group, work.motion);
+                   const std::array<double, 3> asked = rows_.of_group(group, value);
+                   for (std::size_t j = 0; j < k; ++j)
+                     defect[j] -= asked[j];
+                   work.b.push_back((transposed ? defect[c] : times(law.E, k, c, false, defect)) -
+                                    times(law.F, k, c, transposed, rows_.of_group(group, n)));
+                 });
+    solve_equations(step.set, step.equations, transposed, work.b, work);
+    for_each_row(rows_, step.set, step.equations,
+                 [&](std::size_t i, int group, const LawEquation&, std::size_t c) {
+                   n[rows_.row(group, c)] += work.b[i];
+                 });
+    std::ranges::fill(mu, 0);
+    for_each_row(rows_, step.set, step.equations,
+                 [&](std::size_t, int group, const LawEquation& law, std::size_t c) {
+                   mu[rows_.row(group, c)] =
+                       transposed ? times(law.E, rows_.size(group), c, true, rows_.of_group(group, n))
+                                  : n[rows_.row(group, c)];
+                 });
+    elimination_->finish(work.prediction, mu, step.x);
+    rows_.apply_transpose(step.x, work.motion);
+  }
 }
 
 double DelassusOperator::bytes() const {
-  return elimination_->bytes() + ranks(rows_.comm()) * 2 * sizeof(double) * static_cast<double>(S_.size());
+  const auto m = static_cast<double>(zero_.size());
+  return elimination_->bytes() + (complete() ? ranks(rows_.comm()) * 2 * sizeof(double) * m * m : 0);
 }
 
 } // namespace signorini::contact

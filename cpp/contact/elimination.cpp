@@ -26,7 +26,9 @@ constexpr int block = 64;
 } // namespace
 
 TrailingBlockElimination::TrailingBlockElimination(const ConstraintRows& rows, const SparseCholesky& D)
-    : rows_(rows), D_(D), L_(D.corner_factor()) {}
+    : WholeElimination(rows), D_(D), L_(D.corner_factor()) {
+  condense();
+}
 
 Prediction TrailingBlockElimination::prediction() const {
   Prediction made;
@@ -35,7 +37,8 @@ Prediction TrailingBlockElimination::prediction() const {
   return made;
 }
 
-void TrailingBlockElimination::predict(Vec r, Prediction& prediction, std::span<double> motion) const {
+void TrailingBlockElimination::predict(Vec r, const Guess&, Prediction& prediction,
+                                       std::span<double> motion) const {
   std::vector<double>&z = prediction.z, &corner = prediction.corner;
   D_.forward(r, z);
   std::copy(z.end() - static_cast<std::ptrdiff_t>(corner.size()), z.end(), corner.begin());
@@ -58,24 +61,24 @@ void TrailingBlockElimination::finish(Prediction& prediction, std::span<const do
   D_.backward(z, corner, y);
 }
 
-std::vector<double> TrailingBlockElimination::condensed() const {
+void TrailingBlockElimination::condense() {
   const auto m = static_cast<std::size_t>(rows_.count()), c = static_cast<std::size_t>(D_.corner_size());
-  std::vector<double> X = rows_.dense(), S(m * m, 0.0); // X = L⁻¹H
+  std::vector<double> X = rows_.dense(); // L⁻¹H
+  S_.resize(m * m);
   const auto height = static_cast<PetscBLASInt>(c), columns = static_cast<PetscBLASInt>(m);
   const double one = 1, zero = 0;
   BLAStrsm_("L", "L", "N", "N", &height, &columns, &one, L_.data(), &height, X.data(), &height);
-  BLASsyrk_("L", "T", &columns, &height, &one, X.data(), &height, &zero, S.data(), &columns);
+  BLASsyrk_("L", "T", &columns, &height, &one, X.data(), &height, &zero, S_.data(), &columns);
   for (std::size_t j = 0; j < m; ++j) // the BLAS fills the lower triangle, column by column
     for (std::size_t i = j + 1; i < m; ++i)
-      S[i * m + j] = S[j * m + i];
-  return S;
+      S_[i * m + j] = S_[j * m + i];
 }
 
 double TrailingBlockElimination::bytes() const { return sizeof(double) * static_cast<double>(L_.size()); }
 
 StoredColumnsElimination::StoredColumnsElimination(const ConstraintRows& rows, const MumpsSolver& D,
                                                    Vec layout, double memory)
-    : rows_(rows), D_(D), layout_(petsc::zero_like(layout)) {
+    : WholeElimination(rows), D_(D), layout_(petsc::zero_like(layout)) {
   const auto m = static_cast<std::size_t>(rows.count());
   PetscInt n = 0;
   check(VecGetSize(layout, &n));
@@ -107,7 +110,8 @@ Prediction StoredColumnsElimination::prediction() const {
   return made;
 }
 
-void StoredColumnsElimination::predict(Vec r, Prediction& prediction, std::span<double> motion) const {
+void StoredColumnsElimination::predict(Vec r, const Guess&, Prediction& prediction,
+                                       std::span<double> motion) const {
   check(VecCopy(r, prediction.r));
   D_.solve(r, prediction.y);
   rows_.apply_transpose(prediction.y, motion);

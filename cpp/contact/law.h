@@ -1,28 +1,47 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "contact/contact_state.h"
+#include <array>
 
 namespace signorini::contact {
 
-/// The law between the multiplier λ of a row and its gap g: what solvers and derivatives know of contact.
+/// The law between the multipliers ρ and the gaps U of a group of rows: what solvers and derivatives know of
+/// contact. Spans have an entry for each row of the group, the normal one first.
 class Law {
 public:
   virtual ~Law() = default;
 
-  /// Whether a row with this gap needs no multiplier.
-  [[nodiscard]] virtual bool open(double gap) const = 0;
+  /// Whether an active group is one row whose gap is closed, whatever its multiplier: active sets then
+  /// describe the law, and its systems are symmetric.
+  [[nodiscard]] virtual bool symmetric() const = 0;
 
-  /// Whether a row is closed after a primal-dual step that held it closed, or open, and found λ and g.
+  /// Whether a group with these gaps needs no multipliers.
+  [[nodiscard]] virtual bool open(std::span<const double> U) const = 0;
+
+  /// Whether a row of a symmetric law is closed after a primal-dual step that held it closed, or open, and
+  /// found λ and g.
   [[nodiscard]] virtual bool closes(bool closed, double lambda, double gap) const = 0;
 
-  /// Whether λ and g obey the law, where multipliers up to `force` and gaps up to `gap` count as zero.
-  [[nodiscard]] virtual bool holds(double lambda, double g, double force, double gap) const = 0;
+  /// The equation of a Newton step from (ρ, U), where a multiplier of one changes its gap by `compliance`.
+  /// Returns false if the group is open, ρ = 0.
+  [[nodiscard]] virtual bool next(std::span<const double> rho, std::span<const double> U, double compliance,
+                                  LawEquation& equation) const = 0;
 
-  /// The status of a row that obeys it, where multipliers up to `force` and gaps up to `gap` count as zero.
-  [[nodiscard]] virtual Status status(double lambda, double g, double force, double gap) const = 0;
+  /// Whether ρ and U obey the law, where multipliers up to `force` and gaps up to `gap` count as zero.
+  [[nodiscard]] virtual bool holds(std::span<const double> rho, std::span<const double> U, double force,
+                                   double gap) const = 0;
 
-  /// Whether a weak row is closed after a step of the one-sided derivative that held it closed, or open, and
-  /// found δλ and the approach −δg, where multipliers up to `force` and motions up to `motion` count as zero.
+  /// The status of a group that obeys it, where multipliers up to `force` and gaps up to `gap` count as zero.
+  [[nodiscard]] virtual Status status(std::span<const double> rho, std::span<const double> U, double force,
+                                      double gap) const = 0;
+
+  /// The law of an active group linearised at its solution, E δU + F δρ = c with c = 0.
+  [[nodiscard]] virtual LawEquation linearised(std::span<const double> rho,
+                                               std::span<const double> U) const = 0;
+
+  /// Whether a weak row of a symmetric law is closed after a step of the one-sided derivative that held it
+  /// closed, or open, and found δλ and the approach −δg, where multipliers up to `force` and motions up to
+  /// `motion` count as zero.
   [[nodiscard]] virtual bool closes_to_first_order(bool closed, double lambda, double approach, double force,
                                                    double motion) const = 0;
 };
@@ -31,15 +50,26 @@ public:
 /// 0 ≤ δλ ⟂ δg ≥ 0.
 class Unilateral final : public Law {
 public:
-  [[nodiscard]] bool open(double gap) const override { return !(gap < 0); }
+  [[nodiscard]] bool symmetric() const override { return true; }
+  [[nodiscard]] bool open(std::span<const double> U) const override { return !(U[0] < 0); }
   [[nodiscard]] bool closes(bool closed, double lambda, double gap) const override {
     return closed ? lambda > 0 : gap < 0;
   }
-  [[nodiscard]] bool holds(double lambda, double g, double force, double gap) const override {
-    return g >= -gap && lambda >= -force && (lambda <= force || g <= gap);
+  [[nodiscard]] bool next(std::span<const double> rho, std::span<const double> U, double compliance,
+                          LawEquation& equation) const override {
+    equation = linearised(rho, U);
+    return compliance * rho[0] > U[0];
   }
-  [[nodiscard]] Status status(double lambda, double g, double force, double gap) const override {
-    return lambda > force ? Status::strong : g <= gap ? Status::weak : Status::open;
+  [[nodiscard]] bool holds(std::span<const double> rho, std::span<const double> U, double force,
+                           double gap) const override {
+    return U[0] >= -gap && rho[0] >= -force && (rho[0] <= force || U[0] <= gap);
+  }
+  [[nodiscard]] Status status(std::span<const double> rho, std::span<const double> U, double force,
+                              double gap) const override {
+    return rho[0] > force ? Status::strong : U[0] <= gap ? Status::weak : Status::open;
+  }
+  [[nodiscard]] LawEquation linearised(std::span<const double>, std::span<const double>) const override {
+    return {.E = {1}, .F = {}, .c = {}};
   }
   [[nodiscard]] bool closes_to_first_order(bool closed, double lambda, double approach, double force,
                                            double motion) const override {

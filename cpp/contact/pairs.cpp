@@ -27,8 +27,8 @@ int free_components(const fem::DirichletDofs& clamped, int node, int dim) {
 
 ContactPairs::ContactPairs(const fem::Space& space, const fem::DirichletDofs& clamped,
                            const std::vector<scene::Contact>& contacts, const scene::Time& time)
-    : dim_(space.dim()), diameter_(space.mesh().diameter()), gap_tolerance_(1e-10 * diameter_),
-      comm_(space.comm()) {
+    : dim_(space.dim()), diameter_(space.mesh().diameter()),
+      gap_tolerance_(contact::gap_tolerance(diameter_)), comm_(space.comm()) {
   ++made;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     keys_.push_back(scene::contact_key(contacts, i));
@@ -117,7 +117,7 @@ std::vector<double> ContactPairs::times_of_meeting(const std::vector<BoundaryNod
 void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const fem::Space& space,
                              const fem::DirichletDofs& clamped, const scene::Time& time) {
   std::vector<int> candidates(contacts.size());
-  std::vector<ConstraintRows::Row> rows;
+  std::vector<ConstraintRows::Group> groups;
   clamped_dofs_.resize(contacts.size());
   const std::vector<BoundaryNode> nodes = boundary_nodes(contacts, space, clamped);
   const std::vector<double> meeting = times_of_meeting(nodes, time);
@@ -130,11 +130,11 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
     }
     const Obstacle& shape = shapes_[obstacle];
     const Obstacle::Plane plane = shape.at(node.x.data(), shape.place(meeting[number]));
-    ConstraintRows::Row row;
+    ConstraintRows::Group group;
     double free = 0;
     for (int c = 0; c < dim_; ++c) { // ν points into the obstacle, the obstacle's normal out of it
       const bool held = !(node.free_components & (1 << c));
-      row.entries.push_back({static_cast<PetscInt>(node.first_dof) + c, -plane.normal[c], held});
+      group.entries.push_back({static_cast<PetscInt>(node.first_dof) + c, -plane.normal[c], held});
       if (!held)
         free = std::hypot(free, plane.normal[c]);
     }
@@ -142,9 +142,9 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
       clamped_dofs_[obstacle].push_back(static_cast<PetscInt>(node.first_dof));
       continue;
     }
-    for (const ConstraintRows::Entry& entry : row.entries)
+    for (const ConstraintRows::Entry& entry : group.entries)
       normals_.push_back(entry.coefficient);
-    rows.push_back(std::move(row));
+    groups.push_back(std::move(group));
     points_.insert(points_.end(), node.x.begin(), node.x.end());
     psi_.push_back(meeting[number] == 0 ? plane.height : shape.at(node.x.data()).height);
     first_dofs_.push_back(static_cast<PetscInt>(node.first_dof));
@@ -162,7 +162,7 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
   const PetscInt end = space.first_dof() + space.owned_nodes() * dim_;
   for (PetscInt dof : first_dofs_)
     local_.push_back(dof >= space.first_dof() && dof < end ? static_cast<int>(dof - space.first_dof()) : -1);
-  rows_.emplace(comm_, rows, space.first_dof(), end);
+  rows_.emplace(comm_, groups, space.first_dof(), end);
 }
 
 ContactPairs::Rates ContactPairs::rates(int obstacle, const scene::ObstacleRate& rate) const {

@@ -28,7 +28,10 @@ std::string shown(const ContactPairs& pairs, int i) {
     return !basis.add(node.first + j);
   };
   int steps = 0;
-  return goldfarb_idnani(work.gram, gap.subspan(static_cast<std::size_t>(node.first), size),
+  const auto column = [&](int i) {
+    return std::span<const double>(work.gram).subspan(static_cast<std::size_t>(i) * size, size);
+  };
+  return goldfarb_idnani(column, gap.subspan(static_cast<std::size_t>(node.first), size),
                          pairs.gap_tolerance(), std::cref(depends), work.set, work.lambda, steps,
                          work.solver);
 }

@@ -10,8 +10,9 @@ namespace signorini::contact {
 /// The first half of a solve with D for a right-hand side r (Elimination::predict()), from which the second
 /// half goes on, any number of times. Which vectors are there depends on the elimination.
 struct Prediction {
-  std::vector<double> z; ///< L⁻¹Pr, by trailing block (n)
-  petsc::Vector r, y;    ///< r and D⁻¹r, by stored columns
+  std::vector<double> z;         ///< L⁻¹Pr, by trailing block (n)
+  petsc::Vector r, y;            ///< r and D⁻¹r, by columns of D⁻¹H
+  std::vector<double> reference; ///< multipliers λ with y = D⁻¹(r − Hλ), by columns on demand
   // Scratch of either half.
   std::vector<double> corner; ///< by trailing block (c)
   std::vector<double> weights;
@@ -31,8 +32,8 @@ struct CondensedVi {
 /// call depends on what an earlier one left, except that the factor of S_AA is used again for the same set,
 /// and K in `condensed`: both belong to one D. One at a time may work with it.
 struct Workspace {
-  /// For m candidates.
-  explicit Workspace(int m) : gap0(static_cast<std::size_t>(m)), motion(gap0.size()), mu(gap0.size()) {
+  /// For so many rows of constraints.
+  explicit Workspace(int rows) : gap0(static_cast<std::size_t>(rows)), motion(gap0.size()), mu(gap0.size()) {
     for (ActiveSet* one : {&set, &next, &wrong, &factorised, &independent})
       one->reserve(gap0.size());
     b.reserve(gap0.size());
@@ -46,12 +47,13 @@ struct Workspace {
   }
 
   Prediction prediction;
-  std::vector<double> gap0;           ///< predicted gaps, m
+  std::vector<double> gap0;           ///< predicted gaps (m), of rows as those below
   ActiveSet set, next, wrong;         ///< that of an iterate, the one after it, where they differ
   ActiveSet factorised, independent;  ///< the set of `factor`; the independent part of a set
   std::vector<double> factor;         ///< Cholesky factor of S_AA
-  std::vector<double> motion, mu;     ///< Hᵀy; multipliers of a linearised step (m)
+  std::vector<double> motion, mu;     ///< Hᵀy; multipliers of a linearised step
   std::vector<double> b;              ///< right-hand side on a set
+  std::vector<LawEquation> equations; ///< of the set, where laws are not symmetric
   petsc::Vector residual, correction; ///< made when a solution is first refined
   GoldfarbIdnaniWork dual;
   std::unique_ptr<CondensedVi> condensed; ///< made when it is first needed

@@ -259,7 +259,7 @@ void Measurements::forces(int k, std::span<double> dual) const {
 double Measurements::by_normals(int k, const contact::ContactLinearisation& contact,
                                 const std::vector<double>& rate) const {
   std::vector<double> lambda(static_cast<std::size_t>(stepper_.pairs()->count()));
-  contact.spread(lambda);
+  stepper_.pairs()->rows().spread(contact, lambda);
   double sum = 0;
   for (std::size_t c = 0; c < channels_.size(); ++c)
     if (channels_[c].of == Quantity::force)

@@ -161,7 +161,7 @@ bool ParameterRates::turn() const {
 void ParameterRates::set(const StepMade& made) {
   made_.emplace(made);
   if (turn())
-    made.contact.spread(lambda_);
+    stepper_.pairs()->rows().spread(made.contact, lambda_);
   const Scheme scheme = made.step.scheme();
   check(VecWAXPY(sum_, 1, made.from.y(), made.to.y()));
   check(VecWAXPY(difference_, -1, made.from.y(), made.to.y()));

@@ -57,9 +57,11 @@ private:
   bool iterate_if_quicker(const DirectWork& work, const std::string& direct, double solves,
                           std::string& times);
   void iterate(std::unique_ptr<ConjugateGradients> solver, const std::string& why);
-  /// The solver that has D condensed or projected, as the linear solver allows.
-  [[nodiscard]] std::unique_ptr<contact::ContactStepSolver>
-  by_linear(const contact::ContactPairs& pairs, const scene::Solver& scene, contact::Residual residual) const;
+  /// Condensed to the candidates, or projected, as the linear solver allows.
+  [[nodiscard]] std::unique_ptr<contact::ContactStepSolver> by_linear(const contact::ContactPairs& pairs,
+                                                                      const scene::Solver& scene,
+                                                                      double solves,
+                                                                      contact::Residual residual);
 
   petsc::Matrix D_; ///< null once it is factorised
   std::unique_ptr<LinearSolver> linear_;

@@ -200,12 +200,16 @@ const contact::ContactStepSolver* Stepper::contact_solver(const StepOperators::O
   return solver;
 }
 
-void Stepper::solve_on_active_set(double tau, const contact::ActiveSet& active, std::span<const double> value,
+void Stepper::solve_on_active_set(double tau, Direction direction,
+                                  const contact::ContactLinearisation& contact, std::span<const double> value,
                                   Vec x, std::span<double> multipliers, Workspace& work) const {
   const StepOperators::OfLength& with = of_length(tau);
   if (const contact::ContactStepSolver* solver = contact_solver(with, work)) {
-    const contact::LinearisedContact step{work.r, active, value, x, multipliers};
-    solver->solve_linearised({&step, 1}, *work.contact);
+    const contact::LinearisedContact step{work.r, contact.active, contact.equations, value, x, multipliers};
+    if (direction == Direction::linearised)
+      solver->solve_linearised({&step, 1}, *work.contact);
+    else
+      solver->solve_transposed({&step, 1}, *work.contact);
   } else {
     with.solver->linear().solve(work.r, x);
   }
@@ -216,10 +220,10 @@ void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactLinearisatio
   const contact::ConstraintRows& rows = pairs_->rows();
   const auto m = static_cast<std::size_t>(pairs_->count());
   std::vector<double> force(m), motion(m), lambda(m);
-  contact.spread(lambda);
+  rows.spread(contact, lambda);
   contact::ActiveSet &closed = contact.active, next, wrong;
   for (contact::BlockPivoting pivoting(rows);; pivoting.advance(closed, next, wrong)) {
-    solve_on_active_set(scheme.tau, closed, {}, p, force, work);
+    solve_on_active_set(scheme.tau, Direction::linearised, contact, {}, p, force, work);
     rows.apply_transpose(p, motion);
     PetscReal largest_force = 0, largest_motion = 0;
     check(VecNorm(work.r, NORM_INFINITY, &largest_force));
@@ -259,7 +263,8 @@ Vec Stepper::linearised_right_hand_side(const LinearisedStep& step,
 void Stepper::linearised_step(const LinearisedStep& step, const contact::ContactLinearisation& contact,
                               Workspace& work) const {
   const Vec jump = linearised_right_hand_side(step, contact, work);
-  solve_on_active_set(step.scheme.tau, contact.active, step.normal, step.to.y(), step.multipliers, work);
+  solve_on_active_set(step.scheme.tau, Direction::linearised, contact, step.normal, step.to.y(),
+                      step.multipliers, work);
   set_velocity(step.scheme, step.from, jump, step.to);
   ++linearised_steps;
 }
@@ -270,7 +275,8 @@ void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactLineari
   if (!contact.weak.empty())
     solve_one_sided(step.scheme, contact, step.to.y(), work);
   else
-    solve_on_active_set(step.scheme.tau, contact.active, step.normal, step.to.y(), step.multipliers, work);
+    solve_on_active_set(step.scheme.tau, Direction::linearised, contact, step.normal, step.to.y(),
+                        step.multipliers, work);
   set_velocity(step.scheme, step.from, jump, step.to);
   ++linearised_steps;
 }
@@ -308,8 +314,8 @@ Vec Stepper::transposed_right_hand_side(const AdjointStep& step, double rate, Wo
 
 Vec Stepper::adjoint_step(const AdjointStep& step, Workspace& work) const {
   const Vec jump = transposed_right_hand_side(step, step.step.scheme.rate(), work);
-  solve_on_active_set(step.step.scheme.tau, step.step.contact.active, step.normal, step.state.p,
-                      step.multipliers, work);
+  solve_on_active_set(step.step.scheme.tau, Direction::transposed, step.step.contact, step.normal,
+                      step.state.p, step.multipliers, work);
   ++adjoint_steps;
   return jump;
 }

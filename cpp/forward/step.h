@@ -159,10 +159,12 @@ private:
   /// The contact solver of a length, with scratch that is fit for it; null without contact.
   const contact::ContactStepSolver* contact_solver(const StepOperators::OfLength& with,
                                                    Workspace& work) const;
-  /// Solves D x + H μ = work.r, Hᵀx = `value` on an active set, zero if empty, and sets `multipliers` to μ
-  /// (m) unless they are empty.
-  void solve_on_active_set(double tau, const contact::ActiveSet& active, std::span<const double> value, Vec x,
-                           std::span<double> multipliers, Workspace& work) const;
+  enum class Direction { linearised, transposed };
+  /// Solves a linearised or transposed step for work.r on the active set of `contact`, with `value` and
+  /// `multipliers` as of contact::LinearisedContact.
+  void solve_on_active_set(double tau, Direction direction, const contact::ContactLinearisation& contact,
+                           std::span<const double> value, Vec x, std::span<double> multipliers,
+                           Workspace& work) const;
   /// ω_k of an adjoint step from ω_{k+1}, and the jump of s_{k+1}, null without one; work.r = R p_{k+1} + M
   /// (rate ω_k − rate_{k+1} ω_{k+1} + j) + ∂J/∂y_k, the terms of step k + 1 being zero at N.
   Vec transposed_right_hand_side(const AdjointStep& step, double rate, Workspace& work) const;

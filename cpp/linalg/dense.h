@@ -23,4 +23,8 @@ std::vector<double> symmetric_eigenvalues(std::span<double> K, std::size_t n);
 /// column by column). Returns false, with b as it was, if K is not positive definite.
 [[nodiscard]] bool solve_dense(std::vector<double> K, std::span<double> b);
 
+/// Solves K x = b, or Kᵀ x = b, in place for a general K (n × n, column by column), which becomes its factors
+/// LU. Returns 0, or the number, from 1, of the first pivot that is zero.
+[[nodiscard]] int solve_general(std::span<double> K, std::size_t n, bool transposed, std::span<double> b);
+
 } // namespace signorini

@@ -12,7 +12,7 @@ using petsc::check;
 
 namespace {
 
-using Rows = std::vector<ConstraintRows::Row>;
+using Rows = std::vector<ConstraintRows::Group>;
 
 /// Rows over all of so many dofs, of which no clamp holds any.
 ConstraintRows dense_rows(const std::vector<std::vector<double>>& coefficients) {

@@ -17,11 +17,12 @@ struct Parts {
   const contact::ConstraintRows& H = pairs.rows();
   forward::SolverChoice solver;
 
-  explicit Parts(const std::vector<std::string>& overrides = {})
+  /// `solves`: expected.
+  explicit Parts(const std::vector<std::string>& overrides = {}, double solves = 0)
       : scene(parse(source("tests/data/block.toml"), overrides)), mesh(MPI_COMM_WORLD, scene.mesh),
         space(mesh, scene.mesh.degree), clamped(space, scene.clamps),
         D(fem::assemble_step_operator(space, scene.materials, scene.time.step)),
-        pairs(space, clamped, scene.contacts), solver(copy(D), &pairs, scene.solver, true) {}
+        pairs(space, clamped, scene.contacts), solver(copy(D), &pairs, scene.solver, true, solves) {}
 
   static petsc::Matrix copy(Mat matrix) {
     petsc::Matrix same;

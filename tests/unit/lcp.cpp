@@ -22,11 +22,12 @@ TEST_CASE("the dual active-set method solves singular problems or tells that the
   for (int i = 0; i < m; ++i)
     for (int j = 0; j < m; ++j)
       S[static_cast<std::size_t>(m * i + j)] = N[2 * i] * N[2 * j] + N[2 * i + 1] * N[2 * j + 1];
-  std::vector<contact::ConstraintRows::Row> entries;
+  std::vector<contact::ConstraintRows::Group> entries;
   for (std::size_t i = 0; i < m; ++i)
     entries.push_back({{{0, N[2 * i], false}, {1, N[2 * i + 1], false}}});
   const contact::ConstraintRows rows(MPI_COMM_SELF, entries, 0, 2);
   REQUIRE(rows.dependent());
+  const auto columns = [&](int i) { return std::span(S).subspan(static_cast<std::size_t>(m * i), m); };
   const auto depends = [&](const contact::ActiveSet& set, int i) {
     contact::RowBasis basis(rows);
     for (int j : set)
@@ -43,7 +44,7 @@ TEST_CASE("the dual active-set method solves singular problems or tells that the
     for (int i = 0; i < m; ++i)
       gap[static_cast<std::size_t>(i)] = 1 - r * (N[2 * i] * std::cos(a) + N[2 * i + 1] * std::sin(a));
     int steps = 0;
-    REQUIRE(contact::goldfarb_idnani(S, gap, 1e-14, depends, set, lambda, steps, work));
+    REQUIRE(contact::goldfarb_idnani(columns, gap, 1e-14, depends, set, lambda, steps, work));
     CHECK(set.size() <= 2);
     pairs += set.size() == 2;
     for (std::size_t i = 0; i < m; ++i) {
@@ -59,7 +60,7 @@ TEST_CASE("the dual active-set method solves singular problems or tells that the
   CHECK(pairs > 5);
   std::vector<double> empty(m, -0.1); // n·x ≤ −0.1 all round
   int steps = 0;
-  CHECK_FALSE(contact::goldfarb_idnani(S, empty, 1e-14, depends, set, lambda, steps, work));
+  CHECK_FALSE(contact::goldfarb_idnani(columns, empty, 1e-14, depends, set, lambda, steps, work));
 }
 
 TEST_CASE("the dual active-set method solves regular problems with many constraints closed", "[contact]") {
@@ -78,11 +79,12 @@ TEST_CASE("the dual active-set method solves regular problems with many constrai
     for (std::size_t i = 0; i < m; ++i)
       for (std::size_t j = 0; j < m; ++j)
         S[i * m + j] = std::inner_product(&N[i * n], &N[i * n] + n, &N[j * n], 0.0);
+    const auto columns = [&](int i) { return std::span(S).subspan(m * static_cast<std::size_t>(i), m); };
     for (double& g : gap0)
       g = normal(random) - 0.5;
     contact::ActiveSet set;
     int steps = 0;
-    REQUIRE(contact::goldfarb_idnani(S, gap0, 1e-13, depends, set, lambda, steps, work));
+    REQUIRE(contact::goldfarb_idnani(columns, gap0, 1e-13, depends, set, lambda, steps, work));
     most = std::max(most, set.size());
     left += steps - static_cast<int>(set.size());
     for (std::size_t i = 0; i < m; ++i) {

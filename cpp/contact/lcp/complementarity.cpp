@@ -2,6 +2,7 @@
 #include "contact/lcp/complementarity.h"
 #include "base/error.h"
 #include "contact/lcp/primal_dual.h"
+#include "fem/operators.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -20,13 +21,27 @@ double accuracy(double tolerance) {
   return rounding + share * tolerance;
 }
 
+/// Multipliers and gaps of a group, with its law.
+struct Values {
+  const Law& law;
+  std::size_t size;
+  std::array<double, 3> multipliers, gaps;
+
+  Values(const ConstraintRows& rows, int group, std::span<const double> lambda, std::span<const double> gap)
+      : law(rows.law(group)), size(rows.size(group)), multipliers(rows.of_group(group, lambda)),
+        gaps(rows.of_group(group, gap)) {}
+  [[nodiscard]] std::span<const double> rho() const { return {multipliers.data(), size}; }
+  [[nodiscard]] std::span<const double> U() const { return {gaps.data(), size}; }
+};
+
 } // namespace
 
-Complementarity::Complementarity(const ContactPairs& pairs, Mat D)
-    : pairs_(pairs), gap_tolerance_(pairs.gap_tolerance()) {
+Complementarity::Complementarity(const ConstraintRows& rows, double diameter, Mat D)
+    : rows_(rows), diameter_(diameter), gap_tolerance_(gap_tolerance(diameter)) {
   // Σ_j h_j² D_jj is the stiffness against moving the row's dofs alone along its force, if D's entries that
   // couple them are neglected.
-  stiffness_ = pairs.rows().weighted_squares(fem::diagonal(D));
+  stiffness_ = rows.weighted_squares(fem::diagonal(D));
+  stiffness_.resize(static_cast<std::size_t>(rows.groups())); // of normals alone
 }
 
 double Complementarity::negligible_gap(double deepest, double size) const {
@@ -37,7 +52,7 @@ double Complementarity::negligible_gap(double deepest, double size) const {
 double Complementarity::negligible_motion(std::span<const double> lambda, double size,
                                           double tolerance) const {
   double largest = 0;
-  for (std::size_t i = 0; i < lambda.size(); ++i)
+  for (std::size_t i = 0; i < stiffness_.size(); ++i)
     largest = std::max(largest, lambda[i] / stiffness_[i]);
   // Forces follow from gaps by S⁻¹, whose rounding is that of S times its condition number, up to 1e6 for a
   // stiff body without clamps; the residual r − D y is known to the accuracy of its terms.
@@ -54,6 +69,7 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
   std::ranges::fill(state.status, Status::open);
   state.active.clear();
   state.forces.clear();
+  state.equations.clear();
   state.weak.clear();
   if (std::ranges::all_of(state.gap, [&](double g) { return g > gap_tolerance_; }) &&
       std::ranges::all_of(state.lambda, [](double force) { return force == 0; }))
@@ -62,14 +78,16 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
   check(VecNorm(y, NORM_INFINITY, &size));
   const double motion = negligible_motion(state.lambda, size, tolerance);
   // Gaps are differences of positions, known to the rounding of coordinates.
-  const double closed = std::min(gap_tolerance_, accuracy(tolerance) * (pairs_.diameter() + size));
-  const ConstraintRows& rows = pairs_.rows();
+  const double closed = std::min(gap_tolerance_, accuracy(tolerance) * (diameter_ + size));
   double penetration = 0, adhesion = 0, distance = 0;
-  for (std::size_t i = 0; i < state.lambda.size(); ++i) {
+  const auto values = [&](std::size_t i) {
+    return Values{rows_, static_cast<int>(i), state.lambda, state.gap};
+  };
+  for (std::size_t i = 0; i < stiffness_.size(); ++i) {
     penetration = std::max(penetration, -state.gap[i]);
     adhesion = std::max(adhesion, -state.lambda[i] / stiffness_[i]);
-    state.status[i] =
-        rows.law(static_cast<int>(i)).status(state.lambda[i], state.gap[i], motion * stiffness_[i], closed);
+    const Values group = values(i);
+    state.status[i] = group.law.status(group.rho(), group.U(), motion * stiffness_[i], closed);
     if (state.status[i] == Status::strong) {
       distance = std::max(distance, state.gap[i]);
       state.active.push_back(static_cast<int>(i));
@@ -81,17 +99,20 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
                     "{:.3e} m (allowed {:.3e} m), adhesion that moves a node by {:.3e} m (allowed {:.3e} m), "
                     "{} strong of {} candidates",
                     penetration, distance, gap_tolerance_, adhesion, motion, state.count(Status::strong),
-                    state.lambda.size()));
-  for (std::size_t i = 0; i < state.lambda.size(); ++i)
-    if (state.status[i] == Status::weak && depends(rows, state.active, static_cast<int>(i)))
+                    stiffness_.size()));
+  for (std::size_t i = 0; i < stiffness_.size(); ++i)
+    if (state.status[i] == Status::weak && depends(rows_, state.active, static_cast<int>(i)))
       // It cannot open while the candidates with forces on which it depends are closed, and part of their
       // force may be assigned to it.
       state.status[i] = Status::strong;
   state.active.clear();
   for (std::size_t i = 0; i < state.status.size(); ++i) {
     if (state.status[i] != Status::open) {
+      const Values group = values(i);
       state.active.push_back(static_cast<int>(i));
-      state.forces.push_back(state.lambda[i]);
+      state.forces.insert(state.forces.end(), group.rho().begin(), group.rho().end());
+      if (!rows_.symmetric())
+        state.equations.push_back(group.law.linearised(group.rho(), group.U()));
     }
     if (state.status[i] == Status::weak)
       state.weak.push_back(static_cast<int>(i));
@@ -100,9 +121,11 @@ void Complementarity::classify(ContactState& state, Vec y, double tolerance) con
 
 bool Complementarity::holds_to(double negligible, double motion, std::span<const double> lambda,
                                std::span<const double> gap) const {
-  for (std::size_t i = 0; i < lambda.size(); ++i)
-    if (!pairs_.rows().law(static_cast<int>(i)).holds(lambda[i], gap[i], motion * stiffness_[i], negligible))
+  for (std::size_t i = 0; i < stiffness_.size(); ++i) {
+    const Values group{rows_, static_cast<int>(i), lambda, gap};
+    if (!group.law.holds(group.rho(), group.U(), motion * stiffness_[i], negligible))
       return false;
+  }
   return true;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "contact/constraint_rows.h"
 #include "contact/contact_state.h"
-#include "contact/pairs.h"
 
 namespace signorini::contact {
 
@@ -11,8 +11,8 @@ namespace signorini::contact {
 /// in short steps the weight of a body moves its nodes by less than any fixed part of its diameter.
 class Complementarity {
 public:
-  /// Collective.
-  Complementarity(const ContactPairs& pairs, Mat D);
+  /// For a body of a diameter, m. Collective. `rows` must outlive this object.
+  Complementarity(const ConstraintRows& rows, double diameter, Mat D);
 
   /// Sets status and linearisation of `state` from its λ and gaps and the step's solution y, whose relative
   /// error from the solver is `tolerance`, 0 for rounding alone. Collective. Throws SolverFailure if they are
@@ -42,8 +42,8 @@ private:
   [[nodiscard]] bool holds_to(double negligible, double motion, std::span<const double> lambda,
                               std::span<const double> gap) const;
 
-  const ContactPairs& pairs_;
-  double gap_tolerance_;
+  const ConstraintRows& rows_;
+  double diameter_, gap_tolerance_;
   std::vector<double> stiffness_; ///< of D against moving a candidate's node alone along its direction (m)
 };
 

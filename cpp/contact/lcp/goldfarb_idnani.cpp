@@ -13,7 +13,7 @@ namespace {
 /// One run of the method: the problem and the iterate, whose set is in the order of the factor of S_AA.
 class Search {
 public:
-  Search(std::span<const double> S, std::span<const double> gap0, ActiveSet& set, std::span<double> lambda,
+  Search(const Columns& S, std::span<const double> gap0, ActiveSet& set, std::span<double> lambda,
          GoldfarbIdnaniWork& work)
       : S_(S), gap0_(gap0), set_(set), lambda_(lambda), factor_(work.factor), r_(work.r) {
     set_.clear();
@@ -78,7 +78,7 @@ public:
 
 private:
   [[nodiscard]] double entry(auto row, auto column) const {
-    return S_[static_cast<std::size_t>(row) * gap0_.size() + static_cast<std::size_t>(column)];
+    return S_(static_cast<int>(column))[static_cast<std::size_t>(row)];
   }
   double& force(std::size_t i) { return lambda_[static_cast<std::size_t>(set_[i])]; }
   [[nodiscard]] double gap(std::size_t j) const {
@@ -94,7 +94,8 @@ private:
       r_.push_back(entry(i, j));
   }
 
-  std::span<const double> S_, gap0_;
+  const Columns& S_;
+  std::span<const double> gap0_;
   ActiveSet& set_;
   std::span<double> lambda_;
   UpdatedCholesky& factor_;
@@ -103,9 +104,8 @@ private:
 
 } // namespace
 
-bool goldfarb_idnani(std::span<const double> S, std::span<const double> gap0, double tolerance,
-                     const Depends& depends, ActiveSet& set, std::span<double> lambda, int& steps,
-                     GoldfarbIdnaniWork& work) {
+bool goldfarb_idnani(const Columns& S, std::span<const double> gap0, double tolerance, const Depends& depends,
+                     ActiveSet& set, std::span<double> lambda, int& steps, GoldfarbIdnaniWork& work) {
   // Each full step raises the dual objective, so that a few times m steps suffice.
   const int most = 100 * static_cast<int>(gap0.size()) + 100;
   Search search(S, gap0, set, lambda, work);

@@ -3,10 +3,13 @@
 #include "base/collective.h"
 #include "base/error.h"
 #include "contact/lcp/primal_dual.h"
+#include "linalg/dense.h"
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <functional>
 #include <limits>
+#include <numeric>
 
 namespace signorini::contact {
 using petsc::check;
@@ -18,21 +21,22 @@ double deepest(std::span<const double> gap0) { return std::max(0.0, -std::ranges
 
 } // namespace
 
-CondensedSolver::CondensedSolver(const ContactPairs& pairs, Mat D,
-                                 std::unique_ptr<const Elimination> elimination, Residual residual)
-    : pairs_(pairs), delassus_(pairs.rows(), std::move(elimination)), complementarity_(pairs, D),
-      residual_(std::move(residual)), length_unit_(pairs.gap_tolerance()) {}
+CondensedSolver::CondensedSolver(const ConstraintRows& rows, double diameter, Mat D,
+                                 std::unique_ptr<const Elimination> elimination, Residual residual,
+                                 double tolerance)
+    : rows_(rows), delassus_(rows, std::move(elimination)), complementarity_(rows, diameter, D),
+      residual_(std::move(residual)), tolerance_(tolerance), length_unit_(gap_tolerance(diameter)) {}
 
 Workspace CondensedSolver::workspace() const {
   Workspace work = delassus_.workspace();
-  if (pairs_.rows().dependent())
+  if (rows_.dependent())
     work.dual = GoldfarbIdnaniWork(work.gap0.size());
   return work;
 }
 
 std::unique_ptr<CondensedVi> CondensedSolver::make_vi() const {
   auto made = std::make_unique<CondensedVi>();
-  const PetscInt m = pairs_.count();
+  const PetscInt m = rows_.count();
   const std::vector<double> inverse = delassus_.inverse();
   double mean = 0;
   for (PetscInt i = 0; i < m; ++i)
@@ -53,7 +57,6 @@ std::unique_ptr<CondensedVi> CondensedSolver::make_vi() const {
 }
 
 void CondensedSolver::solve_on_set(ContactState& state, Workspace& work) const {
-  const std::size_t m = work.gap0.size();
   work.b.clear();
   for (int i : work.set)
     work.b.push_back(-work.gap0[static_cast<std::size_t>(i)]);
@@ -62,8 +65,8 @@ void CondensedSolver::solve_on_set(ContactState& state, Workspace& work) const {
   std::ranges::copy(work.gap0, state.gap.begin());
   for (std::size_t j = 0; j < work.set.size(); ++j) {
     state.lambda[static_cast<std::size_t>(work.set[j])] = work.b[j];
-    const double* column = &delassus_.S()[static_cast<std::size_t>(work.set[j]) * m];
-    for (std::size_t i = 0; i < m; ++i)
+    const std::span<const double> column = delassus_.column(work.set[j]);
+    for (std::size_t i = 0; i < column.size(); ++i)
       state.gap[i] += column[i] * work.b[j];
   }
 }
@@ -83,7 +86,7 @@ void CondensedSolver::settle(ContactState& state, std::span<const double> psi, d
     return complementarity_.holds_within(negligible, state.lambda, state.gap) && holds(state, psi, work.gap0);
   };
   for (int i = 0; i < most && !settled(); ++i, ++state.vi_iterations) {
-    next_set(pairs_.rows(), work.set, state.lambda, state.gap, work.next);
+    next_set(rows_, work.set, state.lambda, state.gap, work.next);
     std::swap(work.set, work.next);
     solve_on_set(state, work);
   }
@@ -117,12 +120,12 @@ void CondensedSolver::find_set(ContactState& state, Workspace& work) const {
 }
 
 void CondensedSolver::find_independent_set(ContactState& state, Workspace& work) const {
-  const auto depending = [this](const ActiveSet& set, int i) { return depends(pairs_.rows(), set, i); };
+  const auto depending = [this](const ActiveSet& set, int i) { return depends(rows_, set, i); };
   // 1e-8 is two digits above the rounding of S (Complementarity::negligible_gap()); if gaps of its size
   // counted as penetration, the search could cycle.
   const double tolerance = std::min(length_unit_, 1e-8 * deepest(work.gap0));
-  if (!goldfarb_idnani(delassus_.S(), work.gap0, tolerance, std::cref(depending), work.set, state.lambda,
-                       state.vi_iterations, work.dual))
+  if (!goldfarb_idnani([this](int i) { return delassus_.column(i); }, work.gap0, tolerance,
+                       std::cref(depending), work.set, state.lambda, state.vi_iterations, work.dual))
     throw SolverFailure("the obstacles leave no room for the body");
 }
 
@@ -130,14 +133,14 @@ void CondensedSolver::search(ContactState& state, Workspace& work) const {
   // PETSc counts the entries of a dense matrix in PetscInt.
   const bool fits =
       work.gap0.size() * work.gap0.size() < static_cast<std::size_t>(std::numeric_limits<PetscInt>::max());
-  if (pairs_.rows().dependent() || !fits)
+  if (rows_.dependent() || !fits)
     find_independent_set(state, work);
   else
     find_set(state, work);
 }
 
 void CondensedSolver::decided(ContactState& state, Workspace& work) const {
-  const MPI_Comm comm = pairs_.comm();
+  const MPI_Comm comm = rows_.comm();
   if (ranks(comm) == 1)
     return;
   work.set = broadcast(comm, work.set);
@@ -156,17 +159,17 @@ void CondensedSolver::refine(Vec r, std::span<const double> psi, ContactState& s
     // A pass gains the digits that the free motion of what is left of r has fewer than that of r.
     constexpr int passes = 3;
     for (int pass = 0; pass < passes; ++pass) {
-      pairs_.rows().prescribe(work.set, psi, y);
+      rows_.prescribe(work.set, psi, y);
       residual_(y, r, work.residual);
-      pairs_.rows().apply(-1, state.lambda, work.residual);
+      rows_.apply(-1, state.lambda, work.residual);
       delassus_.solve_linearised({.r = work.residual, .set = work.set, .x = work.correction}, work);
       check(VecAXPY(y, 1, work.correction));
       for (int j : work.set)
         state.lambda[static_cast<std::size_t>(j)] += work.mu[static_cast<std::size_t>(j)];
     }
-    pairs_.rows().prescribe(work.set, psi, y);
-    pairs_.rows().gap(psi, y, state.gap);
-    next_set(pairs_.rows(), work.set, state.lambda, state.gap, work.next);
+    rows_.prescribe(work.set, psi, y);
+    rows_.gap(psi, y, state.gap);
+    next_set(rows_, work.set, state.lambda, state.gap, work.next);
     if (work.next == work.set || complementarity_.holds_within(length_unit_, state.lambda, state.gap))
       return;
     std::swap(work.set, work.next);
@@ -177,51 +180,182 @@ void CondensedSolver::refine(Vec r, std::span<const double> psi, ContactState& s
   }
 }
 
+void CondensedSolver::pivot(ContactState& state, std::span<const double> psi, Workspace& work) const {
+  for (BlockPivoting pivoting(rows_);; ++state.vi_iterations) {
+    next_set(rows_, work.set, state.lambda, state.gap, work.next);
+    if (work.next == work.set || holds(state, psi, work.gap0))
+      return;
+    pivoting.advance(work.set, work.next, work.wrong);
+    solve_on_set(state, work);
+  }
+}
+
+double CondensedSolver::rounding(std::span<const double> psi, std::span<const double> gap0) const {
+  double size = 0;
+  for (std::size_t i = 0; i < gap0.size(); ++i)
+    size = std::max({size, std::abs(psi[i]), std::abs(gap0[i])});
+  return 10 * std::numeric_limits<double>::epsilon() * size;
+}
+
+void CondensedSolver::solve_by_sets(const ContactProblem& step, Workspace& work) const {
+  const std::span<const double> psi = step.psi;
+  ContactState& state = step.state;
+  work.set = step.previous;
+  drop_dependent(rows_, work.set);
+  solve_on_set(state, work);
+  if (!delassus_.complete()) {
+    pivot(state, psi, work);
+    return;
+  }
+  // Closing a residual penetration does spurious work, which is large relative to the motion in a short
+  // step even where the penetration is negligible relative to the body; so solve to rounding.
+  constexpr int soon = 5; // enough for a change of one or two candidates
+  settle(state, psi, std::min(rounding(psi, work.gap0), length_unit_), soon, work);
+  if (holds(state, psi, work.gap0))
+    return;
+  on_root<SolverFailure>(rows_.comm(), [&] { search(state, work); });
+  decided(state, work);
+  solve_on_set(state, work);
+  // The VI solver may misplace candidates whose gap and force are both zero within its tolerance.
+  constexpr int most = 50;
+  settle(state, psi, length_unit_, most, work);
+  // Both methods can cycle for a body that is nearly rigid within a step; the dual active-set method cannot.
+  if (!holds(state, psi, work.gap0)) {
+    on_root<SolverFailure>(rows_.comm(), [&] { find_independent_set(state, work); });
+    decided(state, work);
+    solve_on_set(state, work);
+  }
+}
+
+bool CondensedSolver::next(int group, const ContactState& state, LawEquation& equation) const {
+  const std::array<double, 3> rho = rows_.of_group(group, state.lambda), U = rows_.of_group(group, state.gap);
+  const std::size_t k = rows_.size(group);
+  return rows_.law(group).next({rho.data(), k}, {U.data(), k},
+                               delassus_.column(group)[static_cast<std::size_t>(group)], equation);
+}
+
+void CondensedSolver::push(int row, double change, ContactState& state) const {
+  state.lambda[static_cast<std::size_t>(row)] += change;
+  const std::span<const double> column = delassus_.column(row);
+  for (std::size_t j = 0; j < column.size(); ++j)
+    state.gap[j] += column[j] * change;
+}
+
+void CondensedSolver::newton_step(ContactState& state, Workspace& work) const {
+  work.set.clear();
+  work.equations.clear();
+  work.b.clear();
+  for (int i = 0; i < rows_.groups(); ++i) {
+    LawEquation law;
+    if (!next(i, state, law))
+      continue;
+    work.set.push_back(i);
+    work.equations.push_back(law);
+    const std::array<double, 3> gap0 = rows_.of_group(i, work.gap0);
+    for (std::size_t c = 0, k = rows_.size(i); c < k; ++c) // c − E g⁰
+      work.b.push_back(
+          std::inner_product(&gap0[0], &gap0[k], &law.E[c * k], law.c[c], std::minus{}, std::multiplies{}));
+  }
+  delassus_.solve_equations(work.set, work.equations, false, work.b, work);
+  std::ranges::fill(state.lambda, 0);
+  std::ranges::copy(work.gap0, state.gap.begin());
+  auto force = work.b.begin();
+  for (const int i : work.set)
+    for (std::size_t c = 0; c < rows_.size(i); ++c)
+      push(static_cast<int>(rows_.row(i, c)), *force++, state);
+  ++state.vi_iterations;
+}
+
+void CondensedSolver::relax(int group, ContactState& state) const {
+  constexpr int most = 20;
+  const std::size_t k = rows_.size(group);
+  LawEquation law;
+  for (int i = 0; i < most; ++i) {
+    const std::array<double, 3> rho = rows_.of_group(group, state.lambda),
+                                U = rows_.of_group(group, state.gap);
+    std::array<double, 9> X{}; // E S + F of the group, column by column
+    std::array<double, 3> change{};
+    const bool closed = next(group, state, law);
+    for (std::size_t c = 0; c < k; ++c)
+      change[c] = -rho[c];
+    if (closed) {
+      for (std::size_t j = 0; j < k; ++j) {
+        const std::array<double, 3> S =
+            rows_.of_group(group, delassus_.column(static_cast<int>(rows_.row(group, j))));
+        for (std::size_t c = 0; c < k; ++c)
+          X[j * k + c] = std::inner_product(&S[0], &S[k], &law.E[c * k], law.F[c * k + j]);
+      }
+      for (std::size_t c = 0; c < k; ++c) { // c − E U − F ρ
+        change[c] =
+            std::inner_product(&U[0], &U[k], &law.E[c * k], law.c[c], std::minus{}, std::multiplies{});
+        change[c] =
+            std::inner_product(&rho[0], &rho[k], &law.F[c * k], change[c], std::minus{}, std::multiplies{});
+      }
+      if (solve_general({X.data(), k * k}, k, false, {change.data(), k}) != 0)
+        return;
+    }
+    double size = 0;
+    for (std::size_t c = 0; c < k; ++c) {
+      push(static_cast<int>(rows_.row(group, c)), change[c], state);
+      size = std::max(size, std::abs(change[c]));
+    }
+    if (size <= 1e-14 * (std::abs(rho[0]) + std::abs(change[0])))
+      return;
+  }
+}
+
+void CondensedSolver::solve_by_laws(const ContactProblem& step, Workspace& work) const {
+  ContactState& state = step.state;
+  const double negligible = std::min(rounding(step.psi, work.gap0), length_unit_);
+  const auto settled = [&] { return complementarity_.holds_within(negligible, state.lambda, state.gap); };
+  std::ranges::fill(state.lambda, 0);
+  std::ranges::copy(work.gap0, state.gap.begin());
+  std::vector<int> all(static_cast<std::size_t>(rows_.count()));
+  std::iota(all.begin(), all.end(), 0);
+  delassus_.prepare(std::span(all).first(static_cast<std::size_t>(rows_.groups())));
+  constexpr int steps = 20;
+  for (const int sweeps : {0, 30, 300}) {
+    if (sweeps > 0)
+      delassus_.prepare(all);
+    for (int i = 0; i < sweeps && !settled(); ++i)
+      for (int group = 0; group < rows_.groups(); ++group)
+        relax(group, state);
+    for (int i = 0; i < steps && !settled(); ++i)
+      newton_step(state, work);
+    if (settled())
+      return;
+  }
+  throw SolverFailure(fmt::format("the contact laws of {} candidates did not settle in {} Newton steps",
+                                  rows_.groups(), state.vi_iterations));
+}
+
 void CondensedSolver::solve_one(const ContactProblem& step, Workspace& work) const {
   const auto& [r, psi, previous, state, y] = step;
   state.vi_iterations = 0;
-  delassus_.predict_gap(r, psi, work.gap0, work.prediction);
+  delassus_.predict_gap(r, {y, previous}, psi, work.gap0, work.prediction);
   work.set.clear();
   bool open = true;
-  for (int i = 0; i < pairs_.count(); ++i)
-    open = open && pairs_.rows().law(i).open(work.gap0[static_cast<std::size_t>(i)]);
-  if (!open) {
-    count_solved();
-    work.set = previous;
-    drop_dependent(pairs_.rows(), work.set);
-    solve_on_set(state, work);
-    // Closing a residual penetration does spurious work, which is large relative to the motion in a short
-    // step even where the penetration is negligible relative to the body; so solve to rounding.
-    double size = 0;
-    for (std::size_t i = 0; i < work.gap0.size(); ++i)
-      size = std::max({size, std::abs(psi[i]), std::abs(work.gap0[i])});
-    const double rounding = 10 * std::numeric_limits<double>::epsilon() * size;
-    constexpr int soon = 5; // enough for a change of one or two candidates
-    settle(state, psi, std::min(rounding, length_unit_), soon, work);
-    if (!holds(state, psi, work.gap0)) {
-      on_root<SolverFailure>(pairs_.comm(), [&] { search(state, work); });
-      decided(state, work);
-      solve_on_set(state, work);
-      // The VI solver may misplace candidates whose gap and force are both zero within its tolerance.
-      constexpr int most = 50;
-      settle(state, psi, length_unit_, most, work);
-      // Both methods can cycle for a body that is nearly rigid within a step; the dual active-set method
-      // cannot.
-      if (!holds(state, psi, work.gap0)) {
-        on_root<SolverFailure>(pairs_.comm(), [&] { find_independent_set(state, work); });
-        decided(state, work);
-        solve_on_set(state, work);
-      }
-    }
-  } else {
-    std::ranges::fill(state.lambda, 0);
+  for (int i = 0; i < rows_.groups(); ++i) {
+    const std::array<double, 3> gaps = rows_.of_group(i, work.gap0);
+    open = open && rows_.law(i).open({gaps.data(), rows_.size(i)});
   }
-  delassus_.finish_closed(work.set, psi, state.lambda, state.gap, y, work);
-  if (residual_ && std::ranges::any_of(work.set, [&](int i) {
-        return std::abs(state.gap[static_cast<std::size_t>(i)]) > length_unit_;
-      }))
-    refine(r, psi, state, y, work);
-  complementarity_.classify(state, y);
+  if (open)
+    std::ranges::fill(state.lambda, 0);
+  else
+    count_solved();
+  if (!open && rows_.symmetric())
+    solve_by_sets(step, work);
+  if (!open && !rows_.symmetric()) {
+    solve_by_laws(step, work);
+    delassus_.finish(psi, state.lambda, state.gap, y, work);
+  } else {
+    delassus_.finish_closed(work.set, psi, state.lambda, state.gap, y, work);
+    if (residual_ && std::ranges::any_of(work.set, [&](int i) {
+          return std::abs(state.gap[static_cast<std::size_t>(i)]) > length_unit_;
+        }))
+      refine(r, psi, state, y, work);
+  }
+  complementarity_.classify(state, y, tolerance_);
 }
 
 } // namespace signorini::contact

@@ -17,16 +17,18 @@ using Residual = std::function<void(Vec y, Vec r, Vec out)>;
 /// VI in the gaps, 0 ≤ g ⟂ S⁻¹(g − g⁰) ≥ 0: S⁻¹, unlike S, is close to an M-matrix, for which reduced-space
 /// Newton does not cycle. A dual active-set method replaces PETSc's solver where candidates are linearly
 /// dependent, so that S is singular, and is the last resort where both others fail. Active sets that depend
-/// on LAPACK's rounding are determined on rank 0. Gaps found so are known to the rounding of the motion
+/// on LAPACK's rounding are determined on rank 0. Where columns of S are computed on demand, primal-dual
+/// steps are followed by block pivoting instead. Laws that are not symmetric are solved by Newton steps,
+/// after sweeps over the groups where these cycle. Gaps found so are known to the rounding of the motion
 /// without contact, which in a step that is long beside a fall through the body is more than a gap may be:
 /// there they are refined from the residual.
 class CondensedSolver final : public ContactStepSolver {
 public:
-  /// Takes the elimination of the step operator `D`, and its `residual`, without which no solution is
-  /// refined. Collective. `pairs` and what these refer to must outlive this object. PETSc options with the
-  /// prefix `-condensed_vi_` are honoured.
-  CondensedSolver(const ContactPairs& pairs, Mat D, std::unique_ptr<const Elimination> elimination,
-                  Residual residual);
+  /// Takes the elimination of the step operator `D` of a body of a diameter (m), whose solves leave the
+  /// relative error `tolerance`, and its `residual`, without which no solution is refined. Collective. `rows`
+  /// must outlive this object. PETSc options with the prefix `-condensed_vi_` are honoured.
+  CondensedSolver(const ConstraintRows& rows, double diameter, Mat D,
+                  std::unique_ptr<const Elimination> elimination, Residual residual, double tolerance = 0);
 
   [[nodiscard]] Workspace workspace() const override;
   [[nodiscard]] double bytes() const override { return delassus_.bytes(); }
@@ -35,8 +37,11 @@ public:
 
 private:
   void solve_one(const ContactProblem& step, Workspace& work) const override;
-  void solve_one(const LinearisedContact& step, Workspace& work) const override {
-    delassus_.solve_linearised(step, work);
+  void solve_one(const LinearisedContact& step, bool transposed, Workspace& work) const override {
+    if (transposed)
+      delassus_.solve_transposed(step, work);
+    else
+      delassus_.solve_linearised(step, work);
   }
   /// Computes λ, with zero gaps on work.set and zero forces elsewhere, and the gaps g⁰ + Sλ of all
   /// candidates.
@@ -57,6 +62,22 @@ private:
   /// Finds work.set by find_set() where S is regular and of a size that PETSc can handle, else by
   /// find_independent_set().
   void search(ContactState& state, Workspace& work) const;
+  /// Computes λ and gaps by sets alone: primal-dual steps, then block pivoting. Collective.
+  void pivot(ContactState& state, std::span<const double> psi, Workspace& work) const;
+  /// Computes λ and gaps from predicted gaps of which some are negative, and the set that closes. Collective.
+  void solve_by_sets(const ContactProblem& step, Workspace& work) const;
+  /// The equation of the law of a group in the next step; false where it opens.
+  [[nodiscard]] bool next(int group, const ContactState& state, LawEquation& equation) const;
+  /// Changes a multiplier, and the gaps by it.
+  void push(int row, double change, ContactState& state) const;
+  /// A Newton step with the equations of all laws. Collective.
+  void newton_step(ContactState& state, Workspace& work) const;
+  /// Solves the law of one group, the multipliers of the others held: block Gauss–Seidel.
+  void relax(int group, ContactState& state) const;
+  /// Computes ρ and gaps by Newton steps and, where these do not settle, sweeps before them. Collective.
+  void solve_by_laws(const ContactProblem& step, Workspace& work) const;
+  /// The gaps up to rounding of a step's own motion, in which predicted gaps are known, m.
+  [[nodiscard]] double rounding(std::span<const double> psi, std::span<const double> gap0) const;
   /// Makes the solution found on work.set as exact as a number of its own size can be, and work.set the one
   /// that it then asks for, by iterative refinement with the gaps on the set held at zero. Collective.
   void refine(Vec r, std::span<const double> psi, ContactState& state, Vec y, Workspace& work) const;
@@ -64,10 +85,11 @@ private:
   void decided(ContactState& state, Workspace& work) const;
   [[nodiscard]] std::unique_ptr<CondensedVi> make_vi() const;
 
-  const ContactPairs& pairs_;
+  const ConstraintRows& rows_;
   DelassusOperator delassus_;
   Complementarity complementarity_;
   Residual residual_;
+  double tolerance_;
   double length_unit_; ///< of gaps in PETSc's VI: a negligible gap, m
 };
 

@@ -8,7 +8,7 @@ namespace signorini::contact {
 /// r with 0 ≤ λ ⟂ g(y) ≥ 0.
 struct ContactProblem {
   Vec r;
-  std::span<const double> psi; ///< gaps of the undeformed body at the end of the step (m), in metres
+  std::span<const double> psi; ///< gaps of the undeformed body at the end of the step, of rows, in metres
   const ActiveSet& previous;   ///< of the step before, from which the search starts
   ContactState& state;         ///< constructed for the m candidates
   Vec y;                       ///< the solution, a guess on entry
@@ -16,12 +16,15 @@ struct ContactProblem {
 
 /// A linearised or transposed step on an active set (docs/method.md section 4): D x + H μ = r, Hᵀx = value
 /// and free μ on the set, μ = 0 elsewhere. Of linearly dependent candidates the first ones carry the force.
+/// With `equations`, on the set E (value − Hᵀx) + F μ = 0 in place of Hᵀx = value; transposed μ = Eᵀn and
+/// Hᵀx − Fᵀn = value.
 struct LinearisedContact {
   Vec r;
   const ActiveSet& set;
-  std::span<const double> value{}; ///< (m), zero if empty
-  Vec x;                           ///< the solution, a guess on entry that direct solvers ignore; not r
-  std::span<double> multipliers{}; ///< μ (m) on return, not computed if empty
+  std::span<const LawEquation> equations{}; ///< of the set; empty if laws are symmetric
+  std::span<const double> value{};          ///< of rows, zero if empty
+  Vec x;                                    ///< the solution, a guess on entry; not r
+  std::span<double> multipliers{};          ///< μ of rows on return, not computed if empty
 };
 
 /// Solver of contact steps with one D, and of their linearised and transposed forms. Only results and `work`
@@ -40,11 +43,12 @@ public:
   }
   void solve_linearised(std::span<const LinearisedContact> steps, Workspace& work) const {
     for (const LinearisedContact& one : steps)
-      solve_one(one, work);
+      solve_one(one, false, work);
   }
-  /// The transposes of linearised steps: without friction r ↦ x is symmetric.
+  /// The transposes of linearised steps, which with symmetric laws are these themselves.
   void solve_transposed(std::span<const LinearisedContact> steps, Workspace& work) const {
-    solve_linearised(steps, work);
+    for (const LinearisedContact& one : steps)
+      solve_one(one, true, work);
   }
 
   /// Memory beyond that of D's factor on all ranks, bytes.
@@ -52,7 +56,7 @@ public:
 
 protected:
   virtual void solve_one(const ContactProblem& step, Workspace& work) const = 0;
-  virtual void solve_one(const LinearisedContact& step, Workspace& work) const = 0;
+  virtual void solve_one(const LinearisedContact& step, bool transposed, Workspace& work) const = 0;
 
   /// Counts a step whose inequality had to be solved. Solvers that test the motion without contact first do
   /// not count steps in which it does not penetrate.

@@ -88,7 +88,7 @@ petsc::Matrix frames(const ContactPairs& pairs, Mat D, const std::vector<int>& a
 } // namespace
 
 FullSolver::FullSolver(const ContactPairs& pairs, Mat D)
-    : pairs_(pairs), complementarity_(pairs, D), length_unit_(pairs.gap_tolerance()),
+    : pairs_(pairs), complementarity_(pairs.rows(), pairs.diameter(), D), length_unit_(pairs.gap_tolerance()),
       axis_(largest_components(pairs)), length_(lengths(pairs)), Q_(frames(pairs, D, axis_, length_)) {
   if (pairs.rows().clamped())
     diagonal_ = fem::diagonal(D);

@@ -2,6 +2,7 @@
 #pragma once
 #include "contact/lcp/complementarity.h"
 #include "contact/lcp/snes_vi.h"
+#include "contact/pairs.h"
 #include "contact/solver/contact_step_solver.h"
 
 namespace signorini::contact {
@@ -26,7 +27,7 @@ public:
 private:
   void solve_one(const ContactProblem& step, Workspace& work) const override;
   /// To be called only after linearise_by().
-  void solve_one(const LinearisedContact& step, Workspace& work) const override {
+  void solve_one(const LinearisedContact& step, bool, Workspace& work) const override {
     linearised_->solve_linearised({&step, 1}, work);
   }
   /// Local number in z_ of a candidate's bounded coordinate if this rank owns it, else −1.

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/solver/projected.h"
 #include "contact/lcp/primal_dual.h"
+#include "fem/operators.h"
 #include <algorithm>
 #include <functional>
 
 namespace signorini::contact {
 using petsc::check;
 
-ProjectedSolver::ProjectedSolver(const ContactPairs& pairs, const ConjugateGradients& D, Mat matrix)
-    : pairs_(pairs), rows_(pairs.rows()), D_(D), matrix_(matrix), complementarity_(pairs, matrix),
-      zero_(static_cast<std::size_t>(pairs.count()), 0.0), residual_(petsc::vector_of(matrix)) {
+ProjectedSolver::ProjectedSolver(const ConstraintRows& rows, double diameter, const ConjugateGradients& D,
+                                 Mat matrix)
+    : rows_(rows), D_(D), matrix_(matrix), complementarity_(rows, diameter, matrix),
+      zero_(static_cast<std::size_t>(rows.count()), 0.0), gap_tolerance_(gap_tolerance(diameter)),
+      residual_(petsc::vector_of(matrix)) {
   if (rows_.clamped())
     diagonal_ = fem::diagonal(matrix);
 }
@@ -46,7 +49,7 @@ void ProjectedSolver::solve_one(const ContactProblem& step, Workspace& work) con
       PetscReal size = 0;
       check(VecNorm(y, NORM_INFINITY, &size));
       if (work.next == work.set ||
-          complementarity_.holds(state.lambda, state.gap, pairs_.gap_tolerance(), size, D_.tolerance()))
+          complementarity_.holds(state.lambda, state.gap, gap_tolerance_, size, D_.tolerance()))
         break;
     }
   }
@@ -55,7 +58,7 @@ void ProjectedSolver::solve_one(const ContactProblem& step, Workspace& work) con
   complementarity_.classify(state, y, D_.tolerance());
 }
 
-void ProjectedSolver::solve_one(const LinearisedContact& step, Workspace&) const {
+void ProjectedSolver::solve_one(const LinearisedContact& step, bool, Workspace&) const {
   const ConjugateGradients::Projector project = [&](Vec x) { rows_.prescribe(step.set, zero_, x); };
   rows_.prescribe(step.set, step.value.empty() ? std::span<const double>(zero_) : step.value, step.x);
   D_.solve(step.r, step.x, project, {});

@@ -11,25 +11,25 @@ namespace signorini::contact {
 /// solve has converged, to end it early where the set will change.
 class ProjectedSolver final : public ContactStepSolver {
 public:
-  /// `matrix` is D. Collective. The arguments must outlive this object.
-  ProjectedSolver(const ContactPairs& pairs, const ConjugateGradients& D, Mat matrix);
+  /// `matrix` is D, of a body of a diameter (m). Collective. The arguments must outlive this object.
+  ProjectedSolver(const ConstraintRows& rows, double diameter, const ConjugateGradients& D, Mat matrix);
 
-  [[nodiscard]] Workspace workspace() const override { return Workspace(pairs_.count()); }
+  [[nodiscard]] Workspace workspace() const override { return Workspace(rows_.count()); }
   [[nodiscard]] double bytes() const override { return 0; }
 
 private:
   void solve_one(const ContactProblem& step, Workspace& work) const override;
-  void solve_one(const LinearisedContact& step, Workspace& work) const override;
+  void solve_one(const LinearisedContact& step, bool, Workspace& work) const override;
   /// Computes λ and g of a motion y that keeps the gaps of work.set closed, and the next set, work.next.
   /// Collective.
   void evaluate(Vec r, std::span<const double> psi, Vec y, ContactState& state, Workspace& work) const;
 
-  const ContactPairs& pairs_;
   const ConstraintRows& rows_;
   const ConjugateGradients& D_;
   Mat matrix_;
   Complementarity complementarity_;
   const std::vector<double> zero_; ///< (m)
+  double gap_tolerance_;           ///< m
   petsc::Vector residual_;
   petsc::Vector diagonal_; ///< of D where clamps hold components of candidates' nodes, else null
 };

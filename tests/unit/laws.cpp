@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contact laws of more than one row, whose systems are not symmetric: Coulomb friction in the plane.
+#include "base/collective.h"
+#include "contact/columns_on_demand.h"
+#include "contact/solver/condensed.h"
+#include "contact_parts.h"
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators_all.hpp>
+#include <cmath>
+
+using namespace signorini;
+using petsc::check;
+using test::Parts;
+
+namespace {
+
+/// |σ| ≤ μλ, σ = μλ d where the node slips along d; U_t = −slip.
+class Coulomb final : public contact::Law {
+public:
+  explicit Coulomb(double mu) : mu_(mu) {}
+  [[nodiscard]] bool symmetric() const override { return false; }
+  [[nodiscard]] bool open(std::span<const double> U) const override { return U[0] >= 0; }
+  [[nodiscard]] bool closes(bool, double, double) const override { std::abort(); }
+  [[nodiscard]] bool closes_to_first_order(bool, double, double, double, double) const override {
+    std::abort();
+  }
+  [[nodiscard]] bool next(std::span<const double> rho, std::span<const double> U, double compliance,
+                          contact::LawEquation& equation) const override {
+    const double lambda = rho[0] - U[0] / compliance, sigma = rho[1] - U[1] / compliance;
+    equation = of(std::abs(sigma) > mu_ * std::max(lambda, 0.0), std::copysign(1, sigma));
+    return lambda > 0;
+  }
+  [[nodiscard]] bool holds(std::span<const double> rho, std::span<const double> U, double force,
+                           double gap) const override {
+    const double slack = mu_ * rho[0] - std::abs(rho[1]);
+    return contact::unilateral.holds(rho, U, force, gap) && slack >= -force &&
+           (std::abs(U[1]) <= gap || rho[0] <= force || (slack <= force && rho[1] * U[1] <= 0));
+  }
+  [[nodiscard]] contact::Status status(std::span<const double> rho, std::span<const double> U, double force,
+                                       double gap) const override {
+    return contact::unilateral.status(rho, U, force, gap);
+  }
+  [[nodiscard]] contact::LawEquation linearised(std::span<const double> rho,
+                                                std::span<const double>) const override {
+    return of(slips(rho), std::copysign(1, rho[1]));
+  }
+  [[nodiscard]] bool slips(std::span<const double> rho) const {
+    return std::abs(rho[1]) > (1 - 1e-9) * mu_ * rho[0];
+  }
+
+private:
+  [[nodiscard]] contact::LawEquation of(bool slips, double direction) const {
+    if (!slips)
+      return {.E = {1, 0, 0, 1}, .F = {}, .c = {}};
+    return {.E = {1, 0, 0, 0}, .F = {0, 0, -mu_ * direction, 1}, .c = {}};
+  }
+  double mu_;
+};
+
+enum class Kind { factor, columns, on_demand, solves_on_demand };
+
+/// A block that is pressed onto a plane with friction and pushed along it; the last candidate has none.
+struct Rubbing {
+  static constexpr double mu = 0.5;
+  const Parts parts{{"mesh.size=0.1"}};
+  const Coulomb coulomb{mu};
+  const contact::ConstraintRows H = make_rows();
+  forward::SolverChoice linear;
+  std::unique_ptr<MumpsSolver> mumps;
+  std::unique_ptr<SparseCholesky> cholesky;
+  std::unique_ptr<contact::CondensedSolver> solver;
+  contact::Workspace work;
+  std::vector<double> psi;
+
+  explicit Rubbing(Kind kind)
+      : linear(Parts::copy(parts.D), nullptr, iterative(), true), solver(make_solver(kind)),
+        work(solver->workspace()), psi(parts.pairs.psi().begin(), parts.pairs.psi().end()) {
+    for (int i = parts.pairs.count(); i < H.count(); ++i) // of the step before
+      psi.push_back(1e-3 * std::sin(i));
+  }
+
+  static scene::Solver iterative() {
+    scene::Solver solver;
+    solver.linear = scene::LinearMethod::iterative;
+    return solver;
+  }
+
+  contact::ConstraintRows make_rows() const {
+    std::vector<contact::ConstraintRows::Group> groups;
+    for (int i = 0; i < parts.pairs.count(); ++i) {
+      const double* n = &parts.pairs.normals()[static_cast<std::size_t>(2 * i)];
+      const PetscInt dof = parts.pairs.first_dofs()[static_cast<std::size_t>(i)];
+      groups.push_back({{{dof, n[0], false}, {dof + 1, n[1], false}}});
+      if (i + 1 == parts.pairs.count())
+        break;
+      groups.back().others.push_back({{dof, -n[1], false}, {dof + 1, n[0], false}});
+      groups.back().law = &coulomb;
+    }
+    const PetscInt first = parts.space.first_dof();
+    return {parts.space.comm(), groups, first, first + 2 * parts.space.owned_nodes()};
+  }
+
+  std::unique_ptr<contact::CondensedSolver> make_solver(Kind kind) {
+    std::unique_ptr<contact::Elimination> elimination;
+    if (kind == Kind::factor) {
+      std::vector<int> corner;
+      for (const PetscInt dof : parts.pairs.first_dofs())
+        corner.push_back(static_cast<int>(dof / 2));
+      cholesky = std::make_unique<SparseCholesky>(parts.D, corner);
+      cholesky->factorise();
+      elimination = std::make_unique<contact::TrailingBlockElimination>(H, *cholesky);
+    } else if (kind == Kind::columns) {
+      mumps = std::make_unique<MumpsSolver>(parts.D);
+      mumps->factorise();
+      elimination = std::make_unique<contact::StoredColumnsElimination>(H, *mumps, parts.space.vector(), 1e9);
+    } else {
+      elimination = std::make_unique<contact::ColumnsOnDemand>(
+          H, dynamic_cast<const ConjugateGradients&>(linear.linear()), parts.D,
+          kind == Kind::on_demand ? 1e9 : 0);
+    }
+    return std::make_unique<contact::CondensedSolver>(H, parts.pairs.diameter(), parts.D,
+                                                      std::move(elimination), contact::Residual());
+  }
+
+  contact::ContactState solve(Vec r, Vec y) {
+    contact::ContactState state(H.groups(), H.count());
+    const contact::ActiveSet previous{};
+    const contact::ContactProblem step{r, psi, previous, state, y};
+    solver->solve({&step, 1}, work);
+    return state;
+  }
+
+  petsc::Vector force(int which) const {
+    petsc::Vector r = parts.pressing(which), along = test::smooth(parts.space, which + 7);
+    petsc::Vector pushed = petsc::zero_like(r);
+    check(VecScale(along, 0.1));
+    check(MatMult(parts.D, along, pushed));
+    check(VecAXPY(r, 1, pushed));
+    return r;
+  }
+};
+
+double pairing(std::span<const double> a, std::span<const double> b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    sum += a[i] * b[i];
+  return sum;
+}
+
+} // namespace
+
+TEST_CASE("groups of several rows are numbered by their first ones", "[contact]") {
+  const Rubbing body(Kind::columns);
+  const contact::ConstraintRows& H = body.H;
+  const int m = body.parts.pairs.count();
+  REQUIRE(H.groups() == m);
+  CHECK(H.count() == 2 * m - 1);
+  CHECK_FALSE(H.symmetric());
+  CHECK(H.size(0) == 2);
+  CHECK(H.size(m - 1) == 1);
+  CHECK(H.row(2, 0) == 2);
+  CHECK(H.row(2, 1) == static_cast<std::size_t>(m) + 2);
+  std::vector<double> all(static_cast<std::size_t>(H.count()));
+  for (std::size_t i = 0; i < all.size(); ++i)
+    all[i] = static_cast<double>(i);
+  CHECK(H.of_group(1, all) == std::array<double, 3>{1, m + 1.0, 0});
+  contact::ContactLinearisation contact;
+  contact.active = {0, m - 1};
+  contact.forces = {5, 6, 7};
+  H.spread(contact, all);
+  CHECK(all[0] == 5);
+  CHECK(all[static_cast<std::size_t>(m)] == 6);
+  CHECK(all[static_cast<std::size_t>(m) - 1] == 7);
+  CHECK(pairing(all, all) == 110);
+  CHECK_THROWS_AS(contact::ConstraintRows(MPI_COMM_SELF,
+                                          {{.entries = {{0, 1, false}}, .others = {{{1, 1, false}}}}}, 0, 2),
+                  std::logic_error);
+}
+
+TEST_CASE("laws that are not symmetric are obeyed, linearised and transposed", "[contact]") {
+  const Kind kind = GENERATE(Kind::factor, Kind::columns, Kind::on_demand, Kind::solves_on_demand);
+  CAPTURE(static_cast<int>(kind));
+  if (kind == Kind::factor && ranks(MPI_COMM_WORLD) > 1)
+    return; // CHOLMOD factorises on one rank
+  const double accuracy = kind == Kind::factor || kind == Kind::columns ? 1e-12 : 1e-9;
+  Rubbing body(kind);
+  const contact::ConstraintRows& H = body.H;
+  const auto rows = static_cast<std::size_t>(H.count());
+  int stick = 0, slip = 0, open = 0, free = 0;
+  double unlike = 0;
+  for (int which = 0; which < 6; ++which) {
+    const petsc::Vector r = body.force(which);
+    petsc::Vector y = body.parts.space.vector(), defect = body.parts.space.vector();
+    const contact::ContactState state = body.solve(r, y);
+    REQUIRE(state.equations.size() == state.active.size());
+    // D y + Hρ = r, and the law.
+    check(MatMult(body.parts.D, y, defect));
+    check(VecAXPY(defect, -1, r));
+    H.apply(1, state.lambda, defect);
+    CHECK(test::largest(defect) < accuracy * test::largest(r));
+    const double force = 1e-9 * test::largest(r), gap = 1e-9 * test::largest(y);
+    for (int i = 0; i < H.groups(); ++i) {
+      const std::array<double, 3> rho = H.of_group(i, state.lambda), U = H.of_group(i, state.gap);
+      CHECK(H.law(i).holds({rho.data(), H.size(i)}, {U.data(), H.size(i)}, force, gap));
+      const bool closed = rho[0] > force;
+      open += !closed;
+      if (H.size(i) == 1)
+        free += closed;
+      else if (closed)
+        (body.coulomb.slips({rho.data(), 2}) ? slip : stick) += 1;
+    }
+
+    // Linear between kinks: the derivative by r and by ψ is a difference.
+    const petsc::Vector change = body.parts.pressing(which + 20);
+    constexpr double epsilon = 1e-6;
+    petsc::Vector moved = petsc::copy(r), z = petsc::copy(y), x = body.parts.space.vector();
+    check(VecAXPY(moved, epsilon, change));
+    std::vector<double> value(rows), mu(rows);
+    for (std::size_t i = 0; i < rows; ++i) {
+      value[i] = std::cos(static_cast<double>(i));
+      body.psi[i] += epsilon * value[i];
+    }
+    const contact::ContactState other = body.solve(moved, z);
+    for (std::size_t i = 0; i < rows; ++i)
+      body.psi[i] -= epsilon * value[i];
+    REQUIRE(other.active == state.active);
+    const contact::LinearisedContact step{change, state.active, state.equations, value, x, mu};
+    body.solver->solve_linearised({&step, 1}, body.work);
+    check(VecAXPBY(z, -1 / epsilon, 1 / epsilon, y));
+    CHECK(test::difference(z, x) < accuracy / epsilon * 1e-1 * test::largest(x));
+    std::vector<double> difference(rows);
+    for (std::size_t i = 0; i < rows; ++i)
+      difference[i] = (other.lambda[i] - state.lambda[i]) / epsilon - mu[i];
+    const auto size = [](const std::vector<double>& a) { return std::sqrt(pairing(a, a)); };
+    CHECK(size(difference) <= accuracy / epsilon * (size(state.lambda) + size(mu)));
+
+    // The transpose: r·p + value·Eᵀn = ȳ·x + ρ̄·ρ over the set.
+    const petsc::Vector y_bar = test::smooth(body.parts.space, which + 40);
+    petsc::Vector p = body.parts.space.vector();
+    std::vector<double> rho_bar(rows), n(rows);
+    for (const int i : state.active)
+      for (std::size_t c = 0; c < H.size(i); ++c)
+        rho_bar[H.row(i, c)] = std::sin(3.0 * i + static_cast<double>(c));
+    const contact::LinearisedContact transposed{y_bar, state.active, state.equations, rho_bar, p, n};
+    body.solver->solve_transposed({&transposed, 1}, body.work);
+    const double left = petsc::dot(change, p) + pairing(value, n),
+                 right = petsc::dot(y_bar, x) + pairing(rho_bar, mu);
+    CHECK(std::abs(left - right) < accuracy * (std::abs(petsc::dot(y_bar, x)) + std::abs(left)));
+    body.solver->solve_linearised({&transposed, 1}, body.work);
+    unlike = std::max(unlike, std::abs(petsc::dot(change, p) + pairing(value, n) - right) / std::abs(right));
+  }
+  CHECK(unlike > 1e-3); // the step itself is not its transpose
+  CHECK(stick > 0);
+  CHECK(slip > 0);
+  CHECK(open > 0);
+  CHECK(free > 0);
+}
