@@ -22,9 +22,9 @@ public:
         const std::function<void(int k, Vec p)>& visit)
       : stepper_(stepper), work_(work), motion_(motion), grid_(motion.grid()), duals_(duals), rates_(rates),
         visit_(visit), extrapolation_(stepper), state_(stepper.adjoint_state()), from_(stepper.state()),
-        to_(stepper.state()), normal_(static_cast<std::size_t>(forward::candidates(stepper))),
-        zero_(normal_.size()), c_(normal_.size()), mu_(normal_.size()), zeta_(normal_.size()),
-        e_(duals.velocities()), e_next_(e_.size()), factors_(e_.size()), gradient_(rates.count()) {
+        to_(stepper.state()), normal_(stepper.rows()), zero_(normal_.size()), c_(normal_.size()),
+        mu_(normal_.size()), zeta_(normal_.size()), e_(duals.velocities()), e_next_(e_.size()),
+        factors_(e_.size()), gradient_(rates.count()) {
     for (petsc::Vector* one : {&s_, &w_, &force_})
       *one = stepper.space().vector();
   }
@@ -172,8 +172,8 @@ private:
   forward::AdjointState state_;
   forward::State from_, to_; ///< of the step
   petsc::Vector s_, w_, force_;
-  std::vector<double> normal_, zero_, c_;    ///< ∂J/∂λ_k; zeros; of one unknown (m)
-  std::vector<double> mu_, zeta_;            ///< multipliers of the step, of the projection (m)
+  std::vector<double> normal_, zero_, c_;    ///< ∂J/∂λ_k; zeros; of one unknown (of rows)
+  std::vector<double> mu_, zeta_;            ///< multipliers of the step, of the projection (of rows)
   std::vector<double> e_, e_next_, factors_; ///< of the functionals of velocities
   forward::Predictor::Data projection_;
   std::vector<double> gradient_;

@@ -12,8 +12,7 @@ public:
   Marching(const Problem& problem, const control::ControlSpace& controls, const scene::Components& reference)
       : problem_(problem), force_(controls, reference, "objective.desired.control", false),
         load_(problem.load(&force_)), work_(problem.stepper.workspace()),
-        contact_{contact::ContactState(forward::candidates(problem.stepper)),
-                 contact::ContactState(forward::candidates(problem.stepper))},
+        contact_{problem.stepper.contact_state(), problem.stepper.contact_state()},
         integrator_(problem.stepper, problem.initial,
                     [this](const forward::TimeStep& step, const forward::State& from, forward::State& to) {
                       problem_.stepper.step({step, from, load_.at(step), contact(step.k - 1)},

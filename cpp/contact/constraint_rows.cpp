@@ -95,8 +95,9 @@ void ConstraintRows::spread(const ContactLinearisation& contact, std::span<doubl
 }
 
 template <class Visit>
-void ConstraintRows::for_each_here(const std::vector<double>& coefficients, Visit&& visit) const {
-  for (int i = 0; i < count(); ++i) {
+void ConstraintRows::for_each_here(const std::vector<double>& coefficients, std::size_t rows,
+                                   Visit&& visit) const {
+  for (int i = 0; i < static_cast<int>(rows); ++i) {
     if (!here(i))
       continue;
     const std::span<const int> at = columns(i);
@@ -111,22 +112,23 @@ void ConstraintRows::apply_transpose(Vec x, std::span<double> out) const {
   std::ranges::fill(out, 0);
   {
     const petsc::ReadArray values(x);
-    for_each_here(motions_, [&](std::size_t row, std::size_t dof, double h) { out[row] += h * values[dof]; });
+    for_each_here(motions_, out.size(),
+                  [&](std::size_t row, std::size_t dof, double h) { out[row] += h * values[dof]; });
   }
   // Every entry comes from one rank alone, so the sum is exact and the same on every rank.
-  MPI_Allreduce(MPI_IN_PLACE, out.data(), count(), MPI_DOUBLE, MPI_SUM, comm_);
+  MPI_Allreduce(MPI_IN_PLACE, out.data(), static_cast<int>(out.size()), MPI_DOUBLE, MPI_SUM, comm_);
 }
 
 void ConstraintRows::gap(std::span<const double> psi, Vec y, std::span<double> out) const {
   apply_transpose(y, out);
   for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = psi[i] - out[i];
+    out[i] = (i < psi.size() ? psi[i] : 0) - out[i];
 }
 
 void ConstraintRows::add(const std::vector<double>& coefficients, double scale,
                          std::span<const double> lambda, Vec x) const {
   const petsc::WriteArray values(x);
-  for_each_here(coefficients,
+  for_each_here(coefficients, lambda.size(),
                 [&](std::size_t row, std::size_t dof, double h) { values[dof] += scale * lambda[row] * h; });
 }
 
@@ -197,7 +199,8 @@ std::vector<double> ConstraintRows::weighted_squares(Vec diagonal) const {
   std::vector<double> sums(static_cast<std::size_t>(count()));
   {
     const petsc::ReadArray d(diagonal);
-    for_each_here(forces_, [&](std::size_t row, std::size_t dof, double h) { sums[row] += h * h * d[dof]; });
+    for_each_here(forces_, sums.size(),
+                  [&](std::size_t row, std::size_t dof, double h) { sums[row] += h * h * d[dof]; });
   }
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), count(), MPI_DOUBLE, MPI_SUM, comm_);
   return sums;
@@ -226,7 +229,8 @@ void ConstraintRows::multipliers(std::span<const int> set, Vec x, std::span<doub
         lambda[static_cast<std::size_t>(basis.member(k))] = b[k];
     }
   }
-  MPI_Allreduce(MPI_IN_PLACE, lambda.data(), count(), MPI_DOUBLE, MPI_SUM, comm_); // exact, as above
+  MPI_Allreduce(MPI_IN_PLACE, lambda.data(), static_cast<int>(lambda.size()), MPI_DOUBLE, MPI_SUM,
+                comm_); // exact, as above
 }
 
 void ConstraintRows::prescribe(std::span<const int> set, std::span<const double> value, Vec x) const {

@@ -15,7 +15,7 @@ namespace signorini::contact {
 /// friction the tangents too. Row i < groups() is the first of group i, further ones follow behind all of
 /// these, group by group. First rows that share dofs form a cluster, here those of one node: they follow each
 /// other, and their dofs are on one rank. The matrix is the same on every rank. Arrays over rows have count()
-/// entries.
+/// entries, or of the first rows alone, as those over candidates have.
 class ConstraintRows {
 public:
   struct Entry {
@@ -93,7 +93,7 @@ public:
 
   /// out ← Hᵀx, including clamped dofs. Collective.
   void apply_transpose(Vec x, std::span<double> out) const;
-  /// out ← g(y) = ψ − Hᵀy, m, for ψ in metres. Collective.
+  /// out ← g(y) = ψ − Hᵀy, m, for ψ in metres, zero where there are fewer. Collective.
   void gap(std::span<const double> psi, Vec y, std::span<double> out) const;
   /// x += scale · Hλ.
   void apply(double scale, std::span<const double> lambda, Vec x) const { add(forces_, scale, lambda, x); }
@@ -134,9 +134,9 @@ private:
   [[nodiscard]] std::span<const double> part(const std::vector<double>& all, int row) const {
     return {&all[row_begin_[static_cast<std::size_t>(row)]], columns(row).size()};
   }
-  /// Calls visit(row, local dof, coefficient) for the entries on this rank, row by row.
+  /// Calls visit(row, local dof, coefficient) for the entries of the first rows on this rank, row by row.
   template <class Visit>
-  void for_each_here(const std::vector<double>& coefficients, Visit&& visit) const;
+  void for_each_here(const std::vector<double>& coefficients, std::size_t rows, Visit&& visit) const;
   void add(const std::vector<double>& coefficients, double scale, std::span<const double> lambda,
            Vec x) const;
   void find_clusters();

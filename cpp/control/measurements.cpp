@@ -258,7 +258,7 @@ void Measurements::forces(int k, std::span<double> dual) const {
 
 double Measurements::by_normals(int k, const contact::ContactLinearisation& contact,
                                 const std::vector<double>& rate) const {
-  std::vector<double> lambda(static_cast<std::size_t>(stepper_.pairs()->count()));
+  std::vector<double> lambda(stepper_.rows());
   stepper_.pairs()->rows().spread(contact, lambda);
   double sum = 0;
   for (std::size_t c = 0; c < channels_.size(); ++c)

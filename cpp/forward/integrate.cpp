@@ -105,8 +105,7 @@ namespace {
 /// A motion of which the last two states are stored, and the contact of the last two steps.
 struct Rolling {
   Rolling(const Stepper& stepper, const State& initial, const ForceAtStep& load)
-      : work(stepper.workspace()),
-        two{contact::ContactState(candidates(stepper)), contact::ContactState(candidates(stepper))},
+      : work(stepper.workspace()), two{stepper.contact_state(), stepper.contact_state()},
         integrator(stepper, initial, [&](const TimeStep& step, const State& from, State& to) {
           acting = load.at(step);
           stepper.step({step, from, acting, contact(step.k - 1)}, {to, contact(step.k)}, work);

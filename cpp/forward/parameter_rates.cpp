@@ -24,8 +24,8 @@ struct ParameterRates::Rate {
 
 ParameterRates::ParameterRates(const Stepper& stepper, const scene::Scene& scene,
                                std::span<const double> values)
-    : stepper_(stepper), lambda_(stepper.pairs() ? static_cast<std::size_t>(stepper.pairs()->count()) : 0),
-      zeta_(lambda_.size()), work_(stepper.space().vector()), components_(lambda_.size()) {
+    : stepper_(stepper), lambda_(stepper.rows()), zeta_(lambda_.size()), work_(stepper.space().vector()),
+      components_(lambda_.size()) {
   for (petsc::Vector* one : {&sum_, &difference_, &inertia_, &jump_})
     *one = stepper.space().vector();
   if (stepper.motion())

@@ -45,8 +45,7 @@ Row largest(MPI_Comm comm, const Row& mine) {
 } // namespace
 
 Plausibility::Plausibility(const Stepper& stepper, const scene::Scene& scene)
-    : stepper_(stepper), scene_(scene), strained_(stepper.space().vector()),
-      gaps_(static_cast<std::size_t>(candidates(stepper))) {
+    : stepper_(stepper), scene_(scene), strained_(stepper.space().vector()), gaps_(stepper.rows()) {
   if (stepper.pairs())
     psi_ = stepper.pairs()->gaps();
 }

@@ -24,8 +24,8 @@ Predictor::Predictor(petsc::Matrix blocks, Mat M, const fem::DirichletDofs& clam
 Predictor::Workspace Predictor::workspace() const {
   return {.r = petsc::zero_like(zero_),
           .jump = petsc::zero_like(zero_),
-          .gap = std::vector<double>(static_cast<std::size_t>(pairs_.count())),
-          .contact = contact::ContactState(pairs_.count()),
+          .gap = std::vector<double>(static_cast<std::size_t>(pairs_.rows().count())),
+          .contact = contact::ContactState(pairs_.count(), pairs_.rows().count()),
           .solver = solver_.contact()->workspace()};
 }
 

@@ -103,6 +103,14 @@ public:
   /// The least time in which a pressure wave crosses an element in contact, or under a load that varies, s.
   [[nodiscard]] double wave_time() const { return wave_time_; }
 
+  /// Number of rows of constraints, 0 without contact.
+  [[nodiscard]] std::size_t rows() const {
+    return pairs_ ? static_cast<std::size_t>(pairs_->rows().count()) : 0;
+  }
+  /// No contact.
+  [[nodiscard]] contact::ContactState contact_state() const {
+    return pairs_ ? contact::ContactState(pairs_->count(), pairs_->rows().count()) : contact::ContactState();
+  }
   /// A zero state. Collective.
   [[nodiscard]] State state() const { return {space_.vector(), state_parts()}; }
   /// The number of a state's parts.

@@ -7,9 +7,8 @@ using petsc::check;
 
 Tangents::Tangents(const Stepper& stepper, ParameterRates& rates)
     : stepper_(stepper), rates_(rates), work_(stepper.workspace()), from_(stepper.state()),
-      source_(stepper.space().vector()), force_(stepper.space().vector()),
-      normal_(static_cast<std::size_t>(candidates(stepper))), predictor_normal_(normal_.size()),
-      zeta_(normal_.size()) {
+      source_(stepper.space().vector()), force_(stepper.space().vector()), normal_(stepper.rows()),
+      predictor_normal_(normal_.size()), zeta_(normal_.size()) {
   for (std::size_t j = 0; j < rates.count(); ++j)
     motions_.push_back({stepper.state(), std::vector<double>(normal_.size())});
 }

@@ -7,7 +7,7 @@ namespace signorini::forward {
 Trajectory::Trajectory(const Stepper& stepper, const State& initial, const StateStoreFactory& storage,
                        bool whole)
     : stepper_(stepper), grid_(storage.grid()), contact_(static_cast<std::size_t>(grid_.steps()) + 1),
-      now_(candidates(stepper)), work_(stepper.workspace()),
+      now_(stepper.contact_state()), work_(stepper.workspace()),
       integrator_(stepper, initial,
                   [this](const TimeStep& step, const State& from, State& to) {
                     acting_ = load_->at(step);
@@ -30,7 +30,7 @@ void Margins::take(const contact::ContactState& contact, Scheme scheme) {
 void Trajectory::run(ForceAtStep load, const StepObserver& watch) {
   load_ = std::move(load);
   steps_ = 0;
-  now_ = contact::ContactState(candidates(stepper_));
+  now_ = stepper_.contact_state();
   margins_ = {};
   const auto contact = [this](int) -> contact::ContactState& { return now_; };
   integrate_with(stepper_, grid_, integrator_, Stops::obeyed, contact, acting_, [&](const Frame& frame) {
