@@ -139,7 +139,7 @@ std::map<PetscInt, Point> places(const fem::Space& space, const std::vector<Surr
   const petsc::Vector x = space.vector();
   {
     const petsc::WriteArray values(x);
-    for (std::size_t i = 0; i < values.size(); ++i)
+    for (std::size_t i = 0; i < static_cast<std::size_t>(dim * space.owned_nodes()); ++i)
       values[i] = space.points()[3 * (i / dim) + i % dim];
   }
   petsc::IndexSet wanted;

@@ -159,7 +159,7 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
           "{}.on: every node of the group \"{}\" is clamped against the obstacle, allowed is a group "
           "with nodes that can move towards it",
           keys_[i], contacts[i].on));
-  const PetscInt end = space.first_dof() + space.owned_nodes() * dim_;
+  const PetscInt end = space.first_dof() + space.layout().nodes() * dim_;
   for (PetscInt dof : first_dofs_)
     local_.push_back(dof >= space.first_dof() && dof < end ? static_cast<int>(dof - space.first_dof()) : -1);
   rows_.emplace(comm_, groups, space.first_dof(), end);

@@ -163,6 +163,21 @@ petsc::Matrix assemble_over(const Space& space, const std::string& group, const 
              : assemble_over(space, volume, space.mesh().cells(group, key));
 }
 
+/// The diagonal of a form at the virtual nodes (virtual nodes × dim); of d as the forms say, D = m + τ/2 b +
+/// τ²/4 a.
+std::vector<double> of_virtual_nodes(const Space& space, Form form, double tau) {
+  std::vector<double> diagonal;
+  for (const VirtualNode& node : space.layout().virtual_nodes())
+    for (std::size_t c = 0; c < static_cast<std::size_t>(space.dim()); ++c)
+      diagonal.push_back(form == Form::m   ? node.mass[c]
+                         : form == Form::b ? node.damping[c]
+                         : form == Form::a ? node.stiffness[c]
+                         : form == Form::d
+                             ? node.mass[c] + tau / 2 * node.damping[c] + tau * tau / 4 * node.stiffness[c]
+                             : 0);
+  return diagonal;
+}
+
 } // namespace
 
 std::string signature(int dim, int degree) {
@@ -180,7 +195,7 @@ petsc::Matrix assemble(const Space& space, Form form, const std::vector<Part>& p
     add(space, form == Form::d && elastic ? Form::d_elastic : form, part.material, tau, part.cells, matrix);
   }
   finish(matrix);
-  return symmetric(std::move(matrix));
+  return symmetric(space.layout().extended(std::move(matrix), of_virtual_nodes(space, form, tau)));
 }
 
 petsc::Matrix assemble_one(const Space& space, Form form, const std::vector<Part>& parts, std::size_t part,
@@ -200,18 +215,18 @@ petsc::Matrix assemble_one(const Space& space, Form form, const std::vector<Part
           compile(space, form, parts[i].material, no_tau, parts[i].cells), {});
   add(space, form, parts[part].material, no_tau, parts[part].cells, matrix);
   finish(matrix);
-  return symmetric(std::move(matrix));
+  return symmetric(space.layout().extended(std::move(matrix)));
 }
 
 petsc::Matrix assemble_part(const Space& space, const std::string& group, const std::string& key) {
-  return symmetric(assemble_over(space, group, key, Form::L2, Form::L2_surface));
+  return symmetric(space.layout().extended(assemble_over(space, group, key, Form::L2, Form::L2_surface)));
 }
 
 petsc::Matrix assemble_cellwise(const Space& space, const std::optional<std::string>& group,
                                 const std::string& key) {
-  if (group)
-    return assemble_over(space, *group, key, Form::L2_cellwise, Form::L2_cellwise_surface);
-  return assemble_over(space, Form::L2_cellwise, space.mesh().owned_cells());
+  return space.layout().extended(
+      group ? assemble_over(space, *group, key, Form::L2_cellwise, Form::L2_cellwise_surface)
+            : assemble_over(space, Form::L2_cellwise, space.mesh().owned_cells()));
 }
 
 struct CellFields::Expressions {

@@ -9,9 +9,12 @@ namespace signorini::fem {
 
 using Function = dolfinx::fem::Function<double>;
 
-/// Sets a function's values from those that this rank owns. Collective.
+/// Sets a function's values from those that this rank owns, behind which virtual nodes may have some.
+/// Collective.
 inline void set(Function& to, std::span<const double> owned) {
-  std::ranges::copy(owned, dolfinx_versions::entries(*to.x()).begin());
+  const auto own = static_cast<std::size_t>(to.function_space()->dofmap()->index_map->size_local() *
+                                            to.function_space()->dofmap()->index_map_bs());
+  std::ranges::copy(owned.first(std::min(own, owned.size())), dolfinx_versions::entries(*to.x()).begin());
   to.x()->scatter_fwd();
 }
 

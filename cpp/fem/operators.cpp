@@ -45,6 +45,11 @@ DirichletDofs::DirichletDofs(const Space& space, const std::vector<scene::Clamp>
   }
   for (const auto& [dof, held] : motion)
     dofs_.push_back(dof);
+  if (const Layout& layout = space.layout(); layout.here())
+    for (std::size_t node = 0; node < layout.virtual_nodes().size(); ++node)
+      for (int c = 0; c < dim_; ++c)
+        if (layout.virtual_nodes()[node].clamped[static_cast<std::size_t>(c)])
+          dofs_.push_back((layout.mesh_nodes() + static_cast<int>(node)) * dim_ + c);
 }
 
 bool DirichletDofs::contains(int node, int component) const {
@@ -209,7 +214,7 @@ void attach_rigid_motions(Mat matrix, const Space& space) {
   const auto dim = static_cast<std::size_t>(space.dim());
   {
     const petsc::WriteArray values(points);
-    for (std::size_t i = 0; i < values.size(); ++i)
+    for (std::size_t i = 0; i < dim * static_cast<std::size_t>(space.owned_nodes()); ++i)
       values[i] = space.points()[3 * (i / dim) + i % dim];
   }
   petsc::NullSpace motions;

@@ -5,7 +5,7 @@
 
 namespace signorini::fem {
 
-/// The dofs that clamps prescribe.
+/// The dofs that clamps prescribe, and those of virtual nodes that are zero.
 class DirichletDofs {
 public:
   /// Collective. Throws UserError, on every rank, if a group is missing or two clamps prescribe different

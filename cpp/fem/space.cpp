@@ -48,34 +48,22 @@ std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& 
   return cellwise(mesh, vector(mesh));
 }
 
-Space::Space(const mesh::Mesh& mesh, int degree) : mesh_(&mesh), degree_(degree), V_(lagrange(mesh, degree)) {
-  const auto map = V_->dofmap()->index_map;
-  owned_nodes_ = map->size_local();
-  first_dof_ = static_cast<PetscInt>(map->local_range()[0] * dim());
-  dofs_ = static_cast<PetscInt>(map->size_global() * dim());
+Space::Space(const mesh::Mesh& mesh, int degree, std::vector<VirtualNode> virtual_nodes)
+    : mesh_(&mesh), degree_(degree), V_(lagrange(mesh, degree)),
+      layout_(mesh.comm(), mesh.dim(), V_->dofmap()->index_map->size_local(), std::move(virtual_nodes)) {
   points_ = V_->tabulate_dof_coordinates(false);
-  points_.resize(3 * static_cast<std::size_t>(owned_nodes_));
+  points_.resize(3 * static_cast<std::size_t>(owned_nodes()));
   // Rounding moves nodes off the coordinate planes, where an expression may have a pole or a jump.
   for (double& coordinate : points_)
     if (std::abs(coordinate) < 1e-14 * mesh.diameter())
       coordinate = 0;
 }
 
-petsc::Vector Space::vector() const {
-  petsc::Vector x;
-  petsc::check(VecCreate(comm(), x.put()));
-  petsc::check(VecSetSizes(x, owned_nodes_ * dim(), dofs_));
-  petsc::check(VecSetBlockSize(x, dim()));
-  petsc::check(VecSetType(x, VECSTANDARD));
-  petsc::check(VecZeroEntries(x));
-  return x;
-}
-
 std::vector<int> Space::nodes_on(const std::string& group, const std::string& key) const {
   const auto topology = mesh_->dolfinx()->topology();
   std::vector<std::int32_t> nodes = dolfinx::fem::locate_dofs_topological(
       *topology, *V_->dofmap(), topology->dim() - 1, mesh_->facets(group, key), true);
-  std::erase_if(nodes, [&](std::int32_t node) { return node >= owned_nodes_; });
+  std::erase_if(nodes, [&](std::int32_t node) { return node >= owned_nodes(); });
   return {nodes.begin(), nodes.end()};
 }
 

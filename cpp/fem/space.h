@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "base/petsc.h"
+#include "fem/layout.h"
 #include "mesh/mesh.h"
 #include "scene/expression.h"
 #include <concepts>
@@ -15,36 +16,38 @@ class FunctionSpace;
 
 namespace signorini::fem {
 
-/// V: continuous vector Lagrange functions of degree 1 or 2 on the mesh, without boundary conditions. Vectors
-/// of V hold the values at the owned nodes (owned_nodes × dim), node by node.
+/// V: continuous vector Lagrange functions of degree 1 or 2 on the mesh, without boundary conditions, and the
+/// unknowns of virtual nodes. Vectors of V hold the values at the owned nodes, node by node, as layout()
+/// says.
 class Space {
 public:
   /// Collective. `mesh` must outlive the space.
-  Space(const mesh::Mesh& mesh, int degree);
+  Space(const mesh::Mesh& mesh, int degree, std::vector<VirtualNode> virtual_nodes = {});
 
   [[nodiscard]] int dim() const { return mesh_->dim(); }
   [[nodiscard]] int degree() const { return degree_; }
   [[nodiscard]] const mesh::Mesh& mesh() const { return *mesh_; }
   [[nodiscard]] MPI_Comm comm() const { return mesh_->comm(); }
 
-  /// Number of nodes that this rank owns; its dofs are (owned_nodes × dim).
-  [[nodiscard]] int owned_nodes() const { return owned_nodes_; }
+  [[nodiscard]] const Layout& layout() const { return layout_; }
+  /// Number of the mesh's nodes that this rank owns.
+  [[nodiscard]] int owned_nodes() const { return layout_.mesh_nodes(); }
   /// Global number of this rank's first dof.
-  [[nodiscard]] PetscInt first_dof() const { return first_dof_; }
+  [[nodiscard]] PetscInt first_dof() const { return layout_.first_dof(); }
   /// Number of dofs on all ranks.
-  [[nodiscard]] PetscInt dofs() const { return dofs_; }
-  /// Coordinates of the owned nodes, (owned_nodes × 3), m.
+  [[nodiscard]] PetscInt dofs() const { return layout_.dofs(); }
+  /// Coordinates of these nodes, (owned_nodes × 3), m.
   [[nodiscard]] const std::vector<double>& points() const { return points_; }
 
   /// A zero vector of V. Collective.
-  [[nodiscard]] petsc::Vector vector() const;
+  [[nodiscard]] petsc::Vector vector() const { return layout_.vector(); }
 
   /// Owned nodes on a boundary group, ascending local numbers. Collective. Throws UserError naming
   /// `key`, as mesh::Mesh::facets does.
   [[nodiscard]] std::vector<int> nodes_on(const std::string& group, const std::string& key) const;
 
-  /// Nodal interpolation of a field at time t, s. Collective. Throws UserError on every rank if a value is
-  /// not finite.
+  /// Nodal interpolation of a field at time t, s; leaves virtual nodes as they are. Collective. Throws
+  /// UserError on every rank if a value is not finite.
   void interpolate(const scene::Field& field, double t, Vec out) const;
 
   /// Midpoints of the owned cells, (cells × 3), m.
@@ -55,10 +58,9 @@ public:
 private:
   const mesh::Mesh* mesh_;
   int degree_;
-  int owned_nodes_ = 0;
-  PetscInt first_dof_ = 0, dofs_ = 0;
-  std::vector<double> points_;
   std::shared_ptr<dolfinx::fem::FunctionSpace<double>> V_;
+  Layout layout_;
+  std::vector<double> points_;
 };
 
 /// Numbers of components along each axis of a value: none of a scalar, (dim) of a vector.

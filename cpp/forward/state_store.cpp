@@ -41,7 +41,7 @@ class StateStoreFactory::OnDisk final : public StateStore {
 public:
   OnDisk(const Stepper& stepper, int steps, std::size_t parts, Timers& timers)
       : timers_(timers), last_(stepper.space().vector(), parts) {
-    const auto dofs = static_cast<std::size_t>(stepper.space().owned_nodes()) *
+    const auto dofs = static_cast<std::size_t>(stepper.space().layout().nodes()) *
                       static_cast<std::size_t>(stepper.space().dim());
     for (std::size_t i = 0; i < parts; ++i)
       files_.emplace_back(static_cast<std::size_t>(steps) + 1, dofs);

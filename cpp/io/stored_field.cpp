@@ -97,7 +97,7 @@ bool finite(const std::vector<double>& values) {
 StoredField::StoredField(const fem::Space& space, const std::filesystem::path& file, const std::string& field,
                          const std::string& key, double end, bool at_start)
     : space_(space), file_(file), field_(field), key_(key),
-      nodes_(static_cast<std::size_t>(space.dofs() / space.dim())) {
+      nodes_(static_cast<std::size_t>(space.dofs() / space.dim()) - space.layout().virtual_nodes().size()) {
   if (space.degree() > 1)
     fail(fmt::format("found mesh.degree = {}, allowed is 1: fields are stored at the mesh's own nodes",
                      space.degree()));
