@@ -58,7 +58,7 @@ private:
   const control::ControlSpace& coarse_;
   control::ControlSpace controls_;
   petsc::Vector coarse_field_, field_;
-  mutable std::vector<double> values_;
+  mutable std::vector<double> values_; ///< scratch
   std::optional<forward::SceneLoad> load_;
 };
 

@@ -109,7 +109,7 @@ private:
   const Problem& problem_;
   Evaluate evaluate_;
   petsc::Vector y_;
-  mutable int last_ = -1;
+  mutable int last_ = -1; ///< a state is asked for several times in a row
 };
 
 /// Constant in time.

@@ -33,6 +33,7 @@ private:
   const Problem& problem_;
   control::SampledForce force_;
   forward::ForceAtStep load_;
+  // States follow each other: each is made from the one before when it is asked for, so that two are stored.
   mutable forward::Stepper::Workspace work_;
   mutable std::array<contact::ContactState, 2> contact_;
   mutable forward::TimeIntegrator integrator_;

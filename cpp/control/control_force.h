@@ -26,6 +26,7 @@ private:
   const ControlSpace& controls_;
   fem::TimeProfile profile_;
   bool within_;
+  // Several steps may lie in an interval, and its expressions take longer than a step's products.
   mutable Control values_;                     ///< of the interval evaluated last
   mutable std::pair<double, double> of_{0, 0}; ///< from its begin to its end, s
 };

@@ -18,7 +18,7 @@ class Sets {
 public:
   explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
 
-  [[nodiscard]] std::size_t first(std::size_t i) const { // least number of the set of i
+  [[nodiscard]] std::size_t first(std::size_t i) { // least number of the set of i
     while (parent_[i] != i)
       i = parent_[i] = parent_[parent_[i]];
     return i;
@@ -29,7 +29,7 @@ public:
   }
 
 private:
-  mutable std::vector<std::size_t> parent_;
+  std::vector<std::size_t> parent_;
 };
 
 std::int64_t sum(MPI_Comm comm, std::int64_t mine) {

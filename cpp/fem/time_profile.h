@@ -85,6 +85,7 @@ private:
   std::vector<Panel> panels_;
   std::vector<std::size_t> samples_; ///< points at which panels are made
   double integral_ = 0, range_ = 0, unresolved_ = 0;
+  // Scratch, so that means over steps do not allocate.
   mutable std::vector<Node> nodes_;
   mutable std::vector<double> values_;
 };

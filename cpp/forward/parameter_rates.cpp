@@ -189,7 +189,7 @@ void ParameterRates::set(const StepMade& made) {
 
 /// The products that s_kj sums: calls add(matrix, factor, vector).
 template <class Add>
-void ParameterRates::for_each_product(const Rate& rate, const Scheme& scheme, Add&& add) const {
+void ParameterRates::for_each_product(const Rate& rate, const Scheme& scheme, Add&& add) {
   if (rate.A)
     add(rate.A, -scheme.stiffness(), sum_);
   if (rate.B)
@@ -198,7 +198,7 @@ void ParameterRates::for_each_product(const Rate& rate, const Scheme& scheme, Ad
     add(rate.M, 1, inertia_);
 }
 
-void ParameterRates::add_source(std::size_t j, Vec sum) const {
+void ParameterRates::add_source(std::size_t j, Vec sum) {
   const Rate& rate = *rates_[j];
   const Scheme scheme = made_->step.scheme();
   for_each_product(rate, scheme, [&](Mat matrix, double factor, Vec x) {
@@ -213,7 +213,7 @@ void ParameterRates::add_source(std::size_t j, Vec sum) const {
     rate.pairs->rows->apply(-1, lambda_, sum);
 }
 
-double ParameterRates::pairing(std::size_t j, Vec p) const {
+double ParameterRates::pairing(std::size_t j, Vec p) {
   const Rate& rate = *rates_[j];
   const Scheme scheme = made_->step.scheme();
   double sum = 0;
@@ -238,7 +238,7 @@ double ParameterRates::pairing(std::size_t j, Vec p) const {
   return sum;
 }
 
-bool ParameterRates::constraint(std::size_t j, std::span<double> c) const {
+bool ParameterRates::constraint(std::size_t j, std::span<double> c) {
   Rate& rate = *rates_[j];
   if (!rate.pairs)
     return false;
@@ -252,7 +252,7 @@ bool ParameterRates::constraint(std::size_t j, std::span<double> c) const {
   return true;
 }
 
-bool ParameterRates::predictor(std::size_t j, Vec r, std::span<double> e) const {
+bool ParameterRates::predictor(std::size_t j, Vec r, std::span<double> e) {
   const Rate& rate = *rates_[j];
   if (!jumps_ || (!rate.M && !rate.pairs))
     return false;

@@ -33,14 +33,14 @@ public:
   void set(const StepMade& made);
 
   /// sum += s_kj.
-  void add_source(std::size_t j, Vec sum) const;
+  void add_source(std::size_t j, Vec sum);
   /// p·s_kj.
-  [[nodiscard]] double pairing(std::size_t j, Vec p) const;
+  [[nodiscard]] double pairing(std::size_t j, Vec p);
   /// Sets c_kj (m); false if it is zero, then c is left as it was.
-  bool constraint(std::size_t j, std::span<double> c) const;
+  bool constraint(std::size_t j, std::span<double> c);
 
   /// Sets r_kj, and e_kj (m); false where Z_k is empty or both are zero.
-  bool predictor(std::size_t j, Vec r, std::span<double> e) const;
+  bool predictor(std::size_t j, Vec r, std::span<double> e);
 
   /// δν (m × dim); null where zero.
   [[nodiscard]] const std::vector<double>* normals(std::size_t j) const;
@@ -59,7 +59,7 @@ private:
   void add_initial(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
   void add_load(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const;
   template <class Add>
-  void for_each_product(const Rate& rate, const Scheme& scheme, Add&& add) const;
+  void for_each_product(const Rate& rate, const Scheme& scheme, Add&& add);
   /// The weight of rate.M.
   void add_gravity(const scene::Scene& scene, Rate& rate) const;
   /// ∂M of massless contact by an obstacle's parameter.
@@ -72,9 +72,9 @@ private:
   petsc::Vector sum_, difference_, inertia_, jump_; ///< y + y⁻, y − y⁻, τ momentum − (y − y⁻), z − x
   bool jumps_ = false;                              ///< whether Z_k is not empty
   std::vector<double> lambda_, zeta_;               ///< of the step, of the predictor (m), where normals turn
-  mutable petsc::Vector work_;
-  mutable std::vector<double> components_;
-  mutable std::optional<PrescribedMotion::At> motion_;
+  petsc::Vector work_;
+  std::vector<double> components_;
+  std::optional<PrescribedMotion::At> motion_;
 };
 
 } // namespace signorini::forward

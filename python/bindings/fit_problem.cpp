@@ -29,7 +29,7 @@ public:
   ~Fit() override { drop(release()); }
   std::shared_ptr<const void> release() override { return std::move(all_); }
 
-  [[nodiscard]] const FitProblem& problem() const { return all().problem; }
+  [[nodiscard]] FitProblem& problem() const { return all().problem; }
   [[nodiscard]] const scene::Scene& scene() const { return all().scene; }
 
   /// Residuals (m).
@@ -72,7 +72,7 @@ private:
     FitProblem problem;
   };
 
-  [[nodiscard]] const Modules& all() const {
+  [[nodiscard]] Modules& all() const {
     if (!all_)
       throw std::runtime_error("the problem is closed, since Python is about to end");
     return *all_;

@@ -100,7 +100,7 @@ bool check_scene(Problem& problem, const Console& console) {
   if (scene.contacts.empty())
     console.line("The scene has no contact: what follows checks a linear problem.");
   if (!scene.unknowns.empty()) {
-    const FitProblem fit(problem.discretisation, scene, problem.timers);
+    FitProblem fit(problem.discretisation, scene, problem.timers);
     print_doubts(fit.doubts(), console);
     check_fit(fit, problem.stepper.solver().tolerance(), console, rows);
     const scene::Scene start = fit.scene_at(fit.start());

@@ -16,7 +16,7 @@ namespace {
 
 class FitCheck {
 public:
-  FitCheck(const FitProblem& problem, double solver_tolerance, const Console& console)
+  FitCheck(FitProblem& problem, double solver_tolerance, const Console& console)
       : problem_(problem), console_(console), x_(problem.start()), here_(problem.gradient(x_)),
         rounding_(1000 * std::numeric_limits<double>::epsilon() + 10 * solver_tolerance) {}
 
@@ -147,7 +147,7 @@ private:
                  : below(against, 0, 0));
   }
 
-  const FitProblem& problem_;
+  FitProblem& problem_;
   const Console& console_;
   std::vector<double> x_;
   FitProblem::Gradient here_;
@@ -188,7 +188,7 @@ void check_joint(JointProblem& problem, double solver_tolerance, std::vector<Che
                   std::abs(p - 2) <= 0.05});
 }
 
-void check_fit(const FitProblem& problem, double solver_tolerance, const Console& console,
+void check_fit(FitProblem& problem, double solver_tolerance, const Console& console,
                std::vector<CheckRow>& rows) {
   FitCheck(problem, solver_tolerance, console).run(rows);
 }

@@ -8,7 +8,7 @@ namespace signorini {
 /// Compares the derivatives of a fit's J at the start with each other and, by each unknown, with differences
 /// of J; adds rows to the table, and says what the data do not tell. `solver_tolerance` is the relative error
 /// of a step's solve. Collective. Throws SolverFailure, Interrupted.
-void check_fit(const FitProblem& problem, double solver_tolerance, const Console& console,
+void check_fit(FitProblem& problem, double solver_tolerance, const Console& console,
                std::vector<CheckRow>& rows);
 
 /// Likewise of the J of a control and the unknowns together, at the first guess along the steepest descent.

@@ -111,7 +111,7 @@ forward::Stepper::Needs FitProblem::needs() const {
   return needs;
 }
 
-void FitProblem::decide(bool iterates) const {
+void FitProblem::decide(bool iterates) {
   if (!iterative_)
     iterative_ = iterates;
 }
@@ -139,7 +139,7 @@ std::vector<double> FitProblem::on_scale_gradient(std::vector<double> by_theta,
 
 /// The problem at x, with what its motion needs.
 struct FitProblem::Setup {
-  Setup(const FitProblem& fit, std::span<const double> x, std::size_t columns,
+  Setup(FitProblem& fit, std::span<const double> x, std::size_t columns,
         forward::Stops stops = forward::Stops::obeyed)
       : theta(fit.values(x)), scene(scene::with_values(fit.scene_, theta)),
         problem(fit.discretisation_, scene, fit.needs(), fit.timers_, stops), given(problem),
@@ -157,7 +157,7 @@ struct FitProblem::Setup {
 };
 
 optimize::LeastSquares FitProblem::evaluate(std::span<const double> x, const forward::Load* control,
-                                            forward::Stops stops) const {
+                                            forward::Stops stops) {
   Setup setup(*this, x, 1 + x.size(), stops);
   forward::Tangents tangents(setup.problem.stepper, setup.rates);
   {
@@ -191,7 +191,7 @@ optimize::LeastSquares FitProblem::evaluate(std::span<const double> x, const for
   return found;
 }
 
-FitProblem::Gradient FitProblem::swept(std::span<const double> x, bool adjoint) const {
+FitProblem::Gradient FitProblem::swept(std::span<const double> x, bool adjoint) {
   Setup setup(*this, x, 1);
   const forward::StateStoreFactory storage(setup.problem.stepper, setup.problem.grid, scene_.trajectory, 1,
                                            timers_);
@@ -223,7 +223,7 @@ FitProblem::Gradient FitProblem::swept(std::span<const double> x, bool adjoint) 
   return found;
 }
 
-FitProblem::Gradient FitProblem::gradient(std::span<const double> x) const { return swept(x, true); }
-FitProblem::Gradient FitProblem::value(std::span<const double> x) const { return swept(x, false); }
+FitProblem::Gradient FitProblem::gradient(std::span<const double> x) { return swept(x, true); }
+FitProblem::Gradient FitProblem::value(std::span<const double> x) { return swept(x, false); }
 
 } // namespace signorini

@@ -36,7 +36,7 @@ public:
   /// or another's force. Throws UserError where the scene at x is none, SolverFailure, Interrupted.
   [[nodiscard]] optimize::LeastSquares evaluate(std::span<const double> x,
                                                 const forward::Load* control = nullptr,
-                                                forward::Stops stops = forward::Stops::obeyed) const;
+                                                forward::Stops stops = forward::Stops::obeyed);
 
   /// What the problem at any x needs of its solvers: which they are is decided once.
   [[nodiscard]] forward::Stepper::Needs needs() const;
@@ -49,9 +49,9 @@ public:
     std::vector<contact::ContactLinearisation> contact; ///< of the motion
     long weak = 0;                                      ///< candidates in weak contact, over all steps
   };
-  [[nodiscard]] Gradient gradient(std::span<const double> x) const;
+  [[nodiscard]] Gradient gradient(std::span<const double> x);
   /// All but the gradient.
-  [[nodiscard]] Gradient value(std::span<const double> x) const;
+  [[nodiscard]] Gradient value(std::span<const double> x);
 
   [[nodiscard]] const std::vector<control::Data>& data() const { return data_; }
   /// Doubts about their tables.
@@ -80,7 +80,7 @@ public:
 
 private:
   struct Setup;
-  [[nodiscard]] Gradient swept(std::span<const double> x, bool adjoint) const;
+  [[nodiscard]] Gradient swept(std::span<const double> x, bool adjoint);
 
   const scene::Scene& scene_;
   Timers& timers_;
@@ -88,9 +88,9 @@ private:
   std::vector<control::Data> data_;
   std::size_t count_ = 0;
   optimize::Box box_;
-  void decide(bool iterates) const;
-  mutable int sweeps_ = 0;
-  mutable std::optional<bool> iterative_; ///< whether D is not factorised, once that is decided
+  void decide(bool iterates);
+  int sweeps_ = 0;
+  std::optional<bool> iterative_; ///< whether D is not factorised, once that is decided
 };
 
 } // namespace signorini

@@ -41,7 +41,7 @@ void CompactJointVector::combine(std::vector<CompactJointVector>& v,
 
 /// A point of the search: the scene and its motion there.
 struct JointProblem::Point {
-  Point(const FitProblem& fit, const control::ControlSpace& controls, Vector at, Timers& timers)
+  Point(FitProblem& fit, const control::ControlSpace& controls, Vector at, Timers& timers)
       : v(std::move(at)), theta(fit.values(v.x)), scene(scene::with_values(fit.scene(), theta)),
         problem(fit.discretisation(), scene, fit.needs(), timers), force(controls, v.u),
         measurements(problem.stepper, problem.grid, scene, fit.times()),
@@ -102,7 +102,7 @@ private:
 
 } // namespace
 
-JointProblem::JointProblem(const FitProblem& fit, const ControlProblem& control, const Vector& guess,
+JointProblem::JointProblem(FitProblem& fit, const ControlProblem& control, const Vector& guess,
                            Timers& timers)
     : fit_(fit), control_(control), timers_(timers), weights_(guess.x.size(), 1.0) {
   const control::ControlForce force(control.controls, guess.u);

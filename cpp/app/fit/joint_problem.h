@@ -16,7 +16,7 @@ public:
 
   /// `control`: for its controls and objective, at the scene's own values. The references must outlive this
   /// object. Throws UserError, SolverFailure, Interrupted.
-  JointProblem(const FitProblem& fit, const ControlProblem& control, const Vector& guess, Timers& timers);
+  JointProblem(FitProblem& fit, const ControlProblem& control, const Vector& guess, Timers& timers);
   ~JointProblem();
   JointProblem(const JointProblem&) = delete;
   JointProblem& operator=(const JointProblem&) = delete;
@@ -71,7 +71,7 @@ private:
   /// That at the current point.
   const Vector& current_gradient();
 
-  const FitProblem& fit_;
+  FitProblem& fit_;
   const ControlProblem& control_;
   Timers& timers_;
   std::vector<double> weights_; ///< of the unknowns in inner()

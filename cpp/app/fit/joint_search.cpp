@@ -50,7 +50,7 @@ private:
 /// What a joint search leaves while it runs: lines, history.csv at its end, checkpoints.
 class Log {
 public:
-  Log(JointProblem& problem, const FitProblem& fit, const io::OutputFolder& folder, bool resume,
+  Log(JointProblem& problem, FitProblem& fit, const io::OutputFolder& folder, bool resume,
       const Console& console)
       : problem_(problem), fit_(fit), folder_(folder), console_(console),
         file_(folder.path() / resume::checkpoint), every_(fit.scene().optimizer.checkpoint),
@@ -143,7 +143,7 @@ private:
   }
 
   JointProblem& problem_;
-  const FitProblem& fit_;
+  FitProblem& fit_;
   const io::OutputFolder& folder_;
   const Console& console_;
   std::filesystem::path file_;
@@ -165,7 +165,7 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   const Problem base(comm, scene, search_needs(scene), timers);
   console.line(headline(base));
   const ControlProblem control(base, console);
-  const FitProblem fit(base.discretisation, scene, timers);
+  FitProblem fit(base.discretisation, scene, timers);
   print_doubts(fit.doubts(), console);
   JointVector guess(control.first_guess(scene), fit.start());
   JointProblem joint(fit, control, guess, timers);
