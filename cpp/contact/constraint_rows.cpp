@@ -55,19 +55,25 @@ void ConstraintRows::find_clusters() {
   for (int group = 0; group < groups(); ++group) {
     const auto [least, most] = std::ranges::minmax(columns(group));
     if (clusters_.empty() || least >= clusters_.back().end)
-      clusters_.push_back({group, group, least, least, false, here(group)});
+      clusters_.push_back({group, group, least, least, false, false});
     Cluster& here = clusters_.back();
     here.last = group + 1;
     here.end = std::max(here.end, most + 1);
     cluster_of_.push_back(static_cast<int>(clusters_.size()) - 1);
   }
+  int on_ranks = 0; // clusters, summed over the ranks that have all of them
   RowBasis basis(*this);
   for (Cluster& here : clusters_) {
     basis.clear();
     for (int row = here.first; row < here.last; ++row)
       here.dependent = !basis.add(row) || here.dependent;
     dependent_ = dependent_ || here.dependent;
+    here.here = std::all_of(local_.begin() + here.begin, local_.begin() + here.end,
+                            [](int local) { return local >= 0; });
+    on_ranks += here.here;
   }
+  MPI_Allreduce(MPI_IN_PLACE, &on_ranks, 1, MPI_INT, MPI_SUM, comm_);
+  across_ranks_ = on_ranks < static_cast<int>(clusters_.size());
 }
 
 ConstraintRows ConstraintRows::with(std::vector<double> coefficients) const {
@@ -98,13 +104,11 @@ template <class Visit>
 void ConstraintRows::for_each_here(const std::vector<double>& coefficients, std::size_t rows,
                                    Visit&& visit) const {
   for (int i = 0; i < static_cast<int>(rows); ++i) {
-    if (!here(i))
-      continue;
     const std::span<const int> at = columns(i);
     const std::span<const double> row = part(coefficients, i);
     for (std::size_t j = 0; j < at.size(); ++j)
-      visit(static_cast<std::size_t>(i), static_cast<std::size_t>(local_[static_cast<std::size_t>(at[j])]),
-            row[j]);
+      if (const int local = local_[static_cast<std::size_t>(at[j])]; local >= 0)
+        visit(static_cast<std::size_t>(i), static_cast<std::size_t>(local), row[j]);
   }
 }
 
@@ -115,7 +119,7 @@ void ConstraintRows::apply_transpose(Vec x, std::span<double> out) const {
     for_each_here(motions_, out.size(),
                   [&](std::size_t row, std::size_t dof, double h) { out[row] += h * values[dof]; });
   }
-  // Every entry comes from one rank alone, so the sum is exact and the same on every rank.
+  // An entry whose row is on one rank comes from it alone, so that the sum is exact.
   MPI_Allreduce(MPI_IN_PLACE, out.data(), static_cast<int>(out.size()), MPI_DOUBLE, MPI_SUM, comm_);
 }
 
@@ -206,8 +210,31 @@ std::vector<double> ConstraintRows::weighted_squares(Vec diagonal) const {
   return sums;
 }
 
+std::vector<double> ConstraintRows::gathered(Vec x) const {
+  std::vector<double> all;
+  if (!across_ranks_)
+    return all;
+  all.resize(dofs_.size());
+  {
+    const petsc::ReadArray values(x);
+    for (std::size_t i = 0; i < all.size(); ++i)
+      all[i] = local_[i] >= 0 ? values[static_cast<std::size_t>(local_[i])] : 0;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  return all;
+}
+
+void ConstraintRows::take(const Cluster& cluster, std::span<const double> x, std::span<const double> gathered,
+                          std::span<double> out) const {
+  for (std::size_t j = 0; j < cluster.width(); ++j) {
+    const std::size_t dof = static_cast<std::size_t>(cluster.begin) + j;
+    out[j] = gathered.empty() ? x[static_cast<std::size_t>(local_[dof])] : gathered[dof];
+  }
+}
+
 void ConstraintRows::multipliers(std::span<const int> set, Vec x, std::span<double> lambda) const {
   std::ranges::fill(lambda, 0);
+  const std::vector<double> all = gathered(x);
   {
     const petsc::ReadArray values(x);
     RowBasis basis(*this);
@@ -216,11 +243,10 @@ void ConstraintRows::multipliers(std::span<const int> set, Vec x, std::span<doub
       basis.clear();
       for (; at != set.end() && *at < cluster.last; ++at)
         basis.add(*at);
-      if (!cluster.here)
+      if (all.empty() ? !cluster.here : rank(comm_) > 0)
         continue;
       SmallArray<double, 3> here(cluster.width());
-      for (std::size_t j = 0; j < cluster.width(); ++j)
-        here[j] = values[static_cast<std::size_t>(local_[static_cast<std::size_t>(cluster.begin) + j])];
+      take(cluster, values, all, here);
       RowBasis::Coordinates b = basis.coordinates();
       for (std::size_t k = 0; k < basis.size(); ++k)
         b[k] = basis.along(k, here);
@@ -234,20 +260,17 @@ void ConstraintRows::multipliers(std::span<const int> set, Vec x, std::span<doub
 }
 
 void ConstraintRows::prescribe(std::span<const int> set, std::span<const double> value, Vec x) const {
+  const std::vector<double> all = gathered(x);
   const petsc::WriteArray values(x);
   RowBasis basis(*this);
   for (auto at = set.begin(); at != set.end();) {
     const Cluster& cluster = this->cluster(*at);
-    if (!cluster.here) {
+    if (all.empty() && !cluster.here) {
       at = std::find_if(at, set.end(), [&](int i) { return i >= cluster.last; });
       continue;
     }
     SmallArray<double, 3> here(cluster.width());
-    const auto entry = [&](std::size_t j) -> double& {
-      return values[static_cast<std::size_t>(local_[static_cast<std::size_t>(cluster.begin) + j])];
-    };
-    for (std::size_t j = 0; j < cluster.width(); ++j)
-      here[j] = entry(j);
+    take(cluster, std::span<double>(values), all, here);
     basis.clear();
     RowBasis::Coordinates change = basis.coordinates();
     for (; at != set.end() && *at < cluster.last; ++at)
@@ -262,7 +285,8 @@ void ConstraintRows::prescribe(std::span<const int> set, std::span<const double>
     basis.shortest(change);
     basis.add_to(here, change);
     for (std::size_t j = 0; j < cluster.width(); ++j)
-      entry(j) = here[j];
+      if (const int local = local_[static_cast<std::size_t>(cluster.begin) + j]; local >= 0)
+        values[static_cast<std::size_t>(local)] = here[j];
   }
 }
 

@@ -13,9 +13,9 @@ namespace signorini::contact {
 ///
 /// Rows come in groups, each of which has a law: of contact without friction one row, the normal, with
 /// friction the tangents too. Row i < groups() is the first of group i, further ones follow behind all of
-/// these, group by group. First rows that share dofs form a cluster, here those of one node: they follow each
-/// other, and their dofs are on one rank. The matrix is the same on every rank. Arrays over rows have count()
-/// entries, or of the first rows alone, as those over candidates have.
+/// these, group by group. First rows that share dofs form a cluster, here those of one node, with a rigid
+/// body all that reach it: they follow each other. The matrix is the same on every rank. Arrays over rows
+/// have count() entries, or of the first rows alone, as those over candidates have.
 class ConstraintRows {
 public:
   struct Entry {
@@ -32,7 +32,7 @@ public:
     int first, last; ///< groups [first, last)
     int begin, end;  ///< of the constrained dofs, [begin, end)
     bool dependent;  ///< its rows are linearly dependent
-    bool here;       ///< its dofs are on this rank
+    bool here;       ///< all of its dofs are on this rank
     [[nodiscard]] std::size_t width() const { return static_cast<std::size_t>(end - begin); }
   };
 
@@ -119,16 +119,15 @@ public:
   /// the set's columns of H; of linearly dependent rows the first ones carry the force. Collective.
   void multipliers(std::span<const int> set, Vec x, std::span<double> lambda) const;
   /// Makes Hᵀx = value on `set` by the smallest change of the dofs that no clamp holds; of linearly dependent
-  /// rows, for the first ones.
+  /// rows, for the first ones. Collective.
   void prescribe(std::span<const int> set, std::span<const double> value, Vec x) const;
 
   /// Sets the clamped dofs of y to their values in the step's system, in which they are decoupled: r divided
   /// by the matrix's diagonal.
   void set_clamped(Vec diagonal, Vec r, Vec y) const;
-  /// What clamped dofs contribute to (Hᵀy)_row, for a row of this rank and the owned entries of y.
+  /// What clamped dofs contribute to (Hᵀy)_row, for a row all of whose dofs are on this rank, and the owned
+  /// entries of y.
   [[nodiscard]] double clamped_part(int row, std::span<const double> y) const;
-  /// Whether this rank owns the dofs of a row.
-  [[nodiscard]] bool here(int row) const { return local_[static_cast<std::size_t>(columns(row)[0])] >= 0; }
 
 private:
   [[nodiscard]] std::span<const double> part(const std::vector<double>& all, int row) const {
@@ -140,6 +139,11 @@ private:
   void add(const std::vector<double>& coefficients, double scale, std::span<const double> lambda,
            Vec x) const;
   void find_clusters();
+  /// Copies the values of a cluster's dofs, which this rank owns or `gathered` (of dofs()) has.
+  void take(const Cluster& cluster, std::span<const double> x, std::span<const double> gathered,
+            std::span<double> out) const;
+  /// The values of dofs(), the same on every rank; empty where every cluster is on one. Collective.
+  [[nodiscard]] std::vector<double> gathered(Vec x) const;
 
   MPI_Comm comm_;
   std::vector<std::size_t> row_begin_; ///< of each row's entries, and the end of the last one's
@@ -153,6 +157,7 @@ private:
   std::vector<Cluster> clusters_;
   std::vector<int> cluster_of_; ///< of groups
   bool dependent_ = false, any_clamped_ = false, symmetric_ = true;
+  bool across_ranks_ = false; ///< whether a cluster's dofs are on several
 };
 
 /// An array of `size` zeros, without allocation if there are at most `few`.

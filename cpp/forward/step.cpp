@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <stdexcept>
 
 namespace signorini::forward {
 using petsc::check;
@@ -218,6 +219,8 @@ void Stepper::solve_on_active_set(double tau, Direction direction,
 void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactLinearisation& contact, Vec p,
                               Workspace& work) const {
   const contact::ConstraintRows& rows = pairs_->rows();
+  if (!rows.symmetric())
+    throw std::logic_error("one-sided steps are those of symmetric laws");
   const auto m = static_cast<std::size_t>(pairs_->count());
   std::vector<double> force(m), motion(m), lambda(m);
   rows.spread(contact, lambda);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rows of contact constraints over one node and over several, and the bases of their clusters.
 #include "contact/constraint_rows.h"
+#include "base/collective.h"
 #include "base/petsc.h"
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 using namespace signorini;
 using contact::ConstraintRows;
@@ -59,7 +61,7 @@ TEST_CASE("rows that share dofs are clusters", "[contact]") {
     CHECK(one.here);
   }
   CHECK((H.dependent() && H.clamped()));
-  CHECK_FALSE(ConstraintRows(MPI_COMM_SELF, mixed, dofs, 2 * dofs).here(0)); // of another rank
+  CHECK_FALSE(ConstraintRows(MPI_COMM_SELF, mixed, dofs, 2 * dofs).clusters()[0].here); // of another rank
 }
 
 TEST_CASE("the operator of rows is the transpose of its transpose, but for clamped dofs", "[contact]") {
@@ -195,4 +197,60 @@ TEST_CASE("a basis of rows finds shortest motions and forces", "[contact]") {
     CHECK((basis.size() == 3 && basis.member(1) == 2 && basis.member(2) == 3));
     CHECK_FALSE(basis.add(1));
   }
+}
+
+TEST_CASE("rows whose dofs are on several ranks are one cluster", "[contact]") {
+  // Each rank has a node of the body, the last one also a rigid body that all rows reach.
+  const int size = ranks(MPI_COMM_WORLD), me = rank(MPI_COMM_WORLD);
+  const PetscInt n = 2 * size + 2, own = me + 1 == size ? 4 : 2;
+  Rows rows;
+  for (PetscInt i = 0; i < size; ++i)
+    rows.push_back({{{2 * i, std::cos(1.0 * i), false},
+                     {2 * i + 1, std::sin(1.0 * i), i == 1},
+                     {n - 2, -std::cos(1.0 * i), false},
+                     {n - 1, -std::sin(1.0 * i), false}}});
+  const ConstraintRows H(MPI_COMM_WORLD, rows, 2 * me, 2 * me + own), alone(MPI_COMM_SELF, rows, 0, n);
+  REQUIRE(H.clusters().size() == 1);
+  CHECK(H.clusters()[0].here == (size == 1));
+  petsc::Vector x, y;
+  check(VecCreateMPI(MPI_COMM_WORLD, own, n, x.put()));
+  check(VecCreateSeq(PETSC_COMM_SELF, n, y.put()));
+  const auto set = [&] {
+    const petsc::WriteArray a(x), b(y);
+    for (std::size_t i = 0; i < b.size(); ++i)
+      b[i] = std::sin(1 + 1.7 * static_cast<double>(i));
+    for (std::size_t i = 0; i < a.size(); ++i)
+      a[i] = b[i + static_cast<std::size_t>(2 * me)];
+  };
+  const auto same = [&] {
+    const petsc::ReadArray a(x), b(y);
+    for (std::size_t i = 0; i < a.size(); ++i)
+      CHECK(std::abs(a[i] - b[i + static_cast<std::size_t>(2 * me)]) < 1e-14);
+  };
+  std::vector<double> of_all(rows.size()), of_one(rows.size());
+  const auto same_rows = [&] {
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      CHECK(std::abs(of_all[i] - of_one[i]) < 1e-14);
+  };
+  set();
+  H.apply_transpose(x, of_all);
+  alone.apply_transpose(y, of_one);
+  same_rows();
+  H.apply(2, of_all, x);
+  alone.apply(2, of_all, y);
+  same();
+  contact::ActiveSet active(rows.size());
+  std::iota(active.begin(), active.end(), 0);
+  set();
+  H.multipliers(active, x, of_all);
+  alone.multipliers(active, y, of_one);
+  same_rows();
+  CHECK(std::abs(of_all[0]) > 1e-3);
+  std::vector<double> value(rows.size(), 0.3);
+  H.prescribe(active, value, x);
+  alone.prescribe(active, value, y);
+  same();
+  H.apply_transpose(x, of_all);
+  for (const double moved : of_all)
+    CHECK(std::abs(moved - 0.3) < 1e-14);
 }

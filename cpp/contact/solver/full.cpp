@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numeric>
+#include <stdexcept>
 
 namespace signorini::contact {
 using petsc::check;
@@ -48,7 +49,10 @@ std::vector<double> lengths(const ContactPairs& pairs) {
   return lengths;
 }
 
-void require_one_per_node(const ContactPairs& pairs) {
+/// Throws UserError if a node has several candidates.
+void require_bounds(const ContactPairs& pairs) {
+  if (!pairs.rows().symmetric() || pairs.rows().count() > pairs.count())
+    throw std::logic_error("the full VI is that of bounds on single gaps");
   const auto& clusters = pairs.rows().clusters();
   const auto several = std::ranges::find_if(
       clusters, [](const ConstraintRows::Cluster& one) { return one.last - one.first > 1; });
@@ -62,7 +66,7 @@ void require_one_per_node(const ContactPairs& pairs) {
 
 petsc::Matrix frames(const ContactPairs& pairs, Mat D, const std::vector<int>& axes,
                      const std::vector<double>& lengths) {
-  require_one_per_node(pairs);
+  require_bounds(pairs);
   const int dim = pairs.dim();
   petsc::Matrix Q;
   PetscInt rows = 0, begin = 0, end = 0;

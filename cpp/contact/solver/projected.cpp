@@ -4,6 +4,7 @@
 #include "fem/operators.h"
 #include <algorithm>
 #include <functional>
+#include <stdexcept>
 
 namespace signorini::contact {
 using petsc::check;
@@ -13,6 +14,8 @@ ProjectedSolver::ProjectedSolver(const ConstraintRows& rows, double diameter, co
     : rows_(rows), D_(D), matrix_(matrix), complementarity_(rows, diameter, matrix),
       zero_(static_cast<std::size_t>(rows.count()), 0.0), gap_tolerance_(gap_tolerance(diameter)),
       residual_(petsc::vector_of(matrix)) {
+  if (!rows.symmetric())
+    throw std::logic_error("gaps are kept closed by projection only where laws are symmetric");
   if (rows_.clamped())
     diagonal_ = fem::diagonal(matrix);
 }
