@@ -161,15 +161,6 @@ void for_each_row(const ConstraintRows& rows, const ActiveSet& set, std::span<co
       visit(at++, set[j], equations[j], c);
 }
 
-/// Row c of a (k × k) matrix times x, or column c.
-double times(const std::array<double, 9>& A, std::size_t k, std::size_t c, bool transposed,
-             const std::array<double, 3>& x) {
-  double sum = 0;
-  for (std::size_t j = 0; j < k; ++j)
-    sum += A[transposed ? j * k + c : c * k + j] * x[j];
-  return sum;
-}
-
 } // namespace
 
 void DelassusOperator::solve_equations(const ActiveSet& set, std::span<const LawEquation> equations,
@@ -190,7 +181,7 @@ void DelassusOperator::solve_equations(const ActiveSet& set, std::span<const Law
       for_each_row(rows_, set, equations,
                    [&](std::size_t i, int group, const LawEquation& law, std::size_t c) {
                      const std::size_t k = rows_.size(group);
-                     work.factor[j * n + i] = times(law.E, k, c, false, rows_.of_group(group, S));
+                     work.factor[j * n + i] = times(law.E, k, c, rows_.of_group(group, S));
                      for (std::size_t other = 0; other < k; ++other)
                        if (static_cast<std::size_t>(all[j]) == rows_.row(group, other))
                          work.factor[j * n + i] += law.F[c * k + other];
@@ -220,8 +211,8 @@ void DelassusOperator::solve_by_equations(const LinearisedContact& step, bool tr
                    const std::array<double, 3> asked = rows_.of_group(group, value);
                    for (std::size_t j = 0; j < k; ++j)
                      defect[j] -= asked[j];
-                   work.b.push_back((transposed ? defect[c] : times(law.E, k, c, false, defect)) -
-                                    times(law.F, k, c, transposed, rows_.of_group(group, n)));
+                   work.b.push_back((transposed ? defect[c] : times(law.E, k, c, defect)) -
+                                    times(law.F, k, c, rows_.of_group(group, n), transposed));
                  });
     solve_equations(step.set, step.equations, transposed, work.b, work);
     for_each_row(rows_, step.set, step.equations,
@@ -232,7 +223,7 @@ void DelassusOperator::solve_by_equations(const LinearisedContact& step, bool tr
     for_each_row(rows_, step.set, step.equations,
                  [&](std::size_t, int group, const LawEquation& law, std::size_t c) {
                    mu[rows_.row(group, c)] =
-                       transposed ? times(law.E, rows_.size(group), c, true, rows_.of_group(group, n))
+                       transposed ? times(law.E, rows_.size(group), c, rows_.of_group(group, n), true)
                                   : n[rows_.row(group, c)];
                  });
     elimination_->finish(work.prediction, mu, step.x);

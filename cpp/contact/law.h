@@ -5,6 +5,15 @@
 
 namespace signorini::contact {
 
+/// Row c of a (k × k) matrix of an equation times x, or of its transpose.
+[[nodiscard]] inline double times(const std::array<double, 9>& A, std::size_t k, std::size_t c,
+                                  const std::array<double, 3>& x, bool transposed = false) {
+  double sum = 0;
+  for (std::size_t j = 0; j < k; ++j)
+    sum += A[transposed ? j * k + c : c * k + j] * x[j];
+  return sum;
+}
+
 /// The law between the multipliers ρ and the gaps U of a group of rows: what solvers and derivatives know of
 /// contact. Spans have an entry for each row of the group, the normal one first.
 class Law {

@@ -3,6 +3,7 @@
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/text.h"
+#include "contact/row_basis.h"
 #include "fem/coherence.h"
 #include "linalg/dense.h"
 #include <algorithm>

@@ -4,6 +4,7 @@
 #include "base/counters.h"
 #include "base/text.h"
 #include "contact/placement.h"
+#include "contact/row_basis.h"
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -2,6 +2,7 @@
 #include "contact/placement.h"
 #include "base/collective.h"
 #include "base/text.h"
+#include "contact/row_basis.h"
 #include <algorithm>
 #include <fmt/format.h>
 #include <functional>

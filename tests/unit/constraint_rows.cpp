@@ -3,6 +3,7 @@
 #include "contact/constraint_rows.h"
 #include "base/collective.h"
 #include "base/petsc.h"
+#include "contact/row_basis.h"
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
 #include <limits>

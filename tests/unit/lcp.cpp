@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/lcp/goldfarb_idnani.h"
 #include "contact/lcp/primal_dual.h"
+#include "contact/row_basis.h"
 #include <array>
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/lcp/primal_dual.h"
 #include "base/error.h"
+#include "contact/row_basis.h"
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>

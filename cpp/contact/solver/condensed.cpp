@@ -251,10 +251,8 @@ void CondensedSolver::newton_step(ContactState& state, Workspace& work) const {
       continue;
     work.set.push_back(i);
     work.equations.push_back(law);
-    const std::array<double, 3> gap0 = rows_.of_group(i, work.gap0);
-    for (std::size_t c = 0, k = rows_.size(i); c < k; ++c) // c − E g⁰
-      work.b.push_back(
-          std::inner_product(&gap0[0], &gap0[k], &law.E[c * k], law.c[c], std::minus{}, std::multiplies{}));
+    for (std::size_t c = 0, k = rows_.size(i); c < k; ++c)
+      work.b.push_back(law.c[c] - times(law.E, k, c, rows_.of_group(i, work.gap0)));
   }
   delassus_.solve_equations(work.set, work.equations, false, work.b, work);
   std::ranges::fill(state.lambda, 0);
@@ -268,38 +266,33 @@ void CondensedSolver::newton_step(ContactState& state, Workspace& work) const {
 
 void CondensedSolver::relax(int group, ContactState& state) const {
   constexpr int most = 20;
+  constexpr double rounding = 1e-14;
   const std::size_t k = rows_.size(group);
   LawEquation law;
   for (int i = 0; i < most; ++i) {
     const std::array<double, 3> rho = rows_.of_group(group, state.lambda),
                                 U = rows_.of_group(group, state.gap);
-    std::array<double, 9> X{}; // E S + F of the group, column by column
-    std::array<double, 3> change{};
-    const bool closed = next(group, state, law);
-    for (std::size_t c = 0; c < k; ++c)
-      change[c] = -rho[c];
-    if (closed) {
+    std::array<double, 3> change{-rho[0], -rho[1], -rho[2]};
+    if (next(group, state, law)) {
+      std::array<double, 9> X{}; // E S + F of the group, column by column
       for (std::size_t j = 0; j < k; ++j) {
         const std::array<double, 3> S =
             rows_.of_group(group, delassus_.column(static_cast<int>(rows_.row(group, j))));
         for (std::size_t c = 0; c < k; ++c)
-          X[j * k + c] = std::inner_product(&S[0], &S[k], &law.E[c * k], law.F[c * k + j]);
+          X[j * k + c] = times(law.E, k, c, S) + law.F[c * k + j];
       }
-      for (std::size_t c = 0; c < k; ++c) { // c − E U − F ρ
-        change[c] =
-            std::inner_product(&U[0], &U[k], &law.E[c * k], law.c[c], std::minus{}, std::multiplies{});
-        change[c] =
-            std::inner_product(&rho[0], &rho[k], &law.F[c * k], change[c], std::minus{}, std::multiplies{});
-      }
+      for (std::size_t c = 0; c < k; ++c)
+        change[c] = law.c[c] - times(law.E, k, c, U) - times(law.F, k, c, rho);
       if (solve_general({X.data(), k * k}, k, false, {change.data(), k}) != 0)
         return;
     }
-    double size = 0;
+    double moved = 0, size = 0;
     for (std::size_t c = 0; c < k; ++c) {
       push(static_cast<int>(rows_.row(group, c)), change[c], state);
-      size = std::max(size, std::abs(change[c]));
+      moved = std::max(moved, std::abs(change[c]));
+      size = std::max(size, std::abs(rho[c]));
     }
-    if (size <= 1e-14 * (std::abs(rho[0]) + std::abs(change[0])))
+    if (moved <= rounding * size)
       return;
   }
 }
@@ -315,11 +308,16 @@ void CondensedSolver::solve_by_laws(const ContactProblem& step, Workspace& work)
   delassus_.prepare(std::span(all).first(static_cast<std::size_t>(rows_.groups())));
   constexpr int steps = 20;
   for (const int sweeps : {0, 30, 300}) {
-    if (sweeps > 0)
+    if (sweeps > 0) {
       delassus_.prepare(all);
-    for (int i = 0; i < sweeps && !settled(); ++i)
-      for (int group = 0; group < rows_.groups(); ++group)
-        relax(group, state);
+      on_root<SolverFailure>(rows_.comm(), [&] {
+        for (int i = 0; i < sweeps && !settled(); ++i)
+          for (int group = 0; group < rows_.groups(); ++group)
+            relax(group, state);
+      });
+      for (std::vector<double>* values : {&state.lambda, &state.gap})
+        MPI_Bcast(values->data(), static_cast<int>(values->size()), MPI_DOUBLE, 0, rows_.comm());
+    }
     for (int i = 0; i < steps && !settled(); ++i)
       newton_step(state, work);
     if (settled())

@@ -72,7 +72,7 @@ private:
   void push(int row, double change, ContactState& state) const;
   /// A Newton step with the equations of all laws. Collective.
   void newton_step(ContactState& state, Workspace& work) const;
-  /// Solves the law of one group, the multipliers of the others held: block Gauss–Seidel.
+  /// Solves the law of one group, the multipliers of the others fixed: a step of block Gauss–Seidel.
   void relax(int group, ContactState& state) const;
   /// Computes ρ and gaps by Newton steps and, where these do not settle, sweeps before them. Collective.
   void solve_by_laws(const ContactProblem& step, Workspace& work) const;

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "contact/constraint_rows.h"
+#include <array>
+#include <span>
+#include <vector>
+
+namespace signorini::contact {
+
+/// An array of `size` zeros, without allocation if there are at most `few`.
+template <class T, std::size_t few>
+class SmallArray {
+public:
+  explicit SmallArray(std::size_t size) : many_(size > few ? size : 0), size_(size) {}
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] T* begin() { return many_.empty() ? few_.data() : many_.data(); }
+  [[nodiscard]] T* end() { return begin() + size_; }
+  [[nodiscard]] const T* begin() const { return many_.empty() ? few_.data() : many_.data(); }
+  [[nodiscard]] const T* end() const { return begin() + size_; }
+  T& operator[](std::size_t i) { return begin()[i]; }
+  const T& operator[](std::size_t i) const { return begin()[i]; }
+
+private:
+  std::array<T, few> few_{};
+  std::vector<T> many_;
+  std::size_t size_;
+};
+
+/// Orthonormal basis q of the force directions of rows of one cluster, its members, by Gram–Schmidt:
+/// h_j = Σ_k R_jk q_k. Allocates nothing for clusters of one node.
+class RowBasis {
+public:
+  /// Rows count as linearly dependent if orthogonalisation leaves less than this part of one of them: forces
+  /// that distinguish them would be accurate to four digits only.
+  static constexpr double parallel = 1e-6;
+  using Coordinates = SmallArray<double, 3>;
+
+  /// For any cluster of `rows`, which must outlive this object.
+  explicit RowBasis(const ConstraintRows& rows);
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] int member(std::size_t k) const { return members_[k]; }
+  void clear() { size_ = 0; }
+
+  /// Adds a row, of the cluster of the members if there are any. Returns false and adds nothing if it depends
+  /// linearly on these.
+  bool add(int row);
+  /// Puts a row in the place of a member; members that then depend on earlier ones leave.
+  void replace(std::size_t k, int row);
+  /// q_k·x, x over the cluster's dofs.
+  [[nodiscard]] double along(std::size_t k, std::span<const double> x) const;
+  /// Coefficients of the members in the force direction of a row that depends on them.
+  void coefficients(int row, Coordinates& out) const;
+  /// x += Σ_k b_k q_k.
+  void add_to(std::span<double> x, const Coordinates& b) const;
+  /// Coordinates of the shortest vector x with h_j·x = b_j: b ← R⁻¹ b.
+  void shortest(Coordinates& b) const;
+  /// Coefficients a of the members in the vector with coordinates b, Σ_j a_j h_j = Σ_k b_k q_k: b ← R⁻ᵀ b.
+  void combine(Coordinates& b) const;
+  [[nodiscard]] Coordinates coordinates() const { return Coordinates(capacity_); }
+
+private:
+  [[nodiscard]] static std::size_t widest(const ConstraintRows& rows);
+
+  const ConstraintRows& rows_;
+  std::size_t capacity_, width_ = 0, size_ = 0;
+  SmallArray<double, 9> q_, R_; ///< (capacity × capacity), row by row
+  SmallArray<int, 3> members_;
+};
+
+} // namespace signorini::contact
