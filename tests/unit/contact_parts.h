@@ -18,8 +18,9 @@ struct Parts {
   forward::SolverChoice solver;
 
   /// `solves`: expected.
-  explicit Parts(const std::vector<std::string>& overrides = {}, double solves = 0)
-      : scene(parse(source("tests/data/block.toml"), overrides)), mesh(MPI_COMM_WORLD, scene.mesh),
+  explicit Parts(const std::vector<std::string>& overrides = {}, double solves = 0,
+                 const char* file = "tests/data/block.toml")
+      : scene(parse(source(file), overrides)), mesh(MPI_COMM_WORLD, scene.mesh),
         space(mesh, scene.mesh.degree), clamped(space, scene.clamps),
         D(fem::assemble_step_operator(space, scene.materials, scene.time.step)),
         pairs(space, clamped, scene.contacts), solver(copy(D), &pairs, scene.solver, true, solves) {}
