@@ -137,8 +137,8 @@ private:
       if (rates_.constraint(j, c_))
         for (int i : contact(k).active)
           gradient_[j] += mu_[static_cast<std::size_t>(i)] * c_[static_cast<std::size_t>(i)];
-      if (const std::vector<double>* normals = rates_.normals(j); normals && duals_.of_forces())
-        gradient_[j] += duals_.by_normals(k, contact(k), *normals);
+      if (const contact::ConstraintRows* rows = rates_.rows(j); rows && duals_.of_forces())
+        gradient_[j] += duals_.by_rows(k, contact(k), *rows);
     }
   }
 

@@ -23,9 +23,9 @@ public:
   [[nodiscard]] virtual bool of_forces() const = 0;
   /// Sets ∂J/∂λ_k (m), k = 1…N.
   virtual void forces(int k, std::span<double> dual) const = 0;
-  /// What J changes by if the normals change by `rate` (m × dim), for the forces of step k.
-  [[nodiscard]] virtual double by_normals(int k, const contact::ContactLinearisation& contact,
-                                          const std::vector<double>& rate) const = 0;
+  /// What J changes by if the rows of constraints change by `rate`, for the multipliers of step k.
+  [[nodiscard]] virtual double by_rows(int k, const contact::ContactLinearisation& contact,
+                                       const contact::ConstraintRows& rate) const = 0;
 };
 
 /// dJ/dθ by one backward sweep for all unknowns θ (docs/method.md section 9), along a motion that has whole

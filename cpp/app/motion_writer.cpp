@@ -210,7 +210,7 @@ void MotionWriter::store_fields(const Snapshot& now, std::size_t number) {
   write(Field::pressure, [&] {
     const double impulse = now.step.scheme().impulse();
     return contact::at_nodes(problem_.space, *problem_.stepper.pairs(),
-                             (*pressure_)(now.contact.lambda, impulse));
+                             (*pressure_)(now.contact.normal_lambda(), impulse));
   });
 }
 

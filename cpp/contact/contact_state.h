@@ -39,10 +39,10 @@ struct ContactLinearisation {
   ActiveSet predictor; ///< Z: candidates that the projected predictor touches; contact-stabilized only
 };
 
-/// Contact after one step. Arrays over the rows of constraints begin with those of the m candidates' normals.
+/// Contact after one step.
 struct ContactState : ContactLinearisation {
-  std::vector<double> lambda; ///< of rows, first λ_i ≥ 0: τ²/2 times the nodal contact force
-  std::vector<double> gap;    ///< of rows, first g_i, m
+  std::vector<double> lambda; ///< ρ of the rows of constraints, of which the first m are the normals
+  std::vector<double> gap;    ///< U of these rows, m
   std::vector<Status> status; ///< of candidates
   int vi_iterations = 0; ///< (primal-dual) Newton steps that found the active set; 0 if it was right at once
 
@@ -58,6 +58,13 @@ struct ContactState : ContactLinearisation {
     weak.reserve(static_cast<std::size_t>(m));
     predictor.reserve(static_cast<std::size_t>(m));
   }
+
+  /// λ_i ≥ 0 of the m candidates, τ²/2 times the normal contact forces.
+  [[nodiscard]] std::span<const double> normal_lambda() const {
+    return std::span(lambda).first(status.size());
+  }
+  /// Their gaps g_i, m.
+  [[nodiscard]] std::span<const double> normal_gap() const { return std::span(gap).first(status.size()); }
 
   /// What outlives the step.
   [[nodiscard]] const ContactLinearisation& linearisation() const { return *this; }

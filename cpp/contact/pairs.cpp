@@ -168,7 +168,8 @@ void ContactPairs::add_pairs(const std::vector<scene::Contact>& contacts, const 
 
 ContactPairs::Rates ContactPairs::rates(int obstacle, const scene::ObstacleRate& rate) const {
   const auto m = static_cast<std::size_t>(count()), dim = static_cast<std::size_t>(dim_);
-  Rates rates{.psi = std::vector<double>(m), .normals = std::vector<double>(m * dim), .rows = {}};
+  Rates rates{.psi = std::vector<double>(m), .rows = {}};
+  std::vector<double> normals(m * dim);
   const Obstacle& shape = shapes_[static_cast<std::size_t>(obstacle)];
   const Obstacle::Place place = shape.place(0);
   bool turns = false;
@@ -178,14 +179,12 @@ ContactPairs::Rates ContactPairs::rates(int obstacle, const scene::ObstacleRate&
     const Obstacle::Plane change = shape.derivative(&points_[3 * i], place, rate);
     rates.psi[i] = change.height;
     for (std::size_t c = 0; c < dim; ++c) {
-      rates.normals[i * dim + c] = -change.normal[c];
+      normals[i * dim + c] = -change.normal[c];
       turns |= change.normal[c] != 0;
     }
   }
   if (turns)
-    rates.rows = rows().with(rates.normals);
-  else
-    rates.normals.clear();
+    rates.rows = rows().with(std::move(normals));
   return rates;
 }
 

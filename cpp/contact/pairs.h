@@ -62,8 +62,7 @@ public:
   /// Derivatives of the pairs by a parameter of an obstacle; zero for those of others.
   struct Rates {
     std::vector<double> psi;            ///< at t = 0 (m)
-    std::vector<double> normals;        ///< (m × dim); empty if the normals do not change
-    std::optional<ConstraintRows> rows; ///< likewise
+    std::optional<ConstraintRows> rows; ///< absent if the normals do not change
   };
   [[nodiscard]] Rates rates(int obstacle, const scene::ObstacleRate& rate) const;
   /// Sets the derivatives of ψ, of obstacles that move, to those at time t.
@@ -101,6 +100,19 @@ public:
   [[nodiscard]] const double* displacement(int i, std::span<const double> y) const {
     const int first = local_[static_cast<std::size_t>(i)];
     return first < 0 ? nullptr : &y[static_cast<std::size_t>(first)];
+  }
+
+  /// A component of the force that multipliers of rows() or their rates put on the obstacle of pair i.
+  [[nodiscard]] double force(const ConstraintRows& rows, int i, int component,
+                             std::span<const double> lambda) const {
+    double sum = 0;
+    for (std::size_t c = 0; c < rows.size(i); ++c)
+      sum += lambda[rows.row(i, c)] * at_node(rows, i, c, component);
+    return sum;
+  }
+  /// The coefficient of row c of pair i at a component of its node, which a row has first.
+  [[nodiscard]] double at_node(const ConstraintRows& rows, int i, std::size_t c, int component) const {
+    return rows.motion(static_cast<int>(rows.row(i, c)))[static_cast<std::size_t>(component)];
   }
 
   /// Diameter of the body, in metres.

@@ -124,7 +124,8 @@ void Pressure::gather_at_vertices(std::vector<double>& values) const {
   }
 }
 
-std::vector<double> Pressure::operator()(std::vector<double> lambda, double impulse) const {
+std::vector<double> Pressure::operator()(std::span<const double> forces, double impulse) const {
+  std::vector<double> lambda(forces.begin(), forces.end());
   gather_at_vertices(lambda);
   for (std::size_t i = 0; i < lambda.size(); ++i)
     lambda[i] = area_[i] > 0 ? lambda[i] / impulse / area_[i] : 0;

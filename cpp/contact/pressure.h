@@ -26,9 +26,9 @@ public:
   /// the plane, m² in space; 0 for candidates in the middle of edges.
   [[nodiscard]] const std::vector<double>& area() const { return area_; }
 
-  /// The pressures p (m entries) of forces λ / `impulse`, N/m², positive in compression; at a candidate in
-  /// the middle of an edge the mean of the edge's ends. 0 where no candidate has an area.
-  [[nodiscard]] std::vector<double> operator()(std::vector<double> lambda, double impulse) const;
+  /// The pressures p (m entries) of `forces` λ over `impulse`, N/m², positive in compression; at a candidate
+  /// in the middle of an edge the mean of the edge's ends. 0 where no candidate has an area.
+  [[nodiscard]] std::vector<double> operator()(std::span<const double> forces, double impulse) const;
 
 private:
   /// The candidate in the middle of an edge, and those at its ends; −1 where there is none.

@@ -121,13 +121,12 @@ std::vector<std::pair<int, double>> Measurements::at(double t, bool force) const
 }
 
 double Measurements::force(int k, const Channel& channel, std::span<const double> lambda,
-                           const std::vector<double>& normals) const {
+                           const contact::ConstraintRows& rows) const {
   const contact::ContactPairs& pairs = *stepper_.pairs();
-  const auto dim = static_cast<std::size_t>(pairs.dim());
   double sum = 0;
-  for (std::size_t i = 0; i < lambda.size(); ++i)
-    if (lambda[i] != 0 && (channel.obstacle < 0 || pairs.obstacles()[i] == channel.obstacle))
-      sum -= lambda[i] * normals[i * dim + static_cast<std::size_t>(channel.component)];
+  for (int i = 0; i < pairs.count(); ++i)
+    if (channel.obstacle < 0 || pairs.obstacles()[static_cast<std::size_t>(i)] == channel.obstacle)
+      sum -= pairs.force(rows, i, channel.component, lambda);
   return sum / grid_.scheme(k).impulse();
 }
 
@@ -154,8 +153,7 @@ void Measurements::observe(const forward::Frame& frame) {
   for (Channel& channel : channels_)
     if (channel.of == Quantity::force)
       channel.values[0][k] =
-          frame.step.k > 0 ? force(frame.step.k, channel, frame.contact.lambda, stepper_.pairs()->normals())
-                           : 0;
+          frame.step.k > 0 ? force(frame.step.k, channel, frame.contact.lambda, stepper_.pairs()->rows()) : 0;
 }
 
 void Measurements::observe(const forward::Frame& frame, const forward::Tangents& tangents,
@@ -167,9 +165,8 @@ void Measurements::observe(const forward::Frame& frame, const forward::Tangents&
     for (Channel& channel : channels_) {
       if (channel.of != Quantity::force || frame.step.k == 0)
         continue;
-      channel.values[j + 1][k] =
-          force(frame.step.k, channel, tangents.lambda(j), stepper_.pairs()->normals());
-      if (const std::vector<double>* turning = rates.normals(j))
+      channel.values[j + 1][k] = force(frame.step.k, channel, tangents.lambda(j), stepper_.pairs()->rows());
+      if (const contact::ConstraintRows* turning = rates.rows(j))
         channel.values[j + 1][k] += force(frame.step.k, channel, frame.contact.lambda, *turning);
     }
   }
@@ -244,20 +241,21 @@ bool Measurements::of_forces() const {
 void Measurements::forces(int k, std::span<double> dual) const {
   std::ranges::fill(dual, 0);
   const contact::ContactPairs& pairs = *stepper_.pairs();
-  const auto dim = static_cast<std::size_t>(pairs.dim());
+  const contact::ConstraintRows& rows = pairs.rows();
   for (std::size_t c = 0; c < channels_.size(); ++c) {
     const Channel& channel = channels_[c];
     if (channel.of != Quantity::force)
       continue;
     const double factor = derivative_[c][static_cast<std::size_t>(k)] / grid_.scheme(k).impulse();
-    for (std::size_t i = 0; i < dual.size(); ++i)
-      if (channel.obstacle < 0 || pairs.obstacles()[i] == channel.obstacle)
-        dual[i] -= factor * pairs.normals()[i * dim + static_cast<std::size_t>(channel.component)];
+    for (int i = 0; i < pairs.count(); ++i)
+      if (channel.obstacle < 0 || pairs.obstacles()[static_cast<std::size_t>(i)] == channel.obstacle)
+        for (std::size_t r = 0; r < rows.size(i); ++r)
+          dual[rows.row(i, r)] -= factor * pairs.at_node(rows, i, r, channel.component);
   }
 }
 
-double Measurements::by_normals(int k, const contact::ContactLinearisation& contact,
-                                const std::vector<double>& rate) const {
+double Measurements::by_rows(int k, const contact::ContactLinearisation& contact,
+                             const contact::ConstraintRows& rate) const {
   std::vector<double> lambda(stepper_.rows());
   stepper_.pairs()->rows().spread(contact, lambda);
   double sum = 0;

@@ -51,8 +51,8 @@ public:
   void add_velocities(std::span<const double> factors, Vec sum) const override;
   [[nodiscard]] bool of_forces() const override;
   void forces(int k, std::span<double> dual) const override;
-  [[nodiscard]] double by_normals(int k, const contact::ContactLinearisation& contact,
-                                  const std::vector<double>& rate) const override;
+  [[nodiscard]] double by_rows(int k, const contact::ContactLinearisation& contact,
+                               const contact::ConstraintRows& rate) const override;
 
 private:
   /// A number of each state or step, of which measurements are interpolated.
@@ -71,9 +71,9 @@ private:
 
   void add_field(const scene::Measurement& measurement, const std::string& key);
   [[nodiscard]] std::vector<std::pair<int, double>> at(double t, bool force) const;
-  /// The force of a channel by λ and normals.
+  /// The force of a channel by multipliers of rows.
   [[nodiscard]] double force(int k, const Channel& channel, std::span<const double> lambda,
-                             const std::vector<double>& normals) const;
+                             const contact::ConstraintRows& rows) const;
   void take(int k, std::size_t column, Vec y, Vec v);
 
   const forward::Stepper& stepper_;

@@ -132,7 +132,7 @@ void ContactResolution::observe(const Frame& frame, const ObstacleForces& forces
     zone.force = mean;
     zone.time = frame.step.end;
     double largest = 0;
-    for (std::size_t i = 0; i < frame.contact.lambda.size(); ++i)
+    for (std::size_t i = 0; i < frame.contact.status.size(); ++i)
       if (stepper_.pairs()->obstacles()[i] == static_cast<int>(o) && frame.contact.lambda[i] > largest) {
         largest = frame.contact.lambda[i];
         zone.candidate = static_cast<int>(i);

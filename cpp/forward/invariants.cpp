@@ -44,10 +44,10 @@ void Invariants::observe(const Frame& frame, const StepBalance& balance) {
   const double length = stepper_.space().mesh().diameter();
   const contact::ContactState& state = frame.contact;
   const double unit = frame.step.k > 0 ? frame.step.scheme().impulse() : 1; // of λ by forces
-  for (double lambda : state.lambda)
+  for (const double lambda : state.normal_lambda())
     contact_force_ = std::max(contact_force_, std::abs(lambda) / unit);
   const double scale = std::max(contact_force_, std::sqrt(2 * energy_ * mass_) / crossing_);
-  for (std::size_t i = 0; i < state.lambda.size(); ++i) {
+  for (std::size_t i = 0; i < state.status.size(); ++i) {
     now_[2] = worst_of(now_[2], part(-state.gap[i], length));
     now_[3] = worst_of(now_[3], part(-state.lambda[i] / unit, scale));
     now_[4] = worst_of(now_[4], part(std::abs(state.lambda[i] / unit * state.gap[i]), scale * length));

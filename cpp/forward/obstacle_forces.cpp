@@ -29,16 +29,17 @@ void ObstacleForces::observe(const Frame& frame) {
   if (each_.empty())
     return;
   const contact::ContactPairs& pairs = *stepper_.pairs();
-  const auto dim = static_cast<std::size_t>(pairs.dim());
-  const double impulse = frame.step.scheme().impulse();
-  for (std::size_t i = 0; i < frame.contact.lambda.size(); ++i) {
-    const double modulus = frame.contact.lambda[i] / impulse;
-    for (ObstacleForce* one : {&each_[static_cast<std::size_t>(pairs.obstacles()[i])], &all_}) {
-      for (std::size_t c = 0; c < dim; ++c) // ν points from the body to the obstacle
-        one->force[c] -= modulus * pairs.normals()[dim * i + c];
-      one->normal_force += std::abs(modulus);
-      one->active += frame.contact.status[i] != contact::Status::open;
-      one->min_gap = std::min(one->min_gap, frame.contact.gap[i]);
+  forces_.resize(frame.contact.lambda.size());
+  std::ranges::transform(frame.contact.lambda, forces_.begin(),
+                         [impulse = frame.step.scheme().impulse()](double force) { return force / impulse; });
+  for (int i = 0; i < pairs.count(); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    for (ObstacleForce* one : {&each_[static_cast<std::size_t>(pairs.obstacles()[at])], &all_}) {
+      for (int c = 0; c < pairs.dim(); ++c) // on the body
+        one->force[static_cast<std::size_t>(c)] -= pairs.force(pairs.rows(), i, c, forces_);
+      one->normal_force += std::abs(forces_[at]);
+      one->active += frame.contact.status[at] != contact::Status::open;
+      one->min_gap = std::min(one->min_gap, frame.contact.gap[at]);
     }
   }
   const double tau = frame.step.tau;

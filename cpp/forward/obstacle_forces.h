@@ -22,7 +22,7 @@ public:
   /// Without contact there are no obstacles. `stepper` must outlive this object.
   explicit ObstacleForces(const Stepper& stepper);
 
-  /// Takes the frame after the last one, from frame 0 on, in which no force acts yet. Allocates nothing.
+  /// Takes the frame after the last one, from frame 0 on, in which no force acts yet. Allocates at the first.
   void observe(const Frame& frame);
 
   /// By the number of the obstacle in the scene.
@@ -34,6 +34,7 @@ private:
   const Stepper& stepper_;
   std::vector<ObstacleForce> each_;
   ObstacleForce all_;
+  std::vector<double> forces_; ///< of rows, N
 };
 
 /// Finds the step of the largest contact force of a motion: of those whose forces differ by rounding alone

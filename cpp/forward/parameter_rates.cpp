@@ -19,7 +19,7 @@ struct ParameterRates::Rate {
   scene::ObstacleRate obstacle_rate;
   petsc::Vector y0, v0;
 
-  [[nodiscard]] bool turns() const { return pairs && !pairs->normals.empty(); }
+  [[nodiscard]] bool turns() const { return pairs && pairs->rows; }
 };
 
 ParameterRates::ParameterRates(const Stepper& stepper, const scene::Scene& scene,
@@ -275,8 +275,8 @@ bool ParameterRates::predictor(std::size_t j, Vec r, std::span<double> e) {
   return true;
 }
 
-const std::vector<double>* ParameterRates::normals(std::size_t j) const {
-  return rates_[j]->turns() ? &rates_[j]->pairs->normals : nullptr;
+const contact::ConstraintRows* ParameterRates::rows(std::size_t j) const {
+  return rates_[j]->turns() ? &*rates_[j]->pairs->rows : nullptr;
 }
 
 Vec ParameterRates::displacement(std::size_t j) const { return rates_[j]->y0; }

@@ -42,8 +42,8 @@ public:
   /// Sets r_kj, and e_kj (m); false where Z_k is empty or both are zero.
   bool predictor(std::size_t j, Vec r, std::span<double> e);
 
-  /// δν (m × dim); null where zero.
-  [[nodiscard]] const std::vector<double>* normals(std::size_t j) const;
+  /// δH; null where zero.
+  [[nodiscard]] const contact::ConstraintRows* rows(std::size_t j) const;
 
   /// δy_0 and δv_0; null where zero.
   [[nodiscard]] Vec displacement(std::size_t j) const;

@@ -186,7 +186,7 @@ StepErrors::Step StepErrors::judge(const Frame& frame) {
   step.error = shortest ? 0 : error;
   if (const contact::ContactPairs* pairs = stepper_.pairs()) {
     double force = 0;
-    for (const double lambda : frame.contact.lambda)
+    for (const double lambda : frame.contact.normal_lambda())
       force += lambda / frame.step.scheme().impulse();
     force_of_two_ = (tau * force + last_length_ * last_force_) / (tau + last_length_);
     constexpr double parabola = 6;
@@ -274,7 +274,7 @@ void StepErrors::take_contact(const Frame& frame) {
     any = any || closed[o], lasts = lasts || contact(o);
   }
   double force = 0;
-  for (const double lambda : frame.contact.lambda)
+  for (const double lambda : frame.contact.normal_lambda())
     force += lambda / frame.step.scheme().impulse();
   if (any && begins_.empty() && !gaps_before_.empty())
     judge_flight(frame);

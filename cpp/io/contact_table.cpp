@@ -28,7 +28,7 @@ std::string ContactTable::header() const {
 void ContactTable::add_rows(std::string& text, const forward::TimeStep& step,
                             const contact::ContactState& contact) const {
   const double impulse = step.scheme().impulse();
-  const std::vector<double> pressure = pressure_(contact.lambda, impulse);
+  const std::vector<double> pressure = pressure_(contact.normal_lambda(), impulse);
   const std::string when = fmt::format("{},{:.10g}", step.k, step.end);
   auto out = std::back_inserter(text);
   for (std::size_t i = 0; i < fixed_.size(); ++i)

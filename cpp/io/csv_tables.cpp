@@ -32,7 +32,7 @@ void add_steps_row(std::string& text, int k, double time, int dim, const forward
     fmt::format_to(out, "{:.17g},", balance.contact_force[static_cast<std::size_t>(c)]);
   const int weak = contact.count(contact::Status::weak);
   const double least =
-      contact.gap.empty() ? std::numeric_limits<double>::quiet_NaN() : std::ranges::min(contact.gap);
+      contact.gap.empty() ? std::numeric_limits<double>::quiet_NaN() : std::ranges::min(contact.normal_gap());
   fmt::format_to(out, "{},{},{:.17g},{},{:.3e},{:.3e}", contact.count(contact::Status::strong) + weak, weak,
                  least, contact.vi_iterations, invariants.momentum(), invariants.complementarity());
   if (tracking_error)

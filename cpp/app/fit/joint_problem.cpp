@@ -86,9 +86,9 @@ public:
   }
   [[nodiscard]] bool of_forces() const override { return measurements_.of_forces(); }
   void forces(int k, std::span<double> dual) const override { measurements_.forces(k, dual); }
-  [[nodiscard]] double by_normals(int k, const contact::ContactLinearisation& contact,
-                                  const std::vector<double>& rate) const override {
-    return measurements_.by_normals(k, contact, rate);
+  [[nodiscard]] double by_rows(int k, const contact::ContactLinearisation& contact,
+                               const contact::ConstraintRows& rate) const override {
+    return measurements_.by_rows(k, contact, rate);
   }
 
 private:

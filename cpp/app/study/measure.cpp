@@ -105,7 +105,8 @@ public:
       constexpr std::size_t kept = 2;
       if (last_forces_.size() == kept)
         last_forces_.erase(last_forces_.begin());
-      last_forces_.push_back(frame.contact.lambda);
+      const std::span<const double> lambda = frame.contact.normal_lambda();
+      last_forces_.emplace_back(lambda.begin(), lambda.end());
     }
   }
 
@@ -136,8 +137,7 @@ private:
     for (const std::vector<double>& force : last_forces_)
       for (std::size_t i = 0; i < mean.size(); ++i)
         mean[i] += force[i] / static_cast<double>(last_forces_.size());
-    const std::vector<double> found =
-        (*pressure_)(std::move(mean), problem_.grid.scheme(problem_.steps()).impulse());
+    const std::vector<double> found = (*pressure_)(mean, problem_.grid.scheme(problem_.steps()).impulse());
     double error = 0, size = 0;
     for (std::size_t i = 0; i < found.size(); ++i) {
       const double area = pressure_->area()[i];
