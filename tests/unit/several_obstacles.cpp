@@ -36,14 +36,16 @@ struct Walls {
     return overrides;
   }
 
+  /// `solves`: expected.
   [[nodiscard]] forward::SolverChoice solver(scene::LinearMethod linear,
-                                             scene::ViMethod vi = scene::ViMethod::condensed) const {
+                                             scene::ViMethod vi = scene::ViMethod::condensed,
+                                             double solves = 0) const {
     petsc::Matrix same;
     check(MatDuplicate(D, MAT_COPY_VALUES, same.put()));
     scene::Solver settings = scene.solver;
     settings.linear = linear;
     settings.vi = vi;
-    return {std::move(same), &pairs, settings, true};
+    return {std::move(same), &pairs, settings, true, solves};
   }
 
   /// y of the contact step for r, from no contact; `state` becomes its contact.
@@ -135,10 +137,16 @@ TEST_CASE("several obstacles at a node: all solvers find the solution, which is 
     const Walls walls(contacts, "block.toml", {"mesh.size=0.1"});
     REQUIRE(walls.pairs.rows().dependent() == dependent);
     const petsc::Vector r = walls.pushing(motion);
-    contact::ContactState a(walls.pairs.count()), b(walls.pairs.count());
+    contact::ContactState a(walls.pairs.count()), b(walls.pairs.count()), c(walls.pairs.count());
     const forward::SolverChoice direct = walls.solver(scene::LinearMethod::direct),
-                                iterative = walls.solver(scene::LinearMethod::iterative);
-    const petsc::Vector y = walls.solve(direct, r, a), z = walls.solve(iterative, r, b);
+                                iterative = walls.solver(scene::LinearMethod::iterative),
+                                on_demand = walls.solver(scene::LinearMethod::iterative,
+                                                         scene::ViMethod::condensed, 1e9);
+    REQUIRE(on_demand.choice().find("on demand") != std::string::npos);
+    const petsc::Vector y = walls.solve(direct, r, a), z = walls.solve(iterative, r, b),
+                        w = walls.solve(on_demand, r, c);
+    CHECK(test::difference(y, w) < 1e-10 * test::largest(y));
+    CHECK(walls.defect(r, c, w) < 1e-9);
     CHECK(a.count(contact::Status::strong) > 1);
     CHECK(test::difference(y, z) < 1e-10 * test::largest(y));
     CHECK(walls.defect(r, a, y) < 1e-12);
@@ -149,7 +157,7 @@ TEST_CASE("several obstacles at a node: all solvers find the solution, which is 
       CHECK(std::abs(a.lambda[i] * a.gap[i]) < 1e-13);
     }
     // Sliding keeps all of the active set closed, with normal forces alone, dependent or not.
-    for (const forward::SolverChoice* solver : {&direct, &iterative}) {
+    for (const forward::SolverChoice* solver : {&direct, &iterative, &on_demand}) {
       const petsc::Vector q = walls.pushing({"x - y", "1 + x*y"});
       petsc::Vector p = walls.space.vector();
       contact::Workspace work = solver->contact()->workspace();
@@ -259,9 +267,11 @@ TEST_CASE("nodes that start inside are moved out the shortest way if asked", "[c
 
 TEST_CASE("a candidate whose twin carries the force is not weak", "[contact]") {
   const std::string floor = half_space("bottom", "[0, 0]", "[0, 1]");
-  for (scene::LinearMethod linear : {scene::LinearMethod::direct, scene::LinearMethod::iterative}) {
+  for (const auto& [linear, solves] : {std::pair{scene::LinearMethod::direct, 0.0},
+                                       {scene::LinearMethod::iterative, 0.0},
+                                       {scene::LinearMethod::iterative, 1e9}}) {
     const Walls walls(floor + floor, "block.toml", {"time.step=1e-4"});
-    const forward::SolverChoice solver = walls.solver(linear);
+    const forward::SolverChoice solver = walls.solver(linear, scene::ViMethod::condensed, solves);
     REQUIRE(walls.pairs.rows().dependent());
     contact::ContactState state(walls.pairs.count());
     // Pressed down, all are held, each with a share that is any; without weight each could be lifted.
