@@ -6,7 +6,6 @@
 #include "base/signals.h"
 #include "fem/operators.h"
 #include <algorithm>
-#include <numeric>
 
 namespace signorini::contact {
 using petsc::check;

@@ -341,12 +341,12 @@ void CondensedSolver::solve_one(const ContactProblem& step, Workspace& work) con
     std::ranges::fill(state.lambda, 0);
   else
     count_solved();
-  if (!open && rows_.symmetric())
-    solve_by_sets(step, work);
   if (!open && !rows_.symmetric()) {
     solve_by_laws(step, work);
     delassus_.finish(psi, state.lambda, state.gap, y, work);
   } else {
+    if (!open)
+      solve_by_sets(step, work);
     delassus_.finish_closed(work.set, psi, state.lambda, state.gap, y, work);
     if (residual_ && std::ranges::any_of(work.set, [&](int i) {
           return std::abs(state.gap[static_cast<std::size_t>(i)]) > length_unit_;
