@@ -34,7 +34,7 @@ SOLVERS = {
     "contact": [r"unit\.contact\.", r"derivative\.", r"unit\.forward\.", r"unit\.(adjoint|control)\."],
     "forward": [r"unit\.forward\.", r"derivative\.", r"unit\.(contact|adjoint|control)\."],  # the tests of contact make steps
     "adjoint": [r"unit\.adjoint\.", r"derivative\.", r"unit\.control\."],
-    "control": [r"unit\.control\.", r"derivative\.", r"unit\.adjoint\."],
+    "control": [r"unit\.control\.", r"derivative\.", r"unit\.adjoint\.", r"verification\.fits\.derivatives"],
     "fem": [r"unit\.(fem|mesh)\.", r"unit\.(forward|contact)\.", r"derivative\."],
     "linalg": [r"unit\.(base|optimize|contact)\."],  # its tests are among those of base
     "optimize": [r"unit\.optimize\."],

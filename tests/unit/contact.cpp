@@ -3,6 +3,7 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "contact/placement.h"
+#include "contact/solver/condensed.h"
 #include "contact_parts.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
@@ -105,6 +106,54 @@ TEST_CASE("a warm start changes the effort, not the solution", "[contact]") {
   CHECK(first.vi_iterations > 0);
   CHECK(parts.solve(r, first, warm).vi_iterations == 0);
   CHECK(test::difference(cold, warm) < 1e-14 * test::largest(cold)); // MUMPS sums in no fixed order
+}
+
+TEST_CASE("a step that is long beside a fall through the body is refined from its residual", "[contact]") {
+  const Parts parts({"time={end=1e4, step=1e4}", "contact.obstacle.normal=[1, 1]"});
+  const contact::ConstraintRows& H = parts.H;
+  const auto eliminated = [&](const MumpsSolver& factor) {
+    return std::make_unique<contact::StoredColumnsElimination>(H, factor, parts.space.vector(), 1e9);
+  };
+  MumpsSolver factor(parts.D);
+  factor.factorise();
+  int passes = 0;
+  const contact::Residual residual = [&](Vec y, Vec r, Vec out) {
+    check(MatMult(parts.D, y, out));
+    check(VecAYPX(out, -1, r));
+    ++passes;
+  };
+  const contact::CondensedSolver plain(H, parts.pairs.diameter(), parts.D, eliminated(factor), {}),
+      refined(H, parts.pairs.diameter(), parts.D, eliminated(factor), residual);
+  petsc::Vector fallen = test::smooth(parts.space, 1), r = parts.space.vector();
+  constexpr double fall = 1e8; // m: its rounding is a hundred negligible gaps
+  check(VecShift(fallen, -fall));
+  check(MatMult(parts.D, fallen, r));
+  PetscReal norm = 0;
+  check(MatNorm(parts.D, NORM_INFINITY, &norm));
+  const contact::ActiveSet previous;
+  const auto off = [&](const contact::CondensedSolver& solver) {
+    petsc::Vector y = parts.space.vector(), defect = parts.space.vector();
+    contact::ContactState state(parts.pairs.count());
+    contact::Workspace work = solver.workspace();
+    const contact::ContactProblem step{r, parts.pairs.psi(), previous, state, y};
+    solver.solve({&step, 1}, work);
+    REQUIRE(!state.active.empty());
+    CHECK(test::largest(y) < 1e-5 * fall);
+    check(MatMult(parts.D, y, defect));
+    check(VecAXPY(defect, -1, r));
+    H.apply(1, state.lambda, defect);
+    std::vector<double> gap(state.gap.size());
+    H.gap(parts.pairs.psi(), y, gap);
+    double penetration = 0;
+    for (const int i : state.active)
+      penetration = std::max(penetration, std::abs(gap[static_cast<std::size_t>(i)]));
+    return std::pair{test::largest(defect) / (norm * test::largest(y)), penetration / test::largest(y)};
+  };
+  CHECK_THROWS_AS(off(plain), SolverFailure);
+  const auto [defect, gap] = off(refined);
+  CHECK(passes > 0);
+  CHECK(defect < 1e-14);
+  CHECK(gap < 1e-14);
 }
 
 TEST_CASE("linearised steps move along the obstacle with normal forces alone", "[contact]") {

@@ -73,6 +73,19 @@ TEST_CASE("a first guess that is not written is moved into the bounds too", "[co
   CHECK(test::difference(density(bounded), density(free)) == 0.5);
 }
 
+TEST_CASE("a control that changes in time pushes by its mean over each step", "[control]") {
+  const test::Ready ready("tests/data/block.toml",
+                          {"load.body=[\"0\", \"0\"]", "control.initial=[\"sin(9*t)\", \"sin(9*t)\"]"});
+  const GivenControl given(ready.problem);
+  for (const int k : {1, 2, 17, 3}) {
+    const forward::TimeStep step = ready.problem.grid.step(k);
+    const double mean = (std::cos(9 * step.begin) - std::cos(9 * step.end)) / (9 * step.tau);
+    const petsc::Vector density = petsc::copy(given.load().at(step).density);
+    petsc::check(VecShift(density, -mean));
+    CHECK(test::largest(density) < 1e-12);
+  }
+}
+
 TEST_CASE("J is the trapezoidal rule of its integrals", "[control]") {
   // No motion at all: y = 0, y_d = (t, 0): tracking ½∫t² by the trapezoidal rule, terminal γT².
   const test::Ready ready("tests/data/block.toml",

@@ -64,6 +64,21 @@ TEST_CASE("the dual active-set method solves singular problems or tells that the
   CHECK_FALSE(contact::goldfarb_idnani(columns, empty, 1e-14, depends, set, lambda, steps, work));
 }
 
+TEST_CASE("of parallel constraints that close without forces the first is taken", "[contact]") {
+  const contact::ConstraintRows rows(MPI_COMM_SELF,
+                                     {{.entries = {{0, 1, false}, {1, 2, false}}},
+                                      {.entries = {{0, 2, false}, {1, 4, false}}},
+                                      {.entries = {{0, 3, false}, {1, 6, false}}}},
+                                     0, 2);
+  REQUIRE(rows.dependent());
+  const std::vector<double> gap{-1, -2, -3};
+  contact::ActiveSet next;
+  contact::next_set(rows, {}, std::vector<double>{0, 0, 0}, gap, next);
+  CHECK(next == contact::ActiveSet{0});
+  contact::next_set(rows, {1}, std::vector<double>{0, 5, 0}, gap, next); // the ratio test
+  CHECK(next == contact::ActiveSet{0});
+}
+
 TEST_CASE("the dual active-set method solves regular problems with many constraints closed", "[contact]") {
   // S = N Nᵀ of m directions in more dimensions, with gaps of both signs.
   constexpr std::size_t m = 9, n = 11;

@@ -253,7 +253,7 @@ TEST_CASE("steps chosen by the energy are judged by that of their errors", "[for
                              "time={end=40, step=\"auto\", tolerance=1e-1, quantity=\"energy\"}"});
     const Problem& problem = ready.problem;
     const Mat A = problem.stepper.operators().A;
-    forward::StepErrors errors(problem.stepper, ready.scene);
+    forward::StepErrors errors(problem.stepper, ready.scene), watching(problem.stepper, ready.scene);
     forward::StepControl control(problem.stepper, ready.scene);
     const petsc::Vector Ax = problem.space.vector();
     const auto energy = [&](Vec x) {
@@ -269,6 +269,7 @@ TEST_CASE("steps chosen by the energy are judged by that of their errors", "[for
         problem.stepper, problem.initial, problem.load(), control, [&](const forward::Frame& frame) {
           y.push_back(petsc::copy(frame.after.y()));
           largest = std::max(largest, energy(frame.after.y()));
+          watching.observe(frame);
           if (frame.step.k == 0)
             return errors.start(frame.after.y(), frame.after.v());
           const double error = errors.judge(frame).error;
@@ -292,5 +293,39 @@ TEST_CASE("steps chosen by the energy are judged by that of their errors", "[for
     // The rigid motion has no energy: to the rounding that is left of it.
     CHECK(std::abs(errors.scale() / std::sqrt(largest) - 1) < 1e-6);
     CHECK(std::abs(control.errors().scale() / errors.scale() - 1) < 1e-12);
+    CHECK(watching.scale() == errors.scale());
   }
+}
+
+TEST_CASE("errors of steps in contact that are longer than the shortest add up to a warning", "[forward]") {
+  // It comes to rest on the floor.
+  const std::vector<std::string> resting{
+      "contact.obstacle={shape=\"half-space\", point=[0, -0.1], normal=[0, 1]}",
+      "material.viscosity={bulk=5, shear=5}", "time={end=40, step=\"auto\", tolerance=1e-1}"};
+  const test::Ready ready("tests/data/block.toml", resting),
+      strict("tests/data/block.toml", with(resting, {"time.tolerance=1e-6"}));
+  const Problem& problem = ready.problem;
+  forward::StepErrors errors(problem.stepper, strict.scene);
+  forward::StepControl control(problem.stepper, ready.scene);
+  double sum = 0;
+  int longer = 0, shortest = 0;
+  (void)forward::integrate_choosing(problem.stepper, problem.initial, problem.load(), control,
+                                    [&](const forward::Frame& frame) {
+                                      if (frame.step.k == 0)
+                                        return errors.start(frame.after.y(), frame.after.v());
+                                      const double error = errors.judge(frame).error;
+                                      errors.accept(frame);
+                                      if (!errors.contact())
+                                        return;
+                                      const forward::Ladder& ladder = *problem.stepper.ladder();
+                                      (ladder.level(frame.step.tau) < ladder.levels ? longer : shortest) += 1;
+                                      sum += error; // none of the shortest
+                                    });
+  REQUIRE(longer > 3);
+  REQUIRE(shortest > 3);
+  const std::vector<forward::Warning> warnings = errors.warnings();
+  const auto found = std::ranges::find(warnings, "accumulated error", &forward::Warning::name);
+  REQUIRE(found != warnings.end());
+  CHECK(std::abs(found->value / (sum / errors.scale()) - 1) < 1e-12);
+  CHECK(std::abs(found->limit / 5e-6 - 1) < 1e-12);
 }
