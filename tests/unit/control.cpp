@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <fmt/format.h>
 #include <functional>
 #include <limits>
@@ -74,11 +75,14 @@ TEST_CASE("a first guess that is not written is moved into the bounds too", "[co
 }
 
 TEST_CASE("a control that changes in time pushes by its mean over each step", "[control]") {
+  const bool chosen = GENERATE(false, true); // then it is evaluated step by step
   const test::Ready ready("tests/data/block.toml",
-                          {"load.body=[\"0\", \"0\"]", "control.initial=[\"sin(9*t)\", \"sin(9*t)\"]"});
+                          {"load.body=[\"0\", \"0\"]", "control.initial=[\"sin(9*t)\", \"sin(9*t)\"]",
+                           chosen ? "time={end=0.6, step=\"auto\", tolerance=1e-2}" : "time.step=0.02"});
   const GivenControl given(ready.problem);
   for (const int k : {1, 2, 17, 3}) {
-    const forward::TimeStep step = ready.problem.grid.step(k);
+    const forward::TimeStep step =
+        chosen ? forward::TimeStep{k, 0.02 * (k - 1), 0.02 * k, 0.02} : ready.problem.grid.step(k);
     const double mean = (std::cos(9 * step.begin) - std::cos(9 * step.end)) / (9 * step.tau);
     const petsc::Vector density = petsc::copy(given.load().at(step).density);
     petsc::check(VecShift(density, -mean));
