@@ -3,37 +3,232 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "forward/extrapolation.h"
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace signorini::adjoint {
+using petsc::check;
 
 namespace {
-long& sweeps = count("adjoint sweeps");
-}
 
-void sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work, const forward::TimeGrid& grid,
-           const std::vector<contact::ContactLinearisation>& contact, const forward::DualAtStep& derivative,
-           const std::function<void(int k, Vec p)>& visit) {
+long& sweeps = count("adjoint sweeps");
+
+/// A motion as the sweep sees it.
+struct Motion {
+  const forward::Stepper& stepper;
+  const forward::TimeGrid& grid;
+  const std::vector<contact::ContactLinearisation>& contact;
+
+  [[nodiscard]] int steps() const { return static_cast<int>(contact.size()) - 1; }
+  [[nodiscard]] const contact::ContactLinearisation& at(int k) const {
+    return contact[static_cast<std::size_t>(k)];
+  }
+  [[nodiscard]] forward::StepContact made(int k) const { return {grid.scheme(k), at(k)}; }
+  [[nodiscard]] std::optional<forward::StepContact> after(int k) const {
+    return k < steps() ? std::optional(made(k + 1)) : std::nullopt;
+  }
+  /// Whether the predictor of step k is projected.
+  [[nodiscard]] bool projected(int k) const {
+    return stepper.predictor() && k <= steps() && !at(k).predictor.empty();
+  }
+};
+
+/// What J depends on velocities and forces by. The dual of v_k is M ω_k + e_k: what J depends on velocities
+/// by enters through e_k, so that no system with M is solved.
+class FunctionalTerms {
+public:
+  FunctionalTerms(const Motion& motion, const VelocityForceDuals& duals)
+      : motion_(motion), duals_(duals), normal_(motion.stepper.rows()), zero_(normal_.size()),
+        mu_(normal_.size()), zeta_(normal_.size()), e_(duals.velocities()), e_next_(e_.size()),
+        factors_(e_.size()) {
+    if (!e_.empty())
+      force_ = motion.stepper.space().vector();
+  }
+
+  /// Adds to ∂J/∂y_k what velocities contribute; e_k from e_{k+1}.
+  void add_to(int k, const forward::StateDual& dual) {
+    if (duals_.of_forces() && k > 0)
+      duals_.forces(k, normal_);
+    if (e_.empty())
+      return;
+    std::swap(e_, e_next_);
+    duals_.velocity_factors(k, e_);
+    const bool moved = motion_.projected(k + 1), last = k == motion_.steps();
+    const double rate = k > 0 ? motion_.grid.scheme(k).rate() : 0,
+                 later = last || moved ? 0 : motion_.grid.scheme(k + 1).rate();
+    for (std::size_t i = 0; i < e_.size(); ++i) {
+      e_[i] += moved ? e_next_[i] : -e_next_[i];
+      factors_[i] = rate * e_[i] - later * e_next_[i];
+    }
+    duals_.add_velocities(factors_, dual.vector);
+  }
+
+  /// The force −rate() e_{k+1} that the transposed projection of step k + 1 sees beside M s_{k+1}.
+  const forward::Predictor::Data* projection(int k) {
+    if (!motion_.projected(k + 1))
+      return nullptr;
+    projection_ = {nullptr, zero_, zeta_};
+    if (e_.empty())
+      return &projection_;
+    const double rate = motion_.grid.scheme(k + 1).rate();
+    for (std::size_t i = 0; i < e_.size(); ++i)
+      factors_[i] = -rate * e_next_[i];
+    check(VecZeroEntries(force_));
+    duals_.add_velocities(factors_, force_);
+    projection_.force = force_;
+    return &projection_;
+  }
+
+  /// The adjoint step k, given these terms.
+  forward::AdjointStep step(int k, forward::StateDual dual, forward::AdjointState& state) {
+    add_to(k, dual);
+    if (k == 0)
+      return {motion_.made(0), motion_.made(1), dual, state, {}, {}, projection(0)};
+    return {motion_.made(k), motion_.after(k), dual, state, normal_, mu_, projection(k)};
+  }
+
+  [[nodiscard]] const VelocityForceDuals& duals() const { return duals_; }
+  /// Multipliers of the step, of the projection (of rows).
+  [[nodiscard]] std::span<const double> mu() const { return mu_; }
+  [[nodiscard]] std::span<const double> zeta() const { return zeta_; }
+  /// The dual of the initial velocities, less M ω_0.
+  void add_start(Vec dual) const { duals_.add_velocities(e_, dual); }
+
+private:
+  const Motion& motion_;
+  const VelocityForceDuals& duals_;
+  std::vector<double> normal_, zero_, mu_, zeta_; ///< normal_: ∂J/∂λ_k
+  std::vector<double> e_, e_next_, factors_;      ///< of the functionals of velocities
+  petsc::Vector force_{};
+  forward::Predictor::Data projection_;
+};
+
+/// dJ/dθ, gathered along the sweep.
+class ParameterGradient {
+public:
+  ParameterGradient(const Motion& motion, const FunctionalTerms& terms, const forward::Trajectory& states,
+                    forward::ParameterRates& rates)
+      : motion_(motion), terms_(terms), states_(states), rates_(rates), from_(motion.stepper.state()),
+        to_(motion.stepper.state()), s_(motion.stepper.space().vector()), r_(motion.stepper.space().vector()),
+        c_(motion.stepper.rows()), gradient_(rates.count()) {
+    from_.copy(states_.at(motion.steps()));
+  }
+
+  /// Before the transpose of step k: s_{k+1}, of which the projection of step k + 1 is made.
+  void before(int k, const forward::AdjointState& state) {
+    if (motion_.projected(k + 1))
+      check(VecWAXPY(s_, -motion_.grid.scheme(k + 1).rate(), state.omega, state.p_next));
+  }
+
+  /// Of step k + 1, to which rates_ refer: z·r_j + ζ·e_j, z = s + jump.
+  void add_predictor(int k, Vec jump) {
+    if (!jump)
+      return;
+    check(VecAXPY(s_, 1, jump));
+    for (std::size_t j = 0; j < gradient_.size(); ++j) {
+      if (!rates_.predictor(j, r_, c_))
+        continue;
+      gradient_[j] += petsc::dot(s_, r_);
+      for (int i : motion_.at(k + 1).predictor)
+        gradient_[j] += terms_.zeta()[static_cast<std::size_t>(i)] * c_[static_cast<std::size_t>(i)];
+    }
+  }
+
+  void add_step(int k, Vec p) {
+    std::swap(from_, to_); // not before, as rates_ refers to them in add_predictor()
+    from_.copy(states_.at(k - 1));
+    rates_.set({motion_.grid.step(k), from_, to_, motion_.at(k)});
+    for (std::size_t j = 0; j < gradient_.size(); ++j) {
+      gradient_[j] += rates_.pairing(j, p);
+      if (rates_.constraint(j, c_))
+        for (int i : motion_.at(k).active)
+          gradient_[j] += terms_.mu()[static_cast<std::size_t>(i)] * c_[static_cast<std::size_t>(i)];
+      if (const contact::ConstraintRows* rows = rates_.rows(j); rows && terms_.duals().of_forces())
+        gradient_[j] += terms_.duals().by_rows(k, motion_.at(k), *rows);
+    }
+  }
+
+  /// By the initial state, whose duals `state` has.
+  std::vector<double> finish(const forward::AdjointState& state) {
+    check(MatMult(motion_.stepper.M(), state.omega, r_));
+    terms_.add_start(r_);
+    for (std::size_t j = 0; j < gradient_.size(); ++j) {
+      if (const Vec v = rates_.velocity(j))
+        gradient_[j] += petsc::dot(r_, v);
+      if (const Vec y = rates_.displacement(j))
+        gradient_[j] += petsc::dot(state.p, y);
+    }
+    return std::move(gradient_);
+  }
+
+private:
+  const Motion& motion_;
+  const FunctionalTerms& terms_;
+  const forward::Trajectory& states_;
+  forward::ParameterRates& rates_;
+  forward::State from_, to_; ///< of the step
+  petsc::Vector s_, r_;
+  std::vector<double> c_; ///< of one unknown (of rows)
+  std::vector<double> gradient_;
+};
+
+/// Makes the adjoint steps N … 1: `step(k, state)` describes one, `made(k, state, jump)` sees it.
+template <class Step, class Made>
+forward::AdjointState backward(const Motion& motion, forward::Stepper::Workspace& work, Step&& step,
+                               Made&& made) {
   ++sweeps;
-  forward::AdjointState state = stepper.adjoint_state();
-  forward::Extrapolation extrapolation(stepper);
-  const int steps = static_cast<int>(contact.size()) - 1;
-  const auto at = [&](int k) {
-    return forward::StepContact{grid.scheme(k), contact[static_cast<std::size_t>(k)]};
-  };
-  for (int k = steps; k >= 1; --k) {
+  forward::AdjointState state = motion.stepper.adjoint_state();
+  forward::Extrapolation extrapolation(motion.stepper);
+  for (int k = motion.steps(); k >= 1; --k) {
+    Vec jump = nullptr;
     try {
-      extrapolation.guess(grid.time(k), state.p);
-      stepper.adjoint_step(
-          {at(k), k < steps ? std::optional(at(k + 1)) : std::nullopt, derivative.at(grid.step(k)), state},
-          work);
-      extrapolation.remember(grid.time(k), state.p);
+      extrapolation.guess(motion.grid.time(k), state.p);
+      jump = motion.stepper.adjoint_step(step(k, state), work);
+      extrapolation.remember(motion.grid.time(k), state.p);
     } catch (const SolverFailure& failure) {
       throw SolverFailure(fmt::format("adjoint step {}: {}", k, failure.what()));
     }
-    visit(k, state.p);
+    made(k, state, jump);
     state.advance();
   }
+  return state;
+}
+
+} // namespace
+
+void sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work, const forward::TimeGrid& grid,
+           const std::vector<contact::ContactLinearisation>& contact,
+           const forward::DualAtStep& by_displacements, const AdjointObserver& visit) {
+  const Motion motion{stepper, grid, contact};
+  (void)backward(
+      motion, work,
+      [&](int k, forward::AdjointState& state) {
+        return forward::AdjointStep{motion.made(k), motion.after(k), by_displacements.at(grid.step(k)),
+                                    state};
+      },
+      [&](int k, const forward::AdjointState& state, Vec) { visit(k, state.p); });
+}
+
+std::vector<double> sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work,
+                          const forward::Trajectory& motion_made, const forward::DualAtStep& by_displacements,
+                          const VelocityForceDuals& duals, forward::ParameterRates& rates,
+                          const AdjointObserver& visit) {
+  const Motion motion{stepper, motion_made.grid(), motion_made.contact()};
+  FunctionalTerms terms(motion, duals);
+  ParameterGradient gradient(motion, terms, motion_made, rates);
+  const auto step = [&](int k, forward::AdjointState& state) {
+    gradient.before(k, state);
+    return terms.step(k, by_displacements.at(motion.grid.step(k)), state);
+  };
+  forward::AdjointState state =
+      backward(motion, work, step, [&](int k, const forward::AdjointState& made, Vec jump) {
+        gradient.add_predictor(k, jump);
+        if (visit)
+          visit(k, made.p);
+        gradient.add_step(k, made.p);
+      });
+  gradient.add_predictor(0, stepper.adjoint_start(step(0, state), work));
+  return gradient.finish(state);
 }
 
 } // namespace signorini::adjoint

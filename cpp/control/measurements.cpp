@@ -208,11 +208,11 @@ void Measurements::set_derivative(std::span<const double> by_values) {
   }
 }
 
-void Measurements::add_displacement(int k, Vec sum) const {
-  const petsc::WriteArray values(sum);
+void Measurements::add(const forward::TimeStep& step, forward::StateDual sum) const {
+  const petsc::WriteArray values(sum.vector);
   for (std::size_t c = 0; c < channels_.size(); ++c)
     if (channels_[c].of == Quantity::displacement)
-      add_row(channels_[c].row, derivative_[c][static_cast<std::size_t>(k)], values);
+      add_row(channels_[c].row, derivative_[c][static_cast<std::size_t>(step.k)], values);
 }
 
 std::size_t Measurements::velocities() const {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "adjoint/parameter_sweep.h"
+#include "adjoint/sweep.h"
 #include "fem/sampler.h"
 #include "forward/tangents.h"
 #include "scene/table.h"
@@ -21,7 +21,7 @@ struct Data {
 /// the unknowns: displacement and velocity are linear between the ends of steps; the force of step k acts in
 /// its middle, linear between; in contact-implicit steps, whose forces alternate, the mean of two steps acts
 /// at the time between them. Contact times are none of these. All members collective.
-class Measurements final : public adjoint::MotionDuals {
+class Measurements final : public forward::StateDuals, public adjoint::VelocityForceDuals {
 public:
   /// `times`: for each of the scene's measurements those at which it is wanted, s. `columns`: 1 for the
   /// motion alone, one more for each derivative. The references must outlive this object. Throws UserError.
@@ -45,7 +45,9 @@ public:
   /// Sets the derivatives of J by the values, which determine the duals.
   void set_derivative(std::span<const double> by_values);
 
-  void add_displacement(int k, Vec sum) const override;
+  [[nodiscard]] bool has_density() const override { return false; }
+  [[nodiscard]] bool has_vector() const override { return true; }
+  void add(const forward::TimeStep& step, forward::StateDual sum) const override;
   [[nodiscard]] std::size_t velocities() const override;
   void velocity_factors(int k, std::span<double> factors) const override;
   void add_velocities(std::span<const double> factors, Vec sum) const override;

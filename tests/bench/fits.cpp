@@ -3,7 +3,7 @@
 // forward run whose states are kept, and the backward sweep. Factors are made before.
 //
 // usage: signorini-bench-fits SCENE REPEATS [key.path=value …]    prints one JSON object
-#include "adjoint/parameter_sweep.h"
+#include "adjoint/sweep.h"
 #include "bench.h"
 #include "control/measurements.h"
 
@@ -60,7 +60,8 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     watch.lap();
     motion.run(given.load(), [&](const forward::Frame& frame) { measurements.observe(frame); });
     measurements.set_derivative(std::vector<double>(measurements.count(), 1.0));
-    gradient = adjoint::parameter_gradient(problem.stepper, work, motion, measurements, rates);
+    gradient =
+        adjoint::sweep(problem.stepper, work, motion, {problem.space, measurements}, measurements, rates);
     unknowns = std::min(unknowns, watch.lap());
     touching = static_cast<int>(
         std::ranges::count_if(motion.contact(), [](const auto& sets) { return !sets.active.empty(); }));

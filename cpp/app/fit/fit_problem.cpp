@@ -216,8 +216,8 @@ FitProblem::Gradient FitProblem::swept(std::span<const double> x, bool adjoint) 
   forward::Stepper::Workspace work = setup.problem.stepper.workspace();
   {
     const auto timer = timers_.time("adjoint");
-    found.by_x =
-        adjoint::parameter_gradient(setup.problem.stepper, work, motion, setup.measurements, setup.rates);
+    found.by_x = adjoint::sweep(setup.problem.stepper, work, motion,
+                                {setup.problem.space, setup.measurements}, setup.measurements, setup.rates);
   }
   found.by_x = on_scale_gradient(std::move(found.by_x), r, x);
   return found;

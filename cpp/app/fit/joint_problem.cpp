@@ -8,7 +8,6 @@
 #include <utility>
 
 namespace signorini {
-using petsc::check;
 
 JointVector::JointVector(const CompactJointVector& compact) : u(compact.u), x(compact.x) {}
 
@@ -61,46 +60,6 @@ struct JointProblem::Point {
   std::vector<double> squared_distances, residuals;
   Value value;
 };
-
-namespace {
-
-/// ∂J/∂y_k of the measurements and of the control's objective.
-class JointDuals final : public adjoint::MotionDuals {
-public:
-  JointDuals(const control::Measurements& measurements, const control::Objective& objective,
-             const forward::Trajectory& motion, const Problem& problem)
-      : measurements_(measurements), derivative_(objective, motion), duals_(problem.space, derivative_),
-        grid_(problem.grid), operators_(problem.operators), work_(problem.space.vector()) {}
-
-  void add_displacement(int k, Vec sum) const override {
-    measurements_.add_displacement(k, sum);
-    forward::assemble(duals_.at(grid_.step(k)), operators_, work_);
-    check(VecAXPY(sum, 1, work_));
-  }
-  [[nodiscard]] std::size_t velocities() const override { return measurements_.velocities(); }
-  void velocity_factors(int k, std::span<double> factors) const override {
-    measurements_.velocity_factors(k, factors);
-  }
-  void add_velocities(std::span<const double> factors, Vec sum) const override {
-    measurements_.add_velocities(factors, sum);
-  }
-  [[nodiscard]] bool of_forces() const override { return measurements_.of_forces(); }
-  void forces(int k, std::span<double> dual) const override { measurements_.forces(k, dual); }
-  [[nodiscard]] double by_rows(int k, const contact::ContactLinearisation& contact,
-                               const contact::ConstraintRows& rate) const override {
-    return measurements_.by_rows(k, contact, rate);
-  }
-
-private:
-  const control::Measurements& measurements_;
-  control::Derivative derivative_;
-  forward::DualAtStep duals_;
-  forward::TimeGrid grid_;
-  const fem::Operators& operators_;
-  petsc::Vector work_;
-};
-
-} // namespace
 
 JointProblem::JointProblem(FitProblem& fit, const ControlProblem& control, const Vector& guess,
                            Timers& timers)
@@ -160,16 +119,17 @@ double JointProblem::value(const Vector& v) {
 JointProblem::Vector JointProblem::gradient(Point& at, const std::function<void(int k, Vec p)>& visit) {
   const auto timer = timers_.time("adjoint");
   at.measurements.set_derivative(fit_.by_values(at.residuals));
-  const JointDuals duals(at.measurements, control_.objective, at.motion, at.problem);
+  const control::Derivative derivative(control_.objective, at.motion);
+  const forward::DualAtStep duals(at.problem.space, {&derivative, &at.measurements});
   forward::Stepper::Workspace work = at.problem.stepper.workspace();
   Vector g(at.v.u, {});
   g.u.scale(control_.objective.alpha());
-  const std::vector<double> by_theta =
-      adjoint::parameter_gradient(at.problem.stepper, work, at.motion, duals, at.rates, [&](int k, Vec p) {
-        control_.controls.add_riesz(k, p, g.u);
-        if (visit)
-          visit(k, p);
-      });
+  const std::vector<double> by_theta = adjoint::sweep(at.problem.stepper, work, at.motion, duals,
+                                                      at.measurements, at.rates, [&](int k, Vec p) {
+                                                        control_.controls.add_riesz(k, p, g.u);
+                                                        if (visit)
+                                                          visit(k, p);
+                                                      });
   g.x = fit_.on_scale_gradient(by_theta, at.residuals, at.v.x);
   control_.controls.to_inner(g.u);
   for (std::size_t j = 0; j < g.x.size(); ++j)
