@@ -199,7 +199,7 @@ TEST_CASE("stored motions of varying steps come back the same from memory, disk 
     ControlProblem problem(ready.problem, test::silent());
     problem.reduced.simulate(problem.controls.constant(-0.3));
     problem.reduced.accept();
-    const control::Control g = problem.reduced.gradient();
+    const control::Control g = problem.reduced.gradient().u;
     gradients.emplace_back(g.values().begin(), g.values().end());
     REQUIRE(lengths(ready.problem.grid).size() > 1);
   }
@@ -295,6 +295,33 @@ TEST_CASE("steps chosen by the energy are judged by that of their errors", "[for
     CHECK(std::abs(control.errors().scale() / errors.scale() - 1) < 1e-12);
     CHECK(watching.scale() == errors.scale());
   }
+}
+
+TEST_CASE("steps of any lengths have no error where velocity is linear in time", "[forward]") {
+  const test::Ready ready("tests/data/block.toml", {"contact.obstacle.point=[0, -100]",
+                                                    "time={end=4, step=\"auto\", tolerance=1e-2}"});
+  const forward::Stepper& stepper = ready.problem.stepper;
+  const petsc::Vector shape = test::smooth(ready.problem.space, 1), zero = ready.problem.space.vector();
+  const contact::ContactState open = stepper.contact_state();
+  const auto largest_error = [&](double power) {
+    forward::StepErrors errors(stepper, ready.scene);
+    forward::TimeGridBuilder steps(*stepper.ladder());
+    forward::State before = stepper.state(), after = stepper.state();
+    errors.start(zero, zero);
+    double most = 0;
+    for (const int level : {2, 2, 3, 3, 2, 1, 1}) {
+      const forward::TimeStep step = steps.add(level);
+      check(VecAXPBY(after.y(), std::pow(step.end, power), 0, shape));
+      const double error = errors.judge({step, &before, {}, after, open, false}).error;
+      errors.accept({step, &before, {}, after, open, false});
+      if (step.k > 2) // the first has no mean velocity before it
+        most = std::max(most, error / errors.size(after.y()));
+      std::swap(before, after);
+    }
+    return most;
+  };
+  CHECK(largest_error(2) < 1e-12);
+  CHECK(largest_error(3) > 1e-3);
 }
 
 TEST_CASE("errors of steps in contact that are longer than the shortest add up to a warning", "[forward]") {
