@@ -263,7 +263,7 @@ private:
         promised = iteration.promised / std::abs(iteration.objective);
         return iteration.number < fewest || std::max(promised, gained(record.rows())) > enough;
       }
-      void certified(const optimize::Certificate<control::Control>& certificate) {
+      void certified(const optimize::Certificate<control::Variables>& certificate) {
         record.certified(certificate);
       }
     } report{record, search_part * trusted * asked_.error};

@@ -11,7 +11,7 @@ template <template <optimize::TwiceDifferentiable> class Method>
 struct SearchStart {
   using Inheritance = optimize::Inheritance<Method<optimize::Dimensionless<control::ReducedProblem>>>;
 
-  control::Control guess;
+  control::Variables guess;
   std::optional<Inheritance> inherited{};
 };
 

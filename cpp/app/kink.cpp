@@ -5,7 +5,7 @@
 namespace signorini {
 
 io::Kink describe(control::ReducedProblem& reduced,
-                  const optimize::Certificate<control::Control>& certificate) {
+                  const optimize::Certificate<control::Variables>& certificate) {
   const auto sweeps = reduced.sweeps();
   std::map<std::pair<int, int>, std::size_t> closed; // number of points where it is active
   for (const auto& point : certificate.points) {

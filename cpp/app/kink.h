@@ -10,7 +10,7 @@ namespace signorini {
 /// at some of its points and open at others. Makes a forward sweep for each point, which is not counted.
 /// Throws Interrupted. Collective.
 [[nodiscard]] io::Kink describe(control::ReducedProblem& reduced,
-                                const optimize::Certificate<control::Control>& certificate);
+                                const optimize::Certificate<control::Variables>& certificate);
 
 /// The same as numbers, in which a checkpoint stores it.
 [[nodiscard]] std::vector<double> numbers(const io::Kink& kink);

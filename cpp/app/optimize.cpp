@@ -56,9 +56,8 @@ std::string going_on(optimize::Stop stop, const scene::Optimizer& scene) {
              : "";
 }
 
-static_assert(optimize::Unknowns<control::ControlSpace>);
 static_assert(optimize::TwiceDifferentiable<control::ReducedProblem>);
-using Result = optimize::Result<control::Control>;
+using Result = optimize::Result<control::Variables>;
 
 /// Searches by a method, from where the checkpoint, coarse meshes or the first guess let it.
 template <template <optimize::TwiceDifferentiable> class Method>

@@ -45,7 +45,8 @@ public:
       return false;
     io::CheckpointReader in(control_problem_.controls, file_);
     read(in);
-    state.serialize(in);
+    control::VariablesArchive archive(in, 0);
+    state.serialize(archive);
     return true;
   }
 
@@ -62,7 +63,7 @@ public:
   void mark() { marked_ = control_problem_.reduced.sweeps(); }
 
   /// Takes what a certificate tells of the kink at which the search ends. Throws Interrupted.
-  void certified(const optimize::Certificate<control::Control>& certificate) {
+  void certified(const optimize::Certificate<control::Variables>& certificate) {
     kink_ = describe(control_problem_.reduced, certificate);
   }
   /// The kink, if there was a certificate here or in the checkpoint.
@@ -76,7 +77,8 @@ public:
     const auto timer = problem_.timers.time("checkpoint");
     io::CheckpointWriter out(control_problem_.controls, folder_.staged(resume::checkpoint), file_);
     write(out);
-    state.serialize(out);
+    control::VariablesArchive archive(out, 0);
+    state.serialize(archive);
     stored_at_ = state.iteration.number;
     if (const std::string failure = out.commit(); !failure.empty())
       console_.line(resume::not_written(file_, failure));

@@ -353,8 +353,11 @@ ControlProblem::ControlProblem(const Problem& problem, const Console& console)
       objective(controls, problem.operators, problem.grid,
                 desired_states(problem, controls, reference, desired_storage, console),
                 *problem.scene.objective),
-      reduced(problem.stepper, controls, objective, problem.initial, problem.scene_loads(), storage,
-              problem.timers) {}
+      reduced({.stepper = &problem.stepper,
+               .initial = &problem.initial,
+               .storage = &storage,
+               .load = problem.scene_loads()},
+              controls, objective, problem.timers) {}
 
 control::Control ControlProblem::first_guess(const scene::Scene& scene) const {
   return signorini::first_guess(controls, *scene.control);

@@ -81,6 +81,8 @@ public:
   /// Whether there is one.
   [[nodiscard]] bool acts() const { return force_ != nullptr; }
 
+  /// The control's force, null without one.
+  [[nodiscard]] const forward::Load* force() const { return force_.get(); }
   /// All forces, the control's included; valid as long as this object lives.
   [[nodiscard]] forward::ForceAtStep load() const;
 

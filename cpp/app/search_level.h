@@ -84,7 +84,7 @@ private:
     void store(const State& last) { state = last; }
     static void restored(double, double) {}
     static void mark() {}
-    void certified(const optimize::Certificate<control::Control>& certificate) {
+    void certified(const optimize::Certificate<control::Variables>& certificate) {
       if constexpr (requires { report.certified(certificate); })
         report.certified(certificate);
     }
@@ -98,7 +98,7 @@ private:
       choose_steps(problem, silent);
       return problem;
     }
-    choose_steps(problem, last->control_problem_.controls, last->last_->current.u, silent);
+    choose_steps(problem, last->control_problem_.controls, last->last_->current.u.u, silent);
     return problem;
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "control/control_space.h"
+#include "control/variables.h"
 #include "fem/sampler.h"
 
 namespace signorini::control {
@@ -22,6 +23,8 @@ public:
 
   /// Collective.
   [[nodiscard]] Control operator()(const Control& u) const;
+  /// Of the control; parameters are the same on every mesh.
+  [[nodiscard]] Variables operator()(const Variables& v) const { return {(*this)(v.u), v.x}; }
 
 private:
   const ControlSpace& from_;

@@ -11,7 +11,8 @@ struct Value {
   double tracking = 0;     ///< θ τ/2 Σ ½ (‖e_{k−1}‖² + ‖e_k‖²)
   double terminal = 0;     ///< γ ‖e_N‖²
   double control_cost = 0; ///< α τ/2 Σ ‖u_k‖²
-  [[nodiscard]] double total() const { return tracking + terminal + control_cost; }
+  double misfit = 0;       ///< ½ Σ of squared residuals of measurements and priors
+  [[nodiscard]] double total() const { return tracking + terminal + control_cost + misfit; }
 };
 
 /// The weights of the terms of J in time (docs/method.md section 3).

@@ -3,7 +3,11 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/signals.h"
+#include "forward/tangents.h"
 #include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -25,78 +29,198 @@ private:
 
 } // namespace
 
-ReducedProblem::ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls,
-                               const Objective& objective, const forward::State& initial,
-                               const forward::Load* load, const forward::StateStoreFactory& storage,
+ReducedProblem::ReducedProblem(const Model& model, const ControlSpace& controls, const Objective& objective,
                                Timers& timers)
-    : stepper_(stepper), controls_(controls), objective_(objective), initial_(initial), load_(load),
-      storage_(storage), timers_(timers), work_(stepper.workspace()), current_(point()), trial_(point()) {
-  trial_->u = current_->u; // shared
+    : controls_(&controls), objective_(&objective), timers_(timers), work_(model.stepper->workspace()),
+      current_(std::make_unique<Point>(controls.zero(), controls_, model, false)),
+      trial_(std::make_unique<Point>(current_->v, controls_, model, false)) { // the control is shared
   ++problems;
 }
 
-std::unique_ptr<ReducedProblem::Point> ReducedProblem::point() const {
-  return std::make_unique<Point>(controls_, stepper_, initial_, storage_);
+ReducedProblem::ReducedProblem(ModelAt models, const Misfit& misfit, const ControlSpace* controls,
+                               const Objective* objective, Timers& timers)
+    : models_(std::move(models)), misfit_(&misfit), controls_(controls), objective_(objective),
+      timers_(timers), weights_(misfit.box().lower.size(), 1.0) {
+  ++problems;
 }
 
-void ReducedProblem::simulate(const Control& u) {
-  trial_->u = u;
+std::unique_ptr<ReducedProblem::Point> ReducedProblem::point(const Variables& v) const {
+  try {
+    return std::make_unique<Point>(v, controls_, models_(v.x, 1, forward::Stops::obeyed), true);
+  } catch (const UserError& error) {
+    throw SolverFailure(error.what());
+  }
+}
+
+forward::ForceAtStep ReducedProblem::load(const Model& model, const ControlForce* force) {
+  return {model.stepper->space(), {model.load, force ? force : model.given}};
+}
+
+void ReducedProblem::run(Point& at) {
   const auto timer = timers_.time("forward");
-  trial_->trajectory.run(load(*trial_), [&](const forward::Frame& frame) {
-    const auto other = timers_.time("objective");
-    objective_.observe(frame.step.k, frame.after.y(), trial_->squared_distances);
+  at.trajectory.run(load(at), [&](const forward::Frame& frame) {
+    if (objective_) {
+      const auto other = timers_.time("objective");
+      objective_->observe(frame.step.k, frame.after.y(), at.squared_distances);
+    }
+    if (at.model.measurements)
+      at.model.measurements->observe(frame);
   });
-  if (trial_->trajectory.steps() < controls_.steps())
+  if (at.trajectory.steps() < at.trajectory.grid().steps())
     throw Interrupted();
   ++sweeps_.forward;
-  trial_->value = objective_.value(trial_->squared_distances, trial_->u);
+  if (objective_)
+    at.value = objective_->value(at.squared_distances, at.v.u);
+  if (misfit_) {
+    at.residuals = misfit_->residuals(at.model.measurements->values(), at.v.x);
+    at.value.misfit = optimize::LeastSquares{at.residuals, {}}.value();
+  }
 }
 
-double ReducedProblem::value(const Control& u) {
-  simulate(u);
+void ReducedProblem::simulate(const Variables& v) {
+  if (!models_) {
+    trial_->v = v;
+    run(*trial_);
+    return;
+  }
+  for (std::size_t j = 0; current_ && j < v.x.size(); ++j)
+    if (!misfit_->box().reaches(j, current_->v.x[j], v.x[j]))
+      throw SolverFailure(fmt::format("{} would change by a factor of {:.3g} in one step",
+                                      misfit_->scene().unknowns[j].name,
+                                      std::exp(std::abs(v.x[j] - current_->v.x[j]))));
+  trial_ = point(v);
+  run(*trial_);
+}
+
+double ReducedProblem::value(const Variables& v) {
+  simulate(v);
   return trial_->value.total();
 }
 
 void ReducedProblem::accept() { std::swap(current_, trial_); }
 
 Control ReducedProblem::pull_back(const std::vector<contact::ContactLinearisation>& contact,
-                                  const forward::DualAtStep& dual, double scale, const Control& u) {
+                                  const forward::DualAtStep& dual, double scale, const Control& u,
+                                  const AdjointObserver& visit) {
   const auto timer = timers_.time("adjoint");
   Control g = u;
   g.scale(scale);
-  adjoint::sweep(stepper_, work_, controls_.grid(), contact, dual,
-                 [&](int k, Vec p) { controls_.add_riesz(k, p, g); });
+  adjoint::sweep(stepper(), *work_, controls_->grid(), contact, dual, [&](int k, Vec p) {
+    controls_->add_riesz(k, p, g);
+    if (visit)
+      visit(k, p);
+  });
   ++sweeps_.adjoint;
   return g;
 }
 
 Control ReducedProblem::adjoint(const forward::DualAtStep& dual) {
-  return pull_back(current_->trajectory.contact(), dual, 0, current_->u);
+  return pull_back(current_->trajectory.contact(), dual, 0, current_->v.u);
 }
 
-Control ReducedProblem::l2_gradient(const Point& at) {
-  const Derivative derivative(objective_, at.trajectory);
-  return pull_back(at.trajectory.contact(), {stepper_.space(), derivative}, objective_.alpha(), at.u);
-}
-
-Control ReducedProblem::l2_gradient() { return l2_gradient(*current_); }
-
-void ReducedProblem::adjoint_states(const std::function<void(int k, Vec p)>& visit) {
-  const Derivative derivative(objective_, current_->trajectory);
-  adjoint::sweep(stepper_, work_, controls_.grid(), current_->trajectory.contact(),
-                 {stepper_.space(), derivative}, visit);
-}
-
-Control ReducedProblem::gradient() {
-  Control g = l2_gradient(*current_);
-  controls_.to_inner(g);
+Variables ReducedProblem::derivative(Point& at, const AdjointObserver& visit) {
+  std::optional<Derivative> by_states;
+  if (objective_)
+    by_states.emplace(*objective_, at.trajectory);
+  const forward::DualAtStep duals(at.model.stepper->space(),
+                                  {by_states ? &*by_states : nullptr, at.model.measurements});
+  if (!misfit_)
+    return pull_back(at.trajectory.contact(), duals, objective_->alpha(), at.v.u, visit);
+  const auto timer = timers_.time("adjoint");
+  at.model.measurements->set_derivative(misfit_->by_values(at.residuals));
+  forward::Stepper::Workspace work = at.model.stepper->workspace();
+  Variables g(at.v.u);
+  if (objective_)
+    g.u.scale(objective_->alpha());
+  const std::vector<double> by_theta =
+      adjoint::sweep(*at.model.stepper, work, at.trajectory, duals, *at.model.measurements, *at.model.rates,
+                     [&](int k, Vec p) {
+                       if (controls_)
+                         controls_->add_riesz(k, p, g.u);
+                       if (visit)
+                         visit(k, p);
+                     });
+  ++sweeps_.adjoint;
+  g.x = misfit_->gradient(by_theta, at.residuals, at.v.x);
   return g;
 }
 
-Control ReducedProblem::trial_gradient() {
-  Control g = l2_gradient(*trial_);
-  controls_.to_inner(g);
+Control ReducedProblem::l2_gradient() { return derivative(*current_).u; }
+
+void ReducedProblem::adjoint_states(const AdjointObserver& visit) {
+  const Sweeps before = sweeps_; // for output, not for a search
+  (void)derivative(*current_, visit);
+  sweeps_ = before;
+}
+
+Variables ReducedProblem::gradient(Point& at) {
+  if (at.gradient)
+    return *at.gradient;
+  Variables g = derivative(at);
+  if (controls_)
+    controls_->to_inner(g.u);
+  for (std::size_t j = 0; j < g.x.size(); ++j)
+    g.x[j] /= weights_[j];
+  if (misfit_)
+    at.gradient = g;
   return g;
+}
+
+Variables ReducedProblem::gradient() { return gradient(*current_); }
+
+Variables ReducedProblem::trial_gradient() { return gradient(*trial_); }
+
+std::vector<double> ReducedProblem::gradient_by_parameters() {
+  std::vector<double> by_x = gradient().x;
+  for (std::size_t j = 0; j < by_x.size(); ++j)
+    by_x[j] *= weights_[j];
+  return by_x;
+}
+
+optimize::LeastSquares ReducedProblem::least_squares(const Variables& v, forward::Stops stops) {
+  const Model model = models_(v.x, 1 + v.x.size(), stops);
+  std::optional<ControlForce> force;
+  if (controls_)
+    force.emplace(*controls_, v.u);
+  const forward::TimeGrid& grid = model.storage->grid();
+  forward::Tangents tangents(*model.stepper, *model.rates);
+  {
+    const auto timer = timers_.time("forward");
+    const int steps = forward::integrate(
+        *model.stepper, grid, *model.initial, load(model, force ? &*force : nullptr),
+        [&](const forward::Frame& frame) {
+          const auto linearised = timers_.time("linearised");
+          tangents.observe(frame);
+          model.measurements->observe(frame, tangents, *model.rates);
+        },
+        stops);
+    if (steps < grid.steps())
+      throw Interrupted();
+  }
+  sweeps_.forward += 1 + static_cast<int>(v.x.size());
+  std::vector<std::vector<double>> by_theta;
+  for (std::size_t j = 0; j < v.x.size(); ++j)
+    by_theta.push_back(model.measurements->values(j + 1));
+  return {misfit_->residuals(model.measurements->values(), v.x), misfit_->jacobian(by_theta, v.x)};
+}
+
+void ReducedProblem::weigh_parameters(const Variables& guess) {
+  const Sweeps before = sweeps_; // the linearised motions are not those of the search
+  const std::vector<double> H = least_squares(guess).normal_matrix();
+  sweeps_ = before;
+  // The curvature of J along its steepest descent by the control alone.
+  simulate(guess);
+  Variables down = trial_gradient();
+  accept();
+  down.scale(-1);
+  std::ranges::fill(down.x, 0);
+  const double squared = inner(down, down);
+  const double curvature = squared > 0 ? inner(down, hessian_product(down)) / squared : 0;
+  for (std::size_t j = 0; j < weights_.size(); ++j)
+    if (const double identified = H[j * weights_.size() + j]; identified > 0 && curvature > 0) {
+      weights_[j] = identified / curvature;
+      current_->gradient->x[j] /= weights_[j];
+    }
 }
 
 void ReducedProblem::integrate_linearised(
@@ -105,18 +229,18 @@ void ReducedProblem::integrate_linearised(
   integrate_linearised(
       d,
       [&](int k, const forward::LinearisedStep& step) {
-        stepper_.linearised_step(step, contact[static_cast<std::size_t>(k)], work_);
+        stepper().linearised_step(step, contact[static_cast<std::size_t>(k)], *work_);
       },
       use);
 }
 
 void ReducedProblem::integrate_linearised(
     const Control& d, const Step& step, const std::function<void(forward::TimeIntegrator& integrator)>& use) {
-  const forward::State rest = stepper_.state();
-  const ControlForce force(controls_, d);
-  const forward::ForceAtStep forces(stepper_.space(), force);
+  const forward::State rest = stepper().state();
+  const ControlForce force(*controls_, d);
+  const forward::ForceAtStep forces(stepper().space(), force);
   forward::TimeIntegrator integrator(
-      stepper_, rest, [&](const forward::TimeStep& at, const forward::State& from, forward::State& to) {
+      stepper(), rest, [&](const forward::TimeStep& at, const forward::State& from, forward::State& to) {
         step(at.k, {at.scheme(), from, forces.at(at), to});
       });
   use(integrator);
@@ -127,10 +251,10 @@ void ReducedProblem::make_linearised_steps(forward::TimeIntegrator& integrator,
   const auto timer = timers_.time("linearised");
   integrator.restart();
   visit(integrator.now());
-  for (int k = 1; k <= controls_.steps(); ++k) {
-    if (stop_requested(stepper_.space().comm()))
+  for (int k = 1; k <= controls_->steps(); ++k) {
+    if (stop_requested(stepper().space().comm()))
       throw Interrupted();
-    integrator.advance(controls_.grid().step(k));
+    integrator.advance(controls_->grid().step(k));
     visit(integrator.now());
   }
   ++sweeps_.forward;
@@ -146,22 +270,22 @@ void ReducedProblem::linearised(const Control& d, const std::function<void(int k
 }
 
 ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
-  const Derivative along(objective_, current_->trajectory);
-  const forward::DualAtStep derivative(stepper_.space(), along);
-  const petsc::Vector work = stepper_.space().vector();
+  const Derivative along(*objective_, current_->trajectory);
+  const forward::DualAtStep derivative(stepper().space(), along);
+  const petsc::Vector work = stepper().space().vector();
   OneSided slope{.contact = current_->trajectory.contact()};
-  slope.by_motion = {.value = objective_.alpha() * controls_.product(current_->u, d),
-                     .size = objective_.alpha() * controls_.norm(current_->u) * controls_.norm(d)};
+  slope.by_motion = {.value = objective_->alpha() * controls_->product(current_->v.u, d),
+                     .size = objective_->alpha() * controls_->norm(current_->v.u) * controls_->norm(d)};
   const Step make = [&](int k, const forward::LinearisedStep& step) {
-    stepper_.one_sided_step(step, slope.contact[static_cast<std::size_t>(k)], work_);
+    stepper().one_sided_step(step, slope.contact[static_cast<std::size_t>(k)], *work_);
   };
   integrate_linearised(d, make, [&](forward::TimeIntegrator& integrator) {
     make_linearised_steps(integrator, [&](const forward::Checkpoint& now) {
       if (now.k == 0)
         return;
-      const forward::StateDual dual = derivative.at(controls_.grid().step(now.k));
+      const forward::StateDual dual = derivative.at(controls_->grid().step(now.k));
       if (dual.density) {
-        check(MatMult(*stepper_.operators().W, dual.density, work));
+        check(MatMult(*stepper().operators().W, dual.density, work));
         slope.by_motion.add(work, now.state.y());
       }
       if (dual.vector)
@@ -169,26 +293,92 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
     });
   });
   slope.by_gradient =
-      controls_.product(pull_back(slope.contact, derivative, objective_.alpha(), current_->u), d);
+      controls_->product(pull_back(slope.contact, derivative, objective_->alpha(), current_->v.u), d);
   return slope;
 }
 
 Control ReducedProblem::l2_hessian_product(const Control& d) {
   std::optional<Control> h;
   integrate_linearised(d, [&](forward::TimeIntegrator& integrator) {
-    const std::unique_ptr<forward::StateStore> dy = storage_.place(integrator);
+    const std::unique_ptr<forward::StateStore> dy = current_->model.storage->place(integrator);
     make_linearised_steps(integrator, [&](const forward::Checkpoint& now) { dy->keep(now); });
     const LinearisedMotion linearised(*dy);
-    const SecondDerivative second(objective_, linearised);
-    h = pull_back(current_->trajectory.contact(), {stepper_.space(), second}, objective_.alpha(), d);
+    const SecondDerivative second(*objective_, linearised);
+    h = pull_back(current_->trajectory.contact(), {stepper().space(), second}, objective_->alpha(), d);
   });
   return *std::move(h);
 }
 
-Control ReducedProblem::hessian_product(const Control& d) {
-  Control h = l2_hessian_product(d);
-  controls_.to_inner(h);
+Variables ReducedProblem::hessian_product(const Variables& d) {
+  if (!models_) {
+    Control h = l2_hessian_product(d.u);
+    controls_->to_inner(h);
+    return h;
+  }
+  const Variables here = gradient();
+  const double length = std::sqrt(inner(d, d)), size = std::sqrt(inner(current_->v, current_->v));
+  constexpr double part = 1e-5;
+  const double epsilon = part * (size > 0 ? size : 1) / length;
+  Variables beside = current_->v;
+  beside.add(epsilon, d);
+  const std::unique_ptr<Point> there = point(beside);
+  run(*there);
+  Variables h = gradient(*there);
+  h.add(-1, here);
+  h.scale(1 / epsilon);
   return h;
+}
+
+double ReducedProblem::inner(const Variables& v, const Variables& w) const {
+  double sum = controls_ ? controls_->inner(v.u, w.u) : 0;
+  for (std::size_t j = 0; j < weights_.size(); ++j)
+    sum += weights_[j] * v.x[j] * w.x[j];
+  return sum;
+}
+
+Variables ReducedProblem::dual(const Variables& v) const {
+  Variables functional(controls_ ? controls_->dual(v.u) : v.u, v.x);
+  for (std::size_t j = 0; j < weights_.size(); ++j)
+    functional.x[j] *= weights_[j];
+  return functional;
+}
+
+std::vector<double> ReducedProblem::pairings(std::span<const Variables> duals,
+                                             std::span<const Compact> w) const {
+  std::vector<double> products(duals.size() * w.size());
+  if (controls_) {
+    std::vector<Control> functionals;
+    for (const Variables& one : duals)
+      functionals.push_back(one.u);
+    products = controls_->pairings(functionals, controls_of(w));
+  }
+  for (std::size_t i = 0; i < duals.size(); ++i)
+    for (std::size_t j = 0; j < w.size(); ++j)
+      products[i * w.size() + j] +=
+          std::inner_product(duals[i].x.begin(), duals[i].x.end(), w[j].x.begin(), 0.0);
+  return products;
+}
+
+bool ReducedProblem::bounded() const {
+  const auto finite = [](double bound) { return std::isfinite(bound); };
+  return (controls_ && controls_->bounded()) ||
+         (misfit_ && (std::ranges::any_of(misfit_->box().lower, finite) ||
+                      std::ranges::any_of(misfit_->box().upper, finite)));
+}
+
+void ReducedProblem::project(Variables& v) const {
+  if (controls_)
+    controls_->project(v.u);
+  for (std::size_t j = 0; j < v.x.size(); ++j)
+    v.x[j] = std::clamp(v.x[j], misfit_->box().lower[j], misfit_->box().upper[j]);
+}
+
+void ReducedProblem::zero_blocked(Variables& w, const Variables& v, const Variables& d) const {
+  if (controls_)
+    controls_->zero_blocked(w.u, v.u, d.u);
+  for (std::size_t j = 0; j < w.x.size(); ++j)
+    if (misfit_->box().blocks(j, v.x[j], -d.x[j]))
+      w.x[j] = 0;
 }
 
 } // namespace signorini::control

@@ -4,53 +4,89 @@
 #include "base/progress.h"
 #include "base/timers.h"
 #include "control/control_force.h"
+#include "control/misfit.h"
 #include "control/objective.h"
+#include "control/variables.h"
 #include "forward/trajectory.h"
 #include <memory>
+#include <optional>
 
 namespace signorini::control {
 
-/// The reduced objective u ↦ J(S(u), u), S being the solution operator of the contact problem: value,
-/// gradient, Hessian product (docs/method.md section 4). Keeps the trajectories of the current control and of
-/// a trial, in `storage`; a rejected trial changes nothing. All members collective; those that compute throw
-/// WriteFailure if the storage does.
+/// What motions are made of, for given values of a scene's parameters. Null members are absent.
+struct Model {
+  const forward::Stepper* stepper;
+  const forward::State* initial;
+  const forward::StateStoreFactory* storage; ///< of the motions of controls
+  const forward::Load* load = nullptr;       ///< without a control
+  const forward::Load* given = nullptr; ///< of the control that the scene gives; acts where none is sought
+  Measurements* measurements = nullptr; ///< with parameters
+  forward::ParameterRates* rates = nullptr; ///< with parameters
+  std::shared_ptr<const void> parts{};      ///< owns all of these, or some
+};
+
+/// The reduced objective (u, x) ↦ J(S(u, x), u, x), S being the solution operator of the contact problem:
+/// value, gradient, Hessian product (docs/method.md sections 4 and 9). A search varies a control u, the
+/// parameters x of a scene on their scales, or both: J is the control's objective, the misfit of the
+/// measurements, or their sum. Keeps the trajectories of the current point and of a trial; a rejected trial
+/// changes nothing. With parameters every trial has a model of its own, and so a factor. All members
+/// collective; those that compute throw WriteFailure if the storage of states does.
 class ReducedProblem {
 public:
-  using Vector = Control;
-  using Compact = CompactControl;
+  using Vector = Variables;
+  using Compact = CompactVariables;
+  using AdjointObserver = adjoint::AdjointObserver;
 
   /// Numbers of sweeps so far; a linearised one counts as a forward one.
   struct Sweeps {
     int forward = 0, adjoint = 0;
   };
 
-  /// The references must outlive this object. `load` is the load without the control, null if there is none.
-  ReducedProblem(const forward::Stepper& stepper, const ControlSpace& controls, const Objective& objective,
-                 const forward::State& initial, const forward::Load* load,
-                 const forward::StateStoreFactory& storage, Timers& timers);
+  /// Makes the model for parameters x, whose measurements have `columns` columns. Throws UserError where the
+  /// scene is none at x.
+  using ModelAt = std::function<Model(std::span<const double> x, std::size_t columns, forward::Stops stops)>;
 
-  /// Makes u the trial, by a forward sweep. Throws Interrupted, SolverFailure.
-  void simulate(const Control& u);
-  /// The same; J(u).
-  [[nodiscard]] double value(const Control& u);
+  /// Of a control. The references must outlive this object, in the next one too.
+  ReducedProblem(const Model& model, const ControlSpace& controls, const Objective& objective,
+                 Timers& timers);
+  /// Of parameters and, unless null, of a control with its objective.
+  ReducedProblem(ModelAt models, const Misfit& misfit, const ControlSpace* controls,
+                 const Objective* objective, Timers& timers);
 
-  /// The trial becomes the current control.
+  /// Makes v the trial, by a forward sweep. Throws Interrupted, SolverFailure; with parameters also where the
+  /// scene is none at v or one of them is farther from the current point than a step may go.
+  void simulate(const Variables& v);
+  /// simulate(); J there.
+  [[nodiscard]] double value(const Variables& v);
+
+  /// The trial becomes the current point.
   void accept();
 
-  /// The gradient at the current control, as Riesz representative in L2(0,T; L2) by one adjoint sweep:
-  /// g_k = α u_k + (τ s/2) p_k where the control acts.
+  /// The gradient by the control at the current point, as Riesz representative in L2(0,T; L2) by one adjoint
+  /// sweep: g_k = α u_k + (τ s/2) p_k where the control acts.
   Control l2_gradient();
+  /// dJ/dx at the current point.
+  std::vector<double> gradient_by_parameters();
 
-  /// The gradient as Riesz representative in the optimizer's metric.
-  Control gradient();
-  /// The same at the trial.
-  Control trial_gradient();
+  /// The gradient as Riesz representative by inner().
+  Variables gradient();
+  /// The gradient at the trial.
+  Variables trial_gradient();
 
   /// Hessian product H d at the current control, active sets frozen, as Riesz representative in L2(0,T; L2):
-  /// one linearised and one adjoint sweep. Throws Interrupted.
+  /// one linearised and one adjoint sweep. Not with parameters. Throws Interrupted.
   Control l2_hessian_product(const Control& d);
-  /// The Hessian product as Riesz representative in the optimizer's metric.
-  Control hessian_product(const Control& d);
+  /// The Hessian product as Riesz representative by inner(). With parameters by a difference of gradients: to
+  /// five digits or so, where no active set changes within 1e-5 of the point.
+  Variables hessian_product(const Variables& d);
+
+  /// r and ∂r/∂x of the misfit at v, by a motion with one linearised motion for each parameter. Throws
+  /// UserError where the scene is none there, SolverFailure, Interrupted.
+  [[nodiscard]] optimize::LeastSquares least_squares(const Variables& v,
+                                                     forward::Stops stops = forward::Stops::obeyed);
+  /// Weighs parameters in inner() so that a change of x_j is as long as one of the control along which J
+  /// curves as much, both at the first guess; makes that the current point. Without a call the weights are 1.
+  void weigh_parameters(const Variables& guess);
 
   /// S'(u) d: shows the linearised states δy_1…δy_N at the current control, active sets frozen. Throws
   /// Interrupted.
@@ -61,59 +97,78 @@ public:
   /// piece of J in the direction d, which slides on the sets C_k that then stay closed. They agree up to
   /// rounding; without weak contact g is the gradient. Throws Interrupted.
   struct OneSided {
-    petsc::Pairing by_motion;
+    petsc::Pairing by_motion{};
     double by_gradient = 0;
-    std::vector<contact::ContactLinearisation> contact; ///< with C_k as active sets
+    std::vector<contact::ContactLinearisation> contact{}; ///< with C_k as active sets
   };
   OneSided one_sided_slope(const Control& d);
 
   /// S'(u)* w for duals w_1…w_N of the states, as Riesz representative in L2(0,T; L2).
   Control adjoint(const forward::DualAtStep& dual);
 
-  [[nodiscard]] double inner(const Control& u, const Control& w) const { return controls_.inner(u, w); }
-  [[nodiscard]] Control dual(const Control& u) const { return controls_.dual(u); }
-  [[nodiscard]] std::vector<double> pairings(std::span<const Control> duals,
-                                             std::span<const Compact> w) const {
-    return controls_.pairings(duals, w);
-  }
-  [[nodiscard]] bool bounded() const { return controls_.bounded(); }
-  void project(Control& u) const { controls_.project(u); }
-  void zero_blocked(Control& w, const Control& u, const Control& d) const { controls_.zero_blocked(w, u, d); }
+  [[nodiscard]] double inner(const Variables& v, const Variables& w) const;
+  [[nodiscard]] Variables dual(const Variables& v) const;
+  [[nodiscard]] std::vector<double> pairings(std::span<const Variables> duals,
+                                             std::span<const Compact> w) const;
+  [[nodiscard]] bool bounded() const;
+  void project(Variables& v) const;
+  void zero_blocked(Variables& w, const Variables& v, const Variables& d) const;
 
-  [[nodiscard]] const Control& control() const { return current_->u; }
+  /// The current point.
+  [[nodiscard]] const Variables& variables() const { return current_->v; }
+  [[nodiscard]] const Control& control() const { return current_->v.u; }
   [[nodiscard]] const Value& value() const { return current_->value; }
   [[nodiscard]] const forward::Trajectory& trajectory() const { return current_->trajectory; }
   [[nodiscard]] const forward::Trajectory& trial_trajectory() const { return trial_->trajectory; }
   /// ‖y_k − y_d,k‖² of the current control (N + 1), as Objective::observe().
   [[nodiscard]] const std::vector<double>& squared_distances() const { return current_->squared_distances; }
-  /// Shows p_N … p_1 of the current control, each valid during the call, by one more adjoint sweep.
-  void adjoint_states(const std::function<void(int k, Vec p)>& visit);
+  /// Residuals of the misfit at the trial.
+  [[nodiscard]] const std::vector<double>& trial_residuals() const { return trial_->residuals; }
+  /// Shows p_N … p_1 of the current point, each valid during the call, by one more adjoint sweep.
+  void adjoint_states(const AdjointObserver& visit);
   [[nodiscard]] Sweeps sweeps() const { return sweeps_; }
   /// Sets the counters, when a search is resumed.
   void count_from(Sweeps sweeps) { sweeps_ = sweeps; }
-  /// The forces of the loads and the current control; valid until another is accepted.
+  /// The forces of the loads and the current control; valid until another point is accepted.
   [[nodiscard]] forward::ForceAtStep load() const { return load(*current_); }
-  [[nodiscard]] const ControlSpace& controls() const { return controls_; }
-  [[nodiscard]] const Objective& objective() const { return objective_; }
-  [[nodiscard]] const forward::Stepper& stepper() const { return stepper_; }
+  [[nodiscard]] const ControlSpace& controls() const { return *controls_; }
+  [[nodiscard]] const Objective& objective() const { return *objective_; }
+  /// Of the current point.
+  [[nodiscard]] const forward::Stepper& stepper() const { return *current_->model.stepper; }
 
 private:
   struct Point {
-    Point(const ControlSpace& controls, const forward::Stepper& stepper, const forward::State& initial,
-          const forward::StateStoreFactory& storage)
-        : u(controls.zero()), force(controls, u), trajectory(stepper, initial, storage) {}
+    Point(Variables at, const ControlSpace* controls, Model with, bool whole)
+        : v(std::move(at)), model(std::move(with)),
+          trajectory(*model.stepper, *model.initial, *model.storage, whole) {
+      if (controls)
+        force.emplace(*controls, v.u);
+    }
+    Point(const Point&) = delete; // force refers to v
+    Point& operator=(const Point&) = delete;
 
-    Control u;
-    ControlForce force; ///< of u
+    Variables v;
+    Model model;
+    std::optional<ControlForce> force; ///< of v.u
     forward::Trajectory trajectory;
-    std::vector<double> squared_distances;
+    std::vector<double> squared_distances, residuals;
     Value value;
+    std::optional<Variables> gradient; ///< with parameters, once it was computed
   };
 
-  [[nodiscard]] std::unique_ptr<Point> point() const;
-  [[nodiscard]] forward::ForceAtStep load(const Point& at) const {
-    return {stepper_.space(), {load_, &at.force}};
+  /// A point with a model of its own. Throws SolverFailure where the scene is none at v.
+  [[nodiscard]] std::unique_ptr<Point> point(const Variables& v) const;
+  /// Makes its motion, and J.
+  void run(Point& at);
+  [[nodiscard]] static forward::ForceAtStep load(const Model& model, const ControlForce* force);
+  [[nodiscard]] static forward::ForceAtStep load(const Point& at) {
+    return load(at.model, at.force ? &*at.force : nullptr);
   }
+  /// The gradient, by the control in L2(0,T; L2), by parameters dJ/dx.
+  Variables derivative(Point& at, const AdjointObserver& visit = {});
+  /// The gradient by inner().
+  Variables gradient(Point& at);
+
   using Step = std::function<void(int k, const forward::LinearisedStep& step)>;
   /// Calls `use` with an integrator of S'(u) d that makes these steps or, without them, those linearised on
   /// the current contact.
@@ -128,18 +183,17 @@ private:
   /// scale u + S'* w, duals w pulled back by S' linearised on `contact`, as Riesz representative in
   /// L2(0,T; L2).
   Control pull_back(const std::vector<contact::ContactLinearisation>& contact,
-                    const forward::DualAtStep& dual, double scale, const Control& u);
-  Control l2_gradient(const Point& at);
+                    const forward::DualAtStep& dual, double scale, const Control& u,
+                    const AdjointObserver& visit = {});
 
-  const forward::Stepper& stepper_;
-  const ControlSpace& controls_;
-  const Objective& objective_;
-  const forward::State& initial_;
-  const forward::Load* load_; ///< null without one
-  const forward::StateStoreFactory& storage_;
+  ModelAt models_; ///< empty without parameters
+  const Misfit* misfit_ = nullptr;
+  const ControlSpace* controls_;
+  const Objective* objective_;
   Timers& timers_;
-  forward::Stepper::Workspace work_;       ///< of linearised and adjoint steps
-  std::unique_ptr<Point> current_, trial_; ///< never moved: forces refer to their controls
+  std::vector<double> weights_;                     ///< of the parameters in inner()
+  std::optional<forward::Stepper::Workspace> work_; ///< of linearised and adjoint steps, without parameters
+  std::unique_ptr<Point> current_, trial_;
   Sweeps sweeps_;
 };
 

@@ -112,7 +112,7 @@ private:
 
   const Control& gradient() {
     if (!current_->gradient)
-      current_->gradient = reduced().gradient();
+      current_->gradient = reduced().gradient().u;
     return *current_->gradient;
   }
 
@@ -178,7 +178,8 @@ public:
 
   Array hessian_product(const Given& given, const Given& direction, const Rows* order) {
     const Control d = control(direction, order);
-    return array_of(at(control(given, order), [&] { return controls().dual(reduced().hessian_product(d)); }));
+    return array_of(
+        at(control(given, order), [&] { return controls().dual(reduced().hessian_product(d).u); }));
   }
 
   std::tuple<double, double, double> parts(const Given& given) {

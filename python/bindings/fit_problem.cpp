@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/fit/fit_problem.h"
+#include "app/parameter_problem.h"
 #include "arrays.h"
 #include "bindings.h"
 #include "scene.h"
@@ -29,7 +29,7 @@ public:
   ~Fit() override { drop(release()); }
   std::shared_ptr<const void> release() override { return std::move(all_); }
 
-  [[nodiscard]] FitProblem& problem() const { return all().problem; }
+  [[nodiscard]] ParameterProblem& problem() const { return all().problem; }
   [[nodiscard]] const scene::Scene& scene() const { return all().scene; }
 
   /// Residuals (m).
@@ -44,7 +44,7 @@ public:
       go_to(values);
       std::vector<double> by_theta = at_.jacobian;
       const std::size_t m = at_.residuals.size();
-      const std::vector<double> slopes = problem().slopes(x_);
+      const std::vector<double> slopes = problem().misfit.slopes(x_);
       for (std::size_t i = 0; i < by_theta.size(); ++i)
         by_theta[i] /= slopes[i / m];
       return by_theta;
@@ -56,7 +56,7 @@ public:
   Array simulated(const Given& theta) {
     return compute_at(theta, [&] {
       std::vector<double> values;
-      for (const control::Data& one : problem().data())
+      for (const control::Data& one : problem().misfit.data())
         for (std::size_t k = 0; k < one.times.size(); ++k)
           values.push_back(one.values[k] + one.deviations[k] * at_.residuals[values.size()]);
       return values;
@@ -69,7 +69,7 @@ private:
 
     scene::Scene scene;
     Timers timers;
-    FitProblem problem;
+    ParameterProblem problem;
   };
 
   [[nodiscard]] Modules& all() const {
@@ -100,8 +100,8 @@ private:
       return;
     scene::require_possible(scene(), theta);
     theta_.clear();
-    x_ = problem().on_scales(theta);
-    at_ = problem().evaluate(x_);
+    x_ = problem().misfit.on_scales(theta);
+    at_ = problem().reduced.least_squares(control::Variables(x_));
     theta_ = theta;
   }
 
@@ -113,7 +113,7 @@ private:
 /// The data of all measurements one after another.
 Array data(const Fit& self, const std::vector<double> control::Data::* numbers) {
   std::vector<double> all;
-  for (const control::Data& one : self.problem().data())
+  for (const control::Data& one : self.problem().misfit.data())
     all.insert(all.end(), (one.*numbers).begin(), (one.*numbers).end());
   return array_of(std::move(all));
 }
@@ -132,15 +132,19 @@ void bind_fit_problem(nb::module_& module) {
                    })
       .def("start", [](const Fit& self) { return array_of(scene::start_values(self.scene())); })
       .def("lower",
-           [](const Fit& self) { return array_of(self.problem().values(self.problem().box().lower)); })
+           [](const Fit& self) {
+             return array_of(self.problem().misfit.values(self.problem().misfit.box().lower));
+           })
       .def("upper",
-           [](const Fit& self) { return array_of(self.problem().values(self.problem().box().upper)); })
+           [](const Fit& self) {
+             return array_of(self.problem().misfit.values(self.problem().misfit.box().upper));
+           })
       .def("measurements",
            [](const Fit& self) {
              nb::list all; // name, number of values
-             for (std::size_t i = 0; i < self.problem().data().size(); ++i)
-               all.append(
-                   nb::make_tuple(self.scene().measurements[i].name, self.problem().data()[i].times.size()));
+             for (std::size_t i = 0; i < self.problem().misfit.data().size(); ++i)
+               all.append(nb::make_tuple(self.scene().measurements[i].name,
+                                         self.problem().misfit.data()[i].times.size()));
              return all;
            })
       .def("times", [](const Fit& self) { return data(self, &control::Data::times); })
@@ -149,7 +153,8 @@ void bind_fit_problem(nb::module_& module) {
       .def("residuals", &Fit::residuals)
       .def("jacobian", &Fit::jacobian)
       .def("simulated", &Fit::simulated)
-      .def("sweeps", [](const Fit& self) { return alone([&] { return self.problem().sweeps(); }); });
+      .def("sweeps",
+           [](const Fit& self) { return alone([&] { return self.problem().reduced.sweeps().forward; }); });
 }
 
 } // namespace signorini::python

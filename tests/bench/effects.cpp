@@ -99,11 +99,12 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     reduced.accept();
     const double forward = watch.lap();
     run_solves = count("solves with D") - before;
-    control::Control g = reduced.gradient();
+    control::Control g = reduced.gradient().u;
     const double whole = forward + watch.lap();
     gradient_solves = count("solves with D") - before;
     u.add(-1, g);
-    reduced.project(u);
+    control::Variables v(u);
+    reduced.project(v);
     (void)reduced.inner(g, g);
     run = std::min(run, forward);
     gradient = std::min(gradient, whole);

@@ -15,8 +15,8 @@ SEES = {
     "contact": ["base", "linalg", "scene", "mesh", "fem"],
     "forward": ["base", "linalg", "scene", "mesh", "fem", "contact"],
     "adjoint": ["base", "linalg", "scene", "mesh", "fem", "contact", "forward"],
-    "control": ["base", "linalg", "scene", "mesh", "fem", "contact", "forward", "adjoint"],
     "optimize": ["base", "linalg"],
+    "control": ["base", "linalg", "scene", "mesh", "fem", "contact", "forward", "adjoint", "optimize"],
     "io": ["base", "scene", "mesh", "fem", "contact", "forward", "control"],
     "app": ["base", "linalg", "scene", "mesh", "fem", "contact", "forward", "adjoint", "control", "optimize", "io"],
 }

@@ -116,7 +116,7 @@ TEST_CASE("at the reference control only the cost of the control is left", "[con
   CHECK(value.terminal < 1e-24);
   CHECK(std::abs(value.control_cost / (ready.scene.objective->alpha / 2 * 1.09 * ready.scene.time.end) - 1) <
         1e-12);
-  control::Control g = problem.reduced.gradient();
+  control::Control g = problem.reduced.gradient().u;
   g.add(-ready.scene.objective->alpha, *problem.reference);
   CHECK(problem.controls.norm(g) < 1e-12);
 }
@@ -218,7 +218,7 @@ TEST_CASE("the gradient by a control constant in time is the mean of that by ste
     ControlProblem problem(ready.problem, test::silent());
     problem.reduced.simulate(problem.controls.constant(-0.5));
     problem.reduced.accept();
-    use(problem.reduced.gradient());
+    use(problem.reduced.gradient().u);
   };
   std::vector<double> mean;
   gradient(false, [&](const control::Control& g) {
@@ -239,9 +239,9 @@ TEST_CASE("a rejected trial changes nothing", "[control]") {
   const control::Control u = some(problem.controls, 0), other = some(problem.controls, 4);
   const double value = problem.reduced.value(u);
   problem.reduced.accept();
-  const control::Control before = problem.reduced.gradient();
+  const control::Control before = problem.reduced.gradient().u;
   problem.reduced.simulate(other);
-  control::Control after = problem.reduced.gradient();
+  control::Control after = problem.reduced.gradient().u;
   after.add(-1, before);
   CHECK(problem.controls.norm(before) > 0);
   CHECK(problem.controls.norm(after) < 1e-12 * problem.controls.norm(before));

@@ -14,9 +14,10 @@ TEST_CASE("contact is weak where it is closed at some points of a certificate an
   ControlProblem problem(ready.problem, test::silent());
   using Closed = std::set<std::pair<int, int>>; // step, candidate
   std::vector<Closed> each;
-  optimize::Certificate<control::Control> certificate{0.25, 0.5, {}, {0.5, 0.25, 0.25}};
+  optimize::Certificate<control::Variables> certificate{0.25, 0.5, {}, {0.5, 0.25, 0.25}};
   for (const char* push : {"0", "-1", "0.5"}) {
-    certificate.points.push_back(optimize::share(problem.controls.interpolate({"0", push}, "test")));
+    certificate.points.push_back(
+        optimize::share<control::Variables>(problem.controls.interpolate({"0", push}, "test")));
     problem.reduced.simulate(*certificate.points.back());
     const auto& contact = problem.reduced.trial_trajectory().contact();
     Closed& closed = each.emplace_back();

@@ -167,10 +167,10 @@ TEST_CASE("gradients and Hessian products are the same to the last bit from ever
       reduced.accept();
       REQUIRE(std::ranges::any_of(reduced.trajectory().contact(),
                                   [](const contact::ContactLinearisation& c) { return !c.active.empty(); }));
-      const control::Control gradient = reduced.gradient();
+      const control::Control gradient = reduced.gradient().u;
       const control::Control product = reduced.l2_hessian_product(control(0.5));
       reduced.simulate(control(0.7)); // a trial that is rejected
-      const control::Control once_more = reduced.gradient();
+      const control::Control once_more = reduced.gradient().u;
       CHECK((recomputed > before) == (kind == scene::Storage::checkpoints));
       REQUIRE(controls.norm(gradient) > 0);
       REQUIRE(controls.norm(product) > 0);

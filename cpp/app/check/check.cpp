@@ -100,17 +100,18 @@ bool check_scene(Problem& problem, const Console& console) {
   if (scene.contacts.empty())
     console.line("The scene has no contact: what follows checks a linear problem.");
   if (!scene.unknowns.empty()) {
-    FitProblem fit(problem.discretisation, scene, problem.timers);
-    print_doubts(fit.doubts(), console);
+    ParameterProblem fit(problem.discretisation, scene, problem.timers);
+    print_doubts(fit.misfit.doubts(), console);
     check_fit(fit, problem.stepper.solver().tolerance(), console, rows);
-    const scene::Scene start = fit.scene_at(fit.start());
+    const scene::Scene start = fit.scene_at(fit.misfit.start());
     const Problem started(problem.discretisation, start, check_needs(scene), problem.timers);
     const GivenControl given(started);
     invariants(started, given.load(), rows);
     if (scene.objective) {
       const ControlProblem control(problem, console);
-      JointProblem joint(fit, control, {control.first_guess(scene), fit.start()}, problem.timers);
-      check_joint(joint, problem.stepper.solver().tolerance(), rows);
+      ParameterProblem joint(problem.discretisation, scene, problem.timers, &control);
+      joint.reduced.weigh_parameters({control.first_guess(scene), joint.misfit.start()});
+      check_joint(joint.reduced, problem.stepper.solver().tolerance(), rows);
     }
   } else if (scene.objective) {
     ControlProblem control_problem(problem, console);

@@ -16,12 +16,16 @@ namespace {
 
 class FitCheck {
 public:
-  FitCheck(FitProblem& problem, double solver_tolerance, const Console& console)
-      : problem_(problem), console_(console), x_(problem.start()), here_(problem.gradient(x_)),
-        rounding_(1000 * std::numeric_limits<double>::epsilon() + 10 * solver_tolerance) {}
+  FitCheck(ParameterProblem& problem, double solver_tolerance, const Console& console)
+      : problem_(problem), reduced_(problem.reduced), console_(console), x_(problem.misfit.start()),
+        here_(reduced_.value(control::Variables(x_))),
+        rounding_(1000 * std::numeric_limits<double>::epsilon() + 10 * solver_tolerance) {
+    reduced_.accept();
+    by_x_ = reduced_.gradient_by_parameters();
+  }
 
   void run(std::vector<CheckRow>& rows) {
-    const optimize::LeastSquares linearised = problem_.evaluate(x_);
+    const optimize::LeastSquares linearised = reduced_.least_squares(control::Variables(x_));
     const std::vector<double> g = linearised.gradient();
     const std::size_t m = linearised.residuals.size();
     const double size = std::sqrt(2 * linearised.value());
@@ -30,20 +34,23 @@ public:
       lengths_.push_back(std::sqrt(std::inner_product(
           &linearised.jacobian[j * m], &linearised.jacobian[j * m] + m, &linearised.jacobian[j * m], 0.0)));
       if (size * lengths_[j] > 0)
-        worst = std::max(worst, std::abs(here_.by_x[j] - g[j]) / (size * lengths_[j]));
+        worst = std::max(worst, std::abs(by_x_[j] - g[j]) / (size * lengths_[j]));
     }
     rows.push_back(below("gradient: adjoint sweep against linearised motions", worst, sweeps_leave()));
-    if (here_.weak > 0)
+    std::size_t weak = 0;
+    for (const contact::ContactLinearisation& contact : reduced_.trajectory().contact())
+      weak += contact.weak.size();
+    if (weak > 0)
       console_.line(fmt::format("Contact is weak {} times, a node at one step counting once: closed, "
                                 "but without force, so that J may have a kink at the first guess.",
-                                here_.weak));
+                                weak));
     for (std::size_t j = 0; j < x_.size(); ++j) {
       jacobian(j, {&linearised.jacobian[j * m], m}, rows);
       taylor(j, rows);
     }
     const optimize::Identified known = optimize::identified(linearised.normal_matrix(), x_.size());
     for (const std::vector<double>& direction : known.untold)
-      console_.line(untold(problem_.scene().unknowns, direction));
+      console_.line(untold(problem_.scene.unknowns, direction));
   }
 
 private:
@@ -51,13 +58,13 @@ private:
   /// motions whose energy norm a solver holds: by the root of the condition, some ten.
   [[nodiscard]] double sweeps_leave() const {
     constexpr double forces = 10;
-    return forces * std::sqrt(static_cast<double>(problem_.scene().time.steps)) * rounding_;
+    return forces * std::sqrt(static_cast<double>(problem_.scene.time.steps)) * rounding_;
   }
 
   /// The size of a change of an unknown: that by which the values change about as much as they are off.
   [[nodiscard]] double unit(std::size_t j) const {
-    const double moves = lengths_[j] > 0 ? std::max(std::sqrt(2 * here_.value), 1.0) / lengths_[j] : 1;
-    return problem_.scene().unknowns[j].logarithmic() ? std::min(moves, 1.0) : moves;
+    const double moves = lengths_[j] > 0 ? std::max(std::sqrt(2 * here_), 1.0) / lengths_[j] : 1;
+    return problem_.scene.unknowns[j].logarithmic() ? std::min(moves, 1.0) : moves;
   }
 
   struct Trial {
@@ -69,13 +76,13 @@ private:
   [[nodiscard]] std::optional<Trial> at(std::size_t j, double change) const {
     std::vector<double> x = x_;
     x[j] += change;
-    if (x[j] < problem_.box().lower[j] || x[j] > problem_.box().upper[j])
+    if (x[j] < problem_.misfit.box().lower[j] || x[j] > problem_.misfit.box().upper[j])
       return std::nullopt;
     try {
-      const FitProblem::Gradient found = problem_.value(x);
-      return Trial{found.value, found.residuals, switches(here_.contact, found.contact).steps == 0};
-    } catch (const UserError&) {
-      return std::nullopt;
+      const double value = reduced_.value(control::Variables(x));
+      return Trial{value, reduced_.trial_residuals(),
+                   switches(reduced_.trajectory().contact(), reduced_.trial_trajectory().contact()).steps ==
+                       0};
     } catch (const SolverFailure&) {
       return std::nullopt;
     }
@@ -83,8 +90,7 @@ private:
 
   /// Central differences of all values, of the best size that keeps the active sets on both sides.
   void jacobian(std::size_t j, std::span<const double> column, std::vector<CheckRow>& rows) const {
-    const std::string name =
-        fmt::format("values by {} against differences", problem_.scene().unknowns[j].name);
+    const std::string name = fmt::format("values by {} against differences", problem_.scene.unknowns[j].name);
     double least = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 8; ++i) {
       const double epsilon = unit(j) * std::pow(10, -3.5 - 0.5 * i);
@@ -106,8 +112,8 @@ private:
 
   void taylor(std::size_t j, std::vector<CheckRow>& rows) const {
     constexpr double clear = 200; // J's rounding is more than an evaluation's: each has a factor of its own
-    const std::string& name = problem_.scene().unknowns[j].name;
-    const double floor = clear * rounding_ * std::max(here_.value, 1e-6);
+    const std::string& name = problem_.scene.unknowns[j].name;
+    const double floor = clear * rounding_ * std::max(here_, 1e-6);
     std::vector<std::pair<double, double>> usable;
     double widest = 0;
     for (int i = 0; i < 14; ++i) {
@@ -116,7 +122,7 @@ private:
       if (!trial || !trial->kept)
         continue;
       widest = std::max(widest, epsilon);
-      const double remainder = std::abs(trial->value - here_.value - epsilon * here_.by_x[j]);
+      const double remainder = std::abs(trial->value - here_ - epsilon * by_x_[j]);
       if (!(remainder > floor)) // those of smaller sizes are rounding too
         break;
       usable.emplace_back(epsilon, remainder);
@@ -139,28 +145,29 @@ private:
       rows.push_back({against, "the sets change on the other side", "a size that keeps them", false});
       return;
     }
-    const double slope = (above->value - below_it->value) / (2 * widest),
-                 lost = rounding_ * here_.value / widest,
-                 size = std::max(std::abs(slope), std::abs(here_.by_x[j]));
+    const double slope = (above->value - below_it->value) / (2 * widest), lost = rounding_ * here_ / widest,
+                 size = std::max(std::abs(slope), std::abs(by_x_[j]));
     rows.push_back(
-        size > 0 ? below(against, std::abs(slope - here_.by_x[j]) / size, std::max(1e-6, clear * lost / size))
+        size > 0 ? below(against, std::abs(slope - by_x_[j]) / size, std::max(1e-6, clear * lost / size))
                  : below(against, 0, 0));
   }
 
-  FitProblem& problem_;
+  ParameterProblem& problem_;
+  control::ReducedProblem& reduced_;
   const Console& console_;
   std::vector<double> x_;
-  FitProblem::Gradient here_;
+  double here_;                 ///< J
+  std::vector<double> by_x_;    ///< dJ/dx
   double rounding_;             ///< of J, relative
   std::vector<double> lengths_; ///< of the Jacobian's columns
 };
 
 } // namespace
 
-void check_joint(JointProblem& problem, double solver_tolerance, std::vector<CheckRow>& rows) {
-  const JointVector v = problem.vector();
+void check_joint(control::ReducedProblem& problem, double solver_tolerance, std::vector<CheckRow>& rows) {
+  const control::Variables v = problem.variables();
   const double here = problem.value(v);
-  JointVector d = problem.trial_gradient();
+  control::Variables d = problem.trial_gradient();
   problem.accept();
   const ContactHistory contact = problem.trajectory().contact();
   const double squared = problem.inner(d, d), curvature = problem.inner(d, problem.hessian_product(d)),
@@ -170,7 +177,7 @@ void check_joint(JointProblem& problem, double solver_tolerance, std::vector<Che
   std::vector<std::pair<double, double>> usable;
   for (int i = 0; i < 14; ++i) {
     const double epsilon = std::pow(10, -1 - 0.5 * i);
-    JointVector beside = v;
+    control::Variables beside = v;
     beside.add(epsilon, d);
     const double remainder = std::abs(problem.value(beside) - here - epsilon * slope);
     if (switches(contact, problem.trial_trajectory().contact()).steps == 0 && remainder > floor)
@@ -188,7 +195,7 @@ void check_joint(JointProblem& problem, double solver_tolerance, std::vector<Che
                   std::abs(p - 2) <= 0.05});
 }
 
-void check_fit(FitProblem& problem, double solver_tolerance, const Console& console,
+void check_fit(ParameterProblem& problem, double solver_tolerance, const Console& console,
                std::vector<CheckRow>& rows) {
   FitCheck(problem, solver_tolerance, console).run(rows);
 }

@@ -64,20 +64,20 @@ private:
 /// The search, from the start or where another stopped. Throws UserError, SolverFailure, Interrupted.
 class Search {
 public:
-  Search(FitProblem& problem, const io::OutputFolder& folder, const Console& console)
-      : problem_(problem), folder_(folder), console_(console), history_(problem.scene(), folder),
+  Search(ParameterProblem& problem, const io::OutputFolder& folder, const Console& console)
+      : problem_(problem), folder_(folder), console_(console), history_(problem.scene, folder),
         checkpoint_(folder.path() / resume::checkpoint) {}
 
   optimize::GaussNewtonResult run(bool resume) {
     optimize::GaussNewtonIterate start = first(resume);
-    const scene::Optimizer& options = problem_.scene().optimizer;
+    const scene::Optimizer& options = problem_.scene.optimizer;
     const MPI_Comm comm = folder_.comm();
     const auto agree = [comm](std::span<double> numbers) {
       MPI_Bcast(numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, 0, comm);
     };
     try {
       return optimize::gauss_newton(
-          [&](std::span<const double> x) { return attempt(x); }, std::move(start), problem_.box(),
+          [&](std::span<const double> x) { return attempt(x); }, std::move(start), problem_.misfit.box(),
           {.max_iterations = options.max_iterations, .tolerance = options.tolerance, .agree = agree},
           [&](const optimize::GaussNewtonIterate& now) { return take(now); });
     } catch (const Interrupted&) {
@@ -97,13 +97,13 @@ public:
 
 private:
   optimize::GaussNewtonIterate first(bool resume) {
-    optimize::GaussNewtonIterate start{.x = problem_.start(), .at = {}};
+    optimize::GaussNewtonIterate start{.x = problem_.misfit.start(), .at = {}};
     if (!resume || !resume::found(folder_, console_)) {
-      start.at = problem_.evaluate(start.x);
+      start.at = problem_.reduced.least_squares(control::Variables(start.x));
       return start;
     }
     io::CheckpointReader in(folder_.comm(), checkpoint_);
-    resume::require_same_problem(in, echoed(), problem_.discretisation()->mesh);
+    resume::require_same_problem(in, echoed(), problem_.discretisation->mesh);
     std::string history;
     double objective = 0;
     int sweeps = 0;
@@ -114,14 +114,14 @@ private:
     in("damping", start.damping);
     in("sweeps", sweeps);
     in("seconds", earlier_);
-    if (start.x.size() != problem_.scene().unknowns.size())
+    if (start.x.size() != problem_.scene.unknowns.size())
       in.fail("\"x\" is damaged; allowed is a whole checkpoint");
-    start.at = problem_.evaluate(start.x);
+    start.at = problem_.reduced.least_squares(control::Variables(start.x));
     // Of data without noise J itself is rounding.
     resume::require_same_value(checkpoint_, objective, start.at.value(),
-                               std::max(objective, static_cast<double>(problem_.count())));
+                               std::max(objective, static_cast<double>(problem_.misfit.count())));
     history_.restore(std::move(history));
-    problem_.count_from(sweeps);
+    problem_.reduced.count_from({.forward = sweeps});
     restored_ = true;
     console_.line(fmt::format("resumed after iteration {}", start.number));
     return start;
@@ -130,26 +130,26 @@ private:
   /// Writes a checkpoint. A failure is reported and the search goes on.
   void store(const optimize::GaussNewtonIterate& now) const {
     io::CheckpointWriter out(folder_.comm(), folder_.staged(resume::checkpoint), checkpoint_);
-    resume::store_problem(out, echoed(), problem_.discretisation()->mesh);
+    resume::store_problem(out, echoed(), problem_.discretisation->mesh);
     out("history", history_.text());
     out("x", now.x);
     out("objective", now.at.value());
     out("iteration", now.number);
     out("damping", now.damping);
-    out("sweeps", problem_.sweeps());
+    out("sweeps", problem_.reduced.sweeps().forward);
     out("seconds", seconds());
     if (const std::string failure = out.commit(); !failure.empty())
       console_.line(resume::not_written(checkpoint_, failure));
   }
 
   [[nodiscard]] std::string echoed() const {
-    return scene::echo(problem_.scene(), problem_.discretisation()->space.dim());
+    return scene::echo(problem_.scene, problem_.discretisation->space.dim());
   }
 
   /// A trial; none where the scene is none at these values, or a solver fails.
   std::optional<optimize::LeastSquares> attempt(std::span<const double> x) {
     try {
-      return problem_.evaluate(x);
+      return problem_.reduced.least_squares(control::Variables(std::vector(x.begin(), x.end())));
     } catch (const UserError& error) {
       failure_ = error.what();
     } catch (const SolverFailure& error) {
@@ -161,8 +161,8 @@ private:
   bool take(const optimize::GaussNewtonIterate& now) {
     last_ = now;
     if (!std::exchange(restored_, false)) {
-      const std::vector<double> theta = problem_.values(now.x);
-      history_.add(now, problem_.sweeps(), seconds(), theta);
+      const std::vector<double> theta = problem_.misfit.values(now.x);
+      history_.add(now, problem_.reduced.sweeps().forward, seconds(), theta);
       store(now);
       console_.line(fmt::format("{:4d}  J = {:.6e}, decrement {:.2e}; {:.6g}", now.number, now.at.value(),
                                 now.decrement, fmt::join(theta, ", ")));
@@ -170,7 +170,7 @@ private:
     return !stop_requested(folder_.comm());
   }
 
-  FitProblem& problem_;
+  ParameterProblem& problem_;
   const io::OutputFolder& folder_;
   const Console& console_;
   History history_;
@@ -192,16 +192,16 @@ int fit_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
               const Console& console) {
   io::OutputFolder folder(comm, out, resume ? resume::checkpoint : "");
   Timers timers;
-  FitProblem fit(std::make_shared<const Discretisation>(comm, scene, timers), scene, timers);
+  ParameterProblem fit(std::make_shared<const Discretisation>(comm, scene, timers), scene, timers);
   console.line(fmt::format("fit of {} unknown{} to {} values of {} measurement{}", scene.unknowns.size(),
-                           scene.unknowns.size() == 1 ? "" : "s", fit.count(), scene.measurements.size(),
-                           scene.measurements.size() == 1 ? "" : "s"));
-  print_doubts(fit.doubts(), console);
+                           scene.unknowns.size() == 1 ? "" : "s", fit.misfit.count(),
+                           scene.measurements.size(), scene.measurements.size() == 1 ? "" : "s"));
+  print_doubts(fit.misfit.doubts(), console);
   Search search(fit, folder, console);
   const optimize::GaussNewtonResult end = search.run(resume);
 
   const scene::Scene fitted = fit.scene_at(end.last.x);
-  const Problem problem(fit.discretisation(), fitted, fit.needs(), timers, forward::Stops::ignored);
+  const Problem problem(fit.discretisation, fitted, fit.needs(), timers, forward::Stops::ignored);
   MotionWriter recorder(problem, folder, nullptr, true);
   const GivenControl given(problem);
   Simulated simulated = simulate_measured(problem, fit, given.load(), recorder);
@@ -221,17 +221,17 @@ int fit_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::p
   for (const std::string& line : outcome_lines(result))
     console.line(line);
   io::Manifest m = manifest(problem, "optimize", stop_words(end.stop), problem.steps());
-  add_doubts(m, fit.doubts());
+  add_doubts(m, fit.misfit.doubts());
   add_watched(m, recorder, scene.run, console);
   add_warning(m, misfit_warning(result), console);
   m.iterations = end.last.number;
-  m.forward_sweeps = fit.sweeps();
+  m.forward_sweeps = fit.reduced.sweeps().forward;
   m.adjoint_sweeps = 0;
   m.fit = std::move(result);
   m.files = folder.files();
   folder.write("run.json", io::to_json(m, scene, timers));
   console.line(fmt::format("J {:.6e}: {} iterations, {} forward sweeps in {:.1f} s", end.last.at.value(),
-                           end.last.number, fit.sweeps(), search.seconds()));
+                           end.last.number, fit.reduced.sweeps().forward, search.seconds()));
   finish(folder, console);
   return end.stop == optimize::Stop::solver_failed ? exit_status::solver_failed
          : end.stop == optimize::Stop::interrupted ? exit_status::interrupted

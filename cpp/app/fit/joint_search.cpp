@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/fit/joint_search.h"
 #include "app/control_files.h"
-#include "app/fit/joint_problem.h"
 #include "app/fit/outcome.h"
 #include "app/fit/simulated.h"
 #include "app/optimize.h"
+#include "app/parameter_problem.h"
 #include "app/resume.h"
 #include "app/run_manifest.h"
 #include "base/error.h"
@@ -19,58 +19,30 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-static_assert(optimize::TwiceDifferentiable<JointProblem>);
-
-/// Stores and restores joint vectors as a control and numbers, anything else as it is.
-template <class Archive>
-class JointArchive {
-public:
-  explicit JointArchive(Archive& archive) : archive_(archive) {}
-
-  template <class T>
-  void operator()(const std::string& name, T& value) {
-    archive_(name, value);
-  }
-  void operator()(const std::string& name, optimize::Shared<JointVector>& v) {
-    optimize::Shared<control::Control> u = optimize::share(v->u);
-    std::vector<double> x = v->x;
-    archive_(name + "/control", u);
-    archive_(name + "/unknowns", x);
-    v = optimize::share(JointVector(*u, std::move(x)));
-  }
-  void operator()(const std::string& name, CompactJointVector& v) {
-    archive_(name + "/control", v.u);
-    archive_(name + "/unknowns", v.x);
-  }
-
-private:
-  Archive& archive_;
-};
-
 /// What a joint search leaves while it runs: lines, history.csv at its end, checkpoints.
 class Log {
 public:
-  Log(JointProblem& problem, FitProblem& fit, const io::OutputFolder& folder, bool resume,
+  Log(control::ReducedProblem& problem, ParameterProblem& fit, const io::OutputFolder& folder, bool resume,
       const Console& console)
       : problem_(problem), fit_(fit), folder_(folder), console_(console),
-        file_(folder.path() / resume::checkpoint), every_(fit.scene().optimizer.checkpoint),
+        file_(folder.path() / resume::checkpoint), every_(fit.scene.optimizer.checkpoint),
         resumes_(resume && resume::found(folder, console)) {
     head_ =
         "iteration,objective,tracking,terminal,control_cost,misfit,gradient_norm,step_length,forward_sweeps,"
         "adjoint_sweeps,seconds";
-    for (const scene::Unknown& unknown : fit.scene().unknowns)
+    for (const scene::Unknown& unknown : fit.scene.unknowns)
       head_ += "," + unknown.name;
     head_ += "\n";
   }
 
   void operator()(const optimize::Iteration& iteration) {
-    const JointProblem::Value& value = problem_.value();
-    const std::vector<double> theta = fit_.values(problem_.vector().x);
+    const control::Value& value = problem_.value();
+    const std::vector<double> theta = fit_.misfit.values(problem_.variables().x);
     rows_ +=
         fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{},{},{:.3f},{:.17g}\n",
-                    iteration.number, value.total(), value.control.tracking, value.control.terminal,
-                    value.control.control_cost, value.misfit, iteration.gradient_norm, iteration.step_length,
-                    problem_.sweeps().forward, problem_.sweeps().adjoint, seconds(), fmt::join(theta, ","));
+                    iteration.number, value.total(), value.tracking, value.terminal, value.control_cost,
+                    value.misfit, iteration.gradient_norm, iteration.step_length, problem_.sweeps().forward,
+                    problem_.sweeps().adjoint, seconds(), fmt::join(theta, ","));
     console_.line(fmt::format("{:4d}  J = {:.6e}, misfit {:.3e}, |g| = {:.2e}; {:.6g}", iteration.number,
                               value.total(), value.misfit, iteration.gradient_norm, fmt::join(theta, ", ")));
     last_ = iteration.number;
@@ -81,7 +53,7 @@ public:
     if (!resumes_)
       return false;
     io::CheckpointReader in(problem_.controls(), file_);
-    resume::require_same_problem(in, echoed(), fit_.discretisation()->mesh);
+    resume::require_same_problem(in, echoed(), fit_.discretisation->mesh);
     in.match_places();
     in("rows", rows_);
     in("seconds", earlier_);
@@ -90,7 +62,7 @@ public:
     if (sweeps.size() != 2)
       in.fail("\"sweeps\" is damaged; allowed is a whole checkpoint");
     marked_ = {static_cast<int>(sweeps[0]), static_cast<int>(sweeps[1])};
-    JointArchive archive(in);
+    control::VariablesArchive archive(in, fit_.scene.unknowns.size());
     state.serialize(archive);
     last_ = stored_at_ = state.iteration.number;
     return true;
@@ -106,7 +78,7 @@ public:
     return every_ > 0 && iteration.number % every_ == 0 && iteration.number != stored_at_;
   }
   void mark() { marked_ = problem_.sweeps(); }
-  void certified(const optimize::Certificate<JointVector>& certificate) {
+  void certified(const optimize::Certificate<control::Variables>& certificate) {
     kink_ = io::Kink{.length = certificate.length,
                      .radius = certificate.radius,
                      .gradients = static_cast<int>(certificate.points.size()),
@@ -119,12 +91,12 @@ public:
     if (every_ == 0)
       return;
     io::CheckpointWriter out(problem_.controls(), folder_.staged(resume::checkpoint), file_);
-    resume::store_problem(out, echoed(), fit_.discretisation()->mesh);
+    resume::store_problem(out, echoed(), fit_.discretisation->mesh);
     out("rows", rows_);
     out("seconds", seconds());
     out("sweeps",
         std::vector<double>{static_cast<double>(marked_.forward), static_cast<double>(marked_.adjoint)});
-    JointArchive archive(out);
+    control::VariablesArchive archive(out, fit_.scene.unknowns.size());
     state.serialize(archive);
     stored_at_ = state.iteration.number;
     if (const std::string failure = out.commit(); !failure.empty())
@@ -139,11 +111,11 @@ public:
 
 private:
   [[nodiscard]] std::string echoed() const {
-    return scene::echo(fit_.scene(), problem_.controls().space().dim());
+    return scene::echo(fit_.scene, problem_.controls().space().dim());
   }
 
-  JointProblem& problem_;
-  FitProblem& fit_;
+  control::ReducedProblem& problem_;
+  ParameterProblem& fit_;
   const io::OutputFolder& folder_;
   const Console& console_;
   std::filesystem::path file_;
@@ -165,10 +137,11 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   const Problem base(comm, scene, search_needs(scene), timers);
   console.line(headline(base));
   const ControlProblem control(base, console);
-  FitProblem fit(base.discretisation, scene, timers);
-  print_doubts(fit.doubts(), console);
-  JointVector guess(control.first_guess(scene), fit.start());
-  JointProblem joint(fit, control, guess, timers);
+  ParameterProblem fit(base.discretisation, scene, timers, &control);
+  print_doubts(fit.misfit.doubts(), console);
+  control::Variables guess(control.first_guess(scene), fit.misfit.start());
+  control::ReducedProblem& joint = fit.reduced;
+  joint.weigh_parameters(guess);
   Log log(joint, fit, folder, resume, console);
   const optimize::Options options = search_options(control.controls, scene.optimizer);
   const auto end = optimize::minimize<optimize::Lbfgs>(joint, std::move(guess), options, log, log);
@@ -177,19 +150,23 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   if (scene.output.table(scene::StoredTable::history))
     folder.write("history.csv", log.history());
   folder.write("scene.toml", scene::echo(scene, base.space.dim()));
-  MotionWriter recorder(joint.problem(), folder, &control.objective, true);
-  Simulated simulated = simulate_measured(joint.problem(), fit, joint.load(), recorder);
+  const scene::Scene found = fit.scene_at(joint.variables().x);
+  const Problem problem(base.discretisation, found, fit.needs(), timers, forward::Stops::ignored);
+  const control::ControlForce force(control.controls, joint.control());
+  MotionWriter recorder(problem, folder, &control.objective, true);
+  Simulated simulated = simulate_measured(problem, fit, problem.load(&force), recorder);
   write_control(
-      folder, joint.problem(), control.controls, joint.vector().u,
+      folder, problem, control.controls, joint.control(),
       [&](const auto& store) { joint.adjoint_states(store); }, recorder.stored());
-  const std::vector<double>& x = joint.vector().x;
-  io::Fit result = outcome(
-      fit,
-      {.number = log.iterations(), .x = x, .at = fit.evaluate(x, &joint.force(), forward::Stops::ignored)},
-      simulated.values);
+  const std::vector<double>& x = joint.variables().x;
+  io::Fit result = outcome(fit,
+                           {.number = log.iterations(),
+                            .x = x,
+                            .at = joint.least_squares(joint.variables(), forward::Stops::ignored)},
+                           simulated.values);
   result.compared = std::move(simulated.compared);
   result.decrement.reset(); // which leaves the control's part of J out
-  const std::vector<double> by_x = joint.gradient_by_unknowns(), slopes = fit.slopes(x);
+  const std::vector<double> by_x = joint.gradient_by_parameters(), slopes = fit.misfit.slopes(x);
   for (std::size_t j = 0; j < x.size(); ++j)
     result.unknowns[j].gradient = by_x[j] / slopes[j];
   if (scene.output.table(scene::StoredTable::parameters))
@@ -199,12 +176,13 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   console.line("stopped: " + optimize::name(end.stop));
   for (const std::string& line : outcome_lines(result))
     console.line(line);
-  io::Manifest m = manifest(joint.problem(), "optimize", optimize::name(end.stop), joint.problem().steps());
-  add_doubts(m, fit.doubts());
+  io::Manifest m = manifest(problem, "optimize", optimize::name(end.stop), problem.steps());
+  add_doubts(m, fit.misfit.doubts());
   add_watched(m, recorder, scene.run, console);
-  add_warning(m, desired_warning(joint.problem()), console);
+  add_warning(m, desired_warning(problem), console);
   add_warning(m, misfit_warning(result), console);
-  m.objective = joint.value().control;
+  m.objective = joint.value();
+  m.objective->misfit = 0; // which "fit" has
   m.iterations = log.iterations();
   m.forward_sweeps = sweeps.forward;
   m.adjoint_sweeps = sweeps.adjoint;
@@ -214,10 +192,9 @@ int search_jointly(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   folder.write("run.json", io::to_json(m, scene, timers));
   console.line(fmt::format("J {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e}, misfit {:.3e}): {} "
                            "iterations, {} forward and {} adjoint sweeps in {:.1f} s",
-                           joint.value().total(), joint.value().control.tracking,
-                           joint.value().control.terminal, joint.value().control.control_cost,
-                           joint.value().misfit, log.iterations(), sweeps.forward, sweeps.adjoint,
-                           log.seconds()));
+                           joint.value().total(), joint.value().tracking, joint.value().terminal,
+                           joint.value().control_cost, joint.value().misfit, log.iterations(), sweeps.forward,
+                           sweeps.adjoint, log.seconds()));
   finish(folder, console);
   return end.stop == optimize::Stop::solver_failed ? exit_status::solver_failed
          : end.stop == optimize::Stop::interrupted ? exit_status::interrupted

@@ -37,9 +37,9 @@ std::string simulated(const io::ComparedFigure& one) {
 }
 
 /// dJ/dθ and the standard deviations of θ.
-void take_deviations(const FitProblem& problem, const optimize::GaussNewtonIterate& last,
+void take_deviations(const ParameterProblem& problem, const optimize::GaussNewtonIterate& last,
                      const optimize::Identified& known, io::Fit& fit) {
-  const std::vector<double> slope = problem.slopes(last.x), g = last.at.gradient();
+  const std::vector<double> slope = problem.misfit.slopes(last.x), g = last.at.gradient();
   for (std::size_t j = 0; j < fit.unknowns.size(); ++j) {
     fit.unknowns[j].deviation = known.deviations[j] * slope[j];
     fit.unknowns[j].gradient = g[j] / slope[j];
@@ -47,19 +47,19 @@ void take_deviations(const FitProblem& problem, const optimize::GaussNewtonItera
 }
 
 /// Sentences about unknowns on logarithmic scales that are poorly identified.
-void add_poorly_identified(const FitProblem& problem, const optimize::GaussNewtonIterate& last,
+void add_poorly_identified(const ParameterProblem& problem, const optimize::GaussNewtonIterate& last,
                            const optimize::Identified& known, io::Fit& fit) {
   for (std::size_t j = 0; j < fit.unknowns.size(); ++j) {
-    const scene::Unknown& unknown = problem.scene().unknowns[j];
+    const scene::Unknown& unknown = problem.scene.unknowns[j];
     const double deviation = known.deviations[j];
     if (!unknown.logarithmic() || !std::isfinite(deviation))
       continue;
-    if (!unknown.lower && last.x[j] <= problem.box().lower[j])
+    if (!unknown.lower && last.x[j] <= problem.misfit.box().lower[j])
       fit.untold.push_back(fmt::format("{} fell to the end of its logarithmic scale, {:.2g} of its first "
                                        "guess: the data tell only that it is small. On the scale \"linear\" "
                                        "its least value can be found.",
                                        unknown.name, fit.unknowns[j].value / unknown.start));
-    else if (!unknown.upper && last.x[j] >= problem.box().upper[j])
+    else if (!unknown.upper && last.x[j] >= problem.misfit.box().upper[j])
       fit.untold.push_back(fmt::format("{} rose to the end of its logarithmic scale, {:.2g} times its first "
                                        "guess: the data tell only that it is large.",
                                        unknown.name, fit.unknowns[j].value / unknown.start));
@@ -107,24 +107,25 @@ std::string untold(const std::vector<scene::Unknown>& unknowns, const std::vecto
       fmt::join(names, ", "), fmt::join(changes, ", "));
 }
 
-io::Fit outcome(const FitProblem& problem, const optimize::GaussNewtonIterate& last,
+io::Fit outcome(const ParameterProblem& problem, const optimize::GaussNewtonIterate& last,
                 const std::vector<double>& values) {
-  const scene::Scene& scene = problem.scene();
-  const std::vector<double> theta = problem.values(last.x), lower = problem.values(problem.box().lower),
-                            upper = problem.values(problem.box().upper);
+  const scene::Scene& scene = problem.scene;
+  const std::vector<double> theta = problem.misfit.values(last.x),
+                            lower = problem.misfit.values(problem.misfit.box().lower),
+                            upper = problem.misfit.values(problem.misfit.box().upper);
   io::Fit fit;
   for (std::size_t j = 0; j < scene.unknowns.size(); ++j) {
     const scene::Unknown& unknown = scene.unknowns[j];
-    fit.unknowns.push_back(
-        {.name = unknown.name,
-         .of = scene::name(unknown.of),
-         .unit = scene::unit(unknown),
-         .scale = scene::name(unknown.scale),
-         .value = theta[j],
-         .start = unknown.start,
-         .lower = lower[j],
-         .upper = upper[j],
-         .at_bound = last.x[j] <= problem.box().lower[j] || last.x[j] >= problem.box().upper[j]});
+    fit.unknowns.push_back({.name = unknown.name,
+                            .of = scene::name(unknown.of),
+                            .unit = scene::unit(unknown),
+                            .scale = scene::name(unknown.scale),
+                            .value = theta[j],
+                            .start = unknown.start,
+                            .lower = lower[j],
+                            .upper = upper[j],
+                            .at_bound = last.x[j] <= problem.misfit.box().lower[j] ||
+                                        last.x[j] >= problem.misfit.box().upper[j]});
   }
   const optimize::Identified known = optimize::identified(last.at.normal_matrix(), scene.unknowns.size());
   take_deviations(problem, last, known, fit);
@@ -136,7 +137,7 @@ io::Fit outcome(const FitProblem& problem, const optimize::GaussNewtonIterate& l
   std::size_t at = 0;
   double squares = 0;
   for (std::size_t i = 0; i < scene.measurements.size(); ++i) {
-    const control::Data& data = problem.data()[i];
+    const control::Data& data = problem.misfit.data()[i];
     if (data.times.empty())
       continue;
     io::Comparison& one = fit.measurements.emplace_back();

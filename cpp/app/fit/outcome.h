@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "app/fit/fit_problem.h"
+#include "app/parameter_problem.h"
 #include "forward/warning.h"
 #include "io/fit_tables.h"
 #include <optional>
@@ -8,7 +8,7 @@
 namespace signorini {
 
 /// The outcome of a fit that ended at an iterate; `simulated` are the values there.
-io::Fit outcome(const FitProblem& problem, const optimize::GaussNewtonIterate& last,
+io::Fit outcome(const ParameterProblem& problem, const optimize::GaussNewtonIterate& last,
                 const std::vector<double>& simulated);
 
 /// A sentence on a direction along which nothing changes (optimize::Identified::untold).

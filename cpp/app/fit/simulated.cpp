@@ -34,10 +34,10 @@ std::vector<io::ComparedFigure> compared(const Problem& problem, const study::Co
 
 } // namespace
 
-Simulated simulate_measured(const Problem& problem, const FitProblem& fit, const forward::ForceAtStep& load,
-                            MotionWriter& recorder) {
+Simulated simulate_measured(const Problem& problem, const ParameterProblem& fit,
+                            const forward::ForceAtStep& load, MotionWriter& recorder) {
   const auto timer = problem.timers.time("replay");
-  control::Measurements measurements(problem.stepper, problem.grid, problem.scene, fit.times());
+  control::Measurements measurements(problem.stepper, problem.grid, problem.scene, fit.misfit.times());
   study::ContactWatch contact(problem.stepper);
   forward::integrate(
       problem.stepper, problem.grid, problem.initial, load,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "app/fit/fit_problem.h"
 #include "app/motion_writer.h"
+#include "app/parameter_problem.h"
 #include "io/fit_tables.h"
 
 namespace signorini {
@@ -14,7 +14,7 @@ struct Simulated {
 
 /// Makes the motion once more, for its files and for this. A request to stop is ignored. Collective. Throws
 /// UserError, SolverFailure, WriteFailure.
-Simulated simulate_measured(const Problem& problem, const FitProblem& fit, const forward::ForceAtStep& load,
-                            MotionWriter& recorder);
+Simulated simulate_measured(const Problem& problem, const ParameterProblem& fit,
+                            const forward::ForceAtStep& load, MotionWriter& recorder);
 
 } // namespace signorini
