@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/accuracy.h"
 #include "app/error_estimate.h"
-#include "app/optimize.h"
-#include "app/resume.h"
 #include "app/run_manifest.h"
+#include "app/search/results.h"
+#include "app/search/search.h"
 #include "app/search_level.h"
 #include "app/study/density.h"
 #include "app/study/measured.h"
@@ -165,8 +165,9 @@ private:
                                                        search_needs(scene_));
     const Problem& problem = level->problem();
     ControlProblem& control_problem = level->control_problem();
-    OptimizerLog record(control_problem, problem, told, folder, false, console_,
-                        OptimizerLog::Files::with_results);
+    const SearchSubject subject{told,     *problem.discretisation, control_problem.reduced, problem.timers,
+                                &problem, &control_problem};
+    SearchLog record(subject, folder, false, console_, SearchLog::Files::with_results);
     Parts parts;
     parts.search = search(*level, record);
     record.end();
@@ -205,8 +206,10 @@ private:
                                 .doubt = doubt_};
     record.store(last_->state());
     folder.write("indicators.csv", indicators());
-    write_optimum(folder, problem, told, control_problem, record,
-                  {last_->stop(), last_->first_norm(), records_, accuracy}, Console(false, false));
+    write_results(
+        folder, subject, record,
+        {.stop = last_->stop(), .first_norm = last_->first_norm(), .levels = records_, .accuracy = accuracy},
+        Console(false, false));
     console_.line(fmt::format(
         "round {}: {} unknowns, {} steps: J = {:.6e}, estimated error {:.2e} (space {:.1e}, "
         "time {:.1e}, search {:.1e}), {} + {} sweeps, {:.2g} s; {:.2g} s so far",
@@ -248,38 +251,38 @@ private:
 
   /// Searches until what the last iterations have gained is a small part of the error asked for; returns it,
   /// relative.
-  double search(SearchLevel<Method>& level, OptimizerLog& record) {
+  double search(SearchLevel<Method>& level, SearchLog& record) {
     optimize::Options options = search_options(level.control_problem().controls, scene_.optimizer);
     options.max_iterations = std::max(options.max_iterations, most_iterations);
     const auto start =
         last_ ? last_->on(level.control_problem(), options) : SearchStart<Method>{level.first_guess()};
     /// Tells the record, and ends the search.
     struct Report {
-      OptimizerLog& record;
+      SearchLog& record;
       double enough, promised = 0;
       bool operator()(const optimize::Iteration& iteration) {
         record(iteration);
         constexpr int fewest = 3;
         promised = iteration.promised / std::abs(iteration.objective);
-        return iteration.number < fewest || std::max(promised, gained(record.rows())) > enough;
+        return iteration.number < fewest || std::max(promised, gained(record.history())) > enough;
       }
       void certified(const optimize::Certificate<control::Variables>& certificate) {
         record.certified(certificate);
       }
     } report{record, search_part * trusted * asked_.error};
     level.search(start, options, report);
-    return std::isfinite(report.promised) ? std::max(report.promised, gained(record.rows()))
-                                          : gained(record.rows());
+    return std::isfinite(report.promised) ? std::max(report.promised, gained(record.history()))
+                                          : gained(record.history());
   }
 
   /// What the last third of the iterations has gained of J, relative: more than what is left where a search
   /// converges linearly, half of it where its gains fall as the number of iterations, as among kinks.
-  static double gained(const std::vector<io::HistoryRow>& rows) {
+  static double gained(const io::History& history) {
     constexpr std::size_t fewest = 3, part = 3;
-    const std::size_t iterations = rows.size() - 1,
+    const std::size_t iterations = history.rows() - 1,
                       counted = std::min(iterations, std::max(fewest, iterations / part));
-    const double last = rows.back().objective;
-    return std::max(0.0, rows[iterations - counted].objective - last) / std::abs(last);
+    const double last = history.last("objective");
+    return std::max(0.0, history.at(iterations - counted, "objective") - last) / std::abs(last);
   }
 
   /// The next round: the cheapest size and step for which both parts add up to what is aimed at; absent if

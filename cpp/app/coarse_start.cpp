@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/coarse_start.h"
-#include "app/optimize.h"
+#include "app/search/search.h"
 #include "app/search_level.h"
 #include "base/error.h"
 #include "optimize/lbfgs.h"

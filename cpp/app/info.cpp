@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/info.h"
 #include "app/coarse_start.h"
-#include "app/optimize.h"
 #include "app/run_manifest.h"
+#include "app/search/search.h"
 #include "base/collective.h"
 #include "base/memory.h"
 #include "forward/binomial_checkpointing.h"

@@ -11,7 +11,7 @@ namespace signorini::resume {
 namespace {
 
 /// The version of the layout of checkpoint.h5.
-constexpr int format = 7;
+constexpr int format = 8;
 
 } // namespace
 

@@ -2,15 +2,13 @@
 #include "app/run.h"
 #include "app/accuracy.h"
 #include "app/check/check.h"
-#include "app/fit/fit.h"
-#include "app/fit/joint_search.h"
 #include "app/fit/synthetic_data.h"
 #include "app/info.h"
 #include "app/motion_writer.h"
-#include "app/optimize.h"
 #include "app/run_manifest.h"
 #include "app/run_objective.h"
 #include "app/scene_file.h"
+#include "app/search/search.h"
 #include "app/study/grading.h"
 #include "app/summary_lines.h"
 #include "base/collective.h"
@@ -310,12 +308,10 @@ int run(const Request& request, const SceneFile& file, const Console& console) {
     return simulate_to_accuracy(scene, out, request, console);
   if (request.verb == "simulate")
     return simulate_scene(scene, out, request, console);
-  if (request.verb == "optimize" && !scene.unknowns.empty())
-    return (scene.objective ? search_jointly : fit_scene)(world(), scene, out, request.resume, console);
   if (request.verb == "optimize" && request.accuracy)
     return optimize_to_accuracy(world(), scene, out, {*request.accuracy, request.study.budget}, console);
   if (request.verb == "optimize")
-    return optimize_scene(world(), scene, out, request.resume, console);
+    return search_scene(world(), scene, out, request.resume, console);
   if (request.verb == "check")
     return check(scene, console);
   if (request.verb == "study")

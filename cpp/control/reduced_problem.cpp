@@ -100,9 +100,15 @@ double ReducedProblem::value(const Variables& v) {
 void ReducedProblem::accept() { std::swap(current_, trial_); }
 
 Control ReducedProblem::pull_back(const std::vector<contact::ContactLinearisation>& contact,
-                                  const forward::DualAtStep& dual, double scale, const Control& u,
-                                  const AdjointObserver& visit) {
+                                  const forward::DualAtStep& dual, double scale, const Control& u) {
   const auto timer = timers_.time("adjoint");
+  ++sweeps_.adjoint;
+  return swept(contact, dual, scale, u, {});
+}
+
+Control ReducedProblem::swept(const std::vector<contact::ContactLinearisation>& contact,
+                              const forward::DualAtStep& dual, double scale, const Control& u,
+                              const AdjointObserver& visit) {
   Control g = u;
   g.scale(scale);
   adjoint::sweep(stepper(), *work_, controls_->grid(), contact, dual, [&](int k, Vec p) {
@@ -110,7 +116,6 @@ Control ReducedProblem::pull_back(const std::vector<contact::ContactLinearisatio
     if (visit)
       visit(k, p);
   });
-  ++sweeps_.adjoint;
   return g;
 }
 
@@ -118,15 +123,20 @@ Control ReducedProblem::adjoint(const forward::DualAtStep& dual) {
   return pull_back(current_->trajectory.contact(), dual, 0, current_->v.u);
 }
 
-Variables ReducedProblem::derivative(Point& at, const AdjointObserver& visit) {
+Variables ReducedProblem::derivative(Point& at) {
+  const auto timer = timers_.time("adjoint");
+  ++sweeps_.adjoint;
+  return swept(at, {});
+}
+
+Variables ReducedProblem::swept(Point& at, const AdjointObserver& visit) {
   std::optional<Derivative> by_states;
   if (objective_)
     by_states.emplace(*objective_, at.trajectory);
   const forward::DualAtStep duals(at.model.stepper->space(),
                                   {by_states ? &*by_states : nullptr, at.model.measurements});
   if (!misfit_)
-    return pull_back(at.trajectory.contact(), duals, objective_->alpha(), at.v.u, visit);
-  const auto timer = timers_.time("adjoint");
+    return swept(at.trajectory.contact(), duals, objective_->alpha(), at.v.u, visit);
   at.model.measurements->set_derivative(misfit_->by_values(at.residuals));
   forward::Stepper::Workspace work = at.model.stepper->workspace();
   Variables g(at.v.u);
@@ -140,18 +150,13 @@ Variables ReducedProblem::derivative(Point& at, const AdjointObserver& visit) {
                        if (visit)
                          visit(k, p);
                      });
-  ++sweeps_.adjoint;
   g.x = misfit_->gradient(by_theta, at.residuals, at.v.x);
   return g;
 }
 
 Control ReducedProblem::l2_gradient() { return derivative(*current_).u; }
 
-void ReducedProblem::adjoint_states(const AdjointObserver& visit) {
-  const Sweeps before = sweeps_; // for output, not for a search
-  (void)derivative(*current_, visit);
-  sweeps_ = before;
-}
+void ReducedProblem::adjoint_states(const AdjointObserver& visit) { (void)swept(*current_, visit); }
 
 Variables ReducedProblem::gradient(Point& at) {
   if (at.gradient)

@@ -165,7 +165,9 @@ private:
     return load(at.model, at.force ? &*at.force : nullptr);
   }
   /// The gradient, by the control in L2(0,T; L2), by parameters dJ/dx.
-  Variables derivative(Point& at, const AdjointObserver& visit = {});
+  Variables derivative(Point& at);
+  /// The same, neither timed nor counted.
+  Variables swept(Point& at, const AdjointObserver& visit);
   /// The gradient by inner().
   Variables gradient(Point& at);
 
@@ -183,8 +185,10 @@ private:
   /// scale u + S'* w, duals w pulled back by S' linearised on `contact`, as Riesz representative in
   /// L2(0,T; L2).
   Control pull_back(const std::vector<contact::ContactLinearisation>& contact,
-                    const forward::DualAtStep& dual, double scale, const Control& u,
-                    const AdjointObserver& visit = {});
+                    const forward::DualAtStep& dual, double scale, const Control& u);
+  /// The same, neither timed nor counted.
+  Control swept(const std::vector<contact::ContactLinearisation>& contact, const forward::DualAtStep& dual,
+                double scale, const Control& u, const AdjointObserver& visit);
 
   ModelAt models_; ///< empty without parameters
   const Misfit* misfit_ = nullptr;

@@ -2,7 +2,10 @@
 #include "io/csv_tables.h"
 #include <algorithm>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <iterator>
+#include <limits>
+#include <sstream>
 
 namespace signorini::io {
 namespace {
@@ -40,21 +43,44 @@ void add_steps_row(std::string& text, int k, double time, int dim, const forward
   fmt::format_to(out, ",{:.17g},{:.17g}\n", normal_force, balance.load_work);
 }
 
-std::string history_table(const std::vector<HistoryRow>& rows) {
-  return "iteration,objective,tracking,terminal,control_cost,gradient_norm,step_length,forward_sweeps,"
-         "adjoint_sweeps,seconds,relative_distance_to_reference\n" +
-         history_rows(rows);
+void History::add(const Row& row) {
+  const bool first = columns.empty();
+  for (const auto& [column, value] : row) {
+    if (first)
+      columns.push_back(column);
+    numbers.push_back(value);
+  }
 }
 
-std::string history_rows(const std::vector<HistoryRow>& rows) {
-  std::string text;
-  auto out = std::back_inserter(text);
-  for (const HistoryRow& r : rows)
-    fmt::format_to(out, "{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{},{},{:.3f},{:.17g}\n",
-                   r.iteration, r.objective, r.tracking, r.terminal, r.control_cost, r.gradient_norm,
-                   r.step_length, r.forward_sweeps, r.adjoint_sweeps, r.seconds,
-                   r.relative_distance_to_reference);
-  return text;
+double History::at(std::size_t row, const std::string& column) const {
+  const auto found = std::ranges::find(columns, column);
+  return numbers.at(row * columns.size() + static_cast<std::size_t>(found - columns.begin()));
+}
+
+std::string History::table() const {
+  std::string all = fmt::format("{}\n", fmt::join(columns, ","));
+  for (std::size_t row = 0; row < rows(); ++row)
+    all += text(row);
+  return all;
+}
+
+std::string History::text(std::size_t row) const {
+  std::string line;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const double value = numbers[row * columns.size() + c];
+    const char* end = c + 1 == columns.size() ? "\n" : ",";
+    line +=
+        columns[c] == "seconds" ? fmt::format("{:.3f}{}", value, end) : fmt::format("{:.17g}{}", value, end);
+  }
+  return line;
+}
+
+std::vector<std::string> History::split(const std::string& header) {
+  std::vector<std::string> names;
+  std::istringstream in(header);
+  for (std::string name; std::getline(in, name, ',');)
+    names.push_back(name);
+  return names;
 }
 
 } // namespace signorini::io

@@ -2,9 +2,9 @@
 #pragma once
 #include "contact/contact_state.h"
 #include "forward/invariants.h"
-#include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 /// The CSV files of a run, as text.
@@ -20,19 +20,22 @@ void add_steps_row(std::string& text, int k, double time, int dim, const forward
                    const forward::Invariants& invariants, const contact::ContactState& contact,
                    double normal_force, std::optional<double> tracking_error);
 
-/// One row of history.csv.
-struct HistoryRow {
-  int iteration = 0;
-  double objective = 0, tracking = 0, terminal = 0, control_cost = 0;
-  double gradient_norm = 0, step_length = 0;
-  int forward_sweeps = 0, adjoint_sweeps = 0; ///< so far
-  double seconds = 0;                         ///< so far
-  double relative_distance_to_reference =
-      std::numeric_limits<double>::quiet_NaN(); ///< nan without a reference control
-};
+/// history.csv: a row of numbers for each iterate of a search.
+struct History {
+  using Row = std::vector<std::pair<std::string, double>>; ///< column, value
+  std::vector<std::string> columns;
+  std::vector<double> numbers; ///< (rows × columns)
 
-/// history.csv with its header, and rows alone.
-std::string history_table(const std::vector<HistoryRow>& rows);
-std::string history_rows(const std::vector<HistoryRow>& rows);
+  /// Columns are those of the first row.
+  void add(const Row& row);
+  [[nodiscard]] std::size_t rows() const { return columns.empty() ? 0 : numbers.size() / columns.size(); }
+  [[nodiscard]] double at(std::size_t row, const std::string& column) const;
+  [[nodiscard]] double last(const std::string& column) const { return at(rows() - 1, column); }
+  /// The file, and a row of it.
+  [[nodiscard]] std::string table() const;
+  [[nodiscard]] std::string text(std::size_t row) const;
+  /// Names from a header.
+  [[nodiscard]] static std::vector<std::string> split(const std::string& header);
+};
 
 } // namespace signorini::io

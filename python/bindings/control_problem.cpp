@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/optimize.h"
+#include "app/search/search.h"
 #include "arrays.h"
 #include "bindings.h"
 #include "control/metric.h"

@@ -259,14 +259,24 @@ TEST_CASE("tables have a cell for each column and numbers to the last digit", "[
       CHECK(pushed > 0);
     }
   }
-  const std::vector<io::HistoryRow> history{{.objective = 0.1, .gradient_norm = 1e-300},
-                                            {.iteration = 1, .objective = 1.0 / 3, .forward_sweeps = 7}};
-  const auto rows = cells(io::history_table(history));
+  io::History history;
+  for (const int i : {0, 1})
+    history.add({{"iteration", i},
+                 {"objective", i ? 1.0 / 3 : 0.1},
+                 {"gradient_norm", 1e-300},
+                 {"forward_sweeps", 7 * i},
+                 {"seconds", 2.0 / 3},
+                 {"distance", std::numeric_limits<double>::quiet_NaN()}});
+  CHECK(history.last("objective") == 1.0 / 3);
+  CHECK(history.at(0, "objective") == 0.1);
+  const auto rows = cells(history.table());
   REQUIRE(rows.size() == 3);
+  CHECK(io::History::split("iteration,objective") == std::vector<std::string>{"iteration", "objective"});
   CHECK(rows[1].size() == rows[0].size());
   CHECK(number(rows, 1, "objective") == 1.0 / 3);
   CHECK(number(rows, 0, "gradient_norm") == 1e-300);
   CHECK(number(rows, 1, "forward_sweeps") == 7);
+  CHECK(number(rows, 1, "seconds") == 0.667);
   CHECK(rows[1].back() == "nan");
 }
 

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "app/kink.h"
-#include "app/problem.h"
 #include "app/resume.h"
-#include "io/checkpoint.h"
+#include "app/search/subject.h"
 #include "io/csv_tables.h"
 #include "io/output_folder.h"
 #include "optimize/minimize.h"
+#include <chrono>
 #include <fstream>
 
 namespace signorini {
 
-/// Output of a search while it runs: progress, history.csv in the folder, one line for each iteration as soon
-/// as it is made, and checkpoint.h5. All members collective.
-class OptimizerLog {
+/// Output of a search while it runs: progress, history.csv in the folder, a row for each iterate as soon as
+/// it is made, and checkpoint.h5. The `report` and the `keeper` of optimize::minimize(). All members
+/// collective.
+class SearchLog {
 public:
-  /// The checkpoint's entry for the solver of the steps, and what that says of conjugate gradients.
+  /// The checkpoint's entry for the solver of the steps, and its value for conjugate gradients.
   static constexpr const char *solver = "solver", *iterative = "iterative";
   static constexpr const char* levels = "levels"; ///< its entry for the lengths of steps, if they vary
 
@@ -24,15 +25,13 @@ public:
 
   /// With `resume` the search continues from the folder's checkpoint, if there is one. The references must
   /// outlive this object.
-  OptimizerLog(ControlProblem& control_problem, const Problem& problem, const io::OutputFolder& folder,
-               bool resume, const Console& console)
-      : OptimizerLog(control_problem, problem, problem.scene, folder, resume, console, Files::early) {}
-  /// `scene`: as it is written into the folder.
-  OptimizerLog(ControlProblem& control_problem, const Problem& problem, const scene::Scene& scene,
-               const io::OutputFolder& folder, bool resume, const Console& console, Files files);
+  SearchLog(const SearchSubject& subject, const io::OutputFolder& folder, bool resume, const Console& console,
+            Files files = Files::early);
 
-  /// Records an iterate, the problem's current point.
+  /// Records an iterate, the reduced problem's current point.
   void operator()(const optimize::Iteration& iteration);
+  /// Records an iterate of a fit.
+  void operator()(const optimize::GaussNewtonIterate& iterate);
 
   /// Whether the search continues from a checkpoint.
   [[nodiscard]] bool resumes() const { return resumes_; }
@@ -43,9 +42,10 @@ public:
   bool restore(State& state) {
     if (!resumes_)
       return false;
-    io::CheckpointReader in(control_problem_.controls, file_);
+    io::CheckpointReader in = subject_.control ? io::CheckpointReader(subject_.control->controls, file_)
+                                               : io::CheckpointReader(subject_.comm(), file_);
     read(in);
-    control::VariablesArchive archive(in, 0);
+    control::VariablesArchive archive(in, subject_.parameter_count());
     state.serialize(archive);
     return true;
   }
@@ -60,24 +60,27 @@ public:
   }
 
   /// What is stored before the next mark is of now.
-  void mark() { marked_ = control_problem_.reduced.sweeps(); }
+  void mark() { marked_ = subject_.reduced.sweeps(); }
 
-  /// Takes what a certificate tells of the kink at which the search ends. Throws Interrupted.
+  /// Describes the kink at which the search ends. Throws Interrupted.
   void certified(const optimize::Certificate<control::Variables>& certificate) {
-    kink_ = describe(control_problem_.reduced, certificate);
+    kink_ = describe(subject_.reduced, certificate);
   }
   /// The kink, if there was a certificate here or in the checkpoint.
   [[nodiscard]] const std::optional<io::Kink>& kink() const { return kink_; }
 
-  /// Writes a checkpoint. A failure is reported and the search goes on: the last checkpoint stays.
+  /// Writes a checkpoint. A failure is reported and the search continues: the last checkpoint stays.
   template <class State>
   void store(State& state) {
-    if (every_ == 0 || rows_.empty())
+    if (every_ == 0 || history_.rows() == 0)
       return;
-    const auto timer = problem_.timers.time("checkpoint");
-    io::CheckpointWriter out(control_problem_.controls, folder_.staged(resume::checkpoint), file_);
+    const auto timer = subject_.timers.time("checkpoint");
+    const std::filesystem::path part = folder_.staged(resume::checkpoint);
+    io::CheckpointWriter out = subject_.control
+                                   ? io::CheckpointWriter(subject_.control->controls, part, file_)
+                                   : io::CheckpointWriter(subject_.comm(), part, file_);
     write(out);
-    control::VariablesArchive archive(out, 0);
+    control::VariablesArchive archive(out, subject_.parameter_count());
     state.serialize(archive);
     stored_at_ = state.iteration.number;
     if (const std::string failure = out.commit(); !failure.empty())
@@ -88,10 +91,11 @@ public:
   void end() { progress_.reset(); }
 
   /// The history of the whole search, iterations before it was resumed included.
-  [[nodiscard]] const std::vector<io::HistoryRow>& rows() const { return rows_; }
+  [[nodiscard]] const io::History& history() const { return history_; }
+  /// Seconds of the whole search.
+  [[nodiscard]] double seconds() const;
 
-  /// Whether the problem's current point is one of the search: J was evaluated at the first guess, or at the
-  /// checkpoint's control.
+  /// Whether J was evaluated at the first guess, or at the checkpoint's point.
   [[nodiscard]] bool evaluated() const { return evaluated_; }
 
 private:
@@ -99,27 +103,28 @@ private:
 
   void read(io::CheckpointReader& in);
   void write(io::CheckpointWriter& out) const;
+  /// The scene as text.
+  [[nodiscard]] std::string echoed() const;
+  /// Adds a row, whose parameters are those of x; returns θ.
+  std::vector<double> add(io::History::Row row, std::span<const double> x);
   /// Starts history.csv with the rows so far, or adds the last one.
   void show_row();
-  [[nodiscard]] double seconds() const;
 
-  ControlProblem& control_problem_;
-  const Problem& problem_;
-  const scene::Scene& scene_; ///< as it is written
+  SearchSubject subject_;
   const io::OutputFolder& folder_;
   const Console& console_;
   std::filesystem::path file_;
   Files files_;
   int every_, stored_at_ = -1;
   bool resumes_, evaluated_ = false;
-  std::optional<Progress> progress_;
+  std::optional<Progress> progress_; ///< of a control alone; others print a line for each iterate
   Clock::time_point start_ = Clock::now();
   double reference_norm_ = 0;
   double earlier_ = 0; ///< seconds of the search before it was resumed
-  std::vector<io::HistoryRow> rows_;
+  io::History history_;
   control::ReducedProblem::Sweeps marked_;
   std::optional<io::Kink> kink_;
-  std::ofstream history_; ///< on rank 0
+  std::ofstream table_; ///< history.csv, on rank 0
 };
 
 } // namespace signorini
