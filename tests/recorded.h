@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "app/problem.h"
-#include "forward/balance.h"
+#include "diagnostics/balance.h"
+#include "problem/problem.h"
 #include <functional>
 #include <vector>
 
@@ -9,14 +9,14 @@ namespace signorini::test {
 
 /// Forces or duals by functions of the step, which add to a density, a vector or both.
 template <class Part>
-class ByFunctions final : public forward::StepByStep<Part> {
+class ByFunctions final : public step::StepByStep<Part> {
 public:
   using Add = std::function<void(int k, Vec out)>;
   explicit ByFunctions(Add density, Add vector = {})
       : density_(std::move(density)), vector_(std::move(vector)) {}
   [[nodiscard]] bool has_density() const override { return static_cast<bool>(density_); }
   [[nodiscard]] bool has_vector() const override { return static_cast<bool>(vector_); }
-  void add(const forward::TimeStep& step, Part sum) const override {
+  void add(const step::TimeStep& step, Part sum) const override {
     if (density_)
       density_(step.k, sum.density);
     if (vector_)
@@ -26,14 +26,14 @@ public:
 private:
   Add density_, vector_;
 };
-using Force = ByFunctions<forward::NodalForce>;
-using Dual = ByFunctions<forward::StateDual>;
+using Force = ByFunctions<step::NodalForce>;
+using Dual = ByFunctions<step::StateDual>;
 
 /// The displacements of a motion that was recorded.
-class Displacements final : public forward::Displacements {
+class Displacements final : public step::Displacements {
 public:
   explicit Displacements(const petsc::Series& y) : y_(y) {}
-  [[nodiscard]] Vec y(const forward::TimeStep& step) const override {
+  [[nodiscard]] Vec y(const step::TimeStep& step) const override {
     return y_[static_cast<std::size_t>(step.k)];
   }
 
@@ -45,18 +45,18 @@ private:
 struct Recorded {
   petsc::Series y, v;
   std::vector<contact::ContactState> contact;
-  std::vector<forward::StepBalance> balance;
+  std::vector<diagnostics::StepBalance> balance;
   int steps = 0;
 
-  Recorded(const Problem& problem, const forward::ForceAtStep& load) {
-    forward::Balance weigh(problem.stepper);
-    steps = forward::integrate(problem.stepper, problem.grid, problem.initial, load,
-                               [&](const forward::Frame& frame) {
-                                 y.push_back(petsc::copy(frame.after.y()));
-                                 v.push_back(petsc::copy(frame.after.v()));
-                                 contact.push_back(frame.contact);
-                                 balance.push_back(weigh(frame));
-                               });
+  Recorded(const problem::Problem& problem, const step::ForceAtStep& load) {
+    diagnostics::Balance weigh(problem.stepper);
+    steps = trajectory::integrate(problem.stepper, problem.grid, problem.initial, load,
+                                  [&](const trajectory::Frame& frame) {
+                                    y.push_back(petsc::copy(frame.after.y()));
+                                    v.push_back(petsc::copy(frame.after.v()));
+                                    contact.push_back(frame.contact);
+                                    balance.push_back(weigh(frame));
+                                  });
   }
   /// Of the steps 0…N.
   [[nodiscard]] std::vector<contact::ContactLinearisation> sets() const {
@@ -65,7 +65,7 @@ struct Recorded {
       all.push_back(one.linearisation());
     return all;
   }
-  explicit Recorded(const Problem& problem) : Recorded(problem, problem.load()) {}
+  explicit Recorded(const problem::Problem& problem) : Recorded(problem, problem.load()) {}
 };
 
 } // namespace signorini::test

@@ -8,7 +8,7 @@
 namespace signorini::adjoint {
 using petsc::check, petsc::dot;
 
-Duals::Duals(const forward::Stepper& stepper, const forward::TimeGrid& grid)
+Duals::Duals(const step::Stepper& stepper, const step::TimeGrid& grid)
     : stepper_(stepper), grid_(grid), work_(stepper.space().vector()) {
   for (petsc::Vector* x : {&p, &p_later, &velocity, &velocity_later})
     *x = stepper.space().vector();
@@ -19,7 +19,7 @@ Duals::Duals(const forward::Stepper& stepper, const forward::TimeGrid& grid)
 void Duals::move(int k, Vec p_k, const contact::ContactLinearisation* later) {
   Vec jump = nullptr;
   const double tau = later ? grid_.length(k + 1) : 0;
-  if (const forward::Predictor* predictor = stepper_.predictor(); predictor && later) {
+  if (const step::PredictorProjection* predictor = stepper_.predictor(); predictor && later) {
     check(VecWAXPY(work_, -2 / tau, velocity, p));
     jump = predictor->linearised_jump(later->predictor, work_, *predictor_);
   }
@@ -31,8 +31,8 @@ void Duals::move(int k, Vec p_k, const contact::ContactLinearisation* later) {
   check(VecCopy(p_k, p));
 }
 
-DualBubbles::DualBubbles(const EnrichedBody& body, const forward::DualAtStep& derivative,
-                         const forward::TimeGrid& grid)
+DualBubbles::DualBubbles(const EnrichedBody& body, const step::DualAtStep& derivative,
+                         const step::TimeGrid& grid)
     : body_(body), derivative_(derivative), grid_(grid), of_A_(fem::diagonal(body.operators().A)) {
   for (petsc::Vector* x : {&b_, &left_, &z_, &direction_, &image_, &work_, &diagonal_})
     *x = body.space().vector();
@@ -58,8 +58,8 @@ void DualBubbles::residual(int k, const Duals& duals) {
   if (!coarse_)
     coarse_ = petsc::zero_like(duals.p);
   const fem::Operators& operators = body_.operators();
-  const forward::Scheme now = grid_.scheme(k), later = grid_.scheme(k + 1);
-  forward::assemble(derivative_.at(grid_.step(k)), operators, left_);
+  const step::Scheme now = grid_.scheme(k), later = grid_.scheme(k + 1);
+  step::assemble(derivative_.at(grid_.step(k)), operators, left_);
   petsc::combine(coarse_, 1 / later.tau + 2 / now.tau, duals.velocity, -1 / later.tau, duals.velocity_later);
   check(VecAXPY(coarse_, -1, duals.p));
   add(operators.M, 1);

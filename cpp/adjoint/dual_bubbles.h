@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "adjoint/enriched_body.h"
-#include "forward/step.h"
+#include "step/step.h"
 
 namespace signorini::adjoint {
 
@@ -11,7 +11,7 @@ namespace signorini::adjoint {
 class Duals {
 public:
   /// `grid`: of the motion. `stepper` must outlive this object. Collective.
-  Duals(const forward::Stepper& stepper, const forward::TimeGrid& grid);
+  Duals(const step::Stepper& stepper, const step::TimeGrid& grid);
 
   /// Moves from step k + 1 to k, with p_k in `p`. `later` is the contact of step k + 1, null at N.
   /// Collective.
@@ -20,10 +20,10 @@ public:
   petsc::Vector p, p_later, velocity, velocity_later; ///< p_k, p_{k+1}, ω_k, ω_{k+1}
 
 private:
-  const forward::Stepper& stepper_;
-  forward::TimeGrid grid_;
+  const step::Stepper& stepper_;
+  step::TimeGrid grid_;
   petsc::Vector work_;
-  std::optional<forward::Predictor::Workspace> predictor_;
+  std::optional<step::PredictorProjection::Workspace> predictor_;
 };
 
 /// The bubble part of the enriched body's adjoint states: π = τ_k/2 p_k is the dual of a force per time, with
@@ -40,7 +40,7 @@ class DualBubbles {
 public:
   /// `derivative` is ∂J/∂y_k on the enriched body. Collective. The references must outlive
   /// this object.
-  DualBubbles(const EnrichedBody& body, const forward::DualAtStep& derivative, const forward::TimeGrid& grid);
+  DualBubbles(const EnrichedBody& body, const step::DualAtStep& derivative, const step::TimeGrid& grid);
 
   /// β_k on the active set of step k, from N − 1 down. Valid until the next call. Collective. Throws
   /// SolverFailure.
@@ -60,8 +60,8 @@ private:
   double precondition(const contact::ActiveSet& active);
 
   const EnrichedBody& body_;
-  const forward::DualAtStep& derivative_;
-  forward::TimeGrid grid_;
+  const step::DualAtStep& derivative_;
+  step::TimeGrid grid_;
   double mean_ = 0;
   petsc::Vector coarse_, b_, left_, z_, direction_, image_, work_, of_A_, of_B_, diagonal_;
 };

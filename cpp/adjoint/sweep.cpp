@@ -2,7 +2,7 @@
 #include "adjoint/sweep.h"
 #include "base/counters.h"
 #include "base/error.h"
-#include "forward/extrapolation.h"
+#include "trajectory/extrapolation.h"
 #include <algorithm>
 #include <fmt/format.h>
 
@@ -15,16 +15,16 @@ long& sweeps = count("adjoint sweeps");
 
 /// A motion as the sweep sees it.
 struct Motion {
-  const forward::Stepper& stepper;
-  const forward::TimeGrid& grid;
+  const step::Stepper& stepper;
+  const step::TimeGrid& grid;
   const std::vector<contact::ContactLinearisation>& contact;
 
   [[nodiscard]] int steps() const { return static_cast<int>(contact.size()) - 1; }
   [[nodiscard]] const contact::ContactLinearisation& at(int k) const {
     return contact[static_cast<std::size_t>(k)];
   }
-  [[nodiscard]] forward::StepContact made(int k) const { return {grid.scheme(k), at(k)}; }
-  [[nodiscard]] std::optional<forward::StepContact> after(int k) const {
+  [[nodiscard]] step::StepContact made(int k) const { return {grid.scheme(k), at(k)}; }
+  [[nodiscard]] std::optional<step::StepContact> after(int k) const {
     return k < steps() ? std::optional(made(k + 1)) : std::nullopt;
   }
   /// Whether the predictor of step k is projected.
@@ -46,7 +46,7 @@ public:
   }
 
   /// Adds to ∂J/∂y_k what velocities contribute; e_k from e_{k+1}.
-  void add_to(int k, const forward::StateDual& dual) {
+  void add_to(int k, const step::StateDual& dual) {
     if (duals_.of_forces() && k > 0)
       duals_.forces(k, normal_);
     if (e_.empty())
@@ -64,7 +64,7 @@ public:
   }
 
   /// The force −rate() e_{k+1} that the transposed projection of step k + 1 sees beside M s_{k+1}.
-  const forward::Predictor::Data* projection(int k) {
+  const step::PredictorProjection::Data* projection(int k) {
     if (!motion_.projected(k + 1))
       return nullptr;
     projection_ = {nullptr, zero_, zeta_};
@@ -80,7 +80,7 @@ public:
   }
 
   /// The adjoint step k, given these terms.
-  forward::AdjointStep step(int k, forward::StateDual dual, forward::AdjointState& state) {
+  step::AdjointStep step(int k, step::StateDual dual, step::AdjointState& state) {
     add_to(k, dual);
     if (k == 0)
       return {motion_.made(0), motion_.made(1), dual, state, {}, {}, projection(0)};
@@ -100,14 +100,14 @@ private:
   std::vector<double> normal_, zero_, mu_, zeta_; ///< normal_: ∂J/∂λ_k
   std::vector<double> e_, e_next_, factors_;      ///< of the functionals of velocities
   petsc::Vector force_{};
-  forward::Predictor::Data projection_;
+  step::PredictorProjection::Data projection_;
 };
 
 /// dJ/dθ, gathered along the sweep.
 class ParameterGradient {
 public:
-  ParameterGradient(const Motion& motion, const FunctionalTerms& terms, const forward::Trajectory& states,
-                    forward::ParameterRates& rates)
+  ParameterGradient(const Motion& motion, const FunctionalTerms& terms, const trajectory::Trajectory& states,
+                    step::ParameterRates& rates)
       : motion_(motion), terms_(terms), states_(states), rates_(rates), from_(motion.stepper.state()),
         to_(motion.stepper.state()), s_(motion.stepper.space().vector()), r_(motion.stepper.space().vector()),
         c_(motion.stepper.rows()), gradient_(rates.count()) {
@@ -115,7 +115,7 @@ public:
   }
 
   /// Before the transpose of step k: s_{k+1}, of which the projection of step k + 1 is made.
-  void before(int k, const forward::AdjointState& state) {
+  void before(int k, const step::AdjointState& state) {
     if (motion_.projected(k + 1))
       check(VecWAXPY(s_, -motion_.grid.scheme(k + 1).rate(), state.omega, state.p_next));
   }
@@ -149,7 +149,7 @@ public:
   }
 
   /// By the initial state, whose duals `state` has.
-  std::vector<double> finish(const forward::AdjointState& state) {
+  std::vector<double> finish(const step::AdjointState& state) {
     check(MatMult(motion_.stepper.M(), state.omega, r_));
     terms_.add_start(r_);
     for (std::size_t j = 0; j < gradient_.size(); ++j) {
@@ -164,9 +164,9 @@ public:
 private:
   const Motion& motion_;
   const FunctionalTerms& terms_;
-  const forward::Trajectory& states_;
-  forward::ParameterRates& rates_;
-  forward::State from_, to_; ///< of the step
+  const trajectory::Trajectory& states_;
+  step::ParameterRates& rates_;
+  step::State from_, to_; ///< of the step
   petsc::Vector s_, r_;
   std::vector<double> c_; ///< of one unknown (of rows)
   std::vector<double> gradient_;
@@ -174,11 +174,10 @@ private:
 
 /// Makes the adjoint steps N … 1: `step(k, state)` describes one, `made(k, state, jump)` sees it.
 template <class Step, class Made>
-forward::AdjointState backward(const Motion& motion, forward::Stepper::Workspace& work, Step&& step,
-                               Made&& made) {
+step::AdjointState backward(const Motion& motion, step::Stepper::Workspace& work, Step&& step, Made&& made) {
   ++sweeps;
-  forward::AdjointState state = motion.stepper.adjoint_state();
-  forward::Extrapolation extrapolation(motion.stepper);
+  step::AdjointState state = motion.stepper.adjoint_state();
+  trajectory::Extrapolation extrapolation(motion.stepper);
   for (int k = motion.steps(); k >= 1; --k) {
     Vec jump = nullptr;
     try {
@@ -196,32 +195,31 @@ forward::AdjointState backward(const Motion& motion, forward::Stepper::Workspace
 
 } // namespace
 
-void sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work, const forward::TimeGrid& grid,
+void sweep(const step::Stepper& stepper, step::Stepper::Workspace& work, const step::TimeGrid& grid,
            const std::vector<contact::ContactLinearisation>& contact,
-           const forward::DualAtStep& by_displacements, const AdjointObserver& visit) {
+           const step::DualAtStep& by_displacements, const AdjointObserver& visit) {
   const Motion motion{stepper, grid, contact};
   (void)backward(
       motion, work,
-      [&](int k, forward::AdjointState& state) {
-        return forward::AdjointStep{motion.made(k), motion.after(k), by_displacements.at(grid.step(k)),
-                                    state};
+      [&](int k, step::AdjointState& state) {
+        return step::AdjointStep{motion.made(k), motion.after(k), by_displacements.at(grid.step(k)), state};
       },
-      [&](int k, const forward::AdjointState& state, Vec) { visit(k, state.p); });
+      [&](int k, const step::AdjointState& state, Vec) { visit(k, state.p); });
 }
 
-std::vector<double> sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work,
-                          const forward::Trajectory& motion_made, const forward::DualAtStep& by_displacements,
-                          const VelocityForceDuals& duals, forward::ParameterRates& rates,
+std::vector<double> sweep(const step::Stepper& stepper, step::Stepper::Workspace& work,
+                          const trajectory::Trajectory& motion_made, const step::DualAtStep& by_displacements,
+                          const VelocityForceDuals& duals, step::ParameterRates& rates,
                           const AdjointObserver& visit) {
   const Motion motion{stepper, motion_made.grid(), motion_made.contact()};
   FunctionalTerms terms(motion, duals);
   ParameterGradient gradient(motion, terms, motion_made, rates);
-  const auto step = [&](int k, forward::AdjointState& state) {
+  const auto step = [&](int k, step::AdjointState& state) {
     gradient.before(k, state);
     return terms.step(k, by_displacements.at(motion.grid.step(k)), state);
   };
-  forward::AdjointState state =
-      backward(motion, work, step, [&](int k, const forward::AdjointState& made, Vec jump) {
+  step::AdjointState state =
+      backward(motion, work, step, [&](int k, const step::AdjointState& made, Vec jump) {
         gradient.add_predictor(k, jump);
         if (visit)
           visit(k, made.p);

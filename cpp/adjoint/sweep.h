@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "forward/parameter_rates.h"
-#include "forward/trajectory.h"
+#include "step/parameter_rates.h"
+#include "trajectory/trajectory.h"
 #include <functional>
 #include <vector>
 
@@ -31,16 +31,16 @@ using AdjointObserver = std::function<void(int k, Vec p)>;
 /// The backward sweep p_N … p_1 (4.40)–(4.41), docs/method.md section 4, of a J that depends on displacements
 /// alone: for each step of a motion the adjoint step on its whole active set A_k, given by `contact` (0…N);
 /// `grid` has these N steps. `by_displacements` is ∂J/∂y_k. Collective. Throws SolverFailure naming the step.
-void sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work, const forward::TimeGrid& grid,
+void sweep(const step::Stepper& stepper, step::Stepper::Workspace& work, const step::TimeGrid& grid,
            const std::vector<contact::ContactLinearisation>& contact,
-           const forward::DualAtStep& by_displacements, const AdjointObserver& visit);
+           const step::DualAtStep& by_displacements, const AdjointObserver& visit);
 
 /// The same sweep along a motion that has whole states, of a J of velocities and forces too, which gives
 /// dJ/dθ for all unknowns θ at once (docs/method.md section 9). Both derivatives are taken with the unknowns
 /// held fixed; `by_displacements` must have a vector part where J depends on velocities.
-std::vector<double> sweep(const forward::Stepper& stepper, forward::Stepper::Workspace& work,
-                          const forward::Trajectory& motion, const forward::DualAtStep& by_displacements,
-                          const VelocityForceDuals& duals, forward::ParameterRates& rates,
+std::vector<double> sweep(const step::Stepper& stepper, step::Stepper::Workspace& work,
+                          const trajectory::Trajectory& motion, const step::DualAtStep& by_displacements,
+                          const VelocityForceDuals& duals, step::ParameterRates& rates,
                           const AdjointObserver& visit = {});
 
 } // namespace signorini::adjoint

@@ -14,7 +14,7 @@ namespace {
 /// The states of a motion at t_{k+1}, t_k and t_{k−1}, for k from N down.
 class Window {
 public:
-  Window(const forward::Stepper& stepper, const forward::Trajectory& trajectory)
+  Window(const step::Stepper& stepper, const trajectory::Trajectory& trajectory)
       : later(stepper.state()), now(stepper.state()), before(stepper.state()), trajectory_(trajectory) {
     before.copy(trajectory.at(trajectory.steps()));
   }
@@ -26,24 +26,24 @@ public:
     before.copy(trajectory_.at(k - 1));
   }
 
-  forward::State later, now, before;
+  step::State later, now, before;
 
 private:
-  const forward::Trajectory& trajectory_;
+  const trajectory::Trajectory& trajectory_;
 };
 
 /// The residual r_k of the equation of motion in functions of degree 2; see weighted_residual().
 class Residual {
 public:
-  Residual(const EnrichedBody& body, const Window& motion, const forward::ForceAtStep& load,
-           const forward::TimeGrid& grid)
+  Residual(const EnrichedBody& body, const Window& motion, const step::ForceAtStep& load,
+           const step::TimeGrid& grid)
       : body_(body), motion_(motion), load_(load), grid_(grid), coarse_(petsc::zero_like(motion.now.y())),
         fine_(body.space().vector()), sum_(body.space().vector()), product_(body.space().vector()) {}
 
   Vec operator()(int k) {
     const fem::Operators& operators = body_.operators();
     const double rate = 1 / grid_.length(k);
-    forward::assemble(load_.at(grid_.step(k)), operators, sum_);
+    step::assemble(load_.at(grid_.step(k)), operators, sum_);
     subtract(operators.M, rate, motion_.now.v(), -rate, motion_.before.v());
     if (operators.B)
       subtract(*operators.B, rate, motion_.now.y(), -rate, motion_.before.y());
@@ -62,15 +62,15 @@ private:
 
   const EnrichedBody& body_;
   const Window& motion_;
-  const forward::ForceAtStep& load_;
-  forward::TimeGrid grid_;
+  const step::ForceAtStep& load_;
+  step::TimeGrid grid_;
   petsc::Vector coarse_, fine_, sum_, product_;
 };
 
 /// The time part, summed over t_k from k = N down.
 class TimePart {
 public:
-  TimePart(const forward::Stepper& stepper, const Window& motion, const Weighted& run)
+  TimePart(const step::Stepper& stepper, const Window& motion, const Weighted& run)
       : stepper_(stepper), motion_(motion), grid_(run.motion.grid()), steps_(run.motion.steps()),
         load_(run.load) {
     for (petsc::Vector* x : {&change_, &now_, &later_, &force_, &force_later_, &moves_, &product_})
@@ -81,7 +81,7 @@ public:
   void take(int k, Vec p) {
     std::swap(force_, force_later_);
     std::swap(now_, later_);
-    forward::assemble(load_.at(grid_.step(k)), stepper_.operators(), force_);
+    step::assemble(load_.at(grid_.step(k)), stepper_.operators(), force_);
     check(VecAXPBY(now_, grid_.length(k) / 2, 0, p));
     if (k == steps_)
       end();
@@ -152,11 +152,11 @@ private:
     sum_ -= tau * tau / 12 * weighed(now_, A);
   }
 
-  const forward::Stepper& stepper_;
+  const step::Stepper& stepper_;
   const Window& motion_;
-  forward::TimeGrid grid_;
+  step::TimeGrid grid_;
   int steps_;
-  const forward::ForceAtStep& load_;
+  const step::ForceAtStep& load_;
   double sum_ = 0;
   petsc::Vector change_, now_, later_; ///< of π over the last interval; π_k, π_{k+1}
   petsc::Vector force_, force_later_, moves_, product_, end_;
@@ -165,8 +165,8 @@ private:
 /// The parts of space and initial data, summed from step N down.
 class SpacePart {
 public:
-  SpacePart(const forward::Stepper& stepper, const EnrichedBody& body, const Window& motion,
-            const Weighted& run, Vec by_nodes)
+  SpacePart(const step::Stepper& stepper, const EnrichedBody& body, const Window& motion, const Weighted& run,
+            Vec by_nodes)
       : body_(body), by_nodes_(by_nodes), contact_(run.motion.contact()), grid_(run.motion.grid()),
         steps_(run.motion.steps()), duals_(stepper, grid_), bubbles_(body, *run.enriched_derivative, grid_),
         residual_(body, motion, *run.enriched_load, grid_), later_(body.space().vector()),
@@ -211,7 +211,7 @@ public:
     duals_.move(0, coarse_, &contact_[1]); // now p_later is p_1, and the velocities ω_0, ω_1
     const auto& [dy, dv] = body_.initial_error();
     const fem::Operators& operators = body_.operators();
-    const forward::Scheme first = grid_.scheme(1);
+    const step::Scheme first = grid_.scheme(1);
     double value = 0;
     if (dv)
       value += weighed(operators.M, duals_.velocity, 1, dv);
@@ -250,7 +250,7 @@ private:
   const EnrichedBody& body_;
   Vec by_nodes_;
   const std::vector<contact::ContactLinearisation>& contact_;
-  forward::TimeGrid grid_;
+  step::TimeGrid grid_;
   int steps_;
   Duals duals_;
   DualBubbles bubbles_;
@@ -263,14 +263,14 @@ private:
 
 } // namespace
 
-ErrorParts weighted_residual(const forward::Stepper& stepper, const EnrichedBody* enriched,
-                             const Weighted& run, Vec by_nodes) {
+ErrorParts weighted_residual(const step::Stepper& stepper, const EnrichedBody* enriched, const Weighted& run,
+                             Vec by_nodes) {
   Window motion(stepper, run.motion);
   TimePart time(stepper, motion, run);
   std::optional<SpacePart> space;
   if (enriched)
     space.emplace(stepper, *enriched, motion, run, by_nodes);
-  forward::Stepper::Workspace work = stepper.workspace();
+  step::Stepper::Workspace work = stepper.workspace();
   sweep(stepper, work, run.motion.grid(), run.motion.contact(), run.derivative, [&](int k, Vec p) {
     motion.move(k);
     time.take(k, p);

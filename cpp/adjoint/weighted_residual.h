@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "adjoint/enriched_body.h"
-#include "forward/trajectory.h"
+#include "trajectory/trajectory.h"
 #include <cmath>
 #include <optional>
 
@@ -25,12 +25,12 @@ struct ErrorParts {
 
 /// A motion of a run, and the derivative of J that weighs its error.
 struct Weighted {
-  const forward::Trajectory& motion;     ///< with velocities
-  const forward::ForceAtStep& load;      ///< that acted on it
-  const forward::DualAtStep& derivative; ///< ∂J/∂y_k
+  const trajectory::Trajectory& motion; ///< with velocities
+  const step::ForceAtStep& load;        ///< that acted on it
+  const step::DualAtStep& derivative;   ///< ∂J/∂y_k
   /// The same on the enriched body; null without a space part.
-  const forward::ForceAtStep* enriched_load;
-  const forward::DualAtStep* enriched_derivative;
+  const step::ForceAtStep* enriched_load;
+  const step::DualAtStep* enriched_derivative;
 };
 
 /// The adjoint-weighted residual of a computed motion (Becker and Rannacher 2001; docs/method.md section 7)
@@ -58,7 +58,7 @@ struct Weighted {
 /// `enriched` is null without a space part. `by_nodes`, if given, receives the bubbles' share of that part
 /// node by node, a vector of the enriched body to which it is added. ErrorParts::desired stays zero.
 /// Collective. Throws SolverFailure.
-ErrorParts weighted_residual(const forward::Stepper& stepper, const EnrichedBody* enriched,
-                             const Weighted& run, Vec by_nodes = nullptr);
+ErrorParts weighted_residual(const step::Stepper& stepper, const EnrichedBody* enriched, const Weighted& run,
+                             Vec by_nodes = nullptr);
 
 } // namespace signorini::adjoint

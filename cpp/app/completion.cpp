@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-namespace signorini {
+namespace signorini::app {
 namespace {
 
 /// What a key may be, where these are a few words: those that the reference quotes.
@@ -83,4 +83,4 @@ std::string bash_completion(const std::vector<VerbOptions>& verbs) {
                      fmt::arg("keys", fmt::join(keys, " ")), fmt::arg("options", options));
 }
 
-} // namespace signorini
+} // namespace signorini::app

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace signorini {
+namespace signorini::app {
 
 /// A verb of the command line with its options, such as --out.
 struct VerbOptions {
@@ -14,4 +14,4 @@ struct VerbOptions {
 /// A script by which bash completes verbs, options, folders, scenes, the keys of --set and their choices.
 std::string bash_completion(const std::vector<VerbOptions>& verbs);
 
-} // namespace signorini
+} // namespace signorini::app

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/info.h"
-#include "app/coarse_start.h"
-#include "app/run_manifest.h"
-#include "app/search/search.h"
 #include "base/collective.h"
 #include "base/memory.h"
-#include "forward/binomial_checkpointing.h"
-#include "forward/first_touch.h"
-#include "forward/state_store.h"
+#include "drivers/coarse_start.h"
+#include "drivers/run_manifest.h"
+#include "drivers/search.h"
 #include "io/manifest.h"
 #include "optimize/options.h"
 #include "scene/parameters.h"
+#include "trajectory/binomial_checkpointing.h"
+#include "trajectory/first_touch.h"
+#include "trajectory/state_store.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
 
-namespace signorini {
+namespace signorini::app {
 namespace {
 
 /// What an effect adds.
@@ -31,7 +31,7 @@ std::string megabytes(double bytes) { return fmt::format("{:.3g} MB", bytes / 1e
 
 /// Memory of the states and active sets that an optimisation keeps, on all ranks, bytes; the sets at their
 /// upper bound, with every candidate active throughout. Adjoint states are not kept.
-double motions_bytes(const Problem& problem) {
+double motions_bytes(const problem::Problem& problem) {
   const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
   const scene::Trajectory& kept = problem.scene.trajectory;
   const int controlled = problem.scene.optimizer.method == scene::OptimizerMethod::newton_cg
@@ -39,9 +39,9 @@ double motions_bytes(const Problem& problem) {
                              : 2;                          // iterate, trial, linearised
   const double sets = problem.stepper.predictor() ? 2 : 1, // kept on every rank
       step = sizeof(contact::ContactLinearisation) +
-             (sets * sizeof(int) + sizeof(double)) * forward::candidates(problem.stepper), // forces too
+             (sets * sizeof(int) + sizeof(double)) * trajectory::candidates(problem.stepper), // forces too
       contact = step * (problem.steps() + 1) * ranks(problem.space.comm());
-  const double states = state_stores(problem).bytes();
+  const double states = problem::state_stores(problem).bytes();
   const double in_memory = kept.storage == scene::Storage::memory        ? (controlled + 1) * states
                            : kept.storage == scene::Storage::checkpoints ? (computed ? 2 : 1) * states
                                                                          : 0;
@@ -49,26 +49,26 @@ double motions_bytes(const Problem& problem) {
 }
 
 /// The steps or disk space that the storage of states adds to a gradient, in words.
-std::string again(const Problem& problem) {
+std::string again(const problem::Problem& problem) {
   const scene::Trajectory& kept = problem.scene.trajectory;
   if (kept.storage == scene::Storage::memory)
     return "";
   const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
-  const forward::StateStoreFactory storage = state_stores(problem);
+  const trajectory::StateStoreFactory storage = problem::state_stores(problem);
   if (kept.storage == scene::Storage::disk)
     return fmt::format(" (states on disk: {} a motion)", megabytes(storage.bytes()));
   const int slots =
-      static_cast<int>(std::lround(storage.bytes() / forward::Checkpoint::bytes(problem.stepper)));
-  const double made = static_cast<double>(forward::steps_made(problem.steps(), slots));
+      static_cast<int>(std::lround(storage.bytes() / trajectory::Checkpoint::bytes(problem.stepper)));
+  const double made = static_cast<double>(trajectory::steps_made(problem.steps(), slots));
   return fmt::format(", and {:.2f} steps made again{} ({} checkpoints)", made / problem.steps() - 1,
                      computed ? " of either motion" : "", slots);
 }
 
 /// Costs of the effects that add anything, by the names of io::effects.
-std::map<std::string, Cost> costs(const Problem& problem) {
+std::map<std::string, Cost> costs(const problem::Problem& problem) {
   const scene::Scene& scene = problem.scene;
   const fem::Operators& body = problem.operators;
-  const forward::Stepper& stepper = problem.stepper;
+  const step::Stepper& stepper = problem.stepper;
   const std::string density_product =
       body.uniform_density ? "nothing: one product with M does" : "a product with W";
   const double vector = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
@@ -126,7 +126,7 @@ std::map<std::string, Cost> costs(const Problem& problem) {
         controls.cellwise()
             ? 0
             : controls.control_bytes() / (scene.control->constant_in_time ? 1 : problem.steps());
-  const optimize::Options options = search_options(controls, scene.optimizer);
+  const optimize::Options options = drivers::search_options(controls, scene.optimizer);
   if (scene.optimizer.method == scene::OptimizerMethod::lbfgs)
     costs["control"].bytes +=
         static_cast<double>(std::min(2 * options.lbfgs.pairs, options.vectors)) * controls.compact_bytes();
@@ -141,44 +141,43 @@ struct StepTimes {
 };
 
 /// Runs `steps` steps from the start, and as many adjoint ones on the last contact if there is an objective.
-StepTimes time_steps(const Problem& problem, int steps) {
+StepTimes time_steps(const problem::Problem& problem, int steps) {
   using Clock = std::chrono::steady_clock;
   const auto seconds_since = [](Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
   };
   StepTimes times;
-  const GivenControl given(problem);
-  forward::Stepper::Workspace work = problem.stepper.workspace();
-  forward::AdjointState state = problem.stepper.adjoint_state();
+  const problem::GivenControl given(problem);
+  step::Stepper::Workspace work = problem.stepper.workspace();
+  step::AdjointState state = problem.stepper.adjoint_state();
   const int last = std::max(1, problem.steps() - 1); // with a step after it
   auto start = Clock::now();
-  forward::integrate(problem.stepper, problem.grid.first(steps), problem.initial, given.load(),
-                     [&](const forward::Frame& frame) {
-                       const double seconds = seconds_since(start);
-                       const bool touches = !frame.contact.active.empty();
-                       if (frame.step.k > 0) {
-                         (touches ? times.contact : times.free) += seconds;
-                         ++(touches ? times.contact_steps : times.free_steps);
-                       }
-                       if (frame.last && problem.scene.objective) {
-                         petsc::check(VecCopy(frame.after.y(), state.p_next));
-                         const auto at = [&](int k) {
-                           return forward::StepContact{problem.grid.scheme(k), frame.contact};
-                         };
-                         start = Clock::now();
-                         for (int k = 0; k < steps; ++k)
-                           problem.stepper.adjoint_step(
-                               {at(std::min(k + 1, last)), at(std::min(k + 2, last + 1)), {}, state}, work);
-                         times.adjoint = seconds_since(start) / steps;
-                       }
-                       start = Clock::now();
-                     });
+  trajectory::integrate(
+      problem.stepper, problem.grid.first(steps), problem.initial, given.load(),
+      [&](const trajectory::Frame& frame) {
+        const double seconds = seconds_since(start);
+        const bool touches = !frame.contact.active.empty();
+        if (frame.step.k > 0) {
+          (touches ? times.contact : times.free) += seconds;
+          ++(touches ? times.contact_steps : times.free_steps);
+        }
+        if (frame.last && problem.scene.objective) {
+          petsc::check(VecCopy(frame.after.y(), state.p_next));
+          const auto at = [&](int k) { return step::StepContact{problem.grid.scheme(k), frame.contact}; };
+          start = Clock::now();
+          for (int k = 0; k < steps; ++k)
+            problem.stepper.adjoint_step(
+                {at(std::min(k + 1, last)), at(std::min(k + 2, last + 1)), {}, state}, work);
+          times.adjoint = seconds_since(start) / steps;
+        }
+        start = Clock::now();
+      });
   times.free /= std::max(times.free_steps, 1);
   times.contact /= std::max(times.contact_steps, 1);
   return times;
 }
 
-std::string estimate(const Problem& problem, int timed_steps) {
+std::string estimate(const problem::Problem& problem, int timed_steps) {
   const int steps = std::min(timed_steps, problem.steps());
   const StepTimes times = time_steps(problem, steps);
   const double all = times.free * times.free_steps + times.contact * times.contact_steps;
@@ -211,27 +210,27 @@ std::string memory_of_ranks(MPI_Comm comm) {
 }
 
 /// The coarse meshes that optimize begins with, in words; empty if there are none.
-std::string coarse_levels(const Problem& problem) {
+std::string coarse_levels(const problem::Problem& problem) {
   std::string sizes;
-  for (const int multiple : coarse_multiples(problem))
+  for (const int multiple : drivers::coarse_multiples(problem))
     sizes += fmt::format("{}{:.4g} m", sizes.empty() ? "" : ", then ", *problem.scene.mesh.size * multiple);
   return sizes;
 }
 
 } // namespace
 
-void print_info(Problem& problem, int timed_steps, const Console& console) {
-  choose_steps(problem, console);
+void print_info(problem::Problem& problem, int timed_steps, const Console& console) {
+  problem::choose_steps(problem, console);
   const fem::Operators& body = problem.operators;
-  const forward::Stepper& stepper = problem.stepper;
+  const step::Stepper& stepper = problem.stepper;
   console.line(
       fmt::format("{}: unknowns: {} ({} free), cells: {}, candidates: {}, steps: {} of {}\nsolver: {}",
                   problem.scene.name, problem.space.dofs(), problem.free_dofs(), problem.mesh.cells(),
-                  forward::candidates(stepper), problem.steps(),
+                  trajectory::candidates(stepper), problem.steps(),
                   problem.grid.equal() ? fmt::format("{} s", problem.scene.time.step) : "varying length",
                   stepper.solver().choice()));
-  console.line(body_lines(problem));
-  for (const std::string& line : forward::first_touch_lines(stepper, problem.scene))
+  console.line(drivers::body_lines(problem));
+  for (const std::string& line : trajectory::first_touch_lines(stepper, problem.scene))
     console.line(line);
   console.line(fmt::format("always: M {}, A {}, R {}, {} {}; a step: one solve with D, products with R and M",
                            megabytes(petsc::bytes(body.M)), megabytes(petsc::bytes(body.A)),
@@ -265,4 +264,4 @@ void print_info(Problem& problem, int timed_steps, const Console& console) {
   console.line(timed_steps > 0 ? estimate(problem, timed_steps) : "for an estimate of the time: --time 20");
 }
 
-} // namespace signorini
+} // namespace signorini::app

@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/run.h"
-#include "app/accuracy.h"
-#include "app/check/check.h"
-#include "app/fit/synthetic_data.h"
+#include "accuracy/grading.h"
+#include "accuracy/optimize_to_accuracy.h"
 #include "app/info.h"
-#include "app/motion_writer.h"
-#include "app/run_manifest.h"
-#include "app/run_objective.h"
 #include "app/scene_file.h"
-#include "app/search/search.h"
-#include "app/study/grading.h"
-#include "app/summary_lines.h"
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/signals.h"
 #include "base/threads.h"
-#include "forward/step_control.h"
+#include "drivers/check/check.h"
+#include "drivers/motion_writer.h"
+#include "drivers/run_manifest.h"
+#include "drivers/search.h"
+#include "drivers/summary_lines.h"
+#include "drivers/synthetic_data.h"
 #include "io/manifest.h"
 #include "io/output_folder.h"
+#include "problem/run_objective.h"
+#include "trajectory/step_control.h"
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 
-namespace signorini {
+namespace signorini::app {
 namespace {
 
 MPI_Comm world() { return MPI_COMM_WORLD; }
@@ -31,8 +31,8 @@ constexpr char kept_mesh[] = "mesh.msh";
 
 /// Prepares J of a run. A desired run that is missing or another's is no reason not to simulate: returns why
 /// J is not known then. Collective. Throws UserError.
-std::string start_objective(const Problem& problem, const GivenControl& given,
-                            std::optional<RunObjective>& objective) {
+std::string start_objective(const problem::Problem& problem, const problem::GivenControl& given,
+                            std::optional<problem::RunObjective>& objective) {
   if (!problem.scene.objective)
     return {};
   try {
@@ -60,21 +60,22 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
   if (!request.replace)
     folder.require_no_search(out);
   if (request.measure)
-    require_measurable(world(), scene, out, request.replace);
+    drivers::require_measurable(world(), scene, out, request.replace);
   Timers timers;
-  Problem problem(std::make_shared<const Discretisation>(world(), scene, timers, meshing), scene,
-                  simulation_needs(scene), timers);
-  console.line(headline(problem));
+  problem::Problem problem(std::make_shared<const problem::Discretisation>(world(), scene, timers, meshing),
+                           scene, problem::simulation_needs(scene), timers);
+  console.line(drivers::headline(problem));
 
-  const GivenControl given(problem);
-  const forward::ForceAtStep load = given.load();
-  std::optional<RunObjective> objective;
+  const problem::GivenControl given(problem);
+  const step::ForceAtStep load = given.load();
+  std::optional<problem::RunObjective> objective;
   const std::string unknown = start_objective(problem, given, objective);
-  std::optional<forward::StepControl> control;
+  std::optional<trajectory::StepControl> control;
   if (!problem.grid.equal())
     control.emplace(problem.stepper, scene);
-  MotionWriter recorder(problem, folder, nullptr, given.acts(), control ? &control->errors() : nullptr);
-  std::optional<SyntheticData> data;
+  drivers::MotionWriter recorder(problem, folder, nullptr, given.acts(),
+                                 control ? &control->errors() : nullptr);
+  std::optional<drivers::SyntheticData> data;
   if (request.measure)
     data.emplace(problem.stepper, problem.grid, scene);
   constexpr int per_mille = 1000;
@@ -83,7 +84,7 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
     const auto timer = timers.time("forward");
     Progress progress(console, problem.grid.equal() ? "steps" : "per mille of the time",
                       static_cast<std::size_t>(problem.grid.equal() ? problem.grid.steps() : per_mille));
-    const auto watch = [&](const forward::Frame& frame) {
+    const auto watch = [&](const trajectory::Frame& frame) {
       recorder(frame);
       if (objective)
         objective->observe(frame);
@@ -94,10 +95,10 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
                                : std::floor(per_mille * frame.step.end / problem.stepper.end())));
     };
     if (control) {
-      problem.grid = forward::integrate_choosing(problem.stepper, problem.initial, load, *control, watch);
+      problem.grid = trajectory::integrate_choosing(problem.stepper, problem.initial, load, *control, watch);
       steps = problem.steps();
     } else {
-      steps = forward::integrate(problem.stepper, problem.grid, problem.initial, load, watch);
+      steps = trajectory::integrate(problem.stepper, problem.grid, problem.initial, load, watch);
     }
   }
   const bool complete = problem.grid.complete() && steps == problem.steps();
@@ -105,18 +106,18 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
     throw Interrupted();
   recorder.finish();
   folder.write("scene.toml", scene::echo(told, problem.space.dim()));
-  io::Manifest m = manifest(problem, "simulate", complete ? "end of time" : "interrupted", steps);
+  io::Manifest m = drivers::manifest(problem, "simulate", complete ? "end of time" : "interrupted", steps);
   if (m.lengths)
     m.lengths->rejected = control->rejected();
-  add_watched(m, recorder, scene.run, console);
+  drivers::add_watched(m, recorder, scene.run, console);
   m.accuracy = accuracy;
   if (objective && complete) {
     m.objective = objective->value();
-    add_warning(m, desired_warning(problem), console);
+    drivers::add_warning(m, problem::desired_warning(problem), console);
   }
   m.files = folder.files();
   folder.write("run.json", io::to_json(m, told, timers));
-  for (const std::string& line : summary_lines(m))
+  for (const std::string& line : drivers::summary_lines(m))
     console.line(line);
   if (m.objective)
     console.line(fmt::format("J = {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e})",
@@ -124,12 +125,12 @@ int simulate_scene(const scene::Scene& scene, const std::filesystem::path& out, 
                              m.objective->control_cost));
   if (!unknown.empty())
     console.line("J is not known: " + unknown);
-  console.line(
-      fmt::format("{}{}", complete ? "" : "interrupted after ", cost_line(m, scene, timers, folder.bytes())));
+  console.line(fmt::format("{}{}", complete ? "" : "interrupted after ",
+                           drivers::cost_line(m, scene, timers, folder.bytes())));
   if (data && complete) // before the results are in place: they stand for data that are written
     for (const std::string& line : data->write(request.seed))
       console.line(line);
-  finish(folder, console);
+  drivers::finish(folder, console);
   return complete ? exit_status::done : exit_status::interrupted;
 }
 
@@ -167,32 +168,32 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
   const double asked = *request.accuracy;
   if (request.study.budget)
     stop_after(*request.study.budget);
-  study::Found best;
+  accuracy::Found best;
   bool stopped = false, answered = false;
   std::optional<ScratchFolder> scratch;
   if (scene.mesh.automatic()) { // from now on at a scale of sizes that vary
     scene::Scene simulated = scene;
     simulated.objective.reset();
     const std::filesystem::path graded = scratch.emplace(world()).path() / "graded.geo";
-    study::write_graded(world(), simulated, graded, console);
+    accuracy::write_graded(world(), simulated, graded, console);
     scene.mesh.file = graded;
     scene.mesh.size.reset();
   }
-  const auto write = [&](const study::Found& found) {
+  const auto write = [&](const accuracy::Found& found) {
     const io::Accuracy accuracy{.quantity = request.study.quantities.front(),
                                 .asked = asked,
                                 .space = found.space,
                                 .time = found.time,
                                 .met = found.meets(asked),
                                 .doubt = found.doubt};
-    (void)simulate_scene(study::on_rung(scene, found.rung), out, request, Console(false, false), accuracy,
+    (void)simulate_scene(accuracy::on_rung(scene, found.rung), out, request, Console(false, false), accuracy,
                          scratch.has_value(), answered);
     request.replace = true; // from now on it is this run's own
     best = found;
     answered = true;
   };
   try {
-    (void)study::find_size_and_step(world(), scene, asked, request.study, console, write);
+    (void)accuracy::find_size_and_step(world(), scene, asked, request.study, console, write);
   } catch (const Interrupted&) {
     if (!answered)
       throw;
@@ -208,7 +209,7 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
                           : late               ? "not met, the budget is spent"
                           : best.doubt.empty() ? "not met"
                                                : "not verified, " + best.doubt,
-                    resolution = study::words(best.rung, scene);
+                    resolution = accuracy::words(best.rung, scene);
   if (best.seconds == 0) // the first of all
     console.line(fmt::format("{}, no error estimate yet: {}; {}, {:.2g} s in all", asked_for, end, resolution,
                              passed));
@@ -224,9 +225,9 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
 
 int check(const scene::Scene& scene, const Console& console) {
   Timers timers;
-  Problem problem(world(), scene, check_needs(scene), timers);
-  console.line(headline(problem));
-  return check_scene(problem, console) ? exit_status::done : exit_status::check_failed;
+  problem::Problem problem(world(), scene, problem::check_needs(scene), timers);
+  console.line(drivers::headline(problem));
+  return drivers::check_scene(problem, console) ? exit_status::done : exit_status::check_failed;
 }
 
 /// Where a run's results go if the user names no folder: those of an echo back to where it is.
@@ -294,7 +295,7 @@ int run(const Request& request, const Console& console) {
 int run(const Request& request, const SceneFile& file, const Console& console) {
   use_threads(world(), request.threads);
   const auto& [scene, text, home] = file;
-  print_doubts(doubts_about_series(world(), scene), console);
+  drivers::print_doubts(drivers::doubts_about_series(world(), scene), console);
   require_no_order_of_a_fit(scene, request);
   require_size(scene, request);
   const std::filesystem::path out =
@@ -309,18 +310,19 @@ int run(const Request& request, const SceneFile& file, const Console& console) {
   if (request.verb == "simulate")
     return simulate_scene(scene, out, request, console);
   if (request.verb == "optimize" && request.accuracy)
-    return optimize_to_accuracy(world(), scene, out, {*request.accuracy, request.study.budget}, console);
+    return accuracy::optimize_to_accuracy(world(), scene, out, {*request.accuracy, request.study.budget},
+                                          console);
   if (request.verb == "optimize")
-    return search_scene(world(), scene, out, request.resume, console);
+    return drivers::search_scene(world(), scene, out, request.resume, console);
   if (request.verb == "check")
     return check(scene, console);
   if (request.verb == "study")
-    return request.suggest ? study::suggest(world(), scene, *request.suggest, request.study, console)
-                           : study::run_study(world(), scene, out, request.study, console);
+    return request.suggest ? accuracy::suggest(world(), scene, *request.suggest, request.study, console)
+                           : accuracy::run_study(world(), scene, out, request.study, console);
   Timers timers;
-  Problem problem(world(), scene, study_needs(scene), timers);
+  problem::Problem problem(world(), scene, problem::study_needs(scene), timers);
   print_info(problem, request.timed_steps, console);
   return exit_status::done;
 }
 
-} // namespace signorini
+} // namespace signorini::app

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "app/study/study.h"
+#include "accuracy/study.h"
 #include "base/progress.h"
 #include <filesystem>
 #include <string>
 #include <vector>
 
-namespace signorini {
+namespace signorini::app {
 
 struct SceneFile;
 
@@ -22,7 +22,7 @@ struct Request {
   int seed = 1;               ///< of their noise; 0: none
   int timed_steps = 0;        ///< number of steps that info makes and times
   std::optional<int> threads; ///< of each rank; absent: use_threads() chooses
-  study::Options study;
+  accuracy::Options study;
   std::optional<double> suggest;  ///< tolerance for which study proposes size and step
   std::optional<double> accuracy; ///< relative error that simulate and optimize have to meet
 };
@@ -34,4 +34,4 @@ int run(const Request& request, const Console& console);
 /// The same with a scene that was read before.
 int run(const Request& request, const SceneFile& file, const Console& console);
 
-} // namespace signorini
+} // namespace signorini::app

@@ -2,7 +2,7 @@
 #include "app/scene_file.h"
 #include "base/collective.h"
 
-namespace signorini {
+namespace signorini::app {
 namespace {
 
 /// The folder of the run whose echo a scene is, beside that run's manifest; empty for other scenes.
@@ -38,4 +38,4 @@ SceneFile read_scene(MPI_Comm comm, const std::filesystem::path& file,
   return found;
 }
 
-} // namespace signorini
+} // namespace signorini::app

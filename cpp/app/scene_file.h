@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace signorini {
+namespace signorini::app {
 
 /// A scene as it was read from its file.
 struct SceneFile {
@@ -20,4 +20,4 @@ struct SceneFile {
 SceneFile read_scene(MPI_Comm comm, const std::filesystem::path& file,
                      const std::vector<std::string>& overrides);
 
-} // namespace signorini
+} // namespace signorini::app

@@ -11,7 +11,7 @@
 #include <system_error>
 #include <unistd.h>
 
-namespace signorini {
+namespace signorini::app {
 namespace {
 
 /// What runs the script of a verb.
@@ -68,4 +68,4 @@ void become_script(std::span<char* const> words) {
                               words.front(), std::generic_category().message(errno)));
 }
 
-} // namespace signorini
+} // namespace signorini::app

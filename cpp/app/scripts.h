@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-namespace signorini {
+namespace signorini::app {
 
 /// A verb that a script of postprocess/ does, with its options.
 struct ScriptVerb {
@@ -22,4 +22,4 @@ bool is_script_verb(std::string_view word);
 /// bear it afterwards. Returns only if it fails, by throwing UserError.
 [[noreturn]] void become_script(std::span<char* const> words);
 
-} // namespace signorini
+} // namespace signorini::app

@@ -2,8 +2,14 @@
 #pragma once
 #include <exception>
 #include <stdexcept>
+#include <string>
 
 namespace signorini {
+
+/// Exit statuses of the program.
+namespace exit_status {
+constexpr int done = 0, check_failed = 1, wrong_input = 2, solver_failed = 3, interrupted = 130;
+}
 
 /// The scene, the mesh, an option or the output folder is wrong: exit status 2.
 /// The text is one sentence: what, where, found, allowed.
@@ -26,6 +32,13 @@ class SolverFailure : public std::runtime_error {
 class Interrupted : public std::exception {
 public:
   [[nodiscard]] const char* what() const noexcept override { return "interrupted"; }
+};
+
+/// A reason to doubt the results of a run.
+struct Warning {
+  std::string name;    ///< of the kind of warning
+  std::string message; ///< with value and place
+  double value, limit; ///< the value, and the limit above which there is a warning
 };
 
 } // namespace signorini

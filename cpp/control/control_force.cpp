@@ -12,7 +12,7 @@ SampledForce::SampledForce(const ControlSpace& controls, const scene::Components
   profile_.require_resolved();
 }
 
-void SampledForce::add(const forward::TimeStep& step, forward::NodalForce sum) const {
+void SampledForce::add(const step::TimeStep& step, step::NodalForce sum) const {
   controls_.for_each_interval(step, [&](int j, double part) {
     const bool own = !controls_.stepwise(); // steps may still be unknown to `controls_`
     const double begin = own ? controls_.begin(j) : step.begin;

@@ -9,7 +9,7 @@ namespace signorini::control {
 
 /// The force of a control that expressions give, its mean over each interval, evaluated as steps ask for it:
 /// not more than one interval is stored.
-class SampledForce final : public forward::Load {
+class SampledForce final : public step::Load {
 public:
   /// `key` names it in messages; `within`: it is clipped to the bounds. `controls` must outlive this object.
   /// Throws UserError.
@@ -17,7 +17,7 @@ public:
                bool within);
   [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
   [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
-  void add(const forward::TimeStep& step, forward::NodalForce sum) const override;
+  void add(const step::TimeStep& step, step::NodalForce sum) const override;
   [[nodiscard]] double variation(double from, double to) const override {
     return profile_.variation(from, to);
   }
@@ -32,13 +32,13 @@ private:
 };
 
 /// The force s u_k of a control on the body, as a load.
-class ControlForce final : public forward::Load {
+class ControlForce final : public step::Load {
 public:
   /// The references must outlive this object.
   ControlForce(const ControlSpace& controls, const Control& u) : controls_(controls), u_(u) {}
   [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
   [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
-  void add(const forward::TimeStep& step, forward::NodalForce sum) const override {
+  void add(const step::TimeStep& step, step::NodalForce sum) const override {
     controls_.for_each_interval(step, [&](int j, double part) { controls_.add_force(u_.at(j), sum, part); });
   }
   [[nodiscard]] double variation(double from, double to) const override {
@@ -51,13 +51,13 @@ private:
 };
 
 /// The same in a motion of other steps than those of the control.
-class HeldForce final : public forward::Load {
+class HeldForce final : public step::Load {
 public:
   /// The references must outlive this object.
   HeldForce(const ControlSpace& controls, const Control& u) : controls_(controls), u_(u) {}
   [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
   [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
-  void add(const forward::TimeStep& step, forward::NodalForce sum) const override {
+  void add(const step::TimeStep& step, step::NodalForce sum) const override {
     controls_.for_each_interval(step.begin, step.end,
                                 [&](int j, double part) { controls_.add_force(u_.at(j), sum, part); });
   }

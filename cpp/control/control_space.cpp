@@ -47,7 +47,7 @@ petsc::Vector lump(Mat W) {
 
 } // namespace
 
-ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::TimeGrid grid,
+ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operators, step::TimeGrid grid,
                            const scene::Control& scene)
     : space_(space), grid_(grid), scale_(scene.scale), constant_in_time_(scene.constant_in_time),
       cellwise_(scene.space == scene::ControlValues::cellwise), on_(scene.on),
@@ -154,7 +154,7 @@ double ControlSpace::begin(int j) const {
 std::pair<int, int> ControlSpace::intervals(double from, double to) const {
   if (constant_in_time_)
     return {1, 1};
-  const forward::TimeGrid& grid = own_ ? *own_ : grid_;
+  const step::TimeGrid& grid = own_ ? *own_ : grid_;
   constexpr double rounding = 1e-9; // of the time between
   const double hair = rounding * (to - from);
   return {grid.place(from + hair).k, grid.place(to - hair).k};
@@ -315,7 +315,7 @@ void ControlSpace::zero_blocked(Control& w, const Control& u, const Control& d) 
       values[i] = 0;
 }
 
-void ControlSpace::add_force(std::span<const double> u, forward::NodalForce sum, double weight) const {
+void ControlSpace::add_force(std::span<const double> u, step::NodalForce sum, double weight) const {
   const double factor = weight * scale_;
   if (acts_by_density()) {
     add(factor, u, sum.density);
@@ -332,7 +332,7 @@ void ControlSpace::add_force(std::span<const double> u, forward::NodalForce sum,
 }
 
 void ControlSpace::add_riesz(int k, Vec p, Control& g) const {
-  const forward::TimeStep step = grid_.step(k);
+  const step::TimeStep step = grid_.step(k);
   const double factor = step.scheme().impulse() * scale_;
   const auto weight = [&](int j, double part) { return part * factor / length(j); }; // length: of product()
   if (cellwise_) { // the mean of p over each cell

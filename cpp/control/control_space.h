@@ -2,7 +2,7 @@
 #pragma once
 #include "control/control.h"
 #include "fem/operators.h"
-#include "forward/load.h"
+#include "step/load.h"
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -33,7 +33,7 @@ public:
 
   /// `grid`: the steps of motions, which may still be unknown unless controls are constant on each. The
   /// references must outlive this object. Throws UserError.
-  ControlSpace(const fem::Space& space, const fem::Operators& operators, forward::TimeGrid grid,
+  ControlSpace(const fem::Space& space, const fem::Operators& operators, step::TimeGrid grid,
                const scene::Control& scene);
 
   [[nodiscard]] Control zero() const;
@@ -95,10 +95,10 @@ public:
   /// The components in which the control acts, ascending numbers.
   [[nodiscard]] const std::vector<int>& components() const { return components_; }
 
-  /// Whether the control acts by a force density, else by forces on the nodes (forward::NodalForce).
+  /// Whether the control acts by a force density, else by forces on the nodes (step::NodalForce).
   [[nodiscard]] bool acts_by_density() const { return !on_ && !cellwise_; }
   /// Adds the force s u, for the values u of an interval, times `weight`.
-  void add_force(std::span<const double> u, forward::NodalForce sum, double weight = 1) const;
+  void add_force(std::span<const double> u, step::NodalForce sum, double weight = 1) const;
 
   /// Adds to g the contribution of step k to the Riesz representative, in product(), of the functional
   /// u ↦ Σ_k impulse() p_k · (force of u in step k): the transpose of add_force(). For nodal values of each
@@ -125,7 +125,7 @@ public:
   }
   /// Those whose values act in a step.
   template <class Visit>
-  void for_each_interval(const forward::TimeStep& step, Visit&& visit) const {
+  void for_each_interval(const step::TimeStep& step, Visit&& visit) const {
     if (stepwise())
       return visit(step.k, 1.0);
     for_each_interval(step.begin, step.end, visit);
@@ -140,7 +140,7 @@ public:
   [[nodiscard]] double middle(int j) const { return constant_in_time_ ? 0 : begin(j) + length(j) / 2; }
   /// Its length T_j, s.
   [[nodiscard]] double length(int j) const;
-  [[nodiscard]] const forward::TimeGrid& grid() const { return grid_; }
+  [[nodiscard]] const step::TimeGrid& grid() const { return grid_; }
 
 private:
   /// The first and the last interval between two times; overlaps by rounding do not count.
@@ -167,8 +167,8 @@ private:
   void keep_places(Vec weights, const std::vector<double>& points);
 
   const fem::Space& space_;
-  forward::TimeGrid grid_;
-  std::optional<forward::TimeGrid> own_; ///< intervals of its own
+  step::TimeGrid grid_;
+  std::optional<step::TimeGrid> own_; ///< intervals of its own
   double scale_;
   bool constant_in_time_, cellwise_;
   std::optional<std::string> on_;

@@ -61,7 +61,7 @@ petsc::Vector mean_over(const fem::Space& space, const std::string& group, int c
 
 } // namespace
 
-Measurements::Measurements(const forward::Stepper& stepper, const forward::TimeGrid& grid,
+Measurements::Measurements(const step::Stepper& stepper, const step::TimeGrid& grid,
                            const scene::Scene& scene, const std::vector<std::vector<double>>& times,
                            std::size_t columns)
     : stepper_(stepper), grid_(grid),
@@ -147,7 +147,7 @@ void Measurements::take(int k, std::size_t column, Vec y, Vec v) {
       channels_[i].values[column][static_cast<std::size_t>(k)] = sums[i];
 }
 
-void Measurements::observe(const forward::Frame& frame) {
+void Measurements::observe(const trajectory::Frame& frame) {
   const auto k = static_cast<std::size_t>(frame.step.k);
   take(frame.step.k, 0, frame.after.y(), frame.after.v());
   for (Channel& channel : channels_)
@@ -156,8 +156,8 @@ void Measurements::observe(const forward::Frame& frame) {
           frame.step.k > 0 ? force(frame.step.k, channel, frame.contact.lambda, stepper_.pairs()->rows()) : 0;
 }
 
-void Measurements::observe(const forward::Frame& frame, const forward::Tangents& tangents,
-                           const forward::ParameterRates& rates) {
+void Measurements::observe(const trajectory::Frame& frame, const trajectory::ParameterSensitivities& tangents,
+                           const step::ParameterRates& rates) {
   observe(frame);
   const auto k = static_cast<std::size_t>(frame.step.k);
   for (std::size_t j = 0; j < tangents.count(); ++j) {
@@ -208,7 +208,7 @@ void Measurements::set_derivative(std::span<const double> by_values) {
   }
 }
 
-void Measurements::add(const forward::TimeStep& step, forward::StateDual sum) const {
+void Measurements::add(const step::TimeStep& step, step::StateDual sum) const {
   const petsc::WriteArray values(sum.vector);
   for (std::size_t c = 0; c < channels_.size(); ++c)
     if (channels_[c].of == Quantity::displacement)

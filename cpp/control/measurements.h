@@ -2,8 +2,8 @@
 #pragma once
 #include "adjoint/sweep.h"
 #include "fem/sampler.h"
-#include "forward/tangents.h"
 #include "scene/table.h"
+#include "trajectory/parameter_sensitivities.h"
 #include <array>
 #include <span>
 #include <string>
@@ -21,17 +21,17 @@ struct Data {
 /// the unknowns: displacement and velocity are linear between the ends of steps; the force of step k acts in
 /// its middle, linear between; in contact-implicit steps, whose forces alternate, the mean of two steps acts
 /// at the time between them. Contact times are none of these. All members collective.
-class Measurements final : public forward::StateDuals, public adjoint::VelocityForceDuals {
+class Measurements final : public step::StateDuals, public adjoint::VelocityForceDuals {
 public:
   /// `times`: for each of the scene's measurements those at which it is wanted, s. `columns`: 1 for the
   /// motion alone, one more for each derivative. The references must outlive this object. Throws UserError.
-  Measurements(const forward::Stepper& stepper, const forward::TimeGrid& grid, const scene::Scene& scene,
+  Measurements(const step::Stepper& stepper, const step::TimeGrid& grid, const scene::Scene& scene,
                const std::vector<std::vector<double>>& times, std::size_t columns = 1);
 
   /// Takes the frame after the last one, from frame 0 on, and the derivatives there.
-  void observe(const forward::Frame& frame);
-  void observe(const forward::Frame& frame, const forward::Tangents& tangents,
-               const forward::ParameterRates& rates);
+  void observe(const trajectory::Frame& frame);
+  void observe(const trajectory::Frame& frame, const trajectory::ParameterSensitivities& tangents,
+               const step::ParameterRates& rates);
 
   /// Number of values of all measurements together, and the first of each; those that are not fitted have
   /// none.
@@ -47,7 +47,7 @@ public:
 
   [[nodiscard]] bool has_density() const override { return false; }
   [[nodiscard]] bool has_vector() const override { return true; }
-  void add(const forward::TimeStep& step, forward::StateDual sum) const override;
+  void add(const step::TimeStep& step, step::StateDual sum) const override;
   [[nodiscard]] std::size_t velocities() const override;
   void velocity_factors(int k, std::span<double> factors) const override;
   void add_velocities(std::span<const double> factors, Vec sum) const override;
@@ -78,8 +78,8 @@ private:
                              const contact::ConstraintRows& rows) const;
   void take(int k, std::size_t column, Vec y, Vec v);
 
-  const forward::Stepper& stepper_;
-  forward::TimeGrid grid_;
+  const step::Stepper& stepper_;
+  step::TimeGrid grid_;
   bool alternate_; ///< forces of single steps do
   int steps_;
   std::vector<Channel> channels_;

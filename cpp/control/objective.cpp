@@ -30,7 +30,7 @@ double ObservedSet::norm(Vec y) const {
   return std::sqrt(petsc::dot(y, work_));
 }
 
-TimeWeights::TimeWeights(const scene::Objective& scene, forward::TimeGrid grid)
+TimeWeights::TimeWeights(const scene::Objective& scene, step::TimeGrid grid)
     : grid_(std::move(grid)), tracking_(scene.tracking), alpha_(scene.alpha), gamma_(scene.gamma) {}
 
 double TimeWeights::tracking_at(int k) const {
@@ -52,8 +52,8 @@ Value TimeWeights::value(const std::vector<double>& squared_distances, const Con
   return value;
 }
 
-Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, forward::TimeGrid grid,
-                     std::unique_ptr<const forward::Displacements> desired, const scene::Objective& scene)
+Objective::Objective(const ControlSpace& controls, const fem::Operators& operators, step::TimeGrid grid,
+                     std::unique_ptr<const step::Displacements> desired, const scene::Objective& scene)
     : weights_(scene, std::move(grid)), desired_(std::move(desired)), controls_(controls),
       observed_(controls.space(), operators, scene), work_(controls.space().vector()) {}
 
@@ -70,7 +70,7 @@ void Objective::observe(int k, Vec y, std::vector<double>& squared_distances) co
 
 double Objective::quadrature_error(const std::vector<double>& squared_distances, const Control& u) const {
   constexpr int points = 3;
-  const forward::TimeGrid& grid = weights_.grid();
+  const step::TimeGrid& grid = weights_.grid();
   const int steps = grid.steps();
   if (steps < points)
     return 0;
@@ -108,7 +108,7 @@ double Objective::quadrature_error(const std::vector<double>& squared_distances,
 }
 
 double Objective::variation(const Control& u) const {
-  const forward::TimeGrid& grid = weights_.grid();
+  const step::TimeGrid& grid = weights_.grid();
   const int steps = grid.steps();
   Control change(controls_.size(), 1);
   double sum = 0;
@@ -124,15 +124,15 @@ double Objective::variation(const Control& u) const {
   return sum;
 }
 
-void Objective::add_derivative(int k, Vec y, forward::StateDual sum) const {
+void Objective::add_derivative(int k, Vec y, step::StateDual sum) const {
   add_weighted(k, y, desired(k), sum);
 }
 
-void Objective::add_second_derivative(int k, Vec dy, forward::StateDual sum) const {
+void Objective::add_second_derivative(int k, Vec dy, step::StateDual sum) const {
   add_weighted(k, dy, nullptr, sum);
 }
 
-void Objective::add_weighted(int k, Vec y, Vec less, forward::StateDual sum) const {
+void Objective::add_weighted(int k, Vec y, Vec less, step::StateDual sum) const {
   const Vec out = !observed_.whole() ? Vec(work_) : sum.density;
   if (!observed_.whole())
     check(VecZeroEntries(out));

@@ -18,9 +18,9 @@ struct Value {
 /// The weights of the terms of J in time (docs/method.md section 3).
 class TimeWeights {
 public:
-  TimeWeights(const scene::Objective& scene, forward::TimeGrid grid);
+  TimeWeights(const scene::Objective& scene, step::TimeGrid grid);
 
-  [[nodiscard]] const forward::TimeGrid& grid() const { return grid_; }
+  [[nodiscard]] const step::TimeGrid& grid() const { return grid_; }
   /// θ.
   [[nodiscard]] double tracking() const { return tracking_; }
   /// α: the derivative by the control is α u.
@@ -35,7 +35,7 @@ private:
   [[nodiscard]] double tracking_at(int k) const;
   [[nodiscard]] double terminal_at(int k) const;
 
-  forward::TimeGrid grid_;
+  step::TimeGrid grid_;
   double tracking_, alpha_, gamma_;
 };
 
@@ -64,8 +64,8 @@ private:
 class Objective {
 public:
   /// `desired` is y_d,0…y_d,N, read in any order. The references must outlive this object. Throws UserError.
-  Objective(const ControlSpace& controls, const fem::Operators& operators, forward::TimeGrid grid,
-            std::unique_ptr<const forward::Displacements> desired, const scene::Objective& scene);
+  Objective(const ControlSpace& controls, const fem::Operators& operators, step::TimeGrid grid,
+            std::unique_ptr<const step::Displacements> desired, const scene::Objective& scene);
 
   /// Stores ‖y_k − y_d,k‖² as entry k of `squared_distances` (N + 1); an entry without weight stays zero.
   void observe(int k, Vec y, std::vector<double>& squared_distances) const;
@@ -75,12 +75,12 @@ public:
     return weights_.value(squared_distances, controls_, u);
   }
 
-  /// Whether derivatives by states are densities, else vectors (forward::Functional).
+  /// Whether derivatives by states are densities, else vectors (step::Functional).
   [[nodiscard]] bool observes_whole() const { return observed_.whole(); }
   /// Adds ∂J/∂y_k = weight(k) W (y − y_d,k).
-  void add_derivative(int k, Vec y, forward::StateDual sum) const;
+  void add_derivative(int k, Vec y, step::StateDual sum) const;
   /// Adds ∂²J/∂y_k² δy.
-  void add_second_derivative(int k, Vec dy, forward::StateDual sum) const;
+  void add_second_derivative(int k, Vec dy, step::StateDual sum) const;
 
   /// The time integrals of J less their quadrature, to leading order: −τ_k²/12 times the change of
   /// d/dt ½ θ ‖e‖² over step k (trapezoidal rule), summed, and, where the control varies in time,
@@ -107,10 +107,10 @@ private:
   [[nodiscard]] double variation(const Control& u) const;
   double squared_distance(int k, Vec y) const;
   /// sum += weight(k) W (y − less); a null `less` is zero.
-  void add_weighted(int k, Vec y, Vec less, forward::StateDual sum) const;
+  void add_weighted(int k, Vec y, Vec less, step::StateDual sum) const;
 
   TimeWeights weights_;
-  std::unique_ptr<const forward::Displacements> desired_;
+  std::unique_ptr<const step::Displacements> desired_;
   const ControlSpace& controls_;
   ObservedSet observed_;
   petsc::Vector work_;
@@ -118,24 +118,24 @@ private:
 
 /// Derivatives of an objective by the states along a motion, or a linearised one. States without weight are
 /// not asked for.
-class ObjectiveDuals : public forward::StateDuals {
+class ObjectiveDuals : public step::StateDuals {
 public:
   /// The references must outlive this object.
-  ObjectiveDuals(const Objective& objective, const forward::Displacements& motion)
+  ObjectiveDuals(const Objective& objective, const step::Displacements& motion)
       : objective_(objective), motion_(motion) {}
   [[nodiscard]] bool has_density() const override { return objective_.observes_whole(); }
   [[nodiscard]] bool has_vector() const override { return !objective_.observes_whole(); }
 
 protected:
   const Objective& objective_;
-  const forward::Displacements& motion_;
+  const step::Displacements& motion_;
 };
 
 /// ∂J/∂y_k along a motion.
 class Derivative final : public ObjectiveDuals {
 public:
   using ObjectiveDuals::ObjectiveDuals;
-  void add(const forward::TimeStep& step, forward::StateDual sum) const override {
+  void add(const step::TimeStep& step, step::StateDual sum) const override {
     if (objective_.weight(step.k) != 0)
       objective_.add_derivative(step.k, motion_.y(step), sum);
   }
@@ -145,7 +145,7 @@ public:
 class SecondDerivative final : public ObjectiveDuals {
 public:
   using ObjectiveDuals::ObjectiveDuals;
-  void add(const forward::TimeStep& step, forward::StateDual sum) const override {
+  void add(const step::TimeStep& step, step::StateDual sum) const override {
     if (objective_.weight(step.k) != 0)
       objective_.add_second_derivative(step.k, motion_.y(step), sum);
   }

@@ -3,7 +3,7 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/signals.h"
-#include "forward/tangents.h"
+#include "trajectory/parameter_sensitivities.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -18,13 +18,13 @@ namespace {
 long& problems = count("reduced problems");
 
 /// δy_0…δy_N from the storage of states.
-class LinearisedMotion final : public forward::Displacements {
+class LinearisedMotion final : public step::Displacements {
 public:
-  explicit LinearisedMotion(forward::StateStore& states) : states_(states) {}
-  [[nodiscard]] Vec y(const forward::TimeStep& step) const override { return states_.at(step.k).y(); }
+  explicit LinearisedMotion(trajectory::StateStore& states) : states_(states) {}
+  [[nodiscard]] Vec y(const step::TimeStep& step) const override { return states_.at(step.k).y(); }
 
 private:
-  forward::StateStore& states_;
+  trajectory::StateStore& states_;
 };
 
 } // namespace
@@ -46,19 +46,19 @@ ReducedProblem::ReducedProblem(ModelAt models, const Misfit& misfit, const Contr
 
 std::unique_ptr<ReducedProblem::Point> ReducedProblem::point(const Variables& v) const {
   try {
-    return std::make_unique<Point>(v, controls_, models_(v.x, 1, forward::Stops::obeyed), true);
+    return std::make_unique<Point>(v, controls_, models_(v.x, 1, trajectory::Stops::obeyed), true);
   } catch (const UserError& error) {
     throw SolverFailure(error.what());
   }
 }
 
-forward::ForceAtStep ReducedProblem::load(const Model& model, const ControlForce* force) {
+step::ForceAtStep ReducedProblem::load(const Model& model, const ControlForce* force) {
   return {model.stepper->space(), {model.load, force ? force : model.given}};
 }
 
 void ReducedProblem::run(Point& at) {
   const auto timer = timers_.time("forward");
-  at.trajectory.run(load(at), [&](const forward::Frame& frame) {
+  at.trajectory.run(load(at), [&](const trajectory::Frame& frame) {
     if (objective_) {
       const auto other = timers_.time("objective");
       objective_->observe(frame.step.k, frame.after.y(), at.squared_distances);
@@ -100,14 +100,14 @@ double ReducedProblem::value(const Variables& v) {
 void ReducedProblem::accept() { std::swap(current_, trial_); }
 
 Control ReducedProblem::pull_back(const std::vector<contact::ContactLinearisation>& contact,
-                                  const forward::DualAtStep& dual, double scale, const Control& u) {
+                                  const step::DualAtStep& dual, double scale, const Control& u) {
   const auto timer = timers_.time("adjoint");
   ++sweeps_.adjoint;
   return swept(contact, dual, scale, u, {});
 }
 
 Control ReducedProblem::swept(const std::vector<contact::ContactLinearisation>& contact,
-                              const forward::DualAtStep& dual, double scale, const Control& u,
+                              const step::DualAtStep& dual, double scale, const Control& u,
                               const AdjointObserver& visit) {
   Control g = u;
   g.scale(scale);
@@ -119,7 +119,7 @@ Control ReducedProblem::swept(const std::vector<contact::ContactLinearisation>& 
   return g;
 }
 
-Control ReducedProblem::adjoint(const forward::DualAtStep& dual) {
+Control ReducedProblem::adjoint(const step::DualAtStep& dual) {
   return pull_back(current_->trajectory.contact(), dual, 0, current_->v.u);
 }
 
@@ -133,12 +133,12 @@ Variables ReducedProblem::swept(Point& at, const AdjointObserver& visit) {
   std::optional<Derivative> by_states;
   if (objective_)
     by_states.emplace(*objective_, at.trajectory);
-  const forward::DualAtStep duals(at.model.stepper->space(),
-                                  {by_states ? &*by_states : nullptr, at.model.measurements});
+  const step::DualAtStep duals(at.model.stepper->space(),
+                               {by_states ? &*by_states : nullptr, at.model.measurements});
   if (!misfit_)
     return swept(at.trajectory.contact(), duals, objective_->alpha(), at.v.u, visit);
   at.model.measurements->set_derivative(misfit_->by_values(at.residuals));
-  forward::Stepper::Workspace work = at.model.stepper->workspace();
+  step::Stepper::Workspace work = at.model.stepper->workspace();
   Variables g(at.v.u);
   if (objective_)
     g.u.scale(objective_->alpha());
@@ -182,18 +182,18 @@ std::vector<double> ReducedProblem::gradient_by_parameters() {
   return by_x;
 }
 
-optimize::LeastSquares ReducedProblem::least_squares(const Variables& v, forward::Stops stops) {
+optimize::LeastSquares ReducedProblem::least_squares(const Variables& v, trajectory::Stops stops) {
   const Model model = models_(v.x, 1 + v.x.size(), stops);
   std::optional<ControlForce> force;
   if (controls_)
     force.emplace(*controls_, v.u);
-  const forward::TimeGrid& grid = model.storage->grid();
-  forward::Tangents tangents(*model.stepper, *model.rates);
+  const step::TimeGrid& grid = model.storage->grid();
+  trajectory::ParameterSensitivities tangents(*model.stepper, *model.rates);
   {
     const auto timer = timers_.time("forward");
-    const int steps = forward::integrate(
+    const int steps = trajectory::integrate(
         *model.stepper, grid, *model.initial, load(model, force ? &*force : nullptr),
-        [&](const forward::Frame& frame) {
+        [&](const trajectory::Frame& frame) {
           const auto linearised = timers_.time("linearised");
           tangents.observe(frame);
           model.measurements->observe(frame, tangents, *model.rates);
@@ -229,30 +229,32 @@ void ReducedProblem::weigh_parameters(const Variables& guess) {
 }
 
 void ReducedProblem::integrate_linearised(
-    const Control& d, const std::function<void(forward::TimeIntegrator& integrator)>& use) {
+    const Control& d, const std::function<void(trajectory::TimeIntegrator& integrator)>& use) {
   const std::vector<contact::ContactLinearisation>& contact = current_->trajectory.contact();
   integrate_linearised(
       d,
-      [&](int k, const forward::LinearisedStep& step) {
+      [&](int k, const step::LinearisedStep& step) {
         stepper().linearised_step(step, contact[static_cast<std::size_t>(k)], *work_);
       },
       use);
 }
 
 void ReducedProblem::integrate_linearised(
-    const Control& d, const Step& step, const std::function<void(forward::TimeIntegrator& integrator)>& use) {
-  const forward::State rest = stepper().state();
+    const Control& d, const Step& step,
+    const std::function<void(trajectory::TimeIntegrator& integrator)>& use) {
+  const step::State rest = stepper().state();
   const ControlForce force(*controls_, d);
-  const forward::ForceAtStep forces(stepper().space(), force);
-  forward::TimeIntegrator integrator(
-      stepper(), rest, [&](const forward::TimeStep& at, const forward::State& from, forward::State& to) {
+  const step::ForceAtStep forces(stepper().space(), force);
+  trajectory::TimeIntegrator integrator(
+      stepper(), rest, [&](const step::TimeStep& at, const step::State& from, step::State& to) {
         step(at.k, {at.scheme(), from, forces.at(at), to});
       });
   use(integrator);
 }
 
-void ReducedProblem::make_linearised_steps(forward::TimeIntegrator& integrator,
-                                           const std::function<void(const forward::Checkpoint& now)>& visit) {
+void ReducedProblem::make_linearised_steps(
+    trajectory::TimeIntegrator& integrator,
+    const std::function<void(const trajectory::Checkpoint& now)>& visit) {
   const auto timer = timers_.time("linearised");
   integrator.restart();
   visit(integrator.now());
@@ -266,8 +268,8 @@ void ReducedProblem::make_linearised_steps(forward::TimeIntegrator& integrator,
 }
 
 void ReducedProblem::linearised(const Control& d, const std::function<void(int k, Vec dy)>& visit) {
-  integrate_linearised(d, [&](forward::TimeIntegrator& integrator) {
-    make_linearised_steps(integrator, [&](const forward::Checkpoint& now) {
+  integrate_linearised(d, [&](trajectory::TimeIntegrator& integrator) {
+    make_linearised_steps(integrator, [&](const trajectory::Checkpoint& now) {
       if (now.k > 0)
         visit(now.k, now.state.y());
     });
@@ -276,19 +278,19 @@ void ReducedProblem::linearised(const Control& d, const std::function<void(int k
 
 ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
   const Derivative along(*objective_, current_->trajectory);
-  const forward::DualAtStep derivative(stepper().space(), along);
+  const step::DualAtStep derivative(stepper().space(), along);
   const petsc::Vector work = stepper().space().vector();
   OneSided slope{.contact = current_->trajectory.contact()};
   slope.by_motion = {.value = objective_->alpha() * controls_->product(current_->v.u, d),
                      .size = objective_->alpha() * controls_->norm(current_->v.u) * controls_->norm(d)};
-  const Step make = [&](int k, const forward::LinearisedStep& step) {
+  const Step make = [&](int k, const step::LinearisedStep& step) {
     stepper().one_sided_step(step, slope.contact[static_cast<std::size_t>(k)], *work_);
   };
-  integrate_linearised(d, make, [&](forward::TimeIntegrator& integrator) {
-    make_linearised_steps(integrator, [&](const forward::Checkpoint& now) {
+  integrate_linearised(d, make, [&](trajectory::TimeIntegrator& integrator) {
+    make_linearised_steps(integrator, [&](const trajectory::Checkpoint& now) {
       if (now.k == 0)
         return;
-      const forward::StateDual dual = derivative.at(controls_->grid().step(now.k));
+      const step::StateDual dual = derivative.at(controls_->grid().step(now.k));
       if (dual.density) {
         check(MatMult(*stepper().operators().W, dual.density, work));
         slope.by_motion.add(work, now.state.y());
@@ -304,9 +306,9 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
 
 Control ReducedProblem::l2_hessian_product(const Control& d) {
   std::optional<Control> h;
-  integrate_linearised(d, [&](forward::TimeIntegrator& integrator) {
-    const std::unique_ptr<forward::StateStore> dy = current_->model.storage->place(integrator);
-    make_linearised_steps(integrator, [&](const forward::Checkpoint& now) { dy->keep(now); });
+  integrate_linearised(d, [&](trajectory::TimeIntegrator& integrator) {
+    const std::unique_ptr<trajectory::StateStore> dy = current_->model.storage->place(integrator);
+    make_linearised_steps(integrator, [&](const trajectory::Checkpoint& now) { dy->keep(now); });
     const LinearisedMotion linearised(*dy);
     const SecondDerivative second(*objective_, linearised);
     h = pull_back(current_->trajectory.contact(), {stepper().space(), second}, objective_->alpha(), d);

@@ -7,7 +7,7 @@
 #include "control/misfit.h"
 #include "control/objective.h"
 #include "control/variables.h"
-#include "forward/trajectory.h"
+#include "trajectory/trajectory.h"
 #include <memory>
 #include <optional>
 
@@ -15,14 +15,14 @@ namespace signorini::control {
 
 /// What motions are made of, for given values of a scene's parameters. Null members are absent.
 struct Model {
-  const forward::Stepper* stepper;
-  const forward::State* initial;
-  const forward::StateStoreFactory* storage; ///< of the motions of controls
-  const forward::Load* load = nullptr;       ///< without a control
-  const forward::Load* given = nullptr; ///< of the control that the scene gives; acts where none is sought
-  Measurements* measurements = nullptr; ///< with parameters
-  forward::ParameterRates* rates = nullptr; ///< with parameters
-  std::shared_ptr<const void> parts{};      ///< owns all of these, or some
+  const step::Stepper* stepper;
+  const step::State* initial;
+  const trajectory::StateStoreFactory* storage; ///< of the motions of controls
+  const step::Load* load = nullptr;             ///< without a control
+  const step::Load* given = nullptr;     ///< of the control that the scene gives; acts where none is sought
+  Measurements* measurements = nullptr;  ///< with parameters
+  step::ParameterRates* rates = nullptr; ///< with parameters
+  std::shared_ptr<const void> parts{};   ///< owns all of these, or some
 };
 
 /// The reduced objective (u, x) ↦ J(S(u, x), u, x), S being the solution operator of the contact problem:
@@ -44,7 +44,8 @@ public:
 
   /// Makes the model for parameters x, whose measurements have `columns` columns. Throws UserError where the
   /// scene is none at x.
-  using ModelAt = std::function<Model(std::span<const double> x, std::size_t columns, forward::Stops stops)>;
+  using ModelAt =
+      std::function<Model(std::span<const double> x, std::size_t columns, trajectory::Stops stops)>;
 
   /// Of a control. The references must outlive this object, in the next one too.
   ReducedProblem(const Model& model, const ControlSpace& controls, const Objective& objective,
@@ -83,7 +84,7 @@ public:
   /// r and ∂r/∂x of the misfit at v, by a motion with one linearised motion for each parameter. Throws
   /// UserError where the scene is none there, SolverFailure, Interrupted.
   [[nodiscard]] optimize::LeastSquares least_squares(const Variables& v,
-                                                     forward::Stops stops = forward::Stops::obeyed);
+                                                     trajectory::Stops stops = trajectory::Stops::obeyed);
   /// Weighs parameters in inner() so that a change of x_j is as long as one of the control along which J
   /// curves as much, both at the first guess; makes that the current point. Without a call the weights are 1.
   void weigh_parameters(const Variables& guess);
@@ -104,7 +105,7 @@ public:
   OneSided one_sided_slope(const Control& d);
 
   /// S'(u)* w for duals w_1…w_N of the states, as Riesz representative in L2(0,T; L2).
-  Control adjoint(const forward::DualAtStep& dual);
+  Control adjoint(const step::DualAtStep& dual);
 
   [[nodiscard]] double inner(const Variables& v, const Variables& w) const;
   [[nodiscard]] Variables dual(const Variables& v) const;
@@ -118,8 +119,8 @@ public:
   [[nodiscard]] const Variables& variables() const { return current_->v; }
   [[nodiscard]] const Control& control() const { return current_->v.u; }
   [[nodiscard]] const Value& value() const { return current_->value; }
-  [[nodiscard]] const forward::Trajectory& trajectory() const { return current_->trajectory; }
-  [[nodiscard]] const forward::Trajectory& trial_trajectory() const { return trial_->trajectory; }
+  [[nodiscard]] const trajectory::Trajectory& trajectory() const { return current_->trajectory; }
+  [[nodiscard]] const trajectory::Trajectory& trial_trajectory() const { return trial_->trajectory; }
   /// ‖y_k − y_d,k‖² of the current control (N + 1), as Objective::observe().
   [[nodiscard]] const std::vector<double>& squared_distances() const { return current_->squared_distances; }
   /// Residuals of the misfit at the trial.
@@ -130,11 +131,11 @@ public:
   /// Sets the counters, when a search is resumed.
   void count_from(Sweeps sweeps) { sweeps_ = sweeps; }
   /// The forces of the loads and the current control; valid until another point is accepted.
-  [[nodiscard]] forward::ForceAtStep load() const { return load(*current_); }
+  [[nodiscard]] step::ForceAtStep load() const { return load(*current_); }
   [[nodiscard]] const ControlSpace& controls() const { return *controls_; }
   [[nodiscard]] const Objective& objective() const { return *objective_; }
   /// Of the current point.
-  [[nodiscard]] const forward::Stepper& stepper() const { return *current_->model.stepper; }
+  [[nodiscard]] const step::Stepper& stepper() const { return *current_->model.stepper; }
 
 private:
   struct Point {
@@ -150,7 +151,7 @@ private:
     Variables v;
     Model model;
     std::optional<ControlForce> force; ///< of v.u
-    forward::Trajectory trajectory;
+    trajectory::Trajectory trajectory;
     std::vector<double> squared_distances, residuals;
     Value value;
     std::optional<Variables> gradient; ///< with parameters, once it was computed
@@ -160,8 +161,8 @@ private:
   [[nodiscard]] std::unique_ptr<Point> point(const Variables& v) const;
   /// Makes its motion, and J.
   void run(Point& at);
-  [[nodiscard]] static forward::ForceAtStep load(const Model& model, const ControlForce* force);
-  [[nodiscard]] static forward::ForceAtStep load(const Point& at) {
+  [[nodiscard]] static step::ForceAtStep load(const Model& model, const ControlForce* force);
+  [[nodiscard]] static step::ForceAtStep load(const Point& at) {
     return load(at.model, at.force ? &*at.force : nullptr);
   }
   /// The gradient, by the control in L2(0,T; L2), by parameters dJ/dx.
@@ -171,23 +172,23 @@ private:
   /// The gradient by inner().
   Variables gradient(Point& at);
 
-  using Step = std::function<void(int k, const forward::LinearisedStep& step)>;
+  using Step = std::function<void(int k, const step::LinearisedStep& step)>;
   /// Calls `use` with an integrator of S'(u) d that makes these steps or, without them, those linearised on
   /// the current contact.
   void integrate_linearised(const Control& d, const Step& step,
-                            const std::function<void(forward::TimeIntegrator& integrator)>& use);
+                            const std::function<void(trajectory::TimeIntegrator& integrator)>& use);
   void integrate_linearised(const Control& d,
-                            const std::function<void(forward::TimeIntegrator& integrator)>& use);
+                            const std::function<void(trajectory::TimeIntegrator& integrator)>& use);
   /// Makes all of its steps once and shows the states 0…N. Throws Interrupted.
-  void make_linearised_steps(forward::TimeIntegrator& integrator,
-                             const std::function<void(const forward::Checkpoint& now)>& visit);
+  void make_linearised_steps(trajectory::TimeIntegrator& integrator,
+                             const std::function<void(const trajectory::Checkpoint& now)>& visit);
 
   /// scale u + S'* w, duals w pulled back by S' linearised on `contact`, as Riesz representative in
   /// L2(0,T; L2).
-  Control pull_back(const std::vector<contact::ContactLinearisation>& contact,
-                    const forward::DualAtStep& dual, double scale, const Control& u);
+  Control pull_back(const std::vector<contact::ContactLinearisation>& contact, const step::DualAtStep& dual,
+                    double scale, const Control& u);
   /// The same, neither timed nor counted.
-  Control swept(const std::vector<contact::ContactLinearisation>& contact, const forward::DualAtStep& dual,
+  Control swept(const std::vector<contact::ContactLinearisation>& contact, const step::DualAtStep& dual,
                 double scale, const Control& u, const AdjointObserver& visit);
 
   ModelAt models_; ///< empty without parameters
@@ -195,8 +196,8 @@ private:
   const ControlSpace* controls_;
   const Objective* objective_;
   Timers& timers_;
-  std::vector<double> weights_;                     ///< of the parameters in inner()
-  std::optional<forward::Stepper::Workspace> work_; ///< of linearised and adjoint steps, without parameters
+  std::vector<double> weights_;                  ///< of the parameters in inner()
+  std::optional<step::Stepper::Workspace> work_; ///< of linearised and adjoint steps, without parameters
   std::unique_ptr<Point> current_, trial_;
   Sweeps sweeps_;
 };

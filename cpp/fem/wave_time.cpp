@@ -46,6 +46,13 @@ std::array<double, 2> wave_speeds(const scene::Material& material) {
   return {std::sqrt(shear * 2 * (1 - nu) / (1 - 2 * nu)), std::sqrt(shear)};
 }
 
+double crossing_time(const Space& space, const std::vector<scene::Material>& materials) {
+  double fastest = 0;
+  for (const scene::Material& material : materials)
+    fastest = std::max(fastest, wave_speeds(material)[0]);
+  return std::ranges::max(space.mesh().extent()) / fastest;
+}
+
 double least_wave_time(const Space& space, const std::vector<scene::Material>& materials,
                        const std::vector<Surface>& surfaces) {
   const std::vector<bool> wanted = cells_at(space.mesh(), surfaces);

@@ -10,6 +10,9 @@ namespace signorini::fem {
 /// Speeds of pressure and shear waves in a material, m/s.
 std::array<double, 2> wave_speeds(const scene::Material& material);
 
+/// The time in which the fastest wave crosses the greatest extent of the undeformed body, s.
+double crossing_time(const Space& space, const std::vector<scene::Material>& materials);
+
 /// A surface, and the scene's key that names it.
 struct Surface {
   std::string group, key;

@@ -25,7 +25,7 @@ std::string ContactTable::header() const {
                    : "step,time,x,y,gap,force,obstacle,normal_x,normal_y,area,pressure\n";
 }
 
-void ContactTable::add_rows(std::string& text, const forward::TimeStep& step,
+void ContactTable::add_rows(std::string& text, const step::TimeStep& step,
                             const contact::ContactState& contact) const {
   const double impulse = step.scheme().impulse();
   const std::vector<double> pressure = pressure_(contact.normal_lambda(), impulse);

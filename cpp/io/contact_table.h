@@ -2,8 +2,8 @@
 #pragma once
 #include "contact/contact_state.h"
 #include "contact/pressure.h"
-#include "forward/time_grid.h"
 #include "scene/scene.h"
+#include "step/time_grid.h"
 #include <string>
 #include <vector>
 
@@ -21,7 +21,7 @@ public:
   [[nodiscard]] std::string header() const;
 
   /// Appends the rows of a step.
-  void add_rows(std::string& text, const forward::TimeStep& step, const contact::ContactState& contact) const;
+  void add_rows(std::string& text, const step::TimeStep& step, const contact::ContactState& contact) const;
 
 private:
   /// What of each candidate's row never changes, before and behind gap and force.

@@ -24,8 +24,8 @@ std::string steps_header(int dim, bool tracking) {
                             tracking ? ",tracking_error" : "");
 }
 
-void add_steps_row(std::string& text, int k, double time, int dim, const forward::StepBalance& balance,
-                   const forward::Invariants& invariants, const contact::ContactState& contact,
+void add_steps_row(std::string& text, int k, double time, int dim, const diagnostics::StepBalance& balance,
+                   const diagnostics::Invariants& invariants, const contact::ContactState& contact,
                    double normal_force, std::optional<double> tracking_error) {
   auto out = std::back_inserter(text);
   fmt::format_to(out, "{},{:.10g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.6e},", k, time,

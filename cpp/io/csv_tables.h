@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "contact/contact_state.h"
-#include "forward/invariants.h"
+#include "diagnostics/invariants.h"
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,8 +16,8 @@ std::string steps_header(int dim, bool tracking);
 
 /// Appends row k; `normal_force` is the sum of the moduli of the nodal contact forces (N, in 2D N/m),
 /// `tracking_error` is ‖y_k − y_d,k‖ in L2 (m², in 3D m^5/2).
-void add_steps_row(std::string& text, int k, double time, int dim, const forward::StepBalance& balance,
-                   const forward::Invariants& invariants, const contact::ContactState& contact,
+void add_steps_row(std::string& text, int k, double time, int dim, const diagnostics::StepBalance& balance,
+                   const diagnostics::Invariants& invariants, const contact::ContactState& contact,
                    double normal_force, std::optional<double> tracking_error);
 
 /// history.csv: a row of numbers for each iterate of a search.

@@ -78,7 +78,7 @@ ordered_json vector(const std::array<double, 3>& x, int dim) {
 }
 
 /// Times and peaks are null where there was no contact.
-ordered_json touch(const forward::Touch& one, int dim) {
+ordered_json touch(const diagnostics::Touch& one, int dim) {
   const auto if_any = [&](double value) { return one.occurred() ? ordered_json(value) : ordered_json(); };
   ordered_json json;
   if (!one.name.empty())
@@ -107,7 +107,7 @@ ordered_json number(const std::optional<double>& value) {
   return value ? ordered_json(*value) : ordered_json();
 }
 
-ordered_json bounce(const forward::Rebound& one, int dim) {
+ordered_json bounce(const diagnostics::Rebound& one, int dim) {
   return {{"start", one.start},
           {"end", one.end},
           {"touches", one.touches},
@@ -118,12 +118,12 @@ ordered_json bounce(const forward::Rebound& one, int dim) {
           {"restitution", number(one.restitution)}};
 }
 
-ordered_json impact_json(const forward::Impact& impact, int dim) {
+ordered_json impact_json(const diagnostics::Impact& impact, int dim) {
   const auto if_any = [&](const std::array<double, 3>& velocity) {
     return impact.all.occurred() ? vector(velocity, dim) : ordered_json();
   };
   ordered_json json{{"mass", impact.mass}, {"obstacles", ordered_json::array()}};
-  for (const forward::Touch& one : impact.obstacles)
+  for (const diagnostics::Touch& one : impact.obstacles)
     json["obstacles"].push_back(touch(one, dim));
   json["all"] = touch(impact.all, dim);
   json["ended"] = impact.ended;
@@ -131,12 +131,12 @@ ordered_json impact_json(const forward::Impact& impact, int dim) {
   json["velocity_after"] = if_any(impact.whole.after);
   json["restitution"] = number(impact.whole.restitution);
   json["bounces"] = ordered_json::array();
-  for (const forward::Rebound& one : impact.bounces)
+  for (const diagnostics::Rebound& one : impact.bounces)
     json["bounces"].push_back(bounce(one, dim));
   return json;
 }
 
-ordered_json energy_json(const forward::EnergyAccount& energy) {
+ordered_json energy_json(const diagnostics::EnergyAccount& energy) {
   return {{"kinetic_at_start", energy.kinetic_at_start},
           {"elastic_at_start", energy.elastic_at_start},
           {"load_work", energy.load_work},
@@ -297,10 +297,10 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
                                  {"at_onset", stress_at_onset(m)}};
   if (m.energy)
     json["energy"] = energy_json(*m.energy);
-  for (const forward::Invariants::Defect& defect : m.invariants)
+  for (const diagnostics::Invariants::Defect& defect : m.invariants)
     json["invariants"][defect.name] = {{"worst", defect.worst}, {"step", defect.step}};
   json["warnings"] = ordered_json::array();
-  for (const forward::Warning& warning : m.warnings)
+  for (const Warning& warning : m.warnings)
     json["warnings"].push_back({{"name", warning.name},
                                 {"message", warning.message},
                                 {"value", warning.value},

@@ -2,12 +2,12 @@
 #pragma once
 #include "base/timers.h"
 #include "control/objective.h"
+#include "diagnostics/body_figures.h"
+#include "diagnostics/impact_summary.h"
+#include "diagnostics/invariants.h"
+#include "diagnostics/largest_stress.h"
+#include "diagnostics/plausibility.h"
 #include "fem/deformation.h"
-#include "forward/body_figures.h"
-#include "forward/invariants.h"
-#include "forward/largest_stress.h"
-#include "forward/motion_summary.h"
-#include "forward/plausibility.h"
 #include "io/fit_tables.h"
 #include "scene/scene.h"
 #include <nlohmann/json_fwd.hpp>
@@ -72,18 +72,18 @@ struct Manifest {
   std::optional<Lengths> lengths{}; ///< of steps of varying length
   int steps_done = 0;
   int stored = 0;           ///< times at which fields and contact were stored
-  double wave_time = 0;     ///< forward::Stepper::wave_time(), s
+  double wave_time = 0;     ///< step::Stepper::wave_time(), s
   std::string control_unit; ///< of control.scale, empty without a control
   std::string solver;       ///< of the steps, and the reason of its choice
   double peak_memory = 0;   ///< bytes, summed over the ranks
   int dim = 2;
-  forward::BodyFigures body;
+  diagnostics::BodyFigures body;
   std::optional<control::Value> objective;
-  std::optional<forward::EnergyAccount> energy;          ///< of the motion stored; absent if not summed up
-  std::optional<forward::Impact> impact;                 ///< likewise, and in a scene without contact
-  std::optional<forward::LargestStress::Peak> von_mises; ///< likewise; absent if no stress is stored
-  std::vector<forward::Invariants::Defect> invariants;   ///< of the motion stored; empty if not monitored
-  std::vector<forward::Warning> warnings;                ///< of the motion stored
+  std::optional<diagnostics::EnergyAccount> energy; ///< of the motion stored; absent if not summed up
+  std::optional<diagnostics::Impact> impact;        ///< likewise, and in a scene without contact
+  std::optional<diagnostics::LargestStress::Peak> von_mises; ///< likewise; absent if no stress is stored
+  std::vector<diagnostics::Invariants::Defect> invariants;   ///< of the motion stored; empty if not monitored
+  std::vector<Warning> warnings;                             ///< of the motion stored
   std::optional<int> iterations, forward_sweeps, adjoint_sweeps;
   std::vector<CoarseLevel> coarse_levels; ///< the coarsest first
   std::optional<Kink> kink;

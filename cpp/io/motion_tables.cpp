@@ -11,10 +11,11 @@ std::string obstacles_header(int dim) {
 }
 
 void add_obstacle_rows(std::string& text, int k, double time, int dim,
-                       const std::vector<scene::Contact>& contacts, const forward::ObstacleForces& forces) {
+                       const std::vector<scene::Contact>& contacts,
+                       const diagnostics::ObstacleForces& forces) {
   auto out = std::back_inserter(text);
   for (std::size_t o = 0; o < contacts.size(); ++o) {
-    const forward::ObstacleForce& one = forces.each()[o];
+    const diagnostics::ObstacleForce& one = forces.each()[o];
     fmt::format_to(out, "{},{:.10g},{}", k, time, contacts[o].name);
     for (std::size_t c = 0; c < static_cast<std::size_t>(dim); ++c)
       fmt::format_to(out, ",{:.17g}", one.force[c]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "forward/obstacle_forces.h"
+#include "diagnostics/obstacle_forces.h"
 #include "scene/scene.h"
 #include <span>
 #include <string>
@@ -13,7 +13,8 @@ std::string obstacles_header(int dim);
 
 /// Appends the rows of step k. `contacts`: those of the scene, which have the obstacles' names.
 void add_obstacle_rows(std::string& text, int k, double time, int dim,
-                       const std::vector<scene::Contact>& contacts, const forward::ObstacleForces& forces);
+                       const std::vector<scene::Contact>& contacts,
+                       const diagnostics::ObstacleForces& forces);
 
 /// Header of probes.csv: one row per step, row 0 the initial state.
 std::string probes_header(const std::vector<std::string>& columns);

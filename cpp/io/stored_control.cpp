@@ -163,7 +163,7 @@ struct EarlierRun {
   EarlierRun(MPI_Comm comm, const scene::Scene& scene)
       : mesh(comm, scene.mesh), space(mesh, scene.mesh.degree),
         operators(fem::assemble_operators(space, scene.materials, true)),
-        controls(space, operators, forward::TimeGrid(scene.time), *scene.control) {}
+        controls(space, operators, step::TimeGrid(scene.time), *scene.control) {}
 
   mesh::Mesh mesh;
   fem::Space space;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/search/search.h"
 #include "arrays.h"
 #include "bindings.h"
 #include "control/metric.h"
+#include "drivers/search.h"
 #include "rows.h"
 #include "scene.h"
 #include <algorithm>
@@ -30,19 +30,20 @@ using control::Control;
 class Reduced final : public Open {
   struct Modules {
     explicit Modules(Scene& from)
-        : scene(from.scene()), modules(from.discretisation(), scene, search_needs(scene), timers),
+        : scene(from.scene()), modules(from.discretisation(), scene, problem::search_needs(scene), timers),
           problem(with_steps(modules, silent), silent) {}
 
-    static const signorini::Problem& with_steps(signorini::Problem& problem, const Console& console) {
-      choose_steps(problem, console);
+    static const signorini::problem::Problem& with_steps(signorini::problem::Problem& problem,
+                                                         const Console& console) {
+      problem::choose_steps(problem, console);
       return problem;
     }
 
     scene::Scene scene;
     Timers timers;
     Console silent{false, false};
-    signorini::Problem modules;
-    signorini::ControlProblem problem;
+    signorini::problem::Problem modules;
+    signorini::problem::ControlProblem problem;
   };
   /// A control whose motion the reduced problem has.
   struct Known {
@@ -54,7 +55,7 @@ public:
   /// Collective. Throws UserError, SolverFailure, Interrupted.
   explicit Reduced(Scene& scene)
       : all_(compute([&] {
-          require_control_problem(MPI_COMM_WORLD, scene.scene(), {});
+          drivers::require_control_problem(MPI_COMM_WORLD, scene.scene(), {});
           return std::make_unique<Modules>(scene);
         })) {}
   ~Reduced() override { drop(release()); }
@@ -122,7 +123,7 @@ private:
 
 public:
   [[nodiscard]] const control::ControlSpace& controls() const { return all().problem.controls; }
-  [[nodiscard]] const signorini::Problem& modules() const { return all().modules; }
+  [[nodiscard]] const signorini::problem::Problem& modules() const { return all().modules; }
   [[nodiscard]] control::ReducedProblem& reduced() const { return all().problem.reduced; }
   [[nodiscard]] double seconds() const { return seconds_; }
 

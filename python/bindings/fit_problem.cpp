@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/parameter_problem.h"
 #include "arrays.h"
 #include "bindings.h"
+#include "problem/parameter_problem.h"
 #include "scene.h"
 #include "scene/unknown_limits.h"
 #include <fmt/format.h>
@@ -29,7 +29,7 @@ public:
   ~Fit() override { drop(release()); }
   std::shared_ptr<const void> release() override { return std::move(all_); }
 
-  [[nodiscard]] ParameterProblem& problem() const { return all().problem; }
+  [[nodiscard]] problem::ParameterProblem& problem() const { return all().problem; }
   [[nodiscard]] const scene::Scene& scene() const { return all().scene; }
 
   /// Residuals (m).
@@ -69,7 +69,7 @@ private:
 
     scene::Scene scene;
     Timers timers;
-    ParameterProblem problem;
+    problem::ParameterProblem problem;
   };
 
   [[nodiscard]] Modules& all() const {

@@ -12,16 +12,16 @@ namespace nb = nanobind;
 namespace signorini::python {
 
 Scene::Scene(const std::filesystem::path& file, const std::vector<std::string>& overrides)
-    : file_(alone([&] { return read_scene(MPI_COMM_WORLD, file, overrides); })) {}
+    : file_(alone([&] { return app::read_scene(MPI_COMM_WORLD, file, overrides); })) {}
 
-std::shared_ptr<const Discretisation> Scene::discretisation() {
+std::shared_ptr<const problem::Discretisation> Scene::discretisation() {
   if (scene().mesh.automatic())
     throw UserError(
         "mesh.size: found \"auto\", which simulate and optimize of the program choose, allowed is a "
         "size in m, such as {\"mesh.size\": 0.1}");
   if (!discretisation_) {
     Timers timers;
-    discretisation_ = std::make_shared<const Discretisation>(MPI_COMM_WORLD, scene(), timers);
+    discretisation_ = std::make_shared<const problem::Discretisation>(MPI_COMM_WORLD, scene(), timers);
   }
   return discretisation_;
 }
@@ -33,13 +33,13 @@ namespace {
 /// A verb of the program for the scene as it was read; returns the exit status.
 int run(const Scene& scene, const std::string& verb, const std::filesystem::path& out, bool resume,
         bool replace, bool quiet) {
-  Request request;
+  app::Request request;
   request.verb = verb;
   request.out = out;
   request.resume = resume;
   request.replace = replace;
   const bool speaks = !quiet && rank(MPI_COMM_WORLD) == 0;
-  return compute([&] { return signorini::run(request, scene.file(), Console(speaks, false)); });
+  return compute([&] { return signorini::app::run(request, scene.file(), Console(speaks, false)); });
 }
 
 } // namespace

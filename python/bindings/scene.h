@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "app/problem.h"
 #include "app/scene_file.h"
+#include "problem/problem.h"
 #include "session.h"
 
 namespace signorini::python {
@@ -14,16 +14,16 @@ public:
   ~Scene() override { drop(release()); }
   std::shared_ptr<const void> release() override { return std::move(discretisation_); }
 
-  [[nodiscard]] const SceneFile& file() const { return file_; }
+  [[nodiscard]] const app::SceneFile& file() const { return file_; }
   [[nodiscard]] const scene::Scene& scene() const { return file_.scene; }
   /// Collective the first time. Throws UserError, Interrupted.
-  std::shared_ptr<const Discretisation> discretisation();
+  std::shared_ptr<const problem::Discretisation> discretisation();
   /// The scene with every default. Collective the first time. Throws UserError, Interrupted.
   std::string text();
 
 private:
-  SceneFile file_;
-  std::shared_ptr<const Discretisation> discretisation_;
+  app::SceneFile file_;
+  std::shared_ptr<const problem::Discretisation> discretisation_;
 };
 
 } // namespace signorini::python

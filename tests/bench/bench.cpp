@@ -40,7 +40,7 @@ private:
 /// contact.
 class Floor {
 public:
-  Floor(const Problem& problem, const forward::ForceAtStep& load)
+  Floor(const problem::Problem& problem, const step::ForceAtStep& load)
       : problem_(problem), load_(load), r_(problem.space.vector()), y_(problem.space.vector()),
         f_(problem.space.vector()), guess_(problem.stepper) {
     guess_.remember(0, problem.initial.y());
@@ -49,9 +49,9 @@ public:
   /// Seconds of the solve and of the products at step k of a motion.
   std::pair<double, double> operator()(const test::Recorded& motion, int k) {
     const auto i = static_cast<std::size_t>(k);
-    const forward::Stepper& stepper = problem_.stepper;
-    const forward::Scheme scheme = problem_.grid.scheme(1);
-    const forward::NodalForce load = load_.at(problem_.grid.step(k));
+    const step::Stepper& stepper = problem_.stepper;
+    const step::Scheme scheme = problem_.grid.scheme(1);
+    const step::NodalForce load = load_.at(problem_.grid.step(k));
     Watch watch;
     check(VecAXPBYPCZ(f_, scheme.momentum(), scheme.impulse() / *problem_.operators.uniform_density, 0,
                       motion.v[i - 1], load.density));
@@ -72,10 +72,10 @@ public:
   }
 
 private:
-  const Problem& problem_;
-  const forward::ForceAtStep& load_;
+  const problem::Problem& problem_;
+  const step::ForceAtStep& load_;
   petsc::Vector r_, y_, f_;
-  forward::Extrapolation guess_;
+  trajectory::Extrapolation guess_;
 };
 
 double total(double mine) {
@@ -85,14 +85,14 @@ double total(double mine) {
 
 nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   Timers timers;
-  const Problem problem(MPI_COMM_WORLD, scene, {.derivatives = true}, timers);
+  const problem::Problem problem(MPI_COMM_WORLD, scene, {.derivatives = true}, timers);
   const int steps = problem.steps();
   const double setup_peak = total(peak_memory()), setup_resident = total(resident_memory());
-  ControlProblem control_problem(problem, Console(false, false));
+  problem::ControlProblem control_problem(problem, Console(false, false));
   control::ReducedProblem& reduced = control_problem.reduced;
   const control::Control u = control_problem.first_guess(scene);
   const control::ControlForce force(control_problem.controls, u);
-  const forward::ForceAtStep load = problem.load(&force), floor_load = problem.load(&force);
+  const step::ForceAtStep load = problem.load(&force), floor_load = problem.load(&force);
 
   reduced.simulate(u); // first, while nothing else takes memory
   reduced.accept();
@@ -105,21 +105,21 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   for (int repeat = 0; repeat < repeats; ++repeat) {
     Floor floor(problem, floor_load);
     watch.lap();
-    forward::integrate(problem.stepper, problem.grid, problem.initial, load,
-                       [&](const forward::Frame& frame) {
-                         const double seconds = watch.lap();
-                         if (frame.step.k > 0) {
-                           forward.take(frame.step.k, seconds);
-                           const auto [s, p] = floor(motion, frame.step.k);
-                           solve.take(frame.step.k, s);
-                           products.take(frame.step.k, p);
-                         }
-                         watch.lap();
-                       });
+    trajectory::integrate(problem.stepper, problem.grid, problem.initial, load,
+                          [&](const trajectory::Frame& frame) {
+                            const double seconds = watch.lap();
+                            if (frame.step.k > 0) {
+                              forward.take(frame.step.k, seconds);
+                              const auto [s, p] = floor(motion, frame.step.k);
+                              solve.take(frame.step.k, s);
+                              products.take(frame.step.k, p);
+                            }
+                            watch.lap();
+                          });
   }
   const test::Displacements states(motion.y);
   const control::Derivative derivative(control_problem.objective, states);
-  forward::Stepper::Workspace work = problem.stepper.workspace();
+  step::Stepper::Workspace work = problem.stepper.workspace();
   for (int repeat = 0; repeat < repeats; ++repeat) {
     Floor floor(problem, floor_load);
     watch.lap();
@@ -137,7 +137,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   double run = std::numeric_limits<double>::infinity(), whole = run;
   for (int repeat = 0; repeat < repeats; ++repeat) {
     watch.lap();
-    forward::integrate(problem.stepper, problem.grid, problem.initial, load, {});
+    trajectory::integrate(problem.stepper, problem.grid, problem.initial, load, {});
     run = std::min(run, watch.lap());
     reduced.simulate(u);
     reduced.accept();
@@ -162,7 +162,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   };
 
   nlohmann::ordered_json out;
-  const forward::SolverChoice::Memory memory = problem.stepper.solver().memory();
+  const step::SolverChoice::Memory memory = problem.stepper.solver().memory();
   const double vectors = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
   const double operators = operator_bytes(problem), trajectory_bytes = (steps + 1) * vectors,
                peak = total(peak_memory());

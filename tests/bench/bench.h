@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "adjoint/sweep.h"
-#include "app/problem.h"
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "forward/extrapolation.h"
+#include "problem/problem.h"
+#include "trajectory/extrapolation.h"
 #include <chrono>
 #include <fmt/format.h>
 #include <iostream>
@@ -31,7 +31,7 @@ private:
 };
 
 /// Memory of the operators that a problem keeps, bytes.
-inline double operator_bytes(const Problem& problem) {
+inline double operator_bytes(const problem::Problem& problem) {
   const fem::Operators& operators = problem.operators;
   double sum = petsc::bytes(operators.M) + petsc::bytes(operators.A) +
                petsc::bytes(problem.stepper.of_length(problem.grid.length(1)).R);

@@ -15,7 +15,7 @@ namespace {
 /// The motion of a clamped body and no more: two products, a solve and the velocity, written out.
 class BareLoop {
 public:
-  explicit BareLoop(const Problem& problem)
+  explicit BareLoop(const problem::Problem& problem)
       : problem_(problem), y0_(problem.space.vector()), v0_(petsc::zero_like(y0_)),
         y1_(petsc::zero_like(y0_)), v1_(petsc::zero_like(y0_)), r_(petsc::zero_like(y0_)),
         work_(petsc::zero_like(y0_)) {}
@@ -51,16 +51,16 @@ public:
   }
 
 private:
-  const Problem& problem_;
+  const problem::Problem& problem_;
   petsc::Vector y0_, v0_, y1_, v1_, r_, work_;
 };
 
 nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   Timers timers;
   const bool controlled = scene.objective.has_value();
-  const Problem problem(MPI_COMM_WORLD, scene, {.derivatives = controlled}, timers);
-  std::optional<ControlProblem> control_problem;
-  std::optional<GivenControl> given;
+  const problem::Problem problem(MPI_COMM_WORLD, scene, {.derivatives = controlled}, timers);
+  std::optional<problem::ControlProblem> control_problem;
+  std::optional<problem::GivenControl> given;
   if (controlled)
     control_problem.emplace(problem, Console(false, false));
   else
@@ -81,7 +81,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     long before = count("solves with D");
     if (!controlled) {
       watch.lap();
-      forward::integrate(problem.stepper, problem.grid, problem.initial, load(), {});
+      trajectory::integrate(problem.stepper, problem.grid, problem.initial, load(), {});
       run = std::min(run, watch.lap());
       run_solves = count("solves with D") - before;
       if (bare) {
@@ -113,23 +113,23 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
 
   // Once more, looked at: whether contact occurred, and that the bare loop moves the body alike.
   double difference = 0;
-  forward::integrate(problem.stepper, problem.grid, problem.initial, load(),
-                     [&](const forward::Frame& frame) {
-                       contact_steps += !frame.contact.active.empty();
-                       if (!frame.last || !bare)
-                         return;
-                       PetscReal size = 0;
-                       check(VecNorm(frame.after.y(), NORM_2, &size));
-                       check(VecAXPY(last, -1, frame.after.y()));
-                       check(VecNorm(last, NORM_2, &difference));
-                       difference /= size;
-                     });
+  trajectory::integrate(problem.stepper, problem.grid, problem.initial, load(),
+                        [&](const trajectory::Frame& frame) {
+                          contact_steps += !frame.contact.active.empty();
+                          if (!frame.last || !bare)
+                            return;
+                          PetscReal size = 0;
+                          check(VecNorm(frame.after.y(), NORM_2, &size));
+                          check(VecAXPY(last, -1, frame.after.y()));
+                          check(VecNorm(last, NORM_2, &difference));
+                          difference /= size;
+                        });
 
   const auto per_step = [&](double seconds) -> nlohmann::json {
     return seconds < never ? nlohmann::json(seconds / problem.steps()) : nlohmann::json();
   };
   nlohmann::ordered_json out;
-  const forward::SolverChoice::Memory memory = problem.stepper.solver().memory();
+  const step::SolverChoice::Memory memory = problem.stepper.solver().memory();
   out["free_unknowns"] = problem.free_dofs();
   out["steps"] = problem.steps();
   out["contact_steps"] = contact_steps;

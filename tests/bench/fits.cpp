@@ -12,12 +12,12 @@ using namespace signorini;
 namespace {
 
 /// Dual of the displacements: something that every step has.
-class Pull final : public forward::StateDuals {
+class Pull final : public step::StateDuals {
 public:
   explicit Pull(Vec dual) : dual_(dual) {}
   [[nodiscard]] bool has_density() const override { return false; }
   [[nodiscard]] bool has_vector() const override { return true; }
-  void add(const forward::TimeStep&, forward::StateDual sum) const override {
+  void add(const step::TimeStep&, step::StateDual sum) const override {
     petsc::check(VecAXPY(sum.vector, 1, dual_));
   }
 
@@ -27,22 +27,22 @@ private:
 
 nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   Timers timers;
-  const Problem problem(MPI_COMM_WORLD, scene, {.derivatives = true}, timers);
+  const problem::Problem problem(MPI_COMM_WORLD, scene, {.derivatives = true}, timers);
   const int steps = problem.steps();
-  const GivenControl given(problem);
-  const forward::StateStoreFactory storage(problem.stepper, problem.grid, scene.trajectory, 1, timers);
+  const problem::GivenControl given(problem);
+  const trajectory::StateStoreFactory storage(problem.stepper, problem.grid, scene.trajectory, 1, timers);
   const petsc::Vector dual = problem.space.vector();
   petsc::check(VecSet(dual, 1));
   const Pull pull(dual);
-  const forward::DualAtStep derivative(problem.space, pull);
+  const step::DualAtStep derivative(problem.space, pull);
   const std::vector<double> values = scene::start_values(scene);
-  forward::ParameterRates rates(problem.stepper, scene, values);
+  step::ParameterRates rates(problem.stepper, scene, values);
   std::vector<double> times;
   for (int k = 1; k <= steps; ++k)
     times.push_back(problem.grid.time(k));
   control::Measurements measurements(problem.stepper, problem.grid, scene,
                                      std::vector(scene.measurements.size(), times));
-  forward::Stepper::Workspace work = problem.stepper.workspace();
+  step::Stepper::Workspace work = problem.stepper.workspace();
   const double infinity = std::numeric_limits<double>::infinity();
   double control_alone = infinity, unknowns = infinity;
   int touching = 0;
@@ -50,15 +50,15 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   Watch watch;
   for (int repeat = 0; repeat < repeats; ++repeat) {
     {
-      forward::Trajectory motion(problem.stepper, problem.initial, storage);
+      trajectory::Trajectory motion(problem.stepper, problem.initial, storage);
       watch.lap();
       motion.run(given.load());
       adjoint::sweep(problem.stepper, work, problem.grid, motion.contact(), derivative, [](int, Vec) {});
       control_alone = std::min(control_alone, watch.lap());
     }
-    forward::Trajectory motion(problem.stepper, problem.initial, storage, true);
+    trajectory::Trajectory motion(problem.stepper, problem.initial, storage, true);
     watch.lap();
-    motion.run(given.load(), [&](const forward::Frame& frame) { measurements.observe(frame); });
+    motion.run(given.load(), [&](const trajectory::Frame& frame) { measurements.observe(frame); });
     measurements.set_derivative(std::vector<double>(measurements.count(), 1.0));
     gradient =
         adjoint::sweep(problem.stepper, work, motion, {problem.space, measurements}, measurements, rates);

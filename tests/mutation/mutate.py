@@ -32,7 +32,9 @@ from sites import Source
 # The parts, and the tests that watch them, in the order in which a mutant meets them.
 SOLVERS = {
     "contact": [r"unit\.contact\.", r"derivative\.", r"unit\.forward\.", r"unit\.(adjoint|control)\."],
-    "forward": [r"unit\.forward\.", r"derivative\.", r"unit\.(contact|adjoint|control)\."],  # the tests of contact make steps
+    "step": [r"unit\.forward\.", r"derivative\.", r"unit\.(contact|adjoint|control)\."],  # the tests of contact make steps
+    "trajectory": [r"unit\.forward\.", r"derivative\.", r"unit\.(contact|adjoint|control)\."],
+    "diagnostics": [r"unit\.(forward|study|io)\."],
     "adjoint": [r"unit\.adjoint\.", r"derivative\.", r"unit\.control\."],
     "control": [r"unit\.control\.", r"derivative\.", r"unit\.adjoint\.", r"verification\.fits\.derivatives"],
     "fem": [r"unit\.(fem|mesh)\.", r"unit\.(forward|contact)\.", r"derivative\."],
@@ -43,9 +45,9 @@ RUNS = [r"regression\.values", r"regression\.(outputs|measure|tables|definitions
 OUTPUTS = {
     "io": [r"unit\.io\.", *RUNS, r"regression\.(docs|resume|bad-input|keys|study|replay)$", r"verification\.fits\.(exact|linear|recovery)",
            r"python\.(runs|fits)"],
-    "app": [r"unit\.(study|io)\.", *RUNS, r"unit\.control\.np", r"regression\.(command-line|docs|plausibility|check-refuses|weak-contact|watch)$", r"verification\.fits\.(exact|linear)",
+    **dict.fromkeys(("problem", "drivers", "accuracy", "app"), [r"unit\.(study|io)\.", *RUNS, r"unit\.control\.np", r"regression\.(command-line|docs|plausibility|check-refuses|weak-contact|watch)$", r"verification\.fits\.(exact|linear)",
             r"python\.(runs|fits)", r"regression\.(resume|study|keys|bad-input|coarse-start|study-accuracy|accuracy)$",
-            r"verification\.fits\.(derivatives|recovery|together)"],  # fmt: skip
+            r"verification\.fits\.(derivatives|recovery|together)"]),  # fmt: skip
     "postprocess": [r"regression\.(geometry|values)$", r"regression\.(postprocess|watch|command-line)$", r"verification\.fits\.linear", r"python\.runs",
                     r"regression\.(figures|pages|report|accuracy)$"],
     "python": [r"python\.(fits|runs|derivatives|errors)", r"python\.(optimizers|ranks)"],

@@ -45,12 +45,12 @@ TEST_CASE("the sweep is the transpose of the linearised steps", "[adjoint]") {
     const bool stabilized = run.ready.scene.contact_scheme() == scene::ContactScheme::contact_stabilized,
                iterative = run.ready.scene.solver.linear == scene::LinearMethod::iterative;
     CHECK((projected(run.trajectory) > 1) == stabilized);
-    const forward::Stepper& stepper = run.ready.problem.stepper;
+    const step::Stepper& stepper = run.ready.problem.stepper;
     const fem::Space& space = run.ready.problem.space;
     REQUIRE(run.contact_steps.size() > 1);
-    forward::State from = stepper.state(), to = stepper.state();
+    step::State from = stepper.state(), to = stepper.state();
     const petsc::Vector product = space.vector();
-    forward::Stepper::Workspace work = stepper.workspace();
+    step::Stepper::Workspace work = stepper.workspace();
     double forward = 0, backward = 0;
     for (int k = 1; k <= run.trajectory.steps; ++k) {
       const petsc::Vector density = test::smooth(space, k);
@@ -77,25 +77,25 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
     const bool stabilized = run.ready.scene.contact_scheme() == scene::ContactScheme::contact_stabilized,
                iterative = run.ready.scene.solver.linear == scene::LinearMethod::iterative;
     CHECK((projected(run.trajectory) > 1) == stabilized);
-    const forward::Stepper& stepper = run.ready.problem.stepper;
+    const step::Stepper& stepper = run.ready.problem.stepper;
     const fem::Space& space = run.ready.problem.space;
     const int k = run.contact_steps.at(run.contact_steps.size() / 2);
     const std::size_t i = static_cast<std::size_t>(k);
     const petsc::Vector dload = test::smooth(space, 3), load = space.vector();
-    const forward::State change = stepper.state();
-    forward::State found = stepper.state(), linear = stepper.state();
+    const step::State change = stepper.state();
+    step::State found = stepper.state(), linear = stepper.state();
     check(VecCopy(test::smooth(space, 1), change.y()));
     check(VecCopy(test::smooth(space, 2), change.v()));
     check(VecCopy(run.ready.problem.load().at(run.ready.problem.grid.step(k)).density, load));
     contact::ContactState moved(stepper.pairs()->count());
-    forward::Stepper::Workspace work = stepper.workspace();
+    step::Stepper::Workspace work = stepper.workspace();
     // A step is piecewise affine: no truncation, only rounding, so that the largest ε that keeps the sets is
     // the best.
     double epsilon = 1;
     do {
       epsilon /= 10;
       REQUIRE(epsilon > 1e-6);
-      const forward::State from = stepper.state();
+      const step::State from = stepper.state();
       const petsc::Vector f = petsc::copy(load);
       check(VecWAXPY(from.y(), epsilon, change.y(), run.trajectory.y[i - 1]));
       check(VecWAXPY(from.v(), epsilon, change.v(), run.trajectory.v[i - 1]));
@@ -123,8 +123,8 @@ TEST_CASE("the linearised step is the derivative of the step", "[adjoint]") {
 
 TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]") {
   const InContact run({"mesh.degree=2"});
-  const Problem& problem = run.ready.problem;
-  const forward::Stepper& stepper = problem.stepper;
+  const problem::Problem& problem = run.ready.problem;
+  const step::Stepper& stepper = problem.stepper;
   const double tau = problem.grid.length(1);
   const std::size_t N = static_cast<std::size_t>(run.trajectory.steps);
   std::vector<petsc::Vector> p(N + 2);
@@ -134,7 +134,7 @@ TEST_CASE("the sweep solves (4.40)-(4.41) with sliding conditions", "[adjoint]")
     return product;
   };
   const test::Dual smooth([&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(problem.space, k))); });
-  forward::Stepper::Workspace work = stepper.workspace();
+  step::Stepper::Workspace work = stepper.workspace();
   adjoint::sweep(stepper, work, problem.grid, run.trajectory.sets(), {problem.space, smooth},
                  [&](int k, Vec pk) { p[static_cast<std::size_t>(k)] = petsc::copy(pk); });
 
@@ -190,7 +190,7 @@ TEST_CASE("adjoint states vanish on the clamp", "[adjoint]") {
   int steps = 0;
   const test::Dual smooth(
       [&](int k, Vec out) { check(VecAXPY(out, 1, test::smooth(ready.problem.space, k))); });
-  forward::Stepper::Workspace work = ready.problem.stepper.workspace();
+  step::Stepper::Workspace work = ready.problem.stepper.workspace();
   adjoint::sweep(ready.problem.stepper, work, ready.problem.grid, trajectory.sets(),
                  {ready.problem.space, smooth}, [&](int, Vec p) {
                    petsc::Vector rest = petsc::copy(p);
@@ -254,7 +254,7 @@ TEST_CASE("bubbles slide in the middle of edges in contact, and nowhere else", "
 TEST_CASE("bubbles of the adjoint states take up what the run's duals leave", "[adjoint]") {
   // As viscous as stiff within a step, so that each term of the residual matters.
   const test::Ready ready("tests/data/block.toml", {"material.viscosity={bulk=0.5, shear=0.5}"});
-  const forward::Stepper& stepper = ready.problem.stepper;
+  const step::Stepper& stepper = ready.problem.stepper;
   const adjoint::EnrichedBody body(ready.problem.space, stepper.pairs(), ready.scene);
   const fem::Operators& operators = body.operators();
   const double tau = ready.problem.grid.length(1);
@@ -263,7 +263,7 @@ TEST_CASE("bubbles of the adjoint states take up what the run's duals leave", "[
     if (k == 4)
       check(VecAXPY(out, 1, pushed));
   });
-  const forward::DualAtStep derivative(body.space(), at_step_4);
+  const step::DualAtStep derivative(body.space(), at_step_4);
   adjoint::DualBubbles bubbles(body, derivative, ready.problem.grid);
   adjoint::Duals duals(stepper, ready.problem.grid);
   const contact::ActiveSet active{1, 2};

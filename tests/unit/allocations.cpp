@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "adjoint/sweep.h"
 #include "base/collective.h"
+#include "diagnostics/balance.h"
 #include "fixtures.h"
-#include "forward/balance.h"
-#include "forward/trajectory.h"
+#include "trajectory/trajectory.h"
 #include <atomic>
 #include <catch2/catch_test_macros.hpp>
 #include <cstdlib>
@@ -78,20 +78,20 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
   for (const char* setting : {"solver.linear=direct", "solver.linear=iterative", "contact.mass=massless",
                               "time.scheme=contact-stabilized"}) {
     const test::Ready ready("scenes/half-disc.toml", {"mesh.size=1", setting});
-    const Problem& problem = ready.problem;
+    const problem::Problem& problem = ready.problem;
     const control::ControlSpace controls(problem.space, problem.operators, problem.grid,
                                          *ready.scene.control);
     const control::Control u = controls.interpolate({"0", "-1"}, "u");
     const control::ControlForce force(controls, u);
     const auto load = [&] { return problem.load(&force); };
     Timers timers;
-    const forward::StateStoreFactory storage(problem.stepper, problem.grid, {}, 1, timers);
-    forward::Trajectory trajectory(problem.stepper, problem.initial, storage);
+    const trajectory::StateStoreFactory storage(problem.stepper, problem.grid, {}, 1, timers);
+    trajectory::Trajectory trajectory(problem.stepper, problem.initial, storage);
     trajectory.run(load()); // work space that CHOLMOD and PETSc make once
     long stepping = 0, before = 0;
     int contact_steps = 0, set_changes = 0;
     (void)allocations([&] {
-      trajectory.run(load(), [&](const forward::Frame& frame) {
+      trajectory.run(load(), [&](const trajectory::Frame& frame) {
         stepping +=
             frame.step.k > 1 ? calls - before : 0; // what comes before the first step is made once a run
         contact_steps += !frame.contact.active.empty();
@@ -102,21 +102,21 @@ TEST_CASE("steps and adjoint steps allocate nothing", "[forward]") {
     CHECK(contact_steps > 50);
     CHECK(set_changes > 5);
     CHECK(stepping == 0);
-    forward::Balance weigh(problem.stepper);
+    diagnostics::Balance weigh(problem.stepper);
     long streaming = 0;
     const auto stream = [&] {
-      forward::integrate(problem.stepper, problem.grid, problem.initial, load(),
-                         [&](const forward::Frame& frame) {
-                           weigh(frame);
-                           streaming += frame.step.k > 1 ? calls - before : 0;
-                           before = calls;
-                         });
+      trajectory::integrate(problem.stepper, problem.grid, problem.initial, load(),
+                            [&](const trajectory::Frame& frame) {
+                              weigh(frame);
+                              streaming += frame.step.k > 1 ? calls - before : 0;
+                              before = calls;
+                            });
     };
     (void)allocations(stream);
     CHECK(streaming == 0);
     petsc::Vector dual = test::smooth(problem.space, 1);
     long back = 0;
-    forward::Stepper::Workspace work = problem.stepper.workspace();
+    step::Stepper::Workspace work = problem.stepper.workspace();
     (void)allocations([&] {
       const test::Dual derivative([&](int, Vec density) { petsc::check(VecAXPY(density, 1, dual)); });
       adjoint::sweep(problem.stepper, work, problem.grid, trajectory.contact(), {problem.space, derivative},
@@ -140,16 +140,16 @@ TEST_CASE("steps between several obstacles, one of which moves, allocate nothing
        "1]}}, "
        "{on=\"boundary\", obstacle={shape=\"half-space\", point=[-0.1, 0], normal=[1, 0]}}, "
        "{on=\"boundary\", obstacle={shape=\"half-space\", point=[0, 1.5], normal=[0, -1]}}]"});
-  const Problem& problem = ready.problem;
+  const problem::Problem& problem = ready.problem;
   REQUIRE(problem.stepper.pairs()->rows().dependent());
-  const auto run = [&](const forward::StepObserver& watch) {
-    forward::integrate(problem.stepper, problem.grid, problem.initial, problem.load(), watch);
+  const auto run = [&](const trajectory::StepObserver& watch) {
+    trajectory::integrate(problem.stepper, problem.grid, problem.initial, problem.load(), watch);
   };
   run({});
   long stepping = 0, before = 0;
   std::array<bool, 3> touched{};
   (void)allocations([&] {
-    run([&](const forward::Frame& frame) {
+    run([&](const trajectory::Frame& frame) {
       stepping += frame.step.k > 1 ? calls - before : 0;
       for (int i : frame.contact.active)
         touched[static_cast<std::size_t>(problem.stepper.pairs()->obstacles()[static_cast<std::size_t>(i)])] =

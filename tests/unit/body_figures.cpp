@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "forward/body_figures.h"
+#include "diagnostics/body_figures.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
@@ -10,9 +10,9 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-forward::BodyFigures figures(const std::string& file, const std::vector<std::string>& overrides = {}) {
+diagnostics::BodyFigures figures(const std::string& file, const std::vector<std::string>& overrides = {}) {
   const test::Ready ready(file, overrides);
-  return forward::body_figures(ready.problem.stepper, ready.scene);
+  return diagnostics::body_figures(ready.problem.stepper, ready.scene);
 }
 
 void require_near(double found, double expected) { CHECK(std::abs(found / expected - 1) < 1e-12); }
@@ -21,7 +21,7 @@ void require_near(double found, double expected) { CHECK(std::abs(found / expect
 
 TEST_CASE("a body is told by its extent, mass and waves", "[forward]") {
   for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
-    const forward::BodyFigures block = figures("tests/data/block.toml", {degree});
+    const diagnostics::BodyFigures block = figures("tests/data/block.toml", {degree});
     CHECK((block.dim == 2 && block.doubts.empty()));
     require_near(block.extent[0], 1);
     require_near(block.extent[1], 1);
@@ -30,11 +30,11 @@ TEST_CASE("a body is told by its extent, mass and waves", "[forward]") {
     require_near(block.shear_waves[0], std::sqrt(50 / 2.6));
     require_near(block.crossing_steps, 1 / std::sqrt(50 * 0.7 / (1.3 * 0.4)) / 0.02);
     CHECK_THAT(block.line(), ContainsSubstring("body: 1 x 1 m, 1 kg/m; pressure waves 8.2 m/s"));
-    const forward::BodyFigures cube = figures("tests/data/cube.toml", {degree, "material.density=8"});
+    const diagnostics::BodyFigures cube = figures("tests/data/cube.toml", {degree, "material.density=8"});
     require_near(cube.mass, 8);
     CHECK_THAT(cube.line(), ContainsSubstring("1 x 1 x 1 m, 8 kg;"));
   }
-  const forward::BodyFigures parts = figures("tests/data/two-materials.toml");
+  const diagnostics::BodyFigures parts = figures("tests/data/two-materials.toml");
   require_near(parts.mass, 4);
   require_near(parts.pressure_waves[0], std::sqrt(200 / 3.0 * 0.8 / (1.2 * 0.6)));
   require_near(parts.pressure_waves[1], std::sqrt(50 * 0.65 / (1.35 * 0.3)));
@@ -46,7 +46,7 @@ TEST_CASE("a mesh in another unit is brought to metres", "[mesh]") {
   for (const auto& [unit, length] :
        {std::pair{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"in", 0.0254}}) {
     const std::string size = fmt::format("mesh.size={}", 0.25 * length);
-    const forward::BodyFigures drawn =
+    const diagnostics::BodyFigures drawn =
         figures("tests/data/block.toml",
                 {fmt::format("mesh.unit={}", unit), size, "contact.obstacle.point=[0, -100]"});
     require_near(drawn.extent[0], length);
@@ -77,7 +77,7 @@ TEST_CASE("units that were mistaken are doubted, and the scenes here are not", "
            {{"contact.obstacle.point=[0, -100]"}, "the obstacle is 95.8 m away"},
            {{"mesh.unit=um", "mesh.size=2.5e-7", "contact.obstacle.point=[0, -1e-6]"},
             "the body is 1e-06 m long"}}) {
-    const forward::BodyFigures found = figures("tests/data/block.toml", settings);
+    const diagnostics::BodyFigures found = figures("tests/data/block.toml", settings);
     INFO(said);
     for (const std::string& doubt : found.doubts)
       UNSCOPED_INFO(doubt);

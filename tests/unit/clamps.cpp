@@ -180,9 +180,9 @@ TEST_CASE("the velocity of clamps is known at any step, whatever was asked befor
   const test::Ready ready("tests/data/manufactured.toml",
                           {"clamp=[{on=\"boundary\", value=[\"0.3*t^2\", \"0.2*x*t\"]}]",
                            "initial.velocity=[\"0\", \"0.2*x\"]", "load.body=[\"0\", \"0\"]"});
-  const forward::Stepper& stepper = ready.problem.stepper;
+  const step::Stepper& stepper = ready.problem.stepper;
   REQUIRE(stepper.motion());
-  forward::PrescribedMotion::At at = stepper.motion()->storage();
+  step::MovingClamps::At at = stepper.motion()->storage();
   petsc::Vector exact = ready.problem.space.vector(), moving = ready.problem.space.vector();
   for (const int k : {4, 1, 0, 3}) {
     stepper.motion()->evaluate(ready.problem.grid.step(2), at);

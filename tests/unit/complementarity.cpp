@@ -92,7 +92,7 @@ TEST_CASE("units of mass and time leave contact as it is", "[contact]") {
   for (const double unit : {1e-9, 1e9}) {
     petsc::Matrix D = Parts::copy(parts.D);
     check(MatScale(D, unit));
-    const forward::SolverChoice solver(std::move(D), &parts.pairs, parts.scene.solver, true);
+    const step::SolverChoice solver(std::move(D), &parts.pairs, parts.scene.solver, true);
     const auto solve = [&](const contact::ContactState& expected, Vec r) {
       petsc::Vector scaled = petsc::copy(r), y = parts.space.vector();
       check(VecScale(scaled, unit));

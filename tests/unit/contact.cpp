@@ -279,7 +279,7 @@ TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[
   petsc::Vector y = parts.space.vector(), z = parts.space.vector();
   const contact::ContactState usual = parts.solve(r, y);
   const test::Option option("-condensed_vi_snes_max_it", "0");
-  const forward::SolverChoice solver(Parts::copy(parts.D), &parts.pairs, parts.scene.solver, true);
+  const step::SolverChoice solver(Parts::copy(parts.D), &parts.pairs, parts.scene.solver, true);
   contact::ContactState other(parts.pairs.count());
   contact::Workspace work = solver.contact()->workspace();
   const contact::ActiveSet none;

@@ -2,7 +2,7 @@
 #pragma once
 #include "contact/pairs.h"
 #include "fixtures.h"
-#include "forward/solver_choice.h"
+#include "step/solver_choice.h"
 
 namespace signorini::test {
 
@@ -15,7 +15,7 @@ struct Parts {
   petsc::Matrix D;
   contact::ContactPairs pairs;
   const contact::ConstraintRows& H = pairs.rows();
-  forward::SolverChoice solver;
+  step::SolverChoice solver;
 
   /// `solves`: expected.
   explicit Parts(const std::vector<std::string>& overrides = {}, double solves = 0,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/check/check.h"
+#include "drivers/check/check.h"
 #include "fixtures.h"
 #include "optimize/span.h"
 #include <algorithm>
@@ -27,7 +27,7 @@ control::Control some(const control::ControlSpace& controls, int which) {
 
 TEST_CASE("the product is that of L2(0,T; L2)", "[control]") {
   const test::Ready ready("tests/data/block.toml");
-  const ControlProblem problem(ready.problem, test::silent());
+  const problem::ControlProblem problem(ready.problem, test::silent());
   const control::Control u = problem.controls.interpolate({"2", "t"}, "test"),
                          one = problem.controls.interpolate({"0", "1"}, "test");
   const double T = ready.scene.time.end;
@@ -39,7 +39,7 @@ TEST_CASE("clipping is the projection in the metric of a bounded control", "[con
   for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
     const test::Ready ready("tests/data/block.toml",
                             {"control.lower=-0.4", "control.upper=[0.3, 0.6]", degree});
-    const ControlProblem problem(ready.problem, test::silent());
+    const problem::ControlProblem problem(ready.problem, test::silent());
     const control::Control u = some(problem.controls, 0);
     control::Control clipped = u;
     problem.controls.project(clipped);
@@ -67,7 +67,7 @@ TEST_CASE("a first guess that is not written is moved into the bounds too", "[co
   const test::Ready bounded("tests/data/block.toml", {"control.lower=[0.5, -3]", "control.upper=[1, -0.25]"}),
       loaded("tests/data/block.toml", {"load.body=[\"0.5\", \"-1.25\"]"}), free("tests/data/block.toml");
   const auto density = [](const test::Ready& ready) {
-    const GivenControl given(ready.problem);
+    const problem::GivenControl given(ready.problem);
     return petsc::copy(given.load().at(ready.problem.grid.step(1)).density);
   };
   CHECK(test::difference(density(bounded), density(loaded)) == 0);
@@ -79,10 +79,10 @@ TEST_CASE("a control that changes in time pushes by its mean over each step", "[
   const test::Ready ready("tests/data/block.toml",
                           {"load.body=[\"0\", \"0\"]", "control.initial=[\"sin(9*t)\", \"sin(9*t)\"]",
                            chosen ? "time={end=0.6, step=\"auto\", tolerance=1e-2}" : "time.step=0.02"});
-  const GivenControl given(ready.problem);
+  const problem::GivenControl given(ready.problem);
   for (const int k : {1, 2, 17, 3}) {
-    const forward::TimeStep step =
-        chosen ? forward::TimeStep{k, 0.02 * (k - 1), 0.02 * k, 0.02} : ready.problem.grid.step(k);
+    const step::TimeStep step =
+        chosen ? step::TimeStep{k, 0.02 * (k - 1), 0.02 * k, 0.02} : ready.problem.grid.step(k);
     const double mean = (std::cos(9 * step.begin) - std::cos(9 * step.end)) / (9 * step.tau);
     const petsc::Vector density = petsc::copy(given.load().at(step).density);
     petsc::check(VecShift(density, -mean));
@@ -95,7 +95,7 @@ TEST_CASE("J is the trapezoidal rule of its integrals", "[control]") {
   const test::Ready ready("tests/data/block.toml",
                           {"objective.desired={displacement=[\"t\", \"0\"]}", "load.body=[\"0\", \"0\"]",
                            "initial.velocity=[\"0\", \"0\"]"});
-  ControlProblem problem(ready.problem, test::silent());
+  problem::ControlProblem problem(ready.problem, test::silent());
   problem.reduced.simulate(problem.controls.zero());
   problem.reduced.accept();
   const double T = ready.scene.time.end, tau = ready.scene.time.step;
@@ -107,7 +107,7 @@ TEST_CASE("J is the trapezoidal rule of its integrals", "[control]") {
 
 TEST_CASE("at the reference control only the cost of the control is left", "[control]") {
   const test::Ready ready("tests/data/block.toml");
-  ControlProblem problem(ready.problem, test::silent());
+  problem::ControlProblem problem(ready.problem, test::silent());
   problem.reduced.simulate(*problem.reference);
   problem.reduced.accept();
   const control::Value& value = problem.reduced.value();
@@ -143,14 +143,14 @@ TEST_CASE("derivatives are exact for every kind of control and objective", "[con
       what += setting + " ";
     INFO(what);
     test::Ready ready("tests/data/block.toml", overrides);
-    CHECK(check_scene(ready.problem, test::silent()));
+    CHECK(drivers::check_scene(ready.problem, test::silent()));
   }
 }
 
 TEST_CASE("a control holds values where it acts and nowhere else", "[control]") {
   const auto values = [](const std::vector<std::string>& overrides) {
     const test::Ready ready("tests/data/block.toml", overrides);
-    const Problem& problem = ready.problem;
+    const problem::Problem& problem = ready.problem;
     const control::ControlSpace controls(problem.space, problem.operators, problem.grid,
                                          *ready.scene.control);
     const control::Control u = controls.interpolate({"1 + x", "2 + y*y"}, "test");
@@ -195,7 +195,7 @@ TEST_CASE("a control pushes with its resultant where it acts", "[control]") {
       if (*on)
         overrides.push_back(fmt::format("control.on={}", on));
       const test::Ready ready("tests/data/block.toml", overrides);
-      const Problem& problem = ready.problem;
+      const problem::Problem& problem = ready.problem;
       const control::ControlSpace controls(problem.space, problem.operators, problem.grid,
                                            *ready.scene.control);
       const control::Control u = controls.interpolate({"0", "3"}, "test");
@@ -203,8 +203,8 @@ TEST_CASE("a control pushes with its resultant where it acts", "[control]") {
       CHECK(std::abs(controls.product(u, u) / (9 * size * ready.scene.time.end) - 1) < 1e-12);
       const control::ControlForce pushes(controls, u);
       petsc::Vector force = problem.space.vector();
-      forward::assemble(forward::ForceAtStep(problem.space, pushes).at(problem.grid.step(1)),
-                        problem.operators, force);
+      step::assemble(step::ForceAtStep(problem.space, pushes).at(problem.grid.step(1)), problem.operators,
+                     force);
       PetscScalar sum = 0;
       petsc::check(VecSum(force, &sum));
       CHECK(std::abs(sum / (2 * 3 * size) - 1) < 1e-12);
@@ -215,7 +215,7 @@ TEST_CASE("the gradient by a control constant in time is the mean of that by ste
   const auto gradient = [](bool constant, auto&& use) {
     const test::Ready ready("tests/data/block.toml",
                             {"control.constant_in_time=" + std::string(constant ? "true" : "false")});
-    ControlProblem problem(ready.problem, test::silent());
+    problem::ControlProblem problem(ready.problem, test::silent());
     problem.reduced.simulate(problem.controls.constant(-0.5));
     problem.reduced.accept();
     use(problem.reduced.gradient().u);
@@ -235,7 +235,7 @@ TEST_CASE("the gradient by a control constant in time is the mean of that by ste
 
 TEST_CASE("a rejected trial changes nothing", "[control]") {
   const test::Ready ready("tests/data/block.toml");
-  ControlProblem problem(ready.problem, test::silent());
+  problem::ControlProblem problem(ready.problem, test::silent());
   const control::Control u = some(problem.controls, 0), other = some(problem.controls, 4);
   const double value = problem.reduced.value(u);
   problem.reduced.accept();
@@ -251,7 +251,7 @@ TEST_CASE("a rejected trial changes nothing", "[control]") {
 TEST_CASE("what pushes out of a bound is held there, each component by its own", "[control]") {
   const test::Ready ready("tests/data/block.toml",
                           {"control.lower=[-0.4, -0.2]", "control.upper=[0.3, 0.6]"});
-  const ControlProblem problem(ready.problem, test::silent());
+  const problem::ControlProblem problem(ready.problem, test::silent());
   const control::ControlSpace& controls = problem.controls;
   constexpr std::array lower{-0.4, -0.2}, upper{0.3, 0.6};
   // Values at, beside and beyond both bounds of both components, with directions of either sign and none.
@@ -293,7 +293,7 @@ TEST_CASE("what pushes out of a bound is held there, each component by its own",
 
 TEST_CASE("a search stores controls in single precision, whatever their units", "[control]") {
   const test::Ready ready("tests/data/block.toml");
-  const ControlProblem problem(ready.problem, test::silent());
+  const problem::ControlProblem problem(ready.problem, test::silent());
   const control::ControlSpace& controls = problem.controls;
   constexpr double rounding = 1.2e-7; // 2^-23: of half a unit in the last place of each value
   for (const double unit : {1e-60, 1.0, 1e60}) {
@@ -333,7 +333,7 @@ TEST_CASE("a search stores controls in single precision, whatever their units", 
 TEST_CASE("a subspace of controls in single precision is that of what was given, however often restricted",
           "[control][optimize]") {
   const test::Ready ready("tests/data/block.toml");
-  const ControlProblem problem(ready.problem, test::silent());
+  const problem::ControlProblem problem(ready.problem, test::silent());
   const control::ControlSpace& controls = problem.controls;
   optimize::Span<control::ControlSpace> span(10 * std::numeric_limits<float>::epsilon());
   std::mt19937 random(5);
@@ -377,7 +377,7 @@ TEST_CASE("a subspace of controls in single precision is that of what was given,
 TEST_CASE("a vector that is hardly out of a restricted subspace adds a direction at right angles to it",
           "[control]") {
   const test::Ready ready("tests/data/block.toml");
-  const ControlProblem problem(ready.problem, test::silent());
+  const problem::ControlProblem problem(ready.problem, test::silent());
   const control::ControlSpace& controls = problem.controls;
   const double single = std::numeric_limits<float>::epsilon();
   optimize::Span<control::ControlSpace> span(10 * single);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/error_estimate.h"
+#include "accuracy/error_estimate.h"
 #include "base/collective.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
@@ -18,14 +18,14 @@ struct Estimated {
 
 Estimated estimated(const std::string& file, const std::vector<std::string>& overrides, bool contact) {
   const test::Ready ready(file, overrides);
-  ControlProblem control_problem(ready.problem, test::silent());
+  problem::ControlProblem control_problem(ready.problem, test::silent());
   control_problem.reduced.simulate(control_problem.first_guess(ready.scene));
   control_problem.reduced.accept();
   bool touched = false;
   for (const contact::ContactLinearisation& state : control_problem.reduced.trajectory().contact())
     touched |= !state.active.empty();
   REQUIRE(touched == contact);
-  return {control_problem.reduced.value().total(), estimate_error(ready.problem, control_problem)};
+  return {control_problem.reduced.value().total(), accuracy::estimate_error(ready.problem, control_problem)};
 }
 
 std::vector<std::string> with(std::vector<std::string> a, const std::vector<std::string>& b) {
@@ -81,13 +81,14 @@ TEST_CASE("the error of steps of varying length is estimated by its first term",
       for (const int level : all)
         levels.insert(levels.end(), std::size_t(1) << halvings, level + halvings);
     }
-    const auto grid = forward::TimeGrid::of_levels(*ready.problem.stepper.ladder(), levels);
+    const auto grid = step::TimeGrid::of_levels(*ready.problem.stepper.ladder(), levels);
     REQUIRE(grid);
     ready.problem.grid = *grid;
-    ControlProblem control_problem(ready.problem, test::silent());
+    problem::ControlProblem control_problem(ready.problem, test::silent());
     control_problem.reduced.simulate(control_problem.first_guess(ready.scene));
     control_problem.reduced.accept();
-    return Estimated{control_problem.reduced.value().total(), estimate_error(ready.problem, control_problem)};
+    return Estimated{control_problem.reduced.value().total(),
+                     accuracy::estimate_error(ready.problem, control_problem)};
   };
   for (const std::vector<std::string>& scheme :
        {std::vector<std::string>{}, {"time.scheme=contact-stabilized"}}) {
@@ -173,7 +174,7 @@ TEST_CASE("what initial data lack by interpolation is estimated as functions of 
         start(ready.scene.initial.displacement, ready.problem.initial.y());
         start(ready.scene.initial.velocity, ready.problem.initial.v());
       }
-      ControlProblem control_problem(ready.problem, test::silent());
+      problem::ControlProblem control_problem(ready.problem, test::silent());
       return control_problem.reduced.value(control_problem.first_guess(ready.scene));
     };
     const double lacks = J(false) - J(true);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "forward/first_touch.h"
+#include "trajectory/first_touch.h"
+#include "diagnostics/body_figures.h"
+#include "diagnostics/obstacle_forces.h"
 #include "fixtures.h"
-#include "forward/body_figures.h"
-#include "forward/obstacle_forces.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
@@ -20,14 +20,14 @@ Settings above_floor(const Settings& more) {
   return all;
 }
 
-forward::FirstTouch touch(const Settings& more) {
+trajectory::FirstTouch touch(const Settings& more) {
   const test::Ready ready("tests/data/block.toml", above_floor(more));
-  return forward::first_touches(ready.problem.stepper, ready.scene).at(0);
+  return trajectory::first_touches(ready.problem.stepper, ready.scene).at(0);
 }
 
 std::string line(const Settings& more) {
   const test::Ready ready("tests/data/block.toml", above_floor(more));
-  return forward::first_touch_lines(ready.problem.stepper, ready.scene).at(0);
+  return trajectory::first_touch_lines(ready.problem.stepper, ready.scene).at(0);
 }
 
 struct Case {
@@ -53,20 +53,20 @@ const std::vector<Case> cases{
 TEST_CASE("a rigid body first touches when closed forms say so", "[forward]") {
   for (const Case& one : cases) {
     INFO(one.settings.front());
-    const forward::FirstTouch found = touch(one.settings);
+    const trajectory::FirstTouch found = touch(one.settings);
     CHECK(found.flies);
     CHECK(std::abs(found.time - one.time) <= one.tolerance);
     CHECK(std::abs(found.speed - one.speed) <= std::max(one.tolerance, 1e-8));
   }
   // Thrown up by 1 m/s under 4 m/s² it falls back to where it was in half a second, and 0.1 m more.
-  const forward::FirstTouch back = touch({"initial.velocity=[\"0\", \"1\"]", "load.gravity=[0, -4]"});
+  const trajectory::FirstTouch back = touch({"initial.velocity=[\"0\", \"1\"]", "load.gravity=[0, -4]"});
   CHECK(std::abs(back.time - (1 + std::sqrt(1.8)) / 4) < 1e-8);
   // Nearest at the turn, 0.1 − 0.3²/(2·0.9), and never there.
-  const forward::FirstTouch turns = touch({"initial.velocity=[\"0\", \"-0.3\"]", "load.gravity=[0, 0.9]"});
+  const trajectory::FirstTouch turns = touch({"initial.velocity=[\"0\", \"-0.3\"]", "load.gravity=[0, 0.9]"});
   CHECK((!turns.occurs() && turns.flies));
   CHECK(std::abs(turns.nearest - 0.05) < 1e-8);
   CHECK(std::abs(turns.nearest_time - 1 / 3.0) < 1e-8);
-  const forward::FirstTouch clamped = touch({"clamp=[{ on=\"top\" }]", "load.gravity=[0, -1]"});
+  const trajectory::FirstTouch clamped = touch({"clamp=[{ on=\"top\" }]", "load.gravity=[0, -1]"});
   CHECK((!clamped.flies && !clamped.occurs() && std::abs(clamped.gap - 0.1) < 1e-12));
 }
 
@@ -74,16 +74,16 @@ TEST_CASE("the first touch of a run is the one that was foreseen", "[forward]") 
   for (const Settings& settings :
        {cases[0].settings, cases[2].settings, cases[3].settings, cases[4].settings}) {
     const test::Ready ready("tests/data/block.toml", above_floor(settings));
-    const Problem& problem = ready.problem;
-    forward::ObstacleForces forces(problem.stepper);
+    const problem::Problem& problem = ready.problem;
+    diagnostics::ObstacleForces forces(problem.stepper);
     double first = -1;
-    forward::integrate(problem.stepper, problem.grid, problem.initial, problem.load(),
-                       [&](const forward::Frame& frame) {
-                         forces.observe(frame);
-                         if (first < 0 && forces.all().normal_force > 0)
-                           first = frame.step.end;
-                       });
-    const double foreseen = forward::first_touches(problem.stepper, ready.scene).at(0).time;
+    trajectory::integrate(problem.stepper, problem.grid, problem.initial, problem.load(),
+                          [&](const trajectory::Frame& frame) {
+                            forces.observe(frame);
+                            if (first < 0 && forces.all().normal_force > 0)
+                              first = frame.step.end;
+                          });
+    const double foreseen = trajectory::first_touches(problem.stepper, ready.scene).at(0).time;
     REQUIRE(first > 0);
     CHECK((first > foreseen - 1e-9 && first - foreseen < 2 * ready.scene.time.step));
   }
@@ -102,7 +102,7 @@ TEST_CASE("the first touch in words", "[forward]") {
 TEST_CASE("an obstacle far away is in doubt only where the body does not fly there", "[forward]") {
   const auto doubts = [](const Settings& settings) {
     const test::Ready ready("tests/data/block.toml", settings);
-    return forward::body_figures(ready.problem.stepper, ready.scene).doubts;
+    return diagnostics::body_figures(ready.problem.stepper, ready.scene).doubts;
   };
   // Fifteen times the body away, a drop test: 15 m by a fall from rest take √3 s.
   const Settings drop{"contact.obstacle={ shape=\"half-space\", point=[0, -15], normal=[0, 1] }",

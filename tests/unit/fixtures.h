@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "app/problem.h"
+#include "problem/problem.h"
 #include "recorded.h"
 #include <cmath>
 #include <filesystem>
@@ -21,7 +21,7 @@ std::filesystem::path source(const std::string& file);
 struct Ready {
   scene::Scene scene;
   Timers timers;
-  Problem problem;
+  problem::Problem problem;
 
   explicit Ready(const std::string& file, const std::vector<std::string>& overrides = {})
       : scene(parse(source(file), overrides)), problem(MPI_COMM_WORLD, scene, {.derivatives = true}, timers) {

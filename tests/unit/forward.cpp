@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
 #include "fixtures.h"
-#include "forward/extrapolation.h"
+#include "trajectory/extrapolation.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
@@ -82,8 +82,8 @@ TEST_CASE("gravity is the density as a body force, and may change with time", "[
       touched += a.contact[k].count(contact::Status::strong) > 0;
     }
     CHECK(touched > 0);
-    CHECK_FALSE(forward::SceneLoad(gravity.problem.space, gravity.problem.operators.M, *gravity.scene.load,
-                                   gravity.problem.stepper.end())
+    CHECK_FALSE(step::SceneLoad(gravity.problem.space, gravity.problem.operators.M, *gravity.scene.load,
+                                gravity.problem.stepper.end())
                     .has_density());
   }
 }
@@ -121,18 +121,18 @@ TEST_CASE("energy, momentum and complementarity hold through contact", "[forward
 
 TEST_CASE("the momentum law notices a velocity that is wrong", "[forward]") {
   const test::Ready ready("tests/data/block.toml");
-  const forward::Stepper& stepper = ready.problem.stepper;
-  forward::Balance weigh(stepper);
+  const step::Stepper& stepper = ready.problem.stepper;
+  diagnostics::Balance weigh(stepper);
   const double off = 0.25, tau = ready.problem.grid.length(5);
   const petsc::Vector shift = ready.problem.space.vector(), moved = petsc::zero_like(shift);
-  forward::State wrong = stepper.state();
+  step::State wrong = stepper.state();
   ready.problem.space.interpolate(scene::Field({"0.25", "0"}, "test", false), 0, shift);
   petsc::check(MatMult(stepper.M(), shift, moved));
   const double mass = petsc::dot(shift, moved) / (off * off);
   int looked = 0;
-  forward::integrate(
+  trajectory::integrate(
       stepper, ready.problem.grid.first(5), ready.problem.initial, ready.problem.load(),
-      [&](const forward::Frame& frame) {
+      [&](const trajectory::Frame& frame) {
         if (frame.step.k < 5) {
           weigh(frame);
           return;
@@ -332,7 +332,7 @@ TEST_CASE("the next state is guessed by the parabola through the last three", "[
     check(VecAXPY(x, square * time(k) * time(k), c));
     return x;
   };
-  forward::Extrapolation guesses(ready.problem.stepper), copy(ready.problem.stepper),
+  trajectory::Extrapolation guesses(ready.problem.stepper), copy(ready.problem.stepper),
       none(direct.problem.stepper);
   petsc::Vector out = petsc::copy(c);
   guesses.guess(time(0), out);
@@ -363,6 +363,6 @@ TEST_CASE("the next state is guessed by the parabola through the last three", "[
   none.remember(time(0), a);
   none.guess(time(1), out);
   CHECK(test::difference(out, c) == 0); // which a direct solver does not need
-  CHECK(forward::Extrapolation::vectors(ready.problem.stepper) == 3);
-  CHECK(forward::Extrapolation::vectors(direct.problem.stepper) == 0);
+  CHECK(trajectory::Extrapolation::vectors(ready.problem.stepper) == 3);
+  CHECK(trajectory::Extrapolation::vectors(direct.problem.stepper) == 0);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "optimize/gauss_newton.h"
-#include "app/fit/outcome.h"
+#include "drivers/fit_outcome.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
@@ -151,11 +151,12 @@ TEST_CASE("directions that nothing tells are said in words", "[optimize]") {
     const std::vector<double> H{row[0] * row[0], row[0] * row[1], row[0] * row[1], row[1] * row[1]};
     const optimize::Identified known = optimize::identified(H, 2);
     REQUIRE(known.untold.size() == 1);
-    CHECK(untold(logs, known.untold.front()) == words);
+    CHECK(drivers::untold(logs, known.untold.front()) == words);
     CHECK(std::isinf(known.deviations[1]));
   }
   const std::vector<scene::Unknown> mixed{named("height", linear), named("speed", linear)};
-  CHECK(untold(mixed, {1, -0.5}) == "The data do not tell height, speed apart: changes in the proportion of "
-                                    "height by +1, speed by -0.5 leave "
-                                    "all values as they are.");
+  CHECK(drivers::untold(mixed, {1, -0.5}) ==
+        "The data do not tell height, speed apart: changes in the proportion of "
+        "height by +1, speed by -0.5 leave "
+        "all values as they are.");
 }

@@ -18,7 +18,7 @@ struct Space {
   explicit Space(const std::vector<std::string>& settings, const char* file = "tests/data/block.toml")
       : scene(test::parse(test::source(file), settings)), mesh(MPI_COMM_WORLD, scene.mesh),
         space(mesh, scene.mesh.degree), operators(fem::assemble_operators(space, scene.materials, true)),
-        controls(space, operators, forward::TimeGrid(scene.time), *scene.control) {}
+        controls(space, operators, step::TimeGrid(scene.time), *scene.control) {}
 };
 
 double difference(const control::Control& a, const control::Control& b) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "forward/invariants.h"
+#include "diagnostics/invariants.h"
+#include "diagnostics/balance.h"
 #include "fixtures.h"
-#include "forward/balance.h"
 #include <array>
 #include <catch2/catch_test_macros.hpp>
 #include <fmt/format.h>
@@ -11,33 +11,33 @@ using petsc::check;
 
 TEST_CASE("the margins of a motion are those of the step that is nearest to other active sets", "[forward]") {
   using contact::Status;
-  forward::Margins margins;
+  trajectory::Margins margins;
   CHECK(margins.force() == 0);
   contact::ContactState state(4);
   state.status = {Status::open, Status::strong, Status::strong, Status::open};
   state.gap = {0.3, 0, 0, 0.2};
   state.lambda = {0, 5, 8, 0};
-  margins.take(state, forward::Scheme{0.1});
+  margins.take(state, step::Scheme{0.1});
   state.lambda = {0, 2, 4, 0};
   state.gap = {0.1, 0, 0, 0.7};
-  margins.take(state, forward::Scheme{0.1});
+  margins.take(state, step::Scheme{0.1});
   state.lambda = {0, 3, 6, 0};
   state.gap = {0.4, 0, 0, 0.5};
-  margins.take(state, forward::Scheme{0.1});
+  margins.take(state, step::Scheme{0.1});
   CHECK(margins.force() == 2.0 / 8);
   CHECK(margins.gap == 0.1);
 }
 
 TEST_CASE("defects of a motion are weighed by what the run has seen", "[forward]") {
   const test::Ready ready("tests/data/block.toml");
-  const forward::Stepper& stepper = ready.problem.stepper;
-  const forward::State zero = stepper.state();
+  const step::Stepper& stepper = ready.problem.stepper;
+  const step::State zero = stepper.state();
   const double length = ready.problem.space.mesh().diameter();
   const auto m = static_cast<std::size_t>(stepper.pairs()->count());
-  const forward::BodyFigures body = forward::body_figures(stepper, ready.problem.scene);
-  forward::Invariants invariants(stepper, body);
+  const diagnostics::BodyFigures body = diagnostics::body_figures(stepper, ready.problem.scene);
+  diagnostics::Invariants invariants(stepper, body);
   int k = 0;
-  const auto observe = [&](const forward::StepBalance& balance, const contact::ContactState& contact) {
+  const auto observe = [&](const diagnostics::StepBalance& balance, const contact::ContactState& contact) {
     invariants.observe({ready.problem.grid.step(++k), &zero, {}, zero, contact, false}, balance);
   };
   const contact::ContactState open(static_cast<int>(m));
@@ -109,12 +109,12 @@ TEST_CASE("defects of a motion are weighed by what the run has seen", "[forward]
 
 TEST_CASE("the scale of the momentum balance adds the moduli of its terms", "[forward]") {
   const test::Ready ready("tests/data/block.toml");
-  const forward::Stepper& stepper = ready.problem.stepper;
+  const step::Stepper& stepper = ready.problem.stepper;
   const fem::Space& space = ready.problem.space;
   const double tau = ready.problem.grid.length(1);
   const petsc::Vector y0 = test::smooth(space, 1), y1 = test::smooth(space, 2), v0 = test::smooth(space, 3),
                       v1 = test::smooth(space, 4), density = test::smooth(space, 5);
-  const forward::State before = stepper.state(), after = stepper.state();
+  const step::State before = stepper.state(), after = stepper.state();
   check(VecCopy(y0, before.y())), check(VecCopy(v0, before.v()));
   check(VecCopy(y1, after.y())), check(VecCopy(v1, after.v()));
   contact::ContactState contact(stepper.pairs()->count());
@@ -145,9 +145,9 @@ TEST_CASE("the scale of the momentum balance adds the moduli of its terms", "[fo
   const double exact = length_of_sum(change) / tau +
                        length_of_sum(product(*ready.problem.operators.W, density)) + length_of_sum(pushes) +
                        all(product(ready.problem.operators.A, y1)) + all(product(stepper.M(), v1)) / tau;
-  forward::Balance weigh(stepper);
+  diagnostics::Balance weigh(stepper);
   (void)weigh({ready.problem.grid.step(0), nullptr, {}, before, contact, false});
-  const forward::StepBalance balance =
+  const diagnostics::StepBalance balance =
       weigh({ready.problem.grid.step(1), &before, {{.density = density}}, after, contact, true});
   CHECK(std::abs(balance.momentum_scale / exact - 1) < 1e-12);
   CHECK(std::abs(std::hypot(balance.contact_force[0], balance.contact_force[1]) / length_of_sum(pushes) - 1) <

@@ -200,26 +200,28 @@ TEST_CASE("a stored time costs the same however many came before, and the index 
 TEST_CASE("tables have a cell for each column and numbers to the last digit", "[io]") {
   for (const auto& [scene, dim] : {std::pair{"tests/data/block.toml", 2}, {"tests/data/cube.toml", 3}}) {
     const test::Ready ready(scene, {"time.step=0.05"});
-    const Problem& problem = ready.problem;
+    const problem::Problem& problem = ready.problem;
     const contact::ContactPairs& pairs = *problem.stepper.pairs();
     const contact::Pressure pressure(problem.space, pairs, ready.scene.contacts);
     const io::ContactTable contact_table(pairs, pressure, ready.scene.contacts);
     for (const bool tracking : {false, true}) {
       std::string steps = io::steps_header(dim, tracking), contact = contact_table.header();
-      forward::Invariants invariants(problem.stepper, forward::body_figures(problem.stepper, problem.scene));
-      forward::Balance weigh(problem.stepper);
-      std::vector<forward::StepBalance> balance;
+      diagnostics::Invariants invariants(problem.stepper,
+                                         diagnostics::body_figures(problem.stepper, problem.scene));
+      diagnostics::Balance weigh(problem.stepper);
+      std::vector<diagnostics::StepBalance> balance;
       std::vector<contact::ContactState> states;
-      forward::integrate(
-          problem.stepper, problem.grid, problem.initial, problem.load(), [&](const forward::Frame& frame) {
-            balance.push_back(weigh(frame));
-            states.push_back(frame.contact);
-            invariants.observe(frame, balance.back());
-            io::add_steps_row(steps, frame.step.k, frame.step.end, dim, balance.back(), invariants,
-                              frame.contact, 2.5 * frame.step.k,
-                              tracking ? std::optional(1.0 / (frame.step.k + 3)) : std::nullopt);
-            contact_table.add_rows(contact, frame.step, frame.contact);
-          });
+      trajectory::integrate(problem.stepper, problem.grid, problem.initial, problem.load(),
+                            [&](const trajectory::Frame& frame) {
+                              balance.push_back(weigh(frame));
+                              states.push_back(frame.contact);
+                              invariants.observe(frame, balance.back());
+                              io::add_steps_row(steps, frame.step.k, frame.step.end, dim, balance.back(),
+                                                invariants, frame.contact, 2.5 * frame.step.k,
+                                                tracking ? std::optional(1.0 / (frame.step.k + 3))
+                                                         : std::nullopt);
+                              contact_table.add_rows(contact, frame.step, frame.contact);
+                            });
       const auto rows = cells(steps), candidates = cells(contact);
       const auto m = static_cast<std::size_t>(pairs.count());
       REQUIRE(rows.size() == balance.size() + 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/kink.h"
+#include "drivers/kink.h"
 #include "fixtures.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
@@ -11,7 +11,7 @@ using namespace signorini;
 TEST_CASE("contact is weak where it is closed at some points of a certificate and open at others",
           "[control]") {
   const test::Ready ready("tests/data/block.toml");
-  ControlProblem problem(ready.problem, test::silent());
+  problem::ControlProblem problem(ready.problem, test::silent());
   using Closed = std::set<std::pair<int, int>>; // step, candidate
   std::vector<Closed> each;
   optimize::Certificate<control::Variables> certificate{0.25, 0.5, {}, {0.5, 0.25, 0.25}};
@@ -36,7 +36,7 @@ TEST_CASE("contact is weak where it is closed at some points of a certificate an
   REQUIRE(!all.empty());
   REQUIRE(weak.size() > 3);
   const auto sweeps = problem.reduced.sweeps();
-  const io::Kink kink = describe(problem.reduced, certificate);
+  const io::Kink kink = drivers::describe(problem.reduced, certificate);
   CHECK(problem.reduced.sweeps().forward == sweeps.forward);
   CHECK((kink.length == 0.25 && kink.radius == 0.5 && kink.gradients == 3));
   REQUIRE(kink.weak.size() == weak.size());
@@ -50,13 +50,13 @@ TEST_CASE("contact is weak where it is closed at some points of a certificate an
       CHECK(one.x[c] == pairs.points()[3 * static_cast<std::size_t>(one.candidate) + c]);
   }
   // As a checkpoint keeps it.
-  const std::vector<double> stored = numbers(kink);
+  const std::vector<double> stored = drivers::numbers(kink);
   REQUIRE(stored.size() == 3 + 5 * weak.size());
-  const std::optional<io::Kink> again = kink_of(stored, 2);
+  const std::optional<io::Kink> again = drivers::kink_of(stored, 2);
   REQUIRE(again);
-  CHECK(numbers(*again) == stored);
+  CHECK(drivers::numbers(*again) == stored);
   CHECK((again->length == 0.25 && again->radius == 0.5 && again->gradients == 3));
   CHECK((again->weak.back().step == kink.weak.back().step && again->weak.back().x == kink.weak.back().x));
-  CHECK(!kink_of(stored, 3));
-  CHECK(!kink_of({1, 2}, 2));
+  CHECK(!drivers::kink_of(stored, 3));
+  CHECK(!drivers::kink_of({1, 2}, 2));
 }

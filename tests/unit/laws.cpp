@@ -93,7 +93,7 @@ struct Rubbing {
   const Parts parts;
   const Coulomb coulomb{0.5};
   const contact::ConstraintRows H = make_rows();
-  forward::SolverChoice linear;
+  step::SolverChoice linear;
   std::unique_ptr<MumpsSolver> mumps;
   std::unique_ptr<SparseCholesky> cholesky;
   std::unique_ptr<contact::CondensedSolver> solver;

@@ -3,7 +3,7 @@
 #include "fem/layout.h"
 #include "base/collective.h"
 #include "fixtures.h"
-#include "forward/integrate.h"
+#include "trajectory/integrate.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators_all.hpp>
 #include <cmath>
@@ -23,7 +23,7 @@ struct Body {
   mesh::Mesh mesh;
   fem::Space space;
   fem::Operators operators;
-  forward::Stepper stepper;
+  step::Stepper stepper;
 
   Body(const std::vector<std::string>& overrides, const std::vector<fem::VirtualNode>& nodes)
       : scene(test::parse(test::source("tests/data/block.toml"), overrides)),
@@ -100,17 +100,17 @@ TEST_CASE("virtual nodes move as the scheme says, and the body beside them as wi
   const Body plain(settings, {}), body(settings, two);
   const double tau = body.scene.time.step;
   const auto start = [](const Body& one) {
-    forward::State state = one.stepper.state();
+    step::State state = one.stepper.state();
     one.space.interpolate(scene::Field({"0.3", "-1"}, "test", false), 0, state.v());
     return state;
   };
-  forward::State a = start(plain), a_next = plain.stepper.state(), b = start(body),
-                 b_next = body.stepper.state();
+  step::State a = start(plain), a_next = plain.stepper.state(), b = start(body),
+              b_next = body.stepper.state();
   body.set(b.v(), 0, 1, 0.6);
   body.set(b.v(), 1, 0, -0.25);
   body.set(b.y(), 0, 0, 0.1);
   contact::ContactState none_a = plain.stepper.contact_state(), none_b = body.stepper.contact_state();
-  forward::Stepper::Workspace work_a = plain.stepper.workspace(), work_b = body.stepper.workspace();
+  step::Stepper::Workspace work_a = plain.stepper.workspace(), work_b = body.stepper.workspace();
   const auto energy = [&](std::size_t c) {
     return (two[0].mass[c] * std::pow(body.at(b.v(), 0, static_cast<int>(c)), 2) +
             two[0].stiffness[c] * std::pow(body.at(b.y(), 0, static_cast<int>(c)), 2)) /
@@ -121,7 +121,7 @@ TEST_CASE("virtual nodes move as the scheme says, and the body beside them as wi
   bool closed = false;
   const int steps = body.scene.time.steps;
   for (int k = 1; k <= steps; ++k) {
-    const forward::TimeStep step{k, (k - 1) * tau, k * tau, tau};
+    const step::TimeStep step{k, (k - 1) * tau, k * tau, tau};
     contact::ContactState now_a = plain.stepper.contact_state(), now_b = body.stepper.contact_state();
     a_next.copy(a); // a guess
     b_next.copy(b);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "forward/plausibility.h"
+#include "diagnostics/plausibility.h"
 #include "base/collective.h"
 #include "fem/coherence.h"
 #include "fixtures.h"
@@ -38,16 +38,17 @@ struct Body {
 /// The kinds of warnings that a run of the block ends with.
 std::set<std::string> warnings(std::vector<std::string> overrides) {
   const test::Ready ready("tests/data/block.toml", overrides);
-  const Problem& problem = ready.problem;
-  forward::Balance weigh(problem.stepper);
-  forward::Plausibility watch(problem.stepper, ready.scene);
-  const forward::ForceAtStep load = problem.load();
-  forward::integrate(problem.stepper, problem.grid, problem.initial, load, [&](const forward::Frame& frame) {
-    const forward::StepBalance balance = weigh(frame);
-    watch.observe(frame, &balance);
-  });
+  const problem::Problem& problem = ready.problem;
+  diagnostics::Balance weigh(problem.stepper);
+  diagnostics::Plausibility watch(problem.stepper, ready.scene);
+  const step::ForceAtStep load = problem.load();
+  trajectory::integrate(problem.stepper, problem.grid, problem.initial, load,
+                        [&](const trajectory::Frame& frame) {
+                          const diagnostics::StepBalance balance = weigh(frame);
+                          watch.observe(frame, &balance);
+                        });
   std::set<std::string> names;
-  for (const forward::Warning& warning : watch.warnings()) {
+  for (const Warning& warning : watch.warnings()) {
     CHECK(warning.value > warning.limit);
     CHECK_FALSE(warning.message.empty());
     names.insert(warning.name);

@@ -128,11 +128,11 @@ TEST_CASE("the predictor goes to the nearest place in the norm of the mass", "[f
     std::vector<std::string> settings = overrides;
     settings.emplace_back("time.scheme=\"contact-stabilized\"");
     const test::Ready ready(file, settings);
-    const forward::Stepper& stepper = ready.problem.stepper;
+    const step::Stepper& stepper = ready.problem.stepper;
     const contact::ContactPairs& pairs = *stepper.pairs();
     const auto m = static_cast<std::size_t>(pairs.count());
     contact::ActiveSet touched;
-    forward::Predictor::Workspace storage = stepper.predictor()->workspace();
+    step::PredictorProjection::Workspace storage = stepper.predictor()->workspace();
     petsc::Vector x = ready.problem.space.vector(), work = petsc::zero_like(x);
     CHECK_FALSE(stepper.predictor()->jump(pairs.psi(), x, {}, touched, storage));
     CHECK(touched.empty());

@@ -37,9 +37,9 @@ struct Walls {
   }
 
   /// `solves`: expected.
-  [[nodiscard]] forward::SolverChoice solver(scene::LinearMethod linear,
-                                             scene::ViMethod vi = scene::ViMethod::condensed,
-                                             double solves = 0) const {
+  [[nodiscard]] step::SolverChoice solver(scene::LinearMethod linear,
+                                          scene::ViMethod vi = scene::ViMethod::condensed,
+                                          double solves = 0) const {
     petsc::Matrix same;
     check(MatDuplicate(D, MAT_COPY_VALUES, same.put()));
     scene::Solver settings = scene.solver;
@@ -49,7 +49,7 @@ struct Walls {
   }
 
   /// y of the contact step for r, from no contact; `state` becomes its contact.
-  petsc::Vector solve(const forward::SolverChoice& solver, Vec r, contact::ContactState& state) const {
+  petsc::Vector solve(const step::SolverChoice& solver, Vec r, contact::ContactState& state) const {
     petsc::Vector y = space.vector();
     contact::Workspace work = solver.contact()->workspace();
     const contact::ActiveSet none;
@@ -138,10 +138,10 @@ TEST_CASE("several obstacles at a node: all solvers find the solution, which is 
     REQUIRE(walls.pairs.rows().dependent() == dependent);
     const petsc::Vector r = walls.pushing(motion);
     contact::ContactState a(walls.pairs.count()), b(walls.pairs.count()), c(walls.pairs.count());
-    const forward::SolverChoice direct = walls.solver(scene::LinearMethod::direct),
-                                iterative = walls.solver(scene::LinearMethod::iterative),
-                                on_demand = walls.solver(scene::LinearMethod::iterative,
-                                                         scene::ViMethod::condensed, 1e9);
+    const step::SolverChoice direct = walls.solver(scene::LinearMethod::direct),
+                             iterative = walls.solver(scene::LinearMethod::iterative),
+                             on_demand = walls.solver(scene::LinearMethod::iterative,
+                                                      scene::ViMethod::condensed, 1e9);
     REQUIRE(on_demand.choice().find("on demand") != std::string::npos);
     const petsc::Vector y = walls.solve(direct, r, a), z = walls.solve(iterative, r, b),
                         w = walls.solve(on_demand, r, c);
@@ -157,7 +157,7 @@ TEST_CASE("several obstacles at a node: all solvers find the solution, which is 
       CHECK(std::abs(a.lambda[i] * a.gap[i]) < 1e-13);
     }
     // Sliding keeps all of the active set closed, with normal forces alone, dependent or not.
-    for (const forward::SolverChoice* solver : {&direct, &iterative, &on_demand}) {
+    for (const step::SolverChoice* solver : {&direct, &iterative, &on_demand}) {
       const petsc::Vector q = walls.pushing({"x - y", "1 + x*y"});
       petsc::Vector p = walls.space.vector();
       contact::Workspace work = solver->contact()->workspace();
@@ -271,7 +271,7 @@ TEST_CASE("a candidate whose twin carries the force is not weak", "[contact]") {
                                        {scene::LinearMethod::iterative, 0.0},
                                        {scene::LinearMethod::iterative, 1e9}}) {
     const Walls walls(floor + floor, "block.toml", {"time.step=1e-4"});
-    const forward::SolverChoice solver = walls.solver(linear, scene::ViMethod::condensed, solves);
+    const step::SolverChoice solver = walls.solver(linear, scene::ViMethod::condensed, solves);
     REQUIRE(walls.pairs.rows().dependent());
     contact::ContactState state(walls.pairs.count());
     // Pressed down, all are held, each with a share that is any; without weight each could be lifted.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "forward/solver_prices.h"
 #include "base/collective.h"
 #include "contact_parts.h"
 #include "linalg/machine_rates.h"
+#include "step/solver_cost.h"
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
 
@@ -46,13 +46,13 @@ TEST_CASE("a trial of conjugate gradients ends in time, and counts no solve", "[
 }
 
 TEST_CASE("the more solves, the less may one of conjugate gradients take", "[forward]") {
-  const forward::Price direct{.setup = 30, .solve = 0.1};
-  double before = forward::affordable(direct, 1);
+  const step::Price direct{.setup = 30, .solve = 0.1};
+  double before = step::affordable(direct, 1);
   for (double solves : {10., 100., 1e3, 1e4, 1e6}) {
-    const double most = forward::affordable(direct, solves);
+    const double most = step::affordable(direct, solves);
     CHECK(most < before);
     // At that price they are clearly quicker on the whole, and in the end in each solve.
-    CHECK(forward::iterative_price(most).total(solves) < direct.total(solves) / 1.1);
+    CHECK(step::iterative_price(most).total(solves) < direct.total(solves) / 1.1);
     before = most;
   }
   CHECK(before < direct.solve);
@@ -61,11 +61,11 @@ TEST_CASE("the more solves, the less may one of conjugate gradients take", "[for
 TEST_CASE("a small factorisation is not compared by the clock", "[forward]") {
   const Parts parts({"mesh.size=0.02"});
   const FactorWork work = MumpsSolver(parts.D).work();
-  CHECK(forward::DirectWork(work, parts.pairs.count(), 0).small());
-  CHECK(forward::DirectWork(work, parts.pairs.count(), 2.0 * parts.pairs.count()).small());
-  CHECK_FALSE(forward::DirectWork(work, 1e4, 0).small()); // for its candidates
-  CHECK_FALSE(forward::DirectWork(work, 1e4, 2e4).small());
-  const forward::SolverChoice solver(Parts::copy(parts.D), &parts.pairs, parts.scene.solver, true, 1e6);
+  CHECK(step::DirectWork(work, parts.pairs.count(), 0).small());
+  CHECK(step::DirectWork(work, parts.pairs.count(), 2.0 * parts.pairs.count()).small());
+  CHECK_FALSE(step::DirectWork(work, 1e4, 0).small()); // for its candidates
+  CHECK_FALSE(step::DirectWork(work, 1e4, 2e4).small());
+  const step::SolverChoice solver(Parts::copy(parts.D), &parts.pairs, parts.scene.solver, true, 1e6);
   CHECK_FALSE(solver.iterates());
   CHECK(solver.choice().find("estimated") == std::string::npos); // of seconds
 }

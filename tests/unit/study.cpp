@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/study/analysis.h"
-#include "app/study/density.h"
-#include "app/study/measure.h"
-#include "app/study/quantities.h"
+#include "accuracy/analysis.h"
+#include "accuracy/density.h"
+#include "accuracy/measure.h"
+#include "accuracy/quantities.h"
 #include "base/collective.h"
 #include "base/error.h"
 #include "fem/sampler.h"
@@ -13,7 +13,7 @@
 #include <utility>
 
 using namespace signorini;
-using namespace signorini::study;
+using namespace signorini::accuracy;
 using Catch::Matchers::WithinAbs, Catch::Matchers::WithinRel;
 
 namespace {

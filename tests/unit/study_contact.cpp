@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "forward/contact_times.h"
+#include "diagnostics/contact_times.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <cmath>
@@ -14,14 +14,14 @@ namespace {
 using Gap = std::function<double(double t)>;
 
 /// Contact of candidates with gaps g(t), strong where they are not positive, up to the last of `steps` steps.
-std::vector<forward::ContactTimes::Interval> intervals(const std::vector<Gap>& gaps, double tau, int steps,
-                                                       std::vector<int> candidates = {}) {
+std::vector<diagnostics::ContactTimes::Interval> intervals(const std::vector<Gap>& gaps, double tau,
+                                                           int steps, std::vector<int> candidates = {}) {
   const auto m = static_cast<int>(gaps.size());
   if (candidates.empty())
     for (int i = 0; i < m; ++i)
       candidates.push_back(i);
-  const forward::TimeGrid grid(tau, steps);
-  forward::ContactTimes times(candidates);
+  const step::TimeGrid grid(tau, steps);
+  diagnostics::ContactTimes times(candidates);
   for (int k = 0; k <= steps; ++k) {
     contact::ContactState state(m);
     for (std::size_t i = 0; i < gaps.size(); ++i) {

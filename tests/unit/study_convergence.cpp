@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/study/convergence.h"
+#include "accuracy/convergence.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <cmath>
 #include <functional>
 
-using namespace signorini::study;
+using namespace signorini::accuracy;
 using Catch::Matchers::WithinAbs, Catch::Matchers::WithinRel;
 
 namespace {

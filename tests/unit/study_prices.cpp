@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/study/prices.h"
+#include "accuracy/rung_costs.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <cmath>
 
-using namespace signorini::study;
+using namespace signorini::accuracy;
 using Catch::Matchers::WithinRel;
 
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/study/store.h"
+#include "accuracy/rung_cache.h"
 #include "base/collective.h"
 #include "fem/forms.h"
 #include "fixtures.h"
@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 using namespace signorini;
-using namespace signorini::study;
+using namespace signorini::accuracy;
 
 namespace {
 

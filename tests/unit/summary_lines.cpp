@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/summary_lines.h"
-#include "app/fit/outcome.h"
+#include "drivers/summary_lines.h"
+#include "drivers/fit_outcome.h"
 #include <array>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
@@ -11,36 +11,36 @@ using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("work that is rounding is no part of the account", "[io]") {
   io::Manifest m;
-  forward::EnergyAccount& energy = m.energy.emplace();
+  diagnostics::EnergyAccount& energy = m.energy.emplace();
   energy.kinetic_at_start = 2, energy.load_work = 0.5, energy.contact_work = 7.389e-42;
   energy.other_work = -0.25, energy.viscous_dissipation = 1, energy.kinetic_at_end = 1,
   energy.elastic_at_end = 0.25;
-  CHECK(summary_lines(m) ==
+  CHECK(drivers::summary_lines(m) ==
         std::vector<std::string>{
             "energy, kinetic and elastic: 2 J/m at the start, +0.5 by loads, -0.25 by control and "
             "clamps, -1 by viscosity: 1.25 at the end, 0.25 of it elastic"});
   energy.contact_work = -0.125; // what is no rounding is there
-  CHECK_THAT(summary_lines(m).front(), ContainsSubstring(", -0.125 by contact, -1 by viscosity"));
+  CHECK_THAT(drivers::summary_lines(m).front(), ContainsSubstring(", -0.125 by contact, -1 by viscosity"));
 }
 
 TEST_CASE("contact that never closed is told by its least gap", "[io]") {
   io::Manifest m;
-  forward::Impact& impact = m.impact.emplace();
+  diagnostics::Impact& impact = m.impact.emplace();
   impact.obstacles = {{.name = "floor"}, {.name = "wall"}};
   impact.obstacles[0].least_gap = impact.all.least_gap = 0.0125;
   impact.obstacles[0].least_gap_time = impact.all.least_gap_time = 0.375;
   impact.obstacles[1].least_gap = 2, impact.obstacles[1].least_gap_time = 0.5;
-  CHECK(summary_lines(m) ==
+  CHECK(drivers::summary_lines(m) ==
         std::vector<std::string>{"contact: none; the least gap was 0.0125 m, at 0.375 s"});
   impact.obstacles[0].contact_time = impact.all.contact_time = 0.1;
-  const std::vector<std::string> lines = summary_lines(m);
+  const std::vector<std::string> lines = drivers::summary_lines(m);
   REQUIRE(lines.size() == 4);
   CHECK(lines[2] == "  wall: not touched; the least gap was 2 m, at 0.5 s");
 }
 
 TEST_CASE("bounces and touches are counted apart", "[io]") {
   io::Manifest m;
-  forward::Impact& impact = m.impact.emplace();
+  diagnostics::Impact& impact = m.impact.emplace();
   impact.obstacles = {{.name = "floor", .contact_time = 0.1}};
   impact.all.contact_time = 0.1;
   impact.ended = true;
@@ -49,7 +49,7 @@ TEST_CASE("bounces and touches are counted apart", "[io]") {
   impact.bounces = {{.touches = 13, .restitution = 0.5}};
   const auto has = [&](const char* text) {
     std::string all;
-    for (const std::string& line : summary_lines(m))
+    for (const std::string& line : drivers::summary_lines(m))
       all += line + "\n";
     return all.find(text) != std::string::npos;
   };
@@ -81,7 +81,7 @@ TEST_CASE("the outcome of a fit has every number where it belongs", "[io]") {
     fit.correlations = {1, 0.1, 0.1, 0.1, 1, 0.1, 0.1, 0.1, 1};
     fit.correlations[static_cast<std::size_t>(3 * i + j)] =
         fit.correlations[static_cast<std::size_t>(3 * j + i)] = -0.7;
-    CHECK(outcome_lines(fit) ==
+    CHECK(drivers::outcome_lines(fit) ==
           std::vector<std::string>{
               "unknown                   value     deviation         start",
               "young                   2000000      1.25e+03         1e+06  Pa",

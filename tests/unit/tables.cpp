@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
+#include "diagnostics/chatter.h"
+#include "diagnostics/contact_resolution.h"
+#include "diagnostics/impact_summary.h"
+#include "diagnostics/probes.h"
 #include "fixtures.h"
-#include "forward/chatter.h"
-#include "forward/contact_resolution.h"
-#include "forward/motion_summary.h"
-#include "forward/probes.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
@@ -31,31 +31,31 @@ Settings with(Settings all, const Settings& more) {
 /// A whole motion by the numbers that tables have.
 struct Watched {
   test::Ready ready;
-  GivenControl given;
-  std::vector<forward::StepBalance> balance;
-  std::vector<std::vector<forward::ObstacleForce>> each;
-  std::vector<forward::ObstacleForce> all;
+  problem::GivenControl given;
+  std::vector<diagnostics::StepBalance> balance;
+  std::vector<std::vector<diagnostics::ObstacleForce>> each;
+  std::vector<diagnostics::ObstacleForce> all;
   std::vector<std::vector<double>> probes;
-  std::optional<forward::MotionSummary> summary;
+  std::optional<diagnostics::ImpactSummary> summary;
 
   explicit Watched(const std::string& file, const Settings& settings)
       : ready(file, settings), given(ready.problem) {
-    const Problem& problem = ready.problem;
+    const problem::Problem& problem = ready.problem;
     const bool reactions = problem.probes && problem.probes->need_reactions();
-    forward::Balance weigh(problem.stepper, {reactions, given.acts(), problem.scene_loads()});
-    forward::ObstacleForces forces(problem.stepper);
+    diagnostics::Balance weigh(problem.stepper, {reactions, given.acts(), problem.scene_loads()});
+    diagnostics::ObstacleForces forces(problem.stepper);
     summary.emplace(problem.stepper, ready.scene);
-    forward::integrate(problem.stepper, problem.grid, problem.initial, given.load(),
-                       [&](const forward::Frame& frame) {
-                         balance.push_back(weigh(frame));
-                         forces.observe(frame);
-                         each.push_back(forces.each());
-                         all.push_back(forces.all());
-                         summary->observe(frame, balance.back(), forces);
-                         probes.emplace_back();
-                         if (problem.probes)
-                           problem.probes->add_values(frame, forces, weigh.reactions(), probes.back());
-                       });
+    trajectory::integrate(problem.stepper, problem.grid, problem.initial, given.load(),
+                          [&](const trajectory::Frame& frame) {
+                            balance.push_back(weigh(frame));
+                            forces.observe(frame);
+                            each.push_back(forces.each());
+                            all.push_back(forces.all());
+                            summary->observe(frame, balance.back(), forces);
+                            probes.emplace_back();
+                            if (problem.probes)
+                              problem.probes->add_values(frame, forces, weigh.reactions(), probes.back());
+                          });
   }
 
   /// The probes' value of a name at step k.
@@ -98,7 +98,7 @@ TEST_CASE("the impulse of contact is the change of momentum less that of the loa
         change[dim - 1] += 0.6; // a weight of 1 N for 0.6 s
         double forces = 0;
         for (std::size_t k = 0; k < motion.all.size(); ++k) {
-          const forward::ObstacleForce& now = motion.all[k];
+          const diagnostics::ObstacleForce& now = motion.all[k];
           forces = std::max(forces, now.normal_force);
           CHECK(length(difference(now.force, motion.balance[k].contact_force)) <= 1e-13 * now.normal_force);
           CHECK(length(difference(now.force, motion.each[k].front().force)) == 0);
@@ -109,7 +109,7 @@ TEST_CASE("the impulse of contact is the change of momentum less that of the loa
         }
         REQUIRE(forces > 0);
         CHECK(length(difference(impulse, change)) < 1e-11 * length(impulse));
-        const forward::Impact impact = *motion.summary->impact();
+        const diagnostics::Impact impact = *motion.summary->impact();
         CHECK(length(difference(impact.all.impulse, impulse)) < 1e-13 * length(impulse));
         CHECK(std::abs(impact.mass - 1) < 1e-12);
         CHECK(impact.obstacles.front().largest_step == forces);
@@ -121,19 +121,19 @@ TEST_CASE("two jaws push with opposite forces whose moduli add", "[forward]") {
   for (const Settings& settings : {jaws(), with(jaws(), {"time.scheme=\"contact-stabilized\""}),
                                    jaws("massless"), with(jaws(), {"mesh.degree=2"})}) {
     const Watched motion("tests/data/block.toml", settings);
-    const forward::ObstacleForce &lower = motion.each.back()[0], &upper = motion.each.back()[1],
-                                 &all = motion.all.back();
+    const diagnostics::ObstacleForce &lower = motion.each.back()[0], &upper = motion.each.back()[1],
+                                     &all = motion.all.back();
     // Pressed together by 0.02 of its height, free to the sides: E/(1 − ν²) times that. Single forces
     // alternate.
     const double pressed = 50 / (1 - 0.09) * 0.02;
-    const std::vector<forward::ObstacleForce>& before = motion.each[motion.each.size() - 2];
+    const std::vector<diagnostics::ObstacleForce>& before = motion.each[motion.each.size() - 2];
     CHECK(std::abs((lower.force[1] + before[0].force[1]) / 2 / pressed - 1) < 0.01);
     CHECK(std::abs((upper.force[1] + before[1].force[1]) / 2 / pressed + 1) < 0.01);
     CHECK(std::abs(all.normal_force - lower.normal_force - upper.normal_force) < 1e-12 * pressed);
     CHECK(all.active == lower.active + upper.active);
     CHECK(all.min_gap == std::min(lower.min_gap, upper.min_gap));
     CHECK(lower.active > 2);
-    const forward::Impact impact = *motion.summary->impact();
+    const diagnostics::Impact impact = *motion.summary->impact();
     CHECK(impact.obstacles[0].name == "lower jaw");
     CHECK(impact.obstacles[1].name == "obstacle 2");
     CHECK(length(impact.all.impulse) < 1e-2 * impact.all.normal_impulse);
@@ -148,7 +148,7 @@ TEST_CASE("restitution from velocities is that from the impulse", "[forward]") {
   const Settings thrown{"contact.obstacle.normal=[0, 1]", "load.body=[\"0\", \"0\"]"};
   for (const Settings& scheme : schemes) {
     const Watched motion("tests/data/block.toml", with(thrown, scheme));
-    const forward::Impact impact = *motion.summary->impact();
+    const diagnostics::Impact impact = *motion.summary->impact();
     REQUIRE(impact.ended);
     REQUIRE(impact.whole.restitution);
     CHECK(*impact.whole.restitution > 0.3);
@@ -157,12 +157,12 @@ TEST_CASE("restitution from velocities is that from the impulse", "[forward]") {
         (impact.all.impulse[1] / impact.mass + impact.whole.before[1]) / -impact.whole.before[1];
     CHECK(std::abs(by_impulse - *impact.whole.restitution) < 1e-11);
     CHECK(std::abs(impact.whole.before[1] + 1) < 1e-12);
-    const forward::Touch& touch = impact.all;
+    const diagnostics::Touch& touch = impact.all;
     CHECK((touch.start >= 0.08 && touch.start <= 0.1)); // 0.1 m at 1 m/s, in steps of 0.02 s
     CHECK((touch.end > touch.start && touch.contact_time <= touch.end - touch.start + 1e-12));
     CHECK((touch.peak_time >= touch.start && touch.peak_time <= touch.end));
     // Where the energy went: nothing but viscosity and contact takes any.
-    const forward::EnergyAccount& energy = motion.summary->energy();
+    const diagnostics::EnergyAccount& energy = motion.summary->energy();
     const double end = energy.kinetic_at_end + energy.elastic_at_end;
     CHECK(std::abs(energy.kinetic_at_start - 0.5) < 1e-12);
     CHECK((energy.load_work == 0 && energy.other_work == 0 && energy.contact_work <= 1e-14));
@@ -173,12 +173,13 @@ TEST_CASE("restitution from velocities is that from the impulse", "[forward]") {
   for (const Settings& other : {Settings{"clamp=[{ on=\"top\", components=[\"y\"], value=[\"-t\"] }]"},
                                 {"time.end=0.14"},
                                 {"contact.obstacle.point=[0, \"-0.1 + 0.01*t\"]"}}) {
-    const forward::Impact impact = *Watched("tests/data/block.toml", with(thrown, other)).summary->impact();
+    const diagnostics::Impact impact =
+        *Watched("tests/data/block.toml", with(thrown, other)).summary->impact();
     CHECK(impact.all.occurred());
     CHECK_FALSE(impact.whole.restitution);
     CHECK_FALSE(impact.no_restitution.empty());
   }
-  const forward::Impact none =
+  const diagnostics::Impact none =
       *Watched("tests/data/block.toml", with(thrown, {"time.end=0.08"})).summary->impact();
   CHECK_FALSE(none.all.occurred());
   CHECK_FALSE(none.whole.restitution);
@@ -194,7 +195,7 @@ TEST_CASE("clamps of a symmetry leave restitution as it is", "[forward]") {
     const auto impact = [&](const Settings& more) {
       return *Watched("tests/data/block.toml", with(with(falling, scheme), more)).summary->impact();
     };
-    const forward::Impact free = impact({}), clamped = impact(symmetric);
+    const diagnostics::Impact free = impact({}), clamped = impact(symmetric);
     REQUIRE(free.whole.restitution);
     REQUIRE(clamped.whole.restitution);
     CHECK(*free.whole.restitution > 0.3);
@@ -206,7 +207,7 @@ TEST_CASE("clamps of a symmetry leave restitution as it is", "[forward]") {
     // Neither of a clamp along the impulse, nor of both components.
     for (const char* other : {"clamp=[{ on=\"top\", components=[\"y\"], value=[\"-t\"] }]",
                               "clamp=[{ on=\"top\", value=[\"0\", \"-t\"] }]"}) {
-      const forward::Impact held = impact({other});
+      const diagnostics::Impact held = impact({other});
       CHECK(held.all.occurred());
       CHECK_FALSE(held.whole.restitution);
       CHECK(held.no_restitution == "clamps hold the body against the obstacle");
@@ -221,8 +222,8 @@ TEST_CASE("the least gap and its time are those of the candidates", "[forward]")
       {"contact.obstacle={ shape=\"half-space\", point=[0, \"0.1*t - 0.02 - abs(t - 0.3)\"], "
        "normal=[0, 1] }",
        "load.body=[\"0\", \"0\"]", "initial.velocity=[\"0\", \"0.1\"]"});
-  const forward::Impact impact = *motion.summary->impact();
-  for (const forward::Touch* touch : {&impact.all, &impact.obstacles.front()}) {
+  const diagnostics::Impact impact = *motion.summary->impact();
+  for (const diagnostics::Touch* touch : {&impact.all, &impact.obstacles.front()}) {
     CHECK_FALSE(touch->occurred());
     CHECK(std::abs(touch->least_gap - 0.02) < 1e-12);
     CHECK(std::abs(touch->least_gap_time - 0.3) < 1e-12);
@@ -232,7 +233,7 @@ TEST_CASE("the least gap and its time are those of the candidates", "[forward]")
 TEST_CASE("a flutter of contact is one bounce", "[forward]") {
   // Six times in 16 s by the exact solution; a flutter follows one of the contacts.
   const Watched motion("scenes/bouncing-bar.toml", {});
-  const forward::Impact impact = *motion.summary->impact();
+  const diagnostics::Impact impact = *motion.summary->impact();
   int touches = 0, open = 0;
   bool parted = true;
   for (std::size_t k = 1; k < motion.all.size(); ++k) {
@@ -246,7 +247,7 @@ TEST_CASE("a flutter of contact is one bounce", "[forward]") {
   CHECK(impact.bounces.size() == 6);
   int sum = 0;
   double last = 0;
-  for (const forward::Rebound& bounce : impact.bounces) {
+  for (const diagnostics::Rebound& bounce : impact.bounces) {
     sum += bounce.touches;
     CHECK(bounce.start - last > 2 * 10 / 30.0); // a wave's way there and back, at 30 m/s
     CHECK(bounce.restitution);
@@ -259,12 +260,12 @@ TEST_CASE("bounces are told one by one, with free fall between them", "[forward]
   const Settings falling{"contact.obstacle.normal=[0, 1]", "load.body=[\"0\", \"-4\"]", "time.end=3"};
   for (const Settings& scheme : schemes) {
     const Watched motion("tests/data/block.toml", with(falling, scheme));
-    const forward::Impact impact = *motion.summary->impact();
-    const std::vector<forward::Rebound>& bounces = impact.bounces;
+    const diagnostics::Impact impact = *motion.summary->impact();
+    const std::vector<diagnostics::Rebound>& bounces = impact.bounces;
     REQUIRE(bounces.size() >= 3);
     Vector sum{};
     for (std::size_t i = 0; i < bounces.size(); ++i) {
-      const forward::Rebound& one = bounces[i];
+      const diagnostics::Rebound& one = bounces[i];
       const double duration = one.end - one.start;
       CHECK(std::abs(impact.mass * (one.after[1] - one.before[1] + 4 * duration) - one.impulse[1]) < 1e-11);
       for (std::size_t c = 0; c < 3; ++c)
@@ -298,14 +299,14 @@ TEST_CASE("a peak as contact begins is marked whatever the step, one that builds
   // The mass of a flat face stops within a step, the shorter the harder.
   double before = 0;
   for (const char* step : {"time.step=0.005", "time.step=0.0025", "time.step=0.00125"}) {
-    const forward::Touch hit = peak({step});
+    const diagnostics::Touch hit = peak({step});
     CHECK(hit.peak_at_onset);
     CHECK(hit.peak > 1.05 * before);
     before = hit.peak;
   }
   // Pressed slowly by a weight that grows.
-  const forward::Touch pressed = peak({"initial.velocity=[\"0\", \"0\"]", "load.body=[\"0\", \"-t\"]",
-                                       "contact.obstacle.point=[0, 0]", "time.end=2"});
+  const diagnostics::Touch pressed = peak({"initial.velocity=[\"0\", \"0\"]", "load.body=[\"0\", \"-t\"]",
+                                           "contact.obstacle.point=[0, 0]", "time.end=2"});
   CHECK((pressed.occurred() && !pressed.peak_at_onset));
 }
 
@@ -340,7 +341,7 @@ TEST_CASE("probes see linear motions as they are", "[forward]") {
        {std::tuple{"tests/data/block.toml", 2, plane}, {"tests/data/cube.toml", 3, space}})
     for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
       const test::Ready ready(file, {probes, degree});
-      const Problem& problem = ready.problem;
+      const problem::Problem& problem = ready.problem;
       const auto n = static_cast<std::size_t>(dim);
       const double G[3][3] = {{0.1, -0.3, 0.2}, {0.5, 0.4, -0.1}, {-0.6, 0.7, 0.3}}, shift[3] = {1, 2, 3};
       const auto value = [&](const std::vector<double>& x, std::size_t c) {
@@ -351,13 +352,13 @@ TEST_CASE("probes see linear motions as they are", "[forward]") {
         y.push_back(fmt::format("{} + {}*x + {}*y + {}*z", shift[c], G[c][0], G[c][1], n == 3 ? G[c][2] : 0));
         v.push_back("2*(" + y.back().text + ")");
       }
-      const forward::State state = problem.stepper.state();
+      const step::State state = problem.stepper.state();
       problem.space.interpolate(scene::Field(y, "test", false), 0, state.y());
       problem.space.interpolate(scene::Field(v, "test", false), 0, state.v());
       const contact::ContactState contact(problem.stepper.pairs()->count());
       std::vector<double> found;
-      const forward::Frame frame{problem.grid.step(1), nullptr, {}, state, contact, false};
-      problem.probes->add_values(frame, forward::ObstacleForces(problem.stepper), nullptr, found);
+      const trajectory::Frame frame{problem.grid.step(1), nullptr, {}, state, contact, false};
+      problem.probes->add_values(frame, diagnostics::ObstacleForces(problem.stepper), nullptr, found);
       std::vector<double> point{0.3, 0.7, 0.2}, top(n, 0.5), centre(n, 0.5);
       point.resize(n);
       top[n - 1] = 1;
@@ -434,7 +435,7 @@ TEST_CASE("contact that changes for a single step is counted", "[forward]") {
     std::vector<contact::ContactLinearisation> sets(1);
     for (const contact::ActiveSet& set : active)
       sets.push_back({set, {}, {}});
-    return forward::alternations(sets);
+    return diagnostics::alternations(sets);
   };
   CHECK(counted({{}, {0, 1}, {0, 1}, {0, 1}, {}}).alternating == 0);
   CHECK(counted({{}, {0, 1}, {0, 1}, {0, 1}, {}}).closed == 6);
@@ -443,8 +444,10 @@ TEST_CASE("contact that changes for a single step is counted", "[forward]") {
   CHECK(counted({{3}, {3}}).alternating == 0);
   const test::Ready implicit("tests/data/block.toml"),
       stabilized("tests/data/block.toml", {"time.scheme=\"contact-stabilized\""});
-  CHECK(forward::calmer_contact(implicit.problem.stepper).find("contact-stabilized") != std::string::npos);
-  CHECK(forward::calmer_contact(stabilized.problem.stepper).find("contact-stabilized") == std::string::npos);
+  CHECK(diagnostics::calmer_contact(implicit.problem.stepper).find("contact-stabilized") !=
+        std::string::npos);
+  CHECK(diagnostics::calmer_contact(stabilized.problem.stepper).find("contact-stabilized") ==
+        std::string::npos);
 }
 
 TEST_CASE("a contact zone's spacing comes from Hertz's radius and the curvature of the gap", "[contact]") {
@@ -456,9 +459,9 @@ TEST_CASE("a contact zone's spacing comes from Hertz's radius and the curvature 
     const auto lowest = std::ranges::min_element(pairs.psi()) - pairs.psi().begin();
     const auto spacing = [&](double radius, int most) { // a force whose Hertz zone has that radius
       const double force = 4 * modulus * radius * radius * radius / (3 * R);
-      return forward::spacing_for(pairs, static_cast<int>(lowest), most, force, modulus);
+      return diagnostics::spacing_for(pairs, static_cast<int>(lowest), most, force, modulus);
     };
-    const forward::Spacing small = spacing(0.5, 1), large = spacing(30, 2);
+    const diagnostics::Spacing small = spacing(0.5, 1), large = spacing(30, 2);
     const double unit = *degree == '1' ? 1 : 0.5;
     CHECK((small.found > 0.6 * 3 * unit / 2 && small.found < 1.4 * 3));
     CHECK(std::abs(small.enough / (0.7 * 0.5) - 1) < 0.1); // the sphere's gap is no paraboloid, quite
@@ -470,10 +473,10 @@ TEST_CASE("a contact zone's spacing comes from Hertz's radius and the curvature 
   const contact::ContactPairs& pairs = *ready.problem.stepper.pairs();
   const auto lowest = std::ranges::min_element(pairs.psi()) - pairs.psi().begin();
   const auto spacing = [&](double half, int most) {
-    return forward::spacing_for(pairs, static_cast<int>(lowest), most,
-                                std::numbers::pi * modulus * half * half / (4 * R), modulus);
+    return diagnostics::spacing_for(pairs, static_cast<int>(lowest), most,
+                                    std::numbers::pi * modulus * half * half / (4 * R), modulus);
   };
-  const forward::Spacing small = spacing(0.5, 1), large = spacing(30, 2);
+  const diagnostics::Spacing small = spacing(0.5, 1), large = spacing(30, 2);
   CHECK((small.found > 0.5 && small.found < 1.5));
   CHECK(std::abs(small.enough / (0.35 * 0.5) - 1) < 0.1);
   CHECK(std::abs(large.enough / (large.found * 0.4) - 1) < 1e-12);

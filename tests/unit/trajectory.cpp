@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "forward/trajectory.h"
-#include "app/error_estimate.h"
+#include "trajectory/trajectory.h"
+#include "accuracy/error_estimate.h"
 #include "base/collective.h"
 #include "base/counters.h"
 #include "base/error.h"
 #include "base/scratch_file.h"
 #include "fixtures.h"
-#include "forward/binomial_checkpointing.h"
+#include "trajectory/binomial_checkpointing.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
@@ -22,8 +22,8 @@ namespace {
 
 long &recomputed = count("recomputed steps"), &vectors = count("trajectory vectors");
 
-scene::Trajectory checkpoints(const forward::Stepper& stepper, int slots) {
-  return {.storage = scene::Storage::checkpoints, .budget = slots * forward::Checkpoint::bytes(stepper)};
+scene::Trajectory checkpoints(const step::Stepper& stepper, int slots) {
+  return {.storage = scene::Storage::checkpoints, .budget = slots * trajectory::Checkpoint::bytes(stepper)};
 }
 
 /// ‖a − b‖∞ over all steps.
@@ -52,21 +52,21 @@ TEST_CASE("the binomial schedule makes as few steps as a dynamic programme finds
       least[s][l] = std::numeric_limits<long>::max();
       for (int m = 1; m <= l; ++m)
         least[s][l] = std::min(least[s][l], m + least[s - 1][l - m] + least[s][m - 1]);
-      REQUIRE(forward::steps_made(l, s) == least[s][l]);
-      const int m = forward::next_checkpoint(l, s);
+      REQUIRE(trajectory::steps_made(l, s) == least[s][l]);
+      const int m = trajectory::next_checkpoint(l, s);
       REQUIRE((m >= 1 && m <= l));
       REQUIRE(m + least[s - 1][l - m] + least[s][m - 1] == least[s][l]);
     }
   // Without a slot, and with one for each step but the last.
-  CHECK(forward::steps_made(most_steps, 0) == least[0][most_steps]);
-  CHECK(forward::steps_made(most_steps, most_steps - 1) == most_steps);
+  CHECK(trajectory::steps_made(most_steps, 0) == least[0][most_steps]);
+  CHECK(trajectory::steps_made(most_steps, most_steps - 1) == most_steps);
 }
 
 TEST_CASE("states come back from every storage to the last bit, by as few steps as can be", "[forward]") {
   // On several ranks MUMPS sums in no fixed order.
   const test::Ready ready("tests/data/block.toml",
                           {ranks(MPI_COMM_WORLD) > 1 ? "solver.linear=iterative" : "solver.linear=direct"});
-  const Problem& problem = ready.problem;
+  const problem::Problem& problem = ready.problem;
   const test::Recorded expected(problem);
   const int N = problem.steps();
   REQUIRE(std::ranges::any_of(expected.contact,
@@ -75,19 +75,19 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
   std::vector<std::pair<scene::Trajectory, long>> storages{{{}, 0}, {{.storage = scene::Storage::disk}, 0}};
   for (int slots : {1, 2, 3, 7, N - 1, 5 * N})
     storages.emplace_back(checkpoints(problem.stepper, slots),
-                          forward::steps_made(N, std::min(slots, N - 1)) - N);
+                          trajectory::steps_made(N, std::min(slots, N - 1)) - N);
   for (const auto& [scene, again] : storages) {
     INFO(scene::name(scene.storage) << " " << scene.budget);
-    const forward::StateStoreFactory storage(problem.stepper, problem.grid, scene, 1, timers);
-    forward::Trajectory trajectory(problem.stepper, problem.initial, storage, true);
+    const trajectory::StateStoreFactory storage(problem.stepper, problem.grid, scene, 1, timers);
+    trajectory::Trajectory trajectory(problem.stepper, problem.initial, storage, true);
     int shown = 0;
-    trajectory.run(problem.load(), [&](const forward::Frame& frame) {
+    trajectory.run(problem.load(), [&](const trajectory::Frame& frame) {
       CHECK(frame.step.k == shown++);
       CHECK(frame.last == (frame.step.k == N));
     });
     CHECK(trajectory.steps() == N);
     const auto is_right = [&](int k) {
-      const forward::State& state = trajectory.at(k);
+      const step::State& state = trajectory.at(k);
       const auto i = static_cast<std::size_t>(k);
       CHECK(test::difference(state.y(), expected.y[i]) == 0);
       CHECK(test::difference(state.v(), expected.v[i]) == 0);
@@ -108,7 +108,7 @@ TEST_CASE("states come back from every storage to the last bit, by as few steps 
     for (const contact::ContactLinearisation& sets : trajectory.contact()) // free flight takes no room
       CHECK((sets.active.empty() ? sets.active.capacity() : sets.weak.capacity()) <= sets.active.size());
     // Another motion in the same storage, and this one again.
-    forward::Trajectory other(problem.stepper, problem.initial, storage);
+    trajectory::Trajectory other(problem.stepper, problem.initial, storage);
     other.run({problem.space, {}});
     CHECK(test::difference(other.at(N).y(), expected.y.back()) > 0);
     is_right(N);
@@ -142,7 +142,7 @@ TEST_CASE("gradients and Hessian products are the same to the last bit from ever
       what += " " + setting;
     INFO(what);
     test::Ready ready(file, settings);
-    const Problem& problem = ready.problem;
+    const problem::Problem& problem = ready.problem;
     // On several ranks MUMPS sums in no fixed order, so that not even two gradients from one storage are the
     // same.
     const bool fixed = ranks(MPI_COMM_WORLD) == 1 || problem.stepper.solver().tolerance() > 0;
@@ -151,7 +151,7 @@ TEST_CASE("gradients and Hessian products are the same to the last bit from ever
     for (scene::Storage kind : {scene::Storage::memory, scene::Storage::disk, scene::Storage::checkpoints}) {
       ready.scene.trajectory = checkpoints(problem.stepper, 8); // 4 of the motion, 4 of the desired one
       ready.scene.trajectory.storage = kind;
-      ControlProblem control_problem(problem, test::silent());
+      problem::ControlProblem control_problem(problem, test::silent());
       control::ReducedProblem& reduced = control_problem.reduced;
       const control::ControlSpace& controls = control_problem.controls;
       const auto control = [&](double size) {
@@ -193,13 +193,13 @@ TEST_CASE("errors are estimated alike from every storage", "[adjoint]") {
     for (scene::Storage kind : {scene::Storage::memory, scene::Storage::disk, scene::Storage::checkpoints}) {
       ready.scene.trajectory = checkpoints(ready.problem.stepper, 6);
       ready.scene.trajectory.storage = kind;
-      ControlProblem problem(ready.problem, test::silent());
+      problem::ControlProblem problem(ready.problem, test::silent());
       problem.reduced.simulate(some(problem.controls, 1));
       problem.reduced.accept();
       REQUIRE(std::ranges::any_of(problem.reduced.trajectory().contact(),
                                   [](const contact::ContactLinearisation& c) { return !c.active.empty(); }));
       const long before = recomputed;
-      const adjoint::ErrorParts error = estimate_error(ready.problem, problem);
+      const adjoint::ErrorParts error = accuracy::estimate_error(ready.problem, problem);
       CHECK((recomputed > before) == (kind == scene::Storage::checkpoints));
       if (!expected)
         expected = error;
@@ -234,8 +234,8 @@ double scratch_bytes() {
 
 TEST_CASE("a store of states takes the room that is told, with velocities and without", "[forward]") {
   const test::Ready ready("tests/data/block.toml", {"mesh.size=0.04", "solver.linear=direct"});
-  const forward::Stepper& stepper = ready.problem.stepper;
-  const forward::State& initial = ready.problem.initial;
+  const step::Stepper& stepper = ready.problem.stepper;
+  const step::State& initial = ready.problem.initial;
   const int N = ready.problem.steps();
   const double vector = sizeof(PetscScalar) * static_cast<double>(ready.problem.space.dofs());
   Timers timers;
@@ -244,12 +244,12 @@ TEST_CASE("a store of states takes the room that is told, with velocities and wi
         checkpoints(stepper, 5 * N)})
     for (const bool velocities : {false, true}) {
       INFO(scene::name(scene.storage) << " " << scene.budget << (velocities ? " with velocities" : ""));
-      forward::TimeIntegrator integrator(
+      trajectory::TimeIntegrator integrator(
           stepper, initial,
-          [](const forward::TimeStep&, const forward::State& from, forward::State& to) { to.copy(from); });
+          [](const step::TimeStep&, const step::State& from, step::State& to) { to.copy(from); });
       const long before = vectors;
-      const forward::StateStoreFactory storage(stepper, ready.problem.grid, scene, 1, timers);
-      const std::unique_ptr<forward::StateStore> store = storage.place(integrator, velocities);
+      const trajectory::StateStoreFactory storage(stepper, ready.problem.grid, scene, 1, timers);
+      const std::unique_ptr<trajectory::StateStore> store = storage.place(integrator, velocities);
       for (integrator.restart(); integrator.now().k < N;
            integrator.advance(ready.problem.grid.step(integrator.now().k + 1)))
         store->keep(integrator.now());
@@ -302,22 +302,22 @@ TEST_CASE("a scratch file has no name, and says when it cannot be", "[forward]")
 
 TEST_CASE("a budget without room for a checkpoint is refused with what is needed", "[control]") {
   const std::string needed = fmt::format(
-      "{:.6g}", 2 * forward::Checkpoint::bytes(
+      "{:.6g}", 2 * trajectory::Checkpoint::bytes(
                         test::Ready("tests/data/block.toml").problem.stepper)); // and the desired one's
   const test::Ready small("tests/data/block.toml", {"trajectory={storage=\"checkpoints\", budget=1000}"});
-  CHECK_THROWS_AS(ControlProblem(small.problem, test::silent()), UserError);
-  CHECK_THROWS_WITH(ControlProblem(small.problem, test::silent()),
+  CHECK_THROWS_AS(problem::ControlProblem(small.problem, test::silent()), UserError);
+  CHECK_THROWS_WITH(problem::ControlProblem(small.problem, test::silent()),
                     Catch::Matchers::ContainsSubstring("trajectory.budget: found 1000 bytes") &&
                         Catch::Matchers::ContainsSubstring(needed));
   const test::Ready enough("tests/data/block.toml",
                            {"trajectory={storage=\"checkpoints\", budget=" + needed + "}"});
-  ControlProblem problem(enough.problem, test::silent());
+  problem::ControlProblem problem(enough.problem, test::silent());
   CHECK(problem.reduced.value(problem.controls.zero()) > 0);
 }
 
 TEST_CASE("a trajectory that runs again shows the last run's states, from every storage", "[forward]") {
   const test::Ready ready("tests/data/block.toml", {"solver.linear=iterative"});
-  const Problem& problem = ready.problem;
+  const problem::Problem& problem = ready.problem;
   const int N = problem.steps();
   const test::Recorded loaded(problem), falling(problem, {problem.space, {}});
   REQUIRE(test::difference(loaded.y.back(), falling.y.back()) > 0);
@@ -326,12 +326,12 @@ TEST_CASE("a trajectory that runs again shows the last run's states, from every 
        {scene::Trajectory{}, scene::Trajectory{.storage = scene::Storage::disk},
         checkpoints(problem.stepper, 3)}) {
     INFO(scene::name(scene.storage));
-    const forward::StateStoreFactory storage(problem.stepper, problem.grid, scene, 1, timers);
-    forward::Trajectory trajectory(problem.stepper, problem.initial, storage, true);
+    const trajectory::StateStoreFactory storage(problem.stepper, problem.grid, scene, 1, timers);
+    trajectory::Trajectory trajectory(problem.stepper, problem.initial, storage, true);
     for (const test::Recorded* expected : {&loaded, &falling, &loaded}) {
-      trajectory.run(expected == &loaded ? problem.load() : forward::ForceAtStep(problem.space, {}));
+      trajectory.run(expected == &loaded ? problem.load() : step::ForceAtStep(problem.space, {}));
       for (int k : {N, N, N / 2, 1}) { // the last one asked for before the next run too
-        const forward::State& state = trajectory.at(k);
+        const step::State& state = trajectory.at(k);
         CHECK(test::difference(state.y(), expected->y[static_cast<std::size_t>(k)]) == 0);
         CHECK(test::difference(state.v(), expected->v[static_cast<std::size_t>(k)]) == 0);
       }

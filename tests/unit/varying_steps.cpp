@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/collective.h"
+#include "diagnostics/balance.h"
 #include "fixtures.h"
-#include "forward/balance.h"
-#include "forward/step_control.h"
+#include "trajectory/step_control.h"
 #include <catch2/catch_test_macros.hpp>
 #include <set>
 
@@ -30,14 +30,14 @@ const std::vector<std::string> held{"clamp=[{on=\"top\"}]", "contact.obstacle.po
                                     "time={end=40, step=\"auto\", tolerance=1e-1}"};
 
 /// Chooses the lengths by the scene's own motion, which touches.
-void choose(Problem& problem) { choose_steps(problem, problem.load(), test::silent()); }
+void choose(problem::Problem& problem) { problem::choose_steps(problem, problem.load(), test::silent()); }
 
 /// By how much two equal motions and their gradients differ, relative: MUMPS, on several ranks, does not give
 /// the same bits twice, and contact multiplies what one step leaves, to 2e-9 in the worst of 25 runs on three
 /// ranks. Where a wrong state is read they differ by a part of a step's motion.
 double rounding() { return ranks(MPI_COMM_WORLD) == 1 ? 0 : 1e-8; }
 
-std::set<double> lengths(const forward::TimeGrid& grid) {
+std::set<double> lengths(const step::TimeGrid& grid) {
   std::set<double> all;
   for (int k = 1; k <= grid.steps(); ++k)
     all.insert(grid.length(k));
@@ -48,12 +48,12 @@ std::set<double> lengths(const forward::TimeGrid& grid) {
 
 TEST_CASE("steps of a ladder begin at multiples of their length and end where the motion does", "[forward]") {
   const double end = 0.7; // no binary fraction
-  const forward::Ladder ladder(end, 3, 4);
-  forward::TimeGridBuilder builder(ladder);
+  const step::StepLengths ladder(end, 3, 4);
+  step::TimeGridBuilder builder(ladder);
   CHECK(ladder.length(0) == end / 3);
   CHECK_FALSE(builder.complete());
   std::vector<double> levels;
-  std::vector<forward::TimeStep> steps;
+  std::vector<step::TimeStep> steps;
   for (const int level : {0, 2, 3, 4, 4, 2, 2, 1, 3, 3, 2}) {
     REQUIRE(level >= builder.least_level());
     builder.add(ladder.levels);
@@ -62,33 +62,31 @@ TEST_CASE("steps of a ladder begin at multiples of their length and end where th
     levels.push_back(level);
   }
   CHECK(builder.least_level() == 0); // they make up three longest ones
-  const forward::TimeGrid grid = builder.grid();
+  const step::TimeGrid grid = builder.grid();
   CHECK(grid.complete());
   CHECK(grid.time(grid.steps()) == end);
   CHECK(grid.levels() == levels);
   for (int k = 1; k <= grid.steps(); ++k) {
     const double tau = grid.length(k);
     CHECK(tau == ladder.length(static_cast<int>(levels[static_cast<std::size_t>(k) - 1])));
-    const forward::TimeStep step = grid.step(k), &added = steps[static_cast<std::size_t>(k) - 1];
+    const step::TimeStep step = grid.step(k), &added = steps[static_cast<std::size_t>(k) - 1];
     CHECK((step.k == k && step.begin == grid.time(k - 1) && step.end == grid.time(k) && step.tau == tau));
     CHECK((added.k == k && added.begin == step.begin && added.end == step.end && added.tau == tau));
     CHECK(std::abs(grid.time(k - 1) + tau - grid.time(k)) < 1e-15);
     CHECK(std::abs(std::remainder(grid.time(k - 1), tau)) < 1e-15);
-    const forward::TimeGrid::Place middle = grid.place(grid.middle(k));
+    const step::TimeGrid::Place middle = grid.place(grid.middle(k));
     CHECK((middle.k == k && std::abs(middle.part - 0.5) < 1e-12));
   }
   CHECK(grid.place(0).k == 1);
   CHECK(grid.place(end).k == grid.steps());
-  const auto taken = [&](const std::vector<double>& some) {
-    return forward::TimeGrid::of_levels(ladder, some);
-  };
+  const auto taken = [&](const std::vector<double>& some) { return step::TimeGrid::of_levels(ladder, some); };
   REQUIRE(taken(levels));
   CHECK(taken(levels)->levels() == levels);
   CHECK_FALSE(taken({0, 2, 1, 0, 0})); // the third begins at no multiple of its length
   CHECK_FALSE(taken({0, 0}));          // too short
   CHECK_FALSE(taken({0, 0, 0, 0}));    // too long
   CHECK_FALSE(taken({0, 0, 5}));       // no such length
-  const forward::TimeGrid first = grid.first(4);
+  const step::TimeGrid first = grid.first(4);
   CHECK((first.steps() == 4 && !first.complete() && first.time(4) == grid.time(4)));
   builder.remove();
   CHECK((grid.complete() && !builder.complete() && builder.grid().steps() == grid.steps() - 1));
@@ -100,16 +98,16 @@ TEST_CASE("motions in steps of varying length keep the laws of energy and moment
   int rejected = 0;
   for (const std::vector<std::string>& scene : scenes) {
     const test::Ready ready("tests/data/block.toml", with(falling, scene));
-    const Problem& problem = ready.problem;
-    forward::Balance weigh(problem.stepper);
-    forward::StepControl control(problem.stepper, ready.scene);
+    const problem::Problem& problem = ready.problem;
+    diagnostics::Balance weigh(problem.stepper);
+    trajectory::StepControl control(problem.stepper, ready.scene);
     double energy = 0, off = 0, force = 0, momentum = 0;
     int touching = 0, last = -1;
-    const forward::TimeGrid grid = forward::integrate_choosing(
-        problem.stepper, problem.initial, problem.load(), control, [&](const forward::Frame& frame) {
+    const step::TimeGrid grid = trajectory::integrate_choosing(
+        problem.stepper, problem.initial, problem.load(), control, [&](const trajectory::Frame& frame) {
           CHECK(frame.step.k == last + 1); // repeated steps are not shown
           last = frame.step.k;
-          const forward::StepBalance balance = weigh(frame);
+          const diagnostics::StepBalance balance = weigh(frame);
           energy = std::max(energy, balance.kinetic_energy + balance.elastic_energy);
           off = std::max(off, std::abs(balance.energy_residual));
           force = std::max(force, balance.momentum_scale);
@@ -127,11 +125,11 @@ TEST_CASE("motions in steps of varying length keep the laws of energy and moment
     CHECK(momentum < 1e-10 * force);
     // The same motion again, of the steps that were chosen.
     petsc::Vector end = problem.space.vector();
-    forward::integrate(problem.stepper, grid, problem.initial, problem.load(),
-                       [&](const forward::Frame& frame) { check(VecCopy(frame.after.y(), end)); });
+    trajectory::integrate(problem.stepper, grid, problem.initial, problem.load(),
+                          [&](const trajectory::Frame& frame) { check(VecCopy(frame.after.y(), end)); });
     const petsc::Vector first = petsc::copy(end);
-    forward::integrate(problem.stepper, grid, problem.initial, problem.load(),
-                       [&](const forward::Frame& frame) { check(VecCopy(frame.after.y(), end)); });
+    trajectory::integrate(problem.stepper, grid, problem.initial, problem.load(),
+                          [&](const trajectory::Frame& frame) { check(VecCopy(frame.after.y(), end)); });
     CHECK(test::difference(first, end) <= rounding() * test::largest(end));
   }
   CHECK(rejected > 0); // and not shown
@@ -154,12 +152,12 @@ TEST_CASE("chosen steps do not depend on the units of mass and time", "[forward]
       for (const std::vector<std::string>& units : {std::vector<std::string>{}, other}) {
         const test::Ready ready("tests/data/block.toml",
                                 with(with(with(falling, units), scheme), {quantity}));
-        const Problem& problem = ready.problem;
-        forward::StepControl control(problem.stepper, ready.scene);
+        const problem::Problem& problem = ready.problem;
+        trajectory::StepControl control(problem.stepper, ready.scene);
         touching.push_back(0);
-        const forward::TimeGrid grid = forward::integrate_choosing(
+        const step::TimeGrid grid = trajectory::integrate_choosing(
             problem.stepper, problem.initial, problem.load(), control,
-            [&](const forward::Frame& frame) { touching.back() += !frame.contact.active.empty(); });
+            [&](const trajectory::Frame& frame) { touching.back() += !frame.contact.active.empty(); });
         levels.push_back(grid.levels());
         REQUIRE(lengths(grid).size() > 1);
       }
@@ -175,12 +173,12 @@ TEST_CASE("a factor that memory has no room for is made again, to the same motio
   std::optional<test::Ready> kept;
   for (const char* memory : {"solver.memory=1e9", "solver.memory=1e3"}) {
     const test::Ready ready("tests/data/block.toml", with(falling, {"solver.linear=direct", memory}));
-    const Problem& problem = ready.problem;
-    forward::StepControl control(problem.stepper, ready.scene);
+    const problem::Problem& problem = ready.problem;
+    trajectory::StepControl control(problem.stepper, ready.scene);
     petsc::Vector& end = ends.emplace_back(problem.space.vector());
-    (void)forward::integrate_choosing(
+    (void)trajectory::integrate_choosing(
         problem.stepper, problem.initial, problem.load(), control,
-        [&](const forward::Frame& frame) { check(VecCopy(frame.after.y(), end)); });
+        [&](const trajectory::Frame& frame) { check(VecCopy(frame.after.y(), end)); });
     made.push_back(problem.stepper.factorisations());
   }
   CHECK(made[1] > made[0]);
@@ -196,7 +194,7 @@ TEST_CASE("stored motions of varying steps come back the same from memory, disk 
         {"trajectory.storage=checkpoints", "trajectory.budget=2e5"}}) {
     test::Ready ready("tests/data/block.toml", with(falling, storage));
     choose(ready.problem);
-    ControlProblem problem(ready.problem, test::silent());
+    problem::ControlProblem problem(ready.problem, test::silent());
     problem.reduced.simulate(problem.controls.constant(-0.3));
     problem.reduced.accept();
     const control::Control g = problem.reduced.gradient().u;
@@ -213,7 +211,7 @@ TEST_CASE("a control on intervals of its own sees the mean of the gradients of t
   std::vector<double> mean;
   {
     const test::Ready ready("tests/data/block.toml", time);
-    ControlProblem problem(ready.problem, test::silent());
+    problem::ControlProblem problem(ready.problem, test::silent());
     problem.reduced.simulate(problem.controls.constant(-0.5));
     problem.reduced.accept();
     const control::Control g = problem.reduced.l2_gradient();
@@ -225,7 +223,7 @@ TEST_CASE("a control on intervals of its own sees the mean of the gradients of t
         mean[static_cast<std::size_t>((k - 1) / 4) * n + i] += g.at(k)[i] / 4;
   }
   const test::Ready ready("tests/data/block.toml", with(time, {"control.step=0.08"}));
-  ControlProblem problem(ready.problem, test::silent());
+  problem::ControlProblem problem(ready.problem, test::silent());
   problem.reduced.simulate(problem.controls.constant(-0.5));
   problem.reduced.accept();
   const control::Control g = problem.reduced.l2_gradient();
@@ -251,10 +249,10 @@ TEST_CASE("steps chosen by the energy are judged by that of their errors", "[for
     const test::Ready ready("tests/data/block.toml",
                             {"contact.obstacle.point=[0, -100]", "load={body=[\"0\", \"0\"]}", velocity,
                              "time={end=40, step=\"auto\", tolerance=1e-1, quantity=\"energy\"}"});
-    const Problem& problem = ready.problem;
+    const problem::Problem& problem = ready.problem;
     const Mat A = problem.stepper.operators().A;
-    forward::StepErrors errors(problem.stepper, ready.scene), watching(problem.stepper, ready.scene);
-    forward::StepControl control(problem.stepper, ready.scene);
+    trajectory::StepErrors errors(problem.stepper, ready.scene), watching(problem.stepper, ready.scene);
+    trajectory::StepControl control(problem.stepper, ready.scene);
     const petsc::Vector Ax = problem.space.vector();
     const auto energy = [&](Vec x) {
       check(MatMult(A, x, Ax));
@@ -265,8 +263,8 @@ TEST_CASE("steps chosen by the energy are judged by that of their errors", "[for
     int judged = 0;
     const double shortest = problem.stepper.ladder()->shortest_step();
     std::vector<double> lengths{0};
-    (void)forward::integrate_choosing(
-        problem.stepper, problem.initial, problem.load(), control, [&](const forward::Frame& frame) {
+    (void)trajectory::integrate_choosing(
+        problem.stepper, problem.initial, problem.load(), control, [&](const trajectory::Frame& frame) {
           y.push_back(petsc::copy(frame.after.y()));
           largest = std::max(largest, energy(frame.after.y()));
           watching.observe(frame);
@@ -300,17 +298,17 @@ TEST_CASE("steps chosen by the energy are judged by that of their errors", "[for
 TEST_CASE("steps of any lengths have no error where velocity is linear in time", "[forward]") {
   const test::Ready ready("tests/data/block.toml", {"contact.obstacle.point=[0, -100]",
                                                     "time={end=4, step=\"auto\", tolerance=1e-2}"});
-  const forward::Stepper& stepper = ready.problem.stepper;
+  const step::Stepper& stepper = ready.problem.stepper;
   const petsc::Vector shape = test::smooth(ready.problem.space, 1), zero = ready.problem.space.vector();
   const contact::ContactState open = stepper.contact_state();
   const auto largest_error = [&](double power) {
-    forward::StepErrors errors(stepper, ready.scene);
-    forward::TimeGridBuilder steps(*stepper.ladder());
-    forward::State before = stepper.state(), after = stepper.state();
+    trajectory::StepErrors errors(stepper, ready.scene);
+    step::TimeGridBuilder steps(*stepper.ladder());
+    step::State before = stepper.state(), after = stepper.state();
     errors.start(zero, zero);
     double most = 0;
     for (const int level : {2, 2, 3, 3, 2, 1, 1}) {
-      const forward::TimeStep step = steps.add(level);
+      const step::TimeStep step = steps.add(level);
       check(VecAXPBY(after.y(), std::pow(step.end, power), 0, shape));
       const double error = errors.judge({step, &before, {}, after, open, false}).error;
       errors.accept({step, &before, {}, after, open, false});
@@ -331,27 +329,27 @@ TEST_CASE("errors of steps in contact that are longer than the shortest add up t
       "material.viscosity={bulk=5, shear=5}", "time={end=40, step=\"auto\", tolerance=1e-1}"};
   const test::Ready ready("tests/data/block.toml", resting),
       strict("tests/data/block.toml", with(resting, {"time.tolerance=1e-6"}));
-  const Problem& problem = ready.problem;
-  forward::StepErrors errors(problem.stepper, strict.scene);
-  forward::StepControl control(problem.stepper, ready.scene);
+  const problem::Problem& problem = ready.problem;
+  trajectory::StepErrors errors(problem.stepper, strict.scene);
+  trajectory::StepControl control(problem.stepper, ready.scene);
   double sum = 0;
   int longer = 0, shortest = 0;
-  (void)forward::integrate_choosing(problem.stepper, problem.initial, problem.load(), control,
-                                    [&](const forward::Frame& frame) {
-                                      if (frame.step.k == 0)
-                                        return errors.start(frame.after.y(), frame.after.v());
-                                      const double error = errors.judge(frame).error;
-                                      errors.accept(frame);
-                                      if (!errors.contact())
-                                        return;
-                                      const forward::Ladder& ladder = *problem.stepper.ladder();
-                                      (ladder.level(frame.step.tau) < ladder.levels ? longer : shortest) += 1;
-                                      sum += error; // none of the shortest
-                                    });
+  (void)trajectory::integrate_choosing(
+      problem.stepper, problem.initial, problem.load(), control, [&](const trajectory::Frame& frame) {
+        if (frame.step.k == 0)
+          return errors.start(frame.after.y(), frame.after.v());
+        const double error = errors.judge(frame).error;
+        errors.accept(frame);
+        if (!errors.contact())
+          return;
+        const step::StepLengths& ladder = *problem.stepper.ladder();
+        (ladder.level(frame.step.tau) < ladder.levels ? longer : shortest) += 1;
+        sum += error; // none of the shortest
+      });
   REQUIRE(longer > 3);
   REQUIRE(shortest > 3);
-  const std::vector<forward::Warning> warnings = errors.warnings();
-  const auto found = std::ranges::find(warnings, "accumulated error", &forward::Warning::name);
+  const std::vector<Warning> warnings = errors.warnings();
+  const auto found = std::ranges::find(warnings, "accumulated error", &Warning::name);
   REQUIRE(found != warnings.end());
   CHECK(std::abs(found->value / (sum / errors.scale()) - 1) < 1e-12);
   CHECK(std::abs(found->limit / 5e-6 - 1) < 1e-12);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // J of a scene at the control that it starts from, and the norm of its gradient there: own SCENE [key=value…]
-#include "app/problem.h"
+#include "problem/problem.h"
 #include <cmath>
 #include <cstdio>
 #include <spdlog/spdlog.h>
@@ -13,8 +13,8 @@ int main(int argc, char** argv) {
   {
     const scene::Scene scene = scene::parse(scene::read(argv[1]), argv[1], {argv + 2, argv + argc});
     Timers timers;
-    const Problem problem(PETSC_COMM_WORLD, scene, search_needs(scene), timers);
-    ControlProblem control(problem, Console(false, false));
+    const problem::Problem problem(PETSC_COMM_WORLD, scene, problem::search_needs(scene), timers);
+    problem::ControlProblem control(problem, Console(false, false));
     const double J = control.reduced.value(control.first_guess(scene));
     control.reduced.accept();
     const control::Control g = control.reduced.l2_gradient();

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "accuracy/measure.h"
+
+namespace signorini::accuracy {
+
+/// All that the numbers of a rung depend on, by name: texts, or digests of contents. Rungs with equal
+/// fingerprints have equal results.
+using Fingerprint = std::map<std::string, std::string>;
+
+/// The common part of the fingerprints of a study's rungs, determined once. Used on rank 0, whose Samples
+/// know their digest.
+class Origin {
+public:
+  /// To be made before the first solver, since each adds its defaults to PETSc's options. The references must
+  /// outlive this object.
+  Origin(const scene::Scene& scene, const Samples& samples, int ranks);
+
+  [[nodiscard]] Fingerprint of(const Rung& rung) const;
+
+private:
+  const scene::Scene& scene_;
+  int dim_;
+  Fingerprint common_;
+};
+
+/// The first part in which two fingerprints differ, in words; empty if there is none.
+std::string difference(const Fingerprint& kept, const Fingerprint& now);
+
+} // namespace signorini::accuracy

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "accuracy/grading.h"
+#include "accuracy/density.h"
+#include "accuracy/error_estimate.h"
+#include "accuracy/measure.h"
+#include "base/collective.h"
+#include "base/error.h"
+#include "drivers/check/evaluation_point.h"
+#include "fem/recovery.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fstream>
+#include <numbers>
+
+namespace signorini::accuracy {
+namespace {
+
+/// A mesh and the part of the error that each of its cells has; on every rank.
+struct Indicated {
+  mesh::SizeField mesh;
+  std::vector<double> error;
+  double extent; ///< m, longest side of the body
+};
+
+Indicated by_objective(problem::Problem& problem) {
+  const Console silent(false, false);
+  problem::choose_steps(problem, silent);
+  problem::ControlProblem control_problem(problem, silent);
+  std::string where;
+  (void)control_problem.reduced.value(drivers::evaluation_point(problem, control_problem, where));
+  control_problem.reduced.accept();
+  std::vector<double> own;
+  (void)estimate_error(problem, control_problem, &own);
+  Indicated found{.mesh{}, .error{}, .extent = std::ranges::max(problem.mesh.extent())};
+  found.mesh = mesh::gathered(problem.mesh, own, found.error);
+  return found;
+}
+
+Indicated by_stress(problem::Problem& problem) {
+  fem::StressRecovery recovery(problem.space, fem::parts(problem.mesh, problem.scene.materials));
+  const problem::GivenControl given(problem);
+  simulate(problem, given.load(), [&](const trajectory::Frame& frame) {
+    if (frame.step.k > 0)
+      recovery.add(frame.after.y(), frame.step.tau);
+  });
+  return {recovery.mesh(), recovery.sums(), std::ranges::max(problem.mesh.extent())};
+}
+
+/// Where the error is on the mesh of these sizes or, without, on the coarsest.
+Indicated indicated(MPI_Comm comm, const scene::Scene& scene, const mesh::SizeField* sizes) {
+  Timers timers;
+  const mesh::Meshing meshing{.sizes = sizes, .keep{}};
+  problem::Problem problem(std::make_shared<const problem::Discretisation>(comm, scene, timers, meshing),
+                           scene, problem::study_needs(scene), timers);
+  return scene.objective ? by_objective(problem) : by_stress(problem);
+}
+
+} // namespace
+
+void write_graded(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& file,
+                  const Console& console) {
+  scene::Scene coarse = scene;
+  coarse.mesh.size = 0; // "auto": ten elements across the body
+  coarse.mesh.scale = 1;
+  coarse.mesh.degree = 1;
+  constexpr double first_reach = 3, reach = 50; // a coarse mesh tells little of one much finer
+  constexpr double around = 1.5; // times as large as the own elements, those of a curved boundary
+  const Indicated first = indicated(comm, coarse, nullptr);
+  const mesh::SizeField finer =
+      mesh::sizes_by(first.mesh, first.error, 1 / (first_reach * first_reach), first_reach);
+  const Indicated second = indicated(comm, coarse, &finer);
+  const mesh::SizeField wanted = mesh::sizes_by(second.mesh, second.error, 1, reach);
+  const scene::Mesh& own = scene.mesh.automatic() ? coarse.mesh : scene.mesh;
+  const auto count = static_cast<double>(cells(comm, own));
+  const int dim = wanted.dim;
+  const double even = second.extent * std::pow(count, -1.0 / dim); // the size of as many elements in a cube
+  scene::Mesh graded = coarse.mesh;
+  graded.file = file.parent_path() / ("." + file.filename().string()); // until it is whole
+  graded.size.reset();
+  mesh::SizeField sizes;
+  double factor = std::pow(mesh::count_of(wanted) / count, 1.0 / dim);
+  constexpr int corrections = 3;
+  for (int i = 0; i < corrections; ++i) {
+    sizes = wanted;
+    for (double& size : sizes.sizes)
+      size *= factor;
+    mesh::limit_by_curvature(sizes, std::numbers::pi * second.extent / (around * even));
+    mesh::limit_growth(sizes);
+    on_root(comm, [&] {
+      std::ofstream(graded.file) << mesh::geo_with_sizes(
+          sizes, std::filesystem::relative(scene.mesh.file, file.parent_path()),
+          scene::metres(scene.mesh.unit));
+    });
+    factor *= std::pow(static_cast<double>(cells(comm, graded)) / count, 1.0 / dim);
+  }
+  const double least = std::ranges::min(sizes.sizes), largest = std::ranges::max(sizes.sizes);
+  console.line(fmt::format("sizes by the error of {}: from {:.3g} to {:.3g} m, {:.0f} elements",
+                           scene.objective ? "J" : "the stress", least, largest,
+                           static_cast<double>(cells(comm, graded))));
+  on_root(comm, [&] { std::filesystem::rename(graded.file, file); });
+}
+
+} // namespace signorini::accuracy

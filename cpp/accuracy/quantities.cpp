@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "accuracy/quantities.h"
+#include "base/error.h"
+#include "diagnostics/contact_figures.h"
+#include "diagnostics/largest_stress.h"
+#include "scene/names.h"
+#include "trajectory/step_errors.h"
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace signorini::accuracy {
+
+namespace {
+
+/// The quantities of diagnostics::ContactFigures.
+std::vector<Quantity> contact_quantities(const scene::Scene& scene, int dim) {
+  const std::string each = dim == 2 ? "/m" : "";
+  std::vector<Quantity> all;
+  const auto add = [&](const std::string& end, const std::string& of) {
+    all.push_back({"impulse" + end, "impulse of contact" + of, "N s" + each});
+    all.push_back({"impulse_duration" + end, "time from 1 to 99 % of the impulse" + of, "s"});
+    all.push_back({"sustained_peak" + end, "sustained peak force" + of, "N" + each, false, false, false});
+    all.push_back({"peak_force" + end, "peak force of two steps" + of, "N" + each, false, false, false});
+    all.push_back({"contact_start" + end, "start of contact" + of, "s"});
+    all.push_back({"contact_time" + end, "time in contact" + of, "s", false, false, false});
+  };
+  if (!scene.contacts.empty())
+    add("", "");
+  if (scene.contacts.size() > 1)
+    for (int obstacle = 0; obstacle < std::ssize(scene.contacts); ++obstacle)
+      add(diagnostics::obstacle_suffix(obstacle), fmt::format(", obstacle {}", obstacle + 1));
+  return all;
+}
+
+} // namespace
+
+std::vector<Quantity> quantities(const scene::Scene& scene, int dim) {
+  std::vector<Quantity> all{{"displacement", "displacement", "m", true}};
+  if (scene.objective) {
+    all.insert(all.begin(), {"J", "J", ""});
+    if (scene.control->space == scene::ControlValues::nodal)
+      all.push_back({"gradient", "gradient", "", true});
+  }
+  all.push_back({of_stress, "largest von Mises stress of all steps", "Pa", false, false, false});
+  if (scene.contacts.empty())
+    return all;
+  std::ranges::move(contact_quantities(scene, dim), std::back_inserter(all));
+  const auto rests = [](const scene::Contact& contact) { return !scene::moves(contact.obstacle); };
+  if (std::ranges::all_of(scene.contacts, rests))
+    all.push_back({"energy_loss", "energy lost in contact", "", false, true});
+  if (scene.exact && scene.exact->pressure)
+    all.push_back({"pressure", "pressure at the end", "", false, true});
+  return all;
+}
+
+bool Quantity::doubted_by(const Warning& warning) const {
+  if (warning.name == diagnostics::stress_of_the_mesh)
+    return name == of_stress;
+  return warning.name != trajectory::peak_of_the_mesh || name.starts_with("peak_force") ||
+         name.starts_with("sustained_peak");
+}
+
+std::string Measured::doubt(const Quantity& quantity) const {
+  std::string text;
+  for (const Warning& warning : warnings)
+    if (quantity.doubted_by(warning))
+      text += fmt::format("{}{}", text.empty() ? "" : "; ", warning.message);
+  return text;
+}
+
+std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::string>& names, int dim) {
+  const std::vector<Quantity> all = quantities(scene, dim);
+  std::vector<std::string> allowed;
+  for (const Quantity& quantity : all)
+    allowed.push_back(quantity.name);
+  std::vector<Quantity> wanted;
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(all, name, &Quantity::name);
+    if (found == all.end()) {
+      const std::string near = scene::nearest(name, allowed);
+      throw UserError(fmt::format("--quantity: found \"{}\"{}, allowed with this scene: {}", name,
+                                  near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near),
+                                  scene::list(allowed)));
+    }
+    if (std::ranges::find(wanted, name, &Quantity::name) == wanted.end())
+      wanted.push_back(*found);
+  }
+  if (wanted.empty())
+    std::ranges::copy_if(all, std::back_inserter(wanted), [&](const Quantity& quantity) {
+      using enum scene::StoredField;
+      const bool stored = scene.output.field(stress) || scene.output.field(von_mises);
+      return quantity.name != "gradient" && (quantity.name != of_stress || stored);
+    });
+  return wanted;
+}
+
+} // namespace signorini::accuracy

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "accuracy/analysis.h"
+#include "accuracy/fingerprint.h"
+#include "io/folder_lock.h"
+#include <filesystem>
+
+namespace signorini::accuracy {
+
+/// The results of a rung in the folder of a study.
+struct Kept {
+  std::optional<Measured> measured; ///< empty if it has to run
+  std::string unfit;                ///< why its file cannot be used; empty if there is none
+};
+
+/// The folder of a study: one file for each rung that has run, from which a later study of the same scene
+/// continues, and the tables of all of them. Used on rank 0. Files are replaced as a whole. Throws UserError.
+class Store {
+public:
+  /// Creates the folder and locks it for this study.
+  explicit Store(const std::filesystem::path& folder);
+  ~Store();
+
+  /// The results of a rung, if its file is intact, has the same fingerprint and all of the wanted quantities.
+  [[nodiscard]] Kept load(const Rung& rung, const Fingerprint& fingerprint,
+                          const std::vector<Quantity>& wanted) const;
+  void save(const Rung& rung, const Fingerprint& fingerprint, const Measured& measured) const;
+
+  /// Writes a text file.
+  void write(const std::string& name, const std::string& text) const;
+
+private:
+  [[nodiscard]] std::filesystem::path file(const Rung& rung) const;
+  std::filesystem::path folder_;
+  io::FolderLock lock_;
+};
+
+/// study.csv: a row for each rung that has run.
+std::string csv(const std::vector<Result>& results, const std::vector<Errors>& errors, double end);
+
+/// study.json: the scene, quantities, orders and sentences.
+std::string json(const scene::Scene& scene, const std::vector<Result>& results,
+                 const std::vector<Errors>& errors, const std::vector<Orders>& orders,
+                 const std::vector<std::string>& sentences);
+
+} // namespace signorini::accuracy

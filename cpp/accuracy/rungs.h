@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "scene/scene.h"
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+/// Accuracy against cost: a ladder of runs of one scene, their errors and observed orders.
+namespace signorini::accuracy {
+
+/// One run of a ladder.
+struct Rung {
+  double size = 1; ///< element size, m; in a scene without mesh.size the scale of the .geo's own
+  int steps = 0;   ///< of one length; 0 where the motion chooses them
+  int degree = 1;
+  scene::ContactScheme scheme = scene::ContactScheme::contact_implicit;
+  double tolerance = 0; ///< of steps that the motion chooses (time.tolerance), else 0
+  bool graded = false;  ///< sizes vary with the error (Mesh::graded), with as many elements as of `size`
+
+  [[nodiscard]] bool chooses_steps() const { return tolerance > 0; }
+  /// A number as whose square the error in time falls: the part of the whole time that a step takes or, of
+  /// steps that the motion chooses, the square root of their tolerance.
+  [[nodiscard]] double step_width() const { return chooses_steps() ? std::sqrt(tolerance) : 1.0 / steps; }
+  /// The same with steps, on the average, `factor` times as wide; whole numbers of steps are rounded up.
+  [[nodiscard]] Rung with_steps(double factor) const;
+
+  friend auto operator<=>(const Rung&, const Rung&) = default;
+};
+
+/// What a ladder is made of; an empty list stands for the default.
+struct Choice {
+  std::vector<double> sizes, steps; ///< m, s
+  std::vector<int> degrees;
+  std::vector<std::string> schemes;    ///< names of all but mixed
+  std::vector<double> tolerances = {}; ///< of steps that the motion chooses
+  bool graded = false;                 ///< the same rungs once more with sizes that vary
+};
+
+/// Names of a rung's time.scheme and contact.mass, which is "mixed" where it differs between contacts.
+struct SchemeAndMass {
+  std::string scheme, mass;
+};
+SchemeAndMass scheme_and_mass(scene::ContactScheme scheme);
+
+/// Every size with every step, tolerance, degree and scheme; the default is the scene's own with twice and
+/// four times its size and step or, with time.step = "auto", four and sixteen times its tolerance, and then
+/// no steps of one length, else no tolerance. Where the .geo sets its own sizes they are scales of these; a
+/// .msh has one. Graded meshes come beside those of one size. Steps are the nearest that divide time.end. A
+/// scheme that is named holds for every contact; without one they are as the scene has them. Throws
+/// UserError.
+std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice);
+
+/// The rung of the scene's own size, steps, degree and scheme.
+Rung own_rung(const scene::Scene& scene);
+
+/// The scene with the size, step, degree and scheme of a rung.
+scene::Scene on_rung(const scene::Scene& scene, const Rung& rung);
+
+/// The exponent with which the time of a step with a factor grows in its unknowns: ./dev bench scaling,
+/// space.
+constexpr double step_power(int dim) { return dim == 2 ? 1.2 : 1.4; }
+
+/// A number to which the unknowns of a rung are proportional.
+double relative_unknowns(const Rung& rung, int dim);
+
+/// A number to which the time of a rung is proportional, among those whose steps come about alike.
+double work(const Rung& rung, int dim);
+
+/// "size 0.5, step 5e-05, degree 1" or "size 0.5, tolerance 0.01, degree 1"; the scheme too where it is not
+/// contact-implicit.
+std::string words(const Rung& rung, const scene::Scene& scene);
+
+} // namespace signorini::accuracy

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "accuracy/study.h"
+#include "accuracy/density.h"
+#include "accuracy/grading.h"
+#include "accuracy/quantities.h"
+#include "accuracy/rung_costs.h"
+#include "accuracy/summary.h"
+#include "base/collective.h"
+#include "base/error.h"
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace signorini::accuracy {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::string duration(double seconds) {
+  if (seconds < 100)
+    return fmt::format("{:.2g} s", seconds);
+  return seconds < 6000 ? fmt::format("{:.0f} min", seconds / 60) : fmt::format("{:.1f} h", seconds / 3600);
+}
+
+void show_prices(const Console& console, const std::vector<Rung>& rungs, const Prices& prices,
+                 const scene::Scene& scene) {
+  double all = 0;
+  console.line(fmt::format("{:>5} {:>12} {:>10}  {}", "rung", "unknowns", "about", ""));
+  for (std::size_t i = 0; i < rungs.size(); ++i) {
+    all += prices.seconds(rungs[i]);
+    console.line(fmt::format("{:>5} {:>12.0f} {:>10}  {}", i + 1, prices.unknowns(rungs[i]),
+                             duration(prices.seconds(rungs[i])), words(rungs[i], scene)));
+  }
+  console.line(fmt::format("all {}: about {}", rungs.size(), duration(all)));
+}
+
+bool on_all(MPI_Comm comm, bool root_says) {
+  int flag = root_says;
+  MPI_Bcast(&flag, 1, MPI_INT, 0, comm);
+  return flag != 0;
+}
+
+/// A study under way: its rungs from cheap to dear, and what is known of them.
+class Study {
+public:
+  Study(MPI_Comm comm, const scene::Scene& scene, const Options& options, const std::vector<Quantity>& wanted,
+        const Samples& samples, const std::optional<Store>& store, std::optional<Prices>& price,
+        const Console& console)
+      : comm_(comm), scene_(scene), options_(options), wanted_(wanted), samples_(samples), store_(store),
+        price_(price), console_(console), root_(rank(comm) == 0), exact_(exact_values(scene, samples)) {}
+
+  /// Takes what the folder has of the rungs. All, for errors refer to the finest, however early the study
+  /// ends.
+  void load(const std::vector<Rung>& rungs) {
+    if (root_)
+      origin_.emplace(scene_, samples_, ranks(comm_));
+    for (const Rung& rung : rungs) {
+      Kept found;
+      if (root_)
+        found = store_->load(rung, origin_->of(rung), wanted_);
+      kept_ += found.measured.has_value();
+      results_.push_back({rung, std::move(found.measured)});
+      unfit_.push_back(std::move(found.unfit));
+    }
+    MPI_Bcast(&kept_, 1, MPI_INT, 0, comm_);
+  }
+
+  /// Runs the others, as far as the budget goes. Returns the exit status.
+  int run(Clock::time_point start) {
+    for (std::size_t i = 0; i < results_.size(); ++i) {
+      const Rung& rung = results_[i].rung;
+      if (on_all(comm_, results_[i].measured.has_value()))
+        continue;
+      if (on_all(comm_, options_.budget && seconds_since(start) + price_->seconds(rung) > *options_.budget)) {
+        left_ = i;
+        return 0;
+      }
+      if (!unfit_[i].empty())
+        console_.line(fmt::format("rung {} of {} runs again: {}", i + 1, results_.size(), unfit_[i]));
+      const auto began = Clock::now();
+      try {
+        results_[i].measured =
+            measure(comm_, on_rung(scene_, rung), samples_, wanted_, scene_.objective.has_value());
+      } catch (const Interrupted&) {
+        constexpr int interrupted = 130;
+        return interrupted;
+      } catch (const std::exception&) { // perhaps on one rank alone
+        if (root_ && ran_ + kept_ > 0)
+          Summary(scene_, wanted_, results_, exact_).write(*store_);
+        throw;
+      }
+      if (price_)
+        price_->learn(rung, seconds_since(began));
+      ++ran_;
+      on_root(comm_, [&] { store_->save(rung, origin_->of(rung), *results_[i].measured); });
+      console_.line(fmt::format("rung {} of {}: {}: {} unknowns, {:.3g} s; {} so far", i + 1, results_.size(),
+                                words(rung, scene_), results_[i].measured->unknowns,
+                                results_[i].measured->seconds, duration(seconds_since(start))));
+    }
+    return 0;
+  }
+
+  /// Writes and shows what came out.
+  void conclude(const std::filesystem::path& out) const {
+    if (ran_ + kept_ == 0) {
+      console_.line("no rung has run: nothing is written");
+      return;
+    }
+    on_root(comm_, [&] {
+      const Summary summary(scene_, wanted_, results_, exact_);
+      summary.write(*store_);
+      summary.show(console_);
+    });
+    if (kept_ > 0)
+      console_.line(fmt::format("{} of {} rungs were there already", kept_, results_.size()));
+    if (left_)
+      console_.line(fmt::format(
+          "the budget ends before rung {} of {}, which would take about {}; the same command with "
+          "a larger --budget goes on from here",
+          *left_ + 1, results_.size(), duration(price_->seconds(results_[*left_].rung))));
+    console_.line(fmt::format("results in {}", out.string()));
+  }
+
+private:
+  MPI_Comm comm_;
+  const scene::Scene& scene_;
+  const Options& options_;
+  const std::vector<Quantity>& wanted_;
+  const Samples& samples_;
+  const std::optional<Store>& store_; ///< on rank 0
+  std::optional<Prices>& price_;
+  const Console& console_;
+  bool root_;
+  Exact exact_;
+  std::optional<Origin> origin_; ///< on rank 0
+  std::vector<Result> results_;
+  std::vector<std::string> unfit_; ///< why the folder's result of a rung is not taken
+  int ran_ = 0, kept_ = 0;
+  std::optional<std::size_t> left_; ///< the rung before which the budget ends
+};
+
+} // namespace
+
+int run_study(MPI_Comm comm, const scene::Scene& given, const std::filesystem::path& out,
+              const Options& options, const Console& console) {
+  const auto start = Clock::now();
+  (void)chosen(given, options.quantities, 2); // a wrong name before any mesh is read
+  scene::Scene scene = given;
+  std::vector<Rung> rungs = ladder(scene, options.choice);
+  std::optional<Store> store;
+  if (!options.dry_run)
+    on_root(comm, [&] { store.emplace(out); });
+  std::vector<double> sizes;
+  std::ranges::transform(rungs, std::back_inserter(sizes), &Rung::size);
+  require_answer_to(comm, scene, sizes);
+  if (options.choice.graded && !options.dry_run) {
+    scene.mesh.graded = std::filesystem::absolute(out) / "graded.geo";
+    write_graded(comm, scene, scene.mesh.graded, console);
+  }
+  const Samples samples(comm, scene);
+  const std::vector<Quantity> wanted = chosen(scene, options.quantities, samples.dim);
+  std::optional<Prices> prices;
+  Study study(comm, scene, options, wanted, samples, store, prices, console);
+  std::ranges::stable_sort(rungs, {}, [&](const Rung& rung) { return work(rung, samples.dim); });
+  if (!options.dry_run)
+    study.load(rungs);                     // before the first solver: Origin
+  if (options.dry_run || options.budget) { // graded meshes have as many elements as the others
+    std::vector<Rung> priced = rungs;
+    for (Rung& rung : priced)
+      rung.graded = false;
+    prices = price(comm, scene, priced, samples, wanted, scene.objective.has_value());
+  }
+  if (options.dry_run) {
+    show_prices(console, rungs, *prices, scene);
+    return 0;
+  }
+  const int status = study.run(start);
+  study.conclude(out);
+  return status;
+}
+
+} // namespace signorini::accuracy

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "accuracy/summary.h"
+#include <algorithm>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace signorini::accuracy {
+namespace {
+
+std::string shown(const std::optional<double>& error) {
+  constexpr int digits = 3;
+  return error ? percent(*error, digits) : "-";
+}
+
+/// An order and its range, or that it means nothing.
+std::string shown(const std::optional<Order>& order) {
+  if (!order)
+    return "-";
+  const auto& [slope, least, largest, asymptotic] = *order;
+  return asymptotic ? fmt::format("{:.2f} ({:.2f} to {:.2f})", slope, least, largest)
+                    : fmt::format("none ({:.1f} to {:.1f})", least, largest);
+}
+
+/// What errors of a quantity are taken against.
+std::string against(const Errors& errors) {
+  if (errors.exact)
+    return "errors against the exact value";
+  return errors.bar ? fmt::format("errors against the finest rung, its {}", words(*errors.bar))
+                    : "errors against the finest rung, of whose own nothing is known";
+}
+
+} // namespace
+
+Summary::Summary(const scene::Scene& scene, const std::vector<Quantity>& wanted,
+                 const std::vector<Result>& results, const Exact& exact)
+    : scene_(scene), results_(results) {
+  for (const Quantity& quantity : wanted) {
+    errors_.push_back(errors(quantity, results, exact));
+    std::ranges::move(orders(quantity, results, exact), std::back_inserter(orders_));
+    std::ranges::move(sentences(errors_.back(), results, scene), std::back_inserter(sentences_));
+  }
+  std::ranges::stable_sort(orders_, {}, [](const Orders& one) {
+    return std::tuple(one.degree, one.scheme, one.chosen, one.graded);
+  });
+}
+
+void Summary::write(const Store& store) const {
+  store.write("study.csv", csv(results_, errors_, scene_.time.end));
+  store.write("study.json", json(scene_, results_, errors_, orders_, sentences_));
+}
+
+void Summary::show(const Console& console) const {
+  show_rungs(console);
+  for (const Errors& one : errors_)
+    show_errors(one, console);
+  console.line("\nat most: the largest error there and at all finer rungs; * no cheaper rung has less");
+  if (std::ranges::any_of(results_, [](const Result& result) { return result.rung.graded; }))
+    console.line("~: sizes that vary with the error, as many elements as of that size");
+  show_orders(console);
+  show_warnings(console);
+  console.line("");
+  for (const std::string& sentence : sentences_)
+    console.line(sentence);
+}
+
+std::string Summary::size(const Result& result) {
+  return fmt::format("{}{:.4g}", result.rung.graded ? "~" : "", result.rung.size);
+}
+
+std::string Summary::step(const Result& result) const {
+  const Rung& rung = result.rung;
+  return rung.chooses_steps() ? fmt::format("tol {:.2g}", rung.tolerance)
+                              : fmt::format("{:.3g}", scene_.time.end / rung.steps);
+}
+
+void Summary::show_rungs(const Console& console) const {
+  console.line(fmt::format("\n{:>4} {:>10} {:>11} {:>6} {:<18} {:>9} {:>8} {:>6}", "rung",
+                           scene_.mesh.size ? "size, m" : "scale", "step, s", "degree", "scheme", "unknowns",
+                           "seconds", "MB"));
+  for (std::size_t i = 0; i < results_.size(); ++i) {
+    const auto& [rung, run] = results_[i];
+    if (run)
+      console.line(fmt::format("{:>4} {:>10} {:>11} {:>6} {:<18} {:>9} {:>8.3g} {:>6.0f}", i + 1,
+                               size(results_[i]), step(results_[i]), rung.degree, scene::name(rung.scheme),
+                               run->unknowns, run->seconds, run->memory / 1e6));
+  }
+}
+
+void Summary::show_warnings(const Console& console) const {
+  struct Alike {
+    std::string name, message; // the message of the most expensive rung
+    std::vector<std::size_t> rungs;
+  };
+  std::vector<Alike> warnings;
+  for (std::size_t i = 0; i < results_.size(); ++i)
+    if (results_[i].measured)
+      for (const Warning& one : results_[i].measured->warnings) {
+        auto at = std::ranges::find(warnings, one.name, &Alike::name);
+        if (at == warnings.end())
+          at = warnings.insert(at, {one.name, {}, {}});
+        at->message = one.message;
+        if (at->rungs.empty() || at->rungs.back() != i + 1)
+          at->rungs.push_back(i + 1);
+      }
+  for (Alike& one : warnings) {
+    const std::size_t last = one.rungs.back();
+    one.rungs.pop_back();
+    const std::string others =
+        one.rungs.empty() ? ""
+                          : fmt::format(" (likewise rung{} {}: study.json)", one.rungs.size() == 1 ? "" : "s",
+                                        fmt::join(one.rungs, ", "));
+    console.line(fmt::format("warning: rung {}: {}{}", last, one.message, others));
+  }
+}
+
+void Summary::show_errors(const Errors& errors, const Console& console) const {
+  const Quantity& quantity = errors.quantity;
+  const std::string unit = quantity.unit.empty() || quantity.field ? "" : ", " + quantity.unit;
+  console.line(fmt::format("\n{}{}: {}{}", quantity.title, unit, against(errors),
+                           quantity.limited ? "" : "; it need not converge"));
+  console.line(fmt::format("{:>4} {:>10} {:>11} {:>13} {:>9} {:>9} {:>9} {:>8}", "rung",
+                           scene_.mesh.size ? "size, m" : "scale", "step, s", quantity.field ? "" : "value",
+                           "error", "at most", "estimate", "est/err"));
+  for (std::size_t i = 0; i < results_.size(); ++i) {
+    const auto& [rung, run] = results_[i];
+    if (!run)
+      continue;
+    console.line(fmt::format("{:>4} {:>10} {:>11} {:>13} {:>9} {:>9} {:>9} {:>6} {}", i + 1,
+                             size(results_[i]), step(results_[i]),
+                             quantity.field ? "" : fmt::format("{:.6g}", run->numbers.at(quantity.name)),
+                             errors.reference == i ? "reference" : shown(errors.error[i]),
+                             shown(errors.envelope[i]), shown(errors.estimate[i]),
+                             errors.effectivity[i] ? fmt::format("{:.2f}", *errors.effectivity[i]) : "-",
+                             errors.pareto[i] ? '*' : ' '));
+  }
+}
+
+void Summary::show_orders(const Console& console) const {
+  const auto out_of_range = [](const std::optional<Order>& order) { return order && !order->asymptotic; };
+  bool any = false;
+  const Orders* last = nullptr;
+  for (const Orders& one : orders_) {
+    if (!last || last->degree != one.degree || last->scheme != one.scheme || last->chosen != one.chosen ||
+        last->graded != one.graded)
+      console.line(fmt::format("\ndegree {}, {}{}:\n{:<20}{:<21}{:<21}{}", one.degree,
+                               scene::name(one.scheme),
+                               one.chosen   ? one.graded ? ", steps chosen, graded" : ", steps chosen"
+                               : one.graded ? ", graded"
+                                            : "",
+                               "order of", "in space", "in time", "in both"));
+    console.line(fmt::format("{:<20}{:<21}{:<21}{}", one.quantity, shown(one.space), shown(one.time),
+                             shown(one.both)));
+    any |= out_of_range(one.space) || out_of_range(one.time) || out_of_range(one.both);
+    last = &one;
+  }
+  if (any)
+    console.line(
+        "none: not in the asymptotic range; from rung to rung errors do not fall as the method's would");
+}
+
+} // namespace signorini::accuracy

@@ -1,0 +1,378 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/completion.h"
+#include "app/run.h"
+#include "app/scripts.h"
+#include "base/error.h"
+#include "base/petsc.h"
+#include "base/scratch_file.h"
+#include "base/signals.h"
+#include "drivers/run_manifest.h"
+#include "scene/expression.h"
+#include "scene/key_reference.h"
+#include "scene/names.h"
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <new>
+#include <spdlog/spdlog.h>
+#include <thread>
+#include <unistd.h>
+
+namespace {
+
+using signorini::UserError;
+using signorini::app::Request;
+
+using namespace signorini::exit_status;
+
+struct Verb {
+  const char *name, *text;
+};
+constexpr Verb verbs[] = {
+    {"simulate", "forward run only"},
+    {"optimize", "forward, adjoint, update, until the stopping criterion"},
+    {"check", "derivatives and discrete invariants of this scene"},
+    {"study", "what accuracy costs in time: a ladder of sizes, steps, degrees and schemes"},
+    {"info", "effects and what each adds, unknowns, memory; --time N: the time, from N steps"},
+    {"keys", "all keys of a scene: what each takes, its unit, limits, default and meaning"},
+    {"completion", "a script for bash, which then completes verbs, options and keys"}};
+
+std::string did_you_mean(const std::string& found, const std::vector<std::string>& valid) {
+  const std::string near = signorini::scene::nearest(found, valid);
+  return near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near);
+}
+
+void require_verb(int argc, char** argv) {
+  std::vector<std::string> names;
+  for (const Verb& verb : verbs)
+    names.emplace_back(verb.name);
+  for (const signorini::app::ScriptVerb& verb : signorini::app::script_verbs())
+    names.emplace_back(verb.name);
+  const std::string allowed = signorini::scene::list(names);
+  if (argc < 2)
+    throw UserError(fmt::format("command line: found no verb, allowed: {}; see signorini --help", allowed));
+  const std::string found = argv[1];
+  if (!found.starts_with("-") && std::ranges::find(names, found) == names.end())
+    throw UserError(fmt::format("command line: found the verb \"{}\"{}, allowed: {}; see signorini --help",
+                                found, did_you_mean(found, names), allowed));
+}
+
+/// Replaces a time such as 90, 90s, 10min or 2h by its seconds; returns an error message, empty if it is
+/// valid.
+std::string to_seconds(std::string& text) {
+  constexpr std::pair<std::string_view, double> units[] = {{"min", 60}, {"h", 3600}, {"s", 1}};
+  std::string_view number = text;
+  double unit = 1;
+  for (const auto& [name, factor] : units)
+    if (number.ends_with(name)) {
+      number.remove_suffix(name.size());
+      unit = factor;
+      break;
+    }
+  double value = 0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+  if (error != std::errc() || end != number.data() + number.size() || !(value > 0) || !std::isfinite(value))
+    return fmt::format("found {}, allowed are times above 0 such as 90s, 10min or 2h", text);
+  text = fmt::format("{}", value * unit);
+  return {};
+}
+
+void add_study_options(CLI::App& app, Request& request) {
+  const auto list = [&](const char* name, auto& values, const char* text) {
+    app.add_option(name, values, text)
+        ->delimiter(',')
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  };
+  list("--sizes", request.study.choice.sizes,
+       "element sizes, m, such as 1,0.5 (default: the scene's, 2 and 4 times that)");
+  list("--steps", request.study.choice.steps, "time steps, s (default: the scene's, 2 and 4 times that)");
+  list("--tolerances", request.study.choice.tolerances,
+       "of steps that the motion chooses (time.step = \"auto\"), beside or in place of --steps (default: "
+       "none, or "
+       "the scene's, 4 and 16 times that)");
+  app.add_flag("--graded", request.study.choice.graded,
+               "the same rungs once more on meshes with as many elements, whose sizes vary with the error");
+  list("--degrees", request.study.choice.degrees, "1,2 (default: the scene's)");
+  list("--schemes", request.study.choice.schemes,
+       "of contact-implicit,contact-stabilized,massless (default: the scene's)");
+  list("--quantity", request.study.quantities,
+       "what is compared, such as J,displacement,gradient,impulse (default: all but the gradient)");
+  app.add_option(
+         "--budget", request.study.budget,
+         "stop before a rung that would end later, such as 90s, 10min or 2h (default of --suggest: 10min)")
+      ->transform(CLI::Validator(to_seconds, "TIME"));
+  app.add_flag("--dry-run", request.study.dry_run, "price the ladder and run nothing");
+  app.add_option("--suggest", request.suggest,
+                 "instead: a size and a step for this relative error, such as 1e-2, of --quantity, or of J")
+      ->check(CLI::Range(1e-12, 1.0));
+}
+
+/// Adds --accuracy, which is returned, and what goes with it.
+CLI::Option* add_accuracy_options(CLI::App& app, Request& request, const std::string& quantity) {
+  CLI::Option* const accuracy = app.add_option("--accuracy", request.accuracy,
+                                               "choose sizes and steps until this relative error of " +
+                                                   quantity + " is met, such as 1e-2")
+                                    ->check(CLI::Range(1e-12, 1.0));
+  app.add_option("--budget", request.study.budget,
+                 "end with the best answer by then, such as 90s, 10min or 2h (default: none)")
+      ->transform(CLI::Validator(to_seconds, "TIME"))
+      ->needs(accuracy);
+  return accuracy;
+}
+
+/// Adds the options of keys, which has no scene; each sets the `writer` that prints them.
+void add_keys_options(CLI::App& app, std::string (*&writer)()) {
+  app.add_flag_callback(
+      "--json", [&] { writer = signorini::scene::json_schema; }, "as a JSON schema of a scene");
+  app.add_flag_callback(
+      "--markdown", [&] { writer = signorini::scene::markdown; }, "as the table of docs/reference/keys.md");
+}
+
+/// What the command line asks for besides a run.
+struct Asked {
+  bool quiet = false;
+  std::string (*keys)() = signorini::scene::reference; ///< prints them
+};
+
+void add_verbs(CLI::App& app, Request& request, Asked& asked) {
+  for (const Verb& verb : verbs) {
+    const std::string_view name = verb.name;
+    CLI::App* sub = app.add_subcommand(verb.name, verb.text);
+    sub->callback([&request, &verb] { request.verb = verb.name; });
+    if (name == "keys")
+      add_keys_options(*sub, asked.keys);
+    if (name == "keys" || name == "completion")
+      continue;
+    sub->allow_extras();
+    sub->add_option("scene", request.scene, "scene file (TOML)")->required();
+    sub->add_option("--out", request.out, "folder for the results (default results/<scene name>)");
+    sub->add_option("--set", request.overrides, "key.path=value, overrides the scene; may be repeated")
+        ->expected(1)
+        ->allow_extra_args(false) // the scene may follow
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    sub->add_option("--threads", request.threads,
+                    "of each rank (default: OMP_NUM_THREADS, else the cores that the ranks leave)")
+        ->check(CLI::Range(1, 1024));
+    sub->add_flag("--quiet", asked.quiet, "say nothing but errors");
+    if (name == "optimize") {
+      CLI::Option* const resume = sub->add_flag(
+          "--resume", request.resume, "go on from the checkpoint in the folder, where there is one");
+      add_accuracy_options(*sub, request, "J")->excludes(resume);
+    }
+    if (name == "simulate") {
+      CLI::Option* const accuracy = add_accuracy_options(*sub, request, "--quantity");
+      CLI::Option* const quantity =
+          sub->add_option("--quantity", request.study.quantities,
+                          "of --accuracy, such as impulse, contact_time or displacement")
+              ->expected(1)
+              ->needs(accuracy);
+      accuracy->needs(quantity);
+      sub->add_flag("--replace", request.replace, "even if the folder holds an optimum, or files hold data");
+      CLI::Option* const measure =
+          sub->add_flag("--measure", request.measure,
+                        "write the files of the scene's measurements: what it gives, with noise");
+      sub->add_option("--seed", request.seed, "of the noise (default 1); 0: no noise")
+          ->check(CLI::Range(0, std::numeric_limits<int>::max()))
+          ->needs(measure);
+    }
+    if (name == "info")
+      sub->add_option("--time", request.timed_steps, "time this many steps, for an estimate of the whole")
+          ->check(CLI::Range(1, std::numeric_limits<int>::max()));
+    if (name == "study")
+      add_study_options(*sub, request);
+  }
+  // For --help and for completion: their scripts read the command line.
+  for (const signorini::app::ScriptVerb& verb : signorini::app::script_verbs()) {
+    CLI::App* sub = app.add_subcommand(verb.name, verb.text);
+    for (const char* option : verb.options)
+      sub->add_option(option);
+  }
+}
+
+/// The options of all verbs.
+std::vector<signorini::app::VerbOptions> options(const CLI::App& app) {
+  std::vector<signorini::app::VerbOptions> all;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
+    all.push_back({sub->get_name(), {}});
+    for (const CLI::Option* option : sub->get_options())
+      for (const std::string& name : option->get_lnames())
+        all.back().options.push_back("--" + name);
+  }
+  return all;
+}
+
+/// Throws UserError if words are left that no option takes.
+void require_no_more(const CLI::App& app, const std::string& verb) {
+  const std::vector<std::string> extra = app.remaining(true);
+  if (std::ranges::find(extra, "--resume") != extra.end())
+    throw UserError(
+        fmt::format("--resume: found with {}, allowed is optimize, which writes checkpoints{}", verb,
+                    verb == "study" ? "; a study goes on from what its folder has without it" : ""));
+  if (extra.empty())
+    return;
+  std::vector<std::string> known;
+  for (const auto& [name, own] : options(app))
+    if (name == verb)
+      known = own;
+  throw UserError(
+      fmt::format("command line: \"{}\" is not expected{}, allowed are one scene and the options {}; "
+                  "see signorini --help",
+                  extra.front(), did_you_mean(extra.front(), known), signorini::scene::list(known)));
+}
+
+/// Parses the command line; returns an exit status if there is nothing to run. Throws UserError.
+std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, bool& quiet) {
+  require_verb(argc, argv);
+  CLI::App app("Optimal control of dynamic contact with exact discrete gradients.", "signorini");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", signorini::io::version_line());
+  app.footer(
+      fmt::format("Expressions in a scene: {}, and x, y, z (m), t (s).\nOptions after -- go to PETSc. Exit "
+                  "status: 0 done; 1 a check failed; 2 the scene, the mesh or an option is\n"
+                  "wrong; 3 a solver failed; 130 interrupted.",
+                  signorini::scene::expression_parts()));
+  Asked asked;
+  add_verbs(app, request, asked);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) { // --help, --version
+    if (speaks)
+      app.exit(success);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    throw UserError(fmt::format("command line: {}; see signorini --help", error.what()));
+  }
+  quiet = asked.quiet;
+  require_no_more(app, request.verb);
+  if (request.verb != "keys" && request.verb != "completion")
+    return std::nullopt;
+  if (speaks)
+    signorini::say(stdout,
+                   request.verb == "keys" ? asked.keys() : signorini::app::bash_completion(options(app)));
+  return 0;
+}
+
+/// Prints an error as one line, with control characters in names replaced.
+void complain(std::string text) {
+  std::ranges::replace_if(text, [](unsigned char c) { return std::iscntrl(c); }, ' ');
+  signorini::say(stderr, fmt::format("signorini: {}\n", text));
+}
+
+/// Prints a failure that other ranks may not have seen, once, and ends all ranks.
+[[noreturn]] void abort_all(int rank, const std::string& text, int status) {
+  // If every rank fails alike, rank 0 prints and ends the others while they sleep.
+  if (rank != 0)
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+  complain(text);
+  MPI_Abort(MPI_COMM_WORLD, status);
+  std::abort();
+}
+
+/// Warns of PETSc options of the command line that no solver used.
+void report_unused(const std::vector<std::string>& given) {
+  PetscInt count = 0;
+  char **names = nullptr, **values = nullptr;
+  if (PetscOptionsLeftGet(nullptr, &count, &names, &values) != PETSC_SUCCESS)
+    return;
+  for (PetscInt i = 0; i < count; ++i)
+    if (const std::string name = fmt::format("-{}", names[i]); std::ranges::find(given, name) != given.end())
+      signorini::say(
+          stderr, fmt::format("signorini: the PETSc option {} was not used; prefixes of its solvers: -step_, "
+                              "-condensed_vi_, -full_vi_\n",
+                              name));
+  (void)PetscOptionsLeftRestore(nullptr, &count, &names, &values);
+}
+
+int guarded(int argc, char** argv, int rank, int ranks) {
+  try {
+    Request request;
+    bool quiet = false;
+    if (const auto status = parse(argc, argv, rank == 0, request, quiet))
+      return *status;
+    const bool speaks = rank == 0 && !quiet;
+    return signorini::app::run(request, signorini::Console(speaks, speaks && isatty(STDERR_FILENO)));
+  } catch (const UserError& error) { // thrown on every rank alike
+    if (rank == 0)
+      complain(error.what());
+    return wrong_input;
+  } catch (const signorini::Interrupted&) {
+    if (rank == 0)
+      complain("interrupted before there was anything to write");
+    return interrupted;
+  } catch (const signorini::WriteFailure& error) {
+    if (ranks > 1)
+      abort_all(rank, error.what(), wrong_input);
+    complain(error.what());
+    return wrong_input;
+  } catch (const std::bad_alloc&) {
+    const char* text =
+        "there is not enough memory for this scene, allowed are fewer time steps, larger elements or another "
+        "trajectory.storage; signorini info tells what each takes";
+    if (ranks > 1)
+      abort_all(rank, text, wrong_input);
+    complain(text);
+    return wrong_input;
+  } catch (const std::exception& error) {
+    if (ranks > 1)
+      abort_all(rank, error.what(), solver_failed);
+    complain(error.what());
+    return solver_failed;
+  }
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  std::string asks_help = "--help";
+  if (argc > 1 && std::string_view(argv[1]) == "help") { // "help" is --help, "help VERB" is "VERB --help"
+    argv[1] = argc > 2 ? argv[2] : asks_help.data();
+    if (argc > 2)
+      argv[2] = asks_help.data();
+  }
+  if (argc > 1 && signorini::app::is_script_verb(argv[1])) {
+    try {
+      signorini::app::become_script({argv + 1, argv + argc + 1});
+    } catch (const std::exception& error) {
+      complain(error.what());
+      return wrong_input;
+    }
+  }
+  // Arguments after -- go to PETSc.
+  char** const dashes =
+      std::find_if(argv, argv + argc, [](const char* a) { return std::string_view(a) == "--"; });
+  const int own = static_cast<int>(dashes - argv);
+  // A file .petscrc in a folder from elsewhere could load code and overwrite files.
+  std::string no_file = "-skip_petscrc";
+  std::vector<char*> petsc_arguments{argv[0], no_file.data()};
+  if (own < argc)
+    petsc_arguments.insert(petsc_arguments.end(), dashes + 1, argv + argc);
+  signorini::catch_stop_signals(); // before anything is made and libraries start, so that no signal is missed
+  try {
+    signorini::require_temporary_folder();
+  } catch (const UserError& error) {
+    complain(error.what());
+    return wrong_input;
+  }
+  int petsc_count = static_cast<int>(petsc_arguments.size());
+  petsc_arguments.push_back(nullptr);
+  char** petsc_values = petsc_arguments.data();
+  if (PetscInitialize(&petsc_count, &petsc_values, nullptr, nullptr) != PETSC_SUCCESS)
+    return solver_failed;
+  spdlog::set_level(spdlog::level::warn); // the libraries log warnings and errors only
+  signorini::petsc::keep_error_messages();
+  signorini::ignore_broken_pipes();                          // in place of PETSc's handler, which aborts
+  (void)PetscOptionsSetValue(nullptr, "-options_left", "0"); // report_unused() covers the user's own
+  int rank = 0, ranks = 1;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  const int status = guarded(own, argv, rank, ranks);
+  if (rank == 0)
+    report_unused({argv + own, argv + argc});
+  return PetscFinalize() == PETSC_SUCCESS ? status : solver_failed;
+}

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "diagnostics/balance.h"
+#include <cmath>
+#include <utility>
+
+namespace signorini::diagnostics {
+using petsc::check;
+using petsc::dot;
+
+namespace {
+
+using Components = std::array<double, 3>;
+
+double length(const Components& x) { return std::hypot(x[0], x[1], x[2]); }
+
+/// −(2/τ²) Σ λ_i ν_i, the contact forces on the body (N), including components that clamps hold; these act on
+/// the clamps alone.
+void contact_forces(const step::Stepper& stepper, const step::Scheme& scheme,
+                    const contact::ContactState& contact, Vec force) {
+  check(VecZeroEntries(force));
+  if (stepper.pairs())
+    stepper.pairs()->rows().apply_whole(-1 / scheme.impulse(), contact.lambda, force);
+}
+
+} // namespace
+
+/// What a balance consists of, added up in one pass over the dofs for each product with a matrix, and over
+/// the ranks at once.
+struct Balance::Sums {
+  double kinetic = 0, elastic = 0;   ///< v·Mv and y·Ay
+  double momentum_moduli = 0;        ///< sum of those of Mv
+  double internal_moduli = 0;        ///< sum of those of Ay
+  double viscous = 0;                ///< w·Bw
+  double load = 0, contact = 0;      ///< works
+  double jump = 0, clamped_jump = 0; ///< products of inertia and the jump, on all dofs and the clamped ones
+  double reaction_power = 0;         ///< of the clamps
+  Components momentum{}, rate{}, applied{}, contact_force{}, reaction{};
+
+  void add_up(MPI_Comm comm) {
+    MPI_Allreduce(MPI_IN_PLACE, this, sizeof(Sums) / sizeof(double), MPI_DOUBLE, MPI_SUM, comm);
+  }
+};
+
+Balance::Balance(const step::Stepper& stepper, Wanted wanted)
+    : stepper_(stepper), reactions_(wanted.reactions) {
+  for (petsc::Vector* x : {&Ay0_, &Ay1_, &Mv0_, &Mv1_, &Bw_, &w_, &load_, &force_, &defect_})
+    *x = stepper.space().vector();
+  if (wanted.controlled)
+    loads_alone_.emplace(step::ForceAtStep(stepper.space(), {wanted.loads}));
+}
+
+StepBalance Balance::operator()(const trajectory::Frame& frame) {
+  Sums sums;
+  StepBalance now;
+  std::swap(Ay0_, Ay1_), std::swap(Mv0_, Mv1_);
+  add_state(frame, sums);
+  if (frame.step.k > 0)
+    now.load_work = add_step(frame, sums);
+  sums.add_up(stepper_.space().comm());
+  now.kinetic_energy = sums.kinetic / 2;
+  now.elastic_energy = sums.elastic / 2;
+  now.momentum = sums.momentum;
+  const double before = std::exchange(energy_, now.kinetic_energy + now.elastic_energy);
+  if (frame.step.k == 0)
+    return now;
+  const double tau = frame.step.tau;
+  if (!loads_alone_)
+    now.load_work = sums.load;
+  now.viscous_dissipation = tau * sums.viscous;
+  now.external_work = sums.load;
+  now.contact_work = sums.contact;
+  // Where j = y_k − y_{k−1} − τ (v_{k−1} + v_k)/2 is not zero, the kinetic energy changes by −j·M (v_k −
+  // v_{k−1})/τ in addition to the work on y_k − y_{k−1}. On free dofs this is work of contact, since the
+  // predictor's jump moves the body without work; on clamped dofs it is work of the clamps' motion.
+  if (stepper_.predictor())
+    now.contact_work -= sums.jump - sums.clamped_jump;
+  if (stepper_.motion())
+    now.external_work += tau * sums.reaction_power - sums.clamped_jump;
+  now.energy_residual = energy_ - before + now.viscous_dissipation - now.external_work - now.contact_work;
+  now.contact_force = sums.contact_force;
+  for (std::size_t c = 0; c < 3; ++c)
+    now.momentum_residual[c] = sums.rate[c] - sums.applied[c] - sums.contact_force[c] - sums.reaction[c];
+  // Internal forces must cancel, and the rate is a difference of momenta.
+  now.momentum_scale = length(sums.rate) + length(sums.applied) + length(sums.contact_force) +
+                       sums.internal_moduli + sums.momentum_moduli / tau;
+  return now;
+}
+
+void Balance::add_state(const trajectory::Frame& frame, Sums& sums) {
+  check(MatMult(stepper_.operators().A, frame.after.y(), Ay1_));
+  check(MatMult(stepper_.M(), frame.after.v(), Mv1_));
+  const petsc::ReadArray y(frame.after.y()), v(frame.after.v()), Ay(Ay1_), Mv(Mv1_);
+  const auto dim = static_cast<std::size_t>(stepper_.space().dim());
+  for (std::size_t i = 0; i < y.size();)
+    for (std::size_t c = 0; c < dim; ++c, ++i) {
+      sums.kinetic += v[i] * Mv[i];
+      sums.elastic += y[i] * Ay[i];
+      sums.momentum_moduli += std::abs(Mv[i]);
+      sums.internal_moduli += std::abs(Ay[i]);
+      sums.momentum[c] += Mv[i];
+    }
+}
+
+double Balance::add_step(const trajectory::Frame& frame, Sums& sums) {
+  const fem::Operators& body = stepper_.operators();
+  const double tau = frame.step.tau;
+  check(
+      VecWAXPY(w_, -1, frame.before->y(), frame.after.y())); // w holds y_k − y_{k−1} until it is divided by τ
+  double load_work = 0;
+  if (loads_alone_) {
+    assemble(loads_alone_->at(frame.step), body, load_);
+    load_work = dot(load_, w_);
+  }
+  check(VecScale(w_, 1 / tau));
+  if (body.B)
+    check(MatMult(*body.B, w_, Bw_)); // w is (v_{k−1} + v_k)/2 unless there is a jump or a moving clamp
+  assemble(frame.load, body, load_);
+  contact_forces(stepper_, frame.step.scheme(), frame.contact, force_);
+  const petsc::ReadArray y0(frame.before->y()), y1(frame.after.y()), v0(frame.before->v()),
+      v1(frame.after.v()), w(w_), Ay0(Ay0_), Ay1(Ay1_), Mv0(Mv0_), Mv1(Mv1_), Bw(Bw_), load(load_),
+      force(force_);
+  const petsc::WriteArray defect(defect_);
+  const auto inertia = [&](std::size_t i) { return (Mv1[i] - Mv0[i]) / tau; };
+  const auto jump = [&](std::size_t i) { return tau * (w[i] - (v0[i] + v1[i]) / 2) * inertia(i); };
+  const auto dim = static_cast<std::size_t>(stepper_.space().dim());
+  for (std::size_t i = 0; i < w.size();)
+    for (std::size_t c = 0; c < dim; ++c, ++i) {
+      const double moved = y1[i] - y0[i];
+      sums.viscous += w[i] * Bw[i];
+      sums.load += load[i] * moved;
+      sums.contact += force[i] * moved;
+      sums.jump += jump(i);
+      sums.rate[c] += inertia(i);
+      sums.applied[c] += load[i];
+      sums.contact_force[c] += force[i];
+      // Defect of the equation of motion in Crank–Nicolson form: the clamps' reaction on the clamped dofs and
+      // zero elsewhere.
+      defect[i] = inertia(i) + Bw[i] + (Ay0[i] + Ay1[i]) / 2 - load[i] - force[i];
+    }
+  for (const int dof : stepper_.clamped().dofs()) {
+    const auto i = static_cast<std::size_t>(dof);
+    sums.reaction[i % dim] += defect[i];
+    sums.reaction_power += defect[i] * w[i];
+    sums.clamped_jump += jump(i);
+  }
+  return load_work;
+}
+
+} // namespace signorini::diagnostics

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "diagnostics/contact_resolution.h"
+#include "base/text.h"
+#include "linalg/dense.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+namespace signorini::diagnostics {
+namespace {
+
+constexpr int wanted = 5, few = 2;
+
+using Point = std::array<double, 3>;
+
+/// A neighbouring candidate, in coordinates along the obstacle's tangent plane.
+struct Neighbour {
+  double distance, xi, eta, rise; ///< m; of the gap over that at the centre
+};
+
+/// Two unit vectors normal to ν and to each other; in the plane one, and zero.
+std::array<Point, 2> tangents(const double* nu, std::size_t dim) {
+  if (dim == 2)
+    return {Point{-nu[1], nu[0], 0}, Point{}};
+  Point first{};
+  const auto least = static_cast<std::size_t>(
+      std::min_element(nu, nu + 3, [](double a, double b) { return std::abs(a) < std::abs(b); }) - nu);
+  double length = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    first[c] = (c == least) - nu[least] * nu[c];
+    length = std::hypot(length, first[c]);
+  }
+  for (double& component : first)
+    component /= length;
+  return {first, Point{nu[1] * first[2] - nu[2] * first[1], nu[2] * first[0] - nu[0] * first[2],
+                       nu[0] * first[1] - nu[1] * first[0]}};
+}
+
+/// The nearest candidates of the same obstacle, in ascending distance.
+std::vector<Neighbour> neighbours(const contact::ContactPairs& pairs, std::size_t centre) {
+  const auto dim = static_cast<std::size_t>(pairs.dim());
+  const std::size_t most = dim == 2 ? 4 : 18; // two on either side, two rings of triangles
+  const std::vector<double>& x = pairs.points();
+  const std::array<Point, 2> along = tangents(&pairs.normals()[dim * centre], dim);
+  std::vector<Neighbour> all;
+  for (std::size_t i = 0; i < pairs.psi().size(); ++i) {
+    if (i == centre || pairs.obstacles()[i] != pairs.obstacles()[centre])
+      continue;
+    const Point r{x[3 * i] - x[3 * centre], x[3 * i + 1] - x[3 * centre + 1],
+                  x[3 * i + 2] - x[3 * centre + 2]};
+    const auto component = [&](const Point& e) {
+      return std::inner_product(r.begin(), r.end(), e.begin(), 0.0);
+    };
+    all.push_back({std::hypot(r[0], r[1], r[2]), component(along[0]), component(along[1]),
+                   pairs.psi()[i] - pairs.psi()[centre]});
+  }
+  const std::size_t count = std::min(most, all.size());
+  std::ranges::partial_sort(all, all.begin() + static_cast<std::ptrdiff_t>(count), {}, &Neighbour::distance);
+  all.resize(count);
+  return all;
+}
+
+/// The mean curvature of the gap there, 1/m, by a paraboloid of revolution, in the plane a parabola, with its
+/// lowest point anywhere, fitted by least squares; nothing where there are too few candidates. `h`: their
+/// spacing, m.
+std::optional<double> curvature(const std::vector<Neighbour>& around, double h, std::size_t dim) {
+  const std::size_t n = dim + 1;
+  std::vector<double> normal(n * n), right(n);
+  const auto add = [&](double xi, double eta, double rise) {
+    const std::array<double, 4> row{1, xi, dim == 2 ? (xi * xi) / 2 : eta, (xi * xi + eta * eta) / 2};
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j)
+        normal[n * i + j] += row[i] * row[j];
+      right[i] += row[i] * rise;
+    }
+  };
+  add(0, 0, 0);
+  for (const Neighbour& one : around)
+    add(one.xi / h, one.eta / h, one.rise);
+  if (!solve_dense(normal, right))
+    return std::nullopt;
+  return right.back() / (h * h);
+}
+
+} // namespace
+
+Spacing spacing_for(const contact::ContactPairs& pairs, int candidate, int most, double force,
+                    double modulus) {
+  const std::vector<Neighbour> around = neighbours(pairs, static_cast<std::size_t>(candidate));
+  const bool plane = pairs.dim() == 2;
+  std::size_t ring = std::min<std::size_t>(plane ? 2 : 4, around.size());
+  if (plane && ring == 2 && around[0].xi * around[1].xi > 0) // the last node of a line
+    ring = 1;
+  if (ring == 0)
+    return {pairs.diameter(), 0};
+  Spacing spacing;
+  for (std::size_t i = 0; i < ring; ++i)
+    spacing.found += around[i].distance / static_cast<double>(ring);
+  // As many nodes as now stand for an area, in the plane a length, that five should stand for: the least that
+  // a zone asks for.
+  const double share = static_cast<double>(most) / wanted,
+               finer = spacing.found * (plane ? share : std::sqrt(share));
+  const std::optional<double> bend = curvature(around, spacing.found, static_cast<std::size_t>(pairs.dim()));
+  if (bend && *bend * spacing.found > 1) // the gap opens as fast as the nodes are apart
+    return {spacing.found, 0};
+  spacing.enough = finer;
+  if (bend && *bend > 0) {
+    const double radius = plane ? std::sqrt(4 * force / (std::numbers::pi * modulus * *bend)) // Hertz
+                                : std::cbrt(3 * force / (4 * modulus * *bend));
+    // So that the ring around a node in the middle, in the plane two nodes on either side of it, is within
+    // the zone; forces on coarse meshes are too large.
+    constexpr double part = 0.7;
+    spacing.enough = std::min(finer, part * (plane ? radius / 2 : radius));
+  }
+  return spacing;
+}
+
+ContactResolution::ContactResolution(const step::Stepper& stepper, const scene::Scene& scene)
+    : stepper_(stepper), scene_(scene), zones_(scene.contacts.size()) {}
+
+void ContactResolution::observe(const trajectory::Frame& frame, const ObstacleForces& forces) {
+  for (std::size_t o = 0; o < zones_.size(); ++o) {
+    Zone& zone = zones_[o];
+    const ObstacleForce& now = forces.each()[o];
+    zone.most = std::max(zone.most, now.active);
+    const double mean = (std::exchange(zone.last, now.normal_force) + now.normal_force) / 2;
+    if (!(mean > zone.force && now.normal_force > 0))
+      continue;
+    zone.force = mean;
+    zone.time = frame.step.end;
+    double largest = 0;
+    for (std::size_t i = 0; i < frame.contact.status.size(); ++i)
+      if (stepper_.pairs()->obstacles()[i] == static_cast<int>(o) && frame.contact.lambda[i] > largest) {
+        largest = frame.contact.lambda[i];
+        zone.candidate = static_cast<int>(i);
+      }
+  }
+}
+
+std::vector<Warning> ContactResolution::warnings() const {
+  std::vector<Warning> found;
+  for (std::size_t o = 0; o < zones_.size(); ++o)
+    if (zones_[o].candidate >= 0 && zones_[o].most <= few && !whole_face(static_cast<int>(o), zones_[o]))
+      found.push_back(warning(static_cast<int>(o), zones_[o]));
+  return found;
+}
+
+bool ContactResolution::whole_face(int obstacle, const Zone& zone) const {
+  const contact::ContactPairs& pairs = *stepper_.pairs();
+  int count = 0;
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (std::size_t i = 0; i < pairs.psi().size(); ++i)
+    if (pairs.obstacles()[i] == obstacle) {
+      ++count;
+      least = std::min(least, pairs.psi()[i]);
+      most = std::max(most, pairs.psi()[i]);
+    }
+  return count > 1 && count == zone.most && most - least <= pairs.gap_tolerance();
+}
+
+Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
+  double modulus = 0;
+  for (const scene::Material& material : scene_.materials)
+    modulus = std::max(modulus, material.young / (1 - material.poisson * material.poisson));
+  const contact::ContactPairs& pairs = *stepper_.pairs();
+  const Spacing spacing = spacing_for(pairs, zone.candidate, zone.most, zone.force, modulus);
+  const double* x = &pairs.points()[3 * static_cast<std::size_t>(zone.candidate)];
+  std::string message = fmt::format(
+      "the mesh is too coarse at {} m, t = {:.6g} s: at most {} touch{} \"{}\" at once, and the force "
+      "and the motion are those of single nodes; nodes there are {:.3g} m apart",
+      point_text(x, pairs.dim()), zone.time, zone.most == 1 ? "one node" : "two nodes",
+      zone.most == 1 ? "es" : "", scene_.contacts[static_cast<std::size_t>(obstacle)].name, spacing.found);
+  if (spacing.enough > 0) {
+    const double ratio = spacing.enough / spacing.found;
+    message +=
+        fmt::format(", and five or more would touch if they were about {:.2g} m apart", spacing.enough);
+    if (scene_.mesh.size)
+      message += fmt::format(" (mesh.size = {:.2g})", *scene_.mesh.size * ratio);
+    else if (!scene_.mesh.meshed())
+      message += fmt::format(" (mesh.scale = {:.2g})", scene_.mesh.scale * ratio);
+  } else {
+    message += ", at an edge or a corner of the body, where more would touch on no mesh";
+  }
+  return {"few nodes in contact", message, spacing.found, spacing.enough};
+}
+
+} // namespace signorini::diagnostics

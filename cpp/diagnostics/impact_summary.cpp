@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "diagnostics/impact_summary.h"
+#include "diagnostics/body_figures.h"
+#include <algorithm>
+#include <cmath>
+
+namespace signorini::diagnostics {
+namespace {
+
+constexpr int least_open = 2; // steps; single ones without contact occur in rest
+
+double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
+
+std::array<double, 3> over(std::array<double, 3> x, double divisor) {
+  for (double& component : x)
+    component /= divisor;
+  return x;
+}
+
+/// Components that no clamp holds on any node. Collective.
+std::array<bool, 3> free_components(const step::Stepper& stepper) {
+  const int dim = stepper.space().dim();
+  std::array<int, 3> clamped{};
+  for (const int dof : stepper.clamped().dofs())
+    clamped[static_cast<std::size_t>(dof % dim)] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, clamped.data(), 3, MPI_INT, MPI_MAX, stepper.space().comm());
+  std::array<bool, 3> free{};
+  for (std::size_t c = 0; c < static_cast<std::size_t>(dim); ++c)
+    free[c] = clamped[c] == 0;
+  return free;
+}
+
+} // namespace
+
+ImpactSummary::ImpactSummary(const step::Stepper& stepper, const scene::Scene& scene)
+    : stepper_(stepper), free_(free_components(stepper)),
+      moving_(stepper.pairs() && stepper.pairs()->moving()),
+      last_(scene.contacts.size() + 1, Last{.open = least_open}), records_(last_.size()) {
+  const BodyFigures figures = body_figures(stepper, scene);
+  impact_.mass = figures.mass;
+  crossing_ = figures.crossing;
+  for (const scene::Contact& contact : scene.contacts)
+    impact_.obstacles.push_back({.name = contact.name});
+}
+
+void ImpactSummary::observe(const trajectory::Frame& frame, const StepBalance& balance,
+                            const ObstacleForces& forces) {
+  energy_.kinetic_at_end = balance.kinetic_energy;
+  energy_.elastic_at_end = balance.elastic_energy;
+  const std::array<double, 3> before = std::exchange(momentum_, balance.momentum);
+  const auto note_gap = [t = frame.step.end](const ObstacleForce& now, Touch& touch) {
+    if (now.min_gap < touch.least_gap) {
+      touch.least_gap = now.min_gap;
+      touch.least_gap_time = t;
+    }
+  };
+  for (std::size_t i = 0; i < impact_.obstacles.size(); ++i)
+    note_gap(forces.each()[i], impact_.obstacles[i]);
+  note_gap(forces.all(), impact_.all);
+  if (frame.step.k == 0) {
+    energy_.kinetic_at_start = balance.kinetic_energy;
+    energy_.elastic_at_start = balance.elastic_energy;
+    return;
+  }
+  energy_.load_work += balance.load_work;
+  energy_.other_work += balance.external_work - balance.load_work;
+  energy_.contact_work += balance.contact_work;
+  energy_.viscous_dissipation += balance.viscous_dissipation;
+  energy_.residual += balance.energy_residual;
+  if (impact_.obstacles.empty())
+    return;
+  const bool pushed = forces.all().normal_force > 0;
+  if (pushed)
+    rebound(frame, forces.all(), before, balance.momentum);
+  open_steps_ = pushed || forces.all().active > 0 ? 0 : open_steps_ + 1;
+  parted_ = !pushed && (parted_ || open_steps_ >= least_open);
+  for (std::size_t i = 0; i < forces.each().size(); ++i)
+    take(frame, forces.each()[i], impact_.obstacles[i], last_[i]);
+  take(frame, forces.all(), impact_.all, last_.back());
+  for (std::size_t i = 0; i < records_.size(); ++i)
+    records_[i].add(frame.step.end, last_[i].normal_force);
+}
+
+void ImpactSummary::rebound(const trajectory::Frame& frame, const ObstacleForce& now,
+                            const std::array<double, 3>& before, const std::array<double, 3>& after) {
+  const auto begun = [&] { return Rebound{.start = frame.step.begin, .before = over(before, impact_.mass)}; };
+  if (touches_.empty())
+    impact_.whole = begun();
+  if (parted_) { // before a step that closes a gap without a force, too
+    impulse_ = impact_.whole.impulse;
+    touches_.push_back(begun());
+  }
+  Rebound& touch = touches_.back();
+  for (Rebound* one : {&impact_.whole, &touch}) {
+    one->end = frame.step.end;
+    one->after = over(after, impact_.mass);
+    one->impulse = now.impulse;
+  }
+  for (std::size_t c = 0; c < 3; ++c)
+    touch.impulse[c] -= impulse_[c];
+  const double mean = (last_.back().normal_force + now.normal_force) / 2;
+  touch.peak = std::max(touch.peak, mean);
+  impact_.whole.peak = std::max(impact_.whole.peak, mean);
+}
+
+void ImpactSummary::take(const trajectory::Frame& frame, const ObstacleForce& now, Touch& touch,
+                         Last& last) const {
+  const double tau = frame.step.tau, earlier = frame.step.begin;
+  std::array<double, 3> mean{};
+  for (std::size_t c = 0; c < 3; ++c)
+    mean[c] = (last.force[c] + now.force[c]) / 2;
+  if (now.normal_force > 0 && last.open >= least_open)
+    last.begun = earlier;
+  last.open = now.normal_force > 0 ? 0 : last.open + 1;
+  touch.peak = std::max(touch.peak, length(mean));
+  if (const double normal = (last.normal_force + now.normal_force) / 2; normal > touch.normal_peak) {
+    touch.normal_peak = normal;
+    touch.peak_time = earlier;
+    touch.peak_at_onset = earlier <= last.begun + crossing_;
+  }
+  touch.largest_step = std::max(touch.largest_step, now.normal_force);
+  last.force = now.force;
+  last.normal_force = now.normal_force;
+  touch.impulse = now.impulse;
+  touch.normal_impulse += tau * now.normal_force;
+  if (!(now.normal_force > 0))
+    return;
+  if (!touch.occurred())
+    touch.start = earlier;
+  touch.end = frame.step.end;
+  touch.contact_time += tau;
+}
+
+std::optional<Impact> ImpactSummary::impact() const {
+  if (impact_.obstacles.empty())
+    return std::nullopt;
+  Impact impact = impact_;
+  const auto sum_up = [&](const trajectory::ImpulseRecord& record, Touch& touch) {
+    touch.impulse_duration = record.duration();
+    const trajectory::ImpulseRecord::Mean most =
+        record.largest_mean(trajectory::sustained * stepper_.wave_time());
+    touch.sustained_over = most.over;
+    touch.sustained_peak = most.force;
+  };
+  for (std::size_t i = 0; i < impact.obstacles.size(); ++i)
+    sum_up(records_[i], impact.obstacles[i]);
+  sum_up(records_.back(), impact.all);
+  impact.ended = open_steps_ >= least_open;
+  impact.no_restitution = unfit();
+  impact.whole.touches = static_cast<int>(touches_.size());
+  impact.bounces = bounces();
+  if (!impact.no_restitution.empty())
+    return impact;
+  for (Rebound& bounce : impact.bounces)
+    if (&bounce != &impact.bounces.back() || impact.ended)
+      bounce.restitution = restitution(bounce);
+  if (!impact.ended)
+    impact.no_restitution = "contact has not ended";
+  else if (impact.whole.restitution = restitution(impact.whole); !impact.whole.restitution)
+    impact.no_restitution = along(impact.whole.before, impact.whole.impulse) < 0
+                                ? "the body still comes nearer"
+                                : "the body did not come nearer before";
+  return impact;
+}
+
+bool Impact::begins(double t, double crossing) const {
+  return std::ranges::any_of(bounces,
+                             [&](const Rebound& one) { return one.start <= t && t <= one.start + crossing; });
+}
+
+std::vector<Rebound> ImpactSummary::bounces() const {
+  const bool fit = unfit().empty();
+  std::vector<Rebound> all;
+  for (const Rebound& touch : touches_) {
+    all.push_back(touch);
+    while (all.size() > 1 && one_bounce(all[all.size() - 2], all.back(), fit)) {
+      const Rebound last = all.back();
+      all.pop_back();
+      Rebound& bounce = all.back();
+      bounce.end = last.end;
+      bounce.after = last.after;
+      bounce.touches += last.touches;
+      bounce.peak = std::max(bounce.peak, last.peak);
+      for (std::size_t c = 0; c < 3; ++c)
+        bounce.impulse[c] += last.impulse[c];
+    }
+  }
+  return all;
+}
+
+bool ImpactSummary::one_bounce(const Rebound& first, const Rebound& second, bool fit) const {
+  constexpr double brief = 0.5; // of the shorter one: a body at rest after a bounce is in contact for long
+  const double pause = second.start - first.end,
+               shorter = std::min(first.end - first.start, second.end - second.start);
+  return pause <= std::max(brief * shorter, 2 * crossing_) || (fit && along(first.after, first.impulse) <= 0);
+}
+
+double ImpactSummary::along(const std::array<double, 3>& velocity,
+                            const std::array<double, 3>& impulse) const {
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c)
+    if (free_[c])
+      sum += velocity[c] * impulse[c];
+  return sum;
+}
+
+std::optional<double> ImpactSummary::restitution(const Rebound& rebound) const {
+  const double towards = along(rebound.before, rebound.impulse), away = along(rebound.after, rebound.impulse);
+  if (!(towards < 0 && away > 0)) // a body that still comes nearer is about to touch again
+    return std::nullopt;
+  return -away / towards;
+}
+
+std::string ImpactSummary::unfit() const {
+  if (!impact_.all.occurred())
+    return "nothing was touched";
+  constexpr double rounding = 1e-12;
+  if (const std::array<double, 3>& J = impact_.whole.impulse; along(J, J) <= rounding * length(J) * length(J))
+    return "clamps hold the body against the obstacle";
+  if (moving_)
+    return "an obstacle moves";
+  return std::ranges::count_if(impact_.obstacles, &Touch::occurred) > 1 ? "several obstacles were touched"
+                                                                        : "";
+}
+
+} // namespace signorini::diagnostics

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/error.h"
+#include "diagnostics/balance.h"
+#include "fem/deformation.h"
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace signorini::diagnostics {
+
+/// Checks whether a motion is within the model's assumptions: small strain, obstacles linearised about the
+/// undeformed body, one body. The model gives an answer for any other motion too, and no solver notices. A
+/// few frames are checked, outside of the steps: the first in each of `looks` equal parts of the time, the
+/// last, and that of the largest elastic energy, if energies are given.
+class Plausibility {
+public:
+  /// Parts of the time.
+  static constexpr int looks = 16;
+
+  /// Collective. The references must outlive this object.
+  Plausibility(const step::Stepper& stepper, const scene::Scene& scene);
+
+  /// Observes the frame that follows the last one, from frame 0 on; `balance` is null if it is not known.
+  /// Collective.
+  void observe(const trajectory::Frame& frame, const StepBalance* balance);
+
+  /// The warnings at the end of a motion: one of each kind, of the mesh one for each contact table concerned.
+  /// Collective.
+  [[nodiscard]] std::vector<Warning> warnings();
+
+private:
+  /// The largest value of a kind so far, whether or not it is above the limit, with its time and place, and
+  /// the first time that is looked at at which it was above.
+  struct Worst {
+    double value = 0, time = 0;
+    std::array<double, 3> at{};
+    double passed = std::numeric_limits<double>::infinity();
+  };
+
+  /// `t`: time of the state, s.
+  void look(Vec y, double t);
+  void look_at_contact(Vec y, double t);
+  void add_of_mesh(std::vector<Warning>& warnings) const;
+  [[nodiscard]] std::string where(const Worst& worst) const;
+  [[nodiscard]] static std::string since(const Worst& worst);
+
+  const step::Stepper& stepper_;
+  const scene::Scene& scene_;
+  int looked_ = 0;         ///< parts of the time of which a frame has been checked
+  petsc::Vector strained_; ///< y at the largest elastic energy so far
+  double energy_ = 0;
+  double strained_at_ = -1; ///< s; < 0: never
+  Worst strain_, rotation_, inverted_, slip_, gap_;
+  std::vector<double> gaps_; ///< (m)
+  std::optional<contact::ContactPairs::Gaps> psi_;
+};
+
+} // namespace signorini::diagnostics

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "diagnostics/probes.h"
+#include "base/error.h"
+#include "linalg/dense.h"
+#include <algorithm>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace signorini::diagnostics {
+using petsc::check;
+
+namespace {
+
+constexpr const char* axes[] = {"x", "y", "z"};
+
+std::string key_of(std::size_t probe) { return fmt::format("output.probe[{}]", probe); }
+
+/// A field of V given by its values at nodes. `at(x, value)` sets the value (dim) at the point x (3).
+template <class At>
+petsc::Vector field(const fem::Space& space, At&& at) {
+  petsc::Vector result = space.vector();
+  const petsc::WriteArray values(result);
+  const auto dim = static_cast<std::size_t>(space.dim());
+  for (std::size_t node = 0; node < static_cast<std::size_t>(space.owned_nodes()); ++node)
+    at(&space.points()[3 * node], &values[dim * node]);
+  return result;
+}
+
+petsc::Vector translation(const fem::Space& space, std::size_t component) {
+  return field(space, [&](const double*, double* value) { value[component] = 1; });
+}
+
+/// The unit infinitesimal rotation about an axis (0 to 2; in the plane 2) through `centre`.
+petsc::Vector rotation(const fem::Space& space, std::size_t axis, const std::vector<double>& centre) {
+  const std::size_t first = (axis + 1) % 3, second = (axis + 2) % 3;
+  return field(space, [&](const double* x, double* value) { // e × (x − centre)
+    const auto arm = [&](std::size_t c) { return x[c] - centre[c]; };
+    if (second < static_cast<std::size_t>(space.dim()))
+      value[second] = arm(first);
+    if (first < static_cast<std::size_t>(space.dim()))
+      value[first] = -arm(second);
+  });
+}
+
+petsc::Vector product(Mat matrix, Vec x) {
+  petsc::Vector result = petsc::zero_like(x);
+  check(MatMult(matrix, x, result));
+  return result;
+}
+
+} // namespace
+
+Probes::Probes(const step::Stepper& stepper, const scene::Scene& scene)
+    : stepper_(stepper), dim_(static_cast<std::size_t>(stepper.space().dim())) {
+  const std::vector<scene::Probe>& probes = scene.output.probes;
+  find_points(probes);
+  for (std::size_t i = 0, points = 0; i < probes.size(); ++i) {
+    const scene::Probe& probe = probes[i];
+    if (probe.point)
+      add_point(probe.name, points++);
+    if (probe.on)
+      add_group(probe.name, *probe.on, key_of(i) + ".on");
+    if (probe.body)
+      add_body(probe.name);
+    if (probe.obstacle) {
+      const auto named = std::ranges::find(scene.contacts, *probe.obstacle, &scene::Contact::name);
+      add_obstacle(probe.name, static_cast<std::size_t>(named - scene.contacts.begin()));
+    }
+  }
+}
+
+void Probes::add(const std::string& probe, const std::string& quantity, const Value& value) {
+  names_.push_back(probe + "." + quantity);
+  values_.push_back(value);
+}
+
+template <class Make>
+void Probes::add_vector(const std::string& probe, const std::string& quantity, Make&& make) {
+  for (std::size_t c = 0; c < dim_; ++c)
+    add(probe, fmt::format("{}_{}", quantity, axes[c]), make(c));
+}
+
+void Probes::find_points(const std::vector<scene::Probe>& probes) {
+  std::vector<double> points;
+  std::vector<std::size_t> which;
+  for (std::size_t i = 0; i < probes.size(); ++i)
+    if (probes[i].point) {
+      points.insert(points.end(), probes[i].point->begin(), probes[i].point->end());
+      which.push_back(i);
+      points.resize(3 * which.size());
+    }
+  if (which.empty())
+    return;
+  sampler_.emplace(stepper_.space(), points);
+  // Between the chords of a coarse mesh and a curved boundary there is room for a point of the body.
+  const double outside = 0.01 * stepper_.space().mesh().diameter();
+  for (std::size_t j = 0; j < which.size(); ++j)
+    if (const double distance = sampler_->distances()[j]; distance > outside)
+      throw UserError(
+          fmt::format("{}.point: found ({:.6g}), which is {:.4g} m outside of the body, allowed are "
+                      "points of the undeformed body",
+                      key_of(which[j]), fmt::join(*probes[which[j]].point, ", "), distance));
+}
+
+void Probes::add_point(const std::string& probe, std::size_t number) {
+  for (const Of of : {Of::displacement, Of::velocity})
+    add_vector(probe, of == Of::displacement ? "displacement" : "velocity",
+               [&](std::size_t c) { return AtPoint{dim_ * number + c, of}; });
+}
+
+void Probes::add_obstacle(const std::string& probe, std::size_t obstacle) {
+  for (const bool impulse : {false, true})
+    add_vector(probe, impulse ? "impulse" : "force",
+               [&](std::size_t c) { return OfObstacle{obstacle, c, impulse}; });
+}
+
+void Probes::add_group(const std::string& probe, const std::string& group, const std::string& key) {
+  const fem::Space& space = stepper_.space();
+  const petsc::Matrix L2 = fem::assemble_L2(space, group, key);
+  const std::size_t first = weights_.size();
+  for (std::size_t c = 0; c < dim_; ++c) {
+    const petsc::Vector e = translation(space, c);
+    weights_.push_back(product(L2, e));
+    check(VecScale(weights_.back(), 1 / petsc::dot(e, weights_.back())));
+  }
+  add_vector(probe, "displacement", [&](std::size_t c) { return Linear{first + c, Of::displacement}; });
+  add_vector(probe, "velocity", [&](std::size_t c) { return Linear{first + c, Of::velocity}; });
+  if (space.mesh().group_dimension(group, key) < space.dim())
+    add_reaction(probe, group, key);
+}
+
+void Probes::add_reaction(const std::string& probe, const std::string& group, const std::string& key) {
+  const fem::Space& space = stepper_.space();
+  const std::size_t first = weights_.size();
+  const std::vector<int> nodes = space.nodes_on(group, key);
+  long held = 0;
+  for (std::size_t c = 0; c < dim_; ++c) {
+    weights_.push_back(space.vector());
+    const petsc::WriteArray values(weights_.back());
+    for (const int node : nodes)
+      if (stepper_.clamped().contains(node, static_cast<int>(c))) {
+        values[dim_ * static_cast<std::size_t>(node) + c] = 1;
+        ++held;
+      }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &held, 1, MPI_LONG, MPI_SUM, space.comm());
+  if (held == 0) {
+    weights_.resize(first);
+    return;
+  }
+  reactions_ = true;
+  add_vector(probe, "reaction", [&](std::size_t c) { return Linear{first + c, Of::reaction}; });
+}
+
+void Probes::add_body(const std::string& probe) {
+  const fem::Space& space = stepper_.space();
+  const petsc::Vector places =
+      field(space, [&](const double* x, double* value) { std::copy_n(x, dim_, value); });
+  const std::size_t first = weights_.size();
+  std::vector<double> centre(3);
+  double mass = 0;
+  for (std::size_t c = 0; c < dim_; ++c) {
+    const petsc::Vector e = translation(space, c);
+    weights_.push_back(product(stepper_.M(), e));
+    mass = petsc::dot(e, weights_.back());
+    check(VecScale(weights_.back(), 1 / mass));
+    centre[c] = petsc::dot(weights_.back(), places);
+  }
+  add_vector(probe, "center",
+             [&](std::size_t c) { return Linear{first + c, Of::displacement, 1, centre[c]}; });
+  add_vector(probe, "momentum", [&](std::size_t c) { return Linear{first + c, Of::velocity, mass}; });
+  add_rotation(probe, centre);
+}
+
+void Probes::add_rotation(const std::string& probe, const std::vector<double>& centre) {
+  const std::size_t first = weights_.size(), count = dim_ == 2 ? 1 : 3;
+  std::vector<petsc::Vector> moments; // M r for the unit rotations r
+  std::vector<double> inertia(count * count);
+  for (std::size_t a = 0; a < count; ++a) {
+    const petsc::Vector r = rotation(stepper_.space(), dim_ == 2 ? 2 : a, centre);
+    moments.push_back(product(stepper_.M(), r));
+    for (std::size_t b = 0; b <= a; ++b)
+      inertia[a * count + b] = inertia[b * count + a] = petsc::dot(r, moments[b]);
+  }
+  if (factorise_dense(inertia, count) != 0 || invert_factorised(inertia, count) != 0)
+    throw SolverFailure("the moments of inertia of the body are not positive");
+  for (std::size_t a = 0; a < count; ++a) {
+    weights_.push_back(stepper_.space().vector());
+    for (std::size_t b = 0; b < count; ++b)
+      check(VecAXPY(weights_.back(), inertia[a * count + b], moments[b]));
+    add(probe, count == 1 ? "rotation" : fmt::format("rotation_{}", axes[a]),
+        Linear{first + a, Of::displacement});
+  }
+}
+
+void Probes::add_values(const trajectory::Frame& frame, const ObstacleForces& forces, Vec reactions,
+                        std::vector<double>& values) const {
+  std::vector<double> displacement, velocity;
+  if (sampler_) {
+    displacement = (*sampler_)(frame.after.y());
+    velocity = (*sampler_)(frame.after.v());
+  }
+  for (const Value& value : values_) {
+    if (const auto* linear = std::get_if<Linear>(&value)) {
+      const Vec x = linear->of == Of::displacement ? frame.after.y()
+                    : linear->of == Of::velocity   ? frame.after.v()
+                                                   : reactions;
+      values.push_back(linear->factor * petsc::dot(weights_[linear->weights], x) + linear->offset);
+    } else if (const auto* point = std::get_if<AtPoint>(&value)) {
+      values.push_back((point->of == Of::displacement ? displacement : velocity)[point->entry]);
+    } else {
+      const auto& of = std::get<OfObstacle>(value);
+      const ObstacleForce& one = forces.each()[of.obstacle];
+      values.push_back((of.impulse ? one.impulse : one.force)[of.component]);
+    }
+  }
+}
+
+} // namespace signorini::diagnostics

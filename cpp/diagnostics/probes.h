@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "diagnostics/obstacle_forces.h"
+#include "fem/sampler.h"
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace signorini::diagnostics {
+
+/// What a scene follows over time, [[output.probe]]: displacement and velocity at a point or as a mean over a
+/// group, with the reaction of its clamps; force and impulse of an obstacle; centre of mass, momentum and
+/// mean rotation of the body, which is that of the rigid motion next to y in the norm of the mass.
+class Probes {
+public:
+  /// Collective. The references must outlive this object. Throws UserError if a point is outside of the body,
+  /// or if there is no group of that name.
+  Probes(const step::Stepper& stepper, const scene::Scene& scene);
+
+  /// Names of the values, `<name of the probe>.<quantity>`, in SI units.
+  [[nodiscard]] const std::vector<std::string>& columns() const { return names_; }
+
+  /// Whether a probe needs the reactions of the clamps.
+  [[nodiscard]] bool need_reactions() const { return reactions_; }
+
+  /// Appends the values of a frame. `reactions`: forces of the clamps (Balance); null if not needed.
+  /// Collective.
+  void add_values(const trajectory::Frame& frame, const ObstacleForces& forces, Vec reactions,
+                  std::vector<double>& values) const;
+
+private:
+  enum class Of { displacement, velocity, reaction };
+  /// factor · (weights · x) + offset.
+  struct Linear {
+    std::size_t weights; ///< number of the vector
+    Of of;
+    double factor = 1, offset = 0;
+  };
+  struct AtPoint {
+    std::size_t entry; ///< of the sampler's values
+    Of of;
+  };
+  struct OfObstacle {
+    std::size_t obstacle, component;
+    bool impulse;
+  };
+  using Value = std::variant<Linear, AtPoint, OfObstacle>;
+
+  void add(const std::string& probe, const std::string& quantity, const Value& value);
+  /// Adds a value for each component; `make(c)` gives it.
+  template <class Make>
+  void add_vector(const std::string& probe, const std::string& quantity, Make&& make);
+  /// Makes the sampler of all points.
+  void find_points(const std::vector<scene::Probe>& probes);
+  /// `number`: of the point among all.
+  void add_point(const std::string& probe, std::size_t number);
+  void add_obstacle(const std::string& probe, std::size_t obstacle);
+  void add_group(const std::string& probe, const std::string& group, const std::string& key);
+  void add_reaction(const std::string& probe, const std::string& group, const std::string& key);
+  void add_body(const std::string& probe);
+  void add_rotation(const std::string& probe, const std::vector<double>& centre);
+
+  const step::Stepper& stepper_;
+  std::size_t dim_;
+  std::vector<std::string> names_;
+  std::vector<Value> values_;
+  std::vector<petsc::Vector> weights_;
+  std::optional<fem::Sampler> sampler_;
+  bool reactions_ = false;
+};
+
+} // namespace signorini::diagnostics

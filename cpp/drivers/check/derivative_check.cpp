@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "drivers/check/derivative_check.h"
+#include "base/error.h"
+#include "base/fit.h"
+#include "diagnostics/chatter.h"
+#include "drivers/check/evaluation_point.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <iterator>
+#include <limits>
+
+namespace signorini::drivers {
+using petsc::check;
+
+CheckRow below(const std::string& name, double value, double limit) {
+  return {name, fmt::format("{:.2e}", value), "<= " + fmt::format("{:.0e}", limit), value <= limit};
+}
+
+namespace {
+
+/// The number of candidates in exactly one of two ascending sets.
+int apart(const contact::ActiveSet& a, const contact::ActiveSet& b) {
+  contact::ActiveSet difference;
+  std::ranges::set_symmetric_difference(a, b, std::back_inserter(difference));
+  return static_cast<int>(difference.size());
+}
+
+} // namespace
+
+Switches switches(const ContactHistory& a, const ContactHistory& b) {
+  Switches sum;
+  for (std::size_t k = 1; k < std::min(a.size(), b.size()); ++k) {
+    const int here = apart(a[k].active, b[k].active) + apart(a[k].predictor, b[k].predictor);
+    sum.steps += here > 0;
+    sum.candidates += here;
+  }
+  return sum;
+}
+
+namespace {
+
+/// Smooth duals of the states, not proportional to a derivative of J.
+class Waves final : public step::StateDuals {
+public:
+  explicit Waves(const control::ControlSpace& controls)
+      : space_(controls.space()), steps_(controls.steps()), shape_(space_.vector()) {}
+  [[nodiscard]] bool has_density() const override { return false; }
+  [[nodiscard]] bool has_vector() const override { return true; }
+  void add(const step::TimeStep& step, step::StateDual sum) const override {
+    check(VecAXPY(sum.vector, 1, at(step.k)));
+  }
+
+  /// Valid until the next call.
+  [[nodiscard]] Vec at(int k) const {
+    wave(space_, space_.points(), fem::component_numbers({}, space_.dim()), static_cast<double>(k) / steps_,
+         1, petsc::WriteArray(shape_));
+    return shape_;
+  }
+
+private:
+  const fem::Space& space_;
+  int steps_;
+  petsc::Vector shape_;
+};
+
+class DerivativeCheck {
+public:
+  DerivativeCheck(control::ReducedProblem& problem, const control::Control& u, double solver_tolerance,
+                  const Console& console)
+      : problem_(problem), controls_(problem.controls()), u_(u), d_(wave(controls_, 0)),
+        solver_tolerance_(solver_tolerance), console_(console) {
+    // A direction as long as the control itself makes ε a relative size.
+    const double size = controls_.norm(u);
+    d_.scale((size > 0 ? size : 1) / controls_.norm(d_));
+    settle(u_);
+    cancellation_ = cancellation();
+  }
+
+  void run(std::vector<CheckRow>& rows) {
+    rows.push_back(below("transpose identity <S'd, w> = <d, S'*w>", transpose_defect(), sweeps_leave()));
+    if (const int weak = weak_candidates(); weak > 0) {
+      console_.line(
+          fmt::format("Contact is weak {} times, a node at one step counting once: closed, "
+                      "but without force, so that J may have a kink here, and slopes to one side alone.",
+                      weak));
+      const double plus = slope(Side::plus, rows);
+      kink(plus, slope(Side::minus, rows));
+      return;
+    }
+    const double derivative = slope(Side::both, rows);
+    hessian(rows);
+    settle(u_);
+    if (contact_occurs())
+      judge(derivative);
+  }
+
+  /// What to change, if anything.
+  [[nodiscard]] const std::string& advice() const { return advice_; }
+
+private:
+  void settle(const control::Control& u) {
+    objective_ = problem_.value(u);
+    problem_.accept();
+  }
+
+  [[nodiscard]] control::Control moved(double epsilon) const {
+    control::Control u = u_;
+    u.add(epsilon, d_);
+    return u;
+  }
+
+  double transpose_defect() {
+    const Waves waves(controls_);
+    petsc::Pairing forward;
+    problem_.linearised(d_, [&](int k, Vec dy) { forward.add(dy, waves.at(k)); });
+    return forward.defect(controls_.product(problem_.adjoint({controls_.space(), waves}), d_));
+  }
+
+  /// The sides of u on which J is compared with its slope; J is smooth there up to u.
+  enum class Side { both, plus, minus };
+
+  /// Relative difference allowed between a sweep and its transpose: rounding, and a few times the tolerance
+  /// of an iterative solver in each step.
+  [[nodiscard]] double sweeps_leave() const { return 1e-12 + 10 * controls_.steps() * solver_tolerance_; }
+  /// Relative error of J or of a gradient: the rounding of N steps adds up like √N. A step costs up to 80
+  /// epsilon (a flat bar without viscosity in contact); about ten times that is allowed. y − y_d has the
+  /// rounding of y.
+  [[nodiscard]] double rounding() const {
+    return cancellation_ * std::sqrt(static_cast<double>(controls_.steps())) *
+           (1000 * std::numeric_limits<double>::epsilon() + 10 * solver_tolerance_);
+  }
+
+  /// ‖y‖ / ‖y − y_d‖ in L2(0,T; L2) of the set that is observed, at least 1: the amplification of rounding in
+  /// y − y_d.
+  double cancellation() {
+    double motion = 0, error = 0;
+    for (int k = 1; k <= controls_.steps(); ++k) {
+      const double norm = problem_.objective().norm(problem_.trajectory().at(k).y());
+      motion += norm * norm;
+      error += problem_.squared_distances()[static_cast<std::size_t>(k)];
+    }
+    return error > 0 ? std::max(1.0, std::sqrt(motion / error)) : 1;
+  }
+
+  /// Compares J's slope along d, or to one side, by the linearised motion with that by the gradient and with
+  /// differences of J; returns it.
+  double slope(Side side, std::vector<CheckRow>& rows) {
+    control::Control direction = d_;
+    direction.scale(side == Side::minus ? -1 : 1);
+    const control::ReducedProblem::OneSided found = problem_.one_sided_slope(direction);
+    const std::string along = side == Side::both ? "" : side == Side::plus ? " along +d" : " along -d";
+    if (side != Side::both)
+      console_.line(fmt::format("Slope of J{}: {:.6e}.", along, found.by_motion.value));
+    rows.push_back(below(fmt::format("slope{}: gradient against linearised motion", along),
+                         found.by_motion.defect(found.by_gradient), sweeps_leave()));
+    taylor(side, along, found, rows);
+    return found.by_motion.value;
+  }
+
+  void taylor(Side side, const std::string& along, const control::ReducedProblem::OneSided& found,
+              std::vector<CheckRow>& rows) {
+    constexpr double clear =
+        20; // then the smallest remainder is right to 5 %, an order over one decade to 0.02
+    const double sign = side == Side::minus ? -1 : 1, floor = clear * rounding() * std::abs(objective_);
+    console_.line(fmt::format("Taylor remainders |J(u + eps d) - J(u) - eps <g, d>|{}, |d| = {}:\n"
+                              "       eps    remainder   order  active sets",
+                              along, controls_.norm(u_) > 0 ? "|u|" : "1, since u = 0"));
+    std::vector<std::pair<double, double>> usable;
+    double last = 0, within = 0;
+    constexpr int sizes = 8;
+    for (int j = 0; j < sizes; ++j) {
+      const double epsilon = epsilon_of(j);
+      const double remainder =
+          std::abs(problem_.value(moved(sign * epsilon)) - objective_ - epsilon * found.by_motion.value);
+      const Switches changed = switches(found.contact, problem_.trial_trajectory().contact());
+      const bool kept = changed.steps == 0;
+      console_.line(fmt::format(
+          "  {:8.1e}   {:10.3e}  {:>6}  {}{}", epsilon, remainder,
+          j > 0 ? fmt::format("{:.2f}", std::log(last / remainder) / std::log(std::sqrt(10))) : "",
+          kept ? "kept" : fmt::format("{} changes in {} steps", changed.candidates, changed.steps),
+          remainder > floor ? "" : ", rounding"));
+      last = remainder;
+      if (kept && remainder > floor)
+        usable.emplace_back(epsilon, remainder);
+      if (kept && within == 0 && (side != Side::both || same_sets_at(-epsilon, found.contact)))
+        within = epsilon;
+    }
+    if (within == 0)
+      within = invariance_radius(side, found.contact, epsilon_of(sizes));
+    kept_size_ = within;
+    const std::string difference = fmt::format("slope{} against differences of J", along);
+    if (usable.size() >= 3) {
+      const double p = log_log_slope(usable);
+      rows.push_back(
+          {"Taylor order" + along, fmt::format("{:.3f}", p), "2.00 +- 0.05", std::abs(p - 2) <= 0.05});
+    } else if (within == 0) {
+      rows.push_back({difference, "no size keeps the active sets", "a size that keeps them", false});
+    } else {
+      const Fit fit = fitted(side, within);
+      rows.push_back(beyond_rounding(difference, std::abs(fit.slope / found.by_motion.value - 1),
+                                     fit.rounding / std::abs(found.by_motion.value)));
+    }
+  }
+
+  struct Fit {
+    double slope, rounding;
+  };
+
+  /// J's slope at u by a parabola fitted to nine evenly spaced values within `within`, where the active sets
+  /// are unchanged and J is a parabola up to rounding. The residuals give the rounding of the values, and
+  /// that the error of the slope.
+  Fit fitted(Side side, double within) {
+    constexpr int half = 4;
+    constexpr double squares = 60, mean_square = 20.0 / 3,
+                     spread = 308;                    // Σ t², its mean, Σ (t² − mean)² over t = −4…4
+    const int start = side == Side::both ? 0 : -half; // where u is
+    const double spacing = (side == Side::minus ? -within : within) / (half - start);
+    std::array<double, 2 * half + 1> J{};
+    double mean = 0, linear = 0, quadratic = 0;
+    for (int t = -half; t <= half; ++t) {
+      double& value = J[static_cast<std::size_t>(t + half)];
+      value = t == start ? 0 : problem_.value(moved((t - start) * spacing)) - objective_;
+      mean += value / static_cast<double>(J.size());
+      linear += t * value / squares;
+      quadratic += (t * t - mean_square) * value / spread;
+    }
+    double off = std::numeric_limits<double>::epsilon() * std::abs(objective_), weights = 0;
+    for (int t = -half; t <= half; ++t) {
+      off = std::max(off, std::abs(J[static_cast<std::size_t>(t + half)] - mean - t * linear -
+                                   (t * t - mean_square) * quadratic));
+      weights += std::abs(t / squares + 2 * start * (t * t - mean_square) / spread);
+    }
+    // The fit absorbs a third of the values' rounding (three of nine degrees of freedom): hence the factor 2.
+    // Residuals above rounding() have other causes and must not widen the tolerance.
+    const double each = std::min(2 * off, rounding() * std::abs(objective_));
+    return {(linear + 2 * start * quadratic) / std::abs(spacing), weights * each / std::abs(spacing)};
+  }
+
+  /// Candidates in weak contact, over all steps.
+  [[nodiscard]] int weak_candidates() const {
+    int weak = 0;
+    for (const contact::ContactLinearisation& state : problem_.trajectory().contact())
+      weak += static_cast<int>(state.weak.size());
+    return weak;
+  }
+
+  void kink(double plus, double minus) {
+    const double kink = std::abs(plus + minus) / std::max(std::abs(plus), std::abs(minus));
+    constexpr double smooth = 1e-9;
+    console_.line(
+        kink > smooth
+            ? fmt::format("Verdict: a kink along d, whose slopes differ by {:.3g} %; no gradient tells both.",
+                          100 * kink)
+            : std::string("Verdict: no kink along d."));
+  }
+
+  bool same_sets_at(double epsilon, const ContactHistory& contact) {
+    problem_.simulate(moved(epsilon));
+    return switches(contact, problem_.trial_trajectory().contact()).steps == 0;
+  }
+
+  [[nodiscard]] bool contact_occurs() const {
+    return std::ranges::any_of(
+        problem_.trajectory().contact(),
+        [](const contact::ContactLinearisation& state) { return !state.active.empty(); });
+  }
+
+  static double epsilon_of(int j) { return std::pow(10, -2 - 0.5 * j); }
+
+  /// The largest of `from` · 10^(−j/2), j = 0, 1, …, at which the active sets are these, on the sides
+  /// compared; 0 if there is none above rounding.
+  double invariance_radius(Side side, const ContactHistory& contact, double from) {
+    constexpr double rounding = 1e-12;
+    for (double epsilon = from; epsilon > rounding; epsilon /= std::sqrt(10))
+      if ((side == Side::minus || same_sets_at(epsilon, contact)) &&
+          (side == Side::plus || same_sets_at(-epsilon, contact)))
+        return epsilon;
+    return 0;
+  }
+
+  /// A row for a difference quotient, which holds up to its error by rounding.
+  static CheckRow beyond_rounding(const std::string& name, double value, double rounding) {
+    constexpr double useless = 1e-3;
+    if (rounding > useless)
+      return {name, "lost in rounding", "sets kept within more", false};
+    return below(name, value, rounding);
+  }
+
+  /// Prints how far the derivative can be trusted: it is exact as long as no active set changes, and useful
+  /// only if changes of the control of relevant size see the same slope.
+  void judge(double slope) {
+    constexpr double macroscopic = 0.1, alike = 0.05, narrow = 1e-6;
+    const double above = problem_.value(moved(macroscopic));
+    const int changed =
+        switches(problem_.trajectory().contact(), problem_.trial_trajectory().contact()).candidates;
+    const double secant = (above - problem_.value(moved(-macroscopic))) / (2 * macroscopic);
+    const double off = std::abs(secant - slope) / std::max(std::abs(secant), std::abs(slope));
+    const double radius = kept_size_;
+    const trajectory::Margins margin = problem_.trajectory().margins();
+    console_.line(fmt::format(
+        "Active sets are kept within {:.1e} of the control; least force on a closed candidate {:.1e} of the "
+        "largest, least gap of an open one {:.1e} m.\nThe derivative along d is {:.6e}; over +- {} d, with "
+        "{} "
+        "changes of the sets, J has the slope {:.6e}.",
+        radius, margin.force(), margin.gap, slope, macroscopic, changed, secant));
+    if (off <= alike) {
+      console_.line(radius > narrow
+                        ? "Verdict: exact, and what larger changes of the control see."
+                        : fmt::format("Verdict: exact, but valid only within {:.1e}: the contact chatters; "
+                                      "larger changes of the control see the same slope, though.",
+                                      radius));
+      return;
+    }
+    advice_ = diagnostics::calmer_contact(problem_.stepper());
+    console_.line(fmt::format("Verdict: exact, but valid only within {:.1e}: {}, and larger changes of the "
+                              "control see a slope that differs by {:.0f} %; {}.",
+                              radius, radius > narrow ? "beyond it contact changes" : "the contact chatters",
+                              100 * off, advice_));
+  }
+
+  void hessian(std::vector<CheckRow>& rows) {
+    const std::string name = "Hessian product against differences of gradients";
+    if (kept_size_ == 0) {
+      rows.push_back({name, "no size keeps the active sets", "a size that keeps them", false});
+      return;
+    }
+    const control::Control h = problem_.l2_hessian_product(d_);
+    const double size = controls_.norm(h), gradient = controls_.norm(problem_.l2_gradient());
+    // While the active sets are unchanged, gradients are affine along d.
+    settle(moved(kept_size_));
+    control::Control off = problem_.l2_gradient();
+    settle(moved(-kept_size_));
+    off.add(-1, problem_.l2_gradient());
+    off.scale(1 / (2 * kept_size_));
+    off.add(-1, h);
+    rows.push_back(beyond_rounding(name, controls_.norm(off) / size,
+                                   std::max(sweeps_leave(), rounding() * gradient / (kept_size_ * size))));
+  }
+
+  control::ReducedProblem& problem_;
+  const control::ControlSpace& controls_;
+  const control::Control& u_;
+  control::Control d_;
+  double solver_tolerance_;
+  const Console& console_;
+  double objective_ = 0;
+  double cancellation_ = 1;
+  double kept_size_ =
+      0; ///< the invariance radius: the largest size that keeps the active sets on the sides compared
+  std::string advice_;
+};
+
+} // namespace
+
+std::string check_derivatives(control::ReducedProblem& problem, const control::Control& u,
+                              double solver_tolerance, const Console& console, std::vector<CheckRow>& rows) {
+  DerivativeCheck derivatives(problem, u, solver_tolerance, console);
+  derivatives.run(rows);
+  return derivatives.advice();
+}
+
+} // namespace signorini::drivers

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/progress.h"
+#include "control/reduced_problem.h"
+#include <string>
+#include <vector>
+
+namespace signorini::drivers {
+
+/// One line of check's table.
+struct CheckRow {
+  std::string name, measured, allowed;
+  bool holds;
+};
+
+/// A row that holds where `value` is at most `limit`.
+CheckRow below(const std::string& name, double value, double limit);
+
+using ContactHistory = std::vector<contact::ContactLinearisation>;
+
+/// Changes of candidates between active and open from one motion to another, those of projected predictors
+/// included.
+struct Switches {
+  int steps = 0, candidates = 0;
+};
+Switches switches(const ContactHistory& a, const ContactHistory& b);
+
+/// Compares the derivatives of J at u with differences of J, prints how far they can be trusted, and adds
+/// rows to the table. `solver_tolerance` is the relative error of a step's solve. Returns what to change
+/// where exact derivatives are of no use, since larger changes of the control see other slopes; else an empty
+/// text. Collective. Throws SolverFailure, Interrupted.
+std::string check_derivatives(control::ReducedProblem& problem, const control::Control& u,
+                              double solver_tolerance, const Console& console, std::vector<CheckRow>& rows);
+
+} // namespace signorini::drivers

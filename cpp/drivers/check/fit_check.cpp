@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "drivers/check/fit_check.h"
+#include "base/error.h"
+#include "base/fit.h"
+#include "drivers/fit_outcome.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <span>
+
+namespace signorini::drivers {
+namespace {
+
+class FitCheck {
+public:
+  FitCheck(problem::ParameterProblem& problem, double solver_tolerance, const Console& console)
+      : problem_(problem), reduced_(problem.reduced), console_(console), x_(problem.misfit.start()),
+        here_(reduced_.value(control::Variables(x_))),
+        rounding_(1000 * std::numeric_limits<double>::epsilon() + 10 * solver_tolerance) {
+    reduced_.accept();
+    by_x_ = reduced_.gradient_by_parameters();
+  }
+
+  void run(std::vector<CheckRow>& rows) {
+    const optimize::LeastSquares linearised = reduced_.least_squares(control::Variables(x_));
+    const std::vector<double> g = linearised.gradient();
+    const std::size_t m = linearised.residuals.size();
+    const double size = std::sqrt(2 * linearised.value());
+    double worst = 0;
+    for (std::size_t j = 0; j < x_.size(); ++j) {
+      lengths_.push_back(std::sqrt(std::inner_product(
+          &linearised.jacobian[j * m], &linearised.jacobian[j * m] + m, &linearised.jacobian[j * m], 0.0)));
+      if (size * lengths_[j] > 0)
+        worst = std::max(worst, std::abs(by_x_[j] - g[j]) / (size * lengths_[j]));
+    }
+    rows.push_back(below("gradient: adjoint sweep against linearised motions", worst, sweeps_leave()));
+    std::size_t weak = 0;
+    for (const contact::ContactLinearisation& contact : reduced_.trajectory().contact())
+      weak += contact.weak.size();
+    if (weak > 0)
+      console_.line(fmt::format("Contact is weak {} times, a node at one step counting once: closed, "
+                                "but without force, so that J may have a kink at the first guess.",
+                                weak));
+    for (std::size_t j = 0; j < x_.size(); ++j) {
+      jacobian(j, {&linearised.jacobian[j * m], m}, rows);
+      taylor(j, rows);
+    }
+    const optimize::Identified known = optimize::identified(linearised.normal_matrix(), x_.size());
+    for (const std::vector<double>& direction : known.untold)
+      console_.line(untold(problem_.scene.unknowns, direction));
+  }
+
+private:
+  /// What rounding and solvers leave between the two. Forces, which are residuals, are off by more than the
+  /// motions whose energy norm a solver holds: by the root of the condition, some ten.
+  [[nodiscard]] double sweeps_leave() const {
+    constexpr double forces = 10;
+    return forces * std::sqrt(static_cast<double>(problem_.scene.time.steps)) * rounding_;
+  }
+
+  /// The size of a change of an unknown: that by which the values change about as much as they are off.
+  [[nodiscard]] double unit(std::size_t j) const {
+    const double moves = lengths_[j] > 0 ? std::max(std::sqrt(2 * here_), 1.0) / lengths_[j] : 1;
+    return problem_.scene.unknowns[j].logarithmic() ? std::min(moves, 1.0) : moves;
+  }
+
+  struct Trial {
+    double value;
+    std::vector<double> residuals;
+    bool kept; ///< the active sets
+  };
+  /// None beyond the bounds and where the scene is none, as with a node inside an obstacle.
+  [[nodiscard]] std::optional<Trial> at(std::size_t j, double change) const {
+    std::vector<double> x = x_;
+    x[j] += change;
+    if (x[j] < problem_.misfit.box().lower[j] || x[j] > problem_.misfit.box().upper[j])
+      return std::nullopt;
+    try {
+      const double value = reduced_.value(control::Variables(x));
+      return Trial{value, reduced_.trial_residuals(),
+                   switches(reduced_.trajectory().contact(), reduced_.trial_trajectory().contact()).steps ==
+                       0};
+    } catch (const SolverFailure&) {
+      return std::nullopt;
+    }
+  }
+
+  /// Central differences of all values, of the best size that keeps the active sets on both sides.
+  void jacobian(std::size_t j, std::span<const double> column, std::vector<CheckRow>& rows) const {
+    const std::string name = fmt::format("values by {} against differences", problem_.scene.unknowns[j].name);
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 8; ++i) {
+      const double epsilon = unit(j) * std::pow(10, -3.5 - 0.5 * i);
+      const std::optional<Trial> above = at(j, epsilon), below_it = at(j, -epsilon);
+      if (!above || !below_it || !above->kept || !below_it->kept)
+        continue;
+      double off = 0;
+      for (std::size_t k = 0; k < column.size(); ++k)
+        off = std::hypot(off, (above->residuals[k] - below_it->residuals[k]) / (2 * epsilon) - column[k]);
+      least = std::min(least, lengths_[j] > 0 ? off / lengths_[j] : off);
+      if (constexpr double clear = 1e-7; least < clear)
+        break;
+    }
+    constexpr double differences = 1e-6; // of second order, and rounding over the size
+    rows.push_back(std::isfinite(least)
+                       ? below(name, least, differences)
+                       : CheckRow{name, "no size keeps the active sets", "a size that keeps them", false});
+  }
+
+  void taylor(std::size_t j, std::vector<CheckRow>& rows) const {
+    constexpr double clear = 200; // J's rounding is more than an evaluation's: each has a factor of its own
+    const std::string& name = problem_.scene.unknowns[j].name;
+    const double floor = clear * rounding_ * std::max(here_, 1e-6);
+    std::vector<std::pair<double, double>> usable;
+    double widest = 0;
+    for (int i = 0; i < 14; ++i) {
+      const double epsilon = unit(j) * std::pow(10, -1 - 0.5 * i);
+      const std::optional<Trial> trial = at(j, epsilon);
+      if (!trial || !trial->kept)
+        continue;
+      widest = std::max(widest, epsilon);
+      const double remainder = std::abs(trial->value - here_ - epsilon * by_x_[j]);
+      if (!(remainder > floor)) // those of smaller sizes are rounding too
+        break;
+      usable.emplace_back(epsilon, remainder);
+    }
+    if (usable.size() >= 3) {
+      // Towards small sizes, where higher orders no longer show.
+      usable.erase(usable.begin(), usable.end() - 3);
+      const double p = log_log_slope(usable);
+      rows.push_back({fmt::format("Taylor order by {}", name), fmt::format("{:.3f}", p), "2.00 +- 0.05",
+                      std::abs(p - 2) <= 0.05});
+      return;
+    }
+    const std::string against = fmt::format("slope by {} against differences of J", name);
+    if (widest == 0) {
+      rows.push_back({against, "no size keeps the active sets", "a size that keeps them", false});
+      return;
+    }
+    const std::optional<Trial> above = at(j, widest), below_it = at(j, -widest);
+    if (!above || !below_it || !below_it->kept) {
+      rows.push_back({against, "the sets change on the other side", "a size that keeps them", false});
+      return;
+    }
+    const double slope = (above->value - below_it->value) / (2 * widest), lost = rounding_ * here_ / widest,
+                 size = std::max(std::abs(slope), std::abs(by_x_[j]));
+    rows.push_back(
+        size > 0 ? below(against, std::abs(slope - by_x_[j]) / size, std::max(1e-6, clear * lost / size))
+                 : below(against, 0, 0));
+  }
+
+  problem::ParameterProblem& problem_;
+  control::ReducedProblem& reduced_;
+  const Console& console_;
+  std::vector<double> x_;
+  double here_;                 ///< J
+  std::vector<double> by_x_;    ///< dJ/dx
+  double rounding_;             ///< of J, relative
+  std::vector<double> lengths_; ///< of the Jacobian's columns
+};
+
+} // namespace
+
+void check_joint(control::ReducedProblem& problem, double solver_tolerance, std::vector<CheckRow>& rows) {
+  const control::Variables v = problem.variables();
+  const double here = problem.value(v);
+  control::Variables d = problem.trial_gradient();
+  problem.accept();
+  const ContactHistory contact = problem.trajectory().contact();
+  const double squared = problem.inner(d, d), curvature = problem.inner(d, problem.hessian_product(d)),
+               floor = 200 * (1000 * std::numeric_limits<double>::epsilon() + 10 * solver_tolerance) * here;
+  d.scale(-squared / std::max(std::abs(curvature), std::numeric_limits<double>::min())); // Cauchy's step
+  const double slope = -squared * squared / std::abs(curvature);
+  std::vector<std::pair<double, double>> usable;
+  for (int i = 0; i < 14; ++i) {
+    const double epsilon = std::pow(10, -1 - 0.5 * i);
+    control::Variables beside = v;
+    beside.add(epsilon, d);
+    const double remainder = std::abs(problem.value(beside) - here - epsilon * slope);
+    if (switches(contact, problem.trial_trajectory().contact()).steps == 0 && remainder > floor)
+      usable.emplace_back(epsilon, remainder);
+  }
+  constexpr std::size_t enough = 3;
+  if (usable.size() < enough) {
+    rows.push_back(
+        {"Taylor order by control and unknowns", "too few sizes keep the active sets", "three", false});
+    return;
+  }
+  usable.erase(usable.begin(), usable.end() - enough);
+  const double p = log_log_slope(usable);
+  rows.push_back({"Taylor order by control and unknowns", fmt::format("{:.3f}", p), "2.00 +- 0.05",
+                  std::abs(p - 2) <= 0.05});
+}
+
+void check_fit(problem::ParameterProblem& problem, double solver_tolerance, const Console& console,
+               std::vector<CheckRow>& rows) {
+  FitCheck(problem, solver_tolerance, console).run(rows);
+}
+
+} // namespace signorini::drivers

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "drivers/fit_outcome.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+namespace signorini::drivers {
+namespace {
+
+std::string power(const std::string& name, double exponent) {
+  return std::abs(exponent - 1) < 1e-3 ? name : fmt::format("{}^{:.3g}", name, exponent);
+}
+
+/// Two numbers on logarithmic scales, of which a product of powers is known alone.
+std::string pair_of_logs(const std::string& a, const std::string& b, double slope) {
+  constexpr double alike = 1e-3;
+  if (std::abs(slope - 1) < alike)
+    return fmt::format("The data tell {} and {} only as their ratio.", a, b);
+  if (std::abs(slope + 1) < alike)
+    return fmt::format("The data tell {} and {} only as their product.", a, b);
+  return fmt::format("The data tell {} and {} only as {} {} {}.", a, b, power(b, 1),
+                     slope > 0 ? "/" : "times", power(a, std::abs(slope)));
+}
+
+/// A figure that was compared, in words.
+std::string simulated(const io::ComparedFigure& one) {
+  if (std::isnan(one.simulated))
+    return "no contact";
+  const std::string deviations = one.deviation > 0 ? fmt::format(", {:+.2f} standard deviations",
+                                                                 (one.simulated - one.value) / one.deviation)
+                                                   : "";
+  return fmt::format("{:.6g} {}{}", one.simulated, one.unit, deviations);
+}
+
+/// dJ/dθ and the standard deviations of θ.
+void take_deviations(const problem::ParameterProblem& problem, const optimize::GaussNewtonIterate& last,
+                     const optimize::Identified& known, io::Fit& fit) {
+  const std::vector<double> slope = problem.misfit.slopes(last.x), g = last.at.gradient();
+  for (std::size_t j = 0; j < fit.unknowns.size(); ++j) {
+    fit.unknowns[j].deviation = known.deviations[j] * slope[j];
+    fit.unknowns[j].gradient = g[j] / slope[j];
+  }
+}
+
+/// Sentences about unknowns on logarithmic scales that are poorly identified.
+void add_poorly_identified(const problem::ParameterProblem& problem, const optimize::GaussNewtonIterate& last,
+                           const optimize::Identified& known, io::Fit& fit) {
+  for (std::size_t j = 0; j < fit.unknowns.size(); ++j) {
+    const scene::Unknown& unknown = problem.scene.unknowns[j];
+    const double deviation = known.deviations[j];
+    if (!unknown.logarithmic() || !std::isfinite(deviation))
+      continue;
+    if (!unknown.lower && last.x[j] <= problem.misfit.box().lower[j])
+      fit.untold.push_back(fmt::format("{} fell to the end of its logarithmic scale, {:.2g} of its first "
+                                       "guess: the data tell only that it is small. On the scale \"linear\" "
+                                       "its least value can be found.",
+                                       unknown.name, fit.unknowns[j].value / unknown.start));
+    else if (!unknown.upper && last.x[j] >= problem.misfit.box().upper[j])
+      fit.untold.push_back(fmt::format("{} rose to the end of its logarithmic scale, {:.2g} times its first "
+                                       "guess: the data tell only that it is large.",
+                                       unknown.name, fit.unknowns[j].value / unknown.start));
+    else if (deviation > std::log(2))
+      fit.untold.push_back(
+          fmt::format("The data hardly tell {}: its standard deviation is {:.3g} times its value.",
+                      unknown.name, deviation));
+  }
+}
+
+/// The pair of at least two unknowns of which the data tell the least apart.
+std::string largest_correlation(const io::Fit& fit) {
+  const std::size_t n = fit.unknowns.size();
+  std::size_t first = 0, second = 1;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j)
+      if (std::abs(fit.correlations[i * n + j]) > std::abs(fit.correlations[first * n + second]))
+        std::tie(first, second) = std::pair(i, j);
+  return fmt::format("{}: {:+.2f}, of {} and {}", n == 2 ? "correlation" : "largest correlation",
+                     fit.correlations[first * n + second], fit.unknowns[first].name,
+                     fit.unknowns[second].name);
+}
+
+} // namespace
+
+std::string untold(const std::vector<scene::Unknown>& unknowns, const std::vector<double>& direction) {
+  std::vector<std::size_t> which;
+  for (std::size_t j = 0; j < direction.size(); ++j)
+    if (direction[j] != 0)
+      which.push_back(j);
+  if (which.size() == 1)
+    return fmt::format("The data do not tell {}.", unknowns[which.front()].name);
+  const auto name = [&](std::size_t i) { return unknowns[which[i]].name; };
+  if (which.size() == 2 && unknowns[which[0]].logarithmic() && unknowns[which[1]].logarithmic())
+    return pair_of_logs(name(0), name(1), direction[which[1]] / direction[which[0]]);
+  std::vector<std::string> names, changes;
+  for (const std::size_t j : which) {
+    names.push_back(unknowns[j].name);
+    changes.push_back(fmt::format("{} by {:+.3g}{}", unknowns[j].name, direction[j],
+                                  unknowns[j].logarithmic() ? " of itself" : ""));
+  }
+  return fmt::format(
+      "The data do not tell {} apart: changes in the proportion of {} leave all values as they "
+      "are.",
+      fmt::join(names, ", "), fmt::join(changes, ", "));
+}
+
+io::Fit outcome(const problem::ParameterProblem& problem, const optimize::GaussNewtonIterate& last,
+                const std::vector<double>& values) {
+  const scene::Scene& scene = problem.scene;
+  const std::vector<double> theta = problem.misfit.values(last.x),
+                            lower = problem.misfit.values(problem.misfit.box().lower),
+                            upper = problem.misfit.values(problem.misfit.box().upper);
+  io::Fit fit;
+  for (std::size_t j = 0; j < scene.unknowns.size(); ++j) {
+    const scene::Unknown& unknown = scene.unknowns[j];
+    fit.unknowns.push_back({.name = unknown.name,
+                            .of = scene::name(unknown.of),
+                            .unit = scene::unit(unknown),
+                            .scale = scene::name(unknown.scale),
+                            .value = theta[j],
+                            .start = unknown.start,
+                            .lower = lower[j],
+                            .upper = upper[j],
+                            .at_bound = last.x[j] <= problem.misfit.box().lower[j] ||
+                                        last.x[j] >= problem.misfit.box().upper[j]});
+  }
+  const optimize::Identified known = optimize::identified(last.at.normal_matrix(), scene.unknowns.size());
+  take_deviations(problem, last, known, fit);
+  fit.correlations = known.correlations;
+  fit.singular_values = known.singular_values;
+  for (const std::vector<double>& direction : known.untold)
+    fit.untold.push_back(untold(scene.unknowns, direction));
+  add_poorly_identified(problem, last, known, fit);
+  std::size_t at = 0;
+  double squares = 0;
+  for (std::size_t i = 0; i < scene.measurements.size(); ++i) {
+    const control::Data& data = problem.misfit.data()[i];
+    if (data.times.empty())
+      continue;
+    io::Comparison& one = fit.measurements.emplace_back();
+    one = {scene.measurements[i].name, data.times, data.values, data.deviations, {}};
+    for (std::size_t k = 0; k < data.times.size(); ++k) {
+      one.simulated.push_back(values[at++]);
+      squares += std::pow((one.simulated[k] - data.values[k]) / data.deviations[k], 2);
+    }
+  }
+  fit.data = static_cast<long>(at);
+  fit.misfit = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(at, 1)));
+  fit.value = last.at.value();
+  fit.decrement = last.decrement;
+  return fit;
+}
+
+std::optional<Warning> misfit_warning(const io::Fit& fit) {
+  // By chance alone one fit in 200 or fewer has it: χ² of one degree of freedom, two values and one unknown.
+  constexpr double limit = 2;
+  if (!(fit.misfit > limit))
+    return std::nullopt;
+  return Warning{
+      "misfit of the data",
+      fmt::format("the residuals are {:.3g} times as large as the noise of the data (root mean square): this "
+                  "minimum does not explain them. Another first guess may lead to a lower one; else the "
+                  "model is wrong, or the deviations are too small",
+                  fit.misfit),
+      fit.misfit, limit};
+}
+
+std::vector<std::string> outcome_lines(const io::Fit& fit) {
+  std::size_t width = 7;
+  for (const io::FittedUnknown& one : fit.unknowns)
+    width = std::max(width, one.name.size());
+  std::vector<std::string> lines{
+      fmt::format("{:<{}}  {:>14}  {:>12}  {:>12}", "unknown", width, "value", "deviation", "start")};
+  for (const io::FittedUnknown& one : fit.unknowns)
+    lines.push_back(
+        fmt::format("{:<{}}  {:>14.8g}  {:>12}  {:>12.6g}  {}{}", one.name, width, one.value,
+                    std::isfinite(one.deviation) ? fmt::format("{:.3g}", one.deviation) : "not told",
+                    one.start, one.unit, one.at_bound ? " (at its bound)" : ""));
+  if (fit.unknowns.size() > 1)
+    lines.push_back(largest_correlation(fit));
+  for (const std::string& sentence : fit.untold)
+    lines.push_back(sentence);
+  for (const io::ComparedFigure& one : fit.compared)
+    lines.push_back(
+        fmt::format("{}: measured {:.6g} {}, simulated {}", one.name, one.value, one.unit, simulated(one)));
+  lines.push_back(fmt::format("misfit of {} values: {:.3g} standard deviations (root mean square)", fit.data,
+                              fit.misfit));
+  return lines;
+}
+
+} // namespace signorini::drivers

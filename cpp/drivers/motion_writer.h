@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "diagnostics/contact_resolution.h"
+#include "diagnostics/impact_summary.h"
+#include "diagnostics/invariants.h"
+#include "diagnostics/largest_stress.h"
+#include "diagnostics/plausibility.h"
+#include "diagnostics/step_warnings.h"
+#include "io/contact_table.h"
+#include "io/csv_tables.h"
+#include "io/fields.h"
+#include "io/manifest.h"
+#include "problem/problem.h"
+#include <optional>
+
+namespace signorini::drivers {
+
+/// Whether a run that ends at the time `end` (s) stores fields and contact of a step: every n-th or, where
+/// that is 0, the first after each of Output::most_frames equal parts of the time; the initial state, and the
+/// last step that it makes. The step of the largest contact force is stored as well, wherever it is.
+bool stored(const step::TimeStep& step, double end, int every, bool last);
+
+/// Writes steps.csv, contact.csv, obstacles.csv, probes.csv and state.xdmf of a motion frame by frame, as the
+/// scene's [output] asks, sums it up, and monitors its invariants and plausibility.
+class MotionWriter {
+public:
+  /// `objective` is null in a run without one; `controlled`: whether a control acts; `errors`: of the steps,
+  /// where they are chosen while the motion is made. Collective. The arguments must outlive this object.
+  /// Throws UserError, WriteFailure.
+  MotionWriter(const problem::Problem& problem, const io::OutputFolder& folder,
+               const control::Objective* objective, bool controlled,
+               const trajectory::StepErrors* errors = nullptr);
+
+  /// Takes the frame after the last one, from frame 0 on. Collective. Throws UserError, WriteFailure; with
+  /// run.invariants = "stop" SolverFailure at the step that violates an invariant.
+  void operator()(const trajectory::Frame& frame);
+
+  /// The invariants monitored; null without.
+  [[nodiscard]] const diagnostics::Invariants* invariants() const {
+    return invariants_ ? &*invariants_ : nullptr;
+  }
+
+  /// The sums of the motion; null without the balances of its steps, for which nothing has asked.
+  [[nodiscard]] const diagnostics::ImpactSummary* summary() const { return summary_ ? &*summary_ : nullptr; }
+
+  /// Steps of which fields and contact were stored, ascending; complete after finish().
+  [[nodiscard]] const std::vector<int>& stored() const { return stored_; }
+
+  /// The largest von Mises stress of a cell at the stored times; absent if no stress is stored. Collective.
+  [[nodiscard]] std::optional<diagnostics::LargestStress::Peak> von_mises() {
+    return largest_stress_ ? largest_stress_->peak() : std::nullopt;
+  }
+
+  /// Warnings where the motion leaves the range of the model, or the mesh does not resolve it. Collective.
+  [[nodiscard]] std::vector<Warning> warnings();
+
+  /// Stores the step of the largest contact force, and closes the files. Collective. Throws UserError,
+  /// WriteFailure.
+  void finish();
+
+private:
+  void weigh(const trajectory::Frame& frame, diagnostics::StepBalance& balance);
+  void add_rows(const trajectory::Frame& frame, const diagnostics::StepBalance& balance);
+  void open_tables(const io::OutputFolder& folder, bool probed);
+  /// Opens state.xdmf if a field in it is asked for.
+  void open_state(const io::OutputFolder& folder);
+  /// The state and contact after a step.
+  struct Snapshot {
+    step::TimeStep step;
+    const step::State& state;
+    const contact::ContactState& contact;
+  };
+  /// A step that is to be stored unless a later one has a larger contact force.
+  struct Aside {
+    step::TimeStep step;
+    step::State state; ///< with fields
+    contact::ContactState contact;
+    std::streamoff rows; ///< where those of the step belong in contact.csv
+  };
+  void put_aside(const trajectory::Frame& frame);
+  void store(const Snapshot& now);
+  void store_fields(const Snapshot& now, std::size_t number);
+  void insert(const Aside& peak);
+  /// The rows of contact.csv.
+  [[nodiscard]] const std::string& contact_rows(const step::TimeStep& step,
+                                                const contact::ContactState& contact);
+
+  const problem::Problem& problem_;
+  const control::Objective* objective_;
+  std::optional<diagnostics::Balance> balance_;
+  std::optional<diagnostics::Invariants> invariants_;
+  diagnostics::Plausibility plausibility_;
+  diagnostics::ObstacleForces forces_;
+  diagnostics::ContactResolution resolution_;
+  diagnostics::StepWarnings step_warnings_;
+  std::optional<diagnostics::ImpactSummary> summary_;
+  std::optional<io::TextFile> steps_, contact_, obstacles_, probes_;
+  std::optional<contact::Pressure> pressure_;
+  std::optional<io::ContactTable> contact_table_;
+  std::optional<io::FieldFile> state_;
+  std::optional<fem::CellFields> cell_fields_;
+  std::optional<diagnostics::LargestStress> largest_stress_;
+  std::vector<int> stored_; ///< steps
+  diagnostics::LargestForce largest_force_;
+  std::optional<Aside> aside_; ///< the step of the largest force, where that is not stored yet
+  std::string text_;           ///< buffer of rows
+  std::vector<double> values_; ///< buffer of a row
+};
+
+} // namespace signorini::drivers

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "drivers/resume.h"
+#include "base/collective.h"
+#include "base/error.h"
+#include "scene/compatibility.h"
+#include "version.h"
+#include <cmath>
+#include <fmt/format.h>
+
+namespace signorini::drivers::resume {
+namespace {
+
+/// The version of the layout of checkpoint.h5.
+constexpr int format = 8;
+
+} // namespace
+
+bool found(const io::OutputFolder& folder, const Console& console) {
+  int there = 0;
+  if (rank(folder.comm()) == 0)
+    there = std::filesystem::exists(folder.path() / checkpoint);
+  MPI_Bcast(&there, 1, MPI_INT, 0, folder.comm());
+  if (!there)
+    console.line(fmt::format("no checkpoint in {}: starting from the first guess", folder.path().string()));
+  return there != 0;
+}
+
+void store_problem(io::CheckpointWriter& out, const std::string& scene, const mesh::Mesh& mesh) {
+  out("format", format);
+  out("program", std::string("signorini ") + SIGNORINI_VERSION);
+  out("scene", scene);
+  out("mesh", mesh.digest());
+}
+
+void require_same_problem(io::CheckpointReader& in, const std::string& scene, const mesh::Mesh& mesh) {
+  int layout = 0;
+  in("format", layout);
+  if (layout != format)
+    in.fail(fmt::format("found layout {}, allowed is {}, that of this version of signorini", layout, format));
+  std::string stored;
+  in("scene", stored);
+  const scene::Difference difference = scene::difference(stored, scene, scene::Part::search);
+  if (!difference.first.empty())
+    in.fail(fmt::format("found a run with {}, this scene has {}; allowed is the scene that was interrupted",
+                        difference.first, difference.second));
+  in("mesh", stored);
+  int same = rank(mesh.comm()) != 0 || stored == mesh.digest();
+  MPI_Bcast(&same, 1, MPI_INT, 0, mesh.comm());
+  if (!same)
+    in.fail("found a run on another mesh, whose nodes, elements or groups differ; allowed is the mesh of the "
+            "run that was interrupted");
+}
+
+void require_same_value(const std::filesystem::path& file, double stored, double found, double scale) {
+  constexpr double other_ranks = 1e-6;
+  if (!(std::abs(found - stored) <= other_ranks * scale))
+    throw UserError(fmt::format("--resume: {}: found J = {:.10g} at its point, where it was {:.10g}; allowed "
+                                "are the forms and data of the run that was interrupted",
+                                file.string(), found, stored));
+}
+
+std::string not_written(const std::filesystem::path& file, const std::string& failure) {
+  return fmt::format("warning: {} was not written ({}); the run goes on, and an earlier checkpoint stays",
+                     file.string(), failure);
+}
+
+} // namespace signorini::drivers::resume

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/error.h"
+#include "control/interpolation.h"
+#include "drivers/coarse_start.h"
+#include <memory>
+
+namespace signorini::drivers {
+
+/// A scene's problem on one mesh with one sequence of steps, and the search there, which goes on from that on
+/// another mesh. The method is one of Lbfgs, NewtonCg, ProjectedGradient. All members collective.
+template <template <optimize::TwiceDifferentiable> class Method>
+class SearchLevel {
+public:
+  using Unknowns = optimize::Dimensionless<control::ReducedProblem>;
+  using State = optimize::State<Unknowns, Method<Unknowns>>;
+  using Inheritance = typename SearchStart<Method>::Inheritance;
+
+  /// Steps of varying length are chosen by a motion under what `last`, if given, has found. Throws UserError,
+  /// SolverFailure, Interrupted.
+  SearchLevel(MPI_Comm comm, scene::Scene scene, const mesh::Meshing& meshing, const SearchLevel* last,
+              step::Stepper::Needs needs = {.derivatives = true})
+      : scene_(std::move(scene)),
+        problem_(std::make_shared<const problem::Discretisation>(comm, scene_, timers_, meshing), scene_,
+                 needs, timers_),
+        control_problem_(with_steps(problem_, last), Console(false, false)) {}
+
+  [[nodiscard]] const problem::Problem& problem() const { return problem_; }
+  [[nodiscard]] control::Control first_guess() const { return control_problem_.first_guess(scene_); }
+  [[nodiscard]] problem::ControlProblem& control_problem() { return control_problem_; }
+
+  /// Searches from `start`; `report` is that of optimize::minimize(), and receives the certificate of a kink
+  /// if it has a member for it. Throws SolverFailure, Interrupted.
+  template <class Report>
+  void search(SearchStart<Method> start, const optimize::Options& options, Report&& report) {
+    LastState<std::remove_reference_t<Report>> last{report};
+    const auto end = optimize::minimize<Method>(control_problem_.reduced, std::move(start.guess), options,
+                                                report, last, std::move(start.inherited));
+    if (end.stop == optimize::Stop::interrupted)
+      throw Interrupted();
+    last_ = std::move(last.state);
+    stop_ = end.stop;
+    first_norm_ = end.first_norm;
+  }
+
+  /// What the search found, on another mesh.
+  [[nodiscard]] SearchStart<Method> on(problem::ControlProblem& finer,
+                                       const optimize::Options& options) const {
+    const control::Interpolation interpolate(control_problem_.controls, finer.controls);
+    Unknowns unknowns(finer.reduced);
+    unknowns.measure_in(last_->units);
+    Inheritance inherited{last_->units, last_->first_norm, Method<Unknowns>(options)};
+    inherited.memory.inherit(last_->memory, unknowns, interpolate);
+    return {interpolate(last_->current.u), std::move(inherited)};
+  }
+
+  [[nodiscard]] optimize::Stop stop() const { return stop_; }
+  /// The norm of the gradient at the first guess.
+  [[nodiscard]] double first_norm() const { return first_norm_; }
+  [[nodiscard]] State& state() { return *last_; }
+
+  /// The level in figures, but for its seconds.
+  [[nodiscard]] io::CoarseLevel record() const {
+    const control::ReducedProblem& reduced = control_problem_.reduced;
+    return {.size = scene_.mesh.size.value_or(scene_.mesh.scale),
+            .step = scene_.time.end / problem_.steps(),
+            .steps = problem_.steps(),
+            .free_unknowns = problem_.free_dofs(),
+            .iterations = last_->iteration.number,
+            .forward_sweeps = reduced.sweeps().forward,
+            .adjoint_sweeps = reduced.sweeps().adjoint,
+            .objective = reduced.value().total(),
+            .stop_reason = optimize::name(stop_)};
+  }
+
+private:
+  /// Keeps the state in which a search ends; shows certificates to reports that take them.
+  template <class Report>
+  struct LastState {
+    Report& report;
+    std::optional<State> state{};
+
+    static bool restore(State&) { return false; }
+    static bool due(const optimize::Iteration&) { return false; }
+    void store(const State& last) { state = last; }
+    static void restored(double, double) {}
+    static void mark() {}
+    void certified(const optimize::Certificate<control::Variables>& certificate) {
+      if constexpr (requires { report.certified(certificate); })
+        report.certified(certificate);
+    }
+  };
+
+  static const problem::Problem& with_steps(problem::Problem& problem, const SearchLevel* last) {
+    const Console silent(false, false);
+    if (problem.grid.complete())
+      return problem;
+    if (!last || !last->last_) {
+      problem::choose_steps(problem, silent);
+      return problem;
+    }
+    problem::choose_steps(problem, last->control_problem_.controls, last->last_->current.u.u, silent);
+    return problem;
+  }
+
+  scene::Scene scene_;
+  Timers timers_;
+  problem::Problem problem_;
+  problem::ControlProblem control_problem_;
+  std::optional<State> last_;
+  optimize::Stop stop_ = optimize::Stop::iteration_limit;
+  double first_norm_ = 0;
+};
+
+} // namespace signorini::drivers

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "drivers/search_log.h"
+#include "base/collective.h"
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace signorini::drivers {
+
+namespace {
+
+/// The times, in s, between which controls are constant.
+std::vector<double> edges(const control::ControlSpace& controls) {
+  std::vector<double> times;
+  for (int j = 1; j <= controls.count() + 1; ++j)
+    times.push_back(controls.begin(j));
+  return times;
+}
+
+} // namespace
+
+SearchLog::SearchLog(const SearchSubject& subject, const io::OutputFolder& folder, bool resume,
+                     const Console& console, Files files)
+    : subject_(subject), folder_(folder), console_(console), file_(folder.path() / resume::checkpoint),
+      files_(files), every_(subject.scene.optimizer.checkpoint),
+      resumes_(resume && resume::found(folder, console)) {
+  if (subject.parameters)
+    return;
+  progress_.emplace(console, "iterations", static_cast<std::size_t>(subject.scene.optimizer.max_iterations));
+  if (const auto& reference = subject.control->reference)
+    reference_norm_ = subject.control->controls.norm(*reference);
+}
+
+double SearchLog::seconds() const {
+  return earlier_ + std::chrono::duration<double>(Clock::now() - start_).count();
+}
+
+std::vector<double> SearchLog::add(io::History::Row row, std::span<const double> x) {
+  evaluated_ = true;
+  std::vector<double> theta;
+  if (subject_.parameters)
+    theta = subject_.parameters->misfit.values(x);
+  for (std::size_t j = 0; j < theta.size(); ++j)
+    row.emplace_back(subject_.parameters->scene.unknowns[j].name, theta[j]);
+  history_.add(row);
+  show_row();
+  return theta;
+}
+
+void SearchLog::operator()(const optimize::Iteration& iteration) {
+  const control::ReducedProblem& reduced = subject_.reduced;
+  const control::Value& value = reduced.value();
+  io::History::Row row{{"iteration", iteration.number},
+                       {"objective", value.total()},
+                       {"tracking", value.tracking},
+                       {"terminal", value.terminal},
+                       {"control_cost", value.control_cost}};
+  if (subject_.parameters)
+    row.emplace_back("misfit", value.misfit);
+  row.insert(row.end(), {{"gradient_norm", iteration.gradient_norm},
+                         {"step_length", iteration.step_length},
+                         {"forward_sweeps", reduced.sweeps().forward},
+                         {"adjoint_sweeps", reduced.sweeps().adjoint},
+                         {"seconds", seconds()}});
+  if (!subject_.parameters) {
+    double distance = std::numeric_limits<double>::quiet_NaN();
+    if (reference_norm_ > 0) {
+      control::Control difference = reduced.control();
+      difference.add(-1, *subject_.control->reference);
+      distance = subject_.control->controls.norm(difference) / reference_norm_;
+    }
+    row.emplace_back("relative_distance_to_reference", distance);
+  }
+  const std::vector<double> theta = add(std::move(row), reduced.variables().x);
+  if (progress_)
+    progress_->update(static_cast<std::size_t>(iteration.number),
+                      fmt::format("J = {:.6e}  |g| = {:.2e}  step {:.2g}", value.total(),
+                                  iteration.gradient_norm, iteration.step_length));
+  else
+    console_.line(fmt::format("{:4d}  J = {:.6e}, misfit {:.3e}, |g| = {:.2e}; {:.6g}", iteration.number,
+                              value.total(), value.misfit, iteration.gradient_norm, fmt::join(theta, ", ")));
+}
+
+void SearchLog::operator()(const optimize::GaussNewtonIterate& iterate) {
+  const std::vector<double> theta = add({{"iteration", iterate.number},
+                                         {"objective", iterate.at.value()},
+                                         {"decrement", iterate.decrement},
+                                         {"damping", iterate.damping},
+                                         {"forward_sweeps", subject_.reduced.sweeps().forward},
+                                         {"seconds", seconds()}},
+                                        iterate.x);
+  console_.line(fmt::format("{:4d}  J = {:.6e}, decrement {:.2e}; {:.6g}", iterate.number, iterate.at.value(),
+                            iterate.decrement, fmt::join(theta, ", ")));
+}
+
+void SearchLog::show_row() {
+  if (files_ == Files::with_results || rank(folder_.comm()) != 0 ||
+      !subject_.scene.output.table(scene::StoredTable::history))
+    return;
+  if (table_.is_open()) {
+    table_ << history_.text(history_.rows() - 1) << std::flush;
+    return;
+  }
+  // The earlier run's file is replaced as a whole, by renaming.
+  const std::filesystem::path part = folder_.staged("history.csv.part");
+  table_.open(part, std::ios::binary);
+  table_ << history_.table() << std::flush;
+  std::error_code ignored; // the whole table is written again, and checked, at the end
+  if (table_)
+    std::filesystem::rename(part, folder_.path() / "history.csv", ignored);
+  if (!table_ || ignored)
+    std::filesystem::remove(part, ignored);
+}
+
+std::string SearchLog::echoed() const {
+  return scene::echo(subject_.scene, subject_.discretisation.space.dim());
+}
+
+void SearchLog::write(io::CheckpointWriter& out) const {
+  resume::store_problem(out, echoed(), subject_.discretisation.mesh);
+  if (const problem::Problem* problem = subject_.problem) {
+    out(solver, std::string(problem->stepper.solver().iterates() ? iterative : "direct"));
+    out("edges", edges(subject_.control->controls));
+    out(levels, problem->grid.levels());
+  }
+  out("columns", fmt::format("{}", fmt::join(history_.columns, ",")));
+  out("history", history_.numbers);
+  out("seconds", seconds());
+  out("sweeps",
+      std::vector<double>{static_cast<double>(marked_.forward), static_cast<double>(marked_.adjoint)});
+  out("kink", kink_ ? numbers(*kink_) : std::vector<double>());
+}
+
+void SearchLog::read(io::CheckpointReader& in) {
+  resume::require_same_problem(in, echoed(), subject_.discretisation.mesh);
+  if (subject_.control)
+    in.match_places();
+  std::string columns;
+  in("columns", columns);
+  in("history", history_.numbers);
+  history_.columns = io::History::split(columns);
+  if (history_.numbers.empty() || history_.numbers.size() % history_.columns.size() != 0)
+    in.fail("\"history\" is damaged; allowed is a whole checkpoint");
+  in("seconds", earlier_);
+  std::vector<double> sweeps, kink;
+  in("sweeps", sweeps);
+  if (sweeps.size() != 2)
+    in.fail("\"sweeps\" is damaged; allowed is a whole checkpoint");
+  marked_ = {static_cast<int>(sweeps[0]), static_cast<int>(sweeps[1])};
+  in("kink", kink);
+  if (!kink.empty()) {
+    kink_ = kink_of(kink, subject_.discretisation.space.dim());
+    if (!kink_)
+      in.fail("\"kink\" is damaged; allowed is a whole checkpoint");
+  }
+}
+
+void SearchLog::restored(double stored, double found) {
+  // Of data without noise J itself is rounding.
+  const double least = subject_.control ? 0 : static_cast<double>(subject_.parameters->misfit.count());
+  resume::require_same_value(file_, stored, found, std::max(std::abs(stored), least));
+  evaluated_ = true;
+  subject_.reduced.count_from(marked_); // those since are repeated
+  stored_at_ = static_cast<int>(history_.last("iteration"));
+  start_ = Clock::now();
+  if (progress_)
+    progress_.emplace(console_, "iterations",
+                      static_cast<std::size_t>(subject_.scene.optimizer.max_iterations),
+                      static_cast<std::size_t>(stored_at_));
+  console_.line(fmt::format("resumed after iteration {}", stored_at_));
+  show_row();
+}
+
+} // namespace signorini::drivers

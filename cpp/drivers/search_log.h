@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "drivers/kink.h"
+#include "drivers/resume.h"
+#include "drivers/search_subject.h"
+#include "io/csv_tables.h"
+#include "io/output_folder.h"
+#include "optimize/minimize.h"
+#include <chrono>
+#include <fstream>
+
+namespace signorini::drivers {
+
+/// Output of a search while it runs: progress, history.csv in the folder, a row for each iterate as soon as
+/// it is made, and checkpoint.h5. The `report` and the `keeper` of optimize::minimize(). All members
+/// collective.
+class SearchLog {
+public:
+  /// The checkpoint's entry for the solver of the steps, and its value for conjugate gradients.
+  static constexpr const char *solver = "solver", *iterative = "iterative";
+  static constexpr const char* levels = "levels"; ///< its entry for the lengths of steps, if they vary
+
+  /// Whether files are in place while the search runs, or with its results.
+  enum class Files { early, with_results };
+
+  /// With `resume` the search continues from the folder's checkpoint, if there is one. The references must
+  /// outlive this object.
+  SearchLog(const SearchSubject& subject, const io::OutputFolder& folder, bool resume, const Console& console,
+            Files files = Files::early);
+
+  /// Records an iterate, the reduced problem's current point.
+  void operator()(const optimize::Iteration& iteration);
+  /// Records an iterate of a fit.
+  void operator()(const optimize::GaussNewtonIterate& iterate);
+
+  /// Whether the search continues from a checkpoint.
+  [[nodiscard]] bool resumes() const { return resumes_; }
+
+  /// Restores the state of the search; false if there is no checkpoint. Throws UserError if it is damaged or
+  /// of another problem.
+  template <class State>
+  bool restore(State& state) {
+    if (!resumes_)
+      return false;
+    io::CheckpointReader in = subject_.control ? io::CheckpointReader(subject_.control->controls, file_)
+                                               : io::CheckpointReader(subject_.comm(), file_);
+    read(in);
+    control::VariablesArchive archive(in, subject_.parameter_count());
+    state.serialize(archive);
+    return true;
+  }
+
+  /// Compares J as stored in the checkpoint with J as evaluated now. Throws UserError if they differ by more
+  /// than another number of ranks explains.
+  void restored(double stored, double found);
+
+  /// Whether a checkpoint is to be written after this iteration.
+  [[nodiscard]] bool due(const optimize::Iteration& iteration) const {
+    return every_ > 0 && iteration.number % every_ == 0 && iteration.number != stored_at_;
+  }
+
+  /// What is stored before the next mark is of now.
+  void mark() { marked_ = subject_.reduced.sweeps(); }
+
+  /// Describes the kink at which the search ends. Throws Interrupted.
+  void certified(const optimize::Certificate<control::Variables>& certificate) {
+    kink_ = describe(subject_.reduced, certificate);
+  }
+  /// The kink, if there was a certificate here or in the checkpoint.
+  [[nodiscard]] const std::optional<io::Kink>& kink() const { return kink_; }
+
+  /// Writes a checkpoint. A failure is reported and the search continues: the last checkpoint stays.
+  template <class State>
+  void store(State& state) {
+    if (every_ == 0 || history_.rows() == 0)
+      return;
+    const auto timer = subject_.timers.time("checkpoint");
+    const std::filesystem::path part = folder_.staged(resume::checkpoint);
+    io::CheckpointWriter out = subject_.control
+                                   ? io::CheckpointWriter(subject_.control->controls, part, file_)
+                                   : io::CheckpointWriter(subject_.comm(), part, file_);
+    write(out);
+    control::VariablesArchive archive(out, subject_.parameter_count());
+    state.serialize(archive);
+    stored_at_ = state.iteration.number;
+    if (const std::string failure = out.commit(); !failure.empty())
+      console_.line(resume::not_written(file_, failure));
+  }
+
+  /// Ends the display of progress.
+  void end() { progress_.reset(); }
+
+  /// The history of the whole search, iterations before it was resumed included.
+  [[nodiscard]] const io::History& history() const { return history_; }
+  /// Seconds of the whole search.
+  [[nodiscard]] double seconds() const;
+
+  /// Whether J was evaluated at the first guess, or at the checkpoint's point.
+  [[nodiscard]] bool evaluated() const { return evaluated_; }
+
+private:
+  using Clock = std::chrono::steady_clock;
+
+  void read(io::CheckpointReader& in);
+  void write(io::CheckpointWriter& out) const;
+  /// The scene as text.
+  [[nodiscard]] std::string echoed() const;
+  /// Adds a row, whose parameters are those of x; returns θ.
+  std::vector<double> add(io::History::Row row, std::span<const double> x);
+  /// Starts history.csv with the rows so far, or adds the last one.
+  void show_row();
+
+  SearchSubject subject_;
+  const io::OutputFolder& folder_;
+  const Console& console_;
+  std::filesystem::path file_;
+  Files files_;
+  int every_, stored_at_ = -1;
+  bool resumes_, evaluated_ = false;
+  std::optional<Progress> progress_; ///< of a control alone; others print a line for each iterate
+  Clock::time_point start_ = Clock::now();
+  double reference_norm_ = 0;
+  double earlier_ = 0; ///< seconds of the search before it was resumed
+  io::History history_;
+  control::ReducedProblem::Sweeps marked_;
+  std::optional<io::Kink> kink_;
+  std::ofstream table_; ///< history.csv, on rank 0
+};
+
+} // namespace signorini::drivers

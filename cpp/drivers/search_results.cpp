@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "drivers/search_results.h"
+#include "base/counters.h"
+#include "diagnostics/chatter.h"
+#include "drivers/control_files.h"
+#include "drivers/fit_outcome.h"
+#include "drivers/measured_motion.h"
+#include "drivers/run_manifest.h"
+#include <algorithm>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace signorini::drivers {
+namespace {
+
+/// The point that a search found: its problem and the forces there.
+class Found {
+public:
+  Found(const SearchSubject& subject, const SearchEnd& end)
+      : parameters_(end.fitted ? end.fitted->x : subject.reduced.variables().x) {
+    if (subject.parameters) {
+      scene_ = subject.parameters->scene_at(parameters_);
+      own_.emplace(subject.parameters->discretisation, *scene_, subject.parameters->needs(), subject.timers,
+                   trajectory::Stops::ignored);
+    }
+    problem_ = own_ ? &*own_ : subject.problem;
+    if (subject.control)
+      force_.emplace(subject.control->controls, subject.reduced.control());
+    else
+      given_.emplace(*problem_);
+  }
+  Found(const Found&) = delete; // its parts refer to each other
+  Found& operator=(const Found&) = delete;
+
+  [[nodiscard]] const std::vector<double>& parameters() const { return parameters_; }
+  [[nodiscard]] const problem::Problem& problem() const { return *problem_; }
+  [[nodiscard]] step::ForceAtStep load() const { return given_ ? given_->load() : problem_->load(&*force_); }
+
+private:
+  std::vector<double> parameters_;
+  std::optional<scene::Scene> scene_;
+  std::optional<problem::Problem> own_;
+  const problem::Problem* problem_;
+  std::optional<control::ControlForce> force_;
+  std::optional<problem::GivenControl> given_;
+};
+
+/// How the states of motions were stored, and its cost, in words.
+std::string storage_line(const problem::Problem& problem, const problem::ControlProblem& control_problem) {
+  const auto seconds = [&](const char* phase) {
+    const auto found = problem.timers.entries().find(phase);
+    return found == problem.timers.entries().end() ? 0.0 : found->second.seconds;
+  };
+  const scene::Storage kept = problem.scene.trajectory.storage;
+  const double bytes = control_problem.storage.bytes();
+  const std::string room = fmt::format("{:.3g} MB", bytes * 1e-6);
+  if (kept == scene::Storage::disk)
+    return fmt::format("states on disk, {} a motion: written in {:.1f} s, read in {:.1f} s", room,
+                       seconds("states written"), seconds("states read"));
+  if (kept == scene::Storage::checkpoints)
+    return fmt::format("states in checkpoints of {:.3g} MB: {} steps made again in {:.1f} s",
+                       bytes * 1e-6 * (control_problem.reference ? 2 : 1), count("recomputed steps"),
+                       seconds("states recomputed"));
+  return fmt::format("states in memory, {} a motion", room);
+}
+
+/// How to continue a search that stopped before its end, in words.
+std::string continuation(optimize::Stop stop, const SearchSubject& subject) {
+  if (!subject.problem || subject.scene.optimizer.checkpoint == 0)
+    return "";
+  return stop == optimize::Stop::interrupted ? "; the same command with --resume goes on from here"
+         : stop == optimize::Stop::iteration_limit
+             ? "; the same command with --resume and a larger optimizer.max_iterations goes on from here"
+             : "";
+}
+
+std::string words(optimize::Stop stop, const SearchEnd& end) {
+  return end.fitted && stop == optimize::Stop::gradient_tolerance ? "decrement below tolerance"
+                                                                  : optimize::name(stop);
+}
+
+/// Describes the kink at which a search ended on the console.
+void show(const io::Kink& kink, double first_norm, const Console& console) {
+  std::string text = fmt::format(
+      "no direction lowers J: {} gradients within {:.1e} of the control have a combination of length "
+      "{:.2e}, {:.1e} of the first gradient's; ",
+      kink.gradients, kink.radius, kink.length, kink.length / first_norm);
+  text +=
+      kink.weak.empty()
+          ? std::string(
+                "the same candidates are closed at all of them: J changes its piece nearer to the control, "
+                "as where contact chatters")
+          : fmt::format("contact is weak at {} candidates and steps:", kink.weak.size());
+  console.line(text);
+  constexpr std::size_t most_lines = 8;
+  for (std::size_t i = 0; i < std::min(most_lines, kink.weak.size()); ++i)
+    console.line(fmt::format("  step {} (t = {:.6g} s), node at ({:.6g}) m", kink.weak[i].step,
+                             kink.weak[i].time, fmt::join(kink.weak[i].x, ", ")));
+  if (kink.weak.size() > most_lines)
+    console.line(fmt::format("  and {} more: run.json has them all", kink.weak.size() - most_lines));
+}
+
+/// Warns if a search ended without a minimum where candidates open and close from step to step, which breaks
+/// J into many small pieces.
+void add_chatter(io::Manifest& manifest, const control::ReducedProblem& reduced, const Console& console) {
+  const diagnostics::Alternations found = diagnostics::alternations(reduced.trajectory().contact());
+  const std::string other = diagnostics::calmer_contact(reduced.stepper());
+  if (found.alternating == 0)
+    return;
+  manifest.warnings.push_back(
+      {"search among chattering contact",
+       fmt::format(
+           "the search found no further decrease where contact chatters: candidates open or close for "
+           "a single step {} times while {} are closed over all steps; {}",
+           found.alternating, found.closed, other),
+       static_cast<double>(found.alternating), 0});
+  console.line("warning: " + manifest.warnings.back().message);
+}
+
+/// Writes the motion's files; with parameters it also returns what was measured.
+Simulated write_motion(const SearchSubject& subject, const Found& found, MotionWriter& recorder) {
+  const problem::Problem& problem = found.problem();
+  if (subject.parameters)
+    return simulate_measured(problem, *subject.parameters, found.load(), recorder);
+  const auto timer = problem.timers.time("replay");
+  trajectory::integrate(problem.stepper, problem.grid, problem.initial, found.load(), std::ref(recorder),
+                        trajectory::Stops::ignored);
+  recorder.finish();
+  return {};
+}
+
+/// The parameters found, and how well the data identify them.
+io::Fit fitted(const SearchSubject& subject, const SearchLog& log, const SearchEnd& end,
+               Simulated simulated) {
+  const problem::ParameterProblem& parameters = *subject.parameters;
+  if (end.fitted) {
+    io::Fit fit = outcome(parameters, *end.fitted, simulated.values);
+    fit.compared = std::move(simulated.compared);
+    return fit;
+  }
+  control::ReducedProblem& reduced = subject.reduced;
+  const std::vector<double>& x = reduced.variables().x;
+  const auto sweeps = reduced.sweeps(); // those for output do not count
+  io::Fit fit = outcome(parameters,
+                        {.number = static_cast<int>(log.history().last("iteration")),
+                         .x = x,
+                         .at = reduced.least_squares(reduced.variables(), trajectory::Stops::ignored)},
+                        simulated.values);
+  fit.compared = std::move(simulated.compared);
+  fit.decrement.reset(); // which leaves the control's part of J out
+  const std::vector<double> by_x = reduced.gradient_by_parameters(), slopes = parameters.misfit.slopes(x);
+  for (std::size_t j = 0; j < x.size(); ++j)
+    fit.unknowns[j].gradient = by_x[j] / slopes[j];
+  reduced.count_from(sweeps);
+  return fit;
+}
+
+/// J, what it consists of, and what the search has cost.
+std::string end_line(const SearchSubject& subject, const SearchLog& log, const SearchEnd& end) {
+  const io::History& history = log.history();
+  const control::ReducedProblem::Sweeps sweeps = subject.reduced.sweeps();
+  const double iterations = history.last("iteration"), J = history.last("objective");
+  if (end.fitted)
+    return fmt::format("J {:.6e}: {} iterations, {} forward sweeps in {:.1f} s", J, iterations,
+                       sweeps.forward, log.seconds());
+  const control::Value& value = subject.reduced.value();
+  const std::string parts = fmt::format("tracking {:.3e}, terminal {:.3e}, control {:.3e}", value.tracking,
+                                        value.terminal, value.control_cost),
+                    cost = fmt::format("{} iterations, {} forward and {} adjoint sweeps in {:.1f} s",
+                                       iterations, sweeps.forward, sweeps.adjoint, history.last("seconds"));
+  if (subject.parameters)
+    return fmt::format("J {:.6e} ({}, misfit {:.3e}): {}", J, parts, value.misfit, cost);
+  return fmt::format("J {:.6e} -> {:.6e} ({}), |g| {:.2e} -> {:.2e} (tolerance {:.2e})\n{}",
+                     history.at(0, "objective"), J, parts, end.first_norm, history.last("gradient_norm"),
+                     subject.scene.optimizer.tolerance * end.first_norm, cost);
+}
+
+/// The tables of a search.
+void write_tables(io::OutputFolder& folder, const SearchSubject& subject, const SearchLog& log,
+                  const std::optional<io::Fit>& fit) {
+  const scene::Output& output = subject.scene.output;
+  if (output.table(scene::StoredTable::history))
+    folder.write("history.csv", log.history().table());
+  if (fit && output.table(scene::StoredTable::parameters))
+    folder.write("parameters.csv", io::parameters_table(*fit));
+  if (fit && output.table(scene::StoredTable::measurements))
+    folder.write("measurements.csv", io::measurements_table(*fit));
+  folder.write("scene.toml", scene::echo(subject.scene, subject.discretisation.space.dim()));
+}
+
+/// The part of run.json that is a search's, with its warnings, which are printed.
+void add_search(io::Manifest& m, const SearchSubject& subject, const SearchLog& log, SearchEnd& end,
+                const Console& console) {
+  const control::ReducedProblem& reduced = subject.reduced;
+  if (subject.control) {
+    m.objective = reduced.value();
+    m.objective->misfit = 0; // which the fit has
+    if (end.stop == optimize::Stop::no_decrease)
+      add_chatter(m, reduced, console);
+  }
+  m.iterations = static_cast<int>(log.history().last("iteration"));
+  m.forward_sweeps = reduced.sweeps().forward;
+  m.adjoint_sweeps = reduced.sweeps().adjoint;
+  m.accuracy = std::move(end.accuracy);
+  m.coarse_levels = std::move(end.levels);
+  if (end.stop == optimize::Stop::kink) {
+    m.kink = log.kink().value();
+    show(*m.kink, end.first_norm, console);
+  }
+}
+
+} // namespace
+
+void write_results(io::OutputFolder& folder, const SearchSubject& subject, SearchLog& log, SearchEnd end,
+                   const Console& console) {
+  const Found found(subject, end);
+  const problem::Problem& problem = found.problem();
+  control::ReducedProblem& reduced = subject.reduced;
+  MotionWriter recorder(problem, folder, subject.control ? &subject.control->objective : nullptr, true);
+  Simulated simulated = write_motion(subject, found, recorder);
+  if (subject.control)
+    write_control(
+        folder, problem, reduced.controls(), reduced.control(),
+        [&](const auto& store) { reduced.adjoint_states(store); }, recorder.stored());
+  std::optional<io::Fit> fit;
+  if (subject.parameters)
+    fit = fitted(subject, log, end, std::move(simulated));
+  write_tables(folder, subject, log, fit);
+  console.line("stopped: " + words(end.stop, end) + continuation(end.stop, subject));
+  const bool failed = end.stop == optimize::Stop::solver_failed || end.stop == optimize::Stop::no_decrease;
+  if (failed && !end.failure.empty())
+    console.line("the last trial that failed: " + end.failure);
+  if (fit)
+    for (const std::string& line : outcome_lines(*fit))
+      console.line(line);
+  io::Manifest m = manifest(problem, "optimize", words(end.stop, end), problem.steps());
+  if (subject.parameters)
+    add_doubts(m, subject.parameters->misfit.doubts());
+  add_watched(m, recorder, subject.scene.run, console);
+  add_warning(m, problem::desired_warning(problem), console);
+  if (fit)
+    add_warning(m, misfit_warning(*fit), console);
+  add_search(m, subject, log, end, console);
+  m.fit = std::move(fit);
+  m.files = folder.files();
+  folder.write("run.json", io::to_json(m, subject.scene, problem.timers));
+  console.line(end_line(subject, log, end));
+  if (subject.problem && !subject.parameters)
+    console.line(storage_line(problem, *subject.control));
+  finish(folder, console);
+}
+
+} // namespace signorini::drivers

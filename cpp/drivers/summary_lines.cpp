@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "drivers/summary_lines.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace signorini::drivers {
+namespace {
+
+/// Units of a body in the plane are those of a slice of it.
+std::string per_depth(const char* unit, int dim) { return dim == 2 ? fmt::format("{}/m", unit) : unit; }
+
+/// What is rounding beside the largest component is 0.
+std::string components(std::array<double, 3> x, int dim) {
+  constexpr double rounding = 1e-9;
+  const double largest = std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])});
+  for (double& component : x)
+    if (std::abs(component) < rounding * largest)
+      component = 0;
+  return fmt::format("({:.4g})", fmt::join(x.begin(), x.begin() + dim, ", "));
+}
+
+/// The second figure where it says more than the first: that of all nodal forces by modulus.
+std::string by_modulus(double resultant, double normal) {
+  constexpr double alike = 1e-3;
+  return normal - resultant > alike * normal ? fmt::format(" ({:.4g} by modulus)", normal) : "";
+}
+
+std::string nearest(const diagnostics::Touch& touch) {
+  return fmt::format("the least gap was {:.4g} m, at {:.6g} s", touch.least_gap, touch.least_gap_time);
+}
+
+std::string touch_line(const std::string& name, const diagnostics::Touch& touch, int dim) {
+  if (!touch.occurred())
+    return fmt::format("  {}: not touched; {}", name, nearest(touch));
+  const std::string closed = touch.contact_time < 0.999 * (touch.end - touch.start)
+                                 ? fmt::format(", {:.4g} s of it with a force", touch.contact_time)
+                                 : "";
+  const std::array<double, 3>& J = touch.impulse;
+  return fmt::format(
+      "  {}: from {:.6g} to {:.6g} s{}, impulse {}{} {}, peak of two steps {:.4g}{} {} at {:.6g} s{}\n"
+      "    1 to 99 % of the impulse within {:.4g} s, sustained peak {:.4g} {}, the largest mean over {:.3g} "
+      "s",
+      name, touch.start, touch.end, closed, components(J, dim),
+      by_modulus(std::hypot(J[0], J[1], J[2]), touch.normal_impulse), per_depth("N s", dim), touch.peak,
+      by_modulus(touch.peak, touch.normal_peak), per_depth("N", dim), touch.peak_time,
+      touch.peak_at_onset ? ", as contact begins" : "", touch.impulse_duration, touch.sustained_peak,
+      per_depth("N", dim), touch.sustained_over);
+}
+
+/// Velocities before and after, and what restitution that is.
+std::string velocities(const diagnostics::Rebound& rebound, bool ended, int dim) {
+  return fmt::format("{} m/s before, {} m/s {}{}", components(rebound.before, dim),
+                     components(rebound.after, dim), ended ? "after" : "at the end, still in contact",
+                     rebound.restitution ? fmt::format("; restitution {:.4g}", *rebound.restitution) : "");
+}
+
+std::string bounce_line(const diagnostics::Rebound& one, std::size_t which, std::size_t of, bool ended,
+                        int dim) {
+  return fmt::format("  bounce {} of {}: from {:.6g} to {:.6g} s{}, impulse {} {}, peak {:.4g} {}; {}", which,
+                     of, one.start, one.end,
+                     one.touches > 1 ? fmt::format(" in {} touches", one.touches) : "",
+                     components(one.impulse, dim), per_depth("N s", dim), one.peak, per_depth("N", dim),
+                     velocities(one, ended, dim));
+}
+
+/// The first of several bounces one by one.
+void add_bounces(const diagnostics::Impact& impact, int dim, std::vector<std::string>& lines) {
+  constexpr std::size_t most = 5;
+  const std::size_t number = impact.bounces.size();
+  for (std::size_t i = 0; number > 1 && i < std::min(number, most); ++i)
+    lines.push_back(bounce_line(impact.bounces[i], i + 1, number, i + 1 < number || impact.ended, dim));
+  if (number > most)
+    lines.emplace_back("  the others are in run.json, as impact.bounces");
+}
+
+/// Number of bounces and touches; empty of a single touch.
+std::string over_all(const diagnostics::Impact& impact) {
+  const std::size_t bounces = impact.bounces.size(), touches = static_cast<std::size_t>(impact.whole.touches);
+  if (touches == 1)
+    return "";
+  const std::string text = bounces == 1 ? " over one bounce" : fmt::format(" over all {} bounces", bounces);
+  return touches == bounces ? text : text + fmt::format(" of {} touches", touches);
+}
+
+void add_impact(const diagnostics::Impact& impact, int dim, std::vector<std::string>& lines) {
+  if (!impact.all.occurred()) {
+    lines.push_back("contact: none; " + nearest(impact.all));
+    return;
+  }
+  lines.emplace_back(
+      "contact (impulse and the time from 1 to 99 % of it converge with step and size, the sustained peak "
+      "where the force is smooth; first and last touch and the peak of two steps need not):");
+  for (const diagnostics::Touch& one : impact.obstacles)
+    lines.push_back(touch_line(one.name, one, dim));
+  if (std::ranges::count_if(impact.obstacles, &diagnostics::Touch::occurred) > 1)
+    lines.push_back(touch_line("all together", impact.all, dim));
+  lines.push_back("  velocity of the centre of mass: " + velocities(impact.whole, impact.ended, dim) +
+                  over_all(impact) +
+                  (impact.whole.restitution ? "" : "; no restitution: " + impact.no_restitution));
+  add_bounces(impact, dim, lines);
+}
+
+void add_energy(const diagnostics::EnergyAccount& energy, int dim, std::vector<std::string>& lines) {
+  std::string text = fmt::format("energy, kinetic and elastic: {:.4g} {} at the start",
+                                 energy.kinetic_at_start + energy.elastic_at_start, per_depth("J", dim));
+  constexpr double rounding = 1e-12;
+  const double largest =
+      std::max({energy.kinetic_at_start + energy.elastic_at_start, std::abs(energy.load_work),
+                std::abs(energy.other_work), std::abs(energy.contact_work), energy.viscous_dissipation});
+  const auto add = [&](const char* by, double work) {
+    if (std::abs(work) > rounding * largest)
+      text += fmt::format(", {:+.4g} by {}", work, by);
+  };
+  add("loads", energy.load_work);
+  add("control and clamps", energy.other_work);
+  add("contact", energy.contact_work);
+  add("viscosity", -energy.viscous_dissipation);
+  lines.push_back(text + fmt::format(": {:.4g} at the end, {:.4g} of it elastic",
+                                     energy.kinetic_at_end + energy.elastic_at_end, energy.elastic_at_end));
+}
+
+} // namespace
+
+std::vector<std::string> summary_lines(const io::Manifest& manifest) {
+  std::vector<std::string> lines;
+  if (manifest.impact)
+    add_impact(*manifest.impact, manifest.dim, lines);
+  if (manifest.energy)
+    add_energy(*manifest.energy, manifest.dim, lines);
+  if (manifest.von_mises)
+    lines.push_back(fmt::format(
+        "largest von Mises stress of the stored times: {:.4g} Pa in the cell at {} m, {:.6g} s{}; "
+        "{:.4g} Pa recovered from the cells around it",
+        manifest.von_mises->stress.largest.value,
+        components(manifest.von_mises->stress.largest.at, manifest.dim), manifest.von_mises->time,
+        stress_at_onset(manifest) ? ", as contact begins" : "", manifest.von_mises->stress.recovered));
+  return lines;
+}
+
+std::string cost_line(const io::Manifest& manifest, const scene::Scene& scene, const Timers& timers,
+                      double bytes) {
+  const auto seconds = [&](const char* phase) {
+    const auto found = timers.entries().find(phase);
+    return found == timers.entries().end() ? 0.0 : found->second.seconds;
+  };
+  const bool fields = scene.output.field(scene::StoredField::displacement) ||
+                      scene.output.field(scene::StoredField::velocity);
+  std::string text = fmt::format(
+      "{} steps in {:.2g} s, their balances in {:.2g} s, output in {:.2g} s: {:.3g} MB", manifest.steps_done,
+      seconds("forward"), seconds("balances"), seconds("output"), bytes / 1e6);
+  if (fields || scene.output.table(scene::StoredTable::contact))
+    text += scene.output.every == 0
+                ? fmt::format(", fields and contact at {} times (output.every = 1: of every step)",
+                              manifest.stored)
+                : fmt::format(
+                      ", fields and contact of {} (output.every = {})",
+                      scene.output.every == 1
+                          ? "every step"
+                          : fmt::format("one step in {}{}", scene.output.every,
+                                        scene.contacts.empty() ? "" : " and of that with the largest force"),
+                      scene.output.every);
+  constexpr double noticeable = 1; // s
+  if (seconds("output") > std::max(noticeable, 2 * seconds("forward")))
+    text += "; output took longest: output.every, output.fields and output.tables say what is stored";
+  return text;
+}
+
+} // namespace signorini::drivers

@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "problem/problem.h"
+#include "base/collective.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/signals.h"
+#include "control/interpolation.h"
+#include "io/stored_control.h"
+#include "io/stored_field.h"
+#include "trajectory/step_control.h"
+#include <fmt/format.h>
+
+namespace signorini::problem {
+using petsc::check;
+
+namespace {
+
+template <class Make>
+auto timed(Timers& timers, const char* phase, Make&& make) {
+  const auto timer = timers.time(phase);
+  return make();
+}
+
+mesh::Mesh read_mesh(MPI_Comm comm, const scene::Scene& scene, const mesh::Meshing& meshing) {
+  mesh::Mesh mesh(comm, scene.mesh, meshing);
+  scene::require_dimension(scene, mesh.dim());
+  // The groups must exist even if this run uses neither control nor objective.
+  if (scene.control && scene.control->on)
+    (void)mesh.group_dimension(*scene.control->on, "control.on");
+  if (scene.objective && scene.objective->on)
+    (void)mesh.group_dimension(*scene.objective->on, "objective.on");
+  return mesh;
+}
+
+/// Whether simulate applies a control.
+bool has_given_control(const scene::Scene& scene) { return scene.control && !scene::rests(*scene.control); }
+
+/// Whether a load, control or objective is given by its density in the body, which needs W.
+bool has_densities(const scene::Scene& scene, bool optimal_control) {
+  const bool controlled = optimal_control ? scene.control.has_value() : has_given_control(scene);
+  return (scene.load && scene.load->body) ||
+         (controlled && !scene.control->on && scene.control->space == scene::ControlValues::nodal) ||
+         (optimal_control && scene.objective && !scene.objective->on);
+}
+
+using Displacements = std::unique_ptr<const step::Displacements>;
+
+/// The motion under a reference control.
+Displacements computed(const Problem& problem, const control::ControlSpace& controls,
+                       const control::Control& reference, const trajectory::StateStoreFactory& storage,
+                       const Console& console) {
+  /// Owns the control's force too: steps are made again by it where the storage keeps checkpoints.
+  class Computed final : public step::Displacements {
+  public:
+    Computed(const Problem& problem, const control::ControlSpace& controls, const control::Control& u,
+             const trajectory::StateStoreFactory& storage)
+        : force_(controls, u), trajectory_(problem.stepper, problem.initial, storage) {}
+    void run(const Problem& problem, const trajectory::StepObserver& watch) {
+      trajectory_.run(problem.load(&force_), watch);
+      if (trajectory_.steps() < problem.steps())
+        throw Interrupted();
+    }
+    [[nodiscard]] Vec y(const step::TimeStep& step) const override { return trajectory_.y(step); }
+
+  private:
+    control::ControlForce force_;
+    trajectory::Trajectory trajectory_;
+  };
+  auto motion = std::make_unique<Computed>(problem, controls, reference, storage);
+  Progress progress(console, "desired state", static_cast<std::size_t>(problem.steps()));
+  motion->run(problem, [&](const trajectory::Frame& frame) {
+    progress.update(static_cast<std::size_t>(frame.step.k));
+  });
+  return motion;
+}
+
+/// A displacement at time t. Collective.
+using Evaluate = std::function<void(double t, Vec y)>;
+
+/// All evaluated at construction and kept in memory.
+class Kept final : public step::Displacements {
+public:
+  Kept(const Problem& problem, const Evaluate& evaluate)
+      : all_(petsc::zero_series(problem.initial.y(), static_cast<std::size_t>(problem.steps()) + 1)) {
+    for (int k = 0; k <= problem.steps(); ++k)
+      evaluate(problem.grid.time(k), all_[static_cast<std::size_t>(k)]);
+  }
+  [[nodiscard]] Vec y(const step::TimeStep& step) const override {
+    return all_[static_cast<std::size_t>(step.k)];
+  }
+
+private:
+  petsc::Series all_;
+};
+
+/// Evaluated on demand.
+class Evaluated final : public step::Displacements {
+public:
+  Evaluated(const Problem& problem, Evaluate evaluate)
+      : problem_(problem), evaluate_(std::move(evaluate)), y_(problem.space.vector()) {}
+  [[nodiscard]] Vec y(const step::TimeStep& step) const override {
+    if (std::exchange(last_, step.k) != step.k) {
+      const auto timer = problem_.timers.time("desired state");
+      evaluate_(step.end, y_);
+    }
+    return y_;
+  }
+
+private:
+  const Problem& problem_;
+  Evaluate evaluate_;
+  petsc::Vector y_;
+  mutable int last_ = -1; ///< a state is asked for several times in a row
+};
+
+/// Constant in time.
+class Constant final : public step::Displacements {
+public:
+  Constant(const Problem& problem, const scene::Field& field) : y_(problem.space.vector()) {
+    problem.space.interpolate(field, 0, y_);
+  }
+  [[nodiscard]] Vec y(const step::TimeStep&) const override { return y_; }
+
+private:
+  petsc::Vector y_;
+};
+
+Displacements given(const Problem& problem, Evaluate evaluate, bool keep) {
+  if (keep)
+    return std::make_unique<Kept>(problem, evaluate);
+  return std::make_unique<Evaluated>(problem, std::move(evaluate));
+}
+
+Displacements desired_states(const Problem& problem, const control::ControlSpace& controls,
+                             const std::optional<control::Control>& reference,
+                             const trajectory::StateStoreFactory& storage, const Console& console) {
+  const auto timer = problem.timers.time("desired state");
+  return reference ? computed(problem, controls, *reference, storage, console)
+                   : given_motion(problem, storage.in_memory());
+}
+
+/// Throws UserError if a control and, with `motion`, a motion with all its states in memory exceed the
+/// machine's memory, one machine for each rank: the number of steps is then unintended, and Linux would grant
+/// the memory until it kills the program.
+void require_memory(const Problem& problem, const control::ControlSpace& controls, bool motion) {
+  const bool kept = motion && problem.scene.trajectory.storage == scene::Storage::memory;
+  const double needed = controls.control_bytes() + (kept ? state_stores(problem).bytes() : 0),
+               room = machine_memory() * ranks(problem.space.comm());
+  if (needed > room)
+    throw UserError(fmt::format(
+        "time.step: found {:.10g} s, which makes {} steps, of which a control{} alone take {:.3g} GB "
+        "of memory, allowed is what fits in the machine's {:.3g} GB",
+        problem.scene.time.step, problem.steps(), kept ? " and a motion" : "", needed / 1e9, room / 1e9));
+}
+
+control::Control first_guess(const control::ControlSpace& controls, const scene::Control& scene) {
+  control::Control u = scene.stored
+                           ? io::stored_control(controls, scene, scene.stored->folder, "control.initial.run")
+                       : scene.initial ? controls.interpolate(*scene.initial, "control.initial")
+                                       : controls.zero();
+  controls.project(u);
+  return u;
+}
+
+std::optional<control::Control> reference_control(const Problem& problem,
+                                                  const control::ControlSpace& controls) {
+  require_memory(problem, controls, true);
+  if (const auto* desired = std::get_if<scene::DesiredControl>(&problem.scene.objective->desired))
+    return controls.interpolate(desired->control, "objective.desired.control");
+  return std::nullopt;
+}
+
+} // namespace
+
+step::Stepper::Needs simulation_needs(const scene::Scene& scene) {
+  const bool two = scene.objective && std::holds_alternative<scene::DesiredControl>(scene.objective->desired);
+  return {.passes = two ? 2.0 : 1.0};
+}
+
+step::Stepper::Needs study_needs(const scene::Scene& scene) {
+  constexpr double motion = 1, gradient = 3; // the desired motion's pass included
+  return {.derivatives = scene.objective.has_value(), .passes = scene.objective ? gradient : motion};
+}
+
+step::Stepper::Needs check_needs(const scene::Scene& scene) {
+  constexpr double few = 10;
+  return {.derivatives = scene.objective.has_value(), .passes = few};
+}
+
+step::Stepper::Needs search_needs(const scene::Scene& scene) {
+  constexpr int usual = 50;    // iterations until most of what can be had is had
+  constexpr double sweeps = 2; // forward and adjoint
+  return {.derivatives = true, .passes = sweeps * (1 + std::min(usual, scene.optimizer.max_iterations))};
+}
+
+step::Stepper::Needs fit_needs(const scene::Scene& scene) {
+  return {.derivatives = true, .passes = 1 + static_cast<double>(scene.unknowns.size())};
+}
+
+Discretisation::Discretisation(MPI_Comm comm, const scene::Scene& scene, Timers& timers,
+                               const mesh::Meshing& meshing)
+    : mesh(timed(timers, "mesh", [&] { return read_mesh(comm, scene, meshing); })),
+      space(mesh, scene.mesh.degree) {}
+
+Problem::Problem(std::shared_ptr<const Discretisation> shared, const scene::Scene& s,
+                 step::Stepper::Needs needs, Timers& t, trajectory::Stops stops)
+    : scene(s), timers(t), discretisation(std::move(shared)), mesh(discretisation->mesh),
+      space(discretisation->space),
+      operators(timed(t, "assembly",
+                      [&] {
+                        return fem::assemble_operators(
+                            space, s.materials,
+                            has_densities(s, needs.derivatives || s.objective.has_value()));
+                      })),
+      stepper(timed(t, "solver", [&] { return step::Stepper(space, operators, s, needs); })),
+      grid(stepper.ladder() ? step::TimeGrid(*stepper.ladder()) : step::TimeGrid(s.time)),
+      initial(trajectory::initial_state(stepper, s.initial)) {
+  if (stops == trajectory::Stops::obeyed && stop_requested(space.comm()))
+    throw Interrupted();
+  if (s.load)
+    scene_load.emplace(space, stepper.M(), *s.load, stepper.end());
+  if (!s.output.probes.empty())
+    probes.emplace(stepper, s);
+}
+
+long Problem::free_dofs() const {
+  long clamped = static_cast<long>(stepper.clamped().dofs().size());
+  MPI_Allreduce(MPI_IN_PLACE, &clamped, 1, MPI_LONG, MPI_SUM, space.comm());
+  return static_cast<long>(space.dofs()) - clamped;
+}
+
+GivenControl::GivenControl(const Problem& problem) : problem_(problem) {
+  if (!has_given_control(problem.scene))
+    return;
+  const scene::Control& control = *problem.scene.control;
+  controls_.emplace(problem.space, problem.operators, problem.grid, control);
+  if (controls_->stepwise() && !problem.grid.complete()) {
+    if (control.stored)
+      throw UserError("control.initial: found the control of a run with time.step = \"auto\", allowed is one "
+                      "on intervals of its own (control.step), or expressions");
+    force_ = std::make_unique<control::SampledForce>(*controls_, *control.initial, "control.initial", true);
+    return;
+  }
+  require_memory(problem, *controls_, false);
+  control_ = first_guess(*controls_, control);
+  force_ = std::make_unique<control::ControlForce>(*controls_, *control_);
+}
+
+control::Control GivenControl::control(const control::ControlSpace& controls) const {
+  if (!acts())
+    return controls.zero();
+  return control_ ? *control_ : first_guess(controls, *problem_.scene.control);
+}
+
+void choose_steps(Problem& problem, const step::ForceAtStep& load, const Console& console) {
+  const auto timer = problem.timers.time("lengths of steps");
+  trajectory::StepControl control(problem.stepper, problem.scene);
+  const step::TimeGrid grid =
+      trajectory::integrate_choosing(problem.stepper, problem.initial, load, control, {});
+  if (!grid.complete())
+    throw Interrupted();
+  double shortest = grid.end(), longest = 0;
+  for (int k = 1; k <= grid.steps(); ++k) {
+    shortest = std::min(shortest, grid.length(k));
+    longest = std::max(longest, grid.length(k));
+  }
+  console.line(
+      fmt::format("{} steps, of {:.3g} s to {:.3g} s, chosen by a motion in which {} were made again",
+                  grid.steps(), shortest, longest, control.rejected()));
+  problem.grid = grid;
+}
+
+void choose_steps(Problem& problem, const control::ControlSpace& from, const control::Control& u,
+                  const Console& console) {
+  const control::ControlSpace held(problem.space, problem.operators, from.grid(), *problem.scene.control);
+  const control::Control here = control::Interpolation(from, held)(u);
+  const control::HeldForce force(held, here);
+  choose_steps(problem, problem.load(&force), console);
+}
+
+void choose_steps(Problem& problem, const Console& console) {
+  if (problem.grid.complete())
+    return;
+  const scene::Scene& scene = problem.scene;
+  const auto* desired =
+      scene.objective ? std::get_if<scene::DesiredControl>(&scene.objective->desired) : nullptr;
+  if (!has_given_control(scene) && desired) {
+    const control::ControlSpace controls(problem.space, problem.operators, problem.grid, *scene.control);
+    const control::SampledForce reference(controls, desired->control, "objective.desired.control", false);
+    choose_steps(problem, problem.load(&reference), console);
+  } else {
+    choose_steps(problem, GivenControl(problem).load(), console);
+  }
+}
+
+Displacements given_motion(const Problem& problem, bool keep) {
+  if (const auto* run = std::get_if<scene::DesiredRun>(&problem.scene.objective->desired)) {
+    const auto stored =
+        std::make_shared<io::StoredField>(problem.space, run->folder / "state.h5", "displacement",
+                                          "objective.desired.run", problem.stepper.end());
+    return given(problem, [stored](double t, Vec y) { stored->at(t, y); }, keep);
+  }
+  const auto& desired = std::get<scene::DesiredDisplacement>(problem.scene.objective->desired);
+  const auto field =
+      std::make_shared<scene::Field>(desired.displacement, "objective.desired.displacement", true);
+  if (field->depends_on_time())
+    return given(
+        problem, [&problem, field](double t, Vec y) { problem.space.interpolate(*field, t, y); }, keep);
+  return std::make_unique<Constant>(problem, *field);
+}
+
+std::optional<Warning> desired_warning(const Problem& problem) {
+  const auto* run =
+      problem.scene.objective ? std::get_if<scene::DesiredRun>(&problem.scene.objective->desired) : nullptr;
+  if (!run)
+    return std::nullopt;
+  const step::TimeGrid& grid = problem.grid;
+  std::vector<double> times;
+  try {
+    times = io::StoredField(problem.space, run->folder / "state.h5", "displacement", "objective.desired.run",
+                            grid.end())
+                .times();
+  } catch (const UserError&) { // gone since it was read, which is no reason to lose a run
+    return std::nullopt;
+  }
+  double apart = 0, longest = 0;
+  for (std::size_t i = 1; i < times.size(); ++i)
+    apart = std::max(apart, times[i] - times[i - 1]);
+  for (int k = 1; k <= problem.steps(); ++k)
+    longest = std::max(longest, grid.length(k));
+  constexpr double alike = 1.5;
+  if (!(apart > alike * longest))
+    return std::nullopt;
+  return Warning{"desired motion between stored times",
+                 fmt::format("the states of {} are up to {:.3g} s apart, between which the desired motion "
+                             "is taken as linear, and the steps here are {:.3g} s long: let that run "
+                             "have output.every = 1",
+                             run->folder.string(), apart, longest),
+                 apart / longest, alike};
+}
+
+trajectory::StateStoreFactory state_stores(const Problem& problem) {
+  const bool computed = std::holds_alternative<scene::DesiredControl>(problem.scene.objective->desired);
+  return {problem.stepper, problem.grid, problem.scene.trajectory, computed ? 0.5 : 1, problem.timers};
+}
+
+step::ForceAtStep GivenControl::load() const { return problem_.load(force_.get()); }
+
+ControlProblem::ControlProblem(const Problem& problem, const Console& console)
+    : controls(problem.space, problem.operators, problem.grid, *problem.scene.control),
+      reference(reference_control(problem, controls)), storage(state_stores(problem)),
+      desired_storage(state_stores(problem)),
+      objective(controls, problem.operators, problem.grid,
+                desired_states(problem, controls, reference, desired_storage, console),
+                *problem.scene.objective),
+      reduced({.stepper = &problem.stepper,
+               .initial = &problem.initial,
+               .storage = &storage,
+               .load = problem.scene_loads()},
+              controls, objective, problem.timers) {}
+
+control::Control ControlProblem::first_guess(const scene::Scene& scene) const {
+  return problem::first_guess(controls, *scene.control);
+}
+
+} // namespace signorini::problem

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "step/load.h"
+#include "base/counters.h"
+#include <algorithm>
+#include <fmt/format.h>
+#include <iterator>
+
+namespace signorini::step {
+using petsc::check;
+
+namespace {
+
+long& evaluations = count("load evaluations");
+
+/// `out` set to zero; null if no term has such a part.
+Vec zeroed(const petsc::Vector& out) {
+  if (out)
+    check(VecZeroEntries(out));
+  return out;
+}
+
+} // namespace
+
+template <class Part>
+SumAtStep<Part>::SumAtStep(const fem::Space& space, std::initializer_list<const StepByStep<Part>*> terms) {
+  std::ranges::copy_if(terms, std::back_inserter(terms_), [](const auto* term) { return term != nullptr; });
+  if (std::ranges::any_of(terms_, &StepByStep<Part>::has_density))
+    density_ = space.vector();
+  if (std::ranges::any_of(terms_, &StepByStep<Part>::has_vector))
+    vector_ = space.vector();
+}
+
+template <class Part>
+Part SumAtStep<Part>::at(const TimeStep& step) const {
+  const Part sum{{zeroed(density_), zeroed(vector_)}};
+  for (const StepByStep<Part>* term : terms_)
+    term->add(step, sum);
+  return sum;
+}
+
+template <class Part>
+double SumAtStep<Part>::variation(double from, double to) const {
+  double most = 0;
+  for (const StepByStep<Part>* term : terms_)
+    most = std::max(most, term->variation(from, to));
+  return most;
+}
+
+template class SumAtStep<NodalForce>;
+template class SumAtStep<StateDual>;
+
+void assemble(Functional functional, const fem::Operators& operators, Vec out) {
+  check(VecZeroEntries(out));
+  if (functional.density)
+    check(MatMult(*operators.W, functional.density, out));
+  if (functional.vector)
+    check(VecAXPY(out, 1, functional.vector));
+}
+
+SceneLoad::SceneLoad(const fem::Space& space, Mat M, const scene::Load& scene, double end)
+    : space_(space), end_(end) {
+  if (scene.body)
+    body_.emplace(term(*scene.body, "load.body"));
+  const auto add = [&](Term made, Mat product) {
+    made.product = product;
+    made.force = space.vector();
+    multiply(forces_.emplace_back(std::move(made)));
+  };
+  if (scene.gravity)
+    add(term(*scene.gravity, "load.gravity"), M);
+  for (std::size_t i = 0; i < scene.tractions.size(); ++i) {
+    const auto key = [&](const char* name) { return fmt::format("load.traction[{}].{}", i, name); };
+    const scene::Traction& traction = scene.tractions[i];
+    (void)space.mesh().facets(traction.on, key("on")); // throws if the group is not a surface
+    Term made = term(traction.value, key("value"));
+    made.surface = fem::assemble_L2(space, traction.on, key("on"));
+    const Mat product = made.surface;
+    add(std::move(made), product);
+  }
+}
+
+SceneLoad::Term SceneLoad::term(const scene::Components& components, const std::string& key) const {
+  Term made{{space_.comm(), scene::Field(components, key, true), space_.points(), end_}, space_.vector()};
+  if (!made.profile.field().depends_on_time()) {
+    ++evaluations;
+    space_.interpolate(made.profile.field(), 0, made.nodal);
+  }
+  return made;
+}
+
+void SceneLoad::multiply(const Term& term) {
+  if (term.product)
+    check(MatMult(term.product, term.nodal, term.force));
+}
+
+void SceneLoad::add_term(const Term& term, const TimeStep& step, Vec out) {
+  if (term.profile.field().depends_on_time()) {
+    ++evaluations;
+    term.profile.mean(step.begin, step.end, petsc::WriteArray(term.nodal));
+    multiply(term);
+  }
+  check(VecAXPY(out, 1, term.product ? term.force : term.nodal));
+}
+
+template <class Visit>
+void SceneLoad::for_each(Visit&& visit) const {
+  if (body_)
+    visit(*body_);
+  std::ranges::for_each(forces_, visit);
+}
+
+bool SceneLoad::depends_on_time() const {
+  bool any = false;
+  for_each([&](const Term& term) { any |= term.profile.field().depends_on_time(); });
+  return any;
+}
+
+double SceneLoad::variation(double from, double to) const {
+  double most = 0;
+  for_each([&](const Term& term) { most = std::max(most, term.profile.variation(from, to)); });
+  return most;
+}
+
+std::vector<Warning> SceneLoad::warnings() const {
+  constexpr double noticeable = fem::TimeProfile::noticeable;
+  std::vector<Warning> found;
+  for_each([&](const Term& term) {
+    if (const double off = term.profile.unresolved(); off > noticeable)
+      found.push_back(
+          {"load not integrated",
+           fmt::format(
+               "{}: the expression changes faster than it can be integrated: its impulse may be off by "
+               "{:.2g} of it",
+               term.profile.field().key(), off),
+           off, noticeable});
+  });
+  return found;
+}
+
+double SceneLoad::surface_bytes() const {
+  double sum = 0;
+  for (const Term& term : forces_)
+    sum += term.surface ? petsc::bytes(term.surface) : 0;
+  return sum;
+}
+
+void SceneLoad::add(const TimeStep& step, NodalForce sum) const {
+  if (body_)
+    add_term(*body_, step, sum.density);
+  for (const Term& term : forces_)
+    add_term(term, step, sum.vector);
+}
+
+} // namespace signorini::step

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "step/parameter_rates.h"
+#include "contact/massless.h"
+#include "scene/unknown_limits.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+
+namespace signorini::step {
+using petsc::check;
+
+struct ParameterRates::Rate {
+  petsc::Matrix A, B, M;            ///< derivatives; null if zero
+  std::optional<SceneLoad> load;    ///< what changes of the loads; of the density, the weight
+  std::optional<ForceAtStep> force; ///< of load
+  std::optional<contact::ContactPairs::Rates> pairs;
+  int obstacle = 0;
+  scene::ObstacleRate obstacle_rate;
+  petsc::Vector y0, v0;
+
+  [[nodiscard]] bool turns() const { return pairs && pairs->rows; }
+};
+
+ParameterRates::ParameterRates(const Stepper& stepper, const scene::Scene& scene,
+                               std::span<const double> values)
+    : stepper_(stepper), lambda_(stepper.rows()), zeta_(lambda_.size()), work_(stepper.space().vector()),
+      components_(lambda_.size()) {
+  for (petsc::Vector* one : {&sum_, &difference_, &inertia_, &jump_})
+    *one = stepper.space().vector();
+  if (stepper.motion())
+    motion_ = stepper.motion()->storage();
+  for (std::size_t j = 0; j < scene.unknowns.size(); ++j) {
+    const scene::Unknown& unknown = scene.unknowns[j];
+    Rate& rate = *rates_.emplace_back(std::make_unique<Rate>());
+    using enum scene::Parameter;
+    switch (unknown.of) {
+    case young:
+    case poisson:
+    case bulk:
+    case shear:
+    case density:
+      add_material(scene::with_values(scene, values), unknown, rate);
+      break;
+    case displacement:
+    case velocity:
+      add_initial(scene, unknown, rate);
+      break;
+    case position:
+    case angle:
+    case center:
+    case radius:
+      add_obstacle(scene, values, j, rate);
+      break;
+    case body:
+    case gravity:
+    case traction:
+      add_load(scene, unknown, rate);
+    }
+  }
+}
+
+ParameterRates::~ParameterRates() = default;
+
+void ParameterRates::add_material(const scene::Scene& scene, const scene::Unknown& unknown,
+                                  Rate& rate) const {
+  const std::size_t material = scene::material_of(scene, unknown);
+  const auto assembled = [&](fem::Form form) {
+    return fem::assemble_rate(stepper_.space(), scene.materials, material, form);
+  };
+  using enum scene::Parameter;
+  if (unknown.of == young || unknown.of == poisson)
+    rate.A = fem::symmetric_half(assembled(unknown.of == young ? fem::Form::a_young : fem::Form::a_poisson));
+  else if (unknown.of == bulk || unknown.of == shear)
+    rate.B = fem::symmetric_half(assembled(unknown.of == bulk ? fem::Form::b_kappa : fem::Form::b_eta));
+  else {
+    petsc::Matrix M = assembled(fem::Form::m_rho);
+    if (scene::takes_mass(stepper_.contact_scheme()))
+      M = contact::massless(stepper_.space(), *stepper_.pairs(), contact::massless_obstacles(scene.contacts),
+                            M);
+    rate.M = fem::symmetric_half(M);
+    add_gravity(scene, rate);
+  }
+}
+
+void ParameterRates::add_gravity(const scene::Scene& scene, Rate& rate) const {
+  if (!scene.load || !scene.load->gravity)
+    return;
+  scene::Load gravity;
+  gravity.gravity = scene.load->gravity;
+  rate.load.emplace(stepper_.space(), rate.M, gravity, stepper_.end());
+  rate.force.emplace(stepper_.space(), *rate.load);
+}
+
+petsc::Matrix ParameterRates::massless_rate(const scene::Scene& scene, std::span<const double> values,
+                                            std::size_t j) const {
+  // Central differences of order 6, whose error for steps of a thousandth of the obstacle's own scale is
+  // 1e-18, below their rounding of 1e-13.
+  constexpr std::array weights{45.0 / 60, -9.0 / 60, 1.0 / 60};
+  constexpr double thousandth = 1e-3;
+  const scene::Scene now = scene::with_values(scene, values);
+  const contact::Obstacle obstacle(now.contacts[scene::contact_of(scene, scene.unknowns[j])].obstacle,
+                                   "obstacle", stepper_.space().dim(), stepper_.pairs()->diameter());
+  const double radius = obstacle.place(0).radius, h = thousandth * (std::isfinite(radius) ? radius : 1);
+  const petsc::Matrix M = fem::assemble_mass(stepper_.space(), now.materials);
+  petsc::Matrix rate;
+  check(MatDuplicate(M, MAT_DO_NOT_COPY_VALUES, rate.put()));
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    for (const double side : {-1.0, 1.0}) {
+      std::vector<double> beside(values.begin(), values.end());
+      beside[j] += side * static_cast<double>(i + 1) * h;
+      const contact::ContactPairs pairs(stepper_.space(), stepper_.clamped(),
+                                        scene::with_values(scene, beside).contacts, scene.time);
+      const petsc::Matrix moved =
+          contact::massless(stepper_.space(), pairs, contact::massless_obstacles(scene.contacts), M);
+      check(MatAXPY(rate, side * weights[i] / h, moved, DIFFERENT_NONZERO_PATTERN));
+    }
+  return fem::symmetric_half(rate);
+}
+
+void ParameterRates::add_obstacle(const scene::Scene& scene, std::span<const double> values, std::size_t j,
+                                  Rate& rate) const {
+  rate.obstacle = static_cast<int>(scene::contact_of(scene, scene.unknowns[j]));
+  rate.obstacle_rate = scene::obstacle_rate(scene, values, j);
+  rate.pairs = stepper_.pairs()->rates(rate.obstacle, rate.obstacle_rate);
+  if (rate.turns() && scene.contacts[static_cast<std::size_t>(rate.obstacle)].massless()) {
+    rate.M = massless_rate(scene, values, j);
+    add_gravity(scene::with_values(scene, values), rate); // of the mass that moves from node to node
+  }
+}
+
+void ParameterRates::add_initial(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const {
+  const bool velocity = unknown.of == scene::Parameter::velocity;
+  scene::Components field = velocity ? *scene.initial.velocity : *scene.initial.displacement;
+  if (unknown.component)
+    for (std::size_t c = 0; c < field.size(); ++c)
+      field[c] = static_cast<scene::Component>(c) == *unknown.component ? 1.0 : 0.0;
+  petsc::Vector& x = velocity ? rate.v0 : rate.y0;
+  x = stepper_.space().vector();
+  stepper_.space().interpolate({field, velocity ? "initial.velocity" : "initial.displacement", false}, 0, x);
+  stepper_.clamped().clear(x);
+}
+
+void ParameterRates::add_load(const scene::Scene& scene, const scene::Unknown& unknown, Rate& rate) const {
+  scene::Load load;
+  if (unknown.of == scene::Parameter::body)
+    load.body = scene.load->body;
+  else if (unknown.of == scene::Parameter::gravity)
+    load.gravity = scene.load->gravity;
+  else
+    std::ranges::copy_if(scene.load->tractions, std::back_inserter(load.tractions),
+                         [&](const scene::Traction& one) { return scene::scales(unknown, one); });
+  rate.load.emplace(stepper_.space(), stepper_.M(), load, stepper_.end());
+  rate.force.emplace(stepper_.space(), *rate.load);
+}
+
+bool ParameterRates::turn() const {
+  return std::ranges::any_of(rates_, [](const auto& rate) { return rate->turns(); });
+}
+
+void ParameterRates::set(const StepMade& made) {
+  made_.emplace(made);
+  if (turn())
+    stepper_.pairs()->rows().spread(made.contact, lambda_);
+  const Scheme scheme = made.step.scheme();
+  check(VecWAXPY(sum_, 1, made.from.y(), made.to.y()));
+  check(VecWAXPY(difference_, -1, made.from.y(), made.to.y()));
+  jumps_ = stepper_.predictor() && !made.contact.predictor.empty();
+  Vec momentum = made.from.v();
+  if (jumps_) { // z − x, by the update of the velocity
+    check(VecWAXPY(jump_, 1, made.from.v(), made.to.v()));
+    check(VecAYPX(jump_, -1 / scheme.rate(), difference_));
+    stepper_.clamped().clear(jump_);
+    check(VecWAXPY(inertia_, scheme.jump_rate(), jump_, momentum));
+    momentum = inertia_;
+  }
+  if (motion_) {
+    stepper_.motion()->evaluate(made.step, *motion_);
+    momentum = stepper_.motion()->driving(*motion_, made.from.y(), momentum);
+  }
+  check(VecAXPBY(inertia_, scheme.momentum(), 0, momentum));
+  check(VecAXPY(inertia_, -1, difference_));
+  if (jumps_ && turn()) {
+    check(MatMult(stepper_.M(), jump_, work_));
+    check(VecScale(work_, -1)); // H ζ = −M j
+    stepper_.pairs()->rows().multipliers(made.contact.predictor, work_, zeta_);
+  }
+}
+
+/// The products that s_kj sums: calls add(matrix, factor, vector).
+template <class Add>
+void ParameterRates::for_each_product(const Rate& rate, const Scheme& scheme, Add&& add) {
+  if (rate.A)
+    add(rate.A, -scheme.stiffness(), sum_);
+  if (rate.B)
+    add(rate.B, -scheme.tau / 2, difference_);
+  if (rate.M)
+    add(rate.M, 1, inertia_);
+}
+
+void ParameterRates::add_source(std::size_t j, Vec sum) {
+  const Rate& rate = *rates_[j];
+  const Scheme scheme = made_->step.scheme();
+  for_each_product(rate, scheme, [&](Mat matrix, double factor, Vec x) {
+    check(MatMult(matrix, x, work_));
+    check(VecAXPY(sum, factor, work_));
+  });
+  if (rate.force) {
+    assemble(rate.force->at(made_->step), stepper_.operators(), work_);
+    check(VecAXPY(sum, scheme.impulse(), work_));
+  }
+  if (rate.turns())
+    rate.pairs->rows->apply(-1, lambda_, sum);
+}
+
+double ParameterRates::pairing(std::size_t j, Vec p) {
+  const Rate& rate = *rates_[j];
+  const Scheme scheme = made_->step.scheme();
+  double sum = 0;
+  for_each_product(rate, scheme, [&](Mat matrix, double factor, Vec x) {
+    check(MatMult(matrix, x, work_));
+    sum += factor * petsc::dot(p, work_);
+  });
+  if (rate.force) {
+    const NodalForce force = rate.force->at(made_->step);
+    if (force.density) {
+      check(MatMult(*stepper_.operators().W, force.density, work_));
+      sum += scheme.impulse() * petsc::dot(p, work_);
+    }
+    if (force.vector)
+      sum += scheme.impulse() * petsc::dot(p, force.vector);
+  }
+  if (rate.turns()) {
+    rate.pairs->rows->apply_transpose(p, components_);
+    for (int i : made_->contact.active)
+      sum -= lambda_[static_cast<std::size_t>(i)] * components_[static_cast<std::size_t>(i)];
+  }
+  return sum;
+}
+
+bool ParameterRates::constraint(std::size_t j, std::span<double> c) {
+  Rate& rate = *rates_[j];
+  if (!rate.pairs)
+    return false;
+  stepper_.pairs()->set_time(rate.obstacle, rate.obstacle_rate, made_->step.end, *rate.pairs);
+  std::ranges::copy(rate.pairs->psi, c.begin());
+  if (rate.turns()) {
+    rate.pairs->rows->apply_transpose(made_->to.y(), components_);
+    for (std::size_t i = 0; i < c.size(); ++i)
+      c[i] -= components_[i];
+  }
+  return true;
+}
+
+bool ParameterRates::predictor(std::size_t j, Vec r, std::span<double> e) {
+  const Rate& rate = *rates_[j];
+  if (!jumps_ || (!rate.M && !rate.pairs))
+    return false;
+  check(VecZeroEntries(r));
+  std::ranges::fill(e, 0);
+  if (rate.M) {
+    check(MatMult(rate.M, jump_, r));
+    check(VecScale(r, -1));
+  }
+  if (!constraint(j, e))
+    return true;
+  if (rate.turns()) { // ν·z in place of ν·y_k, z = y + τ v + j
+    rate.pairs->rows->apply(-1, zeta_, r);
+    check(VecWAXPY(work_, made_->step.tau, made_->from.v(), made_->from.y()));
+    check(VecAXPY(work_, 1, jump_));
+    rate.pairs->rows->apply_transpose(work_, components_);
+    for (std::size_t i = 0; i < e.size(); ++i)
+      e[i] = rate.pairs->psi[i] - components_[i];
+  }
+  return true;
+}
+
+const contact::ConstraintRows* ParameterRates::rows(std::size_t j) const {
+  return rates_[j]->turns() ? &*rates_[j]->pairs->rows : nullptr;
+}
+
+Vec ParameterRates::displacement(std::size_t j) const { return rates_[j]->y0; }
+Vec ParameterRates::velocity(std::size_t j) const { return rates_[j]->v0; }
+
+} // namespace signorini::step

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "step/predictor_projection.h"
+#include <algorithm>
+
+namespace signorini::step {
+using petsc::check;
+
+namespace {
+
+petsc::Matrix decoupled(petsc::Matrix M, const fem::DirichletDofs& clamped) {
+  clamped.decouple(M);
+  return M;
+}
+
+} // namespace
+
+PredictorProjection::PredictorProjection(petsc::Matrix blocks, Mat M, const fem::DirichletDofs& clamped,
+                                         const contact::ContactPairs& pairs, const scene::Solver& scene,
+                                         bool derivatives, double solves)
+    : M_(M), clamped_(clamped), pairs_(pairs),
+      solver_(decoupled(std::move(blocks), clamped), &pairs, scene, derivatives, solves),
+      zero_(petsc::vector_of(M)) {}
+
+PredictorProjection::Workspace PredictorProjection::workspace() const {
+  return {.r = petsc::zero_like(zero_),
+          .jump = petsc::zero_like(zero_),
+          .gap = std::vector<double>(static_cast<std::size_t>(pairs_.rows().count())),
+          .contact = contact::ContactState(pairs_.count(), pairs_.rows().count()),
+          .solver = solver_.contact()->workspace()};
+}
+
+Vec PredictorProjection::jump(std::span<const double> psi, Vec x, const contact::ActiveSet& previous,
+                              contact::ActiveSet& set, Workspace& work) const {
+  set.clear();
+  pairs_.rows().gap(psi, x, work.gap);
+  if (std::ranges::all_of(work.gap, [&](double g) { return g >= -pairs_.gap_tolerance(); }))
+    return nullptr;
+  check(VecZeroEntries(work.jump));
+  const contact::ContactProblem projection{zero_, work.gap, previous, work.contact, work.jump};
+  solver_.contact()->solve({&projection, 1}, work.solver);
+  set = work.contact.active;
+  return work.jump;
+}
+
+Vec PredictorProjection::linearised_jump(const contact::ActiveSet& set, Vec x, Workspace& work,
+                                         const Data* data) const {
+  if (set.empty())
+    return nullptr;
+  check(MatMult(M_, x, work.r));
+  if (data && data->force)
+    check(VecAXPY(work.r, 1, data->force));
+  clamped_.clear(work.r);
+  check(VecCopy(x, work.jump));
+  contact::LinearisedContact projection{.r = work.r, .set = set, .x = work.jump};
+  if (data) {
+    projection.value = data->motion;
+    projection.multipliers = data->multipliers;
+  }
+  solver_.contact()->solve_linearised({&projection, 1}, work.solver);
+  check(VecAXPY(work.jump, -1, x));
+  return work.jump;
+}
+
+double PredictorProjection::bytes() const {
+  const SolverChoice::Memory memory = solver_.memory();
+  return memory.factor + memory.condensation;
+}
+
+} // namespace signorini::step

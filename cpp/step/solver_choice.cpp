@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "step/solver_choice.h"
+#include "base/collective.h"
+#include "contact/columns_on_demand.h"
+#include "contact/solver/full.h"
+#include "contact/solver/projected.h"
+#include <algorithm>
+#include <fmt/format.h>
+#include <limits>
+
+namespace signorini::step {
+using petsc::check;
+
+namespace {
+
+/// Local nodes whose dofs contact constrains, of a run on one rank, each once.
+std::vector<int> constrained_nodes(const contact::ContactPairs* pairs) {
+  std::vector<int> nodes;
+  if (pairs)
+    for (PetscInt dof : pairs->rows().dofs())
+      nodes.push_back(static_cast<int>(dof / pairs->dim()));
+  nodes.erase(std::ranges::unique(nodes).begin(), nodes.end()); // the dofs of a node follow each other
+  return nodes;
+}
+
+/// Whether conjugate gradients take fewer iterations by columns on demand than by projection onto the active
+/// set, if all of these fit into the memory.
+bool condense_on_demand(const contact::ConstraintRows& rows, double solves, Mat D, double memory) {
+  // A column, from zero, takes as many iterations as two or three steps, from their guesses. A step saves the
+  // solves in which the set changes, 0.07 to 0.15 of one, and the projections (half-disc, block, disc-drop).
+  constexpr double of_column = 2, saved = 0.1;
+  PetscInt n = 0;
+  check(MatGetSize(D, &n, nullptr));
+  return of_column * rows.count() <= saved * solves &&
+         sizeof(double) * static_cast<double>(n) * rows.count() <= memory;
+}
+
+/// Memory of S and the factor of its active block, bytes.
+double dense_bytes(const contact::ContactPairs* pairs) {
+  const double m = pairs ? pairs->count() : 0;
+  return 2 * m * m * sizeof(double);
+}
+
+} // namespace
+
+SolverChoice::SolverChoice(petsc::Matrix D, const contact::ContactPairs* pairs, const scene::Solver& scene,
+                           bool derivatives, double solves, const EliminationOrder& order,
+                           contact::Residual residual)
+    : D_(std::move(D)), full_(pairs && scene.vi == scene::ViMethod::full) {
+  std::unique_ptr<contact::FullSolver> full;
+  if (full_)
+    full = std::make_unique<contact::FullSolver>(*pairs, D_);
+  if (scene.linear == scene::LinearMethod::iterative) {
+    auto solver = std::make_unique<ConjugateGradients>(D_, solves);
+    const std::string name = solver->name();
+    iterate(std::move(solver), name);
+  } else {
+    factorise(pairs, scene, solves, order);
+  }
+  if (pairs && (!full_ || derivatives))
+    contact_ = by_linear(*pairs, scene, solves, std::move(residual));
+  if (full_) {
+    full->linearise_by(std::move(contact_));
+    contact_ = std::move(full);
+  }
+  if (!iterative_)
+    D_ = {};
+}
+
+void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::Solver& scene, double solves,
+                             const EliminationOrder& order) {
+  constexpr double gigabyte = 1e9;
+  const bool automatic = scene.linear == scene::LinearMethod::automatic;
+  const auto settle = [&](auto solver, double corner) -> decltype(solver.get()) {
+    const double needed = solver->estimate() + dense_bytes(pairs);
+    const bool possible = solver->possible();
+    std::string compared =
+        possible
+            ? fmt::format("a factor needs {:.2g} GB, {:.2g} GB are allowed", needed / gigabyte,
+                          scene.memory / gigabyte)
+            : fmt::format("a factor of {:.2g} GB has more entries than can be numbered", needed / gigabyte);
+    if (automatic && (needed > scene.memory || !possible)) {
+      auto other = std::make_unique<ConjugateGradients>(D_, solves);
+      const std::string why = fmt::format("{} ({} by {})", other->name(), compared, solver->name());
+      iterate(std::move(other), why);
+      return nullptr;
+    }
+    if (automatic && solves > 0 && !full_) {
+      const DirectWork work(solver->work(), pairs ? pairs->count() : 0, corner);
+      std::string times;
+      if (!work.small() && iterate_if_quicker(work, solver->name(), solves, times))
+        return nullptr;
+      compared += times;
+    }
+    solver->factorise();
+    choice_ = fmt::format("{} ({})", solver->name(), compared);
+    const auto kept = solver.get();
+    linear_ = std::move(solver);
+    return kept;
+  };
+  if (ranks(petsc::comm(D_)) == 1) {
+    auto solver = std::make_unique<SparseCholesky>(D_, constrained_nodes(pairs),
+                                                   std::numeric_limits<int>::max(), order);
+    const double corner = solver->corner_size();
+    cholesky_ = settle(std::move(solver), corner);
+  } else {
+    mumps_ = settle(std::make_unique<MumpsSolver>(D_), 0);
+  }
+}
+
+bool SolverChoice::iterate_if_quicker(const DirectWork& work, const std::string& direct, double solves,
+                                      std::string& times) {
+  const MPI_Comm comm = petsc::comm(D_);
+  const Price factor = price(comm, work);
+  const double most = affordable(factor, solves);
+  std::unique_ptr<ConjugateGradients> solver;
+  try {
+    solver = std::make_unique<ConjugateGradients>(D_, solves, most);
+  } catch (const SolverFailure&) { // no preconditioner
+    return false;
+  }
+  const double seconds = solver->trial_seconds();
+  int quicker = seconds <= most;
+  MPI_Bcast(&quicker, 1, MPI_INT, 0, comm);
+  const std::string compared = fmt::format(
+      "for {:.0f} solves {:.2g} s by {}, {} by {}", solves, factor.total(solves), direct,
+      quicker ? fmt::format("{:.2g} s", iterative_price(seconds).total(solves)) : "more", solver->name());
+  if (quicker) {
+    const std::string why = fmt::format("{} (estimated {})", solver->name(), compared);
+    iterate(std::move(solver), why);
+  } else {
+    times = "; estimated " + compared;
+  }
+  return quicker != 0;
+}
+
+void SolverChoice::iterate(std::unique_ptr<ConjugateGradients> solver, const std::string& why) {
+  iterative_ = solver.get();
+  choice_ = why;
+  linear_ = std::move(solver);
+}
+
+std::unique_ptr<contact::ContactStepSolver> SolverChoice::by_linear(const contact::ContactPairs& pairs,
+                                                                    const scene::Solver& scene, double solves,
+                                                                    contact::Residual residual) {
+  if (iterative_) {
+    const double room = scene.memory - linear_->bytes();
+    if (!pairs.rows().symmetric() || condense_on_demand(pairs.rows(), solves, D_, room)) {
+      choice_ += "; contact by columns on demand";
+      auto columns = std::make_unique<contact::ColumnsOnDemand>(pairs.rows(), *iterative_, D_, room);
+      return std::make_unique<contact::CondensedSolver>(pairs.rows(), pairs.diameter(), D_,
+                                                        std::move(columns), contact::Residual(),
+                                                        iterative_->tolerance());
+    }
+    return std::make_unique<contact::ProjectedSolver>(pairs.rows(), pairs.diameter(), *iterative_, D_);
+  }
+  std::unique_ptr<contact::Elimination> elimination;
+  if (cholesky_)
+    elimination = std::make_unique<contact::TrailingBlockElimination>(pairs.rows(), *cholesky_);
+  else
+    elimination = std::make_unique<contact::StoredColumnsElimination>(
+        pairs.rows(), *mumps_, petsc::vector_of(D_), scene.memory - linear_->bytes() - dense_bytes(&pairs));
+  return std::make_unique<contact::CondensedSolver>(pairs.rows(), pairs.diameter(), D_,
+                                                    std::move(elimination), std::move(residual));
+}
+
+SolverChoice::Memory SolverChoice::memory() const {
+  return {.factor = linear_->bytes() + (D_ ? petsc::bytes(D_) : 0),
+          .condensation = contact_ ? contact_->bytes() : 0};
+}
+
+} // namespace signorini::step

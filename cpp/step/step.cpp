@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "step/step.h"
+#include "base/counters.h"
+#include "base/error.h"
+#include "contact/lcp/primal_dual.h"
+#include "contact/massless.h"
+#include "fem/wave_time.h"
+#include "linalg/threaded_product.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <stdexcept>
+
+namespace signorini::step {
+using petsc::check;
+
+namespace {
+long &steps = count("steps"), &linearised_steps = count("linearised steps"),
+     &adjoint_steps = count("adjoint steps");
+
+/// At contact and at loads that vary over time; everywhere, where they act in the body or there are none.
+double wave_time(const fem::Space& space, const scene::Scene& scene) {
+  std::vector<fem::Surface> surfaces;
+  for (std::size_t i = 0; i < scene.contacts.size(); ++i)
+    surfaces.push_back({scene.contacts[i].on, scene::contact_key(scene.contacts, i) + ".on"});
+  const auto varies = [](const scene::Components& load, const std::string& key) {
+    return scene::Field(load, key, true).depends_on_time();
+  };
+  bool everywhere = surfaces.empty();
+  if (scene.load) {
+    const scene::Load& load = *scene.load;
+    everywhere = everywhere || (load.body && varies(*load.body, "load.body")) ||
+                 (load.gravity && varies(*load.gravity, "load.gravity"));
+    for (std::size_t i = 0; i < load.tractions.size(); ++i) {
+      const std::string key = fmt::format("load.traction[{}]", i);
+      if (varies(load.tractions[i].value, key + ".value"))
+        surfaces.push_back({load.tractions[i].on, key + ".on"});
+    }
+  }
+  if (everywhere)
+    surfaces.clear();
+  return fem::least_wave_time(space, scene.materials, surfaces);
+}
+
+/// At the usual tolerance waves cross an element in contact within two steps or more. The error of a contact
+/// that a step begins in falls as the square of its length.
+double shortest_step(const scene::Time& time, double wave_time) {
+  constexpr double usual_tolerance = 1e-2;
+  return wave_time / 2 * std::sqrt(time.tolerance / usual_tolerance);
+}
+
+} // namespace
+
+Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene,
+                 Needs needs)
+    : space_(space), operators_(operators), contact_scheme_(scene.contact_scheme()),
+      wave_time_(step::wave_time(space, scene)),
+      ladder_(scene.time.automatic()
+                  ? std::optional<StepLengths>(StepLengths(scene.time, shortest_step(scene.time, wave_time_)))
+                  : std::nullopt),
+      end_(ladder_ ? ladder_->end : scene.time.steps * scene.time.step),
+      first_length_(ladder_ ? ladder_->shortest_step() : scene.time.step), clamped_(space, scene.clamps) {
+  if (!scene.contacts.empty())
+    pairs_.emplace(space, clamped_, scene.contacts, scene.time);
+  scene::Solver solver = scene.solver;
+  if (needs.iterative)
+    solver.linear = scene::LinearMethod::iterative;
+  const double solves = ladder_ ? 0 : needs.passes * scene.time.steps;
+  if (scene::takes_mass(contact_scheme_))
+    move_mass(scene);
+  if (pairs_ && contact_scheme_ == scene::ContactScheme::contact_stabilized)
+    predictor_.emplace(fem::assemble_mass(space, scene.materials), operators.M, clamped_, *pairs_, solver,
+                       needs.derivatives, solves);
+  thread_products(M());
+  if (MovingClamps::in(scene.clamps))
+    motion_.emplace(space, scene.clamps);
+  lengths_.emplace(space, operators.A, clamped_, pairs(), solver, needs.derivatives, solves,
+                   motion_.has_value(), [this, &materials = scene.materials](double tau) {
+                     petsc::Matrix D = fem::assemble_step_operator(space_, materials, tau);
+                     if (massless_) {
+                       check(MatAXPY(D, -1, *mass_blocks_, SUBSET_NONZERO_PATTERN));
+                       check(MatAXPY(D, 1, *massless_blocks_, DIFFERENT_NONZERO_PATTERN));
+                     }
+                     return D;
+                   });
+  (void)of_length(first_length_); // fails here rather than in a step
+}
+
+void Stepper::move_mass(const scene::Scene& scene) {
+  mass_blocks_ = fem::assemble_mass(space_, scene.materials);
+  massless_blocks_ =
+      contact::massless(space_, *pairs_, contact::massless_obstacles(scene.contacts), *mass_blocks_);
+  massless_ = fem::symmetric_half(*massless_blocks_);
+}
+
+double Stepper::scheme_bytes() const {
+  return (massless_ ? petsc::bytes(*massless_) : 0) + (predictor_ ? predictor_->bytes() : 0);
+}
+
+Stepper::Workspace Stepper::workspace() const {
+  Workspace work{.r = space_.vector(), .work = space_.vector(), .moved = space_.vector()};
+  if (pairs_) {
+    work.gaps = pairs_->gaps();
+    work.contact = solver().contact()->workspace();
+  }
+  if (predictor_)
+    work.predictor = predictor_->workspace();
+  if (motion_)
+    work.motion = motion_->storage();
+  return work;
+}
+
+void Stepper::right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functional source,
+                              Workspace& work) const {
+  const std::optional<double> rho = massless_ ? std::nullopt : operators_.uniform_density;
+  if (!source.density) {
+    check(VecAXPBY(work.work, a, 0, z));
+    check(MatMult(M(), work.work, work.r));
+  } else if (rho) { // M = ρ W: one product for both terms
+    petsc::combine(work.work, a, z, b / *rho, source.density);
+    check(MatMult(M(), work.work, work.r));
+  } else {
+    check(MatMult(M(), z, work.r));
+    check(MatMult(*operators_.W, source.density, work.work));
+    check(VecAXPBY(work.r, b, a, work.work));
+  }
+  check(MatMultAdd(R, x, work.r, work.r));
+  if (source.vector)
+    check(VecAXPY(work.r, b, source.vector));
+  clamped_.clear(work.r);
+}
+
+namespace {
+
+/// x + c j in `work`, or x itself without a jump j.
+Vec with_jump(Vec x, double c, Vec jump, Vec work) {
+  if (!jump)
+    return x;
+  check(VecWAXPY(work, c, jump, x));
+  return work;
+}
+
+/// The predictor y + τ v in `work`.
+Vec predicted(const Scheme& scheme, const State& from, Vec work) {
+  check(VecWAXPY(work, scheme.tau, from.v(), from.y()));
+  return work;
+}
+
+/// v ← rate() (y_k − y_{k−1} − j) − v_{k−1}.
+void set_velocity(const Scheme& scheme, const State& from, Vec jump, const State& to) {
+  const double rate = scheme.rate();
+  {
+    const petsc::ReadArray before(from.y()), after(to.y()), velocity(from.v());
+    const petsc::WriteArray v(to.v());
+    for (std::size_t i = 0; i < v.size(); ++i) // in one pass; subtracts before scaling
+      v[i] = rate * (after[i] - before[i]) - velocity[i];
+  }
+  if (jump)
+    check(VecAXPY(to.v(), -rate, jump));
+}
+
+} // namespace
+
+void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) const {
+  const Scheme scheme = in.step.scheme();
+  const StepOperators::OfLength& with = of_length(scheme.tau);
+  const std::span<const double> psi =
+      pairs_ ? pairs_->psi(in.step.end, *work.gaps) : std::span<const double>();
+  const Vec jump = predictor_
+                       ? predictor_->jump(psi, predicted(scheme, in.from, work.work), in.previous.predictor,
+                                          out.contact.predictor, *work.predictor)
+                       : nullptr;
+  Vec momentum = with_jump(in.from.v(), scheme.jump_rate(), jump, work.moved);
+  if (motion_) {
+    motion_->evaluate(in.step, *work.motion);
+    momentum = motion_->driving(*work.motion, in.from.y(), momentum);
+  }
+  right_hand_side(with.R, in.from.y(), scheme.momentum(), momentum, scheme.impulse(), in.load, work);
+  if (motion_)
+    motion_->apply(*work.motion, with.whole_D, clamped_, with.clamped_diagonal, work.r);
+  if (const contact::ContactStepSolver* solver = contact_solver(with, work)) {
+    const contact::ContactProblem problem{work.r, psi, in.previous.active, out.contact, out.to.y()};
+    solver->solve({&problem, 1}, *work.contact);
+  } else
+    with.solver->linear().solve(work.r, out.to.y());
+  set_velocity(scheme, in.from, jump, out.to);
+  if (motion_)
+    motion_->copy(work.motion->velocity, out.to.v());
+  PetscReal size = 0;
+  check(VecNorm(out.to.v(), NORM_2, &size));
+  if (!std::isfinite(size))
+    throw SolverFailure("the solution is not finite");
+  ++steps;
+}
+
+const contact::ContactStepSolver* Stepper::contact_solver(const StepOperators::OfLength& with,
+                                                          Workspace& work) const {
+  const contact::ContactStepSolver* solver = with.solver->contact();
+  if (solver && std::exchange(work.tau, with.tau) != with.tau)
+    work.contact->forget();
+  return solver;
+}
+
+void Stepper::solve_on_active_set(double tau, Direction direction,
+                                  const contact::ContactLinearisation& contact, std::span<const double> value,
+                                  Vec x, std::span<double> multipliers, Workspace& work) const {
+  const StepOperators::OfLength& with = of_length(tau);
+  if (const contact::ContactStepSolver* solver = contact_solver(with, work)) {
+    const contact::LinearisedContact step{work.r, contact.active, contact.equations, value, x, multipliers};
+    if (direction == Direction::linearised)
+      solver->solve_linearised({&step, 1}, *work.contact);
+    else
+      solver->solve_transposed({&step, 1}, *work.contact);
+  } else {
+    with.solver->linear().solve(work.r, x);
+  }
+}
+
+void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactLinearisation& contact, Vec p,
+                              Workspace& work) const {
+  const contact::ConstraintRows& rows = pairs_->rows();
+  if (!rows.symmetric())
+    throw std::logic_error("one-sided steps are those of symmetric laws");
+  const auto m = static_cast<std::size_t>(pairs_->count());
+  std::vector<double> force(m), motion(m), lambda(m);
+  rows.spread(contact, lambda);
+  contact::ActiveSet &closed = contact.active, next, wrong;
+  for (contact::BlockPivoting pivoting(rows);; pivoting.advance(closed, next, wrong)) {
+    solve_on_active_set(scheme.tau, Direction::linearised, contact, {}, p, force, work);
+    rows.apply_transpose(p, motion);
+    PetscReal largest_force = 0, largest_motion = 0;
+    check(VecNorm(work.r, NORM_INFINITY, &largest_force));
+    check(VecNorm(p, NORM_INFINITY, &largest_motion));
+    constexpr double rounding = 1e-10;
+    next.clear();
+    for (int i = 0; i < pairs_->count(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const bool is_closed = std::ranges::binary_search(closed, i);
+      if (std::ranges::binary_search(contact.weak, i)
+              ? rows.law(i).closes_to_first_order(is_closed, force[at], motion[at], rounding * largest_force,
+                                                  rounding * largest_motion)
+              : is_closed)
+        next.push_back(i);
+    }
+    if (next == closed)
+      break;
+  }
+  contact.forces.clear();
+  for (const int i : closed)
+    contact.forces.push_back(lambda[static_cast<std::size_t>(i)]);
+}
+
+Vec Stepper::linearised_right_hand_side(const LinearisedStep& step,
+                                        const contact::ContactLinearisation& contact, Workspace& work) const {
+  const Scheme scheme = step.scheme;
+  const Vec jump =
+      predictor_ ? predictor_->linearised_jump(contact.predictor, predicted(scheme, step.from, work.work),
+                                               *work.predictor, step.predictor)
+                 : nullptr;
+  right_hand_side(of_length(scheme.tau).R, step.from.y(), scheme.momentum(),
+                  with_jump(step.from.v(), scheme.jump_rate(), jump, work.moved), scheme.impulse(), step.load,
+                  work);
+  return jump;
+}
+
+void Stepper::linearised_step(const LinearisedStep& step, const contact::ContactLinearisation& contact,
+                              Workspace& work) const {
+  const Vec jump = linearised_right_hand_side(step, contact, work);
+  solve_on_active_set(step.scheme.tau, Direction::linearised, contact, step.normal, step.to.y(),
+                      step.multipliers, work);
+  set_velocity(step.scheme, step.from, jump, step.to);
+  ++linearised_steps;
+}
+
+void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactLinearisation& contact,
+                             Workspace& work) const {
+  const Vec jump = linearised_right_hand_side(step, contact, work);
+  if (!contact.weak.empty())
+    solve_one_sided(step.scheme, contact, step.to.y(), work);
+  else
+    solve_on_active_set(step.scheme.tau, Direction::linearised, contact, step.normal, step.to.y(),
+                        step.multipliers, work);
+  set_velocity(step.scheme, step.from, jump, step.to);
+  ++linearised_steps;
+}
+
+Vec Stepper::transposed_right_hand_side(const AdjointStep& step, double rate, Workspace& work) const {
+  if (!step.next) { // p_{N+1} and ω_{N+1} are zero
+    assemble(step.derivative, operators_, work.r);
+    clamped_.clear(work.r);
+    return nullptr;
+  }
+  const Scheme later = step.next->scheme;
+  Vec jump = nullptr;
+  if (predictor_ && !step.next->contact.predictor.empty()) {
+    check(VecWAXPY(work.work, -later.rate(), step.state.omega, step.state.p_next));
+    jump =
+        predictor_->linearised_jump(step.next->contact.predictor, work.work, *work.predictor, step.predictor);
+  }
+  {
+    const petsc::ReadArray p(step.state.p_next);
+    const petsc::WriteArray omega(step.state.omega), momentum(work.moved);
+    const double later_rate = later.rate();
+    for (std::size_t i = 0; i < omega.size(); ++i) {
+      const double before = later.tau * p[i] - omega[i];
+      momentum[i] = rate * before - later_rate * omega[i];
+      omega[i] = before;
+    }
+  }
+  if (jump) {
+    check(VecAXPY(step.state.omega, later.tau, jump));
+    check(VecAXPY(work.moved, rate * later.tau + 1, jump));
+  }
+  right_hand_side(of_length(later.tau).R, step.state.p_next, 1, work.moved, 1, step.derivative, work);
+  return jump;
+}
+
+Vec Stepper::adjoint_step(const AdjointStep& step, Workspace& work) const {
+  const Vec jump = transposed_right_hand_side(step, step.step.scheme.rate(), work);
+  solve_on_active_set(step.step.scheme.tau, Direction::transposed, step.step.contact, step.normal,
+                      step.state.p, step.multipliers, work);
+  ++adjoint_steps;
+  return jump;
+}
+
+Vec Stepper::adjoint_start(const AdjointStep& step, Workspace& work) const {
+  constexpr double no_step = 0;
+  const Vec jump = transposed_right_hand_side(step, no_step, work);
+  check(VecCopy(work.r, step.state.p));
+  return jump;
+}
+
+} // namespace signorini::step

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "contact/pairs.h"
+#include "fem/operators.h"
+#include "step/load.h"
+#include "step/moving_clamps.h"
+#include "step/predictor_projection.h"
+#include "step/state.h"
+#include "step/step_operators.h"
+#include <optional>
+
+namespace signorini::step {
+
+/// What step k starts from.
+struct StepInput {
+  TimeStep step;
+  const State& from;                             ///< at t_{k−1}
+  NodalForce load;                               ///< f_k + s u_k
+  const contact::ContactLinearisation& previous; ///< contact at t_{k−1}
+};
+
+/// What a step makes; `contact` is constructed for the candidates, and to.y() holds a guess on entry if the
+/// solver takes one.
+struct StepOutput {
+  State& to; ///< at t_k
+  contact::ContactState& contact;
+};
+
+/// A linearised step of (δy, δv) under δload on the active set of `contact`, that of step k.
+struct LinearisedStep {
+  Scheme scheme;
+  const State& from;
+  NodalForce load;
+  State& to;                                       ///< as in StepOutput
+  std::span<const double> normal{};                ///< Hᵀδy on the active set (m), zero if empty
+  std::span<double> multipliers{};                 ///< δλ on return (m), not computed if empty
+  const PredictorProjection::Data* predictor = {}; ///< of δz, null: none
+};
+
+/// What the derivative of a step depends on.
+struct StepContact {
+  Scheme scheme;
+  const contact::ContactLinearisation& contact;
+};
+
+/// A transposed step, from step k + 1 to k.
+struct AdjointStep {
+  StepContact step;                                ///< k
+  std::optional<StepContact> next;                 ///< k + 1, none at N
+  StateDual derivative;                            ///< ∂J/∂y_k
+  AdjointState& state;                             ///< of step k + 1 on entry, of step k on return
+  std::span<const double> normal{};                ///< Hᵀp_k = ∂J/∂λ_k on the active set (m), zero if empty
+  std::span<double> multipliers{};                 ///< μ_k on return (m), not computed if empty
+  const PredictorProjection::Data* predictor = {}; ///< of the projection of s_{k+1}, null: none
+};
+
+/// Makes time steps and their derivatives (docs/method.md sections 2 and 4), and holds what no step changes:
+/// the operators, D factorised once for each length of steps, and, where the scene has contact, the pairs and
+/// their solver. A step depends on its arguments alone; all scratch is in the workspace.
+class Stepper {
+public:
+  /// What a run needs, by which solvers are chosen.
+  struct Needs {
+    bool derivatives = false; ///< linearised or transposed steps
+    double passes = 0;        ///< over all steps, expected; 0: the solver is chosen by memory alone
+    bool iterative = false;   ///< as the run did that this one resumes
+  };
+
+  /// Assembles and factorises for the first step. Collective. The references must outlive this object. Throws
+  /// UserError, SolverFailure.
+  Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene, Needs needs);
+
+  Stepper(const Stepper&) = delete; // its parts refer to each other
+  Stepper& operator=(const Stepper&) = delete;
+
+  /// The lengths that steps may have; null if all have the scene's.
+  [[nodiscard]] const StepLengths* ladder() const { return ladder_ ? &*ladder_ : nullptr; }
+  /// The end of motions, s.
+  [[nodiscard]] double end() const { return end_; }
+  /// The length of a first step of which none is chosen yet, s.
+  [[nodiscard]] double first_length() const { return first_length_; }
+  [[nodiscard]] const fem::Space& space() const { return space_; }
+  [[nodiscard]] const fem::Operators& operators() const { return operators_; }
+  [[nodiscard]] const fem::DirichletDofs& clamped() const { return clamped_; }
+  /// Of the latest step; those of other lengths solve by the same method. Valid until the next step.
+  [[nodiscard]] const SolverChoice& solver() const { return *lengths_->latest().solver; }
+  /// What steps of a length need; valid until the next step. Collective.
+  [[nodiscard]] const StepOperators::OfLength& of_length(double tau) const { return lengths_->at(tau); }
+  /// Number of lengths that were factorised, each time counted.
+  [[nodiscard]] int factorisations() const { return lengths_->made(); }
+  /// Seconds that these took.
+  [[nodiscard]] double factorisation_seconds() const { return lengths_->seconds(); }
+  [[nodiscard]] scene::ContactScheme contact_scheme() const { return contact_scheme_; }
+  /// The mass matrix M of this run: the body's, or with massless contact EᵀME (docs/method.md section 2).
+  [[nodiscard]] Mat M() const { return massless_ ? Mat(*massless_) : Mat(operators_.M); }
+  /// Null except in contact-stabilized stepping.
+  [[nodiscard]] const PredictorProjection* predictor() const { return predictor_ ? &*predictor_ : nullptr; }
+  /// Null where no clamp moves.
+  [[nodiscard]] const MovingClamps* motion() const { return motion_ ? &*motion_ : nullptr; }
+  /// Null without contact.
+  [[nodiscard]] const contact::ContactPairs* pairs() const { return pairs_ ? &*pairs_ : nullptr; }
+
+  /// The least time in which a pressure wave crosses an element in contact, or under a load that varies, s.
+  [[nodiscard]] double wave_time() const { return wave_time_; }
+
+  /// Number of rows of constraints, 0 without contact.
+  [[nodiscard]] std::size_t rows() const {
+    return pairs_ ? static_cast<std::size_t>(pairs_->rows().count()) : 0;
+  }
+  /// No contact.
+  [[nodiscard]] contact::ContactState contact_state() const {
+    return pairs_ ? contact::ContactState(pairs_->count(), pairs_->rows().count()) : contact::ContactState();
+  }
+  /// A zero state. Collective.
+  [[nodiscard]] State state() const { return {space_.vector(), state_parts()}; }
+  /// The number of a state's parts.
+  [[nodiscard]] static std::size_t state_parts() { return 2; }
+  [[nodiscard]] AdjointState adjoint_state() const { return AdjointState(space_.vector()); }
+
+  /// Memory of what the scheme adds to contact-implicit stepping, bytes. Collective.
+  [[nodiscard]] double scheme_bytes() const;
+
+  /// Scratch of steps; one step at a time may work with it. No step depends on what an earlier one left in
+  /// it.
+  struct Workspace {
+    petsc::Vector r{}, work{}, moved{};
+    double tau = 0; ///< length of the step that `contact` was last used for, s
+    std::optional<contact::ContactPairs::Gaps> gaps{};
+    std::optional<contact::Workspace> contact{};
+    std::optional<PredictorProjection::Workspace> predictor{};
+    std::optional<MovingClamps::At> motion{};
+  };
+  /// Collective.
+  [[nodiscard]] Workspace workspace() const;
+
+  /// Makes a step, with obstacles where they are at t_k. Allocates nothing, except within PETSc in VIs that
+  /// PETSc solves and with MUMPS. Collective. Throws UserError, SolverFailure.
+  void step(const StepInput& in, const StepOutput& out, Workspace& work) const;
+
+  /// The step linearised on the active set of `contact` (docs/method.md section 4). Collective.
+  void linearised_step(const LinearisedStep& step, const contact::ContactLinearisation& contact,
+                       Workspace& work) const;
+
+  /// The one-sided derivative of the step: as linearised_step(), but weakly active candidates may open, x·ν ≤
+  /// 0 there in place of 0 (docs/method.md section 4). On return the active set of `contact` is the set C
+  /// that stays closed, on which linearised_step() gives the same. Collective. Throws SolverFailure.
+  void one_sided_step(const LinearisedStep& step, contact::ContactLinearisation& contact,
+                      Workspace& work) const;
+
+  /// The transpose of linearised_step (4.40)–(4.41), by the formula at Scheme: p_k, and ω_k with M ω_k the
+  /// derivative by v_k of the part of J after t_k. Both are zero at k = N + 1. The dual of step k's nodal
+  /// force is Scheme::impulse() p_k. Returns the jump of s_{k+1}, null without one. Collective.
+  Vec adjoint_step(const AdjointStep& step, Workspace& work) const;
+
+  /// Where the transpose ends: of `step` with k = 0, ω_0 and, in place of p_0, the derivative of J by y_0, a
+  /// functional on the free dofs. Collective.
+  Vec adjoint_start(const AdjointStep& step, Workspace& work) const;
+
+private:
+  /// Removes the mass from contact nodes, and sets massless_.
+  void move_mass(const scene::Scene& scene);
+  /// work.r = R x + a M z + b source on the free dofs, zero on the clamped ones: of steps and adjoint steps.
+  void right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functional source, Workspace& work) const;
+  /// work.r of a linearised step; returns the predictor's jump, null without one.
+  Vec linearised_right_hand_side(const LinearisedStep& step, const contact::ContactLinearisation& contact,
+                                 Workspace& work) const;
+  /// The contact solver of a length, with scratch that is fit for it; null without contact.
+  const contact::ContactStepSolver* contact_solver(const StepOperators::OfLength& with,
+                                                   Workspace& work) const;
+  enum class Direction { linearised, transposed };
+  /// Solves a linearised or transposed step for work.r on the active set of `contact`, with `value` and
+  /// `multipliers` as of contact::LinearisedContact.
+  void solve_on_active_set(double tau, Direction direction, const contact::ContactLinearisation& contact,
+                           std::span<const double> value, Vec x, std::span<double> multipliers,
+                           Workspace& work) const;
+  /// ω_k of an adjoint step from ω_{k+1}, and the jump of s_{k+1}, null without one; work.r = R p_{k+1} + M
+  /// (rate ω_k − rate_{k+1} ω_{k+1} + j) + ∂J/∂y_k, the terms of step k + 1 being zero at N.
+  Vec transposed_right_hand_side(const AdjointStep& step, double rate, Workspace& work) const;
+  /// solve_on_active_set() where weakly active candidates may open: min ½ p·Dp − r·p over p·ν = 0 on S, p·ν ≤
+  /// 0 on W. The set that stays closed becomes the active one.
+  void solve_one_sided(const Scheme& scheme, contact::ContactLinearisation& contact, Vec p,
+                       Workspace& work) const;
+
+  const fem::Space& space_;
+  const fem::Operators& operators_;
+  scene::ContactScheme contact_scheme_;
+  double wave_time_;
+  std::optional<StepLengths> ladder_;
+  double end_, first_length_;
+  fem::DirichletDofs clamped_;
+  std::optional<MovingClamps> motion_;
+  std::optional<contact::ContactPairs> pairs_;
+  std::optional<petsc::Matrix> massless_, mass_blocks_, massless_blocks_; ///< in halves; M and that in blocks
+  std::optional<PredictorProjection> predictor_;
+  std::optional<StepOperators> lengths_;
+};
+
+} // namespace signorini::step

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "step/step_operators.h"
+#include "linalg/threaded_product.h"
+#include <algorithm>
+#include <chrono>
+
+namespace signorini::step {
+
+StepOperators::StepOperators(const fem::Space& space, Mat A, const fem::DirichletDofs& clamped,
+                             const contact::ContactPairs* pairs, const scene::Solver& solver,
+                             bool derivatives, double solves, bool whole, Assemble assemble)
+    : space_(space), A_(A), clamped_(clamped), pairs_(pairs), scene_(solver), derivatives_(derivatives),
+      solves_(solves), whole_(whole), assemble_(std::move(assemble)) {}
+
+const StepOperators::OfLength& StepOperators::at(double tau) const {
+  const auto known = std::ranges::find(lengths_, tau, &OfLength::tau);
+  if (known != lengths_.end()) {
+    lengths_.splice(lengths_.begin(), lengths_, known);
+    return lengths_.front();
+  }
+  double held = 0;
+  for (const OfLength& one : lengths_)
+    held += one.bytes;
+  // Another length takes as much as the last one did.
+  while (!lengths_.empty() && held + lengths_.front().bytes > scene_.memory) {
+    held -= lengths_.back().bytes;
+    lengths_.pop_back();
+  }
+  const auto start = std::chrono::steady_clock::now();
+  lengths_.push_front(make(tau));
+  seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  ++made_;
+  return lengths_.front();
+}
+
+contact::Residual StepOperators::residual(double tau, Mat R) const {
+  return [this, R, a = 2 * Scheme{tau}.stiffness()](Vec y, Vec r, Vec out) {
+    const petsc::Vector free = petsc::copy(y);
+    clamped_.clear(free);
+    petsc::check(MatMult(A_, free, out)); // D y = R y + 2 stiffness() A y
+    petsc::check(VecScale(out, a));
+    petsc::check(MatMultAdd(R, free, out, out));
+    petsc::check(VecAYPX(out, -1, r));
+    clamped_.clear(out);
+  };
+}
+
+StepOperators::OfLength StepOperators::make(double tau) const {
+  OfLength made{.tau = tau};
+  petsc::Matrix D = assemble_(tau);
+  made.R = fem::shifted(A_, D, 2 * Scheme{tau}.stiffness());
+  thread_products(made.R);
+  if (whole_)
+    made.whole_D = fem::symmetric_half(D);
+  made.clamped_diagonal = clamped_.decouple(D);
+  fem::attach_rigid_motions(D, space_);
+  made.solver = std::make_unique<SolverChoice>(std::move(D), pairs_, scene_, derivatives_, solves_, order_,
+                                               residual(tau, made.R));
+  if (made_ == 0) {
+    scene_.linear = made.solver->iterates() ? scene::LinearMethod::iterative : scene::LinearMethod::direct;
+    order_ = made.solver->order();
+  }
+  const SolverChoice::Memory memory = made.solver->memory();
+  made.bytes = memory.factor + memory.condensation + petsc::bytes(made.R);
+  return made;
+}
+
+} // namespace signorini::step

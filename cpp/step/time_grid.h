@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "scene/scene.h"
+#include "step/scheme.h"
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace signorini::step {
+
+/// The lengths that steps of varying length may have: τ_max 2^−j, j = 0 … levels, of which a whole number of
+/// the longest makes the motion. A step of a length begins at a multiple of it, so that all motions end at
+/// the same time, to the last bit, and no steps but these lengths' ever occur.
+struct StepLengths {
+  double end;  ///< of the motion, s
+  int longest; ///< number of longest steps to it
+  int levels;
+
+  /// Of a scene with steps of varying length: the shortest is the longest that is no longer than `floor` (s)
+  /// or, if that is longer, than time.shortest.
+  StepLengths(const scene::Time& time, double floor);
+  StepLengths(double to, int longest_steps, int halvings)
+      : end(to), longest(longest_steps), levels(halvings) {}
+
+  /// τ_max 2^−level, s.
+  [[nodiscard]] double length(int level) const { return end / longest / static_cast<double>(parts(level)); }
+  /// The length of the longest, the shortest steps, s.
+  [[nodiscard]] double longest_step() const { return length(0); }
+  [[nodiscard]] double shortest_step() const { return length(levels); }
+  /// The level of a step of the ladder.
+  [[nodiscard]] int level(double tau) const;
+  /// 2^level.
+  [[nodiscard]] static std::int64_t parts(int level) { return std::int64_t(1) << level; }
+};
+
+/// Step k of a motion, from t_{k−1} to t_k. k = 0 is the initial state, which no step leads to: t_0 alone,
+/// with the length of a first step.
+struct TimeStep {
+  int k = 0;
+  double begin = 0, end = 0; ///< t_{k−1} and t_k, s
+  double tau = 0;            ///< τ_k, s; end − begin but for rounding
+
+  [[nodiscard]] Scheme scheme() const { return {tau}; }
+};
+
+/// The times of a motion's steps, t_0 = 0, t_k = t_{k−1} + τ_k: N equal ones, or some of a ladder. Never
+/// changes; copies are cheap.
+class TimeGrid {
+public:
+  /// N steps of length `tau`.
+  TimeGrid(double tau, int steps);
+  /// No steps: their lengths are still to be chosen from a ladder.
+  explicit TimeGrid(const StepLengths& ladder);
+  /// Of a scene: all steps, or none where their lengths vary.
+  explicit TimeGrid(const scene::Time& time);
+  /// Steps of a ladder by their levels, as levels() returns them; nothing unless they make up the motion.
+  [[nodiscard]] static std::optional<TimeGrid> of_levels(const StepLengths& ladder,
+                                                         const std::vector<double>& levels);
+
+  /// The first steps alone, N or fewer.
+  [[nodiscard]] TimeGrid first(int steps) const;
+
+  /// N: of a motion that was interrupted while its steps were chosen, those made.
+  [[nodiscard]] int steps() const;
+  /// Whether the steps reach the end of the motion.
+  [[nodiscard]] bool complete() const;
+  /// Whether all steps have the same length, as the scene says.
+  [[nodiscard]] bool equal() const { return !steps_->ladder; }
+
+  [[nodiscard]] double time(int k) const;
+  /// τ_k, k = 1 … N; for k = 0, where states have no step that led to them, τ_1.
+  [[nodiscard]] double length(int k) const;
+  [[nodiscard]] TimeStep step(int k) const { return {k, time(k > 0 ? k - 1 : 0), time(k), length(k)}; }
+  [[nodiscard]] Scheme scheme(int k) const { return {length(k)}; }
+  /// The middle of step k.
+  [[nodiscard]] double middle(int k) const;
+  /// The last time, of the motion.
+  [[nodiscard]] double end() const;
+  /// Where a time from 0 to the end is: in step k, at the part of it that is returned too, t = t_{k−1} + part
+  /// τ_k; times between two steps count to the former, 0 to the first.
+  struct Place {
+    int k;
+    double part; ///< 0 … 1
+  };
+  [[nodiscard]] Place place(double t) const;
+
+  /// The levels of all steps on their ladder; none of equal ones.
+  [[nodiscard]] std::vector<double> levels() const;
+
+private:
+  friend class TimeGridBuilder;
+  struct Steps {
+    double tick; ///< the length of which all others are multiples, s
+    int count;   ///< of equal steps
+    std::optional<StepLengths> ladder;
+    std::vector<std::int64_t> ticks; ///< t_k on a ladder
+  };
+  explicit TimeGrid(Steps steps) : steps_(std::make_shared<const Steps>(std::move(steps))) {}
+
+  std::shared_ptr<const Steps> steps_;
+};
+
+/// Makes a TimeGrid on a ladder step by step, while a motion is made.
+class TimeGridBuilder {
+public:
+  explicit TimeGridBuilder(const StepLengths& ladder) : ladder_(ladder), ticks_{0} {}
+
+  [[nodiscard]] const StepLengths& ladder() const { return ladder_; }
+  [[nodiscard]] int steps() const { return static_cast<int>(ticks_.size()) - 1; }
+  /// Whether the steps reach the end of the motion.
+  [[nodiscard]] bool complete() const { return ticks_.back() == all_ticks(); }
+  /// The least level that a step after the last one may have: the longest length of which the time reached is
+  /// a multiple.
+  [[nodiscard]] int least_level() const;
+  /// Adds a step, and returns it.
+  TimeStep add(int level);
+  /// Removes the last step.
+  void remove() { ticks_.pop_back(); }
+  void clear() { ticks_.resize(1); }
+  /// The steps so far.
+  [[nodiscard]] TimeGrid grid() const;
+
+private:
+  [[nodiscard]] std::int64_t all_ticks() const {
+    return ladder_.longest * StepLengths::parts(ladder_.levels);
+  }
+
+  StepLengths ladder_;
+  std::vector<std::int64_t> ticks_; ///< t_k in units of the shortest length
+};
+
+} // namespace signorini::step

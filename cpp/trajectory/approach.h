@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "fem/time_profile.h"
+#include "trajectory/step_errors.h"
+#include <memory>
+
+namespace signorini::trajectory {
+
+/// When a body in flight touches, by its rigid motion, the vibration that it carries, and the motion of the
+/// obstacles; and what obstacles and clamps do within a step (docs/method.md section 11).
+class Approach {
+public:
+  /// Collective. The references must outlive this object. Throws UserError.
+  Approach(const step::Stepper& stepper, const scene::Scene& scene, const StepErrors& errors);
+
+  /// The time from `t` (s) until a candidate of an obstacle that is not in contact comes within reach of it,
+  /// 0 where one is, infinite if none does before the end. Not collective.
+  [[nodiscard]] double until_touch(double t) const;
+  /// Whether bodies fly free: no candidate is held by clamps.
+  [[nodiscard]] bool free() const { return free_; }
+  /// Whether obstacles in contact, and clamps, move between two times smoothly enough: like a parabola, up to
+  /// `deep` (m) and to a part of their whole motion. Collective.
+  [[nodiscard]] bool smooth(double from, double to, double deep, double part) const;
+
+private:
+  /// Rigid motion of a candidate along ν: position, velocity, acceleration.
+  struct Along {
+    double position = 0, velocity = 0, acceleration = 0;
+  };
+  [[nodiscard]] Along along(std::size_t candidate) const;
+  [[nodiscard]] bool held(std::size_t candidate) const;
+  [[nodiscard]] double until_moving(std::size_t obstacle, double t) const;
+
+  const step::Stepper& stepper_;
+  const StepErrors& errors_;
+  bool free_ = true;
+  std::vector<std::vector<double>> points_; ///< of each obstacle's candidates, for level sets
+  std::vector<std::vector<std::unique_ptr<fem::TimeProfile>>> obstacles_; ///< motion of each
+  std::vector<std::vector<double>> clamped_;                              ///< points
+  std::vector<std::unique_ptr<fem::TimeProfile>> clamps_;
+};
+
+} // namespace signorini::trajectory

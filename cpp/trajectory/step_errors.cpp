@@ -1,0 +1,418 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "trajectory/step_errors.h"
+#include "fem/wave_time.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <numbers>
+
+namespace signorini::trajectory {
+using petsc::check;
+
+namespace {
+
+/// Relative error of displacements by rounding, as it shows in their third differences.
+constexpr double rounding_of_y = 0x1p-50;
+/// The error of a trapezoidal step: τ³/12 of the third derivative.
+constexpr double trapezoidal = 12;
+constexpr int few_steps = 10;
+/// Of the tolerance: what errors in contact may add up to.
+constexpr double most_accumulated = 5;
+/// Part of the shortest step by which touches may differ as rounding turns a body.
+constexpr double most_turned = 0.2;
+/// Part of their errors with which the shortest steps count in a flight between two touches; by trials.
+constexpr double of_shortest = 0.2;
+
+/// Factors of values at times t, the newest first, in the distance of the newest from the line through the
+/// others.
+std::array<double, 3> distance(const std::array<double, 3>& t) {
+  return {1, -(t[0] - t[2]) / (t[1] - t[2]), -(t[0] - t[1]) / (t[2] - t[1])};
+}
+
+} // namespace
+
+StepErrors::StepErrors(const step::Stepper& stepper, const scene::Scene& scene)
+    : stepper_(stepper), tolerance_(scene.time.tolerance), quantity_(scene.time.quantity),
+      crossing_(fem::crossing_time(stepper.space(), scene.materials)),
+      rigid_(stepper.space(), stepper.clamped(), stepper.M()), weights_(fem::diagonal(stepper.M())),
+      difference_(stepper.space().vector()), work_(stepper.space().vector()) {
+  PetscScalar sum = 0;
+  check(VecSum(weights_, &sum));
+  check(VecScale(weights_, stepper.space().dim() / sum));
+  check(VecSum(fem::diagonal(stepper.operators().A), &trace_));
+  for (Mean& mean : means_)
+    mean.w = stepper.space().vector();
+  const contact::ContactPairs* pairs = stepper.pairs();
+  if (!pairs)
+    return;
+  psi_ = pairs->gaps();
+  gaps_.resize(static_cast<std::size_t>(pairs->count()));
+  const std::size_t k = rigid_.count(), m = gaps_.size();
+  normal_.resize(m * k);
+  for (std::size_t j = 0; j < k; ++j) {
+    pairs->rows().apply_transpose(rigid_.basis()[j], gaps_);
+    for (std::size_t i = 0; i < m; ++i)
+      normal_[i * k + j] = gaps_[i];
+  }
+  open_.resize(static_cast<std::size_t>(pairs->obstacle_count()));
+  reach_.resize(open_.size());
+  swing_.resize(open_.size());
+  deformed_.resize(m);
+}
+
+void StepErrors::start(Vec y, Vec v) {
+  known_ = 1; // the initial velocity, of t_0
+  check(VecCopy(v, means_[1].w));
+  means_[1].middle = 0;
+  rigid_state_ = {rigid_.coefficients(y), rigid_.coefficients(v), std::vector<double>(rigid_.count())};
+  std::ranges::fill(open_, ended);
+  for (std::vector<double>* values : {&reach_, &swing_, &deformed_})
+    std::ranges::fill(*values, 0);
+  active_.clear();
+  gaps_before_.clear();
+  force_ = {};
+  contact_ = coarsest_ = {};
+  begins_.clear();
+  first_long_ = std::numeric_limits<double>::infinity();
+  vibration_ = {};
+  flight_ = {};
+  forces_of_two_ = {};
+  last_force_ = last_length_ = contact_error_ = scale_ = drift_ = 0;
+  if (const contact::ContactPairs* pairs = stepper_.pairs())
+    pairs->rows().gap(pairs->psi(0, *psi_), y, gaps_);
+}
+
+double StepErrors::size(Vec x) {
+  check(VecPointwiseMult(work_, weights_, x));
+  return std::sqrt(petsc::dot(work_, x));
+}
+
+double StepErrors::norm(Vec x) {
+  if (quantity_ != scene::StepQuantity::energy)
+    return size(x);
+  check(MatMult(stepper_.operators().A, x, work_));
+  return std::sqrt(std::max(0.0, petsc::dot(work_, x)));
+}
+
+double StepErrors::relative_rounding() const { return rounding_of_y + stepper_.solver().tolerance(); }
+
+double StepErrors::rounding(Vec y) {
+  if (quantity_ != scene::StepQuantity::energy)
+    return relative_rounding() * size(y);
+  PetscReal largest = 0;
+  check(VecNorm(y, NORM_INFINITY, &largest));
+  return relative_rounding() * largest * std::sqrt(trace_);
+}
+
+double StepErrors::error_of(Vec third_difference, Vec y) {
+  return std::max(0.0, norm(third_difference) / trapezoidal - rounding(y));
+}
+
+void StepErrors::set_mean(const Frame& frame) {
+  const double rate = 1 / frame.step.tau;
+  petsc::combine(means_[0].w, -rate, frame.before->y(), rate, frame.after.y());
+  means_[0].middle = frame.step.begin + frame.step.tau / 2;
+}
+
+double StepErrors::error_of(const Frame& frame, bool abrupt) {
+  const std::array times{means_[0].middle, means_[1].middle, means_[2].middle};
+  const double tau = frame.step.tau;
+  // Of a smooth motion the distance grows with that of the earlier steps; of a sudden change it does not.
+  const double part =
+      abrupt ? 1 : std::min(1.0, 2 * tau * tau / ((times[0] - times[1]) * (times[0] - times[2])));
+  std::array<double, 3> factors = distance(times);
+  for (double& factor : factors)
+    factor *= tau * part;
+  if (quantity_ == scene::StepQuantity::energy) {
+    petsc::combine(difference_, factors[0], means_[0].w, factors[1], means_[1].w);
+    check(VecAXPY(difference_, factors[2], means_[2].w));
+    return error_of(difference_, frame.after.y());
+  }
+  std::array<double, 2> squares{}; // the same in one pass, since it is made in every step
+  {
+    const petsc::ReadArray weight(weights_), w0(means_[0].w), w1(means_[1].w), w2(means_[2].w),
+        y(frame.after.y());
+    for (std::size_t i = 0; i < weight.size(); ++i) {
+      const double off = factors[0] * w0[i] + factors[1] * w1[i] + factors[2] * w2[i];
+      squares[0] += weight[i] * off * off;
+      squares[1] += weight[i] * y[i] * y[i];
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, squares.data(), 2, MPI_DOUBLE, MPI_SUM, stepper_.space().comm());
+  return std::max(0.0, std::sqrt(squares[0]) / trapezoidal - relative_rounding() * std::sqrt(squares[1]));
+}
+
+bool StepErrors::passes(const Frame& frame) const {
+  if (gaps_before_.empty() || frame.step.k < 2)
+    return false;
+  const contact::ContactPairs& pairs = *stepper_.pairs();
+  const double tau = frame.step.tau, before = last_length_,
+               deep = tolerance_ * scale_ + pairs.gap_tolerance();
+  for (std::size_t i = 0; i < gaps_.size(); ++i) {
+    if (contact(static_cast<std::size_t>(pairs.obstacles()[i])) ||
+        pairs.obstacle(static_cast<int>(i)).moves())
+      continue;
+    const double g = frame.contact.gap[i], rate = (g - gaps_[i]) / tau,
+                 bend = (rate - (gaps_[i] - gaps_before_[i]) / before) / (tau + before),
+                 lowest = tau / 2 - rate / (2 * bend); // after t_{k−1}
+    if (bend > 0 && lowest > 0 && lowest < tau &&
+        gaps_[i] + rate * lowest - bend * lowest * (tau - lowest) < -deep)
+      return true;
+  }
+  return false;
+}
+
+void StepErrors::coarsen(double t, double apart, Vec last, Vec before, Vec first) {
+  const auto set = [&](Mean& mean, Vec y1, Vec y0, double end) {
+    check(VecWAXPY(mean.w, -1, y0, y1));
+    check(VecScale(mean.w, 1 / apart));
+    mean.middle = end - apart / 2;
+  };
+  set(means_[1], last, before, t);
+  set(means_[2], before, first, t - apart);
+}
+
+StepErrors::Step StepErrors::judge(const Frame& frame) {
+  set_mean(frame);
+  const double tau = frame.step.tau;
+  Step step;
+  // The first step has no history, and the shortest ones are what others are measured by: they count where
+  // vibration goes on to the next touch.
+  const bool shortest = stepper_.ladder()->level(frame.step.tau) >= stepper_.ladder()->levels;
+  const bool judges = known_ > 1 && (!shortest || (!contact_.lasts && contact_.steps > 0));
+  const double error = judges ? error_of(frame, frame.contact.active != active_) : 0;
+  error_ = shortest ? of_shortest * error : error;
+  step.error = shortest ? 0 : error;
+  if (const contact::ContactPairs* pairs = stepper_.pairs()) {
+    double force = 0;
+    for (const double lambda : frame.contact.normal_lambda())
+      force += lambda / frame.step.scheme().impulse();
+    force_of_two_ = (tau * force + last_length_ * last_force_) / (tau + last_length_);
+    constexpr double parabola = 6;
+    step.bend = std::abs(force_of_two_ - 2 * forces_of_two_[0] + forces_of_two_[1]) / parabola;
+    for (const int i : frame.contact.active)
+      step.touches |= !contact(static_cast<std::size_t>(pairs->obstacles()[static_cast<std::size_t>(i)]));
+    step.touches = step.touches || passes(frame);
+  }
+  return step;
+}
+
+void StepErrors::accept(const Frame& frame) {
+  std::rotate(means_.begin(), means_.end() - 1, means_.end());
+  known_ = 2;
+  take_rigid(frame);
+  if (stepper_.pairs()) {
+    take_contact(frame);
+    take_deformation(frame);
+    gaps_before_ = gaps_;
+    std::ranges::copy(frame.contact.gap, gaps_.begin());
+    active_ = frame.contact.active;
+  } else {
+    take_deformation(frame);
+  }
+}
+
+void StepErrors::observe(const Frame& frame) {
+  if (frame.step.k == 0)
+    return start(frame.after.y(), frame.after.v());
+  (void)judge(frame);
+  accept(frame);
+}
+
+void StepErrors::take_rigid(const Frame& frame) {
+  rigid_state_.position = rigid_.coefficients(frame.after.y());
+  const bool free = frame.contact.active.empty() && frame.contact.predictor.empty();
+  if (!free && open_.size() == 1) // nothing else can be touched
+    return;
+  std::vector<double> velocity = rigid_.coefficients(frame.after.v());
+  for (std::size_t j = 0; free && j < velocity.size(); ++j)
+    rigid_state_.acceleration[j] = (velocity[j] - rigid_state_.velocity[j]) / frame.step.tau;
+  rigid_state_.velocity = std::move(velocity);
+}
+
+void StepErrors::take_deformation(const Frame& frame) {
+  const contact::ContactPairs* pairs = stepper_.pairs();
+  double most = 0;
+  if (pairs) {
+    const std::span<const double> psi = pairs->psi(frame.step.end, *psi_);
+    const std::size_t k = rigid_.count();
+    const double tau = frame.step.tau;
+    for (std::size_t o = 0; o < reach_.size(); ++o)
+      if (contact(o))
+        reach_[o] = swing_[o] = 0;
+    for (std::size_t i = 0; i < gaps_.size(); ++i) {
+      const auto o = static_cast<std::size_t>(pairs->obstacles()[i]);
+      double along = psi[i] - frame.contact.gap[i];
+      for (std::size_t j = 0; j < k; ++j)
+        along -= rigid_state_.position[j] * normal_[i * k + j];
+      reach_[o] = std::max(reach_[o], std::abs(along));
+      swing_[o] = std::max(swing_[o], std::abs(along - deformed_[i]) / tau);
+      deformed_[i] = along;
+    }
+    most = reach_.empty() ? 0 : std::ranges::max(reach_);
+  }
+  if (!contact_.lasts || !pairs || quantity_ == scene::StepQuantity::energy) {
+    rigid_.without(rigid_state_.position, frame.after.y(), difference_);
+    const double deformed = norm(difference_), tau = frame.step.tau;
+    flight_.time += tau;
+    flight_.squares += tau * deformed * deformed;
+    if (!pairs || quantity_ == scene::StepQuantity::energy)
+      most = deformed;
+  }
+  scale_ = std::max(scale_, most);
+}
+
+void StepErrors::take_contact(const Frame& frame) {
+  const double tau = frame.step.tau, begin = frame.step.begin, end = frame.step.end;
+  std::vector<bool> closed(open_.size());
+  for (const int i : frame.contact.active)
+    closed[static_cast<std::size_t>(stepper_.pairs()->obstacles()[static_cast<std::size_t>(i)])] = true;
+  bool any = false, lasts = false;
+  for (std::size_t o = 0; o < open_.size(); ++o) {
+    open_[o] = closed[o] ? 0 : std::min(open_[o] + 1, ended);
+    any = any || closed[o], lasts = lasts || contact(o);
+  }
+  double force = 0;
+  for (const double lambda : frame.contact.normal_lambda())
+    force += lambda / frame.step.scheme().impulse();
+  if (any && begins_.empty() && !gaps_before_.empty())
+    judge_flight(frame);
+  if (any && !contact_.lasts) {
+    if (const double error = std::min(flight_.error, without_phases()); error > vibration_.error)
+      vibration_ = {begin, std::ranges::max(reach_), error};
+    begins_.push_back(begin);
+    // Contact that is resumed after a short pause goes on.
+    constexpr double pause = 0.1;
+    if (contact_.steps == 0 || begin - contact_.end > pause * (contact_.end - contact_.begin)) {
+      end_contact();
+      contact_ = {.begin = begin};
+    }
+  }
+  if (any) {
+    contact_.end = end;
+    ++contact_.steps;
+  }
+  contact_.impulse += tau * force;
+  if (lasts)
+    contact_.largest_force = std::max(contact_.largest_force, force_of_two_);
+  if (!lasts) {
+    flight_.error += error_;
+  } else {
+    flight_ = {};
+    if (stepper_.ladder()->level(frame.step.tau) < stepper_.ladder()->levels) {
+      contact_error_ += error_;
+      first_long_ = std::min(first_long_, begin);
+    }
+  }
+  contact_.lasts = lasts;
+  force_.add(end, force);
+  last_force_ = force, last_length_ = tau;
+  forces_of_two_ = {force_of_two_, forces_of_two_[0]};
+}
+
+void StepErrors::judge_flight(const Frame& frame) {
+  double speed = 0;
+  for (const int i : frame.contact.active)
+    if (const auto at = static_cast<std::size_t>(i); last_length_ > 0)
+      speed = std::max(speed, (gaps_before_[at] - gaps_[at]) / last_length_);
+  // What rounding of A y turns a body by that flies without strain, as measured; y grows with the time.
+  constexpr double turned = 0.05;
+  const double time = frame.step.end / stepper_.wave_time(), window = speed * stepper_.wave_time();
+  if (window > 0)
+    drift_ = turned * std::numeric_limits<double>::epsilon() * time * time * size(frame.before->y()) / window;
+}
+
+void StepErrors::end_contact() {
+  if (contact_.steps > 0 && contact_.steps < few_steps && contact_.impulse > coarsest_.impulse)
+    coarsest_ = contact_;
+}
+
+double StepErrors::closing() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < gaps_before_.size(); ++i)
+    if (gaps_[i] < gaps_before_[i])
+      least = std::min(least, last_length_ * gaps_[i] / (gaps_before_[i] - gaps_[i]));
+  return least;
+}
+
+double StepErrors::without_phases() const {
+  // Twice the mean square of the vibration: its own and that of the numerical one.
+  return flight_.time > crossing_ ? std::sqrt(2 * flight_.squares / flight_.time)
+                                  : std::numeric_limits<double>::infinity();
+}
+
+std::vector<Warning> StepErrors::warnings() const {
+  std::vector<Warning> found;
+  if (!(scale_ > 0))
+    return found;
+  if (vibration_.error > tolerance_ * scale_)
+    found.push_back(
+        {"vibration",
+         fmt::format("the body still vibrated, by up to {:.2g} of its largest deformation, when it "
+                     "touched at t = {:.6g} s, and the steps before did not resolve that: their errors "
+                     "add up to {:.2g} of it, {:g} are meant (time.tolerance)",
+                     vibration_.amplitude / scale_, vibration_.time, vibration_.error / scale_, tolerance_),
+         vibration_.error / scale_, tolerance_});
+  if (const double most = most_turned * stepper_.ladder()->shortest_step() / stepper_.wave_time();
+      drift_ > most)
+    found.push_back(
+        {"rounding in flight",
+         fmt::format("the body flies so long before it touches at t = {:.6g} s that rounding may turn "
+                     "it: by {:.2g} of what it moves while a wave crosses an element, {:.2g} "
+                     "are meant; let it begin nearer to the touch",
+                     begins_.front(), drift_, most),
+         drift_, most});
+  if (const double sum = contact_error_ / scale_, most = most_accumulated * tolerance_; sum > most)
+    found.push_back(
+        {"accumulated error",
+         fmt::format("the errors of steps in contact add up to {:.2g} of the largest deformation, "
+                     "{:g} are meant (5 time.tolerance): forces may be off; lower time.tolerance",
+                     sum, most),
+         sum, most});
+  Contact few = coarsest_;
+  if (contact_.steps > 0 && contact_.steps < few_steps && contact_.impulse > few.impulse)
+    few = contact_;
+  if (few.impulse > tolerance_ * force_.total())
+    found.push_back(
+        {"few steps in contact",
+         fmt::format("the contact that begins at t = {:.6g} s gives {:.2g} of the impulse within {} step{}: "
+                     "its force and its duration are not resolved; let the mesh be finer there, or "
+                     "time.shortest smaller",
+                     few.begin, few.impulse / force_.total(), few.steps, few.steps == 1 ? "" : "s"),
+         static_cast<double>(few.steps), few_steps});
+  if (force_.total() > 0)
+    if (const std::optional<Warning> peak = peak_warning())
+      found.push_back(*peak);
+  return found;
+}
+
+std::optional<Warning> StepErrors::peak_warning() const {
+  const auto mean = [&](double window) { return force_.largest_mean(window); };
+  const ImpulseRecord::Mean peak = mean(sustained * stepper_.wave_time());
+  const double half = mean(peak.over / 2).force, twice = mean(2 * peak.over).force,
+               fourfold = mean(4 * peak.over).force, excess = peak.force / twice - 1;
+  // A smooth force exceeds its means by the square of their window: by no more than half a sine of the
+  // impulse's duration does, and a quarter of what means over twice the time exceed those over four times it.
+  const auto [begin, end] = force_.between(0.01, 0.99);
+  const double sine = std::pow(2 * std::numbers::pi * peak.over / (end - begin), 2) / 24,
+               expected = std::min(sine, (twice - fourfold) / (4 * twice));
+  const bool smooth = half - peak.force <= (peak.force - twice) / 2,
+             at_onset = std::ranges::any_of(
+                 begins_, [&](double touch) { return touch <= peak.end && peak.end <= touch + crossing_; });
+  constexpr double sharp = 3, unlike = 5, after_long_steps = 1.5; // times the tolerance, by trials
+  const double most =
+      std::min(smooth && !at_onset ? std::numeric_limits<double>::infinity() : sharp * tolerance_,
+               expected + (peak.end > first_long_ ? after_long_steps : unlike) * tolerance_);
+  if (!(excess > most))
+    return std::nullopt;
+  return Warning{
+      peak_of_the_mesh,
+      fmt::format("the largest force is {:.4g} in the mean over {:.2g} s and {:.4g} over twice that: "
+                  "the size of the elements and the steps decide how large a peak is; let the mesh be "
+                  "finer, lower time.tolerance, or compare impulses",
+                  peak.force, peak.over, twice),
+      excess, most};
+}
+
+} // namespace signorini::trajectory
