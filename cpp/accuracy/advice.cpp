@@ -15,9 +15,9 @@ std::string grounds(const Errors& errors, double envelope) {
 }
 
 /// The rung with the smallest envelope, the cheapest of those within a tolerance that no warning puts in
-/// doubt, and the cheapest of the others.
+/// warning, and the cheapest of the others.
 struct Best {
-  std::optional<std::size_t> nearest, cheapest, doubted;
+  std::optional<std::size_t> nearest, cheapest, warned;
 };
 
 Best best(const Errors& errors, const std::vector<Result>& results, double tolerance) {
@@ -30,8 +30,8 @@ Best best(const Errors& errors, const std::vector<Result>& results, double toler
       found.nearest = i;
     if (*envelope > tolerance)
       continue;
-    const bool doubted = !results[i].measured->doubt(errors.quantity).empty();
-    std::optional<std::size_t>& cheapest = doubted ? found.doubted : found.cheapest;
+    const bool warned = !results[i].measured->warning(errors.quantity).empty();
+    std::optional<std::size_t>& cheapest = warned ? found.warned : found.cheapest;
     if (!cheapest || results[i].measured->seconds < results[*cheapest].measured->seconds)
       cheapest = i;
   }
@@ -64,18 +64,18 @@ std::vector<std::string> sentences(const Errors& errors, const std::vector<Resul
   const double bar = errors.bar ? errors.bar->value : 0;
   std::vector<std::string> texts;
   for (double target : {0.1, 0.05, 0.01, 0.001}) {
-    const auto [nearest, cheapest, doubted] = best(errors, results, target - bar);
+    const auto [nearest, cheapest, warned] = best(errors, results, target - bar);
     if (cheapest) {
       texts.push_back(fmt::format("for {} % in {}: {}, {:.2g} s ({})", 100 * target, title,
                                   words(results[*cheapest].rung, scene), results[*cheapest].measured->seconds,
                                   grounds(errors, *errors.envelope[*cheapest])));
       continue;
     }
-    if (doubted) {
+    if (warned) {
       texts.push_back(fmt::format("{} % in {} is not verified: {} ({}), but {}", 100 * target, title,
-                                  words(results[*doubted].rung, scene),
-                                  grounds(errors, *errors.envelope[*doubted]),
-                                  results[*doubted].measured->doubt(errors.quantity)));
+                                  words(results[*warned].rung, scene),
+                                  grounds(errors, *errors.envelope[*warned]),
+                                  results[*warned].measured->warning(errors.quantity)));
       continue;
     }
     const double reach = *errors.envelope[*nearest] + bar;

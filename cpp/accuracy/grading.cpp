@@ -6,7 +6,7 @@
 #include "base/collective.h"
 #include "base/error.h"
 #include "drivers/check/evaluation_point.h"
-#include "fem/recovery.h"
+#include "fem/stress_recovery.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>

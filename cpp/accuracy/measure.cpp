@@ -84,7 +84,7 @@ public:
     const diagnostics::StepBalance balance = weigh_(frame);
     const double tau = frame.step.tau, t = frame.step.end;
     energy_ = std::max(energy_, balance.kinetic_energy + balance.elastic_energy);
-    lost_ -= balance.contact_work;
+    contact_loss_ -= balance.contact_work;
     contact_(frame);
     if (displacement_)
       displacement_->take_until(t, frame.last, [&](double at, Vec y) {
@@ -114,7 +114,7 @@ public:
     if (displacement_)
       measured.fields["displacement"] = displacement_->take();
     std::map<std::string, double> numbers = contact_.numbers(problem_.scene.time.end);
-    numbers["energy_loss"] = energy_ > 0 ? lost_ / energy_ : 0;
+    numbers["energy_loss"] = energy_ > 0 ? contact_loss_ / energy_ : 0;
     for (const auto& [name, value] : numbers)
       if (has(wanted_, name))
         measured.numbers[name] = value;
@@ -161,7 +161,7 @@ private:
   std::optional<fem::CellFields> fields_;
   std::optional<diagnostics::LargestStress> stress_;
   std::vector<std::vector<double>> last_forces_;
-  double energy_ = 0, lost_ = 0;
+  double energy_ = 0, contact_loss_ = 0;
 };
 
 /// Seconds of the phases that no run can do without.

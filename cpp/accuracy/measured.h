@@ -14,7 +14,7 @@ struct Quantity {
   bool absolute = false; ///< already relative: errors are plain differences
   bool limited = true;   ///< whether it converges with steps and mesh in every motion
 
-  /// Whether a warning of a motion puts it in doubt: what is of peaks alone does not, but for these.
+  /// Whether a warning of a motion concerns its value: those of peaks alone do not, but for these.
   [[nodiscard]] bool doubted_by(const Warning& warning) const;
 };
 
@@ -30,8 +30,8 @@ struct Measured {
   std::optional<adjoint::ErrorParts> estimate; ///< of the error of J, J(exact) − J
   std::vector<Warning> warnings;               ///< of what its steps may have missed
 
-  /// The warnings that put a quantity in doubt, in words; empty without.
-  [[nodiscard]] std::string doubt(const Quantity& quantity) const;
+  /// The warnings that concern a quantity, in words; empty without any.
+  [[nodiscard]] std::string warning(const Quantity& quantity) const;
 
   /// The number of a quantity, or the samples of a field.
   [[nodiscard]] std::span<const double> values(const Quantity& quantity) const {

@@ -37,8 +37,8 @@ constexpr std::array beginnings{4.0, 2.0, 1.0};
 constexpr int least_steps = 10;
 /// Each is to leave less than half of the error.
 constexpr std::size_t most_rounds = 20;
-/// Rounds whose estimate is small enough and that something puts in doubt.
-constexpr int most_doubted = 3;
+/// Rounds whose estimate is small enough but that have a warning.
+constexpr int most_warned = 3;
 
 /// Sizes and steps of a round.
 struct Resolution {
@@ -128,7 +128,7 @@ private:
   [[nodiscard]] bool sizes_vary() const { return scene_.mesh.automatic() || scene_.mesh.meshed(); }
 
   [[nodiscard]] bool enough(const Parts& parts) const { return parts.sum() <= trusted * asked_.error; }
-  [[nodiscard]] bool met() const { return !records_.empty() && enough(parts_) && doubt_.empty(); }
+  [[nodiscard]] bool met() const { return !records_.empty() && enough(parts_) && warning_.empty(); }
   [[nodiscard]] double passed() const {
     double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     MPI_Bcast(&seconds, 1, MPI_DOUBLE, 0, comm_);
@@ -179,7 +179,7 @@ private:
     const adjoint::ErrorParts error = estimate_error(problem, control_problem, &by_cells);
     parts.time = std::abs(error.time) / J;
     parts.space = error.sum_of_moduli() / J - parts.time;
-    doubt_.clear();
+    warning_.clear();
     if (enough(parts))
       verify(problem, control_problem, parts);
     // No fewer steps than the least, whatever the multiple.
@@ -202,8 +202,8 @@ private:
                                 .space = parts.space,
                                 .time = parts.time,
                                 .search = parts.search,
-                                .met = enough(parts) && doubt_.empty(),
-                                .doubt = doubt_};
+                                .met = enough(parts) && warning_.empty(),
+                                .warning = warning_};
     record.store(last_->state());
     folder.write("indicators.csv", indicators());
     drivers::write_results(
@@ -224,7 +224,7 @@ private:
     const Verified found = verify_with_half_steps(problem, control_problem);
     parts.time = std::max(parts.time, found.change / std::abs(control_problem.reduced.value().total()));
     const Quantity J{"J", "J", ""};
-    doubt_ = Measured{.warnings = found.warnings}.doubt(J);
+    warning_ = Measured{.warnings = found.warnings}.warning(J);
   }
 
   /// indicators.csv: the corners of each cell (m) and its share in the error of J in space, relative.
@@ -292,8 +292,8 @@ private:
       ended_ = fmt::format("its estimate does not fall in {} rounds", most_rounds);
       return std::nullopt;
     }
-    if (!doubt_.empty() && ++doubted_ == most_doubted) {
-      ended_ = doubt_;
+    if (!warning_.empty() && ++warned_ == most_warned) {
+      ended_ = warning_;
       return std::nullopt;
     }
     Resolution next = aimed_at(aimed * asked_.error);
@@ -361,11 +361,11 @@ private:
                                    "steps, {:.2g} s in {} rounds, of which the last took {:.2g} s; {} "
                                    "would take about {:.2g} s",
                                    asked_.error, parts_.sum(), parts_.space, parts_.time, parts_.search,
-                                   met()            ? std::string("met")
-                                   : late           ? "not met, the budget is spent"
-                                   : interrupted_   ? "not met, interrupted"
-                                   : doubt_.empty() ? "not met, " + ended_
-                                                    : "not verified, " + doubt_,
+                                   met()              ? std::string("met")
+                                   : late             ? "not met, the budget is spent"
+                                   : interrupted_     ? "not met, interrupted"
+                                   : warning_.empty() ? "not met, " + ended_
+                                                      : "not verified, " + warning_,
                                    last.free_unknowns, last.steps, passed(), records_.size(), last.seconds,
                                    enough(parts_) ? "half the error" : "what is asked",
                                    enough(parts_) ? cost(aimed_at(parts_.sum() / 2))
@@ -385,8 +385,8 @@ private:
   std::vector<double> by_cells_; ///< indicators of its mesh
   double space_order_ = 2, time_order_ = 2;
   std::vector<io::CoarseLevel> records_;
-  std::string ended_, doubt_; ///< why there is no further round; why the last is not verified
-  int doubted_ = 0;           ///< rounds
+  std::string ended_, warning_; ///< why there is no further round; why the last is not verified
+  int warned_ = 0;              ///< rounds
   bool interrupted_ = false;
 };
 

@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "diagnostics/contact_figures.h"
 #include "diagnostics/largest_stress.h"
-#include "scene/names.h"
+#include "scene/spelling.h"
 #include "trajectory/step_errors.h"
 #include <algorithm>
 #include <fmt/format.h>
@@ -60,7 +60,7 @@ bool Quantity::doubted_by(const Warning& warning) const {
          name.starts_with("sustained_peak");
 }
 
-std::string Measured::doubt(const Quantity& quantity) const {
+std::string Measured::warning(const Quantity& quantity) const {
   std::string text;
   for (const Warning& warning : warnings)
     if (quantity.doubted_by(warning))

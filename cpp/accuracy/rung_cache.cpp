@@ -118,7 +118,7 @@ Json given(const std::optional<ReferenceBar>& bar) {
 
 } // namespace
 
-Store::Store(const std::filesystem::path& folder) : folder_(folder), lock_(folder) {
+RungCache::RungCache(const std::filesystem::path& folder) : folder_(folder), lock_(folder) {
   lock_.claim("study.json", file_names, file_names);
   std::error_code error;
   std::filesystem::create_directories(folder_ / rungs, error);
@@ -127,12 +127,12 @@ Store::Store(const std::filesystem::path& folder) : folder_(folder), lock_(folde
                                 folder_.string(), error.message()));
 }
 
-Store::~Store() {
+RungCache::~RungCache() {
   std::error_code not_empty;
   std::filesystem::remove(folder_ / rungs, not_empty);
 }
 
-std::filesystem::path Store::file(const Rung& rung) const {
+std::filesystem::path RungCache::file(const Rung& rung) const {
   return folder_ / rungs /
          fmt::format("{}size-{:.10g}-{}-degree-{}-{}.cbor", rung.graded ? "graded-" : "", rung.size,
                      rung.chooses_steps() ? fmt::format("tolerance-{:.10g}", rung.tolerance)
@@ -140,8 +140,8 @@ std::filesystem::path Store::file(const Rung& rung) const {
                      rung.degree, scene::name(rung.scheme));
 }
 
-Kept Store::load(const Rung& rung, const Fingerprint& fingerprint,
-                 const std::vector<Quantity>& wanted) const {
+CachedRung RungCache::load(const Rung& rung, const Fingerprint& fingerprint,
+                           const std::vector<Quantity>& wanted) const {
   std::ifstream in(file(rung), std::ios::binary);
   if (!in)
     return {};
@@ -165,7 +165,7 @@ Kept Store::load(const Rung& rung, const Fingerprint& fingerprint,
   }
 }
 
-void Store::save(const Rung& rung, const Fingerprint& fingerprint, const Measured& measured) const {
+void RungCache::save(const Rung& rung, const Fingerprint& fingerprint, const Measured& measured) const {
   Json json = to_json(measured);
   json["fingerprint"] = fingerprint;
   std::vector<std::uint8_t> inner = Json::to_cbor(json);
@@ -175,7 +175,7 @@ void Store::save(const Rung& rung, const Fingerprint& fingerprint, const Measure
   replace(file(rung), reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
-void Store::write(const std::string& name, const std::string& text) const {
+void RungCache::write(const std::string& name, const std::string& text) const {
   replace(folder_ / name, text.data(), text.size());
 }
 

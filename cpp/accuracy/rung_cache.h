@@ -8,22 +8,22 @@
 namespace signorini::accuracy {
 
 /// The results of a rung in the folder of a study.
-struct Kept {
+struct CachedRung {
   std::optional<Measured> measured; ///< empty if it has to run
   std::string unfit;                ///< why its file cannot be used; empty if there is none
 };
 
 /// The folder of a study: one file for each rung that has run, from which a later study of the same scene
 /// continues, and the tables of all of them. Used on rank 0. Files are replaced as a whole. Throws UserError.
-class Store {
+class RungCache {
 public:
   /// Creates the folder and locks it for this study.
-  explicit Store(const std::filesystem::path& folder);
-  ~Store();
+  explicit RungCache(const std::filesystem::path& folder);
+  ~RungCache();
 
   /// The results of a rung, if its file is intact, has the same fingerprint and all of the wanted quantities.
-  [[nodiscard]] Kept load(const Rung& rung, const Fingerprint& fingerprint,
-                          const std::vector<Quantity>& wanted) const;
+  [[nodiscard]] CachedRung load(const Rung& rung, const Fingerprint& fingerprint,
+                                const std::vector<Quantity>& wanted) const;
   void save(const Rung& rung, const Fingerprint& fingerprint, const Measured& measured) const;
 
   /// Writes a text file.

@@ -109,12 +109,12 @@ double CostModel::seconds(double unknowns, double steps) const {
   return setup_.constant + setup_.factor * power + steps * (step_.constant + step_.factor * power);
 }
 
-const Prices::Known& Prices::of(const Rung& rung) const {
-  return *std::ranges::find(known_, rung.degree, &Known::degree);
+const RungCosts::DegreeCost& RungCosts::of(const Rung& rung) const {
+  return *std::ranges::find(known_, rung.degree, &DegreeCost::degree);
 }
 
-double Prices::unknowns(const Rung& rung) const {
-  const Known& known = of(rung);
+double RungCosts::unknowns(const Rung& rung) const {
+  const DegreeCost& known = of(rung);
   const auto& [finest, most] = *known.unknowns.begin();
   const auto& [coarsest, fewest] = *known.unknowns.rbegin();
   const bool between = rung.size > finest && rung.size < coarsest;
@@ -124,22 +124,22 @@ double Prices::unknowns(const Rung& rung) const {
                               : fewest * std::pow(coarsest / rung.size, power);
 }
 
-double Prices::priced(const Rung& rung) const {
+double RungCosts::priced(const Rung& rung) const {
   const double steps = rung.chooses_steps() ? steps_by_width_ / rung.step_width() : rung.steps;
   return of(rung).cost.seconds(unknowns(rung), steps);
 }
 
-double Prices::seconds(const Rung& rung) const {
+double RungCosts::seconds(const Rung& rung) const {
   return expected_ > 0 ? priced(rung) * found_ / expected_ : priced(rung);
 }
 
-void Prices::learn(const Rung& rung, double seconds) {
+void RungCosts::learn(const Rung& rung, double seconds) {
   expected_ += priced(rung);
   found_ += seconds;
 }
 
-Prices price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& rungs, const Samples& samples,
-             const std::vector<Quantity>& wanted, bool estimate) {
+RungCosts price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& rungs,
+                const Samples& samples, const std::vector<Quantity>& wanted, bool estimate) {
   const ShortRuns runs(comm, scene, samples, wanted, estimate);
   double steps_by_width = 0;
   std::vector<Rung> of_one_length = rungs;
@@ -150,7 +150,7 @@ Prices price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& 
       if (rung.chooses_steps())
         rung.steps = static_cast<int>(std::ceil(steps_by_width / rung.step_width())), rung.tolerance = 0;
   }
-  std::vector<Prices::Known> known;
+  std::vector<RungCosts::DegreeCost> known;
   for (int degree : {1, 2}) {
     const auto [coarsest, finest] = extent(of_one_length, degree);
     if (coarsest.steps == 0)

@@ -29,17 +29,17 @@ private:
 };
 
 /// Predicted unknowns and seconds of rungs.
-class Prices {
+class RungCosts {
 public:
   /// Of the meshes of one degree.
-  struct Known {
+  struct DegreeCost {
     int degree;
     int dim;
     std::map<double, double> unknowns; ///< by size, of one or more meshes
     CostModel cost;
   };
   /// `steps_by_width`: chosen steps times their Rung::step_width(), of any tolerance.
-  Prices(std::vector<Known> known, double steps_by_width)
+  RungCosts(std::vector<DegreeCost> known, double steps_by_width)
       : known_(std::move(known)), steps_by_width_(steps_by_width) {}
 
   /// Powers of the size between those that are known; beyond them it is the dimension's.
@@ -50,19 +50,19 @@ public:
   void learn(const Rung& rung, double seconds);
 
 private:
-  [[nodiscard]] const Known& of(const Rung& rung) const;
+  [[nodiscard]] const DegreeCost& of(const Rung& rung) const;
   [[nodiscard]] double priced(const Rung& rung) const;
-  std::vector<Known> known_;
+  std::vector<DegreeCost> known_;
   double steps_by_width_;
   double expected_ = 0, found_ = 0; ///< of the rungs that have run
 };
 
-/// Prices a ladder by runs of few steps, for each degree on its coarsest mesh and on one of some thousand
+/// RungCosts a ladder by runs of few steps, for each degree on its coarsest mesh and on one of some thousand
 /// unknowns, as many steps as it takes for them to be half as long as the set-up. Steps that the motion
 /// chooses are priced like as many of one length; how many there will be, that of the largest tolerance on
 /// the coarsest mesh tells. `estimate`: that of the
 /// error of J is part of a run. Collective. Throws UserError, SolverFailure, Interrupted.
-Prices price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& rungs, const Samples& samples,
-             const std::vector<Quantity>& wanted, bool estimate);
+RungCosts price(MPI_Comm comm, const scene::Scene& scene, const std::vector<Rung>& rungs,
+                const Samples& samples, const std::vector<Quantity>& wanted, bool estimate);
 
 } // namespace signorini::accuracy

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "accuracy/rungs.h"
 #include "base/error.h"
-#include "scene/names.h"
+#include "scene/spelling.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -86,7 +86,7 @@ SchemeAndMass scheme_and_mass(scene::ContactScheme scheme) {
           scene::takes_mass(scheme) ? scene::name(scheme) : scene::name(scene::ContactMass::consistent)};
 }
 
-std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice) {
+std::vector<Rung> all_rungs(const scene::Scene& scene, const Choice& choice) {
   require_positive(choice.sizes, "--sizes", "m");
   require_positive(choice.steps, "--steps", "s");
   for (double tolerance : choice.tolerances)

@@ -49,7 +49,7 @@ SchemeAndMass scheme_and_mass(scene::ContactScheme scheme);
 /// .msh has one. Graded meshes come beside those of one size. Steps are the nearest that divide time.end. A
 /// scheme that is named holds for every contact; without one they are as the scene has them. Throws
 /// UserError.
-std::vector<Rung> ladder(const scene::Scene& scene, const Choice& choice);
+std::vector<Rung> all_rungs(const scene::Scene& scene, const Choice& choice);
 
 /// The rung of the scene's own size, steps, degree and scheme.
 Rung own_rung(const scene::Scene& scene);

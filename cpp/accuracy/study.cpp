@@ -27,7 +27,7 @@ std::string duration(double seconds) {
   return seconds < 6000 ? fmt::format("{:.0f} min", seconds / 60) : fmt::format("{:.1f} h", seconds / 3600);
 }
 
-void show_prices(const Console& console, const std::vector<Rung>& rungs, const Prices& prices,
+void show_prices(const Console& console, const std::vector<Rung>& rungs, const RungCosts& prices,
                  const scene::Scene& scene) {
   double all = 0;
   console.line(fmt::format("{:>5} {:>12} {:>10}  {}", "rung", "unknowns", "about", ""));
@@ -49,7 +49,7 @@ bool on_all(MPI_Comm comm, bool root_says) {
 class Study {
 public:
   Study(MPI_Comm comm, const scene::Scene& scene, const Options& options, const std::vector<Quantity>& wanted,
-        const Samples& samples, const std::optional<Store>& store, std::optional<Prices>& price,
+        const Samples& samples, const std::optional<RungCache>& store, std::optional<RungCosts>& price,
         const Console& console)
       : comm_(comm), scene_(scene), options_(options), wanted_(wanted), samples_(samples), store_(store),
         price_(price), console_(console), root_(rank(comm) == 0), exact_(exact_values(scene, samples)) {}
@@ -60,7 +60,7 @@ public:
     if (root_)
       origin_.emplace(scene_, samples_, ranks(comm_));
     for (const Rung& rung : rungs) {
-      Kept found;
+      CachedRung found;
       if (root_)
         found = store_->load(rung, origin_->of(rung), wanted_);
       kept_ += found.measured.has_value();
@@ -132,8 +132,8 @@ private:
   const Options& options_;
   const std::vector<Quantity>& wanted_;
   const Samples& samples_;
-  const std::optional<Store>& store_; ///< on rank 0
-  std::optional<Prices>& price_;
+  const std::optional<RungCache>& store_; ///< on rank 0
+  std::optional<RungCosts>& price_;
   const Console& console_;
   bool root_;
   Exact exact_;
@@ -151,8 +151,8 @@ int run_study(MPI_Comm comm, const scene::Scene& given, const std::filesystem::p
   const auto start = Clock::now();
   (void)chosen(given, options.quantities, 2); // a wrong name before any mesh is read
   scene::Scene scene = given;
-  std::vector<Rung> rungs = ladder(scene, options.choice);
-  std::optional<Store> store;
+  std::vector<Rung> rungs = all_rungs(scene, options.choice);
+  std::optional<RungCache> store;
   if (!options.dry_run)
     on_root(comm, [&] { store.emplace(out); });
   std::vector<double> sizes;
@@ -164,7 +164,7 @@ int run_study(MPI_Comm comm, const scene::Scene& given, const std::filesystem::p
   }
   const Samples samples(comm, scene);
   const std::vector<Quantity> wanted = chosen(scene, options.quantities, samples.dim);
-  std::optional<Prices> prices;
+  std::optional<RungCosts> prices;
   Study study(comm, scene, options, wanted, samples, store, prices, console);
   std::ranges::stable_sort(rungs, {}, [&](const Rung& rung) { return work(rung, samples.dim); });
   if (!options.dry_run)

@@ -31,22 +31,22 @@ int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Op
             const Console& console);
 
 /// What find_size_and_step() found: a rung, and the estimated parts of its error, relative.
-struct Found {
+struct BestRun {
   Rung rung;
   double space = 0, time = 0;
   double seconds = 0; ///< of the rung alone
   double further =
-      0;             ///< expected of all that the tolerance would take or, where it is met, half the error, s
-  std::string doubt; ///< why it is not verified though its error is small, in words
+      0; ///< expected of all that the tolerance would take or, where it is met, half the error, s
+  std::string warning; ///< why it is not verified though its error is small, in words
   [[nodiscard]] double error() const { return space + time; }
-  [[nodiscard]] bool meets(double tolerance) const { return error() <= tolerance && doubt.empty(); }
+  [[nodiscard]] bool meets(double tolerance) const { return error() <= tolerance && warning.empty(); }
 };
 
 /// Searches a size and a step as suggest() does, for the one quantity that the options name of the motion
 /// that simulate makes, and shows each that is better than all before to `better`, first of all a coarse one
 /// of which no error is known (1); without a budget until the tolerance is met or nothing changes any more.
 /// Returns the best. Collective. Throws UserError, SolverFailure, Interrupted.
-Found find_size_and_step(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Options& options,
-                         const Console& console, const std::function<void(const Found&)>& better);
+BestRun find_size_and_step(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Options& options,
+                           const Console& console, const std::function<void(const BestRun&)>& better);
 
 } // namespace signorini::accuracy

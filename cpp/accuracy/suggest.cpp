@@ -5,7 +5,7 @@
 #include "accuracy/study.h"
 #include "accuracy/trials.h"
 #include "base/error.h"
-#include "scene/names.h"
+#include "scene/spelling.h"
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
@@ -68,13 +68,13 @@ void require_size(const scene::Scene& scene, const Quantity& quantity, const cha
 }
 
 /// Goes from trial to trial until one meets the tolerance.
-class Search {
+class SizeStepSearch {
 public:
   using Better = std::function<void(const Trial&, double further)>;
 
   /// `better` is shown each trial that is better than all before, and the seconds that the tolerance would
   /// take or, where it is met, half the trial's error.
-  Search(
+  SizeStepSearch(
       MPI_Comm comm, const scene::Scene& scene, double tolerance, double budget, const Samples& samples,
       const Console& console, Better better = [](const Trial&, double) {})
       : comm_(comm), scene_(scene), tolerance_(tolerance), budget_(budget), samples_(samples),
@@ -87,7 +87,7 @@ public:
     std::optional<Rung> raised;
     if (trials.any_degree() && own.degree == 1)
       raised = own, raised->degree = 2;
-    const Prices prices = priced(trials, own, raised);
+    const RungCosts prices = priced(trials, own, raised);
     Trial last = run(trials, own), nearest = last;
     double r = trials.order(), q = trials.order();
     constexpr double aim =
@@ -104,12 +104,12 @@ public:
     show(last);
     if (last.meets(tolerance_) && !economises_)
       return last;
-    constexpr int most = 8, most_doubted = 3;
-    int doubted = 0;
+    constexpr int most = 8, most_warned = 3;
+    int warned = 0;
     for (int i = 0; i < most; ++i) {
       Rung next = proposed(last);
-      if (!last.doubt.empty()) {
-        if (++doubted == most_doubted)
+      if (!last.warning.empty()) {
+        if (++warned == most_warned)
           break;
         next = finer(trials, last.rung);
       }
@@ -167,12 +167,12 @@ private:
     try {
       trials.verify(trial);
     } catch (const Interrupted&) {
-      trial.doubt = "no run with half its steps has ended";
+      trial.warning = "no run with half its steps has ended";
       better_(trial, trial.seconds);
       throw;
     }
     console_.line(fmt::format("{}: {}{}", words(trial.rung, scene_), trial.grounds,
-                              trial.doubt.empty() ? "" : "; not verified: " + trial.doubt));
+                              trial.warning.empty() ? "" : "; not verified: " + trial.warning));
     return trial;
   }
 
@@ -184,8 +184,8 @@ private:
   }
 
   /// Of what the search may come to.
-  [[nodiscard]] Prices priced(const Trials& trials, const Rung& own,
-                              const std::optional<Rung>& raised) const {
+  [[nodiscard]] RungCosts priced(const Trials& trials, const Rung& own,
+                                 const std::optional<Rung>& raised) const {
     std::vector<Rung> rungs;
     for (const std::optional<Rung>& one : {std::optional(own), raised})
       if (one) {
@@ -196,14 +196,14 @@ private:
   }
 
   /// Predicted, of all that has to run for a rung.
-  [[nodiscard]] static double seconds(const Trials& trials, const Rung& next, const Prices& prices) {
+  [[nodiscard]] static double seconds(const Trials& trials, const Rung& next, const RungCosts& prices) {
     double sum = 0;
     for (const Rung& rung : trials.runs(next))
       sum += prices.seconds(rung);
     return sum;
   }
 
-  [[nodiscard]] bool beyond_budget(const Trials& trials, const Rung& next, const Prices& prices) const {
+  [[nodiscard]] bool beyond_budget(const Trials& trials, const Rung& next, const RungCosts& prices) const {
     const double expected = seconds(trials, next, prices);
     console_.line(fmt::format("next: {}, about {:.2g} s", words(next, scene_), expected));
     const bool beyond = passed() + expected > budget_;
@@ -216,7 +216,7 @@ private:
   /// absent if that is little.
   [[nodiscard]] std::optional<Rung> within_budget(const Trials& trials, const Rung& last, const Rung& next,
                                                   const std::optional<Rung>& raised,
-                                                  const Prices& prices) const {
+                                                  const RungCosts& prices) const {
     constexpr double worth = 0.9; // the least change of a size or a step
     std::vector<Rung> others;
     if (raised)
@@ -262,19 +262,20 @@ int suggest(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Op
   const std::unique_ptr<Trials> trials = quantity.name == "J" ? adjoint_trials(comm, scene, samples)
                                                               : ladder_trials(comm, scene, samples, quantity);
   constexpr double usual_budget = 600; // s, as --help says
-  const Search search(comm, scene, tolerance, options.budget.value_or(usual_budget), samples, console);
+  const SizeStepSearch search(comm, scene, tolerance, options.budget.value_or(usual_budget), samples,
+                              console);
   const Trial found = search(*trials);
   const bool met = found.meets(tolerance);
   console.line(fmt::format("{:g} in {} is {}: {}, {}, {:.2g} s; found in {:.2g} s", tolerance, quantity.title,
-                           met                   ? "met by"
-                           : found.doubt.empty() ? "not met; the nearest is"
-                                                 : "not verified (" + found.doubt + "); the nearest is",
+                           met                     ? "met by"
+                           : found.warning.empty() ? "not met; the nearest is"
+                                                   : "not verified (" + found.warning + "); the nearest is",
                            words(found.rung, scene), found.grounds, found.seconds, search.passed()));
   return met ? 0 : 1;
 }
 
-Found find_size_and_step(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Options& options,
-                         const Console& console, const std::function<void(const Found&)>& better) {
+BestRun find_size_and_step(MPI_Comm comm, const scene::Scene& scene, double tolerance, const Options& options,
+                           const Console& console, const std::function<void(const BestRun&)>& better) {
   scene::Scene simulated = scene; // under the control that is given, whatever an objective desires
   simulated.objective.reset();
   constexpr const char* option = "--accuracy";
@@ -283,12 +284,13 @@ Found find_size_and_step(MPI_Comm comm, const scene::Scene& scene, double tolera
   require_answer(comm, simulated);
   const Samples samples(comm, simulated);
   const std::unique_ptr<Trials> trials = ladder_trials(comm, simulated, samples, quantity_of(samples.dim));
-  Found best;
-  Search search(comm, simulated, tolerance, options.budget.value_or(std::numeric_limits<double>::infinity()),
-                samples, console, [&](const Trial& trial, double further) {
-                  best = {trial.rung, trial.space, trial.time, trial.seconds, further, trial.doubt};
-                  better(best);
-                });
+  BestRun best;
+  SizeStepSearch search(comm, simulated, tolerance,
+                        options.budget.value_or(std::numeric_limits<double>::infinity()), samples, console,
+                        [&](const Trial& trial, double further) {
+                          best = {trial.rung, trial.space, trial.time, trial.seconds, further, trial.warning};
+                          better(best);
+                        });
   search.take_the_first();
   // An answer early, though of an error that nothing tells yet.
   best = {.rung = trials->runs(search.first(*trials)).front(), .space = 1, .time = 1};

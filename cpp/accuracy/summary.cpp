@@ -44,7 +44,7 @@ Summary::Summary(const scene::Scene& scene, const std::vector<Quantity>& wanted,
   });
 }
 
-void Summary::write(const Store& store) const {
+void Summary::write(const RungCache& store) const {
   store.write("study.csv", csv(results_, errors_, scene_.time.end));
   store.write("study.json", json(scene_, results_, errors_, orders_, sentences_));
 }

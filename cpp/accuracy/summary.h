@@ -14,7 +14,7 @@ public:
   Summary(const scene::Scene& scene, const std::vector<Quantity>& wanted, const std::vector<Result>& results,
           const Exact& exact);
 
-  void write(const Store& store) const;
+  void write(const RungCache& store) const;
   void show(const Console& console) const;
 
 private:

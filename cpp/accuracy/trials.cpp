@@ -138,7 +138,7 @@ void Trials::verify(Trial& trial) {
   const std::optional<double> apart = distance(quantity(), own, finer);
   trial.time = std::max(trial.time, of_difference * apart.value_or(1));
   trial.grounds += fmt::format(", {} from steps of half the length", percent(apart.value_or(1)));
-  trial.doubt = own.doubt(quantity());
+  trial.warning = own.warning(quantity());
 }
 
 std::unique_ptr<Trials> adjoint_trials(MPI_Comm comm, const scene::Scene& scene, const Samples& samples) {

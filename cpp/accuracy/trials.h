@@ -12,9 +12,9 @@ struct Trial {
   double space = 0, time = 0;
   double seconds = 0;        ///< of the rung
   std::string said, grounds; ///< what it found, and by what its error is known, in words
-  std::string doubt;         ///< why it is not verified though its error is small, in words
+  std::string warning;       ///< why it is not verified though its error is small, in words
   [[nodiscard]] double error() const { return space + time; }
-  [[nodiscard]] bool meets(double tolerance) const { return error() <= tolerance && doubt.empty(); }
+  [[nodiscard]] bool meets(double tolerance) const { return error() <= tolerance && warning.empty(); }
 };
 
 /// Tries sizes and steps.
@@ -36,7 +36,7 @@ public:
   /// Collective. Throws UserError, SolverFailure, Interrupted.
   virtual Trial run(const Rung& rung) = 0;
   /// Compares a trial with one of half its steps, by which its error in time may turn out to be larger, and
-  /// tells its doubt. Collective. Throws UserError, SolverFailure, Interrupted.
+  /// gives its warning. Collective. Throws UserError, SolverFailure, Interrupted.
   void verify(Trial& trial);
 
 protected:

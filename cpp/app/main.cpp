@@ -9,7 +9,7 @@
 #include "drivers/run_manifest.h"
 #include "scene/expression.h"
 #include "scene/key_reference.h"
-#include "scene/names.h"
+#include "scene/spelling.h"
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
@@ -253,15 +253,15 @@ std::optional<int> parse(int argc, char** argv, bool speaks, Request& request, b
   if (request.verb != "keys" && request.verb != "completion")
     return std::nullopt;
   if (speaks)
-    signorini::say(stdout,
-                   request.verb == "keys" ? asked.keys() : signorini::app::bash_completion(options(app)));
+    signorini::print_text(stdout, request.verb == "keys" ? asked.keys()
+                                                         : signorini::app::bash_completion(options(app)));
   return 0;
 }
 
 /// Prints an error as one line, with control characters in names replaced.
-void complain(std::string text) {
+void report_error(std::string text) {
   std::ranges::replace_if(text, [](unsigned char c) { return std::iscntrl(c); }, ' ');
-  signorini::say(stderr, fmt::format("signorini: {}\n", text));
+  signorini::print_text(stderr, fmt::format("signorini: {}\n", text));
 }
 
 /// Prints a failure that other ranks may not have seen, once, and ends all ranks.
@@ -269,7 +269,7 @@ void complain(std::string text) {
   // If every rank fails alike, rank 0 prints and ends the others while they sleep.
   if (rank != 0)
     std::this_thread::sleep_for(std::chrono::seconds(2));
-  complain(text);
+  report_error(text);
   MPI_Abort(MPI_COMM_WORLD, status);
   std::abort();
 }
@@ -282,7 +282,7 @@ void report_unused(const std::vector<std::string>& given) {
     return;
   for (PetscInt i = 0; i < count; ++i)
     if (const std::string name = fmt::format("-{}", names[i]); std::ranges::find(given, name) != given.end())
-      signorini::say(
+      signorini::print_text(
           stderr, fmt::format("signorini: the PETSc option {} was not used; prefixes of its solvers: -step_, "
                               "-condensed_vi_, -full_vi_\n",
                               name));
@@ -299,16 +299,16 @@ int guarded(int argc, char** argv, int rank, int ranks) {
     return signorini::app::run(request, signorini::Console(speaks, speaks && isatty(STDERR_FILENO)));
   } catch (const UserError& error) { // thrown on every rank alike
     if (rank == 0)
-      complain(error.what());
+      report_error(error.what());
     return wrong_input;
   } catch (const signorini::Interrupted&) {
     if (rank == 0)
-      complain("interrupted before there was anything to write");
+      report_error("interrupted before there was anything to write");
     return interrupted;
   } catch (const signorini::WriteFailure& error) {
     if (ranks > 1)
       abort_all(rank, error.what(), wrong_input);
-    complain(error.what());
+    report_error(error.what());
     return wrong_input;
   } catch (const std::bad_alloc&) {
     const char* text =
@@ -316,12 +316,12 @@ int guarded(int argc, char** argv, int rank, int ranks) {
         "trajectory.storage; signorini info tells what each takes";
     if (ranks > 1)
       abort_all(rank, text, wrong_input);
-    complain(text);
+    report_error(text);
     return wrong_input;
   } catch (const std::exception& error) {
     if (ranks > 1)
       abort_all(rank, error.what(), solver_failed);
-    complain(error.what());
+    report_error(error.what());
     return solver_failed;
   }
 }
@@ -339,7 +339,7 @@ int main(int argc, char** argv) {
     try {
       signorini::app::become_script({argv + 1, argv + argc + 1});
     } catch (const std::exception& error) {
-      complain(error.what());
+      report_error(error.what());
       return wrong_input;
     }
   }
@@ -356,7 +356,7 @@ int main(int argc, char** argv) {
   try {
     signorini::require_temporary_folder();
   } catch (const UserError& error) {
-    complain(error.what());
+    report_error(error.what());
     return wrong_input;
   }
   int petsc_count = static_cast<int>(petsc_arguments.size());

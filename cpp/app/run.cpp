@@ -168,7 +168,7 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
   const double asked = *request.accuracy;
   if (request.study.budget)
     stop_after(*request.study.budget);
-  accuracy::Found best;
+  accuracy::BestRun best;
   bool stopped = false, answered = false;
   std::optional<ScratchFolder> scratch;
   if (scene.mesh.automatic()) { // from now on at a scale of sizes that vary
@@ -179,13 +179,13 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
     scene.mesh.file = graded;
     scene.mesh.size.reset();
   }
-  const auto write = [&](const accuracy::Found& found) {
+  const auto write = [&](const accuracy::BestRun& found) {
     const io::Accuracy accuracy{.quantity = request.study.quantities.front(),
                                 .asked = asked,
                                 .space = found.space,
                                 .time = found.time,
                                 .met = found.meets(asked),
-                                .doubt = found.doubt};
+                                .warning = found.warning};
     (void)simulate_scene(accuracy::on_rung(scene, found.rung), out, request, Console(false, false), accuracy,
                          scratch.has_value(), answered);
     request.replace = true; // from now on it is this run's own
@@ -204,11 +204,11 @@ int simulate_to_accuracy(scene::Scene scene, const std::filesystem::path& out, R
   double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   MPI_Bcast(&passed, 1, MPI_DOUBLE, 0, world());
   const std::string asked_for = fmt::format("{:g} of {} asked", asked, request.study.quantities.front()),
-                    end = met                  ? std::string("met")
-                          : stopped && !late   ? "not met, interrupted"
-                          : late               ? "not met, the budget is spent"
-                          : best.doubt.empty() ? "not met"
-                                               : "not verified, " + best.doubt,
+                    end = met                    ? std::string("met")
+                          : stopped && !late     ? "not met, interrupted"
+                          : late                 ? "not met, the budget is spent"
+                          : best.warning.empty() ? "not met"
+                                                 : "not verified, " + best.warning,
                     resolution = accuracy::words(best.rung, scene);
   if (best.seconds == 0) // the first of all
     console.line(fmt::format("{}, no error estimate yet: {}; {}, {:.2g} s in all", asked_for, end, resolution,
@@ -295,7 +295,7 @@ int run(const Request& request, const Console& console) {
 int run(const Request& request, const SceneFile& file, const Console& console) {
   use_threads(world(), request.threads);
   const auto& [scene, text, home] = file;
-  drivers::print_doubts(drivers::doubts_about_series(world(), scene), console);
+  drivers::print_table_warnings(drivers::series_warnings(world(), scene), console);
   require_no_order_of_a_fit(scene, request);
   require_size(scene, request);
   const std::filesystem::path out =

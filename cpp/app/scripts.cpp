@@ -17,13 +17,13 @@ namespace {
 /// What runs the script of a verb.
 constexpr char launcher[] = "verb.py";
 
-struct Found {
+struct Launcher {
   std::filesystem::path file;
   bool installed;
 };
 
 /// Throws UserError.
-Found find_launcher(const char* verb) {
+Launcher find_launcher(const char* verb) {
   const std::filesystem::path folder = own_folder(); // in a build it has a link to the scripts of its sources
   std::string tried;
   for (const auto& [at, installed] :
@@ -56,7 +56,7 @@ bool is_script_verb(std::string_view word) {
 }
 
 void become_script(std::span<char* const> words) {
-  const Found found = find_launcher(words.front());
+  const Launcher found = find_launcher(words.front());
   std::string python = "python3", leave = "-B", file = found.file.string();
   std::vector<char*> arguments{python.data()};
   if (found.installed) // nothing is to be left there that the package does not know

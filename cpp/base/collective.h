@@ -95,7 +95,7 @@ void on_root(MPI_Comm comm, Work&& work) {
 /// Runs `work` on every rank; a UserError of any rank is thrown on all, with the text of the lowest rank that
 /// threw. Collective.
 template <class Work>
-void together(MPI_Comm comm, Work&& work) {
+void on_all_ranks(MPI_Comm comm, Work&& work) {
   std::string problem;
   try {
     work();

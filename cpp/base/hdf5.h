@@ -7,15 +7,16 @@
 namespace signorini {
 
 /// Sole owner of an HDF5 identifier, which it closes.
-class Opened {
+class Hdf5Handle {
 public:
-  Opened(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  ~Opened() {
+  Hdf5Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  ~Hdf5Handle() {
     if (id_ >= 0)
       close_(id_);
   }
-  Opened(Opened&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
-  Opened& operator=(Opened&& other) noexcept {
+  Hdf5Handle(Hdf5Handle&& other) noexcept
+      : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
+  Hdf5Handle& operator=(Hdf5Handle&& other) noexcept {
     std::swap(id_, other.id_);
     std::swap(close_, other.close_);
     return *this;
@@ -36,7 +37,7 @@ private:
 /// Rows and columns of a dataset; zeros unless it has two dimensions.
 inline std::array<hsize_t, 2> shape(hid_t dataset) {
   std::array<hsize_t, 2> rows_columns{};
-  const Opened space(H5Dget_space(dataset), H5Sclose);
+  const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
   if (space && H5Sget_simple_extent_ndims(space) == 2)
     H5Sget_simple_extent_dims(space, rows_columns.data(), nullptr);
   return rows_columns;

@@ -14,14 +14,14 @@ std::string duration(double seconds) {
 
 } // namespace
 
-void say(std::FILE* stream, std::string_view text) {
+void print_text(std::FILE* stream, std::string_view text) {
   (void)std::fwrite(text.data(), 1, text.size(), stream);
   (void)std::fflush(stream);
 }
 
 void Console::line(const std::string& text) const {
   if (speaks_)
-    say(stdout, text + "\n");
+    print_text(stdout, text + "\n");
 }
 
 Progress::Progress(const Console& console, std::string label, std::size_t total, std::size_t from)
@@ -30,7 +30,7 @@ Progress::Progress(const Console& console, std::string label, std::size_t total,
 
 Progress::~Progress() {
   if (drawn_)
-    say(stderr, "\r\033[K");
+    print_text(stderr, "\r\033[K");
 }
 
 void Progress::update(std::size_t done, const std::string& note) {
@@ -47,8 +47,8 @@ void Progress::update(std::size_t done, const std::string& note) {
     last_ = now;
     constexpr std::size_t width = 28;
     const std::size_t filled = width * done / total_;
-    say(stderr, fmt::format("\r\033[K{} [{}{}] {}/{}  {} left  {}", label_, std::string(filled, '#'),
-                            std::string(width - filled, '.'), done, total_, duration(left), note));
+    print_text(stderr, fmt::format("\r\033[K{} [{}{}] {}/{}  {} left  {}", label_, std::string(filled, '#'),
+                                   std::string(width - filled, '.'), done, total_, duration(left), note));
     drawn_ = true;
   } else if (const std::size_t tenth = 10 * done / total_; tenth > tenth_) {
     tenth_ = tenth;

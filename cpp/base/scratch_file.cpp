@@ -20,10 +20,10 @@ std::filesystem::path scratch_folder() {
 
 /// A dataset (rows × columns), chunked by rows and without a cache, so that a write that fails does so in
 /// write() and not later.
-Opened make_table(hid_t file, hsize_t rows, hsize_t columns) {
+Hdf5Handle make_table(hid_t file, hsize_t rows, hsize_t columns) {
   const std::array<hsize_t, 2> shape{rows, columns}, chunk{1, columns};
-  const Opened space(H5Screate_simple(2, shape.data(), nullptr), H5Sclose);
-  const Opened layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose),
+  const Hdf5Handle space(H5Screate_simple(2, shape.data(), nullptr), H5Sclose);
+  const Hdf5Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose),
       access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
   H5Pset_chunk(layout, 2, chunk.data());
   H5Pset_fill_time(layout, H5D_FILL_TIME_NEVER);
@@ -69,7 +69,7 @@ ScratchFile::ScratchFile(std::size_t rows, std::size_t columns)
     fail("written");
 }
 
-Opened ScratchFile::open() {
+Hdf5Handle ScratchFile::open() {
   H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // fail() reports errors, in place of HDF5's error stack
   errno = 0;
   // HDF5 opens files by name only: use a folder to which no other user can write.
@@ -77,9 +77,9 @@ Opened ScratchFile::open() {
   if (!mkdtemp(own.data()))
     fail("written");
   const std::string name = own + "/states";
-  const Opened access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
-  Opened file(H5Fcreate(name.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access), H5Fclose);
+  Hdf5Handle file(H5Fcreate(name.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access), H5Fclose);
   const int error = errno;
   unlink(name.c_str());
   rmdir(own.c_str());
@@ -89,9 +89,9 @@ Opened ScratchFile::open() {
   return file;
 }
 
-Opened ScratchFile::row_of(std::size_t row) const {
+Hdf5Handle ScratchFile::row_of(std::size_t row) const {
   const std::array<hsize_t, 2> start{row, 0}, count{1, columns_};
-  Opened space(H5Dget_space(table_), H5Sclose);
+  Hdf5Handle space(H5Dget_space(table_), H5Sclose);
   H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
   return space;
 }

@@ -22,8 +22,8 @@ ColumnsOnDemand::ColumnsOnDemand(const ConstraintRows& rows, const ConjugateGrad
     diagonal_ = fem::diagonal(matrix);
 }
 
-Prediction ColumnsOnDemand::prediction() const {
-  Prediction made;
+HalfSolve ColumnsOnDemand::half_solve() const {
+  HalfSolve made;
   for (petsc::Vector* x : {&made.r, &made.y, &made.forces})
     *x = petsc::vector_of(matrix_);
   made.reference.resize(S_.size());
@@ -58,49 +58,49 @@ void ColumnsOnDemand::prepare(std::span<const int> rows) const {
   }
 }
 
-void ColumnsOnDemand::predict(Vec r, const Guess& guess, Prediction& prediction,
+void ColumnsOnDemand::predict(Vec r, const Guess& guess, HalfSolve& half_solve,
                               std::span<double> motion) const {
-  const std::vector<double>& rho = prediction.reference;
-  check(VecCopy(r, prediction.r));
-  check(VecCopy(guess.y, prediction.y));
-  rows_.set_clamped(diagonal_, r, prediction.y);
-  std::ranges::fill(prediction.reference, 0);
+  const std::vector<double>& rho = half_solve.reference;
+  check(VecCopy(r, half_solve.r));
+  check(VecCopy(guess.y, half_solve.y));
+  rows_.set_clamped(diagonal_, r, half_solve.y);
+  std::ranges::fill(half_solve.reference, 0);
   if (!guess.active.empty()) {
     prepare(guess.active);
-    check(MatMult(matrix_, prediction.y, prediction.forces));
-    check(VecAYPX(prediction.forces, -1, r));
-    rows_.multipliers(guess.active, prediction.forces, prediction.reference);
+    check(MatMult(matrix_, half_solve.y, half_solve.forces));
+    check(VecAYPX(half_solve.forces, -1, r));
+    rows_.multipliers(guess.active, half_solve.forces, half_solve.reference);
   }
-  check(VecCopy(r, prediction.forces));
-  rows_.apply(-1, rho, prediction.forces);
-  D_.solve(prediction.forces, prediction.y);
-  rows_.apply_transpose(prediction.y, motion);
+  check(VecCopy(r, half_solve.forces));
+  rows_.apply(-1, rho, half_solve.forces);
+  D_.solve(half_solve.forces, half_solve.y);
+  rows_.apply_transpose(half_solve.y, motion);
   for (std::size_t i = 0; i < rho.size(); ++i)
     if (rho[i] != 0)
       for (std::size_t j = 0; j < motion.size(); ++j)
         motion[j] += rho[i] * S_[i][j];
 }
 
-void ColumnsOnDemand::finish(Prediction& prediction, std::span<const double> lambda, Vec y) const {
-  std::vector<double>& weights = prediction.weights;
-  std::vector<Vec>& columns = prediction.columns;
+void ColumnsOnDemand::finish(HalfSolve& half_solve, std::span<const double> lambda, Vec y) const {
+  std::vector<double>& weights = half_solve.weights;
+  std::vector<Vec>& columns = half_solve.columns;
   weights.clear();
   columns.clear();
   bool kept = true;
   for (std::size_t i = 0; i < lambda.size(); ++i)
-    if (const double change = lambda[i] - prediction.reference[i]; change != 0) {
+    if (const double change = lambda[i] - half_solve.reference[i]; change != 0) {
       weights.push_back(-change);
       columns.push_back(columns_[i]);
       kept = kept && columns_[i];
     }
   if (kept) {
-    check(VecCopy(prediction.y, y));
+    check(VecCopy(half_solve.y, y));
     check(VecMAXPY(y, static_cast<PetscInt>(columns.size()), weights.data(), columns.data()));
     return;
   }
-  check(VecCopy(prediction.r, prediction.forces)); // from the guess, or what an earlier call returned
-  rows_.apply(-1, lambda, prediction.forces);
-  D_.solve(prediction.forces, y);
+  check(VecCopy(half_solve.r, half_solve.forces)); // from the guess, or what an earlier call returned
+  rows_.apply(-1, lambda, half_solve.forces);
+  D_.solve(half_solve.forces, y);
 }
 
 double ColumnsOnDemand::bytes() const {

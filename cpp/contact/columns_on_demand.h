@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "contact/elimination.h"
+#include "contact/condensation.h"
 #include "linalg/linear_solver.h"
 
 namespace signorini::contact {
@@ -8,15 +8,15 @@ namespace signorini::contact {
 /// Condensation by conjugate gradients, on any number of ranks. A row of H costs one solve when it first
 /// closes; its column of S is kept for as long as D, and that of D⁻¹H while `memory` (bytes, on all ranks)
 /// lasts. A step with contact then takes one solve, or two where a column is not kept.
-class ColumnsOnDemand final : public Elimination {
+class ColumnsOnDemand final : public Condensation {
 public:
   /// `matrix` is D. Collective. The references must outlive this object.
   ColumnsOnDemand(const ConstraintRows& rows, const ConjugateGradients& D, Mat matrix, double memory);
 
-  [[nodiscard]] Prediction prediction() const override;
+  [[nodiscard]] HalfSolve half_solve() const override;
   /// Solves D y = r − Hρ from the guess, for the multipliers ρ that it has on its active groups.
-  void predict(Vec r, const Guess& guess, Prediction& prediction, std::span<double> motion) const override;
-  void finish(Prediction& prediction, std::span<const double> lambda, Vec y) const override;
+  void predict(Vec r, const Guess& guess, HalfSolve& half_solve, std::span<double> motion) const override;
+  void finish(HalfSolve& half_solve, std::span<const double> lambda, Vec y) const override;
   [[nodiscard]] bool complete() const override { return false; }
   /// Throws Interrupted, SolverFailure.
   void prepare(std::span<const int> rows) const override;

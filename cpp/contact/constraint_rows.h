@@ -12,8 +12,8 @@ namespace signorini::contact {
 /// multipliers. Clamped dofs count in motions, whose value there is prescribed, and receive no force.
 ///
 /// Rows come in groups, each of which has a law: of contact without friction one row, the normal, with
-/// friction the tangents too. Row i < groups() is the first of group i, further ones follow behind all of
-/// these, group by group. First rows that share dofs form a cluster, here those of one node, with a rigid
+/// friction the tangents too. Row i < groups() is the first of group i, further ones follow behind all
+/// of these, group by group. First rows that share dofs form a cluster, here those of one node, with a rigid
 /// body all that reach it: they follow each other. The matrix is the same on every rank. Arrays over rows
 /// have count() entries, or of the first rows alone, as those over candidates have.
 class ConstraintRows {

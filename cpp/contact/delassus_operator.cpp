@@ -15,12 +15,14 @@ namespace {
 constexpr double to_rounding = 10; ///< in units of the last place
 }
 
-DelassusOperator::DelassusOperator(const ConstraintRows& rows, std::unique_ptr<const Elimination> elimination)
-    : rows_(rows), elimination_(std::move(elimination)), zero_(static_cast<std::size_t>(rows.count()), 0.0) {}
+DelassusOperator::DelassusOperator(const ConstraintRows& rows,
+                                   std::unique_ptr<const Condensation> condensation)
+    : rows_(rows), condensation_(std::move(condensation)),
+      zero_(static_cast<std::size_t>(rows.count()), 0.0) {}
 
 Workspace DelassusOperator::workspace() const {
   Workspace work(rows_.count());
-  work.prediction = elimination_->prediction();
+  work.half_solve = condensation_->half_solve();
   if (complete())
     work.factor.reserve(zero_.size() * zero_.size());
   return work;
@@ -29,7 +31,7 @@ Workspace DelassusOperator::workspace() const {
 void DelassusOperator::solve_active(const ActiveSet& set, std::span<double> b, Workspace& work) const {
   if (set.empty())
     return;
-  elimination_->prepare(set);
+  condensation_->prepare(set);
   // LAPACK's last digits may differ between the ranks' processors: rank 0's result is used on all of them.
   on_root<SolverFailure>(rows_.comm(), [&] { solve_here(set, b, work); });
   MPI_Bcast(b.data(), static_cast<int>(b.size()), MPI_DOUBLE, 0, rows_.comm());
@@ -73,7 +75,7 @@ void DelassusOperator::close(const ActiveSet& set, std::span<const double> psi, 
   // is accurate to. For a well-conditioned S one pass suffices.
   constexpr int most = 4;
   for (int pass = 0;; ++pass) {
-    elimination_->finish(work.prediction, lambda, y);
+    condensation_->finish(work.half_solve, lambda, y);
     rows_.apply_transpose(y, motion);
     double size = 0, defect = 0;
     for (std::size_t i = 0; i < motion.size(); ++i)
@@ -92,8 +94,8 @@ void DelassusOperator::close(const ActiveSet& set, std::span<const double> psi, 
 }
 
 void DelassusOperator::predict_gap(Vec r, const Guess& guess, std::span<const double> psi,
-                                   std::span<double> gap, Prediction& prediction) const {
-  elimination_->predict(r, guess, prediction, gap);
+                                   std::span<double> gap, HalfSolve& half_solve) const {
+  condensation_->predict(r, guess, half_solve, gap);
   for (std::size_t i = 0; i < gap.size(); ++i)
     gap[i] = psi[i] - gap[i];
 }
@@ -108,7 +110,7 @@ void DelassusOperator::finish_closed(const ActiveSet& set, std::span<const doubl
 
 void DelassusOperator::finish(std::span<const double> psi, std::span<const double> lambda,
                               std::span<double> gap, Vec y, Workspace& work) const {
-  elimination_->finish(work.prediction, lambda, y);
+  condensation_->finish(work.half_solve, lambda, y);
   rows_.gap(psi, y, gap);
 }
 
@@ -118,10 +120,10 @@ void DelassusOperator::solve_linearised(const LinearisedContact& step, Workspace
     return;
   }
   const std::span<double> mu = step.multipliers.empty() ? work.mu : step.multipliers;
-  elimination_->predict(step.r, {step.x, step.set}, work.prediction, work.motion);
+  condensation_->predict(step.r, {step.x, step.set}, work.half_solve, work.motion);
   std::ranges::fill(mu, 0);
   if (step.set.empty()) {
-    elimination_->finish(work.prediction, zero_, step.x);
+    condensation_->finish(work.half_solve, zero_, step.x);
     return;
   }
   const bool prescribed = !step.value.empty();
@@ -171,7 +173,7 @@ void DelassusOperator::solve_equations(const ActiveSet& set, std::span<const Law
   for_each_row(rows_, set, equations, [&](std::size_t, int group, const LawEquation&, std::size_t c) {
     all.push_back(static_cast<int>(rows_.row(group, c)));
   });
-  elimination_->prepare(all);
+  condensation_->prepare(all);
   work.factorised.clear();
   on_root<SolverFailure>(rows_.comm(), [&] {
     const std::size_t n = all.size();
@@ -198,7 +200,7 @@ void DelassusOperator::solve_by_equations(const LinearisedContact& step, bool tr
                                           Workspace& work) const {
   const std::span<double> mu = step.multipliers.empty() ? work.mu : step.multipliers;
   const std::span<const double> value = step.value.empty() ? zero_ : step.value;
-  elimination_->predict(step.r, {step.x, step.set}, work.prediction, work.motion);
+  condensation_->predict(step.r, {step.x, step.set}, work.half_solve, work.motion);
   // With D x + Hρ = r: E (Hᵀx − value) = F ρ. Transposed, with ρ = Eᵀn: Hᵀx − value = Fᵀ n.
   std::vector<double> n(zero_.size()); // ρ of the step itself, n of its transpose
   constexpr int passes = 2;            // the second one corrects the rounding of S
@@ -226,14 +228,14 @@ void DelassusOperator::solve_by_equations(const LinearisedContact& step, bool tr
                        transposed ? times(law.E, rows_.size(group), c, rows_.of_group(group, n), true)
                                   : n[rows_.row(group, c)];
                  });
-    elimination_->finish(work.prediction, mu, step.x);
+    condensation_->finish(work.half_solve, mu, step.x);
     rows_.apply_transpose(step.x, work.motion);
   }
 }
 
 double DelassusOperator::bytes() const {
   const auto m = static_cast<double>(zero_.size());
-  return elimination_->bytes() + (complete() ? ranks(rows_.comm()) * 2 * sizeof(double) * m * m : 0);
+  return condensation_->bytes() + (complete() ? ranks(rows_.comm()) * 2 * sizeof(double) * m * m : 0);
 }
 
 } // namespace signorini::contact

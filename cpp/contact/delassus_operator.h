@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "contact/elimination.h"
+#include "contact/condensation.h"
 
 namespace signorini::contact {
 
@@ -11,15 +11,15 @@ struct LinearisedContact;
 class DelassusOperator {
 public:
   /// Collective. `rows` must outlive this object.
-  DelassusOperator(const ConstraintRows& rows, std::unique_ptr<const Elimination> elimination);
+  DelassusOperator(const ConstraintRows& rows, std::unique_ptr<const Condensation> condensation);
 
   /// Whether all columns of S are known.
-  [[nodiscard]] bool complete() const { return elimination_->complete(); }
+  [[nodiscard]] bool complete() const { return condensation_->complete(); }
   /// S_·row; of an incomplete S for rows that were prepared, as those of sets are by the solves below. S is
   /// symmetric, the same on every rank, and singular where candidates are linearly dependent.
-  [[nodiscard]] std::span<const double> column(int row) const { return elimination_->column(row); }
+  [[nodiscard]] std::span<const double> column(int row) const { return condensation_->column(row); }
   /// Computes columns of an incomplete S. Collective. Throws SolverFailure.
-  void prepare(std::span<const int> rows) const { elimination_->prepare(rows); }
+  void prepare(std::span<const int> rows) const { condensation_->prepare(rows); }
 
   /// S⁻¹ of a complete S. Throws SolverFailure if S is singular.
   [[nodiscard]] std::vector<double> inverse() const;
@@ -38,10 +38,10 @@ public:
 
   /// Predicted gaps g⁰ = g(D⁻¹r), in metres, for the given ψ. Collective. Throws SolverFailure.
   void predict_gap(Vec r, const Guess& guess, std::span<const double> psi, std::span<double> gap,
-                   Prediction& prediction) const;
+                   HalfSolve& half_solve) const;
 
   /// Solves D y = r − Hλ with g(y) = 0 on an independent `set` and λ = 0 elsewhere, for the r of
-  /// `work.prediction` and the given ψ (m). `lambda` (m) holds the λ found from the predicted gaps on entry,
+  /// `work.half_solve` and the given ψ (m). `lambda` (m) holds the λ found from the predicted gaps on entry,
   /// and on return λ refined until the gaps on the set vanish to rounding; `gap` (m) becomes g(y).
   /// Collective. Throws SolverFailure.
   void finish_closed(const ActiveSet& set, std::span<const double> psi, std::span<double> lambda,
@@ -70,7 +70,7 @@ private:
   void solve_by_equations(const LinearisedContact& step, bool transposed, Workspace& work) const;
 
   const ConstraintRows& rows_;
-  std::unique_ptr<const Elimination> elimination_;
+  std::unique_ptr<const Condensation> condensation_;
   const std::vector<double> zero_; ///< of rows
 };
 

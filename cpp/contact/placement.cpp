@@ -44,7 +44,7 @@ void require_room(const ContactPairs& pairs, std::span<const double> psi, double
   if (pairs.rows().clamped() ||
       !pairs.rows().dependent()) // in the first case it depends on the motion of the clamps too
     return;
-  together(pairs.comm(), [&] {
+  on_all_ranks(pairs.comm(), [&] {
     for (const ConstraintRows::Cluster& node : pairs.rows().clusters())
       if (node.dependent && !place(pairs, node, psi, work))
         throw UserError(fmt::format(
@@ -85,7 +85,7 @@ void place_outside(const ContactPairs& pairs, Vec y) {
                     pairs.key(obstacles[deepest]), shown(pairs, deepest), -g[deepest],
                     inside == all && all > 1 ? fmt::format(", as do all {} candidates", all) : "", cure));
   }
-  together(pairs.comm(), [&] {
+  on_all_ranks(pairs.comm(), [&] {
     for (const ConstraintRows::Cluster& here : pairs.rows().clusters()) {
       if (std::all_of(&g[here.first], &g[here.first] + (here.last - here.first),
                       [&](double depth) { return depth >= -allowed; }))

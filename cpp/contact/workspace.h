@@ -7,14 +7,14 @@
 
 namespace signorini::contact {
 
-/// The first half of a solve with D for a right-hand side r (Elimination::predict()), from which the second
-/// half goes on, any number of times. Which vectors are there depends on the elimination.
-struct Prediction {
+/// The first half of a solve with D for a right-hand side r (Condensation::predict()), from which the second
+/// half goes on, any number of times. Which vectors are there depends on the condensation.
+struct HalfSolve {
   std::vector<double> z;         ///< L⁻¹Pr, by trailing block (n)
   petsc::Vector r, y;            ///< r and D⁻¹r, by columns of D⁻¹H
   std::vector<double> reference; ///< multipliers λ with y = D⁻¹(r − Hλ), by columns on demand
   // Scratch of either half.
-  std::vector<double> corner; ///< by trailing block (c)
+  std::vector<double> trailing_block; ///< by trailing block (c)
   std::vector<double> weights;
   std::vector<Vec> columns;
   petsc::Vector forces;
@@ -46,7 +46,7 @@ struct Workspace {
     condensed.reset();
   }
 
-  Prediction prediction;
+  HalfSolve half_solve;
   std::vector<double> gap0;           ///< predicted gaps (m), of rows as those below
   ActiveSet set, next, wrong;         ///< that of an iterate, the one after it, where they differ
   ActiveSet factorised, independent;  ///< the set of `factor`; the independent part of a set

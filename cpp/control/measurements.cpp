@@ -156,16 +156,18 @@ void Measurements::observe(const trajectory::Frame& frame) {
           frame.step.k > 0 ? force(frame.step.k, channel, frame.contact.lambda, stepper_.pairs()->rows()) : 0;
 }
 
-void Measurements::observe(const trajectory::Frame& frame, const trajectory::ParameterSensitivities& tangents,
+void Measurements::observe(const trajectory::Frame& frame,
+                           const trajectory::ParameterSensitivities& sensitivities,
                            const step::ParameterRates& rates) {
   observe(frame);
   const auto k = static_cast<std::size_t>(frame.step.k);
-  for (std::size_t j = 0; j < tangents.count(); ++j) {
-    take(frame.step.k, j + 1, tangents.y(j), tangents.v(j));
+  for (std::size_t j = 0; j < sensitivities.count(); ++j) {
+    take(frame.step.k, j + 1, sensitivities.y(j), sensitivities.v(j));
     for (Channel& channel : channels_) {
       if (channel.of != Quantity::force || frame.step.k == 0)
         continue;
-      channel.values[j + 1][k] = force(frame.step.k, channel, tangents.lambda(j), stepper_.pairs()->rows());
+      channel.values[j + 1][k] =
+          force(frame.step.k, channel, sensitivities.lambda(j), stepper_.pairs()->rows());
       if (const contact::ConstraintRows* turning = rates.rows(j))
         channel.values[j + 1][k] += force(frame.step.k, channel, frame.contact.lambda, *turning);
     }

@@ -14,7 +14,7 @@ namespace signorini::control {
 /// What was measured of one quantity: values in SI at ascending times.
 struct Data {
   std::vector<double> times, values, deviations; ///< s; deviations are standard
-  std::vector<scene::TableDoubt> doubts{};       ///< about the table that they come from
+  std::vector<scene::TableWarning> warnings{};   ///< about the table that they come from
 };
 
 /// The quantities that a scene measures (docs/method.md section 10), along a motion and its derivatives by
@@ -30,7 +30,7 @@ public:
 
   /// Takes the frame after the last one, from frame 0 on, and the derivatives there.
   void observe(const trajectory::Frame& frame);
-  void observe(const trajectory::Frame& frame, const trajectory::ParameterSensitivities& tangents,
+  void observe(const trajectory::Frame& frame, const trajectory::ParameterSensitivities& sensitivities,
                const step::ParameterRates& rates);
 
   /// Number of values of all measurements together, and the first of each; those that are not fitted have

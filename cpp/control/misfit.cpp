@@ -79,10 +79,10 @@ std::vector<std::vector<double>> Misfit::times() const {
   return times;
 }
 
-std::vector<scene::TableDoubt> Misfit::doubts() const {
-  std::vector<scene::TableDoubt> all;
+std::vector<scene::TableWarning> Misfit::warnings() const {
+  std::vector<scene::TableWarning> all;
   for (const Data& one : data_)
-    all.insert(all.end(), one.doubts.begin(), one.doubts.end());
+    all.insert(all.end(), one.warnings.begin(), one.warnings.end());
   return all;
 }
 

@@ -28,7 +28,7 @@ public:
   [[nodiscard]] const scene::Scene& scene() const { return scene_; }
   [[nodiscard]] const std::vector<Data>& data() const { return data_; }
   /// Warnings about their tables.
-  [[nodiscard]] std::vector<scene::TableDoubt> doubts() const;
+  [[nodiscard]] std::vector<scene::TableWarning> warnings() const;
   /// Number of values of all measurements.
   [[nodiscard]] std::size_t count() const { return count_; }
   /// Times at which each measurement has values, s.

@@ -188,15 +188,15 @@ optimize::LeastSquares ReducedProblem::least_squares(const Variables& v, traject
   if (controls_)
     force.emplace(*controls_, v.u);
   const step::TimeGrid& grid = model.storage->grid();
-  trajectory::ParameterSensitivities tangents(*model.stepper, *model.rates);
+  trajectory::ParameterSensitivities sensitivities(*model.stepper, *model.rates);
   {
     const auto timer = timers_.time("forward");
     const int steps = trajectory::integrate(
         *model.stepper, grid, *model.initial, load(model, force ? &*force : nullptr),
         [&](const trajectory::Frame& frame) {
           const auto linearised = timers_.time("linearised");
-          tangents.observe(frame);
-          model.measurements->observe(frame, tangents, *model.rates);
+          sensitivities.observe(frame);
+          model.measurements->observe(frame, sensitivities, *model.rates);
         },
         stops);
     if (steps < grid.steps())

@@ -33,42 +33,43 @@ double mass(const step::Stepper& stepper) {
   return petsc::dot(along_x, image);
 }
 
-void doubt_materials(const std::vector<scene::Material>& materials, std::vector<std::string>& doubts) {
+void warn_of_materials(const std::vector<scene::Material>& materials, std::vector<std::string>& warnings) {
   for (std::size_t i = 0; i < materials.size(); ++i) {
     const std::string key = materials.size() == 1 ? "material" : fmt::format("material[{}]", i);
     const double speed = fem::wave_speeds(materials[i])[0], density = materials[i].density;
     if (density > densest)
-      doubts.push_back(fmt::format("{}.density is {:.4g} kg/m³, more than that of any solid", key, density));
+      warnings.push_back(
+          fmt::format("{}.density is {:.4g} kg/m³, more than that of any solid", key, density));
     else if (speed > fastest)
-      doubts.push_back(
+      warnings.push_back(
           fmt::format("{}: waves of {:.3g} m/s are faster than in any solid; young is in Pa, density "
                       "in kg/m³",
                       key, speed));
     else if (density >= heavy && speed < slow_if_heavy)
-      doubts.push_back(
+      warnings.push_back(
           fmt::format("{}: waves of {:.3g} m/s are slower than in any solid of {:.4g} kg/m³; young is "
                       "in Pa, density in kg/m³",
                       key, speed, density));
   }
 }
 
-void doubt_sizes(const step::Stepper& stepper, const scene::Scene& scene, const BodyFigures& figures,
-                 std::vector<std::string>& doubts) {
+void warn_of_sizes(const step::Stepper& stepper, const scene::Scene& scene, const BodyFigures& figures,
+                   std::vector<std::string>& warnings) {
   const scene::Time& time = scene.time;
   const char* const hint = scene.mesh.unit == scene::LengthUnit::m
                                ? "mesh.unit = \"mm\" takes a mesh in millimetres"
                                : "mesh.unit = \"m\" takes a mesh in metres";
   const double length = std::ranges::max(figures.extent);
-  const bool waves_known = doubts.empty(); // times that follow from doubtful speeds say nothing more
+  const bool waves_known = warnings.empty(); // times that follow from doubtful speeds say nothing more
   if (length > longest || length < shortest)
-    doubts.push_back(fmt::format("the body is {:.3g} m long; {}", length, hint));
+    warnings.push_back(fmt::format("the body is {:.3g} m long; {}", length, hint));
   else if (waves_known && time.end < figures.crossing)
-    doubts.push_back(
+    warnings.push_back(
         fmt::format("the run ends at {:.3g} s, before a wave has come across the body of {:.3g} m, which "
                     "takes {:.3g} s; {}, and moduli are in Pa",
                     time.end, length, figures.crossing, hint));
   else if (waves_known && !time.automatic() && figures.crossing_steps < 1)
-    doubts.push_back(
+    warnings.push_back(
         fmt::format("a step takes {:.3g} s, in which a wave comes {:.3g} times across the body of {:.3g} "
                     "m: only motions slower than that are resolved",
                     time.step, 1 / figures.crossing_steps, length));
@@ -77,14 +78,14 @@ void doubt_sizes(const step::Stepper& stepper, const scene::Scene& scene, const 
   const double gap = std::ranges::min(stepper.pairs()->psi());
   if (gap > farthest * length &&
       std::ranges::none_of(trajectory::first_touches(stepper, scene), &trajectory::FirstTouch::occurs))
-    doubts.push_back(fmt::format(
+    warnings.push_back(fmt::format(
         "the obstacle is {:.3g} m away from a body of {:.3g} m, which its initial velocity and the loads do "
         "not bring there before {:.3g} s; {}",
         gap, length, time.end, hint));
 }
 
 /// A body that is inside of an obstacle but for its surface, which may stand on it.
-void doubt_normals(const step::Stepper& stepper, std::vector<std::string>& doubts) {
+void warn_of_normals(const step::Stepper& stepper, std::vector<std::string>& warnings) {
   const contact::ContactPairs* pairs = stepper.pairs();
   const std::span<const double> x = stepper.space().mesh().dolfinx()->geometry().x();
   int next = 0; // obstacle
@@ -100,7 +101,7 @@ void doubt_normals(const step::Stepper& stepper, std::vector<std::string>& doubt
       nodes[0] += obstacle.level(&x[3 * node], place) < -pairs->gap_tolerance();
     MPI_Allreduce(MPI_IN_PLACE, nodes.data(), 2, MPI_INT64_T, MPI_SUM, stepper.space().comm());
     if (2 * nodes[0] > nodes[1])
-      doubts.push_back(fmt::format(
+      warnings.push_back(fmt::format(
           "{}: {:.0f} % of the body is inside the obstacle, whose normal points out of "
           "it and may be reversed",
           pairs->key(number), 100 * static_cast<double>(nodes[0]) / static_cast<double>(nodes[1])));
@@ -108,8 +109,8 @@ void doubt_normals(const step::Stepper& stepper, std::vector<std::string>& doubt
 }
 
 /// Elements of degree 1 are too stiff in bending, by ten per cent with four across the height.
-void doubt_bending(const step::Stepper& stepper, const scene::Scene& scene, const BodyFigures& figures,
-                   std::vector<std::string>& doubts) {
+void warn_of_bending(const step::Stepper& stepper, const scene::Scene& scene, const BodyFigures& figures,
+                     std::vector<std::string>& warnings) {
   constexpr double slender = 4, enough = 6;
   const std::span extent(figures.extent.data(), static_cast<std::size_t>(figures.dim));
   const auto [least, greatest] = std::ranges::minmax(extent);
@@ -117,7 +118,7 @@ void doubt_bending(const step::Stepper& stepper, const scene::Scene& scene, cons
     return;
   const double across = least / fem::mean_diameter(stepper.space());
   if (across < enough)
-    doubts.push_back(
+    warnings.push_back(
         fmt::format("a slender body that is held has elements of degree 1, {:.2g} across, which are too "
                     "stiff in bending by ten per cent or more; mesh.degree = 2 is not",
                     across));
@@ -140,10 +141,10 @@ BodyFigures body_figures(const step::Stepper& stepper, const scene::Scene& scene
   figures.shear_waves = {std::ranges::min(shear), std::ranges::max(shear)};
   figures.crossing = fem::crossing_time(stepper.space(), scene.materials);
   figures.crossing_steps = scene.time.automatic() ? 0 : figures.crossing / scene.time.step;
-  doubt_materials(scene.materials, figures.doubts);
-  doubt_sizes(stepper, scene, figures, figures.doubts);
-  doubt_normals(stepper, figures.doubts);
-  doubt_bending(stepper, scene, figures, figures.doubts);
+  warn_of_materials(scene.materials, figures.warnings);
+  warn_of_sizes(stepper, scene, figures, figures.warnings);
+  warn_of_normals(stepper, figures.warnings);
+  warn_of_bending(stepper, scene, figures, figures.warnings);
   return figures;
 }
 

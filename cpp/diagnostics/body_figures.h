@@ -14,12 +14,12 @@ struct BodyFigures {
   double mass = 0;                        ///< kg, in the plane kg/m
   std::array<double, 2> pressure_waves{}; ///< least and greatest speed over the materials, m/s
   std::array<double, 2> shear_waves{};    ///< likewise
-  double crossing = 0;             ///< time in which the fastest wave comes across the greatest extent, s
-  double crossing_steps = 0;       ///< time steps in it; 0: their length varies
-  std::vector<std::string> doubts; ///< what is implausible, one sentence each
-  std::vector<std::string> notes;  ///< how the mesh was understood, likewise; on rank 0 only
+  double crossing = 0;               ///< time in which the fastest wave comes across the greatest extent, s
+  double crossing_steps = 0;         ///< time steps in it; 0: their length varies
+  std::vector<std::string> warnings; ///< what is implausible, one sentence each
+  std::vector<std::string> notes;    ///< how the mesh was understood, likewise; on rank 0 only
 
-  /// In words, without the doubts.
+  /// In words, without the warnings.
   [[nodiscard]] std::string line() const;
 };
 

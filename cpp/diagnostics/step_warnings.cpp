@@ -8,7 +8,7 @@ namespace signorini::diagnostics {
 StepWarnings::StepWarnings(const step::Stepper& stepper, const scene::Scene& scene,
                            const step::SceneLoad* load, const trajectory::StepErrors* errors)
     : load_(load), passage_(stepper), errors_(errors) {
-  if (!errors && stepper.ladder())
+  if (!errors && stepper.step_lengths())
     errors_ = &own_.emplace(stepper, scene);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "drivers/control_files.h"
-#include "io/fields.h"
+#include "io/field_writer.h"
 #include <algorithm>
 #include <iterator>
 
@@ -18,7 +18,7 @@ void write_control(const io::OutputFolder& folder, const problem::Problem& probl
     if (!output.field(field))
       return;
     const std::string name = scene::name(field);
-    io::FieldFile file(problem.space, folder, name + ".xdmf", {{name, values}}, steps.size());
+    io::FieldWriter file(problem.space, folder, name + ".xdmf", {{name, values}}, steps.size());
     at([&](int k, Vec x) {
       if (const auto found = std::ranges::lower_bound(steps, k); found != steps.end() && *found == k)
         file.write(name, static_cast<std::size_t>(found - steps.begin()), problem.grid.time(k), x);

@@ -55,16 +55,18 @@ void add_poorly_identified(const problem::ParameterProblem& problem, const optim
     if (!unknown.logarithmic() || !std::isfinite(deviation))
       continue;
     if (!unknown.lower && last.x[j] <= problem.misfit.box().lower[j])
-      fit.untold.push_back(fmt::format("{} fell to the end of its logarithmic scale, {:.2g} of its first "
-                                       "guess: the data tell only that it is small. On the scale \"linear\" "
-                                       "its least value can be found.",
-                                       unknown.name, fit.unknowns[j].value / unknown.start));
+      fit.unidentified.push_back(
+          fmt::format("{} fell to the end of its logarithmic scale, {:.2g} of its first "
+                      "guess: the data tell only that it is small. On the scale \"linear\" "
+                      "its least value can be found.",
+                      unknown.name, fit.unknowns[j].value / unknown.start));
     else if (!unknown.upper && last.x[j] >= problem.misfit.box().upper[j])
-      fit.untold.push_back(fmt::format("{} rose to the end of its logarithmic scale, {:.2g} times its first "
-                                       "guess: the data tell only that it is large.",
-                                       unknown.name, fit.unknowns[j].value / unknown.start));
+      fit.unidentified.push_back(
+          fmt::format("{} rose to the end of its logarithmic scale, {:.2g} times its first "
+                      "guess: the data tell only that it is large.",
+                      unknown.name, fit.unknowns[j].value / unknown.start));
     else if (deviation > std::log(2))
-      fit.untold.push_back(
+      fit.unidentified.push_back(
           fmt::format("The data hardly tell {}: its standard deviation is {:.3g} times its value.",
                       unknown.name, deviation));
   }
@@ -85,7 +87,7 @@ std::string largest_correlation(const io::Fit& fit) {
 
 } // namespace
 
-std::string untold(const std::vector<scene::Unknown>& unknowns, const std::vector<double>& direction) {
+std::string unidentified(const std::vector<scene::Unknown>& unknowns, const std::vector<double>& direction) {
   std::vector<std::size_t> which;
   for (std::size_t j = 0; j < direction.size(); ++j)
     if (direction[j] != 0)
@@ -131,8 +133,8 @@ io::Fit outcome(const problem::ParameterProblem& problem, const optimize::GaussN
   take_deviations(problem, last, known, fit);
   fit.correlations = known.correlations;
   fit.singular_values = known.singular_values;
-  for (const std::vector<double>& direction : known.untold)
-    fit.untold.push_back(untold(scene.unknowns, direction));
+  for (const std::vector<double>& direction : known.unidentified)
+    fit.unidentified.push_back(unidentified(scene.unknowns, direction));
   add_poorly_identified(problem, last, known, fit);
   std::size_t at = 0;
   double squares = 0;
@@ -181,7 +183,7 @@ std::vector<std::string> outcome_lines(const io::Fit& fit) {
                     one.start, one.unit, one.at_bound ? " (at its bound)" : ""));
   if (fit.unknowns.size() > 1)
     lines.push_back(largest_correlation(fit));
-  for (const std::string& sentence : fit.untold)
+  for (const std::string& sentence : fit.unidentified)
     lines.push_back(sentence);
   for (const io::ComparedFigure& one : fit.compared)
     lines.push_back(

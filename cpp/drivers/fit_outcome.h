@@ -11,8 +11,8 @@ namespace signorini::drivers {
 io::Fit outcome(const problem::ParameterProblem& problem, const optimize::GaussNewtonIterate& last,
                 const std::vector<double>& simulated);
 
-/// A sentence on a direction along which nothing changes (optimize::Identified::untold).
-std::string untold(const std::vector<scene::Unknown>& unknowns, const std::vector<double>& direction);
+/// A sentence on a direction along which nothing changes (optimize::Identified::unidentified).
+std::string unidentified(const std::vector<scene::Unknown>& unknowns, const std::vector<double>& direction);
 
 /// Warns if the residuals are more than noise.
 std::optional<Warning> misfit_warning(const io::Fit& fit);

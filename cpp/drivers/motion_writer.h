@@ -8,7 +8,7 @@
 #include "diagnostics/step_warnings.h"
 #include "io/contact_table.h"
 #include "io/csv_tables.h"
-#include "io/fields.h"
+#include "io/field_writer.h"
 #include "io/manifest.h"
 #include "problem/problem.h"
 #include <optional>
@@ -97,7 +97,7 @@ private:
   std::optional<io::TextFile> steps_, contact_, obstacles_, probes_;
   std::optional<contact::Pressure> pressure_;
   std::optional<io::ContactTable> contact_table_;
-  std::optional<io::FieldFile> state_;
+  std::optional<io::FieldWriter> state_;
   std::optional<fem::CellFields> cell_fields_;
   std::optional<diagnostics::LargestStress> largest_stress_;
   std::vector<int> stored_; ///< steps

@@ -15,8 +15,8 @@ std::string body_lines(const problem::Problem& problem) {
   std::string text = figures.line();
   for (const std::string& note : figures.notes)
     text += "\nnote: " + note;
-  for (const std::string& doubt : figures.doubts)
-    text += "\ndoubt: " + doubt;
+  for (const std::string& warning : figures.warnings)
+    text += "\ndoubt: " + warning;
   return text;
 }
 
@@ -28,9 +28,10 @@ std::string headline(const problem::Problem& problem) {
       on += (on.empty() ? "" : ", ") + name;
   const step::TimeGrid& grid = problem.grid;
   const std::string steps =
-      grid.equal() ? fmt::format("{} steps of {} s", grid.steps(), problem.scene.time.step)
-                   : fmt::format("steps of {:.3g} s to {:.3g} s", problem.stepper.ladder()->shortest_step(),
-                                 problem.stepper.ladder()->longest_step());
+      grid.equal()
+          ? fmt::format("{} steps of {} s", grid.steps(), problem.scene.time.step)
+          : fmt::format("steps of {:.3g} s to {:.3g} s", problem.stepper.step_lengths()->shortest_step(),
+                        problem.stepper.step_lengths()->longest_step());
   return fmt::format("{}: {} free unknowns, {} contact candidates, {}, {} "
                      "rank{}{}\n{}\neffects: {}\nsolver: {}",
                      problem.scene.name, problem.free_dofs(), trajectory::candidates(problem.stepper), steps,
@@ -39,16 +40,16 @@ std::string headline(const problem::Problem& problem) {
                      on.empty() ? "none" : on, problem.stepper.solver().choice());
 }
 
-std::vector<scene::TableDoubt> doubts_about_series(MPI_Comm comm, const scene::Scene& scene) {
-  std::vector<scene::TableDoubt> found;
+std::vector<scene::TableWarning> series_warnings(MPI_Comm comm, const scene::Scene& scene) {
+  std::vector<scene::TableWarning> found;
   for (const scene::NamedSeries& one : scene::time_series(scene)) {
     try {
       std::string text;
       on_root(comm, [&] { text = scene::read_file(one.file); });
       const scene::TableColumn column = scene::read_column(broadcast(comm, text), one.column);
-      for (scene::TableDoubt& doubt : scene::doubts_as_input(column, scene.time.end)) {
-        doubt.message = fmt::format("{}: {}: {}", one.key, one.file.string(), doubt.message);
-        found.push_back(std::move(doubt));
+      for (scene::TableWarning& warning : scene::input_warnings(column, scene.time.end)) {
+        warning.message = fmt::format("{}: {}: {}", one.key, one.file.string(), warning.message);
+        found.push_back(std::move(warning));
       }
     } catch (const UserError&) { // gone or changed since the scene was read, which is no reason to lose a run
     }
@@ -56,14 +57,14 @@ std::vector<scene::TableDoubt> doubts_about_series(MPI_Comm comm, const scene::S
   return found;
 }
 
-void print_doubts(const std::vector<scene::TableDoubt>& doubts, const Console& console) {
-  for (const scene::TableDoubt& doubt : doubts)
-    console.line("warning: " + doubt.message);
+void print_table_warnings(const std::vector<scene::TableWarning>& warnings, const Console& console) {
+  for (const scene::TableWarning& warning : warnings)
+    console.line("warning: " + warning.message);
 }
 
-void add_doubts(io::Manifest& manifest, const std::vector<scene::TableDoubt>& doubts) {
-  for (const scene::TableDoubt& doubt : doubts)
-    manifest.warnings.push_back({"table", doubt.message, doubt.value, doubt.limit});
+void add_table_warnings(io::Manifest& manifest, const std::vector<scene::TableWarning>& warnings) {
+  for (const scene::TableWarning& warning : warnings)
+    manifest.warnings.push_back({"table", warning.message, warning.value, warning.limit});
 }
 
 io::Manifest manifest(const problem::Problem& problem, const std::string& verb,
@@ -96,7 +97,7 @@ io::Manifest manifest(const problem::Problem& problem, const std::string& verb,
     m.control_unit =
         control->on && problem.mesh.group_dimension(*control->on, "control.on") < problem.mesh.dim() ? "N/m²"
                                                                                                      : "N/m³";
-  add_doubts(m, doubts_about_series(problem.space.comm(), problem.scene));
+  add_table_warnings(m, series_warnings(problem.space.comm(), problem.scene));
   m.solver = problem.stepper.solver().choice();
   m.peak_memory = peak_memory();
   MPI_Allreduce(MPI_IN_PLACE, &m.peak_memory, 1, MPI_DOUBLE, MPI_SUM, problem.space.comm());

@@ -15,11 +15,11 @@ std::string body_lines(const problem::Problem& problem);
 std::string headline(const problem::Problem& problem);
 
 /// Doubts about the tables that a scene reads its time series from, as far as they can be read. Collective.
-std::vector<scene::TableDoubt> doubts_about_series(MPI_Comm comm, const scene::Scene& scene);
-/// Prints doubts about tables as warnings.
-void print_doubts(const std::vector<scene::TableDoubt>& doubts, const Console& console);
+std::vector<scene::TableWarning> series_warnings(MPI_Comm comm, const scene::Scene& scene);
+/// Prints warnings about tables.
+void print_table_warnings(const std::vector<scene::TableWarning>& warnings, const Console& console);
 /// Adds them to the warnings of run.json.
-void add_doubts(io::Manifest& manifest, const std::vector<scene::TableDoubt>& doubts);
+void add_table_warnings(io::Manifest& manifest, const std::vector<scene::TableWarning>& warnings);
 
 /// The part of run.json that is common to all runs. Collective.
 io::Manifest manifest(const problem::Problem& problem, const std::string& verb,

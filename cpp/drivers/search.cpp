@@ -36,9 +36,9 @@ void restore_steps(problem::Problem& problem, const std::filesystem::path& out) 
       io::checkpoint_numbers(problem.space.comm(), out / resume::checkpoint, SearchLog::levels);
   if (levels.empty())
     return;
-  const step::StepLengths* ladder = problem.stepper.ladder();
+  const step::StepLengths* step_lengths = problem.stepper.step_lengths();
   const std::optional<step::TimeGrid> grid =
-      ladder ? step::TimeGrid::of_levels(*ladder, levels) : std::nullopt;
+      step_lengths ? step::TimeGrid::of_levels(*step_lengths, levels) : std::nullopt;
   if (!grid)
     throw UserError(
         "--resume: found a checkpoint with other lengths of steps, allowed is that of this scene");
@@ -69,7 +69,7 @@ public:
       console.line(fmt::format("fit of {} unknown{} to {} values of {} measurement{}", scene.unknowns.size(),
                                scene.unknowns.size() == 1 ? "" : "s", parameters_->misfit.count(),
                                scene.measurements.size(), scene.measurements.size() == 1 ? "" : "s"));
-    print_doubts(parameters_->misfit.doubts(), console);
+    print_table_warnings(parameters_->misfit.warnings(), console);
   }
 
   [[nodiscard]] SearchSubject subject() {

@@ -12,7 +12,7 @@
 namespace signorini::drivers {
 
 /// Output of a search while it runs: progress, history.csv in the folder, a row for each iterate as soon as
-/// it is made, and checkpoint.h5. The `report` and the `keeper` of optimize::minimize(). All members
+/// it is made, and checkpoint.h5. The `report` and the `checkpointer` of optimize::minimize(). All members
 /// collective.
 class SearchLog {
 public:

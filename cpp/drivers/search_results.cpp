@@ -14,9 +14,9 @@ namespace signorini::drivers {
 namespace {
 
 /// The point that a search found: its problem and the forces there.
-class Found {
+class SearchPoint {
 public:
-  Found(const SearchSubject& subject, const SearchEnd& end)
+  SearchPoint(const SearchSubject& subject, const SearchEnd& end)
       : parameters_(end.fitted ? end.fitted->x : subject.reduced.variables().x) {
     if (subject.parameters) {
       scene_ = subject.parameters->scene_at(parameters_);
@@ -29,8 +29,8 @@ public:
     else
       given_.emplace(*problem_);
   }
-  Found(const Found&) = delete; // its parts refer to each other
-  Found& operator=(const Found&) = delete;
+  SearchPoint(const SearchPoint&) = delete; // its parts refer to each other
+  SearchPoint& operator=(const SearchPoint&) = delete;
 
   [[nodiscard]] const std::vector<double>& parameters() const { return parameters_; }
   [[nodiscard]] const problem::Problem& problem() const { return *problem_; }
@@ -118,7 +118,7 @@ void add_chatter(io::Manifest& manifest, const control::ReducedProblem& reduced,
 }
 
 /// Writes the motion's files; with parameters it also returns what was measured.
-Simulated write_motion(const SearchSubject& subject, const Found& found, MotionWriter& recorder) {
+Simulated write_motion(const SearchSubject& subject, const SearchPoint& found, MotionWriter& recorder) {
   const problem::Problem& problem = found.problem();
   if (subject.parameters)
     return simulate_measured(problem, *subject.parameters, found.load(), recorder);
@@ -213,7 +213,7 @@ void add_search(io::Manifest& m, const SearchSubject& subject, const SearchLog& 
 
 void write_results(io::OutputFolder& folder, const SearchSubject& subject, SearchLog& log, SearchEnd end,
                    const Console& console) {
-  const Found found(subject, end);
+  const SearchPoint found(subject, end);
   const problem::Problem& problem = found.problem();
   control::ReducedProblem& reduced = subject.reduced;
   MotionWriter recorder(problem, folder, subject.control ? &subject.control->objective : nullptr, true);
@@ -235,7 +235,7 @@ void write_results(io::OutputFolder& folder, const SearchSubject& subject, Searc
       console.line(line);
   io::Manifest m = manifest(problem, "optimize", words(end.stop, end), problem.steps());
   if (subject.parameters)
-    add_doubts(m, subject.parameters->misfit.doubts());
+    add_table_warnings(m, subject.parameters->misfit.warnings());
   add_watched(m, recorder, subject.scene.run, console);
   add_warning(m, problem::desired_warning(problem), console);
   if (fit)

@@ -2,7 +2,7 @@
 #include "fem/material_regions.h"
 #include "base/collective.h"
 #include "base/text.h"
-#include "scene/names.h"
+#include "scene/spelling.h"
 #include <dolfinx/mesh/Mesh.h>
 #include <dolfinx/mesh/utils.h>
 #include <fmt/format.h>
@@ -51,7 +51,7 @@ std::vector<Part> parts(const mesh::Mesh& mesh, const std::vector<scene::Materia
     parts.push_back({materials[i], materials[i].on
                                        ? mesh.cells(*materials[i].on, fmt::format("material[{}].on", i))
                                        : mesh.owned_cells()});
-  together(mesh.comm(), [&] { require_one_material(mesh, parts); });
+  on_all_ranks(mesh.comm(), [&] { require_one_material(mesh, parts); });
   return parts;
 }
 

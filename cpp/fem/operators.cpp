@@ -28,7 +28,7 @@ DirichletDofs::DirichletDofs(const Space& space, const std::vector<scene::Clamp>
     };
     const std::vector<int> components = component_numbers(clamp.components, dim_);
     const std::vector<int> nodes = space.nodes_on(clamp.on, key(i, "on"));
-    together(space.comm(), [&] {
+    on_all_ranks(space.comm(), [&] {
       for (int node : nodes)
         for (std::size_t c = 0; c < components.size(); ++c) {
           const std::string value =

@@ -70,7 +70,7 @@ std::vector<int> Space::nodes_on(const std::string& group, const std::string& ke
 void Space::interpolate(const scene::Field& field, double t, Vec out) const {
   const petsc::WriteArray values(out);
   const auto dim = static_cast<std::size_t>(mesh_->dim());
-  together(comm(), [&] {
+  on_all_ranks(comm(), [&] {
     for (std::size_t i = 0; 3 * i < points_.size(); ++i)
       field.evaluate(&points_[3 * i], t, &values[dim * i]);
   });

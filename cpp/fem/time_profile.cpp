@@ -123,7 +123,7 @@ void TimeProfile::refine() {
   // Of each open panel, over all samples: the difference of two rules, the integral of the modulus, the
   // greatest values; the least values.
   std::vector<double> most, least;
-  together(comm_, [&] {
+  on_all_ranks(comm_, [&] {
     for (const Panel& panel : panels_)
       if (panel.open)
         sample(panel, most, least);
@@ -289,7 +289,7 @@ void TimeProfile::set_nodes(std::size_t component, double from, double to) const
 void TimeProfile::mean(double from, double to, const std::vector<int>& components,
                        std::span<double> out) const {
   const std::size_t n = components.size();
-  together(comm_, [&] {
+  on_all_ranks(comm_, [&] {
     for (std::size_t j = 0; j < n; ++j) {
       const auto c = static_cast<std::size_t>(components[j]);
       if (field_.depends_on_time(c))
@@ -319,7 +319,7 @@ void TimeProfile::mean(double from, double to, std::span<double> out) const {
 template <class Measure>
 double TimeProfile::largest(double from, double to, bool ends, Measure&& measure) const {
   double most = 0;
-  together(comm_, [&] {
+  on_all_ranks(comm_, [&] {
     for (std::size_t c = 0; c < field_.size(); ++c) {
       if (!field_.depends_on_time(c))
         continue;

@@ -27,15 +27,16 @@ std::vector<double> places_of(const control::ControlSpace& controls) {
 }
 
 /// A table (rows × columns) of a type, with a checksum for every chunk.
-Opened make_table(hid_t file, const std::string& name, hid_t type, hsize_t rows, hsize_t columns,
-                  std::size_t bytes) {
+Hdf5Handle make_table(hid_t file, const std::string& name, hid_t type, hsize_t rows, hsize_t columns,
+                      std::size_t bytes) {
   constexpr std::size_t chunk_bytes = 1 << 20;
   const std::array<hsize_t, 2> shape{rows, columns};
   const std::array<hsize_t, 2> chunk{
       std::clamp<hsize_t>(chunk_bytes / std::max<hsize_t>(columns * bytes, 1), 1, std::max<hsize_t>(rows, 1)),
       std::max<hsize_t>(columns, 1)};
-  const Opened space(H5Screate_simple(2, shape.data(), nullptr), H5Sclose);
-  const Opened layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose), link(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+  const Hdf5Handle space(H5Screate_simple(2, shape.data(), nullptr), H5Sclose);
+  const Hdf5Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose),
+      link(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(link, 1);
   H5Pset_chunk(layout, 2, chunk.data());
   H5Pset_fletcher32(layout);
@@ -46,7 +47,7 @@ Opened make_table(hid_t file, const std::string& name, hid_t type, hsize_t rows,
 template <class Transfer>
 bool on_row(hid_t table, hsize_t row, hsize_t columns, Transfer&& transfer) {
   const std::array<hsize_t, 2> start{row, 0}, count{1, columns};
-  const Opened in_file(H5Dget_space(table), H5Sclose),
+  const Hdf5Handle in_file(H5Dget_space(table), H5Sclose),
       in_memory(H5Screate_simple(1, &columns, nullptr), H5Sclose);
   return H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >= 0 &&
          transfer(in_file, in_memory) >= 0;
@@ -60,10 +61,10 @@ CheckpointWriter::CheckpointWriter(MPI_Comm comm, const std::filesystem::path& p
   if (rank(comm) != 0)
     return;
   H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence is reported instead of HDF5's stack
-  const Opened access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST); // its metadata have checksums
   errno = 0;
-  out_ = Opened(H5Fcreate(part_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+  out_ = Hdf5Handle(H5Fcreate(part_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
   if (!out_)
     failure_ = errno ? std::generic_category().message(errno) : "HDF5 cannot create it";
 }
@@ -81,7 +82,7 @@ CheckpointWriter::CheckpointWriter(const control::ControlSpace& controls, const 
 CheckpointWriter::~CheckpointWriter() {
   if (rank(comm_) != 0)
     return;
-  out_ = Opened(H5I_INVALID_HID, H5Fclose);
+  out_ = Hdf5Handle(H5I_INVALID_HID, H5Fclose);
   std::error_code ignored; // after commit() it has been moved
   std::filesystem::remove(part_, ignored);
 }
@@ -90,7 +91,7 @@ void CheckpointWriter::numbers(const std::string& name, std::span<const double> 
   if (!out_ || !failure_.empty())
     return;
   errno = 0;
-  const Opened table = make_table(out_, name, H5T_IEEE_F64LE, 1, values.size(), sizeof(double));
+  const Hdf5Handle table = make_table(out_, name, H5T_IEEE_F64LE, 1, values.size(), sizeof(double));
   if (!table || (!values.empty() &&
                  H5Dwrite(table, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0))
     failure_ = errno ? std::generic_category().message(errno) : "HDF5 failed at " + name;
@@ -99,7 +100,7 @@ void CheckpointWriter::numbers(const std::string& name, std::span<const double> 
 void CheckpointWriter::operator()(const std::string& name, const std::string& text) {
   if (!out_ || !failure_.empty())
     return;
-  const Opened table = make_table(out_, name, H5T_STD_U8LE, 1, text.size(), 1);
+  const Hdf5Handle table = make_table(out_, name, H5T_STD_U8LE, 1, text.size(), 1);
   if (!table ||
       (!text.empty() && H5Dwrite(table, H5T_NATIVE_UCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0))
     failure_ = "HDF5 failed at " + name;
@@ -115,7 +116,7 @@ void CheckpointWriter::operator()(const std::string& name, const control::Compac
 
 void CheckpointWriter::write(const std::string& name, const control::Control& u) {
   const auto columns = static_cast<hsize_t>(starts_.back() + counts_.back());
-  Opened table(H5I_INVALID_HID, H5Dclose);
+  Hdf5Handle table(H5I_INVALID_HID, H5Dclose);
   if (out_ && failure_.empty())
     table = make_table(out_, name, H5T_IEEE_F64LE, static_cast<hsize_t>(u.count()), columns, sizeof(double));
   std::vector<double> row(rank(comm_) == 0 ? columns : 0); // collective, even if rank 0 cannot write
@@ -161,8 +162,8 @@ Sequence read_if_there(MPI_Comm comm, const std::filesystem::path& file, const s
   Sequence values;
   if (rank(comm) == 0) {
     H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
-    const Opened in(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-    const Opened table(in ? H5Dopen(in, name.c_str(), H5P_DEFAULT) : H5I_INVALID_HID, H5Dclose);
+    const Hdf5Handle in(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    const Hdf5Handle table(in ? H5Dopen(in, name.c_str(), H5P_DEFAULT) : H5I_INVALID_HID, H5Dclose);
     values.resize(table ? shape(table)[1] : 0);
     if (!values.empty() && H5Dread(table, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
       values.clear();
@@ -191,7 +192,7 @@ CheckpointReader::CheckpointReader(MPI_Comm comm, const std::filesystem::path& f
     : comm_(comm), file_(file), reason_(std::move(reason)), in_(H5I_INVALID_HID, H5Fclose) {
   on_root(comm_, [&] {
     H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
-    in_ = Opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    in_ = Hdf5Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
     if (!in_)
       fail("the file is damaged, or not a checkpoint; allowed is a whole one");
   });
@@ -208,7 +209,7 @@ void CheckpointReader::damaged(const std::string& name) const {
 template <class Sequence>
 void CheckpointReader::read(const std::string& name, hid_t type, Sequence& values) {
   on_root(comm_, [&] {
-    const Opened table(H5Dopen(in_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    const Hdf5Handle table(H5Dopen(in_, name.c_str(), H5P_DEFAULT), H5Dclose);
     const auto [rows, columns] = table ? shape(table) : std::array<hsize_t, 2>{};
     if (rows != 1)
       damaged(name);
@@ -303,10 +304,10 @@ void CheckpointReader::operator()(const std::string& name, control::CompactContr
 control::Control CheckpointReader::control(const std::string& name,
                                            const std::function<int(int k, int rows)>& row_of) {
   control::Control read = controls_->zero();
-  Opened table(H5I_INVALID_HID, H5Dclose);
+  Hdf5Handle table(H5I_INVALID_HID, H5Dclose);
   int rows = 0;
   on_root(comm_, [&] {
-    table = Opened(H5Dopen(in_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    table = Hdf5Handle(H5Dopen(in_, name.c_str(), H5P_DEFAULT), H5Dclose);
     if (!table || shape(table)[0] == 0 || shape(table)[1] != columns_)
       damaged(name);
     rows = static_cast<int>(shape(table)[0]);

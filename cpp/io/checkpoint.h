@@ -40,7 +40,7 @@ private:
   MPI_Comm comm_;
   std::filesystem::path part_, file_;
   std::vector<int> counts_, starts_; ///< number and start of each rank's values in a row
-  Opened out_;                       ///< on rank 0
+  Hdf5Handle out_;                   ///< on rank 0
   std::string failure_;              ///< on rank 0
 };
 
@@ -97,7 +97,7 @@ private:
   const control::ControlSpace* controls_ = nullptr;
   std::filesystem::path file_;
   std::string reason_;
-  Opened in_;                     ///< on rank 0
+  Hdf5Handle in_;                 ///< on rank 0
   std::size_t columns_ = 0;       ///< values in a row, of all ranks
   std::vector<std::size_t> rows_; ///< of the owned places in the file
 };

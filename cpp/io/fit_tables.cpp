@@ -41,7 +41,7 @@ control::Data data_of(const scene::Measurement& measurement, const std::string& 
   control::Data data{.times = given.times,
                      .values = given.values,
                      .deviations = {},
-                     .doubts = scene::doubts_as_data(given, end)};
+                     .warnings = scene::doubts_as_data(given, end)};
   require_within(data, end, scene::unit_hint(given));
   double deviation = measurement.deviation.value_or(0);
   if (measurement.noise) {
@@ -89,8 +89,8 @@ std::vector<control::Data> read_data(MPI_Comm comm, const scene::Scene& scene) {
     text = broadcast(comm, text);
     try {
       all.back() = data_of(measurement, text, scene.time.end);
-      for (scene::TableDoubt& doubt : all.back().doubts)
-        doubt.message = fmt::format("{}: {}: {}", key, measurement.file->string(), doubt.message);
+      for (scene::TableWarning& warning : all.back().warnings)
+        warning.message = fmt::format("{}: {}: {}", key, measurement.file->string(), warning.message);
     } catch (const UserError& error) {
       throw UserError(fmt::format("{}: {}: {}", key, measurement.file->string(), error.what()));
     }

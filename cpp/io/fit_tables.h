@@ -46,7 +46,7 @@ struct Fit {
   std::vector<FittedUnknown> unknowns;
   std::vector<double> correlations; ///< (unknowns × unknowns)
   std::vector<double> singular_values;
-  std::vector<std::string> untold; ///< sentences: what the data do not tell
+  std::vector<std::string> unidentified; ///< sentences: what the data do not tell
   std::vector<Comparison> measurements;
   std::vector<ComparedFigure> compared;
   double value = 0;  ///< J

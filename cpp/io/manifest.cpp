@@ -178,7 +178,7 @@ void add_search(ordered_json& json, const Manifest& m, const scene::Scene& scene
                         {"time", m.accuracy->time},
                         {"search", m.accuracy->search},
                         {"met", m.accuracy->met},
-                        {"doubt", m.accuracy->doubt}};
+                        {"doubt", m.accuracy->warning}};
   if (m.kink) {
     ordered_json weak = ordered_json::array();
     for (const WeakContact& contact : m.kink->weak)
@@ -229,7 +229,7 @@ void add_fit(ordered_json& json, const Fit& fit) {
                  {"decrement", fit.decrement ? ordered_json(*fit.decrement) : ordered_json()},
                  {"correlations", correlations},
                  {"singular_values", fit.singular_values},
-                 {"not_told", fit.untold},
+                 {"not_told", fit.unidentified},
                  {"measurements", measurements},
                  {"contact_times", times}};
 }
@@ -263,7 +263,7 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
                   {"pressure_waves", m.body.pressure_waves},
                   {"shear_waves", m.body.shear_waves},
                   {"crossing_time", m.body.crossing},
-                  {"doubts", m.body.doubts},
+                  {"doubts", m.body.warnings},
                   {"notes", m.body.notes}};
   json["candidates"] = m.candidates;
   json["steps"] = {

@@ -47,9 +47,9 @@ struct CoarseLevel {
 struct Accuracy {
   std::string quantity;
   double asked = 0, space = 0, time = 0;
-  double search = 0;   ///< what the optimizer has left
-  bool met = false;    ///< with half the steps too, and without a doubt
-  std::string doubt{}; ///< why it is not verified though the estimate is small, in words
+  double search = 0;     ///< what the optimizer has left
+  bool met = false;      ///< with half the steps too, and without a warning
+  std::string warning{}; ///< why it is not verified though the estimate is small, in words
   [[nodiscard]] double estimated() const { return space + time + search; }
 };
 

@@ -48,8 +48,8 @@ private:
 };
 
 /// Which of the points `here` (× stride) coincide with another one among `all` (× stride).
-std::vector<bool> crowded(const fem::Space& space, const std::vector<double>& here,
-                          const std::vector<double>& all, std::size_t stride) {
+std::vector<bool> ambiguous(const fem::Space& space, const std::vector<double>& here,
+                            const std::vector<double>& all, std::size_t stride) {
   const Grid grid(space);
   const auto dim = static_cast<std::size_t>(space.dim());
   std::map<Grid::Cell, int> counts;
@@ -75,7 +75,7 @@ constexpr double inwards = 0.1;
 
 std::vector<double> distinct_points(const fem::Space& space) {
   std::vector<double> points = space.points();
-  const std::vector<bool> moved = crowded(space, points, gather(space.comm(), points), 3);
+  const std::vector<bool> moved = ambiguous(space, points, gather(space.comm(), points), 3);
   int any = std::ranges::find(moved, true) != moved.end();
   MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, space.comm());
   if (!any)
@@ -104,7 +104,7 @@ std::vector<double> distinct_points(const fem::Space& space) {
 
 bool separate(std::vector<double>& points, const std::vector<std::int64_t>& cells, const fem::Space& space) {
   const auto dim = static_cast<std::size_t>(space.dim()), corners = dim + 1, n = points.size() / dim;
-  const std::vector<bool> moved = crowded(space, points, points, dim);
+  const std::vector<bool> moved = ambiguous(space, points, points, dim);
   if (std::ranges::find(moved, true) == moved.end())
     return true;
   if (cells.size() % corners != 0 ||
@@ -133,7 +133,7 @@ std::vector<std::size_t> match_points(const fem::Space& space, const std::vector
   const auto dim = static_cast<std::size_t>(space.dim());
   const Grid grid(space);
   std::vector<std::size_t> numbers;
-  together(space.comm(), [&] {
+  on_all_ranks(space.comm(), [&] {
     std::map<Grid::Cell, std::size_t> known;
     for (std::size_t i = 0; i < there.size() / dim; ++i)
       if (!known.emplace(grid.cell_of(&there[i * dim], dim, 0), i).second)

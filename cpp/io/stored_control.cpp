@@ -3,7 +3,7 @@
 #include "base/collective.h"
 #include "control/interpolation.h"
 #include "io/checkpoint.h"
-#include "io/stored_field.h"
+#include "io/field_reader.h"
 #include "scene/compatibility.h"
 #include <algorithm>
 #include <cmath>

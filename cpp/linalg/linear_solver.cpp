@@ -263,7 +263,7 @@ void ConjugateGradients::solve(Vec b, Vec x) const {
   run(b, x, solve);
 }
 
-bool ConjugateGradients::solve(Vec b, Vec x, const Projector& project, const Judge& judge) const {
+bool ConjugateGradients::solve(Vec b, Vec x, const Projector& project, const TerminationTest& judge) const {
   Solve solve{.project = &project, .judge = judge ? &judge : nullptr};
   run(b, x, solve);
   return !solve.stopped;

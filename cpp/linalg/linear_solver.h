@@ -78,7 +78,7 @@ public:
   /// Orthogonal projector onto a subspace of vectors, in place.
   using Projector = std::function<void(Vec)>;
   /// Inspects an iterate and returns whether to continue.
-  using Judge = std::function<bool(Vec)>;
+  using TerminationTest = std::function<bool(Vec)>;
 
   /// `matrix` must outlive this object unchanged; `solves`: expected; `most`: seconds after which a trial
   /// solve is given up. Collective. Throws SolverFailure.
@@ -92,7 +92,7 @@ public:
   /// Solves on a subspace: P (b − matrix x) = 0 with x − guess in the range of P. `judge`, if given, is
   /// called at two intermediate residuals; if it returns false, the solve ends there and returns false.
   /// Collective. Throws SolverFailure.
-  bool solve(Vec b, Vec x, const Projector& project, const Judge& judge) const;
+  bool solve(Vec b, Vec x, const Projector& project, const TerminationTest& judge) const;
 
   /// Seconds of a trial solve for equal forces in all unknowns from zero, infinity if it was given up; by the
   /// clock of rank 0, the same on every rank.
@@ -110,7 +110,7 @@ private:
   /// State of one solve.
   struct Solve {
     const Projector* project = nullptr;
-    const Judge* judge = nullptr;
+    const TerminationTest* judge = nullptr;
     std::ptrdiff_t asked = 0;                 ///< residuals of judged_at passed at the last call of the judge
     bool stopped = false;                     ///< by the judge
     bool started = false;                     ///< the guess was multiplied

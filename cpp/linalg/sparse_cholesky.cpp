@@ -145,11 +145,11 @@ void fill_lower(const Blocks& D, int* p, int* i, double* x) {
   p[D.count * D.size] = entries;
 }
 
-/// Orders the graph of the nodes outside the corner for a sparse L.
+/// Orders the graph of the nodes outside the trailing block for a sparse L.
 template <class Cholmod>
-EliminationOrder order_for_sparsity(Cholmod& c, const Blocks& D, std::span<const int> corner) {
+EliminationOrder order_for_sparsity(Cholmod& c, const Blocks& D, std::span<const int> trailing_block) {
   std::vector<int> number(static_cast<std::size_t>(D.count), 0), node;
-  for (int i : corner)
+  for (int i : trailing_block)
     number[static_cast<std::size_t>(i)] = -1;
   for (int i = 0; i < D.count; ++i)
     if (number[static_cast<std::size_t>(i)] == 0) {
@@ -178,20 +178,20 @@ EliminationOrder order_for_sparsity(Cholmod& c, const Blocks& D, std::span<const
   for (std::size_t j = 0; j < node.size(); ++j)
     order.nodes.push_back(node[static_cast<std::size_t>(static_cast<int*>(factor->Perm)[j])]);
   cholmod_free_factor(&factor, &c.common);
-  order.nodes.insert(order.nodes.end(), corner.begin(), corner.end());
+  order.nodes.insert(order.nodes.end(), trailing_block.begin(), trailing_block.end());
   return order;
 }
 
 } // namespace
 
-SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> corner, double most,
+SparseCholesky::SparseCholesky(Mat matrix, std::span<const int> trailing_block, double most,
                                const EliminationOrder& order)
     : c_(std::make_unique<Cholmod>()) {
   const Blocks D(matrix);
-  corner_size_ = static_cast<int>(corner.size()) * D.size;
-  order_ = order.nodes.empty() ? order_for_sparsity(*c_, D, corner) : order;
+  trailing_size_ = static_cast<int>(trailing_block.size()) * D.size;
+  order_ = order.nodes.empty() ? order_for_sparsity(*c_, D, trailing_block) : order;
   const double matrix_entries = static_cast<double>(D.row[D.count]) * D.size * D.size;
-  entries_ = order_.entries + static_cast<double>(corner_size_) * corner_size_ / 2;
+  entries_ = order_.entries + static_cast<double>(trailing_size_) * trailing_size_ / 2;
   possible_ = std::max(entries_, matrix_entries) <= most;
   if (!possible_)
     return;
@@ -220,9 +220,9 @@ double SparseCholesky::estimate() const {
   if (!possible_)
     return entries_ * sizeof(double);
   const cholmod_factor& L = *c_->factor;
-  const double corner = static_cast<double>(corner_size_);
+  const double trailing_block = static_cast<double>(trailing_size_);
   constexpr double entry = sizeof(double), index = sizeof(int);
-  return static_cast<double>(c_->common.memory_inuse) + corner * corner * entry +
+  return static_cast<double>(c_->common.memory_inuse) + trailing_block * trailing_block * entry +
          (L.is_super ? static_cast<double>(L.xsize + L.maxcsize) * entry : c_->common.lnz * (entry + index));
 }
 
@@ -250,7 +250,7 @@ void SparseCholesky::factorise() {
 
 std::vector<double> SparseCholesky::corner_factor() const {
   const cholmod_factor& L = *c_->factor;
-  const auto c = static_cast<std::size_t>(corner_size_);
+  const auto c = static_cast<std::size_t>(trailing_size_);
   const int first = static_cast<int>(L.n - c);
   const auto* x = static_cast<const double*>(L.x);
   std::vector<double> block(c * c, 0.0);
@@ -291,11 +291,12 @@ void SparseCholesky::forward(Vec b, std::span<double> z) const {
   c_->triangular_solve(CHOLMOD_L, z);
 }
 
-void SparseCholesky::backward(std::span<const double> z, std::span<const double> corner, Vec x) const {
+void SparseCholesky::backward(std::span<const double> z, std::span<const double> trailing_block,
+                              Vec x) const {
   const auto* permutation = static_cast<const int*>(c_->factor->Perm);
   const std::span<double> right = c_->right_hand_side(c_->x);
-  std::ranges::copy(z.first(z.size() - corner.size()), right.begin());
-  std::ranges::copy(corner, right.end() - static_cast<std::ptrdiff_t>(corner.size()));
+  std::ranges::copy(z.first(z.size() - trailing_block.size()), right.begin());
+  std::ranges::copy(trailing_block, right.end() - static_cast<std::ptrdiff_t>(trailing_block.size()));
   c_->triangular_solve(CHOLMOD_Lt, c_->x);
   count_solves();
   const petsc::WriteArray values(x);

@@ -8,24 +8,26 @@
 
 namespace signorini {
 
-/// The order in which nodes are eliminated, those of the corner last: of all matrices with the same entries.
+/// The order in which nodes are eliminated, those of the trailing block last: of all matrices with the same
+/// entries.
 struct EliminationOrder {
   std::vector<int> nodes;
-  double entries = 0; ///< of the factor of all but the corner
+  double entries = 0; ///< of the factor of all but the trailing block
 };
 
 /// Factorisation P A Pᵀ = L Lᵀ by CHOLMOD on one rank, with separate forward and backward solves and chosen
-/// nodes (the corner, here the contact candidates) last in the elimination order; docs/method.md section 5.
-/// After the forward solve L⁻¹ P b the last c ≪ n entries hold the whole effect of b on the corner; a change
-/// of them before the backward solve changes the solution as a load on the corner would.
+/// nodes (the trailing block, here the contact candidates) last in the elimination order; docs/method.md
+/// section 5. After the forward solve L⁻¹ P b the last c ≪ n entries hold the whole effect of b on the
+/// trailing block; a change of them before the backward solve changes the solution as a load on the
+/// trailing block would.
 class SparseCholesky final : public LinearSolver {
 public:
   /// Chooses the elimination order, or takes `order` if it is not empty, that of a matrix with the same
-  /// entries, and counts the factor's entries. `matrix`: sequential BAIJ, copied; `corner`: nodes (blocks),
-  /// in the order in which the corner's entries are wanted; `most`: number of entries that can be indexed.
-  /// Throws SolverFailure.
-  SparseCholesky(Mat matrix, std::span<const int> corner, double most = std::numeric_limits<int>::max(),
-                 const EliminationOrder& order = {});
+  /// entries, and counts the factor's entries. `matrix`: sequential BAIJ, copied; `trailing_block`: nodes
+  /// (blocks), in the order in which the trailing block's entries are wanted; `most`: number of entries that
+  /// can be indexed. Throws SolverFailure.
+  SparseCholesky(Mat matrix, std::span<const int> trailing_block,
+                 double most = std::numeric_limits<int>::max(), const EliminationOrder& order = {});
   ~SparseCholesky() override;
 
   [[nodiscard]] const EliminationOrder& order() const { return order_; }
@@ -46,22 +48,22 @@ public:
   [[nodiscard]] std::string name() const override { return "CHOLMOD"; }
   [[nodiscard]] double bytes() const override;
 
-  /// Entries of the corner: its nodes times the block size.
-  [[nodiscard]] int corner_size() const { return corner_size_; }
+  /// Entries of the trailing block: its nodes times the block size.
+  [[nodiscard]] int trailing_size() const { return trailing_size_; }
   /// Last diagonal block of L (c × c, column by column, lower triangle), after factorise().
   [[nodiscard]] std::vector<double> corner_factor() const;
 
   /// Unknowns n.
   [[nodiscard]] std::size_t size() const;
-  /// Forward solve z = L⁻¹ P b (n), whose last corner_size() entries are the corner's.
+  /// Forward solve z = L⁻¹ P b (n), whose last trailing_size() entries are the trailing block's.
   void forward(Vec b, std::span<double> z) const;
-  /// Backward solve x = Pᵀ L⁻ᵀ z for a z (n) whose last entries are replaced by `corner` (c).
-  void backward(std::span<const double> z, std::span<const double> corner, Vec x) const;
+  /// Backward solve x = Pᵀ L⁻ᵀ z for a z (n) whose last entries are replaced by `trailing_block` (c).
+  void backward(std::span<const double> z, std::span<const double> trailing_block, Vec x) const;
 
 private:
   struct Cholmod; ///< CHOLMOD's objects
   std::unique_ptr<Cholmod> c_;
-  int corner_size_;
+  int trailing_size_;
   EliminationOrder order_;
   bool possible_ = true;
   double entries_ = 0; ///< of the factor without the zeros that pad supernodes

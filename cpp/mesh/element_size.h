@@ -16,7 +16,7 @@ void set_coarsest_size();
 void set_sizes(const SizeField& field, double metres);
 
 /// Throws UserError if the elements of mesh.size in the model, just opened from the file `opened`, are more
-/// than can be: gmsh would try for hours. A coarse mesh tells, where the bounding box leaves a doubt.
+/// than can be: gmsh would try for hours. A coarse mesh tells, where the bounding box leaves this open.
 void require_few_cells(const scene::Mesh& mesh, const std::string& opened);
 
 } // namespace signorini::mesh

@@ -7,7 +7,7 @@
 #include "mesh/distribution.h"
 #include "mesh/gmsh_process.h"
 #include "mesh/refinement.h"
-#include "scene/names.h"
+#include "scene/spelling.h"
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>

@@ -95,7 +95,7 @@ public:
     const BundleOptions& options = options_.bundle;
     const std::size_t most = std::min(options.dimension, options_.vectors);
     const auto part = [&](double of) { return static_cast<std::size_t>(of * static_cast<double>(most)); };
-    if (span_.dimension() > part(options.crowded))
+    if (span_.dimension() > part(options.restrict_above))
       span_.restrict(model_.restrict(part(options.restricted), part(options.carried), ball_));
   }
 

@@ -178,7 +178,7 @@ Identified identified(const std::vector<double>& H, std::size_t n) {
   Identified found{.deviations = std::vector<double>(n, infinity),
                    .correlations = std::vector<double>(n * n),
                    .singular_values = {},
-                   .untold = {}};
+                   .unidentified = {}};
   std::vector<double> length(n), C(n * n);
   for (std::size_t i = 0; i < n; ++i)
     length[i] = std::sqrt(H[i * n + i]);
@@ -188,7 +188,7 @@ Identified identified(const std::vector<double>& H, std::size_t n) {
   for (std::size_t i = 0; i < n; ++i)
     if (!(length[i] > 0)) {
       C[i * n + i] = 0;
-      found.untold.emplace_back(n, 0.0)[i] = 1;
+      found.unidentified.emplace_back(n, 0.0)[i] = 1;
     }
   std::vector<double> vectors = C;
   const std::vector<double> values = symmetric_eigenvalues(vectors, n); // ascending
@@ -220,7 +220,7 @@ Identified identified(const std::vector<double>& H, std::size_t n) {
       lost[i] = lost[i] || direction[i] != 0;
     }
     if (largest != 0)
-      found.untold.push_back(direction);
+      found.unidentified.push_back(direction);
   }
   for (std::size_t i = 0; i < n; ++i) {
     if (length[i] > 0 && !lost[i])

@@ -83,7 +83,7 @@ struct Identified {
   std::vector<double> singular_values; ///< of J with columns of length one, descending
   /// Directions x(t) = x + t d that change the residuals by rounding alone; entries that matter little are
   /// zero, the largest is one.
-  std::vector<std::vector<double>> untold;
+  std::vector<std::vector<double>> unidentified;
 };
 Identified identified(const std::vector<double>& normal_matrix, std::size_t n);
 

@@ -86,26 +86,27 @@ double start(P& given, Dimensionless<P>& problem, State<Dimensionless<P>, Memory
   return value;
 }
 
-/// Runs the iterations of a method from the first guess, or from the checkpoint that `keeper` restores, to a
-/// stopping reason. The method works on the dimensionless problem and thus does not depend on the units of u
-/// and J; `report`, keeper.restored() and the result are in the units given.
+/// Runs the iterations of a method from the first guess, or from the checkpoint that `checkpointer` restores,
+/// to a stopping reason. The method works on the dimensionless problem and thus does not depend on the units
+/// of u and J; `report`, checkpointer.restored() and the result are in the units given.
 ///
 /// Method(options).advance(problem, state) makes one iteration, or a round of one: it moves state.current,
 /// state.iteration and the problem's current point, or returns how the search ends; between two calls
 /// make_room() may give up what it stores. `report(iteration)` is called for the first guess and for each
-/// iterate that this call accepts; if it returns a bool, false ends the search. keeper.restore(state) reads a
-/// state and returns whether there was one; keeper.restored(stored, found) receives J there, as stored and as
-/// evaluated; keeper.mark() tells that a state stored before the next mark is that of now;
-/// keeper.store(state) is called where keeper.due(iteration) asks for it and when the search ends. A
-/// certificate is shown by keeper.certified(certificate); what is stored then has no more memory of the
-/// search, and a search restored from it ends at once, without a certificate, unless it asks for a shorter
-/// one. Without a checkpoint the search goes on from `inherited`, if given, where another one ended.
-/// Interrupted from the problem ends the search with the last accepted iterate. Throws SolverFailure if the
-/// objective or its gradient is not finite. Collective if the problem is.
+/// iterate that this call accepts; if it returns a bool, false ends the search. checkpointer.restore(state)
+/// reads a state and returns whether there was one; checkpointer.restored(stored, found) receives J there, as
+/// stored and as evaluated; checkpointer.mark() tells that a state stored before the next mark is that of
+/// now; checkpointer.store(state) is called where checkpointer.due(iteration) asks for it and when the search
+/// ends. A certificate is shown by checkpointer.certified(certificate); what is stored then has no more
+/// memory of the search, and a search restored from it ends at once, without a certificate, unless it asks
+/// for a shorter one. Without a checkpoint the search goes on from `inherited`, if given, where another one
+/// ended. Interrupted from the problem ends the search with the last accepted iterate. Throws SolverFailure
+/// if the objective or its gradient is not finite. Collective if the problem is.
 template <template <TwiceDifferentiable> class Method, TwiceDifferentiable P, class Report,
           class Checkpointer>
 [[nodiscard]] Result<typename P::Vector>
-minimize(P& given, typename P::Vector guess, const Options& options, Report&& report, Checkpointer&& keeper,
+minimize(P& given, typename P::Vector guess, const Options& options, Report&& report,
+         Checkpointer&& checkpointer,
          std::optional<Inheritance<Method<Dimensionless<P>>>> inherited = std::nullopt) {
   using Memory = Method<Dimensionless<P>>;
   given.project(guess);
@@ -129,23 +130,23 @@ minimize(P& given, typename P::Vector guess, const Options& options, Report&& re
   };
   const auto first_norm = [&] { return state.first_norm * state.units.gradient(); };
   try {
-    const bool restored = keeper.restore(state);
+    const bool restored = checkpointer.restore(state);
     const double value = start(given, problem, state, restored, inherited.has_value());
     if (restored)
-      keeper.restored(state.iteration.objective * state.units.objective(), value);
+      checkpointer.restored(state.iteration.objective * state.units.objective(), value);
     else
       tell();
   } catch (const Interrupted&) {
     return {Stop::interrupted};
   }
   for (;;) {
-    keeper.mark();
+    checkpointer.mark();
     if (const auto end = enough ? Stop::enough : ended(state, options)) {
-      keeper.store(state);
+      checkpointer.store(state);
       return {.stop = *end, .first_norm = first_norm()};
     }
-    if (keeper.due(state.iteration))
-      keeper.store(state);
+    if (checkpointer.due(state.iteration))
+      checkpointer.store(state);
     state.memory.make_room();
     Memory before = state.memory;
     const int number = state.iteration.number;
@@ -167,7 +168,7 @@ minimize(P& given, typename P::Vector guess, const Options& options, Report&& re
       certificate->length *= state.units.gradient();
       certificate->radius *= state.units.length;
       try {
-        keeper.certified(*certificate);
+        checkpointer.certified(*certificate);
         state.certified = length;
         before = Memory(options);
       } catch (const Interrupted&) {
@@ -175,7 +176,7 @@ minimize(P& given, typename P::Vector guess, const Options& options, Report&& re
       }
     }
     state.memory = std::move(before);
-    keeper.store(state);
+    checkpointer.store(state);
     end->first_norm = first_norm();
     return std::move(*end);
   }

@@ -66,7 +66,7 @@ struct BundleOptions {
   /// Part of that, or of Options::vectors where these are fewer, above which the subspace is restricted, for
   /// a round adds vectors; the part to which it is, for a restriction reads and writes all of them; and
   /// the part that may be left to what carries the minimum-norm subgradient.
-  double crowded = 0.75, restricted = 0.5, carried = 0.625;
+  double restrict_above = 0.75, restricted = 0.5, carried = 0.625;
   /// Rounds of a step, each one or more pairs of sweeps, and unconfirmed certificates in it: end a search
   /// that J's rounding, or pieces thinner than the ball, keep from making progress.
   int rounds = 100, unconfirmed = 10;

@@ -5,8 +5,8 @@
 #include "base/memory.h"
 #include "base/signals.h"
 #include "control/interpolation.h"
+#include "io/field_reader.h"
 #include "io/stored_control.h"
-#include "io/stored_field.h"
 #include "trajectory/step_control.h"
 #include <fmt/format.h>
 
@@ -78,9 +78,9 @@ Displacements computed(const Problem& problem, const control::ControlSpace& cont
 using Evaluate = std::function<void(double t, Vec y)>;
 
 /// All evaluated at construction and kept in memory.
-class Kept final : public step::Displacements {
+class StoredMotion final : public step::Displacements {
 public:
-  Kept(const Problem& problem, const Evaluate& evaluate)
+  StoredMotion(const Problem& problem, const Evaluate& evaluate)
       : all_(petsc::zero_series(problem.initial.y(), static_cast<std::size_t>(problem.steps()) + 1)) {
     for (int k = 0; k <= problem.steps(); ++k)
       evaluate(problem.grid.time(k), all_[static_cast<std::size_t>(k)]);
@@ -127,7 +127,7 @@ private:
 
 Displacements given(const Problem& problem, Evaluate evaluate, bool keep) {
   if (keep)
-    return std::make_unique<Kept>(problem, evaluate);
+    return std::make_unique<StoredMotion>(problem, evaluate);
   return std::make_unique<Evaluated>(problem, std::move(evaluate));
 }
 
@@ -213,7 +213,7 @@ Problem::Problem(std::shared_ptr<const Discretisation> shared, const scene::Scen
                             has_densities(s, needs.derivatives || s.objective.has_value()));
                       })),
       stepper(timed(t, "solver", [&] { return step::Stepper(space, operators, s, needs); })),
-      grid(stepper.ladder() ? step::TimeGrid(*stepper.ladder()) : step::TimeGrid(s.time)),
+      grid(stepper.step_lengths() ? step::TimeGrid(*stepper.step_lengths()) : step::TimeGrid(s.time)),
       initial(trajectory::initial_state(stepper, s.initial)) {
   if (stops == trajectory::Stops::obeyed && stop_requested(space.comm()))
     throw Interrupted();

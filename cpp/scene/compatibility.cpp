@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/compatibility.h"
 #include "scene/choices.h"
-#include "scene/names.h"
+#include "scene/spelling.h"
 #include <algorithm>
 #include <fmt/format.h>
 #include <map>

@@ -8,14 +8,14 @@ namespace {
 
 using schema::Entry;
 using schema::Json;
-using schema::Said;
+using schema::KeyInfo;
 
 /// Adds the values of a table; of one that occurs twice, for two kinds of obstacle, only the first.
-void add(const std::vector<Entry>& entries, const std::string& path, const Said& table,
+void add(const std::vector<Entry>& entries, const std::string& path, const KeyInfo& table,
          std::vector<KeyLine>& lines) {
   for (const Entry& entry : entries) {
     const std::string name = path + entry.name;
-    Said said = entry.said;
+    KeyInfo said = entry.said;
     if (!*said.effect)
       said.effect = table.effect;
     if (said.part == Part::problem)

@@ -4,9 +4,9 @@
 #include "base/memory.h"
 #include "base/overloads.h"
 #include "scene/expression.h"
-#include "scene/names.h"
 #include "scene/override.h"
 #include "scene/schema.h"
+#include "scene/spelling.h"
 #include <algorithm>
 #include <fstream>
 #include <sstream>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "scene/choices.h"
-#include "scene/names.h"
 #include "scene/scene.h"
+#include "scene/spelling.h"
 #include <limits>
 #include <set>
 #include <string>

@@ -146,7 +146,7 @@ static_assert(std::variant_size_v<Obstacle> == names(Shape{}).size());
 /// The table of one shape of obstacle.
 Key<Contact> obstacle() {
   const std::vector<std::string> shapes = all_names<Shape>();
-  const Said said{
+  const KeyInfo said{
       .required = true,
       .meaning = "in turn with `point` and `normal`; with `center`, `radius`, `side`; with `point`, `axis`, "
                  "`radius`, `side`; with `distance`"};

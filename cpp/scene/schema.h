@@ -12,7 +12,7 @@ namespace signorini::scene::schema {
 using kind::Json;
 
 /// What is said of a key besides its place and the kind of its value.
-struct Said {
+struct KeyInfo {
   bool required = false;
   std::string unit{};        ///< stands behind the value in scene.toml
   std::string meaning{};     ///< in Markdown
@@ -24,7 +24,7 @@ struct Said {
 /// A key, whatever table it is in.
 struct Entry {
   std::string name;
-  Said said;
+  KeyInfo said;
   std::string words, fallback; ///< what its value may be, what it is by default
   Json json;
   std::vector<Entry> children; ///< the keys of a table
@@ -115,7 +115,7 @@ struct Content<std::optional<U>> {
 /// A key with a value. `written`: whether it is, for reasons of its own.
 template <class T, class M, class K>
 Key<T> value(const char* name, M T::* member, K kind, const char* unit = "", const char* meaning = "",
-             Said said = {}, Predicate<T> written = nullptr) {
+             KeyInfo said = {}, Predicate<T> written = nullptr) {
   said.unit = unit;
   said.meaning = meaning;
   if constexpr (requires { kind.limits; })
@@ -142,14 +142,14 @@ Key<T> value(const char* name, M T::* member, K kind, const char* unit = "", con
 /// Likewise, one that must be there.
 template <class T, class M, class K>
 Key<T> required(const char* name, M T::* member, K kind, const char* unit = "", const char* meaning = "",
-                Said said = {}) {
+                KeyInfo said = {}) {
   said.required = true;
   return value(name, member, kind, unit, meaning, std::move(said));
 }
 
 /// A table, without how it is written.
 template <class T, class M>
-Key<T> table_in(const char* name, M T::* member, const Said& said) {
+Key<T> table_in(const char* name, M T::* member, const KeyInfo& said) {
   using U = typename Content<M>::Type;
   Key<T> key{{name, said, {}, {}, object(entries<U>()), entries<U>()}};
   key.read = [=, needed = said.required](Reader& in, T& to, const Scene& scene) {
@@ -163,7 +163,7 @@ Key<T> table_in(const char* name, M T::* member, const Said& said) {
 
 /// A table on one line.
 template <class T, class M>
-Key<T> inline_table(const char* name, M T::* member, const Said& said) {
+Key<T> inline_table(const char* name, M T::* member, const KeyInfo& said) {
   Key<T> key = table_in(name, member, said);
   key.line = [=](const T& from) {
     const auto* content = Content<M>::in(from.*member);
@@ -174,7 +174,7 @@ Key<T> inline_table(const char* name, M T::* member, const Said& said) {
 
 /// A table under a heading.
 template <class T, class M>
-Key<T> section(const char* name, M T::* member, const Said& said, Predicate<T> written = nullptr) {
+Key<T> section(const char* name, M T::* member, const KeyInfo& said, Predicate<T> written = nullptr) {
   Key<T> key = table_in(name, member, said);
   key.section = [=](std::string& out, const std::string& path, const T& from) {
     const auto* content = Content<M>::in(from.*member);
@@ -186,7 +186,7 @@ Key<T> section(const char* name, M T::* member, const Said& said, Predicate<T> w
 
 /// Tables under headings `[[name]]`, or one under `[name]` if that may be and `alone` says so.
 template <class T, class U>
-Key<T> sections(const char* name, std::vector<U> T::* member, const Said& said,
+Key<T> sections(const char* name, std::vector<U> T::* member, const KeyInfo& said,
                 Predicate<std::vector<U>> alone = nullptr) {
   const Json one = object(entries<U>()), several{{"type", "array"}, {"items", one}};
   Key<T> key{{name, said, {}, {}, alone ? Json{{"anyOf", {one, several}}} : several, entries<U>()}};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/table.h"
 #include "base/error.h"
-#include "scene/names.h"
 #include "scene/schema.h"
+#include "scene/spelling.h"
 #include "scene/units.h"
 #include <algorithm>
 #include <cctype>
@@ -299,7 +299,7 @@ namespace {
 /// Of the spans of a table and of a run: a table in ms that is read in s has 1000, by rounding less.
 constexpr double plausible_ratio = 999;
 
-std::vector<TableDoubt> doubt_about_the_unit(const TableColumn& column) {
+std::vector<TableWarning> doubt_about_the_unit(const TableColumn& column) {
   if (column.unconverted.empty())
     return {};
   const double factor = unit(Name(column.unconverted).unit)->factor;
@@ -310,42 +310,43 @@ std::vector<TableDoubt> doubt_about_the_unit(const TableColumn& column) {
 
 } // namespace
 
-std::vector<TableDoubt> doubts_as_input(const TableColumn& column, double end) {
+std::vector<TableWarning> input_warnings(const TableColumn& column, double end) {
   const std::vector<double>& times = column.times;
-  std::vector<TableDoubt> doubts = doubt_about_the_unit(column);
+  std::vector<TableWarning> warnings = doubt_about_the_unit(column);
   const double hair = 1e-9 * end, intervals = static_cast<double>(times.size() - 1);
   const auto used = std::ranges::lower_bound(times, end - hair) - (std::ranges::upper_bound(times, hair) - 1);
   if (used == 1 && intervals > 1)
-    doubts.push_back(
+    warnings.push_back(
         {fmt::format("the run, from 0 to {:.6g} s, uses one of {} intervals of the table, from {:.6g} "
                      "to {:.6g} s{}",
                      end, intervals, times.front(), times.back(), unit_hint(column)),
          intervals, 1});
   else if (!column.time_name.empty() && times.back() - times.front() > plausible_ratio * end)
-    doubts.push_back({fmt::format("the run, from 0 to {:.6g} s, uses a thousandth of the table or less, from "
-                                  "{:.6g} to {:.6g} s{}",
-                                  end, times.front(), times.back(), unit_hint(column)),
-                      (times.back() - times.front()) / end, plausible_ratio});
-  return doubts;
+    warnings.push_back(
+        {fmt::format("the run, from 0 to {:.6g} s, uses a thousandth of the table or less, from "
+                     "{:.6g} to {:.6g} s{}",
+                     end, times.front(), times.back(), unit_hint(column)),
+         (times.back() - times.front()) / end, plausible_ratio});
+  return warnings;
 }
 
-std::vector<TableDoubt> doubts_as_data(const TableColumn& column, double end) {
+std::vector<TableWarning> doubts_as_data(const TableColumn& column, double end) {
   const std::vector<double>& times = column.times;
-  std::vector<TableDoubt> doubts = doubt_about_the_unit(column);
+  std::vector<TableWarning> warnings = doubt_about_the_unit(column);
   const double span = times.back() - times.front(), rest = end - times.back();
   double longest = 0;
   for (std::size_t i = 1; i < times.size(); ++i)
     longest = std::max(longest, times[i] - times[i - 1]);
   if (!column.time_name.empty() && span < end / plausible_ratio)
-    doubts.push_back({fmt::format("the times span {:.3g} s, a thousandth of the run's {:.6g} s or less{}",
-                                  span, end, unit_hint(column)),
-                      end / span, plausible_ratio});
+    warnings.push_back({fmt::format("the times span {:.3g} s, a thousandth of the run's {:.6g} s or less{}",
+                                    span, end, unit_hint(column)),
+                        end / span, plausible_ratio});
   else if (constexpr double rounding = 1e-9; rest > longest + rounding * end)
-    doubts.push_back(
+    warnings.push_back(
         {fmt::format("the data end at {:.6g} s, the run at {:.6g} s: nothing is fitted to the rest",
                      times.back(), end),
          rest / longest, 1});
-  return doubts;
+  return warnings;
 }
 
 namespace {

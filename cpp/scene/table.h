@@ -30,17 +30,17 @@ bool has_column(const std::string& text, const std::string& column);
 std::string unit_hint(const TableColumn& column);
 
 /// A reason to doubt that a table is read as it was meant; `value` exceeds `limit`.
-struct TableDoubt {
+struct TableWarning {
   std::string message;
   double value, limit;
 };
 
 /// Doubts about a load or a motion over a run from 0 to `end` (s), which the table covers: that the run uses
 /// one interval of several, or a thousandth or less of times without a unit, or that a unit is not applied.
-std::vector<TableDoubt> doubts_as_input(const TableColumn& column, double end);
+std::vector<TableWarning> input_warnings(const TableColumn& column, double end);
 /// Doubts about data of a run from 0 to `end` (s): that times without a unit span a thousandth or less of
 /// it, that they end before it, or that a unit is not applied.
-std::vector<TableDoubt> doubts_as_data(const TableColumn& column, double end);
+std::vector<TableWarning> doubts_as_data(const TableColumn& column, double end);
 
 /// A time series by the key that it is the value of.
 struct NamedSeries {

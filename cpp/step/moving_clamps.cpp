@@ -72,7 +72,7 @@ void MovingClamps::evaluate(const TimeStep& step, At& at) const {
   at.t = -1;
   at.reach = reach;
   at.forced = 0;
-  together(space_.comm(), [&] {
+  on_all_ranks(space_.comm(), [&] {
     std::array<double, 3> here{}, there{}, rate{};
     for (const Clamp& clamp : clamps_)
       for (int node : clamp.nodes) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "step/parameter_rates.h"
-#include "contact/massless.h"
+#include "contact/mass_redistribution.h"
 #include "scene/unknown_limits.h"
 #include <algorithm>
 #include <array>
@@ -76,8 +76,8 @@ void ParameterRates::add_material(const scene::Scene& scene, const scene::Unknow
   else {
     petsc::Matrix M = assembled(fem::Form::m_rho);
     if (scene::takes_mass(stepper_.contact_scheme()))
-      M = contact::massless(stepper_.space(), *stepper_.pairs(), contact::massless_obstacles(scene.contacts),
-                            M);
+      M = contact::redistributed_mass(stepper_.space(), *stepper_.pairs(),
+                                      contact::obstacles_without_mass(scene.contacts), M);
     rate.M = fem::symmetric_half(M);
     add_gravity(scene, rate);
   }
@@ -92,8 +92,8 @@ void ParameterRates::add_gravity(const scene::Scene& scene, Rate& rate) const {
   rate.force.emplace(stepper_.space(), *rate.load);
 }
 
-petsc::Matrix ParameterRates::massless_rate(const scene::Scene& scene, std::span<const double> values,
-                                            std::size_t j) const {
+petsc::Matrix ParameterRates::redistributed_mass_rate(const scene::Scene& scene,
+                                                      std::span<const double> values, std::size_t j) const {
   // Central differences of order 6, whose error for steps of a thousandth of the obstacle's own scale is
   // 1e-18, below their rounding of 1e-13.
   constexpr std::array weights{45.0 / 60, -9.0 / 60, 1.0 / 60};
@@ -111,8 +111,8 @@ petsc::Matrix ParameterRates::massless_rate(const scene::Scene& scene, std::span
       beside[j] += side * static_cast<double>(i + 1) * h;
       const contact::ContactPairs pairs(stepper_.space(), stepper_.clamped(),
                                         scene::with_values(scene, beside).contacts, scene.time);
-      const petsc::Matrix moved =
-          contact::massless(stepper_.space(), pairs, contact::massless_obstacles(scene.contacts), M);
+      const petsc::Matrix moved = contact::redistributed_mass(
+          stepper_.space(), pairs, contact::obstacles_without_mass(scene.contacts), M);
       check(MatAXPY(rate, side * weights[i] / h, moved, DIFFERENT_NONZERO_PATTERN));
     }
   return fem::symmetric_half(rate);
@@ -124,7 +124,7 @@ void ParameterRates::add_obstacle(const scene::Scene& scene, std::span<const dou
   rate.obstacle_rate = scene::obstacle_rate(scene, values, j);
   rate.pairs = stepper_.pairs()->rates(rate.obstacle, rate.obstacle_rate);
   if (rate.turns() && scene.contacts[static_cast<std::size_t>(rate.obstacle)].massless()) {
-    rate.M = massless_rate(scene, values, j);
+    rate.M = redistributed_mass_rate(scene, values, j);
     add_gravity(scene::with_values(scene, values), rate); // of the mass that moves from node to node
   }
 }

@@ -63,8 +63,8 @@ private:
   /// The weight of rate.M.
   void add_gravity(const scene::Scene& scene, Rate& rate) const;
   /// ∂M of massless contact by an obstacle's parameter.
-  [[nodiscard]] petsc::Matrix massless_rate(const scene::Scene& scene, std::span<const double> values,
-                                            std::size_t j) const;
+  [[nodiscard]] petsc::Matrix redistributed_mass_rate(const scene::Scene& scene,
+                                                      std::span<const double> values, std::size_t j) const;
 
   const Stepper& stepper_;
   std::vector<std::unique_ptr<Rate>> rates_;

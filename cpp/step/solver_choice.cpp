@@ -23,8 +23,8 @@ std::vector<int> constrained_nodes(const contact::ContactPairs* pairs) {
   return nodes;
 }
 
-/// Whether conjugate gradients take fewer iterations by columns on demand than by projection onto the active
-/// set, if all of these fit into the memory.
+/// Whether conjugate gradients take fewer iterations by columns on demand than by projection onto the
+/// active set, if all of these fit into the memory.
 bool condense_on_demand(const contact::ConstraintRows& rows, double solves, Mat D, double memory) {
   // A column, from zero, takes as many iterations as two or three steps, from their guesses. A step saves the
   // solves in which the set changes, 0.07 to 0.15 of one, and the projections (half-disc, block, disc-drop).
@@ -71,7 +71,7 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
                              const EliminationOrder& order) {
   constexpr double gigabyte = 1e9;
   const bool automatic = scene.linear == scene::LinearMethod::automatic;
-  const auto settle = [&](auto solver, double corner) -> decltype(solver.get()) {
+  const auto settle = [&](auto solver, double trailing_block) -> decltype(solver.get()) {
     const double needed = solver->estimate() + dense_bytes(pairs);
     const bool possible = solver->possible();
     std::string compared =
@@ -86,7 +86,7 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
       return nullptr;
     }
     if (automatic && solves > 0 && !full_) {
-      const DirectWork work(solver->work(), pairs ? pairs->count() : 0, corner);
+      const DirectWork work(solver->work(), pairs ? pairs->count() : 0, trailing_block);
       std::string times;
       if (!work.small() && iterate_if_quicker(work, solver->name(), solves, times))
         return nullptr;
@@ -101,8 +101,8 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
   if (ranks(petsc::comm(D_)) == 1) {
     auto solver = std::make_unique<SparseCholesky>(D_, constrained_nodes(pairs),
                                                    std::numeric_limits<int>::max(), order);
-    const double corner = solver->corner_size();
-    cholesky_ = settle(std::move(solver), corner);
+    const double trailing_block = solver->trailing_size();
+    cholesky_ = settle(std::move(solver), trailing_block);
   } else {
     mumps_ = settle(std::make_unique<MumpsSolver>(D_), 0);
   }
@@ -154,14 +154,14 @@ std::unique_ptr<contact::ContactStepSolver> SolverChoice::by_linear(const contac
     }
     return std::make_unique<contact::ProjectedSolver>(pairs.rows(), pairs.diameter(), *iterative_, D_);
   }
-  std::unique_ptr<contact::Elimination> elimination;
+  std::unique_ptr<contact::Condensation> condensation;
   if (cholesky_)
-    elimination = std::make_unique<contact::TrailingBlockElimination>(pairs.rows(), *cholesky_);
+    condensation = std::make_unique<contact::TrailingBlockCondensation>(pairs.rows(), *cholesky_);
   else
-    elimination = std::make_unique<contact::StoredColumnsElimination>(
+    condensation = std::make_unique<contact::StoredColumnsCondensation>(
         pairs.rows(), *mumps_, petsc::vector_of(D_), scene.memory - linear_->bytes() - dense_bytes(&pairs));
   return std::make_unique<contact::CondensedSolver>(pairs.rows(), pairs.diameter(), D_,
-                                                    std::move(elimination), std::move(residual));
+                                                    std::move(condensation), std::move(residual));
 }
 
 SolverChoice::Memory SolverChoice::memory() const {

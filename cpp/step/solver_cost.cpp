@@ -24,10 +24,10 @@ constexpr double margin = 1.15;
 
 } // namespace
 
-DirectWork::DirectWork(const FactorWork& factor, double candidates, double corner)
-    : setup_flops(
-          factor.flops + candidates * candidates * candidates +
-          (corner > 0 ? candidates * corner * (corner + candidates) : 4 * factor.entries * candidates)),
+DirectWork::DirectWork(const FactorWork& factor, double candidates, double trailing_block)
+    : setup_flops(factor.flops + candidates * candidates * candidates +
+                  (trailing_block > 0 ? candidates * trailing_block * (trailing_block + candidates)
+                                      : 4 * factor.entries * candidates)),
       solve_bytes(2 * sizeof(double) * factor.entries) {}
 
 bool DirectWork::small() const { return setup_flops < small_setup * any_machine; }

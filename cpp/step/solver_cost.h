@@ -15,9 +15,9 @@ struct DirectWork {
   double setup_flops = 0;
   double solve_bytes = 0; ///< read by a solve
 
-  /// `candidates`: m; `corner`: unknowns of the candidates' nodes where these are last in the elimination
-  /// order, else 0, and the columns of D⁻¹N are solved for.
-  DirectWork(const FactorWork& factor, double candidates, double corner);
+  /// `candidates`: m; `trailing_block`: unknowns of the candidates' nodes where these are last in the
+  /// elimination order, else 0, and the columns of D⁻¹N are solved for.
+  DirectWork(const FactorWork& factor, double candidates, double trailing_block);
 
   /// Whether set-up takes so little on any machine that nothing is to be gained by another way: the choice
   /// then depends on no clock.

@@ -3,7 +3,7 @@
 #include "base/counters.h"
 #include "base/error.h"
 #include "contact/lcp/primal_dual.h"
-#include "contact/massless.h"
+#include "contact/mass_redistribution.h"
 #include "fem/wave_time.h"
 #include "linalg/threaded_product.h"
 #include <algorithm>
@@ -55,17 +55,18 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
                  Needs needs)
     : space_(space), operators_(operators), contact_scheme_(scene.contact_scheme()),
       wave_time_(step::wave_time(space, scene)),
-      ladder_(scene.time.automatic()
-                  ? std::optional<StepLengths>(StepLengths(scene.time, shortest_step(scene.time, wave_time_)))
-                  : std::nullopt),
-      end_(ladder_ ? ladder_->end : scene.time.steps * scene.time.step),
-      first_length_(ladder_ ? ladder_->shortest_step() : scene.time.step), clamped_(space, scene.clamps) {
+      step_lengths_(scene.time.automatic() ? std::optional<StepLengths>(StepLengths(
+                                                 scene.time, shortest_step(scene.time, wave_time_)))
+                                           : std::nullopt),
+      end_(step_lengths_ ? step_lengths_->end : scene.time.steps * scene.time.step),
+      first_length_(step_lengths_ ? step_lengths_->shortest_step() : scene.time.step),
+      clamped_(space, scene.clamps) {
   if (!scene.contacts.empty())
     pairs_.emplace(space, clamped_, scene.contacts, scene.time);
   scene::Solver solver = scene.solver;
   if (needs.iterative)
     solver.linear = scene::LinearMethod::iterative;
-  const double solves = ladder_ ? 0 : needs.passes * scene.time.steps;
+  const double solves = step_lengths_ ? 0 : needs.passes * scene.time.steps;
   if (scene::takes_mass(contact_scheme_))
     move_mass(scene);
   if (pairs_ && contact_scheme_ == scene::ContactScheme::contact_stabilized)
@@ -77,9 +78,9 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
   lengths_.emplace(space, operators.A, clamped_, pairs(), solver, needs.derivatives, solves,
                    motion_.has_value(), [this, &materials = scene.materials](double tau) {
                      petsc::Matrix D = fem::assemble_step_operator(space_, materials, tau);
-                     if (massless_) {
+                     if (redistributed_mass_) {
                        check(MatAXPY(D, -1, *mass_blocks_, SUBSET_NONZERO_PATTERN));
-                       check(MatAXPY(D, 1, *massless_blocks_, DIFFERENT_NONZERO_PATTERN));
+                       check(MatAXPY(D, 1, *redistributed_blocks_, DIFFERENT_NONZERO_PATTERN));
                      }
                      return D;
                    });
@@ -88,13 +89,14 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
 
 void Stepper::move_mass(const scene::Scene& scene) {
   mass_blocks_ = fem::assemble_mass(space_, scene.materials);
-  massless_blocks_ =
-      contact::massless(space_, *pairs_, contact::massless_obstacles(scene.contacts), *mass_blocks_);
-  massless_ = fem::symmetric_half(*massless_blocks_);
+  redistributed_blocks_ = contact::redistributed_mass(
+      space_, *pairs_, contact::obstacles_without_mass(scene.contacts), *mass_blocks_);
+  redistributed_mass_ = fem::symmetric_half(*redistributed_blocks_);
 }
 
 double Stepper::scheme_bytes() const {
-  return (massless_ ? petsc::bytes(*massless_) : 0) + (predictor_ ? predictor_->bytes() : 0);
+  return (redistributed_mass_ ? petsc::bytes(*redistributed_mass_) : 0) +
+         (predictor_ ? predictor_->bytes() : 0);
 }
 
 Stepper::Workspace Stepper::workspace() const {
@@ -112,7 +114,7 @@ Stepper::Workspace Stepper::workspace() const {
 
 void Stepper::right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functional source,
                               Workspace& work) const {
-  const std::optional<double> rho = massless_ ? std::nullopt : operators_.uniform_density;
+  const std::optional<double> rho = redistributed_mass_ ? std::nullopt : operators_.uniform_density;
   if (!source.density) {
     check(VecAXPBY(work.work, a, 0, z));
     check(MatMult(M(), work.work, work.r));
@@ -163,7 +165,7 @@ void set_velocity(const Scheme& scheme, const State& from, Vec jump, const State
 
 void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) const {
   const Scheme scheme = in.step.scheme();
-  const StepOperators::OfLength& with = of_length(scheme.tau);
+  const StepOperators::PerStepLength& with = of_length(scheme.tau);
   const std::span<const double> psi =
       pairs_ ? pairs_->psi(in.step.end, *work.gaps) : std::span<const double>();
   const Vec jump = predictor_
@@ -193,7 +195,7 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
   ++steps;
 }
 
-const contact::ContactStepSolver* Stepper::contact_solver(const StepOperators::OfLength& with,
+const contact::ContactStepSolver* Stepper::contact_solver(const StepOperators::PerStepLength& with,
                                                           Workspace& work) const {
   const contact::ContactStepSolver* solver = with.solver->contact();
   if (solver && std::exchange(work.tau, with.tau) != with.tau)
@@ -204,7 +206,7 @@ const contact::ContactStepSolver* Stepper::contact_solver(const StepOperators::O
 void Stepper::solve_on_active_set(double tau, Direction direction,
                                   const contact::ContactLinearisation& contact, std::span<const double> value,
                                   Vec x, std::span<double> multipliers, Workspace& work) const {
-  const StepOperators::OfLength& with = of_length(tau);
+  const StepOperators::PerStepLength& with = of_length(tau);
   if (const contact::ContactStepSolver* solver = contact_solver(with, work)) {
     const contact::LinearisedContact step{work.r, contact.active, contact.equations, value, x, multipliers};
     if (direction == Direction::linearised)

@@ -74,7 +74,7 @@ public:
   Stepper& operator=(const Stepper&) = delete;
 
   /// The lengths that steps may have; null if all have the scene's.
-  [[nodiscard]] const StepLengths* ladder() const { return ladder_ ? &*ladder_ : nullptr; }
+  [[nodiscard]] const StepLengths* step_lengths() const { return step_lengths_ ? &*step_lengths_ : nullptr; }
   /// The end of motions, s.
   [[nodiscard]] double end() const { return end_; }
   /// The length of a first step of which none is chosen yet, s.
@@ -85,14 +85,14 @@ public:
   /// Of the latest step; those of other lengths solve by the same method. Valid until the next step.
   [[nodiscard]] const SolverChoice& solver() const { return *lengths_->latest().solver; }
   /// What steps of a length need; valid until the next step. Collective.
-  [[nodiscard]] const StepOperators::OfLength& of_length(double tau) const { return lengths_->at(tau); }
+  [[nodiscard]] const StepOperators::PerStepLength& of_length(double tau) const { return lengths_->at(tau); }
   /// Number of lengths that were factorised, each time counted.
   [[nodiscard]] int factorisations() const { return lengths_->made(); }
   /// Seconds that these took.
   [[nodiscard]] double factorisation_seconds() const { return lengths_->seconds(); }
   [[nodiscard]] scene::ContactScheme contact_scheme() const { return contact_scheme_; }
   /// The mass matrix M of this run: the body's, or with massless contact EᵀME (docs/method.md section 2).
-  [[nodiscard]] Mat M() const { return massless_ ? Mat(*massless_) : Mat(operators_.M); }
+  [[nodiscard]] Mat M() const { return redistributed_mass_ ? Mat(*redistributed_mass_) : Mat(operators_.M); }
   /// Null except in contact-stabilized stepping.
   [[nodiscard]] const PredictorProjection* predictor() const { return predictor_ ? &*predictor_ : nullptr; }
   /// Null where no clamp moves.
@@ -157,7 +157,7 @@ public:
   Vec adjoint_start(const AdjointStep& step, Workspace& work) const;
 
 private:
-  /// Removes the mass from contact nodes, and sets massless_.
+  /// Removes the mass from contact nodes, and sets redistributed_mass_.
   void move_mass(const scene::Scene& scene);
   /// work.r = R x + a M z + b source on the free dofs, zero on the clamped ones: of steps and adjoint steps.
   void right_hand_side(Mat R, Vec x, double a, Vec z, double b, Functional source, Workspace& work) const;
@@ -165,7 +165,7 @@ private:
   Vec linearised_right_hand_side(const LinearisedStep& step, const contact::ContactLinearisation& contact,
                                  Workspace& work) const;
   /// The contact solver of a length, with scratch that is fit for it; null without contact.
-  const contact::ContactStepSolver* contact_solver(const StepOperators::OfLength& with,
+  const contact::ContactStepSolver* contact_solver(const StepOperators::PerStepLength& with,
                                                    Workspace& work) const;
   enum class Direction { linearised, transposed };
   /// Solves a linearised or transposed step for work.r on the active set of `contact`, with `value` and
@@ -185,12 +185,13 @@ private:
   const fem::Operators& operators_;
   scene::ContactScheme contact_scheme_;
   double wave_time_;
-  std::optional<StepLengths> ladder_;
+  std::optional<StepLengths> step_lengths_;
   double end_, first_length_;
   fem::DirichletDofs clamped_;
   std::optional<MovingClamps> motion_;
   std::optional<contact::ContactPairs> pairs_;
-  std::optional<petsc::Matrix> massless_, mass_blocks_, massless_blocks_; ///< in halves; M and that in blocks
+  std::optional<petsc::Matrix> redistributed_mass_, mass_blocks_,
+      redistributed_blocks_; ///< in halves; M and that in blocks
   std::optional<PredictorProjection> predictor_;
   std::optional<StepOperators> lengths_;
 };

@@ -12,14 +12,14 @@ StepOperators::StepOperators(const fem::Space& space, Mat A, const fem::Dirichle
     : space_(space), A_(A), clamped_(clamped), pairs_(pairs), scene_(solver), derivatives_(derivatives),
       solves_(solves), whole_(whole), assemble_(std::move(assemble)) {}
 
-const StepOperators::OfLength& StepOperators::at(double tau) const {
-  const auto known = std::ranges::find(lengths_, tau, &OfLength::tau);
+const StepOperators::PerStepLength& StepOperators::at(double tau) const {
+  const auto known = std::ranges::find(lengths_, tau, &PerStepLength::tau);
   if (known != lengths_.end()) {
     lengths_.splice(lengths_.begin(), lengths_, known);
     return lengths_.front();
   }
   double held = 0;
-  for (const OfLength& one : lengths_)
+  for (const PerStepLength& one : lengths_)
     held += one.bytes;
   // Another length takes as much as the last one did.
   while (!lengths_.empty() && held + lengths_.front().bytes > scene_.memory) {
@@ -45,8 +45,8 @@ contact::Residual StepOperators::residual(double tau, Mat R) const {
   };
 }
 
-StepOperators::OfLength StepOperators::make(double tau) const {
-  OfLength made{.tau = tau};
+StepOperators::PerStepLength StepOperators::make(double tau) const {
+  PerStepLength made{.tau = tau};
   petsc::Matrix D = assemble_(tau);
   made.R = fem::shifted(A_, D, 2 * Scheme{tau}.stiffness());
   thread_products(made.R);

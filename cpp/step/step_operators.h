@@ -14,7 +14,7 @@ namespace signorini::step {
 /// first length, and all others follow: their D has the same entries, and shorter steps are the easier ones.
 class StepOperators {
 public:
-  struct OfLength {
+  struct PerStepLength {
     double tau; ///< s
     petsc::Matrix R{};
     petsc::Matrix whole_D{};     ///< before clamped dofs were decoupled; null where no clamp moves
@@ -33,16 +33,16 @@ public:
                 double solves, bool whole, Assemble assemble);
 
   /// Those of a length; valid until the next call. Collective. Throws SolverFailure.
-  const OfLength& at(double tau) const;
+  const PerStepLength& at(double tau) const;
   /// Those returned last; at() must have been called before.
-  [[nodiscard]] const OfLength& latest() const { return lengths_.front(); }
+  [[nodiscard]] const PerStepLength& latest() const { return lengths_.front(); }
 
   /// Number of lengths that were factorised, each time counted, and how long that took, s.
   [[nodiscard]] int made() const { return made_; }
   [[nodiscard]] double seconds() const { return seconds_; }
 
 private:
-  [[nodiscard]] OfLength make(double tau) const;
+  [[nodiscard]] PerStepLength make(double tau) const;
   /// Of D, by products with R and A.
   [[nodiscard]] contact::Residual residual(double tau, Mat R) const;
 
@@ -55,8 +55,8 @@ private:
   double solves_;
   bool whole_;
   Assemble assemble_;
-  mutable EliminationOrder order_;      ///< likewise
-  mutable std::list<OfLength> lengths_; ///< the one used last in front
+  mutable EliminationOrder order_;           ///< likewise
+  mutable std::list<PerStepLength> lengths_; ///< the one used last in front
   mutable int made_ = 0;
   mutable double seconds_ = 0;
 };

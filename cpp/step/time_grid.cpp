@@ -28,16 +28,19 @@ int StepLengths::level(double tau) const { return static_cast<int>(std::lround(s
 
 TimeGrid::TimeGrid(double tau, int steps) : TimeGrid(Steps{tau, steps, {}, {}}) {}
 
-TimeGrid::TimeGrid(const StepLengths& ladder) : TimeGrid(Steps{ladder.shortest_step(), 0, ladder, {0}}) {}
+TimeGrid::TimeGrid(const StepLengths& step_lengths)
+    : TimeGrid(Steps{step_lengths.shortest_step(), 0, step_lengths, {0}}) {}
 
 TimeGrid::TimeGrid(const scene::Time& time)
     : TimeGrid(time.automatic() ? TimeGrid(StepLengths(time, 0)) : TimeGrid(time.step, time.steps)) {}
 
-std::optional<TimeGrid> TimeGrid::of_levels(const StepLengths& ladder, const std::vector<double>& levels) {
-  TimeGridBuilder builder(ladder);
+std::optional<TimeGrid> TimeGrid::of_levels(const StepLengths& step_lengths,
+                                            const std::vector<double>& levels) {
+  TimeGridBuilder builder(step_lengths);
   for (const double level : levels) {
     const int whole = static_cast<int>(level);
-    if (builder.complete() || !(level >= builder.least_level() && level <= ladder.levels) || whole != level)
+    if (builder.complete() || !(level >= builder.least_level() && level <= step_lengths.levels) ||
+        whole != level)
       return std::nullopt;
     builder.add(whole);
   }
@@ -56,15 +59,15 @@ TimeGrid TimeGrid::first(int steps) const {
 int TimeGrid::steps() const { return equal() ? steps_->count : static_cast<int>(steps_->ticks.size()) - 1; }
 
 bool TimeGrid::complete() const {
-  return equal() ||
-         steps_->ticks.back() == steps_->ladder->longest * StepLengths::parts(steps_->ladder->levels);
+  return equal() || steps_->ticks.back() ==
+                        steps_->step_lengths->longest * StepLengths::parts(steps_->step_lengths->levels);
 }
 
 double TimeGrid::time(int k) const {
   if (equal())
     return k * steps_->tick;
   return k > 0 && k == steps() && complete()
-             ? steps_->ladder->end
+             ? steps_->step_lengths->end
              : static_cast<double>(steps_->ticks[static_cast<std::size_t>(k)]) * steps_->tick;
 }
 
@@ -72,7 +75,7 @@ double TimeGrid::length(int k) const {
   if (equal())
     return steps_->tick;
   if (steps() == 0)
-    return steps_->ladder->shortest_step();
+    return steps_->step_lengths->shortest_step();
   const auto i = static_cast<std::size_t>(std::max(k, 1));
   return static_cast<double>(steps_->ticks[i] - steps_->ticks[i - 1]) * steps_->tick;
 }
@@ -81,7 +84,7 @@ double TimeGrid::middle(int k) const {
   return equal() ? (k - 0.5) * steps_->tick : time(k - 1) + length(k) / 2;
 }
 
-double TimeGrid::end() const { return equal() ? time(steps()) : steps_->ladder->end; }
+double TimeGrid::end() const { return equal() ? time(steps()) : steps_->step_lengths->end; }
 
 TimeGrid::Place TimeGrid::place(double t) const {
   if (equal()) {
@@ -101,26 +104,27 @@ TimeGrid::Place TimeGrid::place(double t) const {
 std::vector<double> TimeGrid::levels() const {
   std::vector<double> all;
   for (int k = 1; !equal() && k <= steps(); ++k)
-    all.push_back(steps_->ladder->level(length(k)));
+    all.push_back(steps_->step_lengths->level(length(k)));
   return all;
 }
 
 int TimeGridBuilder::least_level() const {
   const std::int64_t here = ticks_.back();
-  return here == 0 ? 0 : std::max(0, ladder_.levels - std::countr_zero(static_cast<std::uint64_t>(here)));
+  return here == 0 ? 0
+                   : std::max(0, step_lengths_.levels - std::countr_zero(static_cast<std::uint64_t>(here)));
 }
 
 TimeStep TimeGridBuilder::add(int level) {
-  const std::int64_t before = ticks_.back(), length = StepLengths::parts(ladder_.levels - level);
+  const std::int64_t before = ticks_.back(), length = StepLengths::parts(step_lengths_.levels - level);
   ticks_.push_back(before + length);
-  const double tick = ladder_.shortest_step();
+  const double tick = step_lengths_.shortest_step();
   return {steps(), static_cast<double>(before) * tick,
-          complete() ? ladder_.end : static_cast<double>(ticks_.back()) * tick,
+          complete() ? step_lengths_.end : static_cast<double>(ticks_.back()) * tick,
           static_cast<double>(length) * tick};
 }
 
 TimeGrid TimeGridBuilder::grid() const {
-  return TimeGrid(TimeGrid::Steps{ladder_.shortest_step(), 0, ladder_, ticks_});
+  return TimeGrid(TimeGrid::Steps{step_lengths_.shortest_step(), 0, step_lengths_, ticks_});
 }
 
 } // namespace signorini::step

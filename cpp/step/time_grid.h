@@ -28,7 +28,7 @@ struct StepLengths {
   /// The length of the longest, the shortest steps, s.
   [[nodiscard]] double longest_step() const { return length(0); }
   [[nodiscard]] double shortest_step() const { return length(levels); }
-  /// The level of a step of the ladder.
+  /// The level of a step of these lengths.
   [[nodiscard]] int level(double tau) const;
   /// 2^level.
   [[nodiscard]] static std::int64_t parts(int level) { return std::int64_t(1) << level; }
@@ -44,18 +44,19 @@ struct TimeStep {
   [[nodiscard]] Scheme scheme() const { return {tau}; }
 };
 
-/// The times of a motion's steps, t_0 = 0, t_k = t_{k−1} + τ_k: N equal ones, or some of a ladder. Never
-/// changes; copies are cheap.
+/// The times of a motion's steps, t_0 = 0, t_k = t_{k−1} + τ_k: N equal ones, or some of a set of lengths.
+/// Never changes; copies are cheap.
 class TimeGrid {
 public:
   /// N steps of length `tau`.
   TimeGrid(double tau, int steps);
-  /// No steps: their lengths are still to be chosen from a ladder.
-  explicit TimeGrid(const StepLengths& ladder);
+  /// No steps: their lengths are still to be chosen from a set of lengths.
+  explicit TimeGrid(const StepLengths& step_lengths);
   /// Of a scene: all steps, or none where their lengths vary.
   explicit TimeGrid(const scene::Time& time);
-  /// Steps of a ladder by their levels, as levels() returns them; nothing unless they make up the motion.
-  [[nodiscard]] static std::optional<TimeGrid> of_levels(const StepLengths& ladder,
+  /// Steps of a set of lengths by their levels, as levels() returns them; nothing unless they make up the
+  /// motion.
+  [[nodiscard]] static std::optional<TimeGrid> of_levels(const StepLengths& step_lengths,
                                                          const std::vector<double>& levels);
 
   /// The first steps alone, N or fewer.
@@ -66,7 +67,7 @@ public:
   /// Whether the steps reach the end of the motion.
   [[nodiscard]] bool complete() const;
   /// Whether all steps have the same length, as the scene says.
-  [[nodiscard]] bool equal() const { return !steps_->ladder; }
+  [[nodiscard]] bool equal() const { return !steps_->step_lengths; }
 
   [[nodiscard]] double time(int k) const;
   /// τ_k, k = 1 … N; for k = 0, where states have no step that led to them, τ_1.
@@ -85,7 +86,7 @@ public:
   };
   [[nodiscard]] Place place(double t) const;
 
-  /// The levels of all steps on their ladder; none of equal ones.
+  /// The levels of all steps on their lengths; none of equal ones.
   [[nodiscard]] std::vector<double> levels() const;
 
 private:
@@ -93,20 +94,20 @@ private:
   struct Steps {
     double tick; ///< the length of which all others are multiples, s
     int count;   ///< of equal steps
-    std::optional<StepLengths> ladder;
-    std::vector<std::int64_t> ticks; ///< t_k on a ladder
+    std::optional<StepLengths> step_lengths;
+    std::vector<std::int64_t> ticks; ///< t_k in units of the shortest length
   };
   explicit TimeGrid(Steps steps) : steps_(std::make_shared<const Steps>(std::move(steps))) {}
 
   std::shared_ptr<const Steps> steps_;
 };
 
-/// Makes a TimeGrid on a ladder step by step, while a motion is made.
+/// Makes a TimeGrid of such lengths step by step, while a motion is made.
 class TimeGridBuilder {
 public:
-  explicit TimeGridBuilder(const StepLengths& ladder) : ladder_(ladder), ticks_{0} {}
+  explicit TimeGridBuilder(const StepLengths& step_lengths) : step_lengths_(step_lengths), ticks_{0} {}
 
-  [[nodiscard]] const StepLengths& ladder() const { return ladder_; }
+  [[nodiscard]] const StepLengths& step_lengths() const { return step_lengths_; }
   [[nodiscard]] int steps() const { return static_cast<int>(ticks_.size()) - 1; }
   /// Whether the steps reach the end of the motion.
   [[nodiscard]] bool complete() const { return ticks_.back() == all_ticks(); }
@@ -123,10 +124,10 @@ public:
 
 private:
   [[nodiscard]] std::int64_t all_ticks() const {
-    return ladder_.longest * StepLengths::parts(ladder_.levels);
+    return step_lengths_.longest * StepLengths::parts(step_lengths_.levels);
   }
 
-  StepLengths ladder_;
+  StepLengths step_lengths_;
   std::vector<std::int64_t> ticks_; ///< t_k in units of the shortest length
 };
 

@@ -121,7 +121,7 @@ double Approach::until_moving(std::size_t obstacle, double t) const {
     return 0;
   // Farther and farther, so that what is near is looked at closely.
   double from = t;
-  for (double length = stepper_.ladder()->shortest_step(); from < stepper_.end(); length *= 2) {
+  for (double length = stepper_.step_lengths()->shortest_step(); from < stepper_.end(); length *= 2) {
     const double to = std::min(from + length, stepper_.end());
     for (const std::unique_ptr<fem::TimeProfile>& profile : obstacles_[obstacle])
       if (std::ranges::any_of(profile->times(from, to), touches))

@@ -32,7 +32,7 @@ constexpr double price_in_plane = 40, price_in_space = 80, price_if_iterative = 
 StepControl::StepControl(const step::Stepper& stepper, const scene::Scene& scene)
     : stepper_(stepper), quantity_(scene.time.quantity), tolerance_(scene.time.tolerance),
       waves_(2 * fem::crossing_time(stepper.space(), scene.materials)), window_(stepper.wave_time()),
-      steps_(*stepper.ladder()), floor_(steps_.ladder().levels), errors_(stepper, scene),
+      steps_(*stepper.step_lengths()), floor_(steps_.step_lengths().levels), errors_(stepper, scene),
       approach_(stepper, scene, errors_), used_(static_cast<std::size_t>(floor_) + 1),
       rejections_(used_.size()), difference_(stepper.space().vector()) {
   price_ = stepper.solver().iterates()  ? price_if_iterative
@@ -63,7 +63,7 @@ void StepControl::start(Vec y, Vec v, const step::ForceAtStep& load) {
   };
   strained_ = !is_rigid(y) || !is_rigid(v) || load.variation(0, stepper_.end()) > 0;
   if (!strained_) {
-    const double tau = stepper_.ladder()->shortest_step();
+    const double tau = stepper_.step_lengths()->shortest_step();
     assemble(load.at({1, 0, tau, tau}), stepper_.operators(), difference_);
     stepper_.clamped().clear(difference_);
     PetscReal size = 0, rest = 0;
@@ -96,7 +96,7 @@ bool StepControl::lets_vibration_go() const {
 }
 
 int StepControl::judged(const Frame& frame) {
-  const int level = steps_.ladder().level(frame.step.tau);
+  const int level = steps_.step_lengths().level(frame.step.tau);
   const StepErrors::Step step = errors_.judge(frame);
   if (level == floor_)
     return level;
@@ -116,7 +116,7 @@ int StepControl::judged(const Frame& frame) {
 }
 
 bool StepControl::accepts(const Frame& frame) {
-  const int level = steps_.ladder().level(frame.step.tau);
+  const int level = steps_.step_lengths().level(frame.step.tau);
   int decided = judged(frame);
   // Every rank has the same sums, but a difference in rounding must not divide them.
   MPI_Bcast(&decided, 1, MPI_INT, 0, stepper_.space().comm());
@@ -154,7 +154,7 @@ void StepControl::remember(const Frame& frame) {
     ++stored_;
   };
   // Where a longer step may begin.
-  const auto fits = [longer = steps_.ladder().level(frame.step.tau) - apart_levels](int least) {
+  const auto fits = [longer = steps_.step_lengths().level(frame.step.tau) - apart_levels](int least) {
     return least <= longer;
   };
   if (stored_ == 0 && fits(least_level_))
@@ -166,9 +166,9 @@ void StepControl::remember(const Frame& frame) {
 }
 
 int StepControl::next(int level) {
-  const step::StepLengths& ladder = steps_.ladder();
+  const step::StepLengths& step_lengths = steps_.step_lengths();
   until_touch_ = approach_.until_touch(time_);
-  const double left = ladder.end - time_, ahead = std::min(until_touch_, left);
+  const double left = step_lengths.end - time_, ahead = std::min(until_touch_, left);
   if (errors_.contact()) {
     level = worth(grown(level), std::min(lasts(), ahead));
   } else if (!strained_ || lets_vibration_go()) {
@@ -176,10 +176,10 @@ int StepControl::next(int level) {
   } else {
     level = worth(grown(level), ahead);
   }
-  if (ladder.length(level) > until_touch_)
+  if (step_lengths.length(level) > until_touch_)
     level = worth(longest_within(until_touch_), ahead);
   const auto resolved = [&](int one) {
-    const double to = std::min(time_ + ladder.length(one), ladder.end);
+    const double to = std::min(time_ + step_lengths.length(one), step_lengths.end);
     return load_->variation(time_, to) <= of_load * tolerance_ &&
            approach_.smooth(time_, to, of_load * tolerance_ * errors_.scale(), of_load * tolerance_);
   };
@@ -191,25 +191,25 @@ int StepControl::next(int level) {
 int StepControl::longest_within(double time) const {
   constexpr double hair = 1e-9; // where a length fills the time, in any unit
   int level = floor_;
-  while (level >= flight_levels && steps_.ladder().length(level - flight_levels) <= (1 + hair) * time)
+  while (level >= flight_levels && steps_.step_lengths().length(level - flight_levels) <= (1 + hair) * time)
     level -= flight_levels;
   return level;
 }
 
 int StepControl::worth(int level, double ahead) const {
-  const step::StepLengths& ladder = steps_.ladder();
+  const step::StepLengths& step_lengths = steps_.step_lengths();
   int known = std::max(level, steps_.least_level());
   while (!used_[static_cast<std::size_t>(known)])
     ++known; // to the floor
   if (level < steps_.least_level() || known == level)
     return known;
-  const double saved = ahead / ladder.length(known) - ahead / ladder.length(level);
+  const double saved = ahead / step_lengths.length(known) - ahead / step_lengths.length(level);
   return saved > price_ ? level : known;
 }
 
 int StepControl::grown(int level) {
-  const step::StepLengths& ladder = steps_.ladder();
-  const double tau = ladder.length(level);
+  const step::StepLengths& step_lengths = steps_.step_lengths();
+  const double tau = step_lengths.length(level);
   const int steps = apart * (stored_ - 1);
   if (!fresh_ || steps < settled)
     return level;

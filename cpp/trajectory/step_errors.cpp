@@ -179,7 +179,7 @@ StepErrors::Step StepErrors::judge(const Frame& frame) {
   Step step;
   // The first step has no history, and the shortest ones are what others are measured by: they count where
   // vibration goes on to the next touch.
-  const bool shortest = stepper_.ladder()->level(frame.step.tau) >= stepper_.ladder()->levels;
+  const bool shortest = stepper_.step_lengths()->level(frame.step.tau) >= stepper_.step_lengths()->levels;
   const bool judges = known_ > 1 && (!shortest || (!contact_.lasts && contact_.steps > 0));
   const double error = judges ? error_of(frame, frame.contact.active != active_) : 0;
   error_ = shortest ? of_shortest * error : error;
@@ -300,7 +300,7 @@ void StepErrors::take_contact(const Frame& frame) {
     flight_.error += error_;
   } else {
     flight_ = {};
-    if (stepper_.ladder()->level(frame.step.tau) < stepper_.ladder()->levels) {
+    if (stepper_.step_lengths()->level(frame.step.tau) < stepper_.step_lengths()->levels) {
       contact_error_ += error_;
       first_long_ = std::min(first_long_, begin);
     }
@@ -354,7 +354,7 @@ std::vector<Warning> StepErrors::warnings() const {
                      "add up to {:.2g} of it, {:g} are meant (time.tolerance)",
                      vibration_.amplitude / scale_, vibration_.time, vibration_.error / scale_, tolerance_),
          vibration_.error / scale_, tolerance_});
-  if (const double most = most_turned * stepper_.ladder()->shortest_step() / stepper_.wave_time();
+  if (const double most = most_turned * stepper_.step_lengths()->shortest_step() / stepper_.wave_time();
       drift_ > most)
     found.push_back(
         {"rounding in flight",

@@ -10,7 +10,7 @@
 
 namespace signorini::trajectory {
 
-/// The kind of warnings by which peaks of the force are in doubt, and nothing else.
+/// The kind of warnings that concern peaks of the force alone.
 constexpr const char* peak_of_the_mesh = "peak of the mesh";
 
 /// Local errors of a motion in steps of varying length, by its own displacements and forces, and what they

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "arrays.h"
 #include "bindings.h"
-#include "control/metric.h"
+#include "control/riesz.h"
 #include "drivers/search.h"
 #include "rows.h"
 #include "scene.h"

@@ -22,7 +22,7 @@ void require_near(double found, double expected) { CHECK(std::abs(found / expect
 TEST_CASE("a body is told by its extent, mass and waves", "[forward]") {
   for (const char* degree : {"mesh.degree=1", "mesh.degree=2"}) {
     const diagnostics::BodyFigures block = figures("tests/data/block.toml", {degree});
-    CHECK((block.dim == 2 && block.doubts.empty()));
+    CHECK((block.dim == 2 && block.warnings.empty()));
     require_near(block.extent[0], 1);
     require_near(block.extent[1], 1);
     require_near(block.mass, 1);
@@ -79,10 +79,10 @@ TEST_CASE("units that were mistaken are doubted, and the scenes here are not", "
             "the body is 1e-06 m long"}}) {
     const diagnostics::BodyFigures found = figures("tests/data/block.toml", settings);
     INFO(said);
-    for (const std::string& doubt : found.doubts)
-      UNSCOPED_INFO(doubt);
-    REQUIRE(found.doubts.size() == 1);
-    CHECK_THAT(found.doubts.front(), ContainsSubstring(said));
+    for (const std::string& warning : found.warnings)
+      UNSCOPED_INFO(warning);
+    REQUIRE(found.warnings.size() == 1);
+    CHECK_THAT(found.warnings.front(), ContainsSubstring(said));
   }
   for (const auto& [file, overrides] :
        std::vector<std::pair<const char*, Settings>>{{"scenes/half-disc.toml", {"mesh.size=3"}},
@@ -95,6 +95,6 @@ TEST_CASE("units that were mistaken are doubted, and the scenes here are not", "
                                                      {"scenes/standing-wave.toml", {"mesh.size=1"}},
                                                      {"tests/data/block.toml", {}}}) {
     INFO(file);
-    CHECK(figures(file, overrides).doubts.empty());
+    CHECK(figures(file, overrides).warnings.empty());
   }
 }

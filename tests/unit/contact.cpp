@@ -112,7 +112,7 @@ TEST_CASE("a step that is long beside a fall through the body is refined from it
   const Parts parts({"time={end=1e4, step=1e4}", "contact.obstacle.normal=[1, 1]"});
   const contact::ConstraintRows& H = parts.H;
   const auto eliminated = [&](const MumpsSolver& factor) {
-    return std::make_unique<contact::StoredColumnsElimination>(H, factor, parts.space.vector(), 1e9);
+    return std::make_unique<contact::StoredColumnsCondensation>(H, factor, parts.space.vector(), 1e9);
   };
   MumpsSolver factor(parts.D);
   factor.factorise();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "contact/elimination.h"
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/threads.h"
+#include "contact/condensation.h"
 #include "contact_parts.h"
 #include "linalg/threaded_product.h"
 #include <catch2/catch_test_macros.hpp>
@@ -16,10 +16,10 @@ using test::Parts;
 
 namespace {
 
-std::vector<double> condensed(const contact::Elimination& elimination, int rows) {
+std::vector<double> condensed(const contact::Condensation& condensation, int rows) {
   std::vector<double> S;
   for (int i = 0; i < rows; ++i)
-    S.insert(S.end(), elimination.column(i).begin(), elimination.column(i).end());
+    S.insert(S.end(), condensation.column(i).begin(), condensation.column(i).end());
   return S;
 }
 
@@ -29,7 +29,7 @@ TEST_CASE("the condensed matrix is what D says", "[contact]") {
   const Parts parts;
   MumpsSolver D(parts.D);
   D.factorise();
-  const contact::StoredColumnsElimination columns(parts.pairs.rows(), D, parts.space.vector(), 1e9),
+  const contact::StoredColumnsCondensation columns(parts.pairs.rows(), D, parts.space.vector(), 1e9),
       solves(parts.pairs.rows(), D, parts.space.vector(), 0);
   CHECK(columns.bytes() > 0);
   CHECK(solves.bytes() == 0);
@@ -40,14 +40,14 @@ TEST_CASE("the condensed matrix is what D says", "[contact]") {
                 force = parts.space.vector();
   parts.H.apply(1, lambda, force);
   D.solve(force, direct);
-  for (const contact::StoredColumnsElimination* elimination : {&columns, &solves}) {
-    contact::Prediction prediction = elimination->prediction();
-    elimination->predict(zero, {}, prediction, slip);
+  for (const contact::StoredColumnsCondensation* condensation : {&columns, &solves}) {
+    contact::HalfSolve half_solve = condensation->half_solve();
+    condensation->predict(zero, {}, half_solve, slip);
     CHECK(std::ranges::all_of(slip, [](double s) { return s == 0; }));
-    elimination->finish(prediction, minus, y);
+    condensation->finish(half_solve, minus, y);
     CHECK(test::difference(y, direct) < 1e-13 * test::largest(direct));
     parts.H.apply_transpose(y, slip);
-    const std::vector<double> S = condensed(*elimination, static_cast<int>(m));
+    const std::vector<double> S = condensed(*condensation, static_cast<int>(m));
     for (std::size_t i = 0; i < m; ++i) {
       double product = 0;
       for (std::size_t j = 0; j < m; ++j)
@@ -62,14 +62,14 @@ TEST_CASE("solves are the same to the last bit on any number of threads", "[cont
     return; // CHOLMOD factorises on one rank
   const int before = threads();
   const Parts parts({"mesh.size=0.01", "contact.on=boundary", "contact.obstacle.point=[0, -9]"});
-  std::vector<int> corner;
+  std::vector<int> trailing_block;
   for (PetscInt dof : parts.pairs.first_dofs())
-    corner.push_back(static_cast<int>(dof / 2));
+    trailing_block.push_back(static_cast<int>(dof / 2));
   const petsc::Vector r = parts.pressing(1);
   std::vector<double> first;
   for (int n : {1, 2, 3, 7}) {
     use_threads(MPI_COMM_WORLD, n);
-    SparseCholesky cholesky(parts.D, corner);
+    SparseCholesky cholesky(parts.D, trailing_block);
     cholesky.factorise();
     petsc::Vector y = parts.space.vector(), residual = parts.space.vector();
     cholesky.solve(r, y);
@@ -136,18 +136,18 @@ TEST_CASE("contact in the corner of the factor is contact everywhere", "[contact
   for (const char* size : {"mesh.size=0.2", "mesh.size=0.01"}) {
     const Parts parts({size, "contact.on=boundary", "contact.obstacle.point=[0, -9]"});
     const int m = parts.pairs.count();
-    std::vector<int> corner;
+    std::vector<int> trailing_block;
     for (PetscInt dof : parts.pairs.first_dofs())
-      corner.push_back(static_cast<int>(dof / 2));
-    SparseCholesky cholesky(parts.D, corner);
+      trailing_block.push_back(static_cast<int>(dof / 2));
+    SparseCholesky cholesky(parts.D, trailing_block);
     const double estimate = cholesky.estimate();
     cholesky.factorise();
     CHECK(cholesky.bytes() < 1.2 * estimate);
     CHECK(cholesky.bytes() > 0.5 * estimate);
     MumpsSolver mumps(parts.D);
     mumps.factorise();
-    const contact::TrailingBlockElimination fast(parts.pairs.rows(), cholesky);
-    const contact::StoredColumnsElimination slow(parts.pairs.rows(), mumps, parts.space.vector(), 0);
+    const contact::TrailingBlockCondensation fast(parts.pairs.rows(), cholesky);
+    const contact::StoredColumnsCondensation slow(parts.pairs.rows(), mumps, parts.space.vector(), 0);
     const std::vector<double> S = condensed(fast, parts.pairs.count()),
                               T = condensed(slow, parts.pairs.count());
     double worst = 0;
@@ -158,7 +158,7 @@ TEST_CASE("contact in the corner of the factor is contact everywhere", "[contact
     petsc::Vector y = parts.space.vector(), z = parts.space.vector(), target = parts.space.vector();
     mumps.solve(r, target);
     std::vector<double> a(static_cast<std::size_t>(m)), b(a.size()), lambda(a.size());
-    contact::Prediction of_fast = fast.prediction(), of_slow = slow.prediction();
+    contact::HalfSolve of_fast = fast.half_solve(), of_slow = slow.half_solve();
     fast.predict(r, {}, of_fast, a);
     slow.predict(r, {}, of_slow, b);
     for (std::size_t i = 0; i < a.size(); ++i) {
@@ -242,16 +242,16 @@ TEST_CASE("a direct solver is chosen by the memory of its factor and of two dens
   };
   const Parts parts(many);
   const double m = parts.pairs.count(), dense = 2 * m * m * sizeof(double);
-  std::vector<int> corner;
+  std::vector<int> trailing_block;
   for (PetscInt dof : parts.pairs.first_dofs())
-    corner.push_back(static_cast<int>(dof / 2));
+    trailing_block.push_back(static_cast<int>(dof / 2));
   if (ranks(MPI_COMM_WORLD) > 1) { // MUMPS says whole megabytes, and of another partition of the mesh others
     const double factor = MumpsSolver(parts.D).estimate();
     CHECK_FALSE(with(2 * factor + dense).solver.takes_guess());
     CHECK(with(factor / 2).solver.takes_guess());
     return;
   }
-  const double factor = SparseCholesky(parts.D, corner).estimate();
+  const double factor = SparseCholesky(parts.D, trailing_block).estimate();
   REQUIRE(dense > 1e-3 * factor); // a hundredth of it is then far beyond the rounding of their sum
   CHECK_FALSE(with(factor + 1.01 * dense).solver.takes_guess());
   CHECK(with(factor + 0.99 * dense).solver.takes_guess());

@@ -81,7 +81,7 @@ TEST_CASE("the error of steps of varying length is estimated by its first term",
       for (const int level : all)
         levels.insert(levels.end(), std::size_t(1) << halvings, level + halvings);
     }
-    const auto grid = step::TimeGrid::of_levels(*ready.problem.stepper.ladder(), levels);
+    const auto grid = step::TimeGrid::of_levels(*ready.problem.stepper.step_lengths(), levels);
     REQUIRE(grid);
     ready.problem.grid = *grid;
     problem::ControlProblem control_problem(ready.problem, test::silent());

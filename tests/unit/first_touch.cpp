@@ -100,19 +100,19 @@ TEST_CASE("the first touch in words", "[forward]") {
 }
 
 TEST_CASE("an obstacle far away is in doubt only where the body does not fly there", "[forward]") {
-  const auto doubts = [](const Settings& settings) {
+  const auto warnings = [](const Settings& settings) {
     const test::Ready ready("tests/data/block.toml", settings);
-    return diagnostics::body_figures(ready.problem.stepper, ready.scene).doubts;
+    return diagnostics::body_figures(ready.problem.stepper, ready.scene).warnings;
   };
   // Fifteen times the body away, a drop test: 15 m by a fall from rest take √3 s.
   const Settings drop{"contact.obstacle={ shape=\"half-space\", point=[0, -15], normal=[0, 1] }",
                       "initial.velocity=[\"0\", \"0\"]", "load.gravity=[0, -10]", "load.body=[\"0\", \"0\"]",
                       "time={ end=2, step=0.02 }"};
-  CHECK(doubts(drop).empty());
+  CHECK(warnings(drop).empty());
   Settings brief = drop;
   brief.emplace_back("time.end=1.5");
-  REQUIRE(doubts(brief).size() == 1);
-  CHECK_THAT(doubts(brief).front(),
+  REQUIRE(warnings(brief).size() == 1);
+  CHECK_THAT(warnings(brief).front(),
              ContainsSubstring("the obstacle is 15 m away from a body of 1 m, which") &&
                  ContainsSubstring("before 1.5 s") && ContainsSubstring("mesh.unit"));
 }

@@ -137,7 +137,7 @@ TEST_CASE("what data tell of two unknowns is the inverse of their normal matrix"
   CHECK(std::abs(known.deviations[0] - std::sqrt(5.0 / 16)) < 1e-14);
   CHECK(std::abs(known.deviations[1] - std::sqrt(4.0 / 16)) < 1e-14);
   CHECK(std::abs(known.correlations[1] + 2 / std::sqrt(20.0)) < 1e-14);
-  CHECK(known.untold.empty());
+  CHECK(known.unidentified.empty());
 }
 
 TEST_CASE("directions that nothing tells are said in words", "[optimize]") {
@@ -150,12 +150,12 @@ TEST_CASE("directions that nothing tells are said in words", "[optimize]") {
         std::pair(std::vector{1.0, 0.0}, "The data do not tell density.")}) {
     const std::vector<double> H{row[0] * row[0], row[0] * row[1], row[0] * row[1], row[1] * row[1]};
     const optimize::Identified known = optimize::identified(H, 2);
-    REQUIRE(known.untold.size() == 1);
-    CHECK(drivers::untold(logs, known.untold.front()) == words);
+    REQUIRE(known.unidentified.size() == 1);
+    CHECK(drivers::unidentified(logs, known.unidentified.front()) == words);
     CHECK(std::isinf(known.deviations[1]));
   }
   const std::vector<scene::Unknown> mixed{named("height", linear), named("speed", linear)};
-  CHECK(drivers::untold(mixed, {1, -0.5}) ==
+  CHECK(drivers::unidentified(mixed, {1, -0.5}) ==
         "The data do not tell height, speed apart: changes in the proportion of "
         "height by +1, speed by -0.5 leave "
         "all values as they are.");

@@ -4,10 +4,10 @@
 #include "io/checkpoint.h"
 #include "io/contact_table.h"
 #include "io/csv_tables.h"
-#include "io/fields.h"
+#include "io/field_reader.h"
+#include "io/field_writer.h"
 #include "io/manifest.h"
 #include "io/point_match.h"
-#include "io/stored_field.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <fmt/format.h>
@@ -116,7 +116,7 @@ TEST_CASE("a field that was stored is read as it was, linear between its times, 
     const fem::Space& space = ready.problem.space;
     io::OutputFolder output(space.comm(), folder.path);
     const std::vector<double> times{0, 0.3, 1.0 / 3, 1};
-    io::FieldFile file(space, output, "state.xdmf", {{"displacement", io::Values::nodal}}, times.size());
+    io::FieldWriter file(space, output, "state.xdmf", {{"displacement", io::Values::nodal}}, times.size());
     for (const std::size_t i : {2U, 0U, 3U, 1U})
       file.write("displacement", i, times[i], test::smooth(space, static_cast<int>(i) + 1));
     file.close();
@@ -173,8 +173,8 @@ TEST_CASE("a stored time costs the same however many came before, and the index 
   for (const std::size_t times : {100U, 200U, 400U}) {
     io::OutputFolder output(space.comm(), folder.path);
     const double before = bytes_written();
-    io::FieldFile file(space, output, "state.xdmf",
-                       {{"displacement", io::Values::nodal}, {"velocity", io::Values::nodal}}, times);
+    io::FieldWriter file(space, output, "state.xdmf",
+                         {{"displacement", io::Values::nodal}, {"velocity", io::Values::nodal}}, times);
     for (std::size_t i = 0; i < times; ++i)
       for (const char* field : {"displacement", "velocity"})
         file.write(field, i, 0.125 * static_cast<double>(i), values);

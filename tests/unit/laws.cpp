@@ -141,25 +141,26 @@ struct Rubbing {
   }
 
   std::unique_ptr<contact::CondensedSolver> make_solver(Kind kind) {
-    std::unique_ptr<contact::Elimination> elimination;
+    std::unique_ptr<contact::Condensation> condensation;
     if (kind == Kind::factor) {
-      std::vector<int> corner;
+      std::vector<int> trailing_block;
       for (const PetscInt dof : parts.pairs.first_dofs())
-        corner.push_back(static_cast<int>(dof / parts.space.dim()));
-      cholesky = std::make_unique<SparseCholesky>(parts.D, corner);
+        trailing_block.push_back(static_cast<int>(dof / parts.space.dim()));
+      cholesky = std::make_unique<SparseCholesky>(parts.D, trailing_block);
       cholesky->factorise();
-      elimination = std::make_unique<contact::TrailingBlockElimination>(H, *cholesky);
+      condensation = std::make_unique<contact::TrailingBlockCondensation>(H, *cholesky);
     } else if (kind == Kind::columns) {
       mumps = std::make_unique<MumpsSolver>(parts.D);
       mumps->factorise();
-      elimination = std::make_unique<contact::StoredColumnsElimination>(H, *mumps, parts.space.vector(), 1e9);
+      condensation =
+          std::make_unique<contact::StoredColumnsCondensation>(H, *mumps, parts.space.vector(), 1e9);
     } else {
-      elimination = std::make_unique<contact::ColumnsOnDemand>(
+      condensation = std::make_unique<contact::ColumnsOnDemand>(
           H, dynamic_cast<const ConjugateGradients&>(linear.linear()), parts.D,
           kind == Kind::on_demand ? 1e9 : 0);
     }
     return std::make_unique<contact::CondensedSolver>(H, parts.pairs.diameter(), parts.D,
-                                                      std::move(elimination), contact::Residual());
+                                                      std::move(condensation), contact::Residual());
   }
 
   contact::ContactState solve(Vec r, Vec y) {

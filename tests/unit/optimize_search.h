@@ -30,14 +30,14 @@ constexpr Method methods[] = {Method::projected_gradient, Method::lbfgs, Method:
 
 template <class P, class Checkpointer = NoCheckpointer>
 optimize::Result<Point> search(Method method, P& problem, const Point& from, const optimize::Options& options,
-                               Record& record, const Checkpointer& keeper = {}) {
+                               Record& record, const Checkpointer& checkpointer = {}) {
   switch (method) {
   case Method::lbfgs:
-    return optimize::minimize<optimize::Lbfgs>(problem, from, options, record, keeper);
+    return optimize::minimize<optimize::Lbfgs>(problem, from, options, record, checkpointer);
   case Method::newton_cg:
-    return optimize::minimize<optimize::NewtonCg>(problem, from, options, record, keeper);
+    return optimize::minimize<optimize::NewtonCg>(problem, from, options, record, checkpointer);
   default:
-    return optimize::minimize<optimize::ProjectedGradient>(problem, from, options, record, keeper);
+    return optimize::minimize<optimize::ProjectedGradient>(problem, from, options, record, checkpointer);
   }
 }
 

@@ -4,7 +4,7 @@
 #include "io/manifest.h"
 #include "scene/compatibility.h"
 #include "scene/expression.h"
-#include "scene/names.h"
+#include "scene/spelling.h"
 #include "scene/table.h"
 #include "scene/units.h"
 #include <catch2/catch_test_macros.hpp>
@@ -255,9 +255,9 @@ TEST_CASE("columns are converted by the units of their names", "[scene]") {
   // A name that matches whole is that name, whose values are as they are; it is said.
   const scene::TableColumn whole = scene::read_column("t,x [mm]\n0,5\n1,7\n", "x [mm]", {"m"});
   CHECK(whole.values == std::vector<double>{5, 7});
-  CHECK_THAT(scene::doubts_as_input(whole, 1).at(0).message, ContainsSubstring("column = \"x\" converts it"));
+  CHECK_THAT(scene::input_warnings(whole, 1).at(0).message, ContainsSubstring("column = \"x\" converts it"));
   CHECK(scene::doubts_as_data(whole, 1).size() == 1);
-  CHECK(scene::doubts_as_input(scene::read_column("t,x [1]\n0,5\n1,7\n", "x [1]"), 1).empty());
+  CHECK(scene::input_warnings(scene::read_column("t,x [1]\n0,5\n1,7\n", "x [1]"), 1).empty());
   // Of both names the one that matches whole counts, and a bracket within a name is part of it.
   CHECK(scene::TimeSeries("t,x [mm],x\n0,5,8\n1,7,9\n", "x").values() == std::vector<double>{8, 9});
   CHECK(scene::TimeSeries("t,x (filtered)\n0,5\n1,7\n", "x (filtered)").values() ==
@@ -293,19 +293,19 @@ TEST_CASE("a table that a run hardly uses is doubted", "[scene]") {
       text += fmt::format("{},{}\n", last * i / (rows - 1), i);
     return scene::read_column(text, "v");
   };
-  const auto one = [](const std::vector<scene::TableDoubt>& doubts, const char* text, double value) {
-    REQUIRE(doubts.size() == 1);
-    CHECK_THAT(doubts.front().message, ContainsSubstring(text));
-    CHECK(std::abs(doubts.front().value / value - 1) < 1e-12);
-    CHECK(doubts.front().value > doubts.front().limit);
+  const auto one = [](const std::vector<scene::TableWarning>& warnings, const char* text, double value) {
+    REQUIRE(warnings.size() == 1);
+    CHECK_THAT(warnings.front().message, ContainsSubstring(text));
+    CHECK(std::abs(warnings.front().value / value - 1) < 1e-12);
+    CHECK(warnings.front().value > warnings.front().limit);
   };
-  one(scene::doubts_as_input(table("t,v", 10, 11), 0.5), "uses one of 10 intervals", 10);
-  one(scene::doubts_as_input(table("t,v", 10, 11), 1), "a column \"t [ms]\" is converted", 10);
-  CHECK(scene::doubts_as_input(table("t,v", 10, 11), 1.5).empty());
-  one(scene::doubts_as_input(table("t,v", 1000, 100'001), 0.5), "a thousandth of the table or less", 2000);
-  one(scene::doubts_as_input(table("t,v", 1000, 2), 1), "a thousandth of the table or less", 1000); // in ms
-  CHECK(scene::doubts_as_input(table("t [s],v", 1000, 100'001), 0.5).empty());
-  CHECK(scene::doubts_as_input(table("t,v", 1, 2), 0.5).empty()); // all that it has
+  one(scene::input_warnings(table("t,v", 10, 11), 0.5), "uses one of 10 intervals", 10);
+  one(scene::input_warnings(table("t,v", 10, 11), 1), "a column \"t [ms]\" is converted", 10);
+  CHECK(scene::input_warnings(table("t,v", 10, 11), 1.5).empty());
+  one(scene::input_warnings(table("t,v", 1000, 100'001), 0.5), "a thousandth of the table or less", 2000);
+  one(scene::input_warnings(table("t,v", 1000, 2), 1), "a thousandth of the table or less", 1000); // in ms
+  CHECK(scene::input_warnings(table("t [s],v", 1000, 100'001), 0.5).empty());
+  CHECK(scene::input_warnings(table("t,v", 1, 2), 0.5).empty()); // all that it has
   one(scene::doubts_as_data(table("t,v", 1, 11), 1.2), "the data end at 1 s, the run at 1.2 s", 2);
   CHECK(scene::doubts_as_data(table("t,v", 1, 11), 1.1).empty()); // sampled as densely
   one(scene::doubts_as_data(table("t,v", 1e-3, 11), 2), "a thousandth of the run's 2 s or less", 2000);

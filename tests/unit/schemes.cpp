@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "contact/massless.h"
+#include "contact/mass_redistribution.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
 #include <random>
@@ -28,7 +28,8 @@ struct Moved {
       : scene(test::parse(test::source(file), overrides)), mesh(MPI_COMM_WORLD, scene.mesh),
         space(mesh, scene.mesh.degree), clamped(space, scene.clamps), pairs(space, clamped, scene.contacts),
         before(fem::assemble_mass(space, scene.materials)),
-        after(contact::massless(space, pairs, std::vector<bool>(scene.contacts.size(), true), before)) {}
+        after(contact::redistributed_mass(space, pairs, std::vector<bool>(scene.contacts.size(), true),
+                                          before)) {}
 };
 
 double product(Mat matrix, Vec x, Vec y) {

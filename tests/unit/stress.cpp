@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/dolfinx_versions.h"
 #include "contact/pressure.h"
-#include "fem/recovery.h"
+#include "fem/stress_recovery.h"
 #include "fixtures.h"
 #include "mesh/simplex.h"
 #include <catch2/catch_test_macros.hpp>

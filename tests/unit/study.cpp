@@ -308,7 +308,7 @@ TEST_CASE("a scheme that is named holds for every contact, and without one each 
   scene.contacts[0].mass = scene::ContactMass::massless;
   const auto masses = [&](const Choice& choice) {
     std::vector<std::pair<bool, bool>> found;
-    for (const Rung& rung : ladder(scene, choice)) {
+    for (const Rung& rung : all_rungs(scene, choice)) {
       const scene::Scene changed = on_rung(scene, rung);
       CHECK(changed.contact_scheme() == rung.scheme);
       found.emplace_back(changed.contacts[0].massless(), changed.contacts[1].massless());
@@ -318,12 +318,12 @@ TEST_CASE("a scheme that is named holds for every contact, and without one each 
   using Masses = std::vector<std::pair<bool, bool>>;
   const std::vector<double> size{0.25}, step{0.02};
   CHECK(masses({size, step, {}, {}}) == Masses{{true, false}});
-  CHECK(scheme_and_mass(ladder(scene, {size, step, {}, {}}).front().scheme).mass == "mixed");
+  CHECK(scheme_and_mass(all_rungs(scene, {size, step, {}, {}}).front().scheme).mass == "mixed");
   CHECK(masses({size, step, {}, {"contact-implicit", "contact-stabilized", "massless"}}) ==
         Masses{{false, false}, {false, false}, {true, true}});
   scene.contacts[1].mass = scene::ContactMass::massless;
   CHECK(masses({size, step, {}, {}}) == Masses{{true, true}});
-  CHECK(scheme_and_mass(ladder(scene, {size, step, {}, {}}).front().scheme).mass == "massless");
+  CHECK(scheme_and_mass(all_rungs(scene, {size, step, {}, {}}).front().scheme).mass == "massless");
 }
 
 TEST_CASE("units are those of the plane or of space, and of several obstacles each has its own quantities",
@@ -343,11 +343,11 @@ TEST_CASE("units are those of the plane or of space, and of several obstacles ea
 
 TEST_CASE("steps that the motion chooses are a family of their own", "[study]") {
   scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
-  std::vector<Rung> both = ladder(scene, {{1}, {}, {}, {}, {1e-2}});
+  std::vector<Rung> both = all_rungs(scene, {{1}, {}, {}, {}, {1e-2}});
   CHECK(std::ranges::count_if(both, &Rung::chooses_steps) == 1);
   CHECK(both.size() == 4);
   scene.time.step = 0, scene.time.steps = 0, scene.time.tolerance = 1e-2;
-  const std::vector<Rung> chosen = ladder(scene, {{1}, {}, {}, {}});
+  const std::vector<Rung> chosen = all_rungs(scene, {{1}, {}, {}, {}});
   REQUIRE(chosen.size() == 3);
   CHECK(chosen.front().tolerance == 1e-2);
   CHECK_THAT(chosen.back().tolerance, WithinRel(0.16, 1e-12));
@@ -355,7 +355,7 @@ TEST_CASE("steps that the motion chooses are a family of their own", "[study]") 
   CHECK(on_rung(scene, chosen.back()).time.automatic());
   CHECK(on_rung(scene, {.size = 1, .steps = 7}).time.step == scene.time.end / 7);
   for (const double wrong : {0.0, 0.6, std::nan("")})
-    CHECK_THROWS_AS(ladder(scene, {{1}, {}, {}, {}, {wrong}}), UserError);
+    CHECK_THROWS_AS(all_rungs(scene, {{1}, {}, {}, {}, {wrong}}), UserError);
 
   // Of 1 + 1/N and of 1 + tolerance, which is the square of their width: orders 1 and 2.
   std::vector<Result> results;
@@ -383,7 +383,7 @@ TEST_CASE("steps that the motion chooses are a family of their own", "[study]") 
 TEST_CASE("graded meshes are a family of their own", "[study]") {
   scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
   const Choice choice{.sizes = {1, 0.5}, .steps = {0.1}, .degrees{}, .schemes{}, .graded = true};
-  const std::vector<Rung> both = ladder(scene, choice);
+  const std::vector<Rung> both = all_rungs(scene, choice);
   REQUIRE(both.size() == 4);
   CHECK(std::ranges::count_if(both, &Rung::graded) == 2);
   scene.mesh.graded = "/some/graded.geo";
@@ -395,7 +395,7 @@ TEST_CASE("graded meshes are a family of their own", "[study]") {
     CHECK(mesh.size.has_value() != rung.graded);
   }
   scene.mesh.file = "/some/mesh.msh";
-  CHECK_THROWS_AS(ladder(scene, {.graded = true}), UserError);
+  CHECK_THROWS_AS(all_rungs(scene, {.graded = true}), UserError);
 
   // Of 1 + h and of 1 + h²/2.
   std::vector<Result> results;
@@ -416,10 +416,10 @@ TEST_CASE("graded meshes are a family of their own", "[study]") {
 TEST_CASE("steps that no number could count are refused", "[study]") {
   const scene::Scene scene = test::parse(test::source("tests/data/block.toml"));
   const double most = scene::Time::most_steps;
-  CHECK(ladder(scene, {{1}, {scene.time.end / most}, {}, {}}).front().steps == scene::Time::most_steps);
-  CHECK(ladder(scene, {{1}, {10 * scene.time.end}, {}, {}}).front().steps == 1);
+  CHECK(all_rungs(scene, {{1}, {scene.time.end / most}, {}, {}}).front().steps == scene::Time::most_steps);
+  CHECK(all_rungs(scene, {{1}, {10 * scene.time.end}, {}, {}}).front().steps == 1);
   for (const double step : {scene.time.end / (2 * most), 1e-20, 1e-300})
-    CHECK_THROWS_AS(ladder(scene, {{1}, {step}, {}, {}}), UserError);
+    CHECK_THROWS_AS(all_rungs(scene, {{1}, {step}, {}, {}}), UserError);
 }
 
 TEST_CASE("sampling ends on a mesh that sets its own density, in whole or in part", "[study]") {

@@ -46,7 +46,7 @@ TEST_CASE("prices are of the rung's own degree, and are corrected by what rungs 
   const CostModel cost({timed(100, 2), timed(6400, 2)}, 2), dear({timed(6400, 2)}, 2);
   // Three quarters of the size's power between the meshes known, as of a body whose edges limit the coarse
   // one.
-  Prices prices({{1, 2, {{4, 100}, {0.5, 100 * std::pow(8, 1.5)}}, cost}, {2, 2, {{1, 6400}}, dear}}, 3);
+  RungCosts prices({{1, 2, {{4, 100}, {0.5, 100 * std::pow(8, 1.5)}}, cost}, {2, 2, {{1, 6400}}, dear}}, 3);
   CHECK_THAT(prices.unknowns({2, 10, 1, {}}), WithinRel(100 * std::pow(2, 1.5), 1e-12));
   CHECK_THAT(prices.unknowns({0.25, 10, 1, {}}), WithinRel(400 * std::pow(8, 1.5), 1e-12));
   CHECK_THAT(prices.unknowns({8, 10, 1, {}}), WithinRel(25, 1e-12));

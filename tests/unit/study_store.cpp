@@ -59,12 +59,12 @@ Measured measured() {
 
 TEST_CASE("a rung comes back to the last bit, and a damaged one not at all", "[study]") {
   const Folder folder;
-  const Store store(folder / "study");
+  const RungCache store(folder / "study");
   const Fingerprint own{{"scene", ""}, {"forms", "1"}};
   CHECK_FALSE(store.load(rung, own, {J}).measured);
   CHECK(store.load(rung, own, {J}).unfit.empty()); // nothing is there to be wrong
   store.save(rung, own, measured());
-  const Kept kept = store.load(rung, own, {J, displacement});
+  const CachedRung kept = store.load(rung, own, {J, displacement});
   REQUIRE(kept.measured);
   CHECK(kept.unfit.empty());
   CHECK(kept.measured->numbers.at("J") == measured().numbers.at("J"));
@@ -81,7 +81,7 @@ TEST_CASE("a rung comes back to the last bit, and a damaged one not at all", "[s
   const std::string whole = content(file);
   const auto refused = [&](const std::string& text) {
     write(file, text);
-    const Kept found = store.load(rung, own, {});
+    const CachedRung found = store.load(rung, own, {});
     return !found.measured && found.unfit.find("damaged") != std::string::npos;
   };
   for (const std::size_t size : {std::size_t(0), std::size_t(1), whole.size() / 2, whole.size() - 1})

@@ -71,7 +71,7 @@ TEST_CASE("the outcome of a fit has every number where it belongs", "[io]") {
   fit.unknowns = {{.name = "young", .unit = "Pa", .value = 2e6, .deviation = 1250, .start = 1e6},
                   {.name = "shear viscosity", .unit = "Pa s", .deviation = INFINITY, .start = 3},
                   {.name = "throw", .value = -1.5, .deviation = 0.25, .start = -1, .at_bound = true}};
-  fit.untold = {"The data do not tell shear viscosity."};
+  fit.unidentified = {"The data do not tell shear viscosity."};
   fit.compared = {{"contact_start", "s", 0.25, 0.01, 0.27}, {"contact_end", "s", 0.5, 0, NAN}};
   fit.data = 12, fit.misfit = 0.416;
   const std::array<std::string, 3> pairs{"-0.70, of young and shear viscosity", "-0.70, of young and throw",

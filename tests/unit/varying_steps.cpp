@@ -48,15 +48,15 @@ std::set<double> lengths(const step::TimeGrid& grid) {
 
 TEST_CASE("steps of a ladder begin at multiples of their length and end where the motion does", "[forward]") {
   const double end = 0.7; // no binary fraction
-  const step::StepLengths ladder(end, 3, 4);
-  step::TimeGridBuilder builder(ladder);
-  CHECK(ladder.length(0) == end / 3);
+  const step::StepLengths step_lengths(end, 3, 4);
+  step::TimeGridBuilder builder(step_lengths);
+  CHECK(step_lengths.length(0) == end / 3);
   CHECK_FALSE(builder.complete());
   std::vector<double> levels;
   std::vector<step::TimeStep> steps;
   for (const int level : {0, 2, 3, 4, 4, 2, 2, 1, 3, 3, 2}) {
     REQUIRE(level >= builder.least_level());
-    builder.add(ladder.levels);
+    builder.add(step_lengths.levels);
     builder.remove(); // without a trace
     steps.push_back(builder.add(level));
     levels.push_back(level);
@@ -68,7 +68,7 @@ TEST_CASE("steps of a ladder begin at multiples of their length and end where th
   CHECK(grid.levels() == levels);
   for (int k = 1; k <= grid.steps(); ++k) {
     const double tau = grid.length(k);
-    CHECK(tau == ladder.length(static_cast<int>(levels[static_cast<std::size_t>(k) - 1])));
+    CHECK(tau == step_lengths.length(static_cast<int>(levels[static_cast<std::size_t>(k) - 1])));
     const step::TimeStep step = grid.step(k), &added = steps[static_cast<std::size_t>(k) - 1];
     CHECK((step.k == k && step.begin == grid.time(k - 1) && step.end == grid.time(k) && step.tau == tau));
     CHECK((added.k == k && added.begin == step.begin && added.end == step.end && added.tau == tau));
@@ -79,7 +79,9 @@ TEST_CASE("steps of a ladder begin at multiples of their length and end where th
   }
   CHECK(grid.place(0).k == 1);
   CHECK(grid.place(end).k == grid.steps());
-  const auto taken = [&](const std::vector<double>& some) { return step::TimeGrid::of_levels(ladder, some); };
+  const auto taken = [&](const std::vector<double>& some) {
+    return step::TimeGrid::of_levels(step_lengths, some);
+  };
   REQUIRE(taken(levels));
   CHECK(taken(levels)->levels() == levels);
   CHECK_FALSE(taken({0, 2, 1, 0, 0})); // the third begins at no multiple of its length
@@ -261,7 +263,7 @@ TEST_CASE("steps chosen by the energy are judged by that of their errors", "[for
     std::vector<petsc::Vector> y;
     double largest = 0;
     int judged = 0;
-    const double shortest = problem.stepper.ladder()->shortest_step();
+    const double shortest = problem.stepper.step_lengths()->shortest_step();
     std::vector<double> lengths{0};
     (void)trajectory::integrate_choosing(
         problem.stepper, problem.initial, problem.load(), control, [&](const trajectory::Frame& frame) {
@@ -303,7 +305,7 @@ TEST_CASE("steps of any lengths have no error where velocity is linear in time",
   const contact::ContactState open = stepper.contact_state();
   const auto largest_error = [&](double power) {
     trajectory::StepErrors errors(stepper, ready.scene);
-    step::TimeGridBuilder steps(*stepper.ladder());
+    step::TimeGridBuilder steps(*stepper.step_lengths());
     step::State before = stepper.state(), after = stepper.state();
     errors.start(zero, zero);
     double most = 0;
@@ -342,8 +344,8 @@ TEST_CASE("errors of steps in contact that are longer than the shortest add up t
         errors.accept(frame);
         if (!errors.contact())
           return;
-        const step::StepLengths& ladder = *problem.stepper.ladder();
-        (ladder.level(frame.step.tau) < ladder.levels ? longer : shortest) += 1;
+        const step::StepLengths& step_lengths = *problem.stepper.step_lengths();
+        (step_lengths.level(frame.step.tau) < step_lengths.levels ? longer : shortest) += 1;
         sum += error; // none of the shortest
       });
   REQUIRE(longer > 3);

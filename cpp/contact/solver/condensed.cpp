@@ -22,9 +22,9 @@ double deepest(std::span<const double> gap0) { return std::max(0.0, -std::ranges
 } // namespace
 
 CondensedSolver::CondensedSolver(const ConstraintRows& rows, double diameter, Mat D,
-                                 std::unique_ptr<const Elimination> elimination, Residual residual,
+                                 std::unique_ptr<const Condensation> condensation, Residual residual,
                                  double tolerance)
-    : rows_(rows), delassus_(rows, std::move(elimination)), complementarity_(rows, diameter, D),
+    : rows_(rows), delassus_(rows, std::move(condensation)), complementarity_(rows, diameter, D),
       residual_(std::move(residual)), tolerance_(tolerance), length_unit_(gap_tolerance(diameter)) {}
 
 Workspace CondensedSolver::workspace() const {
@@ -330,7 +330,7 @@ void CondensedSolver::solve_by_laws(const ContactProblem& step, Workspace& work)
 void CondensedSolver::solve_one(const ContactProblem& step, Workspace& work) const {
   const auto& [r, psi, previous, state, y] = step;
   state.vi_iterations = 0;
-  delassus_.predict_gap(r, {y, previous}, psi, work.gap0, work.prediction);
+  delassus_.predict_gap(r, {y, previous}, psi, work.gap0, work.half_solve);
   work.set.clear();
   bool open = true;
   for (int i = 0; i < rows_.groups(); ++i) {

@@ -24,11 +24,11 @@ using Residual = std::function<void(Vec y, Vec r, Vec out)>;
 /// there they are refined from the residual.
 class CondensedSolver final : public ContactStepSolver {
 public:
-  /// Takes the elimination of the step operator `D` of a body of a diameter (m), whose solves leave the
+  /// Takes the condensation of the step operator `D` of a body of a diameter (m), whose solves leave the
   /// relative error `tolerance`, and its `residual`, without which no solution is refined. Collective. `rows`
   /// must outlive this object. PETSc options with the prefix `-condensed_vi_` are honoured.
   CondensedSolver(const ConstraintRows& rows, double diameter, Mat D,
-                  std::unique_ptr<const Elimination> elimination, Residual residual, double tolerance = 0);
+                  std::unique_ptr<const Condensation> condensation, Residual residual, double tolerance = 0);
 
   [[nodiscard]] Workspace workspace() const override;
   [[nodiscard]] double bytes() const override { return delassus_.bytes(); }

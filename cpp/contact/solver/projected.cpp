@@ -40,7 +40,8 @@ void ProjectedSolver::solve_one(const ContactProblem& step, Workspace& work) con
     evaluate(r, psi, x, state, work);
     return work.next == work.set;
   };
-  const ConjugateGradients::Judge judge = std::cref(look); // a reference: std::function does not allocate
+  const ConjugateGradients::TerminationTest judge =
+      std::cref(look); // a reference: std::function does not allocate
   work.set = previous;
   drop_dependent(rows_, work.set);
   rows_.set_clamped(diagonal_, r, y); // gaps depend on held components too

@@ -101,7 +101,7 @@ bool check_scene(problem::Problem& problem, const Console& console) {
     console.line("The scene has no contact: what follows checks a linear problem.");
   if (!scene.unknowns.empty()) {
     problem::ParameterProblem fit(problem.discretisation, scene, problem.timers);
-    print_doubts(fit.misfit.doubts(), console);
+    print_table_warnings(fit.misfit.warnings(), console);
     check_fit(fit, problem.stepper.solver().tolerance(), console, rows);
     const scene::Scene start = fit.scene_at(fit.misfit.start());
     const problem::Problem started(problem.discretisation, start, problem::check_needs(scene),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "drivers/check/derivative_check.h"
 #include "base/error.h"
-#include "base/fit.h"
+#include "base/log_slope.h"
 #include "diagnostics/chatter.h"
 #include "drivers/check/evaluation_point.h"
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "drivers/check/fit_check.h"
 #include "base/error.h"
-#include "base/fit.h"
+#include "base/log_slope.h"
 #include "drivers/fit_outcome.h"
 #include <algorithm>
 #include <cmath>
@@ -49,8 +49,8 @@ public:
       taylor(j, rows);
     }
     const optimize::Identified known = optimize::identified(linearised.normal_matrix(), x_.size());
-    for (const std::vector<double>& direction : known.untold)
-      console_.line(untold(problem_.scene.unknowns, direction));
+    for (const std::vector<double>& direction : known.unidentified)
+      console_.line(unidentified(problem_.scene.unknowns, direction));
   }
 
 private:

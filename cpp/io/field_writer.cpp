@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "io/fields.h"
+#include "io/field_writer.h"
 #include "io/output_failure.h"
 #include <H5Epublic.h>
 #include <algorithm>
@@ -14,39 +14,39 @@
 namespace signorini::io {
 namespace {
 
-Opened create_file(const std::filesystem::path& file) {
-  const Opened access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+Hdf5Handle create_file(const std::filesystem::path& file) {
+  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_sieve_buf_size(access, 0); // datasets are written whole
   return {H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose};
 }
 
-Opened plain_layout() {
-  Opened list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+Hdf5Handle plain_layout() {
+  Hdf5Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
   H5Pset_obj_track_times(list, false); // two equal runs write equal bytes
   return list;
 }
 
-Opened make_group(hid_t place, const char* name) {
+Hdf5Handle make_group(hid_t place, const char* name) {
   return {H5Gcreate(place, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose};
 }
 
 } // namespace
 
-FieldFile::FieldFile(const fem::Space& space, const OutputFolder& folder, const std::string& name,
-                     std::vector<FieldSeries> fields, std::size_t times)
+FieldWriter::FieldWriter(const fem::Space& space, const OutputFolder& folder, const std::string& name,
+                         std::vector<FieldSeries> fields, std::size_t times)
     : space_(space), folder_(folder), name_(name),
       data_(std::filesystem::path(name).replace_extension(".h5").string()), layout_(space),
       file_(H5I_INVALID_HID, H5Fclose), layout_list_(H5I_INVALID_HID, H5Pclose), fields_(std::move(fields)) {
   for (std::size_t i = 0; i < fields_.size(); ++i)
-    datasets_.push_back({Opened(H5I_INVALID_HID, H5Gclose)});
+    datasets_.push_back({Hdf5Handle(H5I_INVALID_HID, H5Gclose)});
   require_room(times);
   const std::vector<double> points = layout_.points();
   const std::vector<std::int64_t> topology = layout_.topology();
   guarded([&] { return open(points, topology); });
 }
 
-void FieldFile::require_room(std::size_t times) const {
+void FieldWriter::require_room(std::size_t times) const {
   constexpr double headers = 1024; // bytes of a dataset's header and of the XDMF text about it
   double needed = 0;
   for (const FieldSeries& field : fields_)
@@ -65,7 +65,7 @@ void FieldFile::require_room(std::size_t times) const {
 }
 
 template <class Work>
-void FieldFile::guarded(Work&& work) {
+void FieldWriter::guarded(Work&& work) {
   write_on_root(space_.comm(), [&] {
     errno = 0;
     if (!work())
@@ -74,12 +74,12 @@ void FieldFile::guarded(Work&& work) {
   });
 }
 
-bool FieldFile::open(std::span<const double> points, std::span<const std::int64_t> topology) {
+bool FieldWriter::open(std::span<const double> points, std::span<const std::int64_t> topology) {
   H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence is reported instead of HDF5's stack
   file_ = create_file(folder_.staged(data_));
   layout_list_ = plain_layout();
-  const Opened meshes = make_group(file_, "Mesh"), mesh = make_group(meshes, "mesh"),
-               functions = make_group(file_, "Function");
+  const Hdf5Handle meshes = make_group(file_, "Mesh"), mesh = make_group(meshes, "mesh"),
+                   functions = make_group(file_, "Function");
   const auto dim = static_cast<std::size_t>(space_.dim());
   bool good =
       mesh && functions &&
@@ -92,20 +92,20 @@ bool FieldFile::open(std::span<const double> points, std::span<const std::int64_
   return good;
 }
 
-bool FieldFile::put(hid_t place, const char* name, hid_t stored, hid_t given,
-                    const std::vector<hsize_t>& shape, const void* data) const {
-  const Opened space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
-  Opened set(H5Dcreate(place, name, stored, space, H5P_DEFAULT, layout_list_, H5P_DEFAULT), H5Dclose);
+bool FieldWriter::put(hid_t place, const char* name, hid_t stored, hid_t given,
+                      const std::vector<hsize_t>& shape, const void* data) const {
+  const Hdf5Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
+  Hdf5Handle set(H5Dcreate(place, name, stored, space, H5P_DEFAULT, layout_list_, H5P_DEFAULT), H5Dclose);
   const bool written = set && H5Dwrite(set, given, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
   return set.finish() && written;
 }
 
-void FieldFile::write(const std::string& field, std::size_t number, double time, Vec values) {
+void FieldWriter::write(const std::string& field, std::size_t number, double time, Vec values) {
   write(field, number, time, petsc::ReadArray(values));
 }
 
-void FieldFile::write(const std::string& field, std::size_t number, double time,
-                      std::span<const double> owned) {
+void FieldWriter::write(const std::string& field, std::size_t number, double time,
+                        std::span<const double> owned) {
   const auto series = std::ranges::find(fields_, field, &FieldSeries::name);
   if (series == fields_.end())
     throw std::logic_error("a field that the file was not opened for");
@@ -122,7 +122,7 @@ void FieldFile::write(const std::string& field, std::size_t number, double time,
   times_[number] = time;
 }
 
-void FieldFile::make_room(std::size_t number) {
+void FieldWriter::make_room(std::size_t number) {
   guarded([&] {
     bool good = true;
     for (const Datasets& one : datasets_)
@@ -134,7 +134,7 @@ void FieldFile::make_room(std::size_t number) {
   times_.insert(times_.begin() + static_cast<std::ptrdiff_t>(number), 0);
 }
 
-void FieldFile::close() {
+void FieldWriter::close() {
   if (std::ranges::any_of(datasets_, [&](const Datasets& one) { return one.written != times_.size(); }))
     throw std::logic_error("the fields of a file have different times");
   guarded([&] {

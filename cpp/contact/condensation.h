@@ -15,21 +15,21 @@ struct Guess {
 /// A solve with D in two halves, between which the contact forces are found (docs/method.md section 5):
 /// predict() gives the motion without contact at the candidates, finish() completes the solve with the
 /// contact forces. Arrays have an entry for each row of H.
-class Elimination {
+class Condensation {
 public:
-  virtual ~Elimination() = default;
+  virtual ~Condensation() = default;
 
   /// Storage for predict(). Collective.
-  [[nodiscard]] virtual Prediction prediction() const = 0;
+  [[nodiscard]] virtual HalfSolve half_solve() const = 0;
 
   /// First half for the right-hand side r: `motion` becomes Hᵀ D⁻¹r. Direct solvers ignore the guess.
   /// Collective. Throws SolverFailure.
-  virtual void predict(Vec r, const Guess& guess, Prediction& prediction, std::span<double> motion) const = 0;
+  virtual void predict(Vec r, const Guess& guess, HalfSolve& half_solve, std::span<double> motion) const = 0;
 
-  /// Second half: y = D⁻¹ (r − Hλ), with a guess on entry; may be repeated with other λ. Of `prediction` only
+  /// Second half: y = D⁻¹ (r − Hλ), with a guess on entry; may be repeated with other λ. Of `half_solve` only
   /// scratch changes.
   /// Collective. Throws SolverFailure.
-  virtual void finish(Prediction& prediction, std::span<const double> lambda, Vec y) const = 0;
+  virtual void finish(HalfSolve& half_solve, std::span<const double> lambda, Vec y) const = 0;
 
   /// Whether all columns of S = Hᵀ D⁻¹ H are known. If not, column() is for rows that were prepared.
   [[nodiscard]] virtual bool complete() const = 0;
@@ -42,8 +42,8 @@ public:
   [[nodiscard]] virtual double bytes() const = 0;
 };
 
-/// An elimination that computes S when it is set up.
-class WholeElimination : public Elimination {
+/// A condensation that computes S when it is set up.
+class WholeCondensation : public Condensation {
 public:
   [[nodiscard]] bool complete() const final { return true; }
   void prepare(std::span<const int>) const final {}
@@ -53,42 +53,44 @@ public:
   }
 
 protected:
-  explicit WholeElimination(const ConstraintRows& rows) : rows_(rows) {}
+  explicit WholeCondensation(const ConstraintRows& rows) : rows_(rows) {}
   const ConstraintRows& rows_;
   std::vector<double> S_; ///< symmetric
 };
 
 /// Uses a Cholesky factor with the candidates last in the elimination order: contact involves only the last
-/// diagonal block of the factor (its corner), and a step with contact takes one solve, as one without.
-class TrailingBlockElimination final : public WholeElimination {
+/// diagonal block of the factor (its trailing block), and a step with contact takes one solve, as one
+/// without.
+class TrailingBlockCondensation final : public WholeCondensation {
 public:
-  /// The corner of `D` must be the rows' dofs, in their order. The arguments must outlive this object.
-  TrailingBlockElimination(const ConstraintRows& rows, const SparseCholesky& D);
+  /// The trailing block of `D` must be the rows' dofs, in their order. The arguments must outlive this
+  /// object.
+  TrailingBlockCondensation(const ConstraintRows& rows, const SparseCholesky& D);
 
-  [[nodiscard]] Prediction prediction() const override;
-  void predict(Vec r, const Guess&, Prediction& prediction, std::span<double> motion) const override;
-  void finish(Prediction& prediction, std::span<const double> lambda, Vec y) const override;
+  [[nodiscard]] HalfSolve half_solve() const override;
+  void predict(Vec r, const Guess&, HalfSolve& half_solve, std::span<double> motion) const override;
+  void finish(HalfSolve& half_solve, std::span<const double> lambda, Vec y) const override;
   [[nodiscard]] double bytes() const override;
 
 private:
-  /// S from the corner.
+  /// S from the trailing block.
   void condense();
 
   const SparseCholesky& D_;
-  std::vector<double> L_; ///< corner of the factor (c × c)
+  std::vector<double> L_; ///< trailing block of the factor (c × c)
 };
 
 /// Works on any number of ranks. The columns of D⁻¹H, solved for in blocks, are stored if they fit into
 /// `memory` (bytes, on all ranks); if not, a step with contact takes a second solve.
-class StoredColumnsElimination final : public WholeElimination {
+class StoredColumnsCondensation final : public WholeCondensation {
 public:
   /// Solves with D for each candidate; `layout` is a vector of V. Collective. The references must outlive
   /// this object. Throws Interrupted, SolverFailure.
-  StoredColumnsElimination(const ConstraintRows& rows, const MumpsSolver& D, Vec layout, double memory);
+  StoredColumnsCondensation(const ConstraintRows& rows, const MumpsSolver& D, Vec layout, double memory);
 
-  [[nodiscard]] Prediction prediction() const override;
-  void predict(Vec r, const Guess&, Prediction& prediction, std::span<double> motion) const override;
-  void finish(Prediction& prediction, std::span<const double> lambda, Vec y) const override;
+  [[nodiscard]] HalfSolve half_solve() const override;
+  void predict(Vec r, const Guess&, HalfSolve& half_solve, std::span<double> motion) const override;
+  void finish(HalfSolve& half_solve, std::span<const double> lambda, Vec y) const override;
   [[nodiscard]] double bytes() const override;
 
 private:

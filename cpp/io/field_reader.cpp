@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "io/stored_field.h"
+#include "io/field_reader.h"
 #include "base/collective.h"
 #include "base/hdf5.h"
 #include "io/point_match.h"
@@ -15,7 +15,7 @@ using petsc::check;
 
 namespace {
 
-Opened open_file(const std::filesystem::path& file) {
+Hdf5Handle open_file(const std::filesystem::path& file) {
   return {H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
 }
 
@@ -53,8 +53,8 @@ std::vector<std::string> names_of(hid_t group) {
 
 /// As many times as the file must list, s; empty if it does not.
 std::vector<double> listed_times(hid_t file, std::size_t count) {
-  const Opened array(H5Dopen(file, "/times", H5P_DEFAULT), H5Dclose);
-  const Opened space(array ? H5Dget_space(array) : H5I_INVALID_HID, H5Sclose);
+  const Hdf5Handle array(H5Dopen(file, "/times", H5P_DEFAULT), H5Dclose);
+  const Hdf5Handle space(array ? H5Dget_space(array) : H5I_INVALID_HID, H5Sclose);
   if (!space || H5Sget_simple_extent_npoints(space) != static_cast<hssize_t>(count))
     return {};
   std::vector<double> times(count);
@@ -123,10 +123,10 @@ void StoredField::look(double end, bool at_start, std::vector<double>& points) {
                      field_));
   H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence is reported instead of HDF5's stack
   const std::string damaged = "the file is damaged, or was not written by a run; allowed is a whole one";
-  const Opened file = open_file(file_);
+  const Hdf5Handle file = open_file(file_);
   if (!file)
     fail(damaged);
-  const Opened geometry(H5Dopen(file, "/Mesh/mesh/geometry", H5P_DEFAULT), H5Dclose);
+  const Hdf5Handle geometry(H5Dopen(file, "/Mesh/mesh/geometry", H5P_DEFAULT), H5Dclose);
   if (!geometry)
     fail(damaged);
   const auto [rows, columns] = shape(geometry);
@@ -137,10 +137,10 @@ void StoredField::look(double end, bool at_start, std::vector<double>& points) {
   points = values(geometry);
   if (points.empty() || !finite(points))
     fail(damaged);
-  const Opened topology(H5Dopen(file, "/Mesh/mesh/topology", H5P_DEFAULT), H5Dclose);
+  const Hdf5Handle topology(H5Dopen(file, "/Mesh/mesh/topology", H5P_DEFAULT), H5Dclose);
   if (!separate(points, topology ? cells(topology) : std::vector<std::int64_t>(), space_))
     fail(damaged);
-  const Opened group(H5Gopen(file, ("/Function/" + field_).c_str(), H5P_DEFAULT), H5Gclose);
+  const Hdf5Handle group(H5Gopen(file, ("/Function/" + field_).c_str(), H5P_DEFAULT), H5Gclose);
   if (!group)
     fail(fmt::format("found no field \"{}\", allowed is a run whose output.fields has it", field_));
   for (const auto& [time, name] : times_of(file, group)) {
@@ -164,8 +164,8 @@ Vec StoredField::stored(std::size_t number) {
   constexpr std::size_t padded = 3; // vectors in an XDMF file have three components
   std::vector<double> all;
   on_root(space_.comm(), [&] {
-    const Opened file = open_file(file_);
-    const Opened dataset(
+    const Hdf5Handle file = open_file(file_);
+    const Hdf5Handle dataset(
         file ? H5Dopen(file, ("/Function/" + field_ + "/" + names_[number]).c_str(), H5P_DEFAULT)
              : H5I_INVALID_HID,
         H5Dclose);

@@ -5,7 +5,7 @@
 namespace signorini::contact {
 
 /// Which of a scene's obstacles take the mass from their candidates.
-std::vector<bool> massless_obstacles(const std::vector<scene::Contact>& contacts);
+std::vector<bool> obstacles_without_mass(const std::vector<scene::Contact>& contacts);
 
 /// The mass matrix EᵀME of massless contact (docs/method.md section 2; Khenous, Laborde, Renard 2008). E
 /// replaces the velocity of each contact node in the directions of its constraints by the extrapolation from
@@ -16,7 +16,7 @@ std::vector<bool> massless_obstacles(const std::vector<scene::Contact>& contacts
 /// whether its candidates lose their mass. Stored in blocks (BAIJ), with the pattern of M and entries between
 /// the nodes extrapolated from. Collective. Throws UserError if all nodes near a candidate are such contact
 /// nodes too.
-petsc::Matrix massless(const fem::Space& space, const ContactPairs& pairs, const std::vector<bool>& massless,
-                       Mat M);
+petsc::Matrix redistributed_mass(const fem::Space& space, const ContactPairs& pairs,
+                                 const std::vector<bool>& massless, Mat M);
 
 } // namespace signorini::contact

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "fem/recovery.h"
+#include "fem/stress_recovery.h"
 #include "base/collective.h"
 #include <map>
 

@@ -15,13 +15,13 @@ namespace signorini::io {
 /// times in `/times` and the fields in `/Function/<field>/<number>`, numbers in the order of time, with
 /// leading zeros so that names sort. The XDMF file is written at the end, so that a time costs the same
 /// however many came before.
-class FieldFile {
+class FieldWriter {
 public:
   /// Opens the HDF5 file of `name` (.xdmf) for fields at `times` times at most. Collective. The references
   /// must outlive this object. Throws OutputFailure if the file cannot be written, or the disk has no room
   /// for all.
-  FieldFile(const fem::Space& space, const OutputFolder& folder, const std::string& name,
-            std::vector<FieldSeries> fields, std::size_t times);
+  FieldWriter(const fem::Space& space, const OutputFolder& folder, const std::string& name,
+              std::vector<FieldSeries> fields, std::size_t times);
 
   /// Writes a field at the `number`-th of the times, `time` (s), from 0 on and in any order: its values that
   /// this rank owns, at the nodes of V or in the cells. Collective. Throws OutputFailure.
@@ -39,7 +39,7 @@ public:
 private:
   /// Datasets of a field.
   struct Datasets {
-    Opened group;
+    Hdf5Handle group;
     std::size_t written = 0; ///< number of times
   };
   /// Runs `work` on rank 0; throws OutputFailure on all ranks if it returns false. Collective.
@@ -56,7 +56,7 @@ private:
   const OutputFolder& folder_;
   std::string name_, data_; ///< of the two files
   FieldLayout layout_;
-  Opened file_, layout_list_; ///< on rank 0
+  Hdf5Handle file_, layout_list_; ///< on rank 0
   std::vector<FieldSeries> fields_;
   std::vector<Datasets> datasets_; ///< of each field
   std::vector<double> times_;      ///< s

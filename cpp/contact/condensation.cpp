@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "contact/elimination.h"
+#include "contact/condensation.h"
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/signals.h"
@@ -25,44 +25,44 @@ constexpr int block = 64;
 
 } // namespace
 
-TrailingBlockElimination::TrailingBlockElimination(const ConstraintRows& rows, const SparseCholesky& D)
-    : WholeElimination(rows), D_(D), L_(D.corner_factor()) {
+TrailingBlockCondensation::TrailingBlockCondensation(const ConstraintRows& rows, const SparseCholesky& D)
+    : WholeCondensation(rows), D_(D), L_(D.corner_factor()) {
   condense();
 }
 
-Prediction TrailingBlockElimination::prediction() const {
-  Prediction made;
+HalfSolve TrailingBlockCondensation::half_solve() const {
+  HalfSolve made;
   made.z.resize(D_.size());
-  made.corner.resize(static_cast<std::size_t>(D_.corner_size()));
+  made.trailing_block.resize(static_cast<std::size_t>(D_.trailing_size()));
   return made;
 }
 
-void TrailingBlockElimination::predict(Vec r, const Guess&, Prediction& prediction,
-                                       std::span<double> motion) const {
-  std::vector<double>&z = prediction.z, &corner = prediction.corner;
+void TrailingBlockCondensation::predict(Vec r, const Guess&, HalfSolve& half_solve,
+                                        std::span<double> motion) const {
+  std::vector<double>&z = half_solve.z, &trailing_block = half_solve.trailing_block;
   D_.forward(r, z);
-  std::copy(z.end() - static_cast<std::ptrdiff_t>(corner.size()), z.end(), corner.begin());
-  triangular(L_, "T", corner);
-  rows_.apply_transpose(corner, motion);
+  std::copy(z.end() - static_cast<std::ptrdiff_t>(trailing_block.size()), z.end(), trailing_block.begin());
+  triangular(L_, "T", trailing_block);
+  rows_.apply_transpose(trailing_block, motion);
 }
 
-void TrailingBlockElimination::finish(Prediction& prediction, std::span<const double> lambda, Vec y) const {
-  const std::vector<double>& z = prediction.z;
+void TrailingBlockCondensation::finish(HalfSolve& half_solve, std::span<const double> lambda, Vec y) const {
+  const std::vector<double>& z = half_solve.z;
   if (std::ranges::all_of(lambda, [](double force) { return force == 0; })) {
     D_.backward(z, {}, y);
     return;
   }
-  std::vector<double>& corner = prediction.corner;
-  rows_.apply(lambda, corner);
-  triangular(L_, "N", corner);
-  const std::size_t before = z.size() - corner.size();
-  for (std::size_t i = 0; i < corner.size(); ++i)
-    corner[i] = z[before + i] - corner[i];
-  D_.backward(z, corner, y);
+  std::vector<double>& trailing_block = half_solve.trailing_block;
+  rows_.apply(lambda, trailing_block);
+  triangular(L_, "N", trailing_block);
+  const std::size_t before = z.size() - trailing_block.size();
+  for (std::size_t i = 0; i < trailing_block.size(); ++i)
+    trailing_block[i] = z[before + i] - trailing_block[i];
+  D_.backward(z, trailing_block, y);
 }
 
-void TrailingBlockElimination::condense() {
-  const auto m = static_cast<std::size_t>(rows_.count()), c = static_cast<std::size_t>(D_.corner_size());
+void TrailingBlockCondensation::condense() {
+  const auto m = static_cast<std::size_t>(rows_.count()), c = static_cast<std::size_t>(D_.trailing_size());
   std::vector<double> X = rows_.dense(); // L⁻¹H
   S_.resize(m * m);
   const auto height = static_cast<PetscBLASInt>(c), columns = static_cast<PetscBLASInt>(m);
@@ -74,11 +74,11 @@ void TrailingBlockElimination::condense() {
       S_[i * m + j] = S_[j * m + i];
 }
 
-double TrailingBlockElimination::bytes() const { return sizeof(double) * static_cast<double>(L_.size()); }
+double TrailingBlockCondensation::bytes() const { return sizeof(double) * static_cast<double>(L_.size()); }
 
-StoredColumnsElimination::StoredColumnsElimination(const ConstraintRows& rows, const MumpsSolver& D,
-                                                   Vec layout, double memory)
-    : WholeElimination(rows), D_(D), layout_(petsc::zero_like(layout)) {
+StoredColumnsCondensation::StoredColumnsCondensation(const ConstraintRows& rows, const MumpsSolver& D,
+                                                     Vec layout, double memory)
+    : WholeCondensation(rows), D_(D), layout_(petsc::zero_like(layout)) {
   const auto m = static_cast<std::size_t>(rows.count());
   PetscInt n = 0;
   check(VecGetSize(layout, &n));
@@ -101,8 +101,8 @@ StoredColumnsElimination::StoredColumnsElimination(const ConstraintRows& rows, c
       S_[i * m + j] = S_[j * m + i] = (S_[i * m + j] + S_[j * m + i]) / 2;
 }
 
-Prediction StoredColumnsElimination::prediction() const {
-  Prediction made;
+HalfSolve StoredColumnsCondensation::half_solve() const {
+  HalfSolve made;
   for (petsc::Vector* x : {&made.r, &made.y, &made.forces})
     *x = petsc::zero_like(layout_);
   made.weights.reserve(static_cast<std::size_t>(rows_.count()));
@@ -110,16 +110,16 @@ Prediction StoredColumnsElimination::prediction() const {
   return made;
 }
 
-void StoredColumnsElimination::predict(Vec r, const Guess&, Prediction& prediction,
-                                       std::span<double> motion) const {
-  check(VecCopy(r, prediction.r));
-  D_.solve(r, prediction.y);
-  rows_.apply_transpose(prediction.y, motion);
+void StoredColumnsCondensation::predict(Vec r, const Guess&, HalfSolve& half_solve,
+                                        std::span<double> motion) const {
+  check(VecCopy(r, half_solve.r));
+  D_.solve(r, half_solve.y);
+  rows_.apply_transpose(half_solve.y, motion);
 }
 
-void StoredColumnsElimination::finish(Prediction& prediction, std::span<const double> lambda, Vec y) const {
-  std::vector<double>& weights = prediction.weights;
-  std::vector<Vec>& columns = prediction.columns;
+void StoredColumnsCondensation::finish(HalfSolve& half_solve, std::span<const double> lambda, Vec y) const {
+  std::vector<double>& weights = half_solve.weights;
+  std::vector<Vec>& columns = half_solve.columns;
   weights.clear();
   columns.clear();
   for (std::size_t i = 0; i < lambda.size(); ++i)
@@ -128,19 +128,19 @@ void StoredColumnsElimination::finish(Prediction& prediction, std::span<const do
       if (!columns_.empty())
         columns.push_back(columns_[i]);
     }
-  check(VecCopy(prediction.y, y));
+  check(VecCopy(half_solve.y, y));
   if (weights.empty())
     return;
   if (!columns_.empty()) {
     check(VecMAXPY(y, static_cast<PetscInt>(columns.size()), weights.data(), columns.data()));
     return;
   }
-  check(VecCopy(prediction.r, prediction.forces));
-  rows_.apply(-1, lambda, prediction.forces);
-  D_.solve(prediction.forces, y);
+  check(VecCopy(half_solve.r, half_solve.forces));
+  rows_.apply(-1, lambda, half_solve.forces);
+  D_.solve(half_solve.forces, y);
 }
 
-double StoredColumnsElimination::bytes() const {
+double StoredColumnsCondensation::bytes() const {
   double sum = 0;
   for (const petsc::Vector& column : columns_) {
     PetscInt n = 0;

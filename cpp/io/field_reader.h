@@ -7,7 +7,7 @@
 
 namespace signorini::io {
 
-/// A field that an earlier run stored over time (FieldFile), on the same mesh and any number of ranks.
+/// A field that an earlier run stored over time (FieldWriter), on the same mesh and any number of ranks.
 class StoredField {
 public:
   /// Finds `field` in an HDF5 file and matches its nodes with those of the space by their coordinates. `key`:

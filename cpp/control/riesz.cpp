@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "control/metric.h"
+#include "control/riesz.h"
 #include "base/collective.h"
 #include "base/error.h"
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "contact/massless.h"
+#include "contact/mass_redistribution.h"
 #include "base/collective.h"
 #include "base/error.h"
 #include "base/text.h"
@@ -32,16 +32,17 @@ struct Surroundings {
 /// Conditions on an extrapolation: exact for linear fields, or for constants only; and a bound on the sum of
 /// absolute weights. That sum is 3 for two nodes in a row behind a surface, 9 behind an edge, 27 behind a
 /// corner.
-struct Demand {
+struct Requirement {
   bool linear;
   double cancellation;
 };
-constexpr Demand demands[] = {{true, 10}, {true, 30}, {false, 1 + 1e-9}};
+constexpr Requirement requirements[] = {{true, 10}, {true, 30}, {false, 1 + 1e-9}};
 
-/// Weights of the nodes `around` that extrapolate fields to `x`, larger for nearer nodes; empty if `demand`
-/// cannot be met.
-std::vector<double> extrapolation(const Point& x, const std::vector<Point>& around, int dim, Demand demand) {
-  const auto n = static_cast<std::size_t>(demand.linear ? dim + 1 : 1);
+/// Weights of the nodes `around` that extrapolate fields to `x`, larger for nearer nodes; empty if
+/// `requirement` cannot be met.
+std::vector<double> extrapolation(const Point& x, const std::vector<Point>& around, int dim,
+                                  Requirement requirement) {
+  const auto n = static_cast<std::size_t>(requirement.linear ? dim + 1 : 1);
   double size = 0;
   for (const Point& y : around)
     size = std::max(size, std::hypot(y[0] - x[0], y[1] - x[1], y[2] - x[2]));
@@ -79,7 +80,7 @@ std::vector<double> extrapolation(const Point& x, const std::vector<Point>& arou
   }
   constexpr double rounding = 1e-12; // nodes on a line do not determine linear fields beside it
   const double defect = std::hypot(std::abs(moments[0] - 1) + std::abs(moments[1]), moments[2], moments[3]);
-  if (!(absolute <= demand.cancellation && defect <= rounding * absolute))
+  if (!(absolute <= requirement.cancellation && defect <= rounding * absolute))
     return {};
   return w;
 }
@@ -194,8 +195,8 @@ using Block = std::array<double, 9>; // dim × dim, row by row
 using Bases = std::map<PetscInt, RowBasis>;
 
 /// `massless`: of the scene's obstacles. Collective.
-Bases massless_directions(const fem::Space& space, const ContactPairs& pairs,
-                          const std::vector<bool>& massless) {
+Bases directions_without_mass(const fem::Space& space, const ContactPairs& pairs,
+                              const std::vector<bool>& massless) {
   const std::vector<bool> faces = facing(space, pairs);
   Bases bases;
   for (int i = 0; i < pairs.count(); ++i)
@@ -241,7 +242,7 @@ struct Combination {
 Combination combination(PetscInt node, const Surroundings& here, const Bases& bases,
                         const std::map<PetscInt, Point>& place, int dim) {
   Combination found;
-  for (const Demand& demand : demands)
+  for (const Requirement& requirement : requirements)
     for (int ring = 0; ring < Surroundings::rings && found.weights.empty(); ++ring) {
       found.nodes.clear();
       std::vector<Point> around;
@@ -251,29 +252,29 @@ Combination combination(PetscInt node, const Surroundings& here, const Bases& ba
           around.push_back(place.at(other));
         }
       if (!around.empty())
-        found.weights = extrapolation(place.at(node), around, dim, demand);
+        found.weights = extrapolation(place.at(node), around, dim, requirement);
     }
   return found;
 }
 
 } // namespace
 
-std::vector<bool> massless_obstacles(const std::vector<scene::Contact>& contacts) {
+std::vector<bool> obstacles_without_mass(const std::vector<scene::Contact>& contacts) {
   std::vector<bool> massless;
   for (const scene::Contact& contact : contacts)
     massless.push_back(contact.massless());
   return massless;
 }
 
-petsc::Matrix massless(const fem::Space& space, const ContactPairs& pairs, const std::vector<bool>& massless,
-                       Mat M) {
+petsc::Matrix redistributed_mass(const fem::Space& space, const ContactPairs& pairs,
+                                 const std::vector<bool>& massless, Mat M) {
   const int dim = space.dim();
   petsc::Matrix rows;
   check(MatConvert(M, MATAIJ, MAT_INITIAL_MATRIX, rows.put()));
   PetscInt begin = 0, end = 0;
   check(MatGetOwnershipRange(rows, &begin, &end));
 
-  const Bases bases = massless_directions(space, pairs, massless);
+  const Bases bases = directions_without_mass(space, pairs, massless);
   std::vector<int> owned; // the first pair of each of these nodes
   for (const ConstraintRows::Cluster& here : pairs.rows().clusters())
     if (const PetscInt first = pairs.first_dofs()[here.first];
@@ -293,7 +294,7 @@ petsc::Matrix massless(const fem::Space& space, const ContactPairs& pairs, const
 
   const std::vector<Surroundings> all = surroundings(pairs, owned, rows);
   const std::map<PetscInt, Point> place = places(space, all);
-  together(space.comm(), [&] {
+  on_all_ranks(space.comm(), [&] {
     for (const Surroundings& here : all) {
       const PetscInt node = pairs.first_dofs()[here.candidate] / dim;
       const auto [neighbours, weights] = combination(node, here, bases, place, dim);
