@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "accuracy/convergence.h"
-#include "accuracy/measured.h"
+#include "accuracy/quantities.h"
 
 namespace signorini::accuracy {
 

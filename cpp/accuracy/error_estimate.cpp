@@ -3,7 +3,7 @@
 #include "accuracy/rungs.h"
 #include "base/error.h"
 #include "control/interpolation.h"
-#include "diagnostics/step_warnings.h"
+#include "diagnostics/warnings.h"
 
 namespace signorini::accuracy {
 using petsc::check;

@@ -2,8 +2,10 @@
 #pragma once
 #include "base/progress.h"
 #include "scene/scene.h"
+#include <cstdint>
 #include <filesystem>
 #include <mpi.h>
+#include <vector>
 
 namespace signorini::accuracy {
 
@@ -16,5 +18,14 @@ namespace signorini::accuracy {
 /// the polygon that they make of it. Collective. Throws UserError, SolverFailure, Interrupted.
 void write_graded(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& file,
                   const Console& console);
+
+/// Cells of a .geo meshed as the scene says. Collective. Throws UserError, Interrupted.
+std::int64_t cells(MPI_Comm comm, const scene::Mesh& mesh);
+
+/// Throw UserError if the sizes are needed but do not change the mesh of a scene, as with a .geo that sets
+/// its own density (Transfinite curves, say): require_answer_to() by the two coarsest of a ladder's sizes,
+/// require_answer() by sizes next to the scene's own. Collective.
+void require_answer_to(MPI_Comm comm, const scene::Scene& scene, const std::vector<double>& sizes);
+void require_answer(MPI_Comm comm, const scene::Scene& scene);
 
 } // namespace signorini::accuracy

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "accuracy/measured.h"
+#include "accuracy/quantities.h"
 #include "base/progress.h"
 #include "fem/sampler.h"
 #include "problem/problem.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "accuracy/optimize_to_accuracy.h"
-#include "accuracy/density.h"
 #include "accuracy/error_estimate.h"
-#include "accuracy/measured.h"
+#include "accuracy/grading.h"
+#include "accuracy/quantities.h"
 #include "base/signals.h"
 #include "drivers/run_manifest.h"
 #include "drivers/search.h"

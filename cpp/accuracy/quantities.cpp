@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "accuracy/quantities.h"
 #include "base/error.h"
-#include "diagnostics/contact_figures.h"
+#include "diagnostics/contact_forces.h"
 #include "diagnostics/largest_stress.h"
 #include "scene/spelling.h"
 #include "trajectory/step_errors.h"

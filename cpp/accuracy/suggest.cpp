@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "accuracy/density.h"
+#include "accuracy/grading.h"
 #include "accuracy/quantities.h"
 #include "accuracy/rung_costs.h"
 #include "accuracy/study.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "contact/pairs.h"
-#include "fem/degree_raising.h"
+#include "fem/space.h"
 #include <optional>
 
 namespace signorini::adjoint {

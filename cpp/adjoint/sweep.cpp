@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "adjoint/sweep.h"
-#include "base/counters.h"
 #include "base/error.h"
-#include "trajectory/extrapolation.h"
+#include "base/timers.h"
+#include "trajectory/time_integrator.h"
 #include <algorithm>
 #include <fmt/format.h>
 

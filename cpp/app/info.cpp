@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/info.h"
 #include "base/collective.h"
-#include "base/memory.h"
+#include "base/machine.h"
 #include "drivers/coarse_start.h"
 #include "drivers/run_manifest.h"
 #include "drivers/search.h"
 #include "io/manifest.h"
 #include "optimize/options.h"
 #include "scene/parameters.h"
-#include "trajectory/binomial_checkpointing.h"
-#include "trajectory/first_touch.h"
+#include "trajectory/approach.h"
 #include "trajectory/state_store.h"
 #include <algorithm>
 #include <chrono>

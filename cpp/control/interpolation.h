@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "control/control.h"
 #include "control/control_space.h"
-#include "control/variables.h"
 #include "fem/sampler.h"
 
 namespace signorini::control {

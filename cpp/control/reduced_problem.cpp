@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "control/reduced_problem.h"
-#include "base/counters.h"
 #include "base/error.h"
 #include "base/signals.h"
+#include "base/timers.h"
 #include "trajectory/parameter_sensitivities.h"
 #include <algorithm>
 #include <cmath>

@@ -3,10 +3,10 @@
 #include "adjoint/sweep.h"
 #include "base/progress.h"
 #include "base/timers.h"
-#include "control/control_force.h"
+#include "control/control.h"
+#include "control/control_space.h"
 #include "control/misfit.h"
 #include "control/objective.h"
-#include "control/variables.h"
 #include "trajectory/trajectory.h"
 #include <memory>
 #include <optional>

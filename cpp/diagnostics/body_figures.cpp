@@ -2,7 +2,7 @@
 #include "diagnostics/body_figures.h"
 #include "fem/deformation.h"
 #include "fem/wave_time.h"
-#include "trajectory/first_touch.h"
+#include "trajectory/approach.h"
 #include <algorithm>
 #include <cmath>
 #include <dolfinx/mesh/Mesh.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "diagnostics/balance.h"
-#include "diagnostics/obstacle_forces.h"
+#include "diagnostics/contact_forces.h"
 #include "trajectory/impulse_record.h"
 #include <array>
 #include <limits>

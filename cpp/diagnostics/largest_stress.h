@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "base/error.h"
-#include "fem/stress_peak.h"
+#include "fem/stress_recovery.h"
 #include <vector>
 
 namespace signorini::diagnostics {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "diagnostics/obstacle_forces.h"
+#include "diagnostics/contact_forces.h"
 #include "fem/sampler.h"
 #include <optional>
 #include <string>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "base/error.h"
+#include "drivers/motion_writer.h"
 #include "io/fit_tables.h"
 #include "problem/parameter_problem.h"
 #include <optional>
@@ -19,5 +20,16 @@ std::optional<Warning> misfit_warning(const io::Fit& fit);
 
 /// The outcome as a table for the console, and what the data do not tell.
 std::vector<std::string> outcome_lines(const io::Fit& fit);
+
+/// What a motion gives of what was measured.
+struct Simulated {
+  std::vector<double> values;
+  std::vector<io::ComparedFigure> compared;
+};
+
+/// Makes the motion once more, for its files and for this. A request to stop is ignored. Collective. Throws
+/// UserError, SolverFailure, WriteFailure.
+Simulated simulate_measured(const problem::Problem& problem, const problem::ParameterProblem& fit,
+                            const step::ForceAtStep& load, MotionWriter& recorder);
 
 } // namespace signorini::drivers

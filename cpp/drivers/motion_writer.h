@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "diagnostics/contact_resolution.h"
+#include "diagnostics/balance.h"
 #include "diagnostics/impact_summary.h"
-#include "diagnostics/invariants.h"
 #include "diagnostics/largest_stress.h"
 #include "diagnostics/plausibility.h"
-#include "diagnostics/step_warnings.h"
-#include "io/contact_table.h"
+#include "diagnostics/warnings.h"
 #include "io/csv_tables.h"
 #include "io/field_writer.h"
 #include "io/manifest.h"
+#include "io/motion_tables.h"
+#include "io/output_folder.h"
 #include "problem/problem.h"
+#include <functional>
 #include <optional>
 
 namespace signorini::drivers {
@@ -106,5 +107,15 @@ private:
   std::string text_;           ///< buffer of rows
   std::vector<double> values_; ///< buffer of a row
 };
+
+/// Shows adjoint states, each valid during the call of `store`.
+using AdjointStates = std::function<void(const std::function<void(int k, Vec p)>& store)>;
+
+/// Writes control.xdmf and adjoint.xdmf of those steps of which the motion is `stored`, as far as the scene's
+/// [output] asks for them; only then are adjoint states asked for. Collective. Throws UserError,
+/// WriteFailure.
+void write_control(const io::OutputFolder& folder, const problem::Problem& problem,
+                   const control::ControlSpace& controls, const control::Control& u,
+                   const AdjointStates& adjoint_states, const std::vector<int>& stored);
 
 } // namespace signorini::drivers

@@ -2,8 +2,7 @@
 #include "drivers/run_manifest.h"
 #include "base/collective.h"
 #include "base/error.h"
-#include "base/memory.h"
-#include "base/threads.h"
+#include "base/machine.h"
 #include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "drivers/search_results.h"
-#include "base/counters.h"
-#include "diagnostics/chatter.h"
-#include "drivers/control_files.h"
+#include "base/timers.h"
+#include "diagnostics/warnings.h"
 #include "drivers/fit_outcome.h"
-#include "drivers/measured_motion.h"
+#include "drivers/motion_writer.h"
 #include "drivers/run_manifest.h"
 #include <algorithm>
 #include <fmt/format.h>

@@ -2,12 +2,25 @@
 #pragma once
 #include "base/petsc.h"
 #include "fem/deformation.h"
-#include "fem/material_regions.h"
 #include "fem/space.h"
+#include "mesh/mesh.h"
+#include "scene/scene.h"
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace signorini::fem {
+
+/// A part of the body and its material.
+struct Part {
+  scene::Material material;
+  std::vector<std::int32_t> cells; ///< those that this rank owns, local indices
+};
+
+/// The parts of the body, one for each material. Collective. Throws UserError, on every rank alike, if a
+/// material's group is missing or empty, or if a cell is in none of the groups or in two of them.
+std::vector<Part> parts(const mesh::Mesh& mesh, const std::vector<scene::Material>& materials);
 
 /// The bilinear forms of forms/viscoelasticity.py, by their names there; docs/method.md section 1.
 enum class Form {

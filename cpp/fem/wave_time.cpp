@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fem/wave_time.h"
 #include "base/dolfinx_versions.h"
-#include "fem/material_regions.h"
+#include "fem/forms.h"
 #include "mesh/simplex.h"
 #include <algorithm>
 #include <cmath>

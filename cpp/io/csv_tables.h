@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "contact/contact_state.h"
-#include "diagnostics/invariants.h"
+#include "diagnostics/balance.h"
 #include <optional>
 #include <string>
 #include <utility>

@@ -4,11 +4,40 @@
 #include "base/petsc.h"
 #include "io/field_layout.h"
 #include "io/output_folder.h"
-#include "io/xdmf_index.h"
+#include <span>
 #include <string>
 #include <vector>
 
 namespace signorini::io {
+
+/// The name of the dataset of the `number`-th stored time; names sort as times do.
+[[nodiscard]] std::string numbered(std::size_t number);
+
+/// A field over time in a field file.
+struct FieldSeries {
+  std::string name;
+  Values values;
+};
+
+/// The XDMF text that refers to fields over time in the HDF5 file `data` beside it: one collection with a
+/// grid for each time, which has the mesh and all fields, as meshio and the readers of VTK and ParaView
+/// expect it (those of XDMF 2 resolve no references between grids).
+class XdmfIndex {
+public:
+  XdmfIndex(std::string data, int dim, std::size_t nodes, std::size_t cells);
+
+  /// The text before the first time and after the last one.
+  [[nodiscard]] static std::string begin();
+  [[nodiscard]] static std::string end();
+
+  /// The grid of the `number`-th time (s), with the datasets `/Function/<name>/<number>`.
+  [[nodiscard]] std::string time(std::size_t number, double time, std::span<const FieldSeries> fields) const;
+
+private:
+  std::string data_;
+  int dim_;
+  std::size_t nodes_, cells_;
+};
 
 /// Fields over time in an HDF5 file and the XDMF file beside it, at the mesh's own nodes (degree 2: their
 /// values at the vertices) or one value for each cell, written one by one during a run. The HDF5 file has the

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/manifest.h"
-#include "base/counters.h"
-#include "base/threads.h"
+#include "base/machine.h"
+#include "base/timers.h"
 #include "version.h"
 #include <algorithm>
 #include <chrono>

@@ -2,9 +2,9 @@
 #pragma once
 #include "base/timers.h"
 #include "control/objective.h"
+#include "diagnostics/balance.h"
 #include "diagnostics/body_figures.h"
 #include "diagnostics/impact_summary.h"
-#include "diagnostics/invariants.h"
 #include "diagnostics/largest_stress.h"
 #include "diagnostics/plausibility.h"
 #include "fem/deformation.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/linear_solver.h"
-#include "base/counters.h"
 #include "base/error.h"
+#include "base/timers.h"
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/machine_rates.h"
 #include "base/collective.h"
-#include "linalg/blas.h"
+#include "linalg/dense.h"
 #include <algorithm>
 #include <array>
 #include <chrono>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/worker.h"
 #include "mesh/gmsh_model.h"
-#include "mesh/gmsh_request.h"
+#include "mesh/gmsh_process.h"
 #include <exception>
 
 // The program signorini-gmsh.

@@ -2,7 +2,7 @@
 #include "problem/problem.h"
 #include "base/collective.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/machine.h"
 #include "base/signals.h"
 #include "control/interpolation.h"
 #include "io/field_reader.h"

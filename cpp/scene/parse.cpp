@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/digest.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/machine.h"
 #include "base/overloads.h"
 #include "scene/expression.h"
 #include "scene/override.h"

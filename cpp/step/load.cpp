@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "step/load.h"
-#include "base/counters.h"
+#include "base/timers.h"
 #include <algorithm>
 #include <fmt/format.h>
 #include <iterator>

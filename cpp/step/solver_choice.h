@@ -2,12 +2,41 @@
 #pragma once
 #include "contact/pairs.h"
 #include "contact/solver/condensed.h"
+#include "linalg/linear_solver.h"
 #include "linalg/sparse_cholesky.h"
-#include "step/solver_cost.h"
 #include <memory>
 #include <string>
 
 namespace signorini::step {
+
+/// Seconds that a way to solve the steps of a run takes.
+struct Price {
+  double setup = 0, solve = 0;
+  [[nodiscard]] double total(double solves) const { return setup + solves * solve; }
+};
+
+/// Work of a direct solver: factor and contact.
+struct DirectWork {
+  double setup_flops = 0;
+  double solve_bytes = 0; ///< read by a solve
+
+  /// `candidates`: m; `trailing_block`: unknowns of the candidates' nodes where these are last in the
+  /// elimination order, else 0, and the columns of D⁻¹N are solved for.
+  DirectWork(const FactorWork& factor, double candidates, double trailing_block);
+
+  /// Whether set-up takes so little on any machine that nothing is to be gained by another way: the choice
+  /// then depends on no clock.
+  [[nodiscard]] bool small() const;
+};
+
+/// By rates of this machine, measured. Collective; the same on every rank.
+Price price(MPI_Comm comm, const DirectWork& work);
+
+/// Of conjugate gradients whose trial took so many seconds.
+Price iterative_price(double trial);
+
+/// Seconds that a solve by conjugate gradients may take in a trial in order to be chosen over `direct`.
+double affordable(const Price& direct, double solves);
 
 /// The solvers of a run's steps, as the scene's [solver] asks: a factorisation (CHOLMOD on one rank, MUMPS on
 /// several) with contact condensed to the candidates, or conjugate gradients where the factor would not fit

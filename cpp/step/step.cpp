@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "step/step.h"
-#include "base/counters.h"
 #include "base/error.h"
+#include "base/timers.h"
 #include "contact/lcp/primal_dual.h"
 #include "contact/mass_redistribution.h"
 #include "fem/wave_time.h"

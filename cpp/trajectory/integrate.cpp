@@ -2,7 +2,7 @@
 #include "trajectory/integrate.h"
 #include "base/error.h"
 #include "base/signals.h"
-#include "contact/placement.h"
+#include "contact/pairs.h"
 #include "trajectory/step_control.h"
 #include <array>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session.h"
 #include "base/collective.h"
+#include "base/machine.h"
 #include "base/petsc.h"
-#include "base/threads.h"
 #include <algorithm>
 #include <array>
 #include <iterator>

@@ -3,9 +3,9 @@
 #include "adjoint/sweep.h"
 #include "base/collective.h"
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/machine.h"
 #include "problem/problem.h"
-#include "trajectory/extrapolation.h"
+#include "trajectory/time_integrator.h"
 #include <chrono>
 #include <fmt/format.h>
 #include <iostream>

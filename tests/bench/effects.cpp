@@ -4,7 +4,7 @@
 // of them.
 //
 // usage: signorini-bench-effects SCENE REPEATS [key.path=value …]    prints one JSON object
-#include "base/counters.h"
+#include "base/timers.h"
 #include "bench.h"
 
 using namespace signorini;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/collective.h"
-#include "base/counters.h"
 #include "base/error.h"
-#include "contact/placement.h"
+#include "base/timers.h"
+#include "contact/pairs.h"
 #include "contact/solver/condensed.h"
 #include "contact_parts.h"
 #include <catch2/catch_test_macros.hpp>

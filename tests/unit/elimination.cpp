@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/collective.h"
 #include "base/error.h"
-#include "base/threads.h"
+#include "base/machine.h"
 #include "contact/condensation.h"
 #include "contact_parts.h"
 #include "linalg/threaded_product.h"

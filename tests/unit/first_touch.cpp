@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "trajectory/first_touch.h"
 #include "diagnostics/body_figures.h"
-#include "diagnostics/obstacle_forces.h"
+#include "diagnostics/contact_forces.h"
 #include "fixtures.h"
+#include "trajectory/approach.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "diagnostics/invariants.h"
 #include "diagnostics/balance.h"
 #include "fixtures.h"
 #include <array>

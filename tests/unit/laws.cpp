@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contact laws of more than one row, whose systems are not symmetric: Coulomb friction in the plane.
 #include "base/collective.h"
-#include "contact/columns_on_demand.h"
+#include "contact/condensation.h"
 #include "contact/solver/condensed.h"
 #include "contact_parts.h"
 #include <catch2/catch_test_macros.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
 #include "contact/lcp/primal_dual.h"
-#include "contact/placement.h"
+#include "contact/pairs.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>

@@ -2,7 +2,7 @@
 #include "base/collective.h"
 #include "contact_parts.h"
 #include "linalg/machine_rates.h"
-#include "step/solver_cost.h"
+#include "step/solver_choice.h"
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
 

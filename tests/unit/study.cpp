@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "accuracy/analysis.h"
-#include "accuracy/density.h"
+#include "accuracy/grading.h"
 #include "accuracy/measure.h"
 #include "accuracy/quantities.h"
 #include "base/collective.h"

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
-#include "diagnostics/chatter.h"
-#include "diagnostics/contact_resolution.h"
 #include "diagnostics/impact_summary.h"
 #include "diagnostics/probes.h"
+#include "diagnostics/warnings.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>

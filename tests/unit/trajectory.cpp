@@ -2,11 +2,11 @@
 #include "trajectory/trajectory.h"
 #include "accuracy/error_estimate.h"
 #include "base/collective.h"
-#include "base/counters.h"
 #include "base/error.h"
 #include "base/scratch_file.h"
+#include "base/timers.h"
 #include "fixtures.h"
-#include "trajectory/binomial_checkpointing.h"
+#include "trajectory/state_store.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>

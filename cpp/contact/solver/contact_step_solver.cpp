@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "contact/solver/contact_step_solver.h"
-#include "base/counters.h"
+#include "base/timers.h"
 
 namespace signorini::contact {
 

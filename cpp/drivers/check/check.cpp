@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "drivers/check/check.h"
 #include "base/error.h"
-#include "diagnostics/invariants.h"
+#include "diagnostics/balance.h"
 #include "drivers/check/derivative_check.h"
 #include "drivers/check/evaluation_point.h"
 #include "drivers/check/fit_check.h"

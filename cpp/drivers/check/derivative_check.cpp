@@ -2,7 +2,7 @@
 #include "drivers/check/derivative_check.h"
 #include "base/error.h"
 #include "base/log_slope.h"
-#include "diagnostics/chatter.h"
+#include "diagnostics/warnings.h"
 #include "drivers/check/evaluation_point.h"
 #include <algorithm>
 #include <array>
