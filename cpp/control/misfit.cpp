@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "control/misfit.h"
-#include "scene/unknown_limits.h"
+#include "scene/parameters.h"
 #include <cmath>
 #include <limits>
 

@@ -1,15 +1,46 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "drivers/kink.h"
+#include "control/reduced_problem.h"
 #include "drivers/resume.h"
-#include "drivers/search_subject.h"
 #include "io/csv_tables.h"
+#include "io/manifest.h"
 #include "io/output_folder.h"
 #include "optimize/minimize.h"
+#include "optimize/report.h"
+#include "problem/parameter_problem.h"
 #include <chrono>
 #include <fstream>
 
 namespace signorini::drivers {
+
+/// Describes a kink by its certificate and the weak contact there: the candidates, by step, that are active
+/// at some of its points and open at others. Makes a forward sweep for each point, which is not counted.
+/// Throws Interrupted. Collective.
+[[nodiscard]] io::Kink describe(control::ReducedProblem& reduced,
+                                const optimize::Certificate<control::Variables>& certificate);
+
+/// The same as numbers, in which a checkpoint stores it.
+[[nodiscard]] std::vector<double> numbers(const io::Kink& kink);
+
+/// From those numbers, in `dim` dimensions; none if they are not such.
+[[nodiscard]] std::optional<io::Kink> kink_of(const std::vector<double>& numbers, int dim);
+
+/// What a search varies, and of which problem: a control, the parameters of a scene, or both. Null parts are
+/// absent.
+struct SearchSubject {
+  const scene::Scene& scene; ///< as it is written into the results
+  const problem::Discretisation& discretisation;
+  control::ReducedProblem& reduced;
+  Timers& timers;
+  const problem::Problem* problem = nullptr; ///< whose steps a control has
+  const problem::ControlProblem* control = nullptr;
+  const problem::ParameterProblem* parameters = nullptr;
+
+  [[nodiscard]] MPI_Comm comm() const { return discretisation.space.comm(); }
+  [[nodiscard]] std::size_t parameter_count() const {
+    return parameters ? parameters->scene.unknowns.size() : 0;
+  }
+};
 
 /// Output of a search while it runs: progress, history.csv in the folder, a row for each iterate as soon as
 /// it is made, and checkpoint.h5. The `report` and the `checkpointer` of optimize::minimize(). All members

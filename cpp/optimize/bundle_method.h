@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "optimize/bundle_model.h"
-#include "optimize/certificate.h"
+#include "optimize/report.h"
 #include "optimize/span.h"
 
 namespace signorini::optimize {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "optimize/archive.h"
-#include "optimize/coordinates.h"
 #include "optimize/curvature.h"
 #include "optimize/options.h"
+#include "optimize/span.h"
+#include "optimize/unknowns.h"
 #include <optional>
 #include <span>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "optimize/archive.h"
-#include "optimize/coordinates.h"
+#include "optimize/span.h"
+#include "optimize/unknowns.h"
 #include <optional>
 #include <string>
 #include <utility>

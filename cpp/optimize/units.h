@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "optimize/problem.h"
+#include "optimize/unknowns.h"
 #include <span>
 
 namespace signorini::optimize {

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "base/error.h"
 #include <cmath>
 #include <concepts>
+#include <limits>
 #include <memory>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -88,6 +92,60 @@ typename U::Vector tangential(const U& unknowns, const typename U::Vector& u, co
   typename U::Vector along = d;
   unknowns.zero_blocked(along, u, d);
   return along;
+}
+
+/// Serialises a list element by element. One serialize(archive) both writes and reads what a method
+/// remembers; an archive takes numbers, lists of numbers and shared vectors by name.
+template <class Archive, class T, class Each>
+void serialize_list(Archive& archive, const std::string& name, std::vector<T>& list, Each&& each) {
+  auto count = static_cast<int>(list.size());
+  archive(name + "/count", count);
+  list.resize(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < list.size(); ++i)
+    each(list[i], name + "/" + std::to_string(i));
+}
+
+/// A piecewise smooth function J of unknowns, whose space the problem is itself.
+template <class P>
+concept Differentiable = Unknowns<P> && requires(P& problem, const typename P::Vector& u) {
+  { problem.value(u) } -> std::convertible_to<double>; // J(u); u becomes the trial. Throws SolverFailure
+  { problem.trial_gradient() } -> std::same_as<typename P::Vector>; // there, Riesz representative by inner()
+  { problem.accept() };                                             // the trial becomes the current point
+};
+
+template <class P>
+concept TwiceDifferentiable = Differentiable<P> && requires(P& problem, const typename P::Vector& d) {
+  // H d at the current point, Riesz representative by inner()
+  { problem.hessian_product(d) } -> std::same_as<typename P::Vector>;
+};
+
+/// A point with J and its gradient there.
+template <Unknowns U>
+struct Iterate {
+  typename U::Vector u;
+  double objective;
+  typename U::Vector g;
+};
+
+inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// J at u, which becomes the trial; none where a solver fails, which counts as too long a step.
+template <Differentiable P>
+std::optional<double> attempt(P& problem, const typename P::Vector& u) {
+  try {
+    return problem.value(u);
+  } catch (const SolverFailure&) {
+    return std::nullopt;
+  }
+}
+
+/// J and its gradient at u, which becomes the trial; none where a solver fails or J is not finite.
+template <Differentiable P>
+std::optional<Iterate<P>> evaluated(P& problem, typename P::Vector u) {
+  const double value = attempt(problem, u).value_or(nan);
+  if (!std::isfinite(value))
+    return std::nullopt;
+  return Iterate<P>{std::move(u), value, problem.trial_gradient()};
 }
 
 } // namespace signorini::optimize

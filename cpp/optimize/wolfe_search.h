@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "optimize/options.h"
-#include "optimize/problem.h"
+#include "optimize/unknowns.h"
 
 namespace signorini::optimize {
 

@@ -3,7 +3,6 @@
 #include "base/overloads.h"
 #include "scene/parameters.h"
 #include "scene/rules.h"
-#include "scene/unknown_limits.h"
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>

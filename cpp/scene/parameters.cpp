@@ -4,7 +4,6 @@
 #include "base/overloads.h"
 #include "scene/expression.h"
 #include "scene/reader.h"
-#include "scene/unknown_limits.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>

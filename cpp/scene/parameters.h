@@ -50,4 +50,14 @@ struct ObstacleRate {
 /// With the unknown of this number, where the unknowns have these values; `scene` is as read.
 ObstacleRate obstacle_rate(const Scene& scene, std::span<const double> values, std::size_t number);
 
+struct Limits;
+
+/// The natural limits of an unknown; on a logarithmic scale it is positive.
+Limits limits(const Unknown& unknown);
+/// Throws UserError unless each unknown can have its value.
+void require_possible(const Scene& scene, std::span<const double> values);
+
+/// Whether a factor of tractions is one of this: it scales all on its group.
+bool scales(const Unknown& unknown, const Traction& traction);
+
 } // namespace signorini::scene

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "step/parameter_rates.h"
 #include "contact/mass_redistribution.h"
-#include "scene/unknown_limits.h"
+#include "scene/parameters.h"
 #include <algorithm>
 #include <array>
 #include <cmath>

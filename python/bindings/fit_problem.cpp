@@ -3,7 +3,7 @@
 #include "bindings.h"
 #include "problem/parameter_problem.h"
 #include "scene.h"
-#include "scene/unknown_limits.h"
+#include "scene/parameters.h"
 #include <fmt/format.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "drivers/kink.h"
+#include "drivers/search_log.h"
 #include "fixtures.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "optimize/certificate.h"
+#include "optimize/report.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
