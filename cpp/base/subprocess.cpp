@@ -2,7 +2,6 @@
 #include "base/subprocess.h"
 #include "base/error.h"
 #include "base/signals.h"
-#include "base/worker.h"
 #include "version.h"
 #include <algorithm>
 #include <array>
@@ -14,14 +13,13 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <memory>
+#include <poll.h>
 #include <spawn.h>
 #include <stdexcept>
 #include <string_view>
-#include <sys/socket.h>
 #include <sys/wait.h>
 #include <system_error>
 #include <unistd.h>
-#include <utility>
 #include <vector>
 
 extern "C" char** environ;
@@ -33,131 +31,104 @@ namespace {
   throw std::runtime_error(fmt::format("{}: {}", what, std::generic_category().message(error)));
 }
 
+bool write_all(int file, const std::string& text) {
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t count = write(file, text.data() + done, text.size() - done);
+    if (count < 0 && errno != EINTR)
+      return false;
+    done += count > 0 ? static_cast<std::size_t>(count) : 0;
+  }
+  return true;
+}
+
+/// All that comes until the other end is closed; nothing if a stop was requested meanwhile.
+std::optional<std::string> read_all(int file) {
+  constexpr int look = 100; // ms, from one look for such a request to the next
+  std::string text;
+  std::array<char, 1 << 16> part{};
+  while (!stop_requested()) {
+    pollfd ready{.fd = file, .events = POLLIN, .revents = 0};
+    if (poll(&ready, 1, look) <= 0)
+      continue;
+    const ssize_t count = read(file, part.data(), part.size());
+    if (count == 0 || (count < 0 && errno != EINTR))
+      return text;
+    if (count > 0)
+      text.append(part.data(), static_cast<std::size_t>(count));
+  }
+  return std::nullopt;
+}
+
 using File = std::unique_ptr<FILE, int (*)(FILE*)>;
 
-/// A file without a name: a worker that ends before it has read a pipe would break that.
+/// A file without a name: a process that ends before it has read a pipe would break that.
 File request_file(const std::string& request) {
   File file(std::tmpfile(), &std::fclose);
-  if (!file || !worker::write_all(fileno(file.get()), request) || lseek(fileno(file.get()), 0, SEEK_SET) != 0)
-    fail("a request for a worker cannot be written to a temporary file", errno);
+  if (!file || !write_all(fileno(file.get()), request) || lseek(fileno(file.get()), 0, SEEK_SET) != 0)
+    fail("a request for a subprocess cannot be written to a temporary file", errno);
   return file;
 }
 
-/// A worker that waits for requests, in a group of its own, that ends as a whole, with nothing of this
-/// process but its end of a socket.
-class Worker {
-public:
-  explicit Worker(std::filesystem::path program)
-      : program_(std::move(program)), folder_(here()), owner_(getpid()) {
-    std::array<int, 2> ends{};
-    if (socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()) != 0)
-      fail("no socket can be opened", errno);
-    for (const int end : ends) // the worker gets its own descriptor
-      fcntl(end, F_SETFD, FD_CLOEXEC);
-    socket_ = ends[0];
-    const int error = start(ends[1]);
-    close(ends[1]);
-    if (error != 0) {
-      close(socket_);
-      fail(fmt::format("{} cannot be started", program_.string()), error);
-    }
-  }
-  Worker(const Worker&) = delete;
-  Worker& operator=(const Worker&) = delete;
-  ~Worker() {
-    close(socket_);
-    if (owner_ != getpid()) // a copy of the process that started it
-      return;
-    kill(-process_, SIGKILL);
-    int status = 0;
-    while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
-    }
-  }
-
-  /// Whether it is of this program, was started by this process, and stands where relative paths are this
-  /// one's.
-  [[nodiscard]] bool serves(const std::filesystem::path& program) const {
-    return program == program_ && owner_ == getpid() && folder_ == here();
-  }
-
-  bool take(const worker::Job& job) const { return worker::send_job(socket_, job); }
-
-  /// How the job ended, as waitpid() says it; nothing if the worker itself did.
-  [[nodiscard]] std::optional<int> status() const {
-    int status = 0;
-    ssize_t count = 0;
-    while ((count = recv(socket_, &status, sizeof status, MSG_WAITALL)) < 0 && errno == EINTR) {
-    }
-    return count == static_cast<ssize_t>(sizeof status) ? std::optional(status) : std::nullopt;
-  }
-
-private:
-  static std::filesystem::path here() {
-    std::error_code gone;
-    return std::filesystem::current_path(gone);
-  }
-
-  int start(int socket) {
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_adddup2(&files, socket, STDIN_FILENO);
-    // What libraries print, and the C library when it detects a corrupt heap.
-    for (const int file : {STDOUT_FILENO, STDERR_FILENO})
-      posix_spawn_file_actions_addopen(&files, file, "/dev/null", O_WRONLY, 0);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    sigset_t defaults;
-    sigemptyset(&defaults);
-    sigaddset(&defaults, SIGPIPE); // which this process ignores
-    posix_spawnattr_setsigdefault(&attributes, &defaults);
-    posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
-    std::string path = program_.string();
-    std::array<char*, 2> arguments{path.data(), nullptr};
-    const int error = posix_spawn(&process_, path.c_str(), &files, &attributes, arguments.data(), environ);
-    posix_spawn_file_actions_destroy(&files);
-    posix_spawnattr_destroy(&attributes);
-    return error;
-  }
-
-  std::filesystem::path program_, folder_;
-  pid_t owner_, process_ = -1;
-  int socket_ = -1;
-};
+/// Starts a program in a group of its own, which ends as a whole, with nothing of this process but the
+/// request and one end of a pipe.
+pid_t start(const std::filesystem::path& program, int request, int answer, unsigned seconds) {
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_adddup2(&files, request, STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&files, answer, answer_file);
+  // What libraries print, and the C library when it detects a corrupt heap.
+  for (const int file : {STDOUT_FILENO, STDERR_FILENO})
+    posix_spawn_file_actions_addopen(&files, file, "/dev/null", O_WRONLY, 0);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t defaults;
+  sigemptyset(&defaults);
+  sigaddset(&defaults, SIGPIPE); // which this process ignores
+  posix_spawnattr_setsigdefault(&attributes, &defaults);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+  std::string path = program.string(), limit = std::to_string(seconds);
+  std::array<char*, 3> arguments{path.data(), limit.data(), nullptr};
+  pid_t process = -1;
+  const int error = posix_spawn(&process, path.c_str(), &files, &attributes, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  posix_spawnattr_destroy(&attributes);
+  if (error != 0)
+    fail(fmt::format("{} cannot be started", path), error);
+  return process;
+}
 
 } // namespace
 
 std::optional<std::string> in_subprocess(const std::filesystem::path& program, const std::string& request,
                                          std::optional<unsigned> seconds) {
-  static std::optional<Worker> worker;
-  const bool waited = worker && worker->serves(program);
-  if (!waited)
-    worker.emplace(program);
   const File in = request_file(request);
   std::array<int, 2> ends{};
   if (pipe(ends.data()) != 0)
     fail("no pipe can be opened", errno);
   for (const int end : ends)
     fcntl(end, F_SETFD, FD_CLOEXEC);
-  const bool taken = worker->take(
-      {.in = fileno(in.get()), .out = ends[1], .seconds = static_cast<int>(seconds.value_or(0))});
+  pid_t process = -1;
+  try {
+    process = start(program, fileno(in.get()), ends[1], seconds.value_or(0));
+  } catch (...) {
+    close(ends[0]);
+    close(ends[1]);
+    throw;
+  }
   close(ends[1]);
-  const std::optional<std::string> text =
-      taken ? worker::read_all(ends[0], [] { return stop_requested(); }) : std::string();
+  const std::optional<std::string> text = read_all(ends[0]);
   close(ends[0]);
-  if (!text) {
-    worker.reset();
+  if (!text)
+    kill(-process, SIGKILL);
+  int status = 0;
+  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (!text)
     throw Interrupted();
-  }
-  const std::optional<int> status = taken ? worker->status() : std::nullopt;
-  if (!status) {
-    worker.reset();
-    // One that had waited may have let go in the same moment.
-    return waited ? in_subprocess(program, request, seconds) : std::nullopt;
-  }
-  if (!WIFEXITED(*status))
+  if (!WIFEXITED(status))
     return std::nullopt;
-  return WEXITSTATUS(*status) == 0 ? text : "";
+  return WEXITSTATUS(status) == 0 ? text : "";
 }
 
 std::filesystem::path own_folder() {
@@ -175,7 +146,7 @@ std::filesystem::path own_folder() {
   return file.parent_path();
 }
 
-std::filesystem::path find_worker(const std::string& name) {
+std::filesystem::path find_program(const std::string& name) {
   const std::filesystem::path folder = own_folder();
   std::vector<std::filesystem::path> places{folder, folder / "../..", folder / "../libexec/signorini",
                                             folder / "../../../../libexec/signorini",

@@ -2,10 +2,6 @@
 #pragma once
 #include "mesh/mesh.h"
 #include "mesh/raw_mesh.h"
-#include "mesh/size_field.h"
-#include <filesystem>
-#include <optional>
-#include <string>
 
 /// gmsh in a process of its own, the program signorini-gmsh, since it may crash on a damaged file.
 namespace signorini::mesh {
@@ -16,21 +12,5 @@ RawMesh read_gmsh(const scene::Mesh& mesh, const Meshing& meshing = {});
 
 /// The same as write_msh_here(); throws UserError. Not collective.
 void write_msh(const RawMesh& mesh, const std::filesystem::path& file, scene::LengthUnit unit);
-
-/// What the program signorini-gmsh is asked for: to read or mesh a file, or to write one.
-struct GmshRequest {
-  scene::Mesh mesh; ///< the file and how it is meshed; its degree does not matter
-  std::optional<SizeField> sizes{};
-  std::filesystem::path keep{};
-  std::optional<RawMesh> written{}; ///< to the file, in place of reading it
-};
-
-std::string packed(const GmshRequest& request);
-
-/// Inverse of packed(). Throws std::exception.
-GmshRequest request_of(const std::string& bytes);
-
-/// First byte of an answer: the mesh, packed, or nothing; or an error.
-constexpr char done = 'm', failed = 'e';
 
 } // namespace signorini::mesh

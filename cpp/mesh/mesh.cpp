@@ -4,6 +4,7 @@
 #include "base/digest.h"
 #include "base/dolfinx_versions.h"
 #include "base/signals.h"
+#include "mesh/distribution.h"
 #include "mesh/gmsh_process.h"
 #include "mesh/raw_mesh.h"
 #include "mesh/refinement.h"

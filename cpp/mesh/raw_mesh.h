@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <concepts>
 #include <cstdint>
 #include <map>
-#include <memory>
-#include <mpi.h>
 #include <string>
 #include <string_view>
 #include <vector>
-
-namespace dolfinx::mesh {
-template <std::floating_point T>
-class Mesh;
-}
 
 namespace signorini::mesh {
 
@@ -36,9 +28,5 @@ std::string packed(const RawMesh& mesh);
 
 /// Inverse of packed(). Throws std::logic_error if the bytes are too few.
 RawMesh unpacked(std::string_view bytes);
-
-/// Distributes a mesh that rank 0 has over the ranks of a communicator, where `dim` is known to all; its
-/// input numbers are the rows of `raw`. Collective.
-std::shared_ptr<dolfinx::mesh::Mesh<double>> distributed(MPI_Comm comm, const RawMesh& raw, int dim);
 
 } // namespace signorini::mesh

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/refinement.h"
 #include "base/dolfinx_versions.h"
+#include "mesh/distribution.h"
 #include "mesh/raw_mesh.h"
 #include <algorithm>
 #include <array>
