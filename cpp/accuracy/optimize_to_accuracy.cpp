@@ -3,6 +3,7 @@
 #include "accuracy/error_estimate.h"
 #include "accuracy/grading.h"
 #include "accuracy/quantities.h"
+#include "accuracy/refinement.h"
 #include "base/signals.h"
 #include "drivers/run_manifest.h"
 #include "drivers/search.h"
@@ -67,14 +68,7 @@ struct Parts {
   [[nodiscard]] double sum() const { return space + time + search; }
 };
 
-/// Order with which a part has fallen, between bounds as for fronts of an impact and above that of the
-/// scheme.
-double order(double coarse, double fine, double factor, double otherwise) {
-  constexpr double least = 0.7, most = 2.5, told = 0.9;
-  if (!(factor < told) || !(coarse > 0) || !(fine > 0))
-    return otherwise;
-  return std::clamp(std::log(fine / coarse) / std::log(factor), least, most);
-}
+constexpr double least_order = 0.7; ///< of fronts of an impact
 
 template <template <optimize::TwiceDifferentiable> class Method>
 class Rounds {
@@ -186,8 +180,9 @@ private:
     const double step = scene_.time.automatic()
                             ? resolution.step
                             : static_cast<double>(scene_.time.steps) / static_cast<double>(problem.steps());
-    space_order_ = order(parts_.space, parts.space, resolution.size / resolution_.size, space_order_);
-    time_order_ = order(parts_.time, parts.time, step / resolution_.step, time_order_);
+    orders_ = {observed_order(parts_.space, parts.space, resolution.size / resolution_.size, orders_.size,
+                              least_order),
+               observed_order(parts_.time, parts.time, step / resolution_.step, orders_.step, least_order)};
     parts_ = parts;
     resolution_.size = resolution.size, resolution_.step = step;
     by_cells_ = std::move(by_cells);
@@ -325,21 +320,11 @@ private:
 
   /// `reach`: the least factor of size and step.
   [[nodiscard]] Resolution aimed_at(double error, double reach = trusted_reach) const {
-    const int dim = last_->problem().mesh.dim();
-    const double of_space = dim * step_power(dim) / space_order_, of_time = 1 / time_order_;
-    // A part that is small already leaves its share to the other.
-    double space = error * of_space / (of_space + of_time), time = error - space;
-    if (parts_.time < time && parts_.space > space)
-      space = error - parts_.time;
-    else if (parts_.space < space && parts_.time > time)
-      time = error - parts_.space;
-    const auto factor = [reach](double part, double target, double slope) {
-      constexpr double worth = 0.95;
-      const double f = part > target ? std::max(reach, std::pow(target / part, 1 / slope)) : 1.0;
-      return f < worth ? f : 1.0;
-    };
-    Resolution next{.size = resolution_.size * factor(parts_.space, space, space_order_),
-                    .step = resolution_.step * factor(parts_.time, time, time_order_)};
+    const SizeAndStep factors =
+        cheapest_factors({parts_.space, parts_.time}, orders_, error, last_->problem().mesh.dim(), reach, 1);
+    constexpr double worth = 0.95; // the largest factor that is worth a change
+    Resolution next{.size = resolution_.size * (factors.size < worth ? factors.size : 1),
+                    .step = resolution_.step * (factors.step < worth ? factors.step : 1)};
     if (next.size == resolution_.size && next.step == resolution_.step) {
       constexpr double little = 0.8;
       (parts_.space > parts_.time ? next.size : next.step) *= little;
@@ -383,7 +368,7 @@ private:
   Resolution resolution_; ///< of the last round, without sizes
   Parts parts_;
   std::vector<double> by_cells_; ///< indicators of its mesh
-  double space_order_ = 2, time_order_ = 2;
+  SizeAndStep orders_{2, 2};
   std::vector<io::CoarseLevel> records_;
   std::string ended_, warning_; ///< why there is no further round; why the last is not verified
   int warned_ = 0;              ///< rounds

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "accuracy/grading.h"
 #include "accuracy/quantities.h"
+#include "accuracy/refinement.h"
 #include "accuracy/rung_costs.h"
 #include "accuracy/study.h"
 #include "accuracy/trials.h"
@@ -18,25 +19,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The observed order between two trials, or `otherwise` if they do not determine one.
-double order(double coarse, double fine, double ratio, double otherwise) {
-  constexpr double least = 0.5, most = 2.5; // of fronts of an impact, and above that of the schemes
-  if (!(ratio > 1.1) || !(coarse > 0) || !(fine > 0))
-    return otherwise;
-  return std::clamp(std::log(coarse / fine) / std::log(ratio), least, most);
-}
+constexpr double least_order = 0.5; ///< of fronts of an impact
 
-/// The cheapest size h and step τ for which both parts add up to `target`, with a cost of h^(−dim p) / τ and
-/// parts proportional to h^r and τ^q. Either changes by a factor of `reach` at most.
-Rung proposal(const Trial& from, double target, int dim, double r, double q, double reach) {
-  const double share = (dim * step_power(dim) / r) / (dim * step_power(dim) / r + 1 / q);
-  const auto factor = [&](double part, double budget, double slope) {
-    return part > 0 ? std::clamp(std::pow(budget / part, 1 / slope), 1 / reach, 2.0) : 2.0;
-  };
+/// The cheapest size h and step τ for which both parts of the error add up to `target`. Either changes by a
+/// factor of `reach` at most.
+Rung proposal(const Trial& from, double target, int dim, const SizeAndStep& orders, double reach) {
+  const SizeAndStep factors = cheapest_factors({from.space, from.time}, orders, target, dim, 1 / reach, 2.0);
   Rung next = from.rung;
-  next.size *= factor(from.space, share * target, r);
-  next.size = std::stod(fmt::format("{:.2g}", next.size));
-  return next.with_steps(factor(from.time, (1 - share) * target, q));
+  next.size = std::stod(fmt::format("{:.2g}", next.size * factors.size));
+  return next.with_steps(factors.step);
 }
 
 /// The quantity to be accurate: that asked for, or J. Throws UserError.
@@ -89,11 +80,11 @@ public:
       raised = own, raised->degree = 2;
     const RungCosts prices = priced(trials, own, raised);
     Trial last = run(trials, own), nearest = last;
-    double r = trials.order(), q = trials.order();
+    SizeAndStep orders{trials.order(), trials.order()};
     constexpr double aim =
         0.8; // of the tolerance, so that a little more error than foreseen does not cost another run
     const auto towards = [&](const Trial& from, double error, double reach) {
-      return trials.nearest(proposal(from, error, samples_.dim, r, q, reach));
+      return trials.nearest(proposal(from, error, samples_.dim, orders, reach));
     };
     const auto proposed = [&](const Trial& from) { return towards(from, aim * tolerance_, trials.reach()); };
     const auto show = [&](const Trial& trial) {
@@ -134,8 +125,10 @@ public:
       if (trial.error() < nearest.error())
         nearest = trial;
       if (trial.rung.degree == last.rung.degree) {
-        r = order(last.space, trial.space, last.rung.size / next.size, r);
-        q = order(last.time, trial.time, last.rung.step_width() / next.step_width(), q);
+        orders = {
+            observed_order(last.space, trial.space, next.size / last.rung.size, orders.size, least_order),
+            observed_order(last.time, trial.time, next.step_width() / last.rung.step_width(), orders.step,
+                           least_order)};
       } else if (seconds(trials, proposed(last), prices) < seconds(trials, proposed(trial), prices)) {
         continue;
       }

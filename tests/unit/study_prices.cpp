@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "accuracy/refinement.h"
 #include "accuracy/rung_costs.h"
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <cmath>
 
@@ -64,4 +66,34 @@ TEST_CASE("prices are of the rung's own degree, and are corrected by what rungs 
   CHECK_THAT(
       prices.seconds(large),
       WithinRel(before * (3 * cost.seconds(100, 10) + before) / (cost.seconds(100, 10) + before), 1e-12));
+}
+
+TEST_CASE("size and step for a target are the cheapest that meet it", "[study]") {
+  const int dim = GENERATE(2, 3);
+  const SizeAndStep error{0.3, 0.1}, orders{1.5, 2};
+  constexpr double target = 0.02;
+  const auto left = [&](double size, double step) {
+    return error.size * std::pow(size, orders.size) + error.step * std::pow(step, orders.step);
+  };
+  const auto cost = [&](double size, double step) { return std::pow(size, -dim * step_power(dim)) / step; };
+  const SizeAndStep found = cheapest_factors(error, orders, target, dim, 1e-6, 1);
+  CHECK(std::abs(left(found.size, found.step) / target - 1) < 1e-12);
+  for (const double other : {0.9, 0.99, 1.01, 1.1}) { // another size, and the step that then meets the target
+    const double size = other * found.size,
+                 step = std::pow((target - error.size * std::pow(size, orders.size)) / error.step,
+                                 1 / orders.step);
+    CHECK(cost(size, step) > cost(found.size, found.step));
+  }
+  // A part that is small already leaves its share to the other, unless it may become coarser.
+  const SizeAndStep small = cheapest_factors({0.3, 1e-4}, orders, target, dim, 1e-6, 1);
+  CHECK(small.step == 1);
+  CHECK(std::abs(0.3 * std::pow(small.size, orders.size) + 1e-4 - target) < 1e-12);
+  CHECK(cheapest_factors({0.3, 1e-4}, orders, target, dim, 1e-6, 2).step == 2);
+  CHECK(cheapest_factors(error, orders, 1e-9, dim, 0.5, 1).size == 0.5);
+  CHECK(cheapest_factors({0, 0.1}, orders, target, dim, 0.5, 1).size == 1);
+  CHECK(std::abs(observed_order(0.4, 0.1, 0.5, 1, 0.7) - 2) < 1e-12);
+  CHECK(observed_order(0.4, 0.39, 0.5, 1, 0.7) == 0.7);
+  CHECK(observed_order(0.4, 0.01, 0.5, 1, 0.7) == 2.5);
+  CHECK(observed_order(0.4, 0.39, 0.95, 1.3, 0.7) == 1.3); // too little of a change
+  CHECK(observed_order(0, 0.39, 0.5, 1.3, 0.7) == 1.3);
 }
