@@ -2,7 +2,8 @@
 #pragma once
 #include "contact/constraint_rows.h"
 #include "contact/workspace.h"
-#include "linalg/linear_solver.h"
+#include "linalg/conjugate_gradients.h"
+#include "linalg/mumps_solver.h"
 #include "linalg/sparse_cholesky.h"
 
 namespace signorini::contact {

@@ -2,7 +2,8 @@
 #pragma once
 #include "contact/pairs.h"
 #include "contact/solver/condensed.h"
-#include "linalg/linear_solver.h"
+#include "linalg/conjugate_gradients.h"
+#include "linalg/mumps_solver.h"
 #include "linalg/sparse_cholesky.h"
 #include <memory>
 #include <string>

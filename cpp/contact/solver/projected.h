@@ -2,7 +2,7 @@
 #pragma once
 #include "contact/lcp/complementarity.h"
 #include "contact/solver/contact_step_solver.h"
-#include "linalg/linear_solver.h"
+#include "linalg/conjugate_gradients.h"
 
 namespace signorini::contact {
 

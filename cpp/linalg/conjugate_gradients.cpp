@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/conjugate_gradients.h"
+#include "base/error.h"
+#include "base/timers.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <memory>
+#include <string_view>
+
+namespace signorini {
+using petsc::check;
+
+namespace {
+
+constexpr const char* prefix = "step_";
+
+/// A copy by rows, with the near null space. Collective.
+petsc::Matrix by_rows(Mat matrix) {
+  petsc::Matrix rows;
+  check(MatConvert(matrix, MATAIJ, MAT_INITIAL_MATRIX, rows.put()));
+  check(MatSetOption(rows, MAT_SPD, PETSC_TRUE));
+  MatNullSpace motions = nullptr;
+  check(MatGetNearNullSpace(matrix, &motions));
+  check(MatSetNearNullSpace(rows, motions));
+  return rows;
+}
+
+} // namespace
+
+bool Preconditioner::given_by_options() {
+  PetscBool given = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, prefix, "-pc_type", &given));
+  return given != PETSC_FALSE;
+}
+
+Preconditioner::Preconditioner(Mat matrix, Kind kind) {
+  check(PCCreate(petsc::comm(matrix), preconditioner_.put()));
+  check(PCSetOptionsPrefix(preconditioner_, prefix));
+  check(PCSetOperators(preconditioner_, matrix, matrix));
+  check(PCSetType(preconditioner_, kind == Kind::multigrid ? PCGAMG : PCPBJACOBI));
+  check(PCSetFromOptions(preconditioner_));
+  if (name() != PCPBJACOBI) {
+    rows_ = by_rows(matrix);
+    check(PCSetOperators(preconditioner_, rows_, rows_));
+  }
+  check(PCSetUp(preconditioner_));
+  check(PCSetUpOnBlocks(preconditioner_));
+  PCFailedReason failed = PC_NOERROR;
+  check(PCGetFailedReason(preconditioner_, &failed));
+  if (failed != PC_NOERROR)
+    throw SolverFailure(fmt::format("the preconditioner of the step operator D could not be set up: {}",
+                                    PCFailedReasons[failed]));
+}
+
+std::string Preconditioner::name() const {
+  PCType type = nullptr;
+  check(PCGetType(preconditioner_, &type));
+  return type;
+}
+
+double Preconditioner::bytes() const {
+  Mat matrix = nullptr;
+  PetscInt rows = 0, block = 1;
+  check(PCGetOperators(preconditioner_, &matrix, nullptr));
+  check(MatGetSize(matrix, &rows, nullptr));
+  check(MatGetBlockSize(matrix, &block));
+  if (!rows_) // one block per node
+    return sizeof(PetscScalar) * static_cast<double>(rows) * static_cast<double>(block);
+  double bytes = petsc::bytes(rows_);
+  if (name() == PCGAMG) {
+    PetscReal grid = 1, of_finest = 1;
+    check(PCMGGetGridComplexity(preconditioner_, &grid, &of_finest));
+    bytes *= of_finest; // entries on all levels over those on the finest
+  }
+  return bytes;
+}
+
+namespace {
+
+long& iterations_made = count("iterations of conjugate gradients");
+/// Relative residuals at which the judge is called: early, where most changes already show, and once more.
+constexpr std::array judged_at{1e-3, 1e-6};
+
+} // namespace
+
+ConjugateGradients::ConjugateGradients(Mat matrix, double solves, double most)
+    : matrix_(matrix), right_hand_side_(petsc::vector_of(matrix)), projected_(petsc::vector_of(matrix)) {
+  PetscInt owned = 0;
+  check(MatGetLocalSize(matrix, &owned, nullptr));
+  check(MatCreateShell(petsc::comm(matrix), owned, owned, PETSC_DETERMINE, PETSC_DETERMINE, this,
+                       operator_.put()));
+  // The operation's type has no arguments.
+  check(MatShellSetOperation(operator_, MATOP_MULT, reinterpret_cast<void (*)()>(multiply)));
+  check(KSPCreate(petsc::comm(matrix), ksp_.put()));
+  check(KSPSetOperators(ksp_, operator_, matrix));
+  check(KSPSetType(ksp_, KSPCG));
+  check(KSPSetNormType(ksp_, KSP_NORM_NATURAL));
+  check(KSPSetInitialGuessNonzero(ksp_, PETSC_TRUE));
+  constexpr double tolerance = 1e-12; // the gradient of J is accurate to about this
+  constexpr PetscInt iterations = 2000;
+  check(KSPSetTolerances(ksp_, tolerance, 0, PETSC_CURRENT, iterations));
+  check(KSPSetOptionsPrefix(ksp_, prefix));
+  PC shell = nullptr;
+  check(KSPGetPC(ksp_, &shell));
+  check(PCSetType(shell, PCSHELL));
+  check(PCSetOptionsPrefix(shell, "step_projected_")); // -step_pc_… is the preconditioner inside
+  check(PCShellSetContext(shell, this));
+  check(PCShellSetApply(shell, precondition));
+  check(KSPSetConvergenceTest(ksp_, converged, this, nullptr));
+  check(KSPSetFromOptions(ksp_));
+  check(KSPGetTolerances(ksp_, &tolerance_, nullptr, nullptr, nullptr));
+  choose_preconditioner(matrix, solves, most);
+}
+
+void ConjugateGradients::choose_preconditioner(Mat matrix, double solves, double most) {
+  // In iterations by block Jacobi, from the long steps of `./dev bench courant`: an iteration by
+  // multigrid, and its set-up.
+  constexpr double cycle = 12, setup = 600;
+  constexpr PetscInt few = 60; // multigrid takes five at least
+  preconditioner_ = std::make_unique<Preconditioner>(matrix, Preconditioner::Kind::block_jacobi);
+  trial_ = try_out(most);
+  const auto before = static_cast<double>(trial_.iterations);
+  if (Preconditioner::given_by_options() || before <= few || solves * before < setup)
+    return;
+  auto multigrid = std::make_unique<Preconditioner>(matrix, Preconditioner::Kind::multigrid);
+  std::swap(preconditioner_, multigrid);
+  const Trial trial = try_out(most);
+  if (std::isfinite(trial.seconds) &&
+      setup + solves * cycle * static_cast<double>(trial.iterations) <= solves * before)
+    trial_ = trial;
+  else
+    std::swap(preconditioner_, multigrid);
+}
+
+ConjugateGradients::Trial ConjugateGradients::try_out(double most) const {
+  const petsc::Vector x = petsc::zero_like(projected_), b = petsc::zero_like(projected_);
+  check(VecSet(b, 1));
+  check(KSPSetUp(ksp_));
+  const Clock::time_point start = Clock::now();
+  Solve solve{.trial = true};
+  if (std::isfinite(most))
+    solve.until = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(most));
+  run(b, x, solve);
+  Trial trial{.seconds = std::chrono::duration<double>(Clock::now() - start).count()};
+  MPI_Bcast(&trial.seconds, 1, MPI_DOUBLE, 0, petsc::comm(projected_));
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  check(KSPGetIterationNumber(ksp_, &trial.iterations));
+  check(KSPGetConvergedReason(ksp_, &reason));
+  if (reason < 0)
+    trial.seconds = std::numeric_limits<double>::infinity();
+  return trial;
+}
+
+PetscErrorCode ConjugateGradients::project(Vec x) const {
+  try {
+    if (now_->project)
+      (*now_->project)(x);
+  } catch (...) { // no exception may propagate through PETSc's C code
+    return PETSC_ERR_LIB;
+  }
+  return PETSC_SUCCESS;
+}
+
+PetscErrorCode ConjugateGradients::multiply(Mat shell, Vec x, Vec y) {
+  PetscFunctionBeginUser;
+  void* context = nullptr;
+  PetscCall(MatShellGetContext(shell, static_cast<void*>(&context)));
+  const ConjugateGradients& self = *static_cast<const ConjugateGradients*>(context);
+  PetscCall(MatMult(self.matrix_, x, y));
+  if (!self.now_->started) { // by the guess; b·x would leave out what the forces of constraints do
+    self.now_->started = true;
+    PetscScalar energy = 0;
+    PetscCall(VecDot(x, y, &energy));
+    self.now_->scale = std::sqrt(std::abs(energy));
+  }
+  PetscCall(self.project(y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ConjugateGradients::precondition(PC shell, Vec x, Vec y) {
+  PetscFunctionBeginUser;
+  void* context = nullptr;
+  PetscCall(PCShellGetContext(shell, static_cast<void*>(&context)));
+  const ConjugateGradients& self = *static_cast<const ConjugateGradients*>(context);
+  if (!self.now_->project) {
+    PetscCall(self.preconditioner_->apply(x, y));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(VecCopy(x, self.projected_));
+  PetscCall(self.project(self.projected_));
+  PetscCall(self.preconditioner_->apply(self.projected_, y));
+  PetscCall(self.project(y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode ConjugateGradients::converged(KSP ksp, PetscInt iteration, PetscReal residual,
+                                             KSPConvergedReason* reason, void* context) {
+  PetscFunctionBeginUser;
+  const ConjugateGradients& self = *static_cast<const ConjugateGradients*>(context);
+  Solve& now = *self.now_;
+  *reason = KSP_CONVERGED_ITERATING;
+  if (iteration == 0) // for a zero guess the residual measures the solution
+    now.scale = std::max(now.scale, residual);
+  const auto due = std::ranges::count_if(judged_at, [&](double at) { return residual <= at * now.scale; });
+  int late = now.until && Clock::now() > *now.until;
+  if (now.until)
+    MPI_Bcast(&late, 1, MPI_INT, 0, PetscObjectComm(reinterpret_cast<PetscObject>(ksp)));
+  if (!std::isfinite(residual)) {
+    *reason = KSP_DIVERGED_NANORINF;
+  } else if (residual <= self.tolerance_ * now.scale) {
+    *reason = KSP_CONVERGED_RTOL;
+  } else if (late) {
+    *reason = KSP_DIVERGED_ITS;
+  } else if (now.judge && due > now.asked) {
+    now.asked = due;
+    Vec x = nullptr;
+    PetscCall(KSPBuildSolution(ksp, nullptr, &x));
+    try {
+      now.stopped = !(*now.judge)(x);
+    } catch (...) {
+      PetscFunctionReturn(PETSC_ERR_LIB);
+    }
+    if (now.stopped)
+      *reason = KSP_CONVERGED_RTOL;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void ConjugateGradients::solve(Vec b, Vec x) const {
+  Solve solve;
+  run(b, x, solve);
+}
+
+bool ConjugateGradients::solve(Vec b, Vec x, const Projector& project, const TerminationTest& judge) const {
+  Solve solve{.project = &project, .judge = judge ? &judge : nullptr};
+  run(b, x, solve);
+  return !solve.stopped;
+}
+
+void ConjugateGradients::run(Vec b, Vec x, Solve& solve) const {
+  const auto ended = [this](Solve*) { now_ = nullptr; };
+  const std::unique_ptr<Solve, decltype(ended)> under_way(now_ = &solve, ended);
+  if (solve.project) {
+    check(VecCopy(b, right_hand_side_));
+    (*solve.project)(right_hand_side_);
+    b = right_hand_side_;
+  }
+  check(KSPSolve(ksp_, b, x));
+  if (solve.trial)
+    return;
+  count_solves();
+  PetscInt iterations = 0;
+  check(KSPGetIterationNumber(ksp_, &iterations));
+  iterations_made += iterations;
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  check(KSPGetConvergedReason(ksp_, &reason));
+  if (reason >= 0)
+    return;
+  PetscReal residual = 0;
+  check(KSPGetResidualNorm(ksp_, &residual));
+  throw SolverFailure(
+      fmt::format("the solve with the step operator D by {} failed: {}, residual {:.3e} of {:.3e} after {} "
+                  "iterations",
+                  name(), KSPConvergedReasons[reason], residual, solve.scale, static_cast<int>(iterations)));
+}
+
+} // namespace signorini
