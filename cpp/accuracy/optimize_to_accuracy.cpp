@@ -108,7 +108,7 @@ public:
   }
 
 private:
-  /// Says what is there before the reason of a round's failure is told.
+  /// Says what is there before the reason of a round's failure is written.
   void conclude_failed() {
     forget_deadline();
     if (records_.empty())
@@ -147,20 +147,21 @@ private:
   void round(const Resolution& resolution) {
     const auto start = Clock::now();
     io::OutputFolder folder(comm_, out_, drivers::resume::checkpoint);
-    scene::Scene told = at(scene_, resolution);
+    scene::Scene written = at(scene_, resolution);
     mesh::Meshing meshing;
     if (sizes_vary()) {
       meshing.sizes = resolution.sizes ? &*resolution.sizes : nullptr;
       meshing.keep = folder.staged("mesh.msh");
-      told.mesh.file = folder.path() / "mesh.msh";
-      told.mesh.size.reset();
+      written.mesh.file = folder.path() / "mesh.msh";
+      written.mesh.size.reset();
     }
     auto level = std::make_unique<drivers::SearchLevel<Method>>(comm_, at(scene_, resolution), meshing,
                                                                 last_.get(), problem::search_needs(scene_));
     const problem::Problem& problem = level->problem();
     problem::ControlProblem& control_problem = level->control_problem();
     const drivers::SearchSubject subject{
-        told, *problem.discretisation, control_problem.reduced, problem.timers, &problem, &control_problem};
+        written,  *problem.discretisation, control_problem.reduced, problem.timers,
+        &problem, &control_problem};
     drivers::SearchLog record(subject, folder, false, console_, drivers::SearchLog::Files::with_results);
     Parts parts;
     parts.search = search(*level, record);

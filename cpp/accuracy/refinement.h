@@ -3,7 +3,7 @@
 
 namespace signorini::accuracy {
 
-/// What belongs to the size of elements, and to the length of steps.
+/// A pair of numbers: one for the size of elements, one for the length of steps.
 struct SizeAndStep {
   double size = 0, step = 0;
 };

@@ -33,8 +33,8 @@ struct Motion {
   }
 };
 
-/// What J depends on velocities and forces by. The dual of v_k is M ω_k + e_k: what J depends on velocities
-/// by enters through e_k, so that no system with M is solved.
+/// The derivatives of J by velocities and forces. The dual of v_k is M ω_k + e_k: what J depends on
+/// velocities by enters through e_k, so that no system with M is solved.
 class FunctionalTerms {
 public:
   FunctionalTerms(const Motion& motion, const VelocityForceDuals& duals)

@@ -20,7 +20,7 @@ public:
   [[nodiscard]] virtual bool of_forces() const = 0;
   /// Sets ∂J/∂λ_k (m), k = 1…N.
   virtual void forces(int k, std::span<double> dual) const = 0;
-  /// What J changes by if the rows of constraints change by `rate`, for the multipliers of step k.
+  /// The change of J as the rows of constraints change by `rate`, for the multipliers of step k.
   [[nodiscard]] virtual double by_rows(int k, const contact::ContactLinearisation& contact,
                                        const contact::ConstraintRows& rate) const = 0;
 };
@@ -35,7 +35,7 @@ void sweep(const step::Stepper& stepper, step::Stepper::Workspace& work, const s
            const std::vector<contact::ContactLinearisation>& contact,
            const step::DualAtStep& by_displacements, const AdjointObserver& visit);
 
-/// The same sweep along a motion that has whole states, of a J of velocities and forces too, which gives
+/// The backward sweep along a motion that has whole states, of a J of velocities and forces too, which gives
 /// dJ/dθ for all unknowns θ at once (docs/method.md section 9). Both derivatives are taken with the unknowns
 /// held fixed; `by_displacements` must have a vector part where J depends on velocities.
 std::vector<double> sweep(const step::Stepper& stepper, step::Stepper::Workspace& work,

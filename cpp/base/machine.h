@@ -10,7 +10,7 @@ namespace signorini {
 /// may use, one at least. Collective on `comm`.
 void use_threads(MPI_Comm comm, std::optional<int> asked);
 
-/// That number.
+/// The number of threads in use.
 int threads();
 
 /// Peak resident memory of this process since its start or the last forget_peak_memory(), bytes.

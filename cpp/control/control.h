@@ -79,8 +79,8 @@ std::vector<double> dots(std::span<const Control> u, std::span<const CompactCont
 
 struct CompactVariables;
 
-/// What a search varies: a control, the parameters of a scene on their scales, or both. Parameters are the
-/// same on every rank.
+/// The variables of a search: a control, the parameters of a scene on their scales, or both. Parameters are
+/// the same on every rank.
 struct Variables {
   Control u;
   std::vector<double> x;

@@ -102,8 +102,9 @@ void ReducedProblem::accept() { std::swap(current_, trial_); }
 Control ReducedProblem::pull_back(const std::vector<contact::ContactLinearisation>& contact,
                                   const step::DualAtStep& dual, double scale, const Control& u) {
   const auto timer = timers_.time("adjoint");
+  Control g = swept(contact, dual, scale, u, {});
   ++sweeps_.adjoint;
-  return swept(contact, dual, scale, u, {});
+  return g;
 }
 
 Control ReducedProblem::swept(const std::vector<contact::ContactLinearisation>& contact,
@@ -125,8 +126,9 @@ Control ReducedProblem::adjoint(const step::DualAtStep& dual) {
 
 Variables ReducedProblem::derivative(Point& at) {
   const auto timer = timers_.time("adjoint");
+  Variables g = swept(at, {});
   ++sweeps_.adjoint;
-  return swept(at, {});
+  return g;
 }
 
 Variables ReducedProblem::swept(Point& at, const AdjointObserver& visit) {

@@ -13,7 +13,7 @@
 
 namespace signorini::control {
 
-/// What motions are made of, for given values of a scene's parameters. Null members are absent.
+/// The parts of a motion for given values of a scene's parameters. Null members are absent.
 struct Model {
   const step::Stepper* stepper;
   const step::State* initial;
@@ -57,7 +57,7 @@ public:
   /// Makes v the trial, by a forward sweep. Throws Interrupted, SolverFailure; with parameters also where the
   /// scene is none at v or one of them is farther from the current point than a step may go.
   void simulate(const Variables& v);
-  /// simulate(); J there.
+  /// J at v, which becomes the trial as in simulate().
   [[nodiscard]] double value(const Variables& v);
 
   /// The trial becomes the current point.
@@ -167,7 +167,7 @@ private:
   }
   /// The gradient, by the control in L2(0,T; L2), by parameters dJ/dx.
   Variables derivative(Point& at);
-  /// The same, neither timed nor counted.
+  /// derivative(), neither timed nor counted.
   Variables swept(Point& at, const AdjointObserver& visit);
   /// The gradient by inner().
   Variables gradient(Point& at);
@@ -187,7 +187,7 @@ private:
   /// L2(0,T; L2).
   Control pull_back(const std::vector<contact::ContactLinearisation>& contact, const step::DualAtStep& dual,
                     double scale, const Control& u);
-  /// The same, neither timed nor counted.
+  /// pull_back(), neither timed nor counted.
   Control swept(const std::vector<contact::ContactLinearisation>& contact, const step::DualAtStep& dual,
                 double scale, const Control& u, const AdjointObserver& visit);
 

@@ -24,7 +24,7 @@ struct Neighbour {
 };
 
 /// Two unit vectors normal to ν and to each other; in the plane one, and zero.
-std::array<Point, 2> sensitivities(const double* nu, std::size_t dim) {
+std::array<Point, 2> tangents(const double* nu, std::size_t dim) {
   if (dim == 2)
     return {Point{-nu[1], nu[0], 0}, Point{}};
   Point first{};
@@ -46,7 +46,7 @@ std::vector<Neighbour> neighbours(const contact::ContactPairs& pairs, std::size_
   const auto dim = static_cast<std::size_t>(pairs.dim());
   const std::size_t most = dim == 2 ? 4 : 18; // two on either side, two rings of triangles
   const std::vector<double>& x = pairs.points();
-  const std::array<Point, 2> along = sensitivities(&pairs.normals()[dim * centre], dim);
+  const std::array<Point, 2> along = tangents(&pairs.normals()[dim * centre], dim);
   std::vector<Neighbour> all;
   for (std::size_t i = 0; i < pairs.psi().size(); ++i) {
     if (i == centre || pairs.obstacles()[i] != pairs.obstacles()[centre])

@@ -45,7 +45,7 @@ void restore_steps(problem::Problem& problem, const std::filesystem::path& out) 
   problem.grid = *grid;
 }
 
-/// What the scene leaves open, made ready.
+/// The problem that a scene leaves to a search, with all its parts.
 class Searched {
 public:
   Searched(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out, bool resume,

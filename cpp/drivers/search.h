@@ -18,8 +18,8 @@ int search_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem
 /// than that of a desired run. Collective.
 void require_control_problem(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out);
 
-/// What the scene asks of a search for these controls. Collective. Throws UserError if optimizer.memory is
-/// too little.
+/// The options of a search for these controls, as the scene sets them. Collective. Throws UserError if
+/// optimizer.memory is too little.
 optimize::Options search_options(const control::ControlSpace& controls, const scene::Optimizer& scene);
 
 } // namespace signorini::drivers

@@ -19,13 +19,13 @@ namespace signorini::drivers {
 [[nodiscard]] io::Kink describe(control::ReducedProblem& reduced,
                                 const optimize::Certificate<control::Variables>& certificate);
 
-/// The same as numbers, in which a checkpoint stores it.
+/// A kink as numbers, in which a checkpoint stores it.
 [[nodiscard]] std::vector<double> numbers(const io::Kink& kink);
 
-/// From those numbers, in `dim` dimensions; none if they are not such.
+/// A kink from those numbers, in `dim` dimensions; none if they are not such.
 [[nodiscard]] std::optional<io::Kink> kink_of(const std::vector<double>& numbers, int dim);
 
-/// What a search varies, and of which problem: a control, the parameters of a scene, or both. Null parts are
+/// The problem that a search works on, of a control, the parameters of a scene, or both. Null parts are
 /// absent.
 struct SearchSubject {
   const scene::Scene& scene; ///< as it is written into the results
@@ -90,7 +90,7 @@ public:
     return every_ > 0 && iteration.number % every_ == 0 && iteration.number != stored_at_;
   }
 
-  /// What is stored before the next mark is of now.
+  /// Takes the counts of sweeps that a checkpoint stores until the next mark.
   void mark() { marked_ = subject_.reduced.sweeps(); }
 
   /// Describes the kink at which the search ends. Throws Interrupted.

@@ -15,10 +15,9 @@ namespace {
 /// The point that a search found: its problem and the forces there.
 class SearchPoint {
 public:
-  SearchPoint(const SearchSubject& subject, const SearchEnd& end)
-      : parameters_(end.fitted ? end.fitted->x : subject.reduced.variables().x) {
+  SearchPoint(const SearchSubject& subject, const SearchEnd& end) {
     if (subject.parameters) {
-      scene_ = subject.parameters->scene_at(parameters_);
+      scene_ = subject.parameters->scene_at(end.fitted ? end.fitted->x : subject.reduced.variables().x);
       own_.emplace(subject.parameters->discretisation, *scene_, subject.parameters->needs(), subject.timers,
                    trajectory::Stops::ignored);
     }
@@ -31,12 +30,10 @@ public:
   SearchPoint(const SearchPoint&) = delete; // its parts refer to each other
   SearchPoint& operator=(const SearchPoint&) = delete;
 
-  [[nodiscard]] const std::vector<double>& parameters() const { return parameters_; }
   [[nodiscard]] const problem::Problem& problem() const { return *problem_; }
   [[nodiscard]] step::ForceAtStep load() const { return given_ ? given_->load() : problem_->load(&*force_); }
 
 private:
-  std::vector<double> parameters_;
   std::optional<scene::Scene> scene_;
   std::optional<problem::Problem> own_;
   const problem::Problem* problem_;

@@ -36,12 +36,12 @@ std::string start_objective(const problem::Problem& problem, const problem::Give
 int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem::path& out,
                    const SimulateOptions& options, const Console& console) {
   io::OutputFolder folder(comm, out);
-  scene::Scene told = scene;
+  scene::Scene written = scene;
   mesh::Meshing meshing;
   if (options.keep_mesh) {
     meshing.keep = folder.staged(kept_mesh);
-    told.mesh.file = folder.path() / kept_mesh;
-    told.mesh.size.reset(), told.mesh.scale = 1;
+    written.mesh.file = folder.path() / kept_mesh;
+    written.mesh.size.reset(), written.mesh.scale = 1;
   }
   if (!options.replace)
     folder.require_no_search(out);
@@ -90,7 +90,7 @@ int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   if (steps == 0 || (options.whole && !complete)) // no result that could replace an earlier run's
     throw Interrupted();
   recorder.finish();
-  folder.write("scene.toml", scene::echo(told, problem.space.dim()));
+  folder.write("scene.toml", scene::echo(written, problem.space.dim()));
   io::Manifest m = manifest(problem, "simulate", complete ? "end of time" : "interrupted", steps);
   if (m.lengths)
     m.lengths->rejected = control->rejected();
@@ -101,7 +101,7 @@ int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
     add_warning(m, problem::desired_warning(problem), console);
   }
   m.files = folder.files();
-  folder.write("run.json", io::to_json(m, told, timers));
+  folder.write("run.json", io::to_json(m, written, timers));
   for (const std::string& line : summary_lines(m))
     console.line(line);
   if (m.objective)

@@ -8,7 +8,7 @@
 
 namespace signorini::drivers {
 
-/// What the verb simulate is asked for.
+/// Options of the verb simulate.
 struct SimulateOptions {
   bool replace = false;                   ///< may remove what a search left in its folder
   bool measure = false;                   ///< writes the files of the scene's measurements

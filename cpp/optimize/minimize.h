@@ -119,14 +119,14 @@ minimize(P& given, typename P::Vector guess, const Options& options, Report&& re
   }
   bool enough = false;
   const auto tell = [&] {
-    Iteration told = state.iteration;
-    told.objective *= state.units.objective();
-    told.gradient_norm *= state.units.gradient();
-    told.promised *= state.units.objective();
+    Iteration shown = state.iteration;
+    shown.objective *= state.units.objective();
+    shown.gradient_norm *= state.units.gradient();
+    shown.promised *= state.units.objective();
     if constexpr (std::is_same_v<std::invoke_result_t<Report&, const Iteration&>, bool>)
-      enough = !report(told);
+      enough = !report(shown);
     else
-      report(told);
+      report(shown);
   };
   const auto first_norm = [&] { return state.first_norm * state.units.gradient(); };
   try {

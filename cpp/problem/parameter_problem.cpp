@@ -5,7 +5,7 @@
 namespace signorini::problem {
 namespace {
 
-/// What owns a model.
+/// Owns the parts of a model.
 struct Parts {
   Parts(const ParameterProblem& of, std::span<const double> x, std::size_t columns, trajectory::Stops stops,
         Timers& timers)

@@ -25,7 +25,7 @@ public:
   }
   /// Whether a control is sought too.
   [[nodiscard]] bool seeks_control() const { return seeks_control_; }
-  /// What the problem at any x needs of its solvers, which are chosen once.
+  /// The needs of the problem at any x, whose solvers are chosen once.
   [[nodiscard]] step::Stepper::Needs needs() const;
 
 private:

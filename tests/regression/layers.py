@@ -9,7 +9,8 @@ from pathlib import Path
 ORDER = ["base", "linalg", "scene", "mesh", "fem", "contact", "step", "trajectory", "adjoint", "diagnostics", "optimize", "control", "io", "problem",
          "drivers", "accuracy", "app"]  # fmt: skip
 # What some of them do without.
-WITHOUT = {"scene": {"linalg"}, "mesh": {"linalg"}, "optimize": set(ORDER) - {"base", "linalg", "optimize"}, "adjoint": {"diagnostics"}}
+WITHOUT = {"scene": {"linalg"}, "mesh": {"linalg"}, "diagnostics": {"adjoint"}, "optimize": set(ORDER) - {"base", "linalg", "optimize"},
+           "control": {"diagnostics"}, "io": {"linalg", "adjoint", "optimize"}}  # fmt: skip
 SEES = {layer: set(ORDER[: i + 1]) - WITHOUT.get(layer, set()) for i, layer in enumerate(ORDER)}
 LIBRARIES_OUT_OF = {"optimize": re.compile(r"<(petsc|dolfinx)"), "scene": re.compile(r"<(petsc|dolfinx)")}
 GENERATED_ONLY_IN = ("fem/forms.cpp", re.compile(r'"viscoelasticity_'))
