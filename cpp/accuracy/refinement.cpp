@@ -1,13 +1,31 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "accuracy/refinement.h"
-#include "accuracy/rungs.h"
+#include "base/error.h"
+#include "base/signals.h"
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace signorini::accuracy {
+namespace {
 
-double observed_order(double coarse, double fine, double factor, double otherwise, double least) {
-  constexpr double most = 2.5, enough = 0.9;
+/// Of the tolerance, so that an error a little larger than predicted does not cost another run.
+constexpr double aim = 0.8;
+constexpr int most_runs = 20;
+/// Runs whose error is small enough but that have a warning.
+constexpr int most_warned = 3;
+
+double two_digits(double size) { return std::stod(fmt::format("{:.2g}", size)); }
+
+Rung scaled(Rung rung, const SizeAndStep& factors) {
+  rung.size = two_digits(rung.size * factors.size);
+  return rung.with_steps(factors.step);
+}
+
+} // namespace
+
+double observed_order(double coarse, double fine, double factor, double otherwise) {
+  constexpr double least = 0.5, most = 2.5, enough = 0.9;
   if (!(factor < enough) || !(coarse > 0) || !(fine > 0))
     return otherwise;
   return std::clamp(std::log(fine / coarse) / std::log(factor), least, most);
@@ -28,6 +46,196 @@ SizeAndStep cheapest_factors(const SizeAndStep& error, const SizeAndStep& orders
     return part > 0 ? std::clamp(std::pow(wanted / part, 1 / order), least, most) : most;
   };
   return {factor(error.size, size, orders.size), factor(error.step, step, orders.step)};
+}
+
+double Elapsed::seconds() const {
+  double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  MPI_Bcast(&seconds, 1, MPI_DOUBLE, 0, comm_);
+  return seconds;
+}
+
+Rung Refinement::towards(const TrialRun& from, double error, double reach) const {
+  return trials_.nearest(
+      scaled(from.rung, cheapest_factors({from.space, from.time}, orders_, error, trials_.dim(), 1 / reach,
+                                         trials_.reach().coarser)));
+}
+
+Rung Refinement::proposed(const TrialRun& from) const {
+  return towards(from, aim * tolerance_, trials_.reach().finer);
+}
+
+TrialRun Refinement::begin() {
+  if (const std::optional<Rung> rung = trials_.unestimated()) {
+    constexpr double nothing = 1; // is known
+    best_ = {.rung = *rung, .space = nothing, .time = nothing};
+    trials_.conclude(*best_, true);
+  }
+  const std::vector<Rung> rungs = trials_.beginnings();
+  for (std::size_t i = 0; i + 1 < rungs.size(); ++i)
+    try {
+      return tried(rungs[i]);
+    } catch (const UserError&) { // a mesh that coarse cannot be made
+    } catch (const SolverFailure&) {
+    }
+  return tried(rungs.back());
+}
+
+TrialRun Refinement::tried(const Rung& rung) {
+  TrialRun trial = trials_.run(rung);
+  const auto take = [&] {
+    constexpr double any_reach = 1e6; // of a rung that is not run
+    const double aimed = trial.error() > tolerance_ ? aim * tolerance_ : trial.error() / 2;
+    further_ = trials_.seconds(towards(trial, aimed, any_reach));
+    best_ = trial;
+    trials_.conclude(trial, true);
+  };
+  if (trial.error() <= tolerance_)
+    try {
+      trials_.verify(trial);
+    } catch (const Interrupted&) {
+      trial.warning = "no run with half its steps has ended";
+      take();
+      throw;
+    }
+  const bool better = trial.meets(tolerance_) ? !met() || trial.seconds <= best_->seconds
+                                              : !best_ || (!met() && trial.error() <= best_->error());
+  if (better)
+    take();
+  else
+    trials_.conclude(trial, false);
+  return trial;
+}
+
+void Refinement::run(bool economise) {
+  std::optional<Rung> other_degree = trials_.other_degree();
+  TrialRun last = begin();
+  if (last.meets(tolerance_) && !economise)
+    return;
+  int warned = 0;
+  for (int i = 1; i < most_runs; ++i) {
+    if (!last.warning.empty() && ++warned == most_warned)
+      return;
+    const std::optional<Rung> next = following(last, other_degree);
+    if (!next)
+      return;
+    const TrialRun trial = tried(*next);
+    if (trial.meets(tolerance_))
+      return;
+    if (trial.rung.degree == last.rung.degree)
+      orders_ = {observed_order(last.space, trial.space, trial.rung.size / last.rung.size, orders_.size),
+                 observed_order(last.time, trial.time, trial.rung.step_width() / last.rung.step_width(),
+                                orders_.step)};
+    else if (trials_.seconds(proposed(last)) < trials_.seconds(proposed(trial)))
+      continue;
+    last = trial;
+  }
+  ended_ = fmt::format("the estimate does not fall in {} runs", most_runs);
+}
+
+std::optional<Rung> Refinement::following(const TrialRun& last, std::optional<Rung>& other_degree) {
+  constexpr SizeAndStep cure{.size = 0.7, .step = 0.5}; // of what is warned of
+  constexpr double little = 0.8;
+  Rung next = last.warning.empty() ? proposed(last) : trials_.nearest(scaled(last.rung, cure));
+  if (other_degree && last.error() > tolerance_ && trials_.seconds(*other_degree) < trials_.seconds(next))
+    next = *other_degree;
+  if (next == last.rung) {
+    if (last.error() <= tolerance_)
+      return std::nullopt;
+    const bool in_space = last.space > last.time;
+    next = trials_.nearest(scaled(last.rung, {in_space ? little : 1, in_space ? 1 : little}));
+  }
+  const double expected = trials_.seconds(next);
+  console_.line(fmt::format("next: {}, about {:.2g} s", trials_.words(next), expected));
+  if (budget_ && elapsed_.seconds() + expected > *budget_) {
+    console_.line(fmt::format("that is beyond the budget of {:.3g} s (--budget)", *budget_));
+    const std::optional<Rung> fitting = within_budget(last.rung, next, other_degree);
+    if (!fitting) {
+      ended_ = fmt::format("a next run is beyond the budget of {:.3g} s", *budget_);
+      return std::nullopt;
+    }
+    next = *fitting;
+  }
+  if (next == other_degree)
+    other_degree.reset();
+  return next;
+}
+
+/// Where `next` is not within the budget: the other degree at the size for which it was priced, or a part of
+/// the way from `last`; absent if that is little.
+std::optional<Rung> Refinement::within_budget(const Rung& last, const Rung& next,
+                                              const std::optional<Rung>& other_degree) {
+  constexpr double worth = 0.9; // the least change of a size or a step
+  std::vector<Rung> others;
+  if (other_degree)
+    others.push_back(*other_degree);
+  for (const double part : {0.75, 0.5, 0.25}) {
+    const double wider = std::pow(next.size / last.size, part),
+                 longer = std::pow(next.step_width() / last.step_width(), part);
+    Rung between = next;
+    between.size = two_digits(last.size * wider);
+    if (std::min(wider, longer) < worth)
+      others.push_back(trials_.nearest(between.with_steps(longer * last.step_width() / next.step_width())));
+  }
+  const double left = *budget_ - elapsed_.seconds();
+  for (const Rung& rung : others)
+    if (const double expected = trials_.seconds(rung); expected <= left) {
+      console_.line(fmt::format("instead: {}, about {:.2g} s", trials_.words(rung), expected));
+      return rung;
+    }
+  return std::nullopt;
+}
+
+namespace {
+
+std::string sentence(const Refinement& refinement, const TrialRuns& trials, const AccuracyAsked& asked,
+                     const std::string& end) {
+  const TrialRun& best = *refinement.best();
+  std::string text = fmt::format("{:g} of {} asked, ", asked.error, asked.quantities.front());
+  if (best.seconds == 0)
+    return text + fmt::format("no error estimate yet: {}; {}, {:.2g} s in all", end, trials.words(best.rung),
+                              refinement.seconds());
+  text += fmt::format("{:.2e} estimated (space {:.1e}, time {:.1e}", best.error(), best.space, best.time);
+  if (best.search > 0)
+    text += fmt::format(", search {:.1e}", best.search);
+  return text + fmt::format("): {}; {}, {:.2g} s in all, of which the run took {:.2g} s; {} would take about "
+                            "{:.2g} s",
+                            end, trials.words(best.rung), refinement.seconds(), best.seconds,
+                            refinement.within() ? "half the error" : "what is asked", refinement.further());
+}
+
+} // namespace
+
+int refine_to_accuracy(MPI_Comm comm, Refinement& refinement, const TrialRuns& trials,
+                       const AccuracyAsked& asked, const std::filesystem::path& out, const Console& console) {
+  const auto conclude = [&](const std::string& end) {
+    forget_deadline();
+    if (refinement.best())
+      console.line(fmt::format("{}\nresults in {}", sentence(refinement, trials, asked, end), out.string()));
+  };
+  bool interrupted = false;
+  try {
+    refinement.run(false);
+  } catch (const Interrupted&) {
+    if (!refinement.best())
+      throw;
+    interrupted = true;
+  } catch (const UserError&) { // on all ranks, like the next
+    conclude("not met, the next run failed");
+    throw;
+  } catch (const SolverFailure&) {
+    conclude("not met, the next run failed");
+    throw;
+  }
+  const bool late = time_is_up(comm), met = refinement.met();
+  const std::string &warning = refinement.best()->warning, &ended = refinement.ended();
+  conclude(met                ? "met"
+           : late             ? "not met, the budget is spent"
+           : interrupted      ? "not met, interrupted"
+           : !warning.empty() ? "not verified, " + warning
+                              : "not met" + (ended.empty() ? "" : ", " + ended));
+  return met                    ? exit_status::done
+         : interrupted && !late ? exit_status::interrupted
+                                : exit_status::check_failed;
 }
 
 } // namespace signorini::accuracy

@@ -158,15 +158,18 @@ double work(const Rung& rung, int dim) {
   return std::pow(relative_unknowns(rung, dim), step_power(dim)) / rung.step_width();
 }
 
+std::string words_of_step(const Rung& rung, const scene::Scene& scene) {
+  return rung.chooses_steps() ? fmt::format("tolerance {:.3g}", rung.tolerance)
+                              : fmt::format("step {:.3g}", scene.time.end / rung.steps);
+}
+
 std::string words(const Rung& rung, const scene::Scene& scene) {
   std::string text;
   if (scene.mesh.file.extension() != ".msh")
     text = fmt::format("{} {:.4g}, ", scene.mesh.size ? "size" : "scale", rung.size);
   if (rung.graded)
     text += "graded, ";
-  text += rung.chooses_steps() ? fmt::format("tolerance {:.3g}", rung.tolerance)
-                               : fmt::format("step {:.3g}", scene.time.end / rung.steps);
-  text += fmt::format(", degree {}", rung.degree);
+  text += fmt::format("{}, degree {}", words_of_step(rung, scene), rung.degree);
   return rung.scheme == scene::ContactScheme::contact_implicit ? text
                                                                : text + ", " + scene::name(rung.scheme);
 }

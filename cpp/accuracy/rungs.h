@@ -70,5 +70,7 @@ double work(const Rung& rung, int dim);
 /// "size 0.5, step 5e-05, degree 1" or "size 0.5, tolerance 0.01, degree 1"; the scheme too where it is not
 /// contact-implicit.
 std::string words(const Rung& rung, const scene::Scene& scene);
+/// "step 5e-05" or "tolerance 0.01".
+std::string words_of_step(const Rung& rung, const scene::Scene& scene);
 
 } // namespace signorini::accuracy

@@ -1,11 +1,84 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "accuracy/trials.h"
 #include "accuracy/analysis.h"
+#include "accuracy/grading.h"
+#include "accuracy/measure.h"
+#include "accuracy/quantities.h"
+#include "accuracy/rung_costs.h"
+#include "scene/spelling.h"
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace signorini::accuracy {
 namespace {
+
+/// What the trials of both kinds of estimate share.
+class MeasuredTrials : public TrialRuns {
+public:
+  MeasuredTrials(MPI_Comm comm, const scene::Scene& scene, Samples samples, Quantity quantity,
+                 const Console& console, KeepTrial keep)
+      : comm_(comm), scene_(scene), samples_(std::move(samples)), quantity_(std::move(quantity)),
+        console_(console), keep_(std::move(keep)) {}
+
+  [[nodiscard]] std::string title() const override { return quantity_.title; }
+  [[nodiscard]] int dim() const override { return samples_.dim; }
+  [[nodiscard]] std::vector<Rung> beginnings() const override { return {nearest(own_rung(scene_))}; }
+
+  [[nodiscard]] double seconds(const Rung& rung) override {
+    if (!costs_)
+      costs_ = price();
+    double sum = 0;
+    for (const Rung& one : runs(rung))
+      sum += costs_->seconds(one);
+    return sum;
+  }
+
+  [[nodiscard]] std::string words(const Rung& rung) const override { return accuracy::words(rung, scene_); }
+
+  void verify(TrialRun& trial) override {
+    constexpr double half = 0.5, of_difference = 2; // of first order, as fronts of an impact at best
+    const Measured own = known(trial.rung), finer = known(trial.rung.with_steps(half));
+    const std::optional<double> apart = distance(quantity_, own, finer);
+    trial.time = std::max(trial.time, of_difference * apart.value_or(1));
+    trial.grounds += fmt::format(", {} from steps of half the length", percent(apart.value_or(1)));
+    trial.warning = own.warning(quantity_);
+    console_.line(fmt::format("{}: {}{}", words(trial.rung), trial.grounds,
+                              trial.warning.empty() ? "" : "; not verified: " + trial.warning));
+  }
+
+  void conclude(const TrialRun& trial, bool better) override {
+    if (better && keep_)
+      keep_(trial);
+  }
+
+protected:
+  /// All that have to run for a rung.
+  [[nodiscard]] virtual std::vector<Rung> runs(const Rung& rung) const = 0;
+  /// The measurements of a trial's own rung, and of others.
+  virtual Measured known(const Rung& rung) = 0;
+
+  MPI_Comm comm_;
+  const scene::Scene& scene_;
+  Samples samples_;
+  Quantity quantity_;
+  const Console& console_;
+  KeepTrial keep_;
+
+private:
+  /// Prices the rungs that a refinement may come to.
+  [[nodiscard]] RungCosts price() const {
+    std::vector<Rung> rungs;
+    for (const std::optional<Rung>& one : {std::optional(beginnings().front()), other_degree()})
+      if (one) {
+        rungs.insert(rungs.end(), 2, *one);
+        rungs.back().size /= reach().finer;
+      }
+    return accuracy::price(comm_, scene_, rungs, samples_, {quantity_}, quantity_.name == "J");
+  }
+
+  std::optional<RungCosts> costs_;
+};
 
 std::string listed(const adjoint::ErrorParts& parts) {
   std::string text = fmt::format("space {:+.2e}, time {:+.2e}", *parts.space, parts.time);
@@ -16,18 +89,13 @@ std::string listed(const adjoint::ErrorParts& parts) {
   return text;
 }
 
-class AdjointTrials final : public Trials {
+class AdjointTrials final : public MeasuredTrials {
 public:
-  AdjointTrials(MPI_Comm comm, const scene::Scene& scene, const Samples& samples)
-      : comm_(comm), scene_(scene), samples_(samples) {}
+  using MeasuredTrials::MeasuredTrials;
+  [[nodiscard]] Reach reach() const override { return {.order = 2, .finer = 8, .coarser = 2}; }
+  [[nodiscard]] Rung nearest(const Rung& rung) const override { return rung; }
 
-  [[nodiscard]] double order() const override { return 2; }
-  [[nodiscard]] double reach() const override { return 8; }
-  [[nodiscard]] bool any_degree() const override { return false; } // see require_size() in suggest.cpp
-  [[nodiscard]] Quantity quantity() const override { return {"J", "J", ""}; }
-  [[nodiscard]] bool estimates() const override { return true; }
-
-  Trial run(const Rung& rung) override {
+  TrialRun run(const Rung& rung) override {
     const Measured measured = measure(comm_, on_rung(scene_, rung), samples_, {}, true);
     ran_ = rung, last_ = measured;
     const double value = measured.numbers.at("J"), J = std::abs(value);
@@ -35,44 +103,42 @@ public:
     const adjoint::ErrorParts relative{*parts.space / J, parts.time / J, parts.initial / J,
                                        parts.desired / J};
     const double error = most(relative), time = std::abs(relative.time) / relative.sum_of_moduli() * error;
-    return {rung,
-            error - time,
-            time,
-            measured.seconds,
-            fmt::format("J {:.6e}, estimated error at most {:.2e} ({}), {} unknowns, {:.2g} s", value, error,
-                        listed(relative), measured.unknowns, measured.seconds),
-            fmt::format("by their own estimate at most {:.2e}", error)};
+    console_.line(fmt::format("{}: J {:.6e}, estimated error at most {:.2e} ({}), {} unknowns, {:.2g} s",
+                              words(rung), value, error, listed(relative), measured.unknowns,
+                              measured.seconds));
+    return {.rung = rung,
+            .space = error - time,
+            .time = time,
+            .seconds = measured.seconds,
+            .grounds = fmt::format("by their own estimate at most {:.2e}", error)};
   }
 
 private:
+  [[nodiscard]] std::vector<Rung> runs(const Rung& rung) const override { return {rung}; }
+
   Measured known(const Rung& rung) override {
     return rung == ran_ ? last_ : measure(comm_, on_rung(scene_, rung), samples_, {}, false);
   }
 
-  MPI_Comm comm_;
-  const scene::Scene& scene_;
-  const Samples& samples_;
   Rung ran_; ///< the last
   Measured last_;
 };
 
-class LadderTrials final : public Trials {
+class LadderTrials final : public MeasuredTrials {
 public:
-  LadderTrials(MPI_Comm comm, const scene::Scene& scene, const Samples& samples, const Quantity& quantity)
-      : comm_(comm), scene_(scene), samples_(samples), quantity_(quantity) {}
+  using MeasuredTrials::MeasuredTrials;
+  [[nodiscard]] Reach reach() const override { return {.order = 1, .finer = 2, .coarser = 2}; }
 
-  [[nodiscard]] double order() const override { return 1; }
-  [[nodiscard]] double reach() const override { return 2; }
-  [[nodiscard]] Quantity quantity() const override { return quantity_; }
+  [[nodiscard]] std::optional<Rung> unestimated() const override {
+    return keep_ ? std::optional(runs(beginnings().front()).front()) : std::nullopt;
+  }
 
-  [[nodiscard]] std::vector<Rung> runs(const Rung& rung) const override {
-    std::vector<Rung> all;
-    for (const auto& [wider, longer] : {std::pair(coarsest, 1), {2, 1}, {1, coarsest}, {1, 2}, {1, 1}}) {
-      all.push_back(rung);
-      all.back().size *= wider;
-      all.back() = all.back().with_steps(longer);
-    }
-    return all;
+  [[nodiscard]] std::optional<Rung> other_degree() const override {
+    Rung raised = beginnings().front();
+    if (raised.degree != 1)
+      return std::nullopt;
+    raised.degree = 2;
+    return raised;
   }
 
   /// Steps of twice and four times the length are whole parts of the time, and tolerances for them exist.
@@ -85,7 +151,7 @@ public:
     return next;
   }
 
-  Trial run(const Rung& rung) override {
+  TrialRun run(const Rung& rung) override {
     std::vector<Result> results;
     for (const Rung& one : runs(rung))
       results.push_back({one, known(one)});
@@ -98,19 +164,26 @@ public:
     const std::string grounds = fmt::format("{}error bar {} (of the size {}, of the step {}{})", found,
                                             percent(space + time), percent(space), percent(time),
                                             bar && bar->asymptotic ? "" : "; not in the asymptotic range");
-    return {rung,
-            space,
-            time,
-            measured.seconds,
-            fmt::format("{}, {} unknowns, {:.2g} s", grounds, measured.unknowns, measured.seconds),
-            grounds};
+    console_.line(fmt::format("{}: {}, {} unknowns, {:.2g} s", words(rung), grounds, measured.unknowns,
+                              measured.seconds));
+    return {.rung = rung, .space = space, .time = time, .seconds = measured.seconds, .grounds = grounds};
   }
 
 private:
   static constexpr int coarsest = 4;
 
+  [[nodiscard]] std::vector<Rung> runs(const Rung& rung) const override {
+    std::vector<Rung> all;
+    for (const auto& [wider, longer] : {std::pair(coarsest, 1), {2, 1}, {1, coarsest}, {1, 2}, {1, 1}}) {
+      all.push_back(rung);
+      all.back().size *= wider;
+      all.back() = all.back().with_steps(longer);
+    }
+    return all;
+  }
+
   Measured known(const Rung& rung) override {
-    const auto [found, missing] = runs_.try_emplace(rung);
+    const auto [found, missing] = measured_.try_emplace(rung);
     if (missing)
       found->second = measure(comm_, on_rung(scene_, rung), samples_, {quantity_}, false);
     return found->second;
@@ -123,31 +196,50 @@ private:
                        quantity_.unit.empty() ? "" : " ", quantity_.unit);
   }
 
-  MPI_Comm comm_;
-  const scene::Scene& scene_;
-  const Samples& samples_;
-  Quantity quantity_;
-  std::map<Rung, Measured> runs_;
+  std::map<Rung, Measured> measured_;
 };
+
+/// The quantity to be accurate: that asked for, or J. Throws UserError.
+Quantity the_quantity(const scene::Scene& scene, const std::vector<std::string>& names, int dim,
+                      const char* option) {
+  std::vector<std::string> allowed;
+  for (const Quantity& quantity : quantities(scene, dim))
+    if (!quantity.absolute) // whose error is known without
+      allowed.push_back(quantity.name);
+  if (names.empty() && !scene.objective)
+    throw UserError(fmt::format("{}: needs --quantity in a scene without an objective, allowed is one of {}",
+                                option, scene::list(allowed)));
+  const Quantity found = names.empty() ? Quantity{"J", "J", ""} : chosen(scene, names, dim).front();
+  if (names.size() > 1 || found.absolute)
+    throw UserError(fmt::format("{}: found --quantity {}, allowed is one of {}", option,
+                                fmt::join(names, ","), scene::list(allowed)));
+  return found;
+}
+
+void require_size(const scene::Scene& scene, const Quantity& quantity, const char* option) {
+  if (scene.mesh.meshed())
+    throw UserError(fmt::format("{}: found a .msh, which is meshed already, allowed is a .geo", option));
+  if (quantity.name == "J" && scene.mesh.degree != 1)
+    throw UserError(fmt::format("{}: found mesh.degree = {}, allowed is 1: the estimate in space "
+                                "looks at what functions of degree 2 "
+                                "have beyond those of degree 1",
+                                option, scene.mesh.degree));
+}
 
 } // namespace
 
-void Trials::verify(Trial& trial) {
-  constexpr double half = 0.5, of_difference = 2; // of first order, as fronts of an impact at best
-  const Measured own = known(trial.rung), finer = known(trial.rung.with_steps(half));
-  const std::optional<double> apart = distance(quantity(), own, finer);
-  trial.time = std::max(trial.time, of_difference * apart.value_or(1));
-  trial.grounds += fmt::format(", {} from steps of half the length", percent(apart.value_or(1)));
-  trial.warning = own.warning(quantity());
-}
-
-std::unique_ptr<Trials> adjoint_trials(MPI_Comm comm, const scene::Scene& scene, const Samples& samples) {
-  return std::make_unique<AdjointTrials>(comm, scene, samples);
-}
-
-std::unique_ptr<Trials> ladder_trials(MPI_Comm comm, const scene::Scene& scene, const Samples& samples,
-                                      const Quantity& quantity) {
-  return std::make_unique<LadderTrials>(comm, scene, samples, quantity);
+std::unique_ptr<TrialRuns> study_trials(MPI_Comm comm, const scene::Scene& scene,
+                                        const std::vector<std::string>& names, const char* option,
+                                        const Console& console, KeepTrial keep) {
+  require_size(scene, the_quantity(scene, names, 2, option), option);
+  require_answer(comm, scene);
+  Samples samples(comm, scene);
+  Quantity quantity = the_quantity(scene, names, samples.dim, option);
+  if (quantity.name == "J")
+    return std::make_unique<AdjointTrials>(comm, scene, std::move(samples), std::move(quantity), console,
+                                           std::move(keep));
+  return std::make_unique<LadderTrials>(comm, scene, std::move(samples), std::move(quantity), console,
+                                        std::move(keep));
 }
 
 } // namespace signorini::accuracy

@@ -63,15 +63,42 @@ std::string again(const problem::Problem& problem) {
                      computed ? " of either motion" : "", slots);
 }
 
-/// Costs of the effects that add anything, by the names of io::effects.
-std::map<std::string, Cost> costs(const problem::Problem& problem) {
+/// Costs of effects by the names of io::effects.
+using Costs = std::map<std::string, Cost>;
+
+std::string product_with_density(const fem::Operators& body) {
+  return body.uniform_density ? "nothing: one product with M does" : "a product with W";
+}
+
+/// Adds the costs of control and objective.
+void add_control(const problem::Problem& problem, Costs& costs) {
+  const scene::Scene& scene = problem.scene;
+  const fem::Operators& body = problem.operators;
+  const control::ControlSpace controls(problem.space, body, problem.grid, *scene.control);
+  const bool own = controls.matrix_bytes() > 0;
+  costs["control"] = {own ? "its L2" : "W",
+                      (own ? controls.matrix_bytes() : petsc::bytes(*body.W)) + 5 * controls.control_bytes(),
+                      own ? "a product" : product_with_density(body)};
+  if (controls.bounded())
+    costs["control bounds"].bytes =
+        controls.cellwise()
+            ? 0
+            : controls.control_bytes() / (scene.control->constant_in_time ? 1 : problem.steps());
+  const optimize::Options options = drivers::search_options(controls, scene.optimizer);
+  if (scene.optimizer.method == scene::OptimizerMethod::lbfgs)
+    costs["control"].bytes +=
+        static_cast<double>(std::min(2 * options.lbfgs.pairs, options.vectors)) * controls.compact_bytes();
+  costs["objective"] = {scene.objective->on ? "L2 of what is observed" : "W", motions_bytes(problem),
+                        "a gradient: an adjoint step, with one solve" + again(problem)};
+}
+
+/// Costs of the effects that add anything.
+Costs costs(const problem::Problem& problem) {
   const scene::Scene& scene = problem.scene;
   const fem::Operators& body = problem.operators;
   const step::Stepper& stepper = problem.stepper;
-  const std::string density_product =
-      body.uniform_density ? "nothing: one product with M does" : "a product with W";
   const double vector = sizeof(PetscScalar) * static_cast<double>(problem.space.dofs());
-  std::map<std::string, Cost> costs;
+  Costs costs;
   costs["clamp"].step = "nothing: its unknowns are decoupled in D";
   if (body.B)
     costs["viscosity"] = {"B", petsc::bytes(*body.B), "nothing: it is in D and R"};
@@ -96,7 +123,7 @@ std::map<std::string, Cost> costs(const problem::Problem& problem) {
     const std::string evaluated =
         problem.scene_load->depends_on_time() ? ", evaluated anew" : ", evaluated once";
     if (scene.load->body)
-      costs["body load"] = {"W", petsc::bytes(*body.W) + 2 * vector, density_product + evaluated};
+      costs["body load"] = {"W", petsc::bytes(*body.W) + 2 * vector, product_with_density(body) + evaluated};
     if (scene.load->gravity)
       costs["gravity"] = {"", 2 * vector, "a vector added" + evaluated};
     if (!scene.load->tractions.empty())
@@ -113,24 +140,8 @@ std::map<std::string, Cost> costs(const problem::Problem& problem) {
                                      scene.unknowns.size() == 1 ? "" : "s")};
   }
   costs["measurements"].step = "in a fit, a few values";
-  if (!scene.objective)
-    return costs;
-  const control::ControlSpace controls(problem.space, body, problem.grid, *scene.control);
-  const bool own = controls.matrix_bytes() > 0;
-  costs["control"] = {own ? "its L2" : "W",
-                      (own ? controls.matrix_bytes() : petsc::bytes(*body.W)) + 5 * controls.control_bytes(),
-                      own ? "a product" : density_product};
-  if (controls.bounded())
-    costs["control bounds"].bytes =
-        controls.cellwise()
-            ? 0
-            : controls.control_bytes() / (scene.control->constant_in_time ? 1 : problem.steps());
-  const optimize::Options options = drivers::search_options(controls, scene.optimizer);
-  if (scene.optimizer.method == scene::OptimizerMethod::lbfgs)
-    costs["control"].bytes +=
-        static_cast<double>(std::min(2 * options.lbfgs.pairs, options.vectors)) * controls.compact_bytes();
-  costs["objective"] = {scene.objective->on ? "L2 of what is observed" : "W", motions_bytes(problem),
-                        "a gradient: an adjoint step, with one solve" + again(problem)};
+  if (scene.objective)
+    add_control(problem, costs);
   return costs;
 }
 
@@ -241,7 +252,7 @@ void print_info(problem::Problem& problem, int timed_steps, const Console& conso
       "forces is a step of length τ\n");
   constexpr const char* row = "{:<22}{:<24}{:>10}   {}";
   console.line(fmt::format(row, "effects", "adds matrices", "memory", "and in a step"));
-  std::map<std::string, Cost> all = costs(problem);
+  Costs all = costs(problem);
   std::string off;
   for (const auto& [name, on] : io::effects(problem.scene)) {
     if (!on) {

@@ -104,7 +104,8 @@ int run(const Request& request, const SceneFile& file, const Console& console) {
       require_not_the_guess(scene, out);
     });
   if (request.verb == "simulate" && request.accuracy)
-    return accuracy::simulate_to_accuracy(world(), scene, out, *request.accuracy, request.study,
+    return accuracy::simulate_to_accuracy(world(), scene, out,
+                                          {*request.accuracy, request.study.budget, request.study.quantities},
                                           simulate_options(request), console);
   if (request.verb == "simulate")
     return drivers::simulate_scene(world(), scene, out, simulate_options(request), console);

@@ -251,7 +251,7 @@ int search_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesystem
   if (!log.evaluated()) // rows of a checkpoint alone are no result
     throw Interrupted();
   const optimize::Stop stop = end.stop;
-  write_results(folder, searched.subject(), log, std::move(end), console);
+  write_results(folder, log, std::move(end), console);
   return stop == optimize::Stop::solver_failed ? exit_status::solver_failed
          : stop == optimize::Stop::interrupted ? exit_status::interrupted
                                                : exit_status::done;

@@ -118,6 +118,8 @@ public:
       console_.line(resume::not_written(file_, failure));
   }
 
+  [[nodiscard]] const SearchSubject& subject() const { return subject_; }
+
   /// Ends the display of progress.
   void end() { progress_.reset(); }
 

@@ -207,8 +207,8 @@ void add_search(io::Manifest& m, const SearchSubject& subject, const SearchLog& 
 
 } // namespace
 
-void write_results(io::OutputFolder& folder, const SearchSubject& subject, SearchLog& log, SearchEnd end,
-                   const Console& console) {
+void write_results(io::OutputFolder& folder, SearchLog& log, SearchEnd end, const Console& console) {
+  const SearchSubject& subject = log.subject();
   const SearchPoint found(subject, end);
   const problem::Problem& problem = found.problem();
   control::ReducedProblem& reduced = subject.reduced;

@@ -17,7 +17,6 @@ struct SearchEnd {
 
 /// Writes the results of a search, whose point is the reduced problem's current one or the fitted one, puts
 /// them in place and reports them. Collective. Throws UserError, SolverFailure, WriteFailure.
-void write_results(io::OutputFolder& folder, const SearchSubject& subject, SearchLog& log, SearchEnd end,
-                   const Console& console);
+void write_results(io::OutputFolder& folder, SearchLog& log, SearchEnd end, const Console& console);
 
 } // namespace signorini::drivers

@@ -15,21 +15,89 @@ namespace {
 
 constexpr char kept_mesh[] = "mesh.msh";
 
-/// Prepares J of a run. A desired run that is missing or another's is no reason not to simulate: returns why
-/// J is not known then. Collective. Throws UserError.
-std::string start_objective(const problem::Problem& problem, const problem::GivenControl& given,
-                            std::optional<problem::RunObjective>& objective) {
-  if (!problem.scene.objective)
-    return {};
-  try {
-    objective.emplace(problem, given);
-  } catch (const UserError& error) {
-    if (!std::holds_alternative<scene::DesiredRun>(problem.scene.objective->desired))
-      throw;
-    return error.what();
+/// A motion under the scene's given control, with all that is recorded of it on the way.
+class Simulation {
+public:
+  /// Collective. Throws UserError.
+  Simulation(problem::Problem& problem, const io::OutputFolder& folder, bool measure)
+      : problem_(problem), given_(problem), load_(given_.load()) {
+    start_objective();
+    if (!problem.grid.equal())
+      control_.emplace(problem.stepper, problem.scene);
+    recorder_.emplace(problem, folder, nullptr, given_.acts(), control_ ? &control_->errors() : nullptr);
+    if (measure)
+      data_.emplace(problem.stepper, problem.grid, problem.scene);
   }
-  return {};
-}
+
+  /// Makes the steps. Collective. Throws UserError, SolverFailure, WriteFailure.
+  void run(const Console& console) {
+    constexpr int per_mille = 1000;
+    const auto timer = problem_.timers.time("forward");
+    const bool equal = problem_.grid.equal();
+    Progress progress(console, equal ? "steps" : "per mille of the time",
+                      static_cast<std::size_t>(equal ? problem_.grid.steps() : per_mille));
+    const auto watch = [&](const trajectory::Frame& frame) {
+      (*recorder_)(frame);
+      if (objective_)
+        objective_->observe(frame);
+      if (data_)
+        data_->observe(frame);
+      progress.update(static_cast<std::size_t>(
+          equal ? frame.step.k : std::floor(per_mille * frame.step.end / problem_.stepper.end())));
+    };
+    if (control_) {
+      problem_.grid =
+          trajectory::integrate_choosing(problem_.stepper, problem_.initial, load_, *control_, watch);
+      steps_ = problem_.steps();
+    } else {
+      steps_ = trajectory::integrate(problem_.stepper, problem_.grid, problem_.initial, load_, watch);
+    }
+  }
+
+  [[nodiscard]] int steps() const { return steps_; }
+  [[nodiscard]] bool complete() const { return problem_.grid.complete() && steps_ == problem_.steps(); }
+  [[nodiscard]] MotionWriter& recorder() { return *recorder_; }
+  [[nodiscard]] const std::optional<SyntheticData>& data() const { return data_; }
+  /// Why J is not known though the scene has an objective; empty else.
+  [[nodiscard]] const std::string& unknown() const { return unknown_; }
+
+  /// The part of run.json that is a simulation's, with its warnings, which are printed. Collective.
+  [[nodiscard]] io::Manifest described(const Console& console) {
+    io::Manifest m = manifest(problem_, "simulate", complete() ? "end of time" : "interrupted", steps_);
+    if (m.lengths)
+      m.lengths->rejected = control_->rejected();
+    add_watched(m, *recorder_, problem_.scene.run, console);
+    if (objective_ && complete()) {
+      m.objective = objective_->value();
+      add_warning(m, problem::desired_warning(problem_), console);
+    }
+    return m;
+  }
+
+private:
+  /// A desired run that is missing or another's is no reason not to simulate.
+  void start_objective() {
+    if (!problem_.scene.objective)
+      return;
+    try {
+      objective_.emplace(problem_, given_);
+    } catch (const UserError& error) {
+      if (!std::holds_alternative<scene::DesiredRun>(problem_.scene.objective->desired))
+        throw;
+      unknown_ = error.what();
+    }
+  }
+
+  problem::Problem& problem_;
+  problem::GivenControl given_;
+  step::ForceAtStep load_;
+  std::optional<problem::RunObjective> objective_;
+  std::string unknown_;
+  std::optional<trajectory::StepControl> control_;
+  std::optional<MotionWriter> recorder_;
+  std::optional<SyntheticData> data_;
+  int steps_ = 0;
+};
 
 } // namespace
 
@@ -52,54 +120,15 @@ int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
                            scene, problem::simulation_needs(scene), timers);
   console.line(headline(problem));
 
-  const problem::GivenControl given(problem);
-  const step::ForceAtStep load = given.load();
-  std::optional<problem::RunObjective> objective;
-  const std::string unknown = start_objective(problem, given, objective);
-  std::optional<trajectory::StepControl> control;
-  if (!problem.grid.equal())
-    control.emplace(problem.stepper, scene);
-  MotionWriter recorder(problem, folder, nullptr, given.acts(), control ? &control->errors() : nullptr);
-  std::optional<SyntheticData> data;
-  if (options.measure)
-    data.emplace(problem.stepper, problem.grid, scene);
-  constexpr int per_mille = 1000;
-  int steps = 0;
-  {
-    const auto timer = timers.time("forward");
-    Progress progress(console, problem.grid.equal() ? "steps" : "per mille of the time",
-                      static_cast<std::size_t>(problem.grid.equal() ? problem.grid.steps() : per_mille));
-    const auto watch = [&](const trajectory::Frame& frame) {
-      recorder(frame);
-      if (objective)
-        objective->observe(frame);
-      if (data)
-        data->observe(frame);
-      progress.update(static_cast<std::size_t>(
-          problem.grid.equal() ? frame.step.k
-                               : std::floor(per_mille * frame.step.end / problem.stepper.end())));
-    };
-    if (control) {
-      problem.grid = trajectory::integrate_choosing(problem.stepper, problem.initial, load, *control, watch);
-      steps = problem.steps();
-    } else {
-      steps = trajectory::integrate(problem.stepper, problem.grid, problem.initial, load, watch);
-    }
-  }
-  const bool complete = problem.grid.complete() && steps == problem.steps();
-  if (steps == 0 || (options.whole && !complete)) // no result that could replace an earlier run's
+  Simulation simulation(problem, folder, options.measure);
+  simulation.run(console);
+  const bool complete = simulation.complete();
+  if (simulation.steps() == 0 || (options.whole && !complete)) // no result that could replace an earlier one
     throw Interrupted();
-  recorder.finish();
+  simulation.recorder().finish();
   folder.write("scene.toml", scene::echo(written, problem.space.dim()));
-  io::Manifest m = manifest(problem, "simulate", complete ? "end of time" : "interrupted", steps);
-  if (m.lengths)
-    m.lengths->rejected = control->rejected();
-  add_watched(m, recorder, scene.run, console);
+  io::Manifest m = simulation.described(console);
   m.accuracy = options.accuracy;
-  if (objective && complete) {
-    m.objective = objective->value();
-    add_warning(m, problem::desired_warning(problem), console);
-  }
   m.files = folder.files();
   folder.write("run.json", io::to_json(m, written, timers));
   for (const std::string& line : summary_lines(m))
@@ -108,12 +137,12 @@ int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
     console.line(fmt::format("J = {:.6e} (tracking {:.3e}, terminal {:.3e}, control {:.3e})",
                              m.objective->total(), m.objective->tracking, m.objective->terminal,
                              m.objective->control_cost));
-  if (!unknown.empty())
-    console.line("J is not known: " + unknown);
+  if (!simulation.unknown().empty())
+    console.line("J is not known: " + simulation.unknown());
   console.line(
       fmt::format("{}{}", complete ? "" : "interrupted after ", cost_line(m, scene, timers, folder.bytes())));
-  if (data && complete) // before the results are in place: they stand for data that are written
-    for (const std::string& line : data->write(options.seed))
+  if (simulation.data() && complete) // before the results are in place: they stand for data that are written
+    for (const std::string& line : simulation.data()->write(options.seed))
       console.line(line);
   finish(folder, console);
   return complete ? exit_status::done : exit_status::interrupted;

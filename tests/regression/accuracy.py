@@ -52,7 +52,7 @@ def optimum_is_met(folder: Path) -> None:
         print(f"optimum, {ranks} ranks: asked 1e-2, estimated {found['estimated']:.1e}, found {error:.1e}")
     assert best["accuracy"]["estimated"] <= 1e-3 and len(best["optimizer"]["coarse_levels"]) >= 2
     # On elements of one size more rounds follow, and the scene that is written is that of the last: it has its mesh and steps.
-    finer, _ = order("optimize", HALF_DISC, folder / "finer", "--accuracy", "2e-3")
+    finer, _ = order("optimize", HALF_DISC, folder / "finer", "--accuracy", "2e-3", "--set", "time.step=1e-4")
     assert len(finer["optimizer"]["coarse_levels"]) >= 1 and finer["unknowns"] > 3 * run["unknowns"]
     assert {p.name for p in (folder / "finer").iterdir()} == FILES
     steps = [level["steps"] for level in finer["optimizer"]["coarse_levels"]] + [finer["steps"]["done"]]

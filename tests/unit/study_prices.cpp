@@ -91,9 +91,9 @@ TEST_CASE("size and step for a target are the cheapest that meet it", "[study]")
   CHECK(cheapest_factors({0.3, 1e-4}, orders, target, dim, 1e-6, 2).step == 2);
   CHECK(cheapest_factors(error, orders, 1e-9, dim, 0.5, 1).size == 0.5);
   CHECK(cheapest_factors({0, 0.1}, orders, target, dim, 0.5, 1).size == 1);
-  CHECK(std::abs(observed_order(0.4, 0.1, 0.5, 1, 0.7) - 2) < 1e-12);
-  CHECK(observed_order(0.4, 0.39, 0.5, 1, 0.7) == 0.7);
-  CHECK(observed_order(0.4, 0.01, 0.5, 1, 0.7) == 2.5);
-  CHECK(observed_order(0.4, 0.39, 0.95, 1.3, 0.7) == 1.3); // too little of a change
-  CHECK(observed_order(0, 0.39, 0.5, 1.3, 0.7) == 1.3);
+  CHECK(std::abs(observed_order(0.4, 0.1, 0.5, 1) - 2) < 1e-12);
+  CHECK(observed_order(0.4, 0.39, 0.5, 1) == 0.5);
+  CHECK(observed_order(0.4, 0.01, 0.5, 1) == 2.5);
+  CHECK(observed_order(0.4, 0.39, 0.95, 1.3) == 1.3); // too little of a change
+  CHECK(observed_order(0, 0.39, 0.5, 1.3) == 1.3);
 }
