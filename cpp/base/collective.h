@@ -71,25 +71,30 @@ std::vector<T> gather(MPI_Comm comm, const std::vector<T>& mine, std::size_t lar
   return all;
 }
 
-/// Runs `work` on rank 0; a Failure there is thrown on every rank, so that no rank is left waiting.
-/// Collective.
+/// Runs `work` on rank 0; a Failure there, or an OutputFailure, is thrown on every rank, so that no rank is
+/// left waiting. Collective.
 template <class Failure = UserError, class Work>
 void on_root(MPI_Comm comm, Work&& work) {
   if (ranks(comm) == 1) { // avoids the allocations of a broadcast
     work();
     return;
   }
-  std::string problem;
+  constexpr char of_output = 'o', other = 'f';
+  std::string problem; // behind its kind
   if (rank(comm) == 0) {
     try {
       work();
+    } catch (const OutputFailure& error) {
+      problem = of_output + std::string(error.what());
     } catch (const Failure& error) {
-      problem = error.what();
+      problem = other + std::string(error.what());
     }
   }
   problem = broadcast(comm, problem);
+  if (problem.starts_with(of_output))
+    throw OutputFailure(problem.substr(1));
   if (!problem.empty())
-    throw Failure(problem);
+    throw Failure(problem.substr(1));
 }
 
 /// Runs `work` on every rank; a UserError of any rank is thrown on all, with the text of the lowest rank that

@@ -17,6 +17,11 @@ class UserError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A file or folder of the results cannot be written: exit status 2.
+class OutputFailure : public UserError {
+  using UserError::UserError;
+};
+
 /// A file cannot be written, possibly on some ranks only: exit status 2; on several ranks the program aborts
 /// them all.
 class WriteFailure : public std::runtime_error {

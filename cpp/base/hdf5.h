@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <cerrno>
+#include <filesystem>
 #include <hdf5.h>
+#include <span>
+#include <string>
+#include <system_error>
+#include <type_traits>
 #include <utility>
 
 namespace signorini {
@@ -33,6 +39,70 @@ private:
   hid_t id_;
   herr_t (*close_)(hid_t);
 };
+
+/// Opens a file for reading; the handle is invalid if that fails. Here and in create_hdf5() HDF5 is kept from
+/// printing its stack of errors: callers report a failure in one sentence.
+inline Hdf5Handle open_hdf5(const std::filesystem::path& file) {
+  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
+  return {H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
+}
+
+/// Creates a file with a list of access properties; the handle is invalid if that fails. `mode`:
+/// H5F_ACC_TRUNC or H5F_ACC_EXCL.
+inline Hdf5Handle create_hdf5(const std::filesystem::path& file, unsigned mode, hid_t access) {
+  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
+  return {H5Fcreate(file.c_str(), mode, H5P_DEFAULT, access), H5Fclose};
+}
+
+/// Why a call of HDF5 failed, by errno if that was set since it was cleared.
+inline std::string hdf5_failure(const std::string& otherwise = "HDF5 failed") {
+  return errno != 0 ? std::generic_category().message(errno) : otherwise;
+}
+
+/// HDF5's type of numbers, or of the bytes of a text, in memory.
+template <class T>
+hid_t native_type() {
+  if constexpr (std::is_same_v<T, double>)
+    return H5T_NATIVE_DOUBLE;
+  else if constexpr (std::is_same_v<T, char>)
+    return H5T_NATIVE_UCHAR;
+  else
+    return H5T_NATIVE_INT64;
+}
+
+/// Reads all of a dataset, row by row, into a vector or a text. False if that fails.
+template <class Sequence>
+bool read_whole(hid_t dataset, Sequence& values) {
+  const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
+  const hssize_t count = space ? H5Sget_simple_extent_npoints(space) : -1;
+  if (count < 0)
+    return false;
+  values.resize(static_cast<std::size_t>(count));
+  return values.empty() || H5Dread(dataset, native_type<typename Sequence::value_type>(), H5S_ALL, H5S_ALL,
+                                   H5P_DEFAULT, values.data()) >= 0;
+}
+
+/// The part of a table that is its row, and the numbers in memory; the first is invalid if there is no such
+/// row.
+inline std::array<Hdf5Handle, 2> row_spaces(hid_t table, std::size_t row, hsize_t columns) {
+  const std::array<hsize_t, 2> start{row, 0}, count{1, columns};
+  Hdf5Handle space(H5Dget_space(table), H5Sclose);
+  if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0)
+    space = Hdf5Handle(H5I_INVALID_HID, H5Sclose);
+  return {std::move(space), Hdf5Handle(H5Screate_simple(1, &columns, nullptr), H5Sclose)};
+}
+
+/// Reads a row of a table. False if that fails.
+inline bool read_row(hid_t table, std::size_t row, std::span<double> values) {
+  const auto [in_file, in_memory] = row_spaces(table, row, values.size());
+  return H5Dread(table, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, values.data()) >= 0;
+}
+
+/// Writes a row of a table. False if that fails.
+inline bool write_row(hid_t table, std::size_t row, std::span<const double> values) {
+  const auto [in_file, in_memory] = row_spaces(table, row, values.size());
+  return H5Dwrite(table, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, values.data()) >= 0;
+}
 
 /// Rows and columns of a dataset; zeros unless it has two dimensions.
 inline std::array<hsize_t, 2> shape(hid_t dataset) {

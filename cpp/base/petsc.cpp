@@ -75,24 +75,6 @@ Series zero_series(Vec x, std::size_t count) {
   return series;
 }
 
-ReadArray::ReadArray(Vec x) : x_(x) {
-  PetscInt n = 0;
-  check(VecGetLocalSize(x, &n));
-  check(VecGetArrayRead(x, &data_));
-  size_ = static_cast<std::size_t>(n);
-}
-
-ReadArray::~ReadArray() { (void)VecRestoreArrayRead(x_, &data_); }
-
-WriteArray::WriteArray(Vec x) : x_(x) {
-  PetscInt n = 0;
-  check(VecGetLocalSize(x, &n));
-  check(VecGetArray(x, &data_));
-  size_ = static_cast<std::size_t>(n);
-}
-
-WriteArray::~WriteArray() { (void)VecRestoreArray(x_, &data_); }
-
 Mat component(Mat matrix) {
   PetscBool compressed = PETSC_FALSE;
   check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(matrix), &compressed, MATMAIJ, MATSEQMAIJ,

@@ -66,39 +66,31 @@ using Series = std::vector<Vector>;
 /// `count` zero vectors of the layout of `x`. Collective.
 Series zero_series(Vec x, std::size_t count);
 
-/// Read access to this rank's entries of a vector during this object's lifetime.
-class ReadArray {
+/// Access to this rank's entries of a vector during this object's lifetime.
+template <class T, PetscErrorCode (*take)(Vec, T**), PetscErrorCode (*give_back)(Vec, T**)>
+class Array {
 public:
-  explicit ReadArray(Vec x);
-  ~ReadArray();
-  ReadArray(const ReadArray&) = delete;
-  ReadArray& operator=(const ReadArray&) = delete;
-  operator std::span<const double>() const { return {data_, size_}; }
-  double operator[](std::size_t i) const { return std::span(data_, size_)[i]; }
+  explicit Array(Vec x) : x_(x) {
+    PetscInt n = 0;
+    check(VecGetLocalSize(x, &n));
+    check(take(x, &data_));
+    size_ = static_cast<std::size_t>(n);
+  }
+  ~Array() { (void)give_back(x_, &data_); }
+  Array(const Array&) = delete;
+  Array& operator=(const Array&) = delete;
+  operator std::span<T>() const { return {data_, size_}; }
+  T& operator[](std::size_t i) const { return std::span(data_, size_)[i]; }
   [[nodiscard]] std::size_t size() const { return size_; }
 
 private:
   Vec x_;
-  const PetscScalar* data_ = nullptr;
+  T* data_ = nullptr;
   std::size_t size_ = 0;
 };
 
-/// Write access to this rank's entries of a vector during this object's lifetime.
-class WriteArray {
-public:
-  explicit WriteArray(Vec x);
-  ~WriteArray();
-  WriteArray(const WriteArray&) = delete;
-  WriteArray& operator=(const WriteArray&) = delete;
-  operator std::span<double>() const { return {data_, size_}; }
-  double& operator[](std::size_t i) const { return std::span(data_, size_)[i]; }
-  [[nodiscard]] std::size_t size() const { return size_; }
-
-private:
-  Vec x_;
-  PetscScalar* data_ = nullptr;
-  std::size_t size_ = 0;
-};
+using ReadArray = Array<const PetscScalar, VecGetArrayRead, VecRestoreArrayRead>;
+using WriteArray = Array<PetscScalar, VecGetArray, VecRestoreArray>;
 
 /// Makes a vector use an array of this rank as its entries during this object's lifetime (VecPlaceArray); its
 /// own entries are unchanged afterwards.

@@ -59,18 +59,12 @@ void require_temporary_folder() {
 
 ScratchFile::ScratchFile(std::size_t rows, std::size_t columns)
     : folder_(scratch_folder()), rows_(rows), columns_(std::max<std::size_t>(columns, 1)), file_(open()),
-      table_(make_table(file_, rows_, columns_)), line_(
-                                                      [&] {
-                                                        const hsize_t n = columns_;
-                                                        return H5Screate_simple(1, &n, nullptr);
-                                                      }(),
-                                                      H5Sclose) {
-  if (!table_ || !line_)
+      table_(make_table(file_, rows_, columns_)) {
+  if (!table_)
     fail("written");
 }
 
 Hdf5Handle ScratchFile::open() {
-  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // fail() reports errors, in place of HDF5's error stack
   errno = 0;
   // HDF5 opens files by name only: use a folder to which no other user can write.
   std::string own = (folder_ / "signorini-XXXXXX").string();
@@ -79,7 +73,7 @@ Hdf5Handle ScratchFile::open() {
   const std::string name = own + "/states";
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
-  Hdf5Handle file(H5Fcreate(name.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access), H5Fclose);
+  Hdf5Handle file = create_hdf5(name, H5F_ACC_EXCL, access);
   const int error = errno;
   unlink(name.c_str());
   rmdir(own.c_str());
@@ -89,33 +83,23 @@ Hdf5Handle ScratchFile::open() {
   return file;
 }
 
-Hdf5Handle ScratchFile::row_of(std::size_t row) const {
-  const std::array<hsize_t, 2> start{row, 0}, count{1, columns_};
-  Hdf5Handle space(H5Dget_space(table_), H5Sclose);
-  H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
-  return space;
-}
-
 void ScratchFile::write(std::size_t row, std::span<const double> values) {
   errno = 0;
-  if (!values.empty() &&
-      H5Dwrite(table_, H5T_NATIVE_DOUBLE, line_, row_of(row), H5P_DEFAULT, values.data()) < 0)
+  if (!values.empty() && !write_row(table_, row, values))
     fail("written");
 }
 
 void ScratchFile::read(std::size_t row, std::span<double> values) const {
   errno = 0;
-  if (!values.empty() &&
-      H5Dread(table_, H5T_NATIVE_DOUBLE, line_, row_of(row), H5P_DEFAULT, values.data()) < 0)
+  if (!values.empty() && !read_row(table_, row, values))
     fail("read");
 }
 
 void ScratchFile::fail(const char* what) const {
-  throw WriteFailure(
-      fmt::format("{}: the states of a motion, {:.3g} MB, cannot be {} there ({}); TMPDIR names "
-                  "another folder for them",
-                  folder_.string(), sizeof(double) * 1e-6 * static_cast<double>(rows_ * columns_), what,
-                  errno != 0 ? std::generic_category().message(errno) : "HDF5 failed"));
+  throw WriteFailure(fmt::format(
+      "{}: the states of a motion, {:.3g} MB, cannot be {} there ({}); TMPDIR names "
+      "another folder for them",
+      folder_.string(), sizeof(double) * 1e-6 * static_cast<double>(rows_ * columns_), what, hdf5_failure()));
 }
 
 } // namespace signorini

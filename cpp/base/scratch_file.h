@@ -21,12 +21,11 @@ public:
 
 private:
   Hdf5Handle open();
-  [[nodiscard]] Hdf5Handle row_of(std::size_t row) const;
   [[noreturn]] void fail(const char* what) const;
 
   std::filesystem::path folder_;
   std::size_t rows_, columns_;
-  Hdf5Handle file_, table_, line_; ///< line_: dataspace of a row in memory
+  Hdf5Handle file_, table_;
 };
 
 /// Throws UserError if the folder of TMPDIR, TEMP or TMP is missing and cannot be made, or cannot be written:

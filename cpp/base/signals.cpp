@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/signals.h"
+#include "base/collective.h"
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
@@ -17,6 +18,13 @@ void on_signal(int signal) {
 }
 
 void on_alarm(int) { late = 1; }
+
+bool on_any(MPI_Comm comm, bool here) {
+  int any = here;
+  if (ranks(comm) > 1)
+    MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, comm);
+  return any != 0;
+}
 
 void set_timer(double seconds) {
   itimerval timer{};
@@ -68,16 +76,6 @@ void request_stop() { requested = 1; }
 void ignore_broken_pipes() { std::signal(SIGPIPE, SIG_IGN); }
 
 bool stop_requested() { return requested != 0 || late != 0; }
-
-namespace {
-bool on_any(MPI_Comm comm, bool here) {
-  int mine = here, any = mine, size = 1;
-  MPI_Comm_size(comm, &size);
-  if (size > 1)
-    MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, comm);
-  return any != 0;
-}
-} // namespace
 
 bool stop_requested(MPI_Comm comm) { return on_any(comm, stop_requested()); }
 

@@ -2,8 +2,8 @@
 #include "drivers/motion_writer.h"
 #include "base/error.h"
 #include "diagnostics/warnings.h"
+#include "io/csv_tables.h"
 #include "io/field_writer.h"
-#include "io/motion_tables.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>

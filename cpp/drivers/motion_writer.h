@@ -8,7 +8,6 @@
 #include "io/csv_tables.h"
 #include "io/field_writer.h"
 #include "io/manifest.h"
-#include "io/motion_tables.h"
 #include "io/output_folder.h"
 #include "problem/problem.h"
 #include <functional>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/checkpoint.h"
 #include "base/collective.h"
+#include "io/output_folder.h"
 #include "io/point_match.h"
-#include "io/sync.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -43,16 +43,6 @@ Hdf5Handle make_table(hid_t file, const std::string& name, hid_t type, hsize_t r
   return {H5Dcreate(file, name.c_str(), type, space, link, layout, H5P_DEFAULT), H5Dclose};
 }
 
-/// Calls `transfer(row's space, memory's space)` for a row of a table. False if it fails.
-template <class Transfer>
-bool on_row(hid_t table, hsize_t row, hsize_t columns, Transfer&& transfer) {
-  const std::array<hsize_t, 2> start{row, 0}, count{1, columns};
-  const Hdf5Handle in_file(H5Dget_space(table), H5Sclose),
-      in_memory(H5Screate_simple(1, &columns, nullptr), H5Sclose);
-  return H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >= 0 &&
-         transfer(in_file, in_memory) >= 0;
-}
-
 } // namespace
 
 CheckpointWriter::CheckpointWriter(MPI_Comm comm, const std::filesystem::path& part,
@@ -60,13 +50,12 @@ CheckpointWriter::CheckpointWriter(MPI_Comm comm, const std::filesystem::path& p
     : comm_(comm), part_(part), file_(file), out_(H5I_INVALID_HID, H5Fclose) {
   if (rank(comm) != 0)
     return;
-  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence is reported instead of HDF5's stack
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST); // its metadata have checksums
   errno = 0;
-  out_ = Hdf5Handle(H5Fcreate(part_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+  out_ = create_hdf5(part_, H5F_ACC_TRUNC, access);
   if (!out_)
-    failure_ = errno ? std::generic_category().message(errno) : "HDF5 cannot create it";
+    failure_ = hdf5_failure("HDF5 cannot create it");
 }
 
 CheckpointWriter::CheckpointWriter(const control::ControlSpace& controls, const std::filesystem::path& part,
@@ -76,7 +65,7 @@ CheckpointWriter::CheckpointWriter(const control::ControlSpace& controls, const 
     starts_.push_back(counts_.empty() ? 0 : starts_.back() + counts_.back());
     counts_.push_back(n);
   }
-  numbers(points_name, gather(comm_, places_of(controls)));
+  (*this)(points_name, gather(comm_, places_of(controls)));
 }
 
 CheckpointWriter::~CheckpointWriter() {
@@ -87,23 +76,28 @@ CheckpointWriter::~CheckpointWriter() {
   std::filesystem::remove(part_, ignored);
 }
 
-void CheckpointWriter::numbers(const std::string& name, std::span<const double> values) {
+template <class Sequence>
+void CheckpointWriter::put(const std::string& name, hid_t stored, const Sequence& values) {
   if (!out_ || !failure_.empty())
     return;
+  using T = typename Sequence::value_type;
   errno = 0;
-  const Hdf5Handle table = make_table(out_, name, H5T_IEEE_F64LE, 1, values.size(), sizeof(double));
+  const Hdf5Handle table = make_table(out_, name, stored, 1, values.size(), sizeof(T));
   if (!table || (!values.empty() &&
-                 H5Dwrite(table, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0))
-    failure_ = errno ? std::generic_category().message(errno) : "HDF5 failed at " + name;
+                 H5Dwrite(table, native_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0))
+    failure_ = hdf5_failure("HDF5 failed at " + name);
+}
+
+void CheckpointWriter::operator()(const std::string& name, double value) {
+  put(name, H5T_IEEE_F64LE, std::vector{value});
+}
+
+void CheckpointWriter::operator()(const std::string& name, const std::vector<double>& values) {
+  put(name, H5T_IEEE_F64LE, values);
 }
 
 void CheckpointWriter::operator()(const std::string& name, const std::string& text) {
-  if (!out_ || !failure_.empty())
-    return;
-  const Hdf5Handle table = make_table(out_, name, H5T_STD_U8LE, 1, text.size(), 1);
-  if (!table ||
-      (!text.empty() && H5Dwrite(table, H5T_NATIVE_UCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0))
-    failure_ = "HDF5 failed at " + name;
+  put(name, H5T_STD_U8LE, text);
 }
 
 void CheckpointWriter::operator()(const std::string& name, const std::shared_ptr<const control::Control>& u) {
@@ -127,10 +121,8 @@ void CheckpointWriter::write(const std::string& name, const control::Control& u)
     if (!out_ || !failure_.empty())
       continue;
     errno = 0;
-    if (!on_row(table, static_cast<hsize_t>(k) - 1, columns, [&](hid_t in_file, hid_t in_memory) {
-          return H5Dwrite(table, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, row.data());
-        }))
-      failure_ = errno ? std::generic_category().message(errno) : "HDF5 failed at " + name;
+    if (!write_row(table, static_cast<std::size_t>(k) - 1, row))
+      failure_ = hdf5_failure("HDF5 failed at " + name);
   }
 }
 
@@ -139,7 +131,7 @@ std::string CheckpointWriter::commit() {
     errno = 0;
     const bool flushed = !out_ || H5Fflush(out_, H5F_SCOPE_GLOBAL) >= 0, closed = out_.finish();
     if (!(flushed && closed) && failure_.empty())
-      failure_ = errno ? std::generic_category().message(errno) : "HDF5 cannot flush it";
+      failure_ = hdf5_failure("HDF5 cannot flush it");
     try {
       if (failure_.empty()) {
         synchronise(part_);
@@ -155,17 +147,14 @@ std::string CheckpointWriter::commit() {
 
 namespace {
 
-/// What a file has under a name, of `type`; empty where there is no such file or name. Collective.
+/// What a file has under a name; empty where there is no such file or name. Collective.
 template <class Sequence>
-Sequence read_if_there(MPI_Comm comm, const std::filesystem::path& file, const std::string& name,
-                       hid_t type) {
+Sequence read_if_there(MPI_Comm comm, const std::filesystem::path& file, const std::string& name) {
   Sequence values;
   if (rank(comm) == 0) {
-    H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
-    const Hdf5Handle in(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    const Hdf5Handle in = open_hdf5(file);
     const Hdf5Handle table(in ? H5Dopen(in, name.c_str(), H5P_DEFAULT) : H5I_INVALID_HID, H5Dclose);
-    values.resize(table ? shape(table)[1] : 0);
-    if (!values.empty() && H5Dread(table, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+    if (!table || !read_whole(table, values))
       values.clear();
   }
   return broadcast(comm, values);
@@ -174,12 +163,12 @@ Sequence read_if_there(MPI_Comm comm, const std::filesystem::path& file, const s
 } // namespace
 
 std::string checkpoint_text(MPI_Comm comm, const std::filesystem::path& file, const std::string& name) {
-  return read_if_there<std::string>(comm, file, name, H5T_NATIVE_UCHAR);
+  return read_if_there<std::string>(comm, file, name);
 }
 
 std::vector<double> checkpoint_numbers(MPI_Comm comm, const std::filesystem::path& file,
                                        const std::string& name) {
-  return read_if_there<std::vector<double>>(comm, file, name, H5T_NATIVE_DOUBLE);
+  return read_if_there<std::vector<double>>(comm, file, name);
 }
 
 CheckpointReader::CheckpointReader(const control::ControlSpace& controls, const std::filesystem::path& file,
@@ -191,8 +180,7 @@ CheckpointReader::CheckpointReader(const control::ControlSpace& controls, const 
 CheckpointReader::CheckpointReader(MPI_Comm comm, const std::filesystem::path& file, std::string reason)
     : comm_(comm), file_(file), reason_(std::move(reason)), in_(H5I_INVALID_HID, H5Fclose) {
   on_root(comm_, [&] {
-    H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
-    in_ = Hdf5Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    in_ = open_hdf5(file);
     if (!in_)
       fail("the file is damaged, or not a checkpoint; allowed is a whole one");
   });
@@ -207,26 +195,20 @@ void CheckpointReader::damaged(const std::string& name) const {
 }
 
 template <class Sequence>
-void CheckpointReader::read(const std::string& name, hid_t type, Sequence& values) {
+void CheckpointReader::read(const std::string& name, Sequence& values) {
   on_root(comm_, [&] {
     const Hdf5Handle table(H5Dopen(in_, name.c_str(), H5P_DEFAULT), H5Dclose);
-    const auto [rows, columns] = table ? shape(table) : std::array<hsize_t, 2>{};
-    if (rows != 1)
-      damaged(name);
-    values.resize(columns);
-    if (!values.empty() && H5Dread(table, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+    if (!table || shape(table)[0] != 1 || !read_whole(table, values))
       damaged(name);
   });
   values = broadcast(comm_, values);
 }
 
 void CheckpointReader::operator()(const std::string& name, std::vector<double>& values) {
-  read(name, H5T_NATIVE_DOUBLE, values);
+  read(name, values);
 }
 
-void CheckpointReader::operator()(const std::string& name, std::string& text) {
-  read(name, H5T_NATIVE_UCHAR, text);
-}
+void CheckpointReader::operator()(const std::string& name, std::string& text) { read(name, text); }
 
 void CheckpointReader::operator()(const std::string& name, double& value) {
   std::vector<double> values;
@@ -316,13 +298,9 @@ control::Control CheckpointReader::control(const std::string& name,
   const std::size_t components = controls_->components().size();
   std::vector<double> row(columns_);
   for (int k = 1; k <= read.count(); ++k) {
-    const auto from = static_cast<hsize_t>(row_of(k, rows));
+    const auto from = static_cast<std::size_t>(row_of(k, rows));
     on_root(comm_, [&] {
-      if (!on_row(table, from, columns_,
-                  [&](hid_t in_file, hid_t in_memory) {
-                    return H5Dread(table, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, row.data());
-                  }) ||
-          !std::ranges::all_of(row, [](double x) { return std::isfinite(x); }))
+      if (!read_row(table, from, row) || !std::ranges::all_of(row, [](double x) { return std::isfinite(x); }))
         damaged(name);
     });
     MPI_Bcast(row.data(), static_cast<int>(row.size()), MPI_DOUBLE, 0, comm_);

@@ -24,8 +24,8 @@ public:
   CheckpointWriter(const CheckpointWriter&) = delete;
   CheckpointWriter& operator=(const CheckpointWriter&) = delete;
 
-  void operator()(const std::string& name, double value) { numbers(name, {&value, 1}); }
-  void operator()(const std::string& name, const std::vector<double>& values) { numbers(name, values); }
+  void operator()(const std::string& name, double value);
+  void operator()(const std::string& name, const std::vector<double>& values);
   void operator()(const std::string& name, const std::string& text);
   void operator()(const std::string& name, const std::shared_ptr<const control::Control>& u);
   void operator()(const std::string& name, const control::CompactControl& u);
@@ -34,7 +34,8 @@ public:
   [[nodiscard]] std::string commit();
 
 private:
-  void numbers(const std::string& name, std::span<const double> values);
+  template <class Sequence>
+  void put(const std::string& name, hid_t stored, const Sequence& values);
   void write(const std::string& name, const control::Control& u);
 
   MPI_Comm comm_;
@@ -91,7 +92,7 @@ private:
   control::Control control(const std::string& name);
   [[noreturn]] void damaged(const std::string& name) const;
   template <class Sequence>
-  void read(const std::string& name, hid_t type, Sequence& values);
+  void read(const std::string& name, Sequence& values);
 
   MPI_Comm comm_;
   const control::ControlSpace* controls_ = nullptr;

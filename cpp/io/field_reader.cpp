@@ -6,33 +6,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <fmt/format.h>
-#include <limits>
 
 namespace signorini::io {
 using petsc::check;
 
 namespace {
 
-Hdf5Handle open_file(const std::filesystem::path& file) {
-  return {H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
-}
-
 /// All of a dataset, row by row; empty if it cannot be read.
-std::vector<double> values(hid_t dataset) {
-  const auto [rows, columns] = shape(dataset);
-  std::vector<double> all(rows * columns);
-  if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) < 0)
-    all.clear();
-  return all;
-}
-
-/// The vertices of a mesh's cells, cell by cell; empty if they cannot be read.
-std::vector<std::int64_t> cells(hid_t dataset) {
-  const auto [rows, columns] = shape(dataset);
-  std::vector<std::int64_t> all(rows * columns);
-  if (H5Dread(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) < 0)
+template <class T>
+std::vector<T> values(hid_t dataset) {
+  std::vector<T> all;
+  if (!read_whole(dataset, all))
     all.clear();
   return all;
 }
@@ -51,45 +36,21 @@ std::vector<std::string> names_of(hid_t group) {
   return names;
 }
 
-/// As many times as the file must list, s; empty if it does not.
-std::vector<double> listed_times(hid_t file, std::size_t count) {
-  const Hdf5Handle array(H5Dopen(file, "/times", H5P_DEFAULT), H5Dclose);
-  const Hdf5Handle space(array ? H5Dget_space(array) : H5I_INVALID_HID, H5Sclose);
-  if (!space || H5Sget_simple_extent_npoints(space) != static_cast<hssize_t>(count))
-    return {};
-  std::vector<double> times(count);
-  if (H5Dread(array, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times.data()) < 0)
-    times.clear();
-  return times;
-}
-
-/// A name as a time, s; NaN if it is none. Earlier versions called the dataset of 0.25 s "0_25".
-double named_time(std::string name) {
-  std::ranges::replace(name, '_', '.');
-  char* end = nullptr;
-  const double time = std::strtod(name.c_str(), &end);
-  return *end == '\0' ? time : std::numeric_limits<double>::quiet_NaN();
+bool finite(const std::vector<double>& values) {
+  return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
 }
 
 /// Times of a group's members, ascending, and their names; empty if they are not as a run writes them.
 std::vector<std::pair<double, std::string>> times_of(hid_t file, hid_t group) {
   const std::vector<std::string> names = names_of(group);
-  const bool lists = H5Lexists(file, "/times", H5P_DEFAULT) > 0;
-  const std::vector<double> listed = lists ? listed_times(file, names.size()) : std::vector<double>();
-  if (lists && listed.empty())
+  const Hdf5Handle list(H5Dopen(file, "/times", H5P_DEFAULT), H5Dclose);
+  const std::vector<double> listed = list ? values<double>(list) : std::vector<double>();
+  if (listed.size() != names.size() || !finite(listed) || !std::ranges::is_sorted(listed))
     return {};
   std::vector<std::pair<double, std::string>> times;
   for (std::size_t i = 0; i < names.size(); ++i)
-    times.emplace_back(lists ? listed[i] : named_time(names[i]), names[i]);
-  const auto wrong = [](const auto& one) { return !std::isfinite(one.first); };
-  if (std::ranges::any_of(times, wrong) || (lists && !std::ranges::is_sorted(times)))
-    return {};
-  std::ranges::sort(times);
+    times.emplace_back(listed[i], names[i]);
   return times;
-}
-
-bool finite(const std::vector<double>& values) {
-  return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
 }
 
 } // namespace
@@ -103,13 +64,8 @@ StoredField::StoredField(const fem::Space& space, const std::filesystem::path& f
                      space.degree()));
   std::vector<double> points;
   on_root(space.comm(), [&] { look(end, at_start, points); });
-  auto count = static_cast<int>(times_.size());
-  MPI_Bcast(&count, 1, MPI_INT, 0, space.comm());
-  times_.resize(static_cast<std::size_t>(count));
-  MPI_Bcast(times_.data(), count, MPI_DOUBLE, 0, space.comm());
-  points.resize(nodes_ * static_cast<std::size_t>(space.dim()));
-  MPI_Bcast(points.data(), static_cast<int>(points.size()), MPI_DOUBLE, 0, space.comm());
-  rows_ = match_points(space, points, distinct_points(space),
+  times_ = broadcast(space.comm(), times_);
+  rows_ = match_points(space, broadcast(space.comm(), points), distinct_points(space),
                        [this](const std::string& problem) { fail(problem); });
 }
 
@@ -121,9 +77,8 @@ void StoredField::look(double end, bool at_start, std::vector<double>& points) {
   if (!std::filesystem::is_regular_file(file_))
     fail(fmt::format("there is no such file, allowed is the folder of an earlier run that stored \"{}\"",
                      field_));
-  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence is reported instead of HDF5's stack
   const std::string damaged = "the file is damaged, or was not written by a run; allowed is a whole one";
-  const Hdf5Handle file = open_file(file_);
+  const Hdf5Handle file = open_hdf5(file_);
   if (!file)
     fail(damaged);
   const Hdf5Handle geometry(H5Dopen(file, "/Mesh/mesh/geometry", H5P_DEFAULT), H5Dclose);
@@ -134,11 +89,11 @@ void StoredField::look(double end, bool at_start, std::vector<double>& points) {
     fail(fmt::format(
         "found a mesh of {} nodes in {} dimensions, allowed is the mesh of this scene, of {} nodes in {}",
         rows, columns, nodes_, space_.dim()));
-  points = values(geometry);
+  points = values<double>(geometry);
   if (points.empty() || !finite(points))
     fail(damaged);
   const Hdf5Handle topology(H5Dopen(file, "/Mesh/mesh/topology", H5P_DEFAULT), H5Dclose);
-  if (!separate(points, topology ? cells(topology) : std::vector<std::int64_t>(), space_))
+  if (!separate(points, topology ? values<std::int64_t>(topology) : std::vector<std::int64_t>(), space_))
     fail(damaged);
   const Hdf5Handle group(H5Gopen(file, ("/Function/" + field_).c_str(), H5P_DEFAULT), H5Gclose);
   if (!group)
@@ -164,19 +119,18 @@ Vec StoredField::stored(std::size_t number) {
   constexpr std::size_t padded = 3; // vectors in an XDMF file have three components
   std::vector<double> all;
   on_root(space_.comm(), [&] {
-    const Hdf5Handle file = open_file(file_);
+    const Hdf5Handle file = open_hdf5(file_);
     const Hdf5Handle dataset(
         file ? H5Dopen(file, ("/Function/" + field_ + "/" + names_[number]).c_str(), H5P_DEFAULT)
              : H5I_INVALID_HID,
         H5Dclose);
     if (dataset && shape(dataset) == std::array<hsize_t, 2>{nodes_, padded})
-      all = values(dataset);
+      all = values<double>(dataset);
     if (all.empty() || !finite(all))
       fail(fmt::format("\"{}\" at {:.6g} s is damaged, allowed are {} finite vectors", field_, times_[number],
                        nodes_));
   });
-  all.resize(nodes_ * padded);
-  MPI_Bcast(all.data(), static_cast<int>(all.size()), MPI_DOUBLE, 0, space_.comm());
+  all = broadcast(space_.comm(), all);
   if (kept_.size() == 2) { // replace the farther one, whichever way times go
     const auto distance = [number](const Stored& one) {
       return one.number > number ? one.number - number : number - one.number;

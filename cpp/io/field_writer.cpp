@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/field_writer.h"
-#include "io/output_failure.h"
-#include <H5Epublic.h>
+#include "base/collective.h"
+#include "base/dolfinx_versions.h"
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <dolfinx/fem/FunctionSpace.h>
+#include <dolfinx/la/Vector.h>
+#include <dolfinx/mesh/Mesh.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <functional>
 #include <iterator>
+#include <numeric>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -16,66 +21,159 @@ namespace signorini::io {
 
 namespace {
 
-const char* attribute_type(Values values) {
+constexpr std::size_t padded = 3; // readers of XDMF expect vectors in space
+
+/// Calls `visit(node, geometry)` for the vertices of cells: their local nodes in V and in the mesh's
+/// geometry.
+template <class Visit>
+void for_vertices(const fem::Space& space, std::int32_t cell, Visit&& visit) {
+  const auto mesh = space.mesh().dolfinx();
+  const auto geometry = dolfinx_versions::cell_nodes(mesh->geometry());
+  const auto nodes = space.dolfinx()->dofmap()->cell_dofs(cell);
+  for (std::size_t i = 0; i < geometry.extent(1); ++i) // the nodes at vertices are the first, of degree 2 too
+    visit(static_cast<std::size_t>(nodes[i]),
+          static_cast<std::size_t>(geometry(static_cast<std::size_t>(cell), i)));
+}
+
+std::int32_t local_cells(const fem::Space& space) {
+  const auto map = space.mesh().dolfinx()->topology()->index_map(space.dim());
+  return map->size_local() + map->num_ghosts();
+}
+
+/// The owned nodes of V that are vertices, ascending.
+std::vector<std::size_t> vertices(const fem::Space& space) {
+  std::vector<bool> vertex(static_cast<std::size_t>(space.owned_nodes()));
+  for (std::int32_t cell = 0; cell < local_cells(space); ++cell)
+    for_vertices(space, cell, [&](std::size_t node, std::size_t) {
+      if (node < vertex.size())
+        vertex[node] = true;
+    });
+  std::vector<std::size_t> found;
+  for (std::size_t node = 0; node < vertex.size(); ++node)
+    if (vertex[node])
+      found.push_back(node);
+  return found;
+}
+
+/// The places of the owned cells' values in a function that is constant on each cell.
+std::vector<std::size_t> places(const fem::Space& space) {
+  const auto constants = fem::cellwise(space.mesh(), {});
+  std::vector<std::size_t> found;
+  for (const std::int32_t cell : space.mesh().owned_cells())
+    found.push_back(static_cast<std::size_t>(constants->dofmap()->cell_dofs(cell)[0]));
+  return found;
+}
+
+/// The shape of a stored value: vectors have 3 components in the plane too, tensors 3 × 3.
+std::vector<std::size_t> stored_shape(Values values) {
   switch (values) {
   case Values::nodal:
   case Values::cellwise:
-    return "Vector";
+    return {padded};
   case Values::cellwise_tensor:
-    return "Tensor";
+    return {padded, padded};
   default:
-    return "Scalar";
+    return {1};
   }
+}
+
+/// Its number of entries.
+std::size_t stored_components(Values values) {
+  const std::vector<std::size_t> shape = stored_shape(values);
+  return std::accumulate(shape.begin(), shape.end(), std::size_t(1), std::multiplies<>());
+}
+
+std::size_t components(Values values, int dim) {
+  return values == Values::nodal || values == Values::cellwise ? static_cast<std::size_t>(dim)
+                                                               : stored_components(values);
 }
 
 } // namespace
 
+bool in_cells(Values values) { return values != Values::nodal && values != Values::nodal_scalar; }
+
+FieldLayout::FieldLayout(const fem::Space& space)
+    : space_(space), nodes_(rows_of(vertices(space))), cells_(rows_of(places(space))) {}
+
+FieldLayout::Rows FieldLayout::rows_of(std::vector<std::size_t> own) const {
+  Rows rows{.own = std::move(own), .counts = {}, .starts = {}};
+  rows.counts = signorini::gather(space_.comm(), std::vector<int>{static_cast<int>(rows.own.size())});
+  rows.starts.assign(rows.counts.size(), 0);
+  std::partial_sum(rows.counts.begin(), rows.counts.end() - 1, rows.starts.begin() + 1);
+  return rows;
+}
+
+template <class T>
+void FieldLayout::gather(const Rows& rows, std::size_t columns, const std::vector<T>& mine,
+                         std::vector<T>& all) const {
+  all.resize(rank(space_.comm()) == 0 ? rows.total() * columns : 0);
+  MPI_Datatype row = MPI_DATATYPE_NULL;
+  MPI_Type_contiguous(static_cast<int>(columns * sizeof(T)), MPI_BYTE, &row);
+  MPI_Type_commit(&row);
+  MPI_Gatherv(mine.data(), static_cast<int>(rows.own.size()), row, all.data(), rows.counts.data(),
+              rows.starts.data(), row, 0, space_.comm());
+  MPI_Type_free(&row);
+}
+
+std::vector<double> FieldLayout::points() const {
+  const auto dim = static_cast<std::size_t>(space_.dim());
+  const std::span<const double> x = space_.mesh().dolfinx()->geometry().x();
+  std::vector<double> at(static_cast<std::size_t>(space_.owned_nodes()) * dim), mine, all;
+  for (std::int32_t cell = 0; cell < local_cells(space_); ++cell)
+    for_vertices(space_, cell, [&](std::size_t node, std::size_t geometry) {
+      if (dim * node < at.size())
+        std::copy_n(&x[3 * geometry], dim, &at[dim * node]);
+    });
+  for (const std::size_t node : nodes_.own)
+    mine.insert(mine.end(), &at[dim * node], &at[dim * node] + dim);
+  gather(nodes_, dim, mine, all);
+  return all;
+}
+
+std::vector<std::int64_t> FieldLayout::topology() const {
+  dolfinx::la::Vector<std::int64_t> numbers(space_.dolfinx()->dofmap()->index_map, 1);
+  std::int64_t next = nodes_.starts[static_cast<std::size_t>(rank(space_.comm()))];
+  for (const std::size_t node : nodes_.own)
+    dolfinx_versions::entries(numbers)[node] = next++;
+  numbers.scatter_fwd();
+  std::vector<std::int64_t> mine, all;
+  for (const std::int32_t cell : space_.mesh().owned_cells())
+    for_vertices(space_, cell, [&](std::size_t node, std::size_t) { mine.push_back(numbers.array()[node]); });
+  gather(cells_, static_cast<std::size_t>(space_.dim()) + 1, mine, all);
+  return all;
+}
+
+std::span<const double> FieldLayout::gather(Values values, std::span<const double> owned) {
+  const Rows& rows = in_cells(values) ? cells_ : nodes_;
+  const std::size_t given = components(values, space_.dim()), stored = stored_components(values);
+  mine_.assign(rows.own.size() * stored, 0);
+  for (std::size_t i = 0; i < rows.own.size(); ++i)
+    std::copy_n(&owned[given * rows.own[i]], given, &mine_[stored * i]);
+  if (ranks(space_.comm()) == 1)
+    return mine_;
+  gather(rows, stored, mine_, all_);
+  return all_;
+}
+
+namespace {
+
+const char* attribute_type(Values values) {
+  const std::size_t components = stored_components(values);
+  return components == 1 ? "Scalar" : components == padded ? "Vector" : "Tensor";
+}
+
+/// The name of the dataset of the `number`-th stored time; names sort as times do.
 std::string numbered(std::size_t number) { return fmt::format("{:08}", number); }
 
-XdmfIndex::XdmfIndex(std::string data, int dim, std::size_t nodes, std::size_t cells)
-    : data_(std::move(data)), dim_(dim), nodes_(nodes), cells_(cells) {}
-
-std::string XdmfIndex::begin() {
-  return R"xml(<?xml version="1.0"?>
+// One collection with a grid for each time, which has the mesh and all fields, as meshio and the readers of
+// VTK and ParaView expect it (those of XDMF 2 resolve no references between grids).
+constexpr const char *before_grids = R"xml(<?xml version="1.0"?>
 <!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>
 <Xdmf Version="3.0">
   <Domain>
     <Grid Name="fields" GridType="Collection" CollectionType="Temporal">
-)xml";
-}
-
-std::string XdmfIndex::time(std::size_t number, double time, std::span<const FieldSeries> fields) const {
-  std::string text = fmt::format(R"xml(      <Grid Name="mesh" GridType="Uniform">
-        <Time Value="{0}" />
-        <Topology TopologyType="{1}" NumberOfElements="{2}" NodesPerElement="{3}">
-          <DataItem Dimensions="{2} {3}" NumberType="Int" Precision="8" Format="HDF">{4}:/Mesh/mesh/topology</DataItem>
-        </Topology>
-        <Geometry GeometryType="{5}">
-          <DataItem Dimensions="{6} {7}" NumberType="Float" Precision="8" Format="HDF">{4}:/Mesh/mesh/geometry</DataItem>
-        </Geometry>
 )xml",
-                                 time, dim_ == 3 ? "Tetrahedron" : "Triangle", cells_, dim_ + 1, data_,
-                                 dim_ == 3 ? "XYZ" : "XY", nodes_, dim_);
-  for (const auto& [name, values] : fields)
-    fmt::format_to(
-        std::back_inserter(text), R"xml(        <Attribute Name="{0}" AttributeType="{1}" Center="{2}">
-          <DataItem Dimensions="{3} {4}" NumberType="Float" Precision="8" Format="HDF">{5}:/Function/{0}/{6}</DataItem>
-        </Attribute>
-)xml",
-        name, attribute_type(values), in_cells(values) ? "Cell" : "Node", in_cells(values) ? cells_ : nodes_,
-        fmt::join(stored_shape(values), " "), data_, numbered(number));
-  return text + "      </Grid>\n";
-}
-
-std::string XdmfIndex::end() { return "    </Grid>\n  </Domain>\n</Xdmf>\n"; }
-
-namespace {
-
-Hdf5Handle create_file(const std::filesystem::path& file) {
-  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_sieve_buf_size(access, 0); // datasets are written whole
-  return {H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose};
-}
+                     *after_grids = "    </Grid>\n  </Domain>\n</Xdmf>\n";
 
 Hdf5Handle plain_layout() {
   Hdf5Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
@@ -111,7 +209,7 @@ void FieldWriter::require_room(std::size_t times) const {
                             static_cast<double>(layout_.rows(field.values) * stored_components(field.values));
   needed *= static_cast<double>(times);
   needed += sizeof(double) * static_cast<double>(layout_.nodes() + layout_.cells()) * (space_.dim() + 1);
-  write_on_root(space_.comm(), [&] {
+  on_root(space_.comm(), [&] {
     std::error_code unknown;
     const auto room = std::filesystem::space(folder_.path(), unknown);
     if (!unknown && static_cast<double>(room.available) < needed)
@@ -123,17 +221,18 @@ void FieldWriter::require_room(std::size_t times) const {
 
 template <class Work>
 void FieldWriter::guarded(Work&& work) {
-  write_on_root(space_.comm(), [&] {
+  on_root(space_.comm(), [&] {
     errno = 0;
     if (!work())
-      throw OutputFailure(fmt::format("{}: cannot be written ({})", (folder_.path() / data_).string(),
-                                      errno ? std::generic_category().message(errno) : "HDF5 failed"));
+      throw OutputFailure(
+          fmt::format("{}: cannot be written ({})", (folder_.path() / data_).string(), hdf5_failure()));
   });
 }
 
 bool FieldWriter::open(std::span<const double> points, std::span<const std::int64_t> topology) {
-  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr); // one sentence is reported instead of HDF5's stack
-  file_ = create_file(folder_.staged(data_));
+  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_sieve_buf_size(access, 0); // datasets are written whole
+  file_ = create_hdf5(folder_.staged(data_), H5F_ACC_TRUNC, access);
   layout_list_ = plain_layout();
   const Hdf5Handle meshes = make_group(file_, "Mesh"), mesh = make_group(meshes, "mesh"),
                    functions = make_group(file_, "Function");
@@ -191,6 +290,30 @@ void FieldWriter::make_room(std::size_t number) {
   times_.insert(times_.begin() + static_cast<std::ptrdiff_t>(number), 0);
 }
 
+std::string FieldWriter::grid(std::size_t number) const {
+  const int dim = space_.dim();
+  std::string text = fmt::format(R"xml(      <Grid Name="mesh" GridType="Uniform">
+        <Time Value="{0}" />
+        <Topology TopologyType="{1}" NumberOfElements="{2}" NodesPerElement="{3}">
+          <DataItem Dimensions="{2} {3}" NumberType="Int" Precision="8" Format="HDF">{4}:/Mesh/mesh/topology</DataItem>
+        </Topology>
+        <Geometry GeometryType="{5}">
+          <DataItem Dimensions="{6} {7}" NumberType="Float" Precision="8" Format="HDF">{4}:/Mesh/mesh/geometry</DataItem>
+        </Geometry>
+)xml",
+                                 times_[number], dim == 3 ? "Tetrahedron" : "Triangle", layout_.cells(),
+                                 dim + 1, data_, dim == 3 ? "XYZ" : "XY", layout_.nodes(), dim);
+  for (const auto& [name, values] : fields_)
+    fmt::format_to(std::back_inserter(text),
+                   R"xml(        <Attribute Name="{0}" AttributeType="{1}" Center="{2}">
+          <DataItem Dimensions="{3} {4}" NumberType="Float" Precision="8" Format="HDF">{5}:/Function/{0}/{6}</DataItem>
+        </Attribute>
+)xml",
+                   name, attribute_type(values), in_cells(values) ? "Cell" : "Node", layout_.rows(values),
+                   fmt::join(stored_shape(values), " "), data_, numbered(number));
+  return text + "      </Grid>\n";
+}
+
 void FieldWriter::close() {
   if (std::ranges::any_of(datasets_, [&](const Datasets& one) { return one.written != times_.size(); }))
     throw std::logic_error("the fields of a file have different times");
@@ -201,12 +324,11 @@ void FieldWriter::close() {
     good = H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0 && good;
     return file_.finish() && good;
   });
-  const XdmfIndex index(data_, space_.dim(), layout_.nodes(), layout_.cells());
   TextFile text(folder_, name_);
-  text.append(XdmfIndex::begin());
+  text.append(before_grids);
   for (std::size_t i = 0; i < times_.size(); ++i)
-    text.append(index.time(i, times_[i], fields_));
-  text.append(XdmfIndex::end());
+    text.append(grid(i));
+  text.append(after_grids);
   text.close();
 }
 

@@ -2,41 +2,66 @@
 #pragma once
 #include "base/hdf5.h"
 #include "base/petsc.h"
-#include "io/field_layout.h"
+#include "fem/space.h"
 #include "io/output_folder.h"
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace signorini::io {
 
-/// The name of the dataset of the `number`-th stored time; names sort as times do.
-[[nodiscard]] std::string numbered(std::size_t number);
+/// What the values of a stored field are: vectors at the nodes or in the cells, and values of other shapes.
+enum class Values { nodal, cellwise, nodal_scalar, cellwise_scalar, cellwise_tensor };
+
+/// Whether a field has a value for each cell, else for each node.
+[[nodiscard]] bool in_cells(Values values);
+
+/// The mesh as field files have it, nodes and cells in the order of the ranks, and the values of fields in
+/// that order, on rank 0. Its nodes are the mesh's own: of degree 2 the vertices.
+class FieldLayout {
+public:
+  /// Collective. `space` must outlive this object.
+  explicit FieldLayout(const fem::Space& space);
+
+  /// On all ranks together.
+  [[nodiscard]] std::size_t nodes() const { return nodes_.total(); }
+  [[nodiscard]] std::size_t cells() const { return cells_.total(); }
+  [[nodiscard]] std::size_t rows(Values values) const { return in_cells(values) ? cells() : nodes(); }
+
+  /// Coordinates (nodes × dim), m, and the nodes of each cell (cells × (dim + 1)); empty but on rank 0.
+  /// Collective.
+  [[nodiscard]] std::vector<double> points() const;
+  [[nodiscard]] std::vector<std::int64_t> topology() const;
+
+  /// Brings together the values that each rank owns, at the nodes of V or in the cells, as rows in the
+  /// shape of stored values; valid on rank 0 until the next call. Collective.
+  [[nodiscard]] std::span<const double> gather(Values values, std::span<const double> owned);
+
+private:
+  /// Nodes or cells: `own` are the places of this rank's rows among the values that it owns.
+  struct Rows {
+    std::vector<std::size_t> own;
+    std::vector<int> counts, starts; ///< of each rank
+    [[nodiscard]] std::size_t total() const {
+      return static_cast<std::size_t>(starts.back()) + static_cast<std::size_t>(counts.back());
+    }
+  };
+  /// Collective.
+  [[nodiscard]] Rows rows_of(std::vector<std::size_t> own) const;
+  /// Rows of `columns` entries each. Collective.
+  template <class T>
+  void gather(const Rows& rows, std::size_t columns, const std::vector<T>& mine, std::vector<T>& all) const;
+
+  const fem::Space& space_;
+  Rows nodes_, cells_;
+  std::vector<double> mine_, all_; ///< buffers
+};
 
 /// A field over time in a field file.
 struct FieldSeries {
   std::string name;
   Values values;
-};
-
-/// The XDMF text that refers to fields over time in the HDF5 file `data` beside it: one collection with a
-/// grid for each time, which has the mesh and all fields, as meshio and the readers of VTK and ParaView
-/// expect it (those of XDMF 2 resolve no references between grids).
-class XdmfIndex {
-public:
-  XdmfIndex(std::string data, int dim, std::size_t nodes, std::size_t cells);
-
-  /// The text before the first time and after the last one.
-  [[nodiscard]] static std::string begin();
-  [[nodiscard]] static std::string end();
-
-  /// The grid of the `number`-th time (s), with the datasets `/Function/<name>/<number>`.
-  [[nodiscard]] std::string time(std::size_t number, double time, std::span<const FieldSeries> fields) const;
-
-private:
-  std::string data_;
-  int dim_;
-  std::size_t nodes_, cells_;
 };
 
 /// Fields over time in an HDF5 file and the XDMF file beside it, at the mesh's own nodes (degree 2: their
@@ -78,6 +103,8 @@ private:
   /// Writes a dataset from data of the type `given`; false if that fails.
   bool put(hid_t place, const char* name, hid_t stored, hid_t given, const std::vector<hsize_t>& shape,
            const void* data) const;
+  /// The XDMF text of the grid of the `number`-th time: the mesh and all fields.
+  [[nodiscard]] std::string grid(std::size_t number) const;
   /// Throws OutputFailure if the disk has no room for so many times. Collective.
   void require_room(std::size_t times) const;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/folder_lock.h"
-#include "io/output_failure.h"
+#include "base/error.h"
 #include <algorithm>
 #include <cerrno>
 #include <fcntl.h>

@@ -5,7 +5,6 @@
 #include "version.h"
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <gmsh.h>
@@ -148,6 +147,16 @@ ordered_json energy_json(const diagnostics::EnergyAccount& energy) {
           {"elastic_at_end", energy.elastic_at_end}};
 }
 
+ordered_json body_json(const diagnostics::BodyFigures& body) {
+  return {{"extent", vector(body.extent, body.dim)},
+          {"mass", body.mass},
+          {"pressure_waves", body.pressure_waves},
+          {"shear_waves", body.shear_waves},
+          {"crossing_time", body.crossing},
+          {"doubts", body.warnings},
+          {"notes", body.notes}};
+}
+
 /// What a search adds.
 void add_search(ordered_json& json, const Manifest& m, const scene::Scene& scene) {
   if (m.iterations) {
@@ -193,9 +202,7 @@ void add_search(ordered_json& json, const Manifest& m, const scene::Scene& scene
   }
 }
 
-/// JSON knows no infinity: null is none.
-ordered_json finite(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(); }
-
+/// Numbers that are not finite are written as null.
 void add_fit(ordered_json& json, const Fit& fit) {
   json["unknowns_fitted"] = ordered_json::array();
   for (const FittedUnknown& one : fit.unknowns)
@@ -204,10 +211,10 @@ void add_fit(ordered_json& json, const Fit& fit) {
                                        {"unit", one.unit},
                                        {"scale", one.scale},
                                        {"value", one.value},
-                                       {"standard_deviation", finite(one.deviation)},
+                                       {"standard_deviation", one.deviation},
                                        {"start", one.start},
-                                       {"lower", finite(one.lower)},
-                                       {"upper", finite(one.upper)},
+                                       {"lower", one.lower},
+                                       {"upper", one.upper},
                                        {"at_bound", one.at_bound},
                                        {"gradient", one.gradient}});
   const std::size_t n = fit.unknowns.size();
@@ -222,15 +229,11 @@ void add_fit(ordered_json& json, const Fit& fit) {
                      {"unit", one.unit},
                      {"value", one.value},
                      {"deviation", one.deviation},
-                     {"simulated", finite(one.simulated)}});
-  json["fit"] = {{"objective", fit.value},
-                 {"values", fit.data},
-                 {"misfit", fit.misfit},
-                 {"decrement", fit.decrement ? ordered_json(*fit.decrement) : ordered_json()},
-                 {"correlations", correlations},
-                 {"singular_values", fit.singular_values},
-                 {"not_told", fit.unidentified},
-                 {"measurements", measurements},
+                     {"simulated", one.simulated}});
+  json["fit"] = {{"objective", fit.value},       {"values", fit.data},
+                 {"misfit", fit.misfit},         {"decrement", number(fit.decrement)},
+                 {"correlations", correlations}, {"singular_values", fit.singular_values},
+                 {"not_told", fit.unidentified}, {"measurements", measurements},
                  {"contact_times", times}};
 }
 
@@ -239,6 +242,19 @@ void add_fit(ordered_json& json, const Fit& fit) {
 bool stress_at_onset(const Manifest& m) {
   return m.von_mises && m.impact && m.impact->begins(m.von_mises->time, m.body.crossing);
 }
+
+namespace {
+
+ordered_json stress_json(const Manifest& m) {
+  const fem::StressPeak& peak = m.von_mises->stress;
+  return {{"value", peak.largest.value},
+          {"recovered", peak.recovered},
+          {"point", vector(peak.largest.at, m.dim)},
+          {"time", m.von_mises->time},
+          {"at_onset", stress_at_onset(m)}};
+}
+
+} // namespace
 
 std::string lines(const ordered_json& json) {
   return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
@@ -258,13 +274,7 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
   json["unknowns"] = m.unknowns;
   json["free_unknowns"] = m.free_unknowns;
   json["cells"] = m.cells;
-  json["body"] = {{"extent", std::vector(m.body.extent.begin(), m.body.extent.begin() + m.body.dim)},
-                  {"mass", m.body.mass},
-                  {"pressure_waves", m.body.pressure_waves},
-                  {"shear_waves", m.body.shear_waves},
-                  {"crossing_time", m.body.crossing},
-                  {"doubts", m.body.warnings},
-                  {"notes", m.body.notes}};
+  json["body"] = body_json(m.body);
   json["candidates"] = m.candidates;
   json["steps"] = {
       {"asked", m.steps_asked}, {"done", m.steps_done}, {"stored", m.stored}, {"wave_time", m.wave_time}};
@@ -290,11 +300,7 @@ std::string to_json(const Manifest& m, const scene::Scene& scene, const Timers& 
   if (m.impact)
     json["impact"] = impact_json(*m.impact, m.dim);
   if (m.von_mises)
-    json["largest_von_mises"] = {{"value", m.von_mises->stress.largest.value},
-                                 {"recovered", m.von_mises->stress.recovered},
-                                 {"point", vector(m.von_mises->stress.largest.at, m.dim)},
-                                 {"time", m.von_mises->time},
-                                 {"at_onset", stress_at_onset(m)}};
+    json["largest_von_mises"] = stress_json(m);
   if (m.energy)
     json["energy"] = energy_json(*m.energy);
   for (const diagnostics::Invariants::Defect& defect : m.invariants)

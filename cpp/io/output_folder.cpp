@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/output_folder.h"
-#include "io/output_failure.h"
-#include "io/publication.h"
+#include "base/collective.h"
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <ranges>
+#include <system_error>
+#include <unistd.h>
 
 namespace signorini::io {
 namespace fs = std::filesystem;
@@ -61,7 +64,139 @@ void clear_unfinished(const fs::path& folder) {
       fs::remove_all(entry.path(), ignored);
 }
 
+// Publication: renaming the staging folder to `finished` is atomic and makes it certain. Then earlier files
+// move to a folder inside it, and the new ones into place; a later run can complete this from any state in
+// between. The list of earlier files is removed at the end: without it nothing is left to do.
+constexpr const char *finished = ".finished", *list = "replaced", *earlier = "earlier";
+
+struct Move {
+  fs::path from, to;
+};
+
+[[noreturn]] void fail(const fs::path& path, int error) {
+  throw fs::filesystem_error("", path, std::error_code(error != 0 ? error : EIO, std::generic_category()));
+}
+
+void write_list(const fs::path& file, const std::vector<std::string>& replaced) {
+  errno = 0;
+  std::ofstream out(file, std::ios::binary);
+  for (const std::string& name : replaced)
+    out << name << '\n';
+  out.close();
+  if (!out)
+    fail(file, errno);
+}
+
+std::vector<std::string> read_list(const fs::path& file) {
+  std::vector<std::string> replaced;
+  errno = 0;
+  std::ifstream in(file, std::ios::binary);
+  for (std::string name; std::getline(in, name);)
+    replaced.push_back(name);
+  if (!in.eof())
+    fail(file, errno);
+  return replaced;
+}
+
+/// Makes the moves that are left and appends them to `done`. Throws std::filesystem::filesystem_error.
+void make_moves(const fs::path& folder, std::vector<Move>& done) {
+  const fs::path from = folder / finished;
+  const auto move = [&](const fs::path& source, const fs::path& target) {
+    fs::rename(source, target);
+    done.push_back({source, target});
+  };
+  const std::vector<std::string> replaced = read_list(from / list);
+  for (const std::string& name : replaced)
+    if (!fs::exists(from / earlier / name) && fs::exists(folder / name))
+      move(folder / name, from / earlier / name);
+  for (const char* name : file_names)
+    if (fs::exists(from / name))
+      move(from / name, folder / name);
+  synchronise(folder);
+  std::error_code not_empty;
+  for (const std::string& name : replaced)
+    if (const fs::path inner = fs::path(name).parent_path(); !inner.empty())
+      fs::remove(folder / inner, not_empty);
+}
+
+/// Removes the remains of a publication, which are harmless if this fails.
+void clear_finished(const fs::path& folder) {
+  std::error_code error;
+  fs::remove(folder / finished / list, error);
+  if (!error)
+    fs::remove_all(folder / finished, error);
+}
+
+/// The error as the user sees it: of the results' file, wherever it was at that moment, else of the folder.
+OutputFailure problem(const fs::path& folder, const fs::filesystem_error& error,
+                      const std::string& more = {}) {
+  const std::string name = error.path1().filename().string();
+  const bool of_results = std::ranges::find(file_names, name) != file_names.end();
+  return OutputFailure(fmt::format("{}: cannot be replaced ({}){}",
+                                   (of_results ? folder / name : folder).string(), error.code().message(),
+                                   more));
+}
+
+/// Replaces the files of `folder` by those in `staging`, a folder inside it, and removes `outdated` ones of
+/// the folder, with folders that this leaves empty: all of it, or nothing if it throws. A process that is
+/// killed meanwhile leaves a state that complete_publication() can finish. Throws OutputFailure.
+void replace_files(const fs::path& folder, const fs::path& staging,
+                   const std::vector<std::string>& outdated) {
+  std::vector<std::string> replaced;
+  std::vector<Move> done;
+  try {
+    for (const char* name : std::views::reverse(file_names)) // the manifest first: absent while others change
+      if (fs::exists(folder / name))
+        replaced.emplace_back(name);
+    replaced.insert(replaced.end(), outdated.begin(), outdated.end());
+    write_list(staging / list, replaced);
+    fs::create_directory(staging / earlier);
+    for (const std::string& name : replaced)
+      fs::create_directories((staging / earlier / name).parent_path());
+    for (const auto& entry : fs::directory_iterator(staging))
+      synchronise(entry.path());
+    synchronise(staging);
+    fs::rename(staging, folder / finished);
+    done.push_back({staging, folder / finished});
+    make_moves(folder, done);
+  } catch (const fs::filesystem_error& error) {
+    try {
+      for (const Move& move : std::views::reverse(done))
+        fs::rename(move.to, move.from);
+    } catch (const fs::filesystem_error&) {
+      throw problem(folder, error,
+                    fmt::format("; the results wait in {}, from where the next run there puts them in place",
+                                (folder / finished).string()));
+    }
+    throw problem(folder, error);
+  }
+  clear_finished(folder);
+}
+
+/// Finishes the publication of a process that was killed during it. Throws OutputFailure.
+void complete_publication(const fs::path& folder) {
+  try {
+    if (fs::exists(folder / finished / list)) {
+      std::vector<Move> done;
+      make_moves(folder, done);
+    }
+  } catch (const fs::filesystem_error& error) {
+    throw problem(folder, error);
+  }
+  clear_finished(folder);
+}
+
 } // namespace
+
+void synchronise(const fs::path& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool done = file >= 0 && fsync(file) == 0;
+  const std::error_code error(errno, std::generic_category());
+  if (file >= 0)
+    close(file);
+  if (!done)
+    throw fs::filesystem_error("", path, error);
+}
 
 bool OutputFolder::writes(std::string_view name) {
   return std::ranges::find(file_names, name) != file_names.end() || name == checkpoint ||
@@ -71,9 +206,9 @@ bool OutputFolder::writes(std::string_view name) {
 OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder, std::string_view given)
     : comm_(comm), folder_(fs::absolute(folder)) {
   std::string staging;
-  write_on_root(comm, [&] {
+  on_root(comm, [&] {
     lock_.emplace(folder);
-    complete_publication(folder_, file_names);
+    complete_publication(folder_);
     clear_unfinished(folder_);
     std::error_code error;
     for (const char* name : file_names)
@@ -97,13 +232,9 @@ OutputFolder::OutputFolder(MPI_Comm comm, const fs::path& folder, std::string_vi
 }
 
 OutputFolder::~OutputFolder() {
-  if (rank(comm_) == 0)
-    discard();
-}
-
-void OutputFolder::discard() const {
   std::error_code ignored; // the run is ending, and what remains is harmless
-  fs::remove_all(staging_, ignored);
+  if (rank(comm_) == 0)
+    fs::remove_all(staging_, ignored);
 }
 
 FolderLock::Names OutputFolder::files() const {
@@ -169,7 +300,7 @@ void TextFile::insert(std::streamoff at, std::string_view text) {
 }
 
 void TextFile::close() {
-  write_on_root(folder_.comm(), [&] {
+  on_root(folder_.comm(), [&] {
     errno = 0;
     out_.close();
     if (!out_)
@@ -193,9 +324,9 @@ void OutputFolder::require_no_search(const fs::path& given) const {
 std::vector<std::string> OutputFolder::publish() {
   MPI_Barrier(comm_); // all ranks have closed their files
   std::vector<std::string> outdated;
-  write_on_root(comm_, [&] {
+  on_root(comm_, [&] {
     outdated = drawings(folder_);
-    io::publish(folder_, staging_, file_names, outdated);
+    replace_files(folder_, staging_, outdated);
   });
   return outdated;
 }

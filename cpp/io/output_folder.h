@@ -11,6 +11,9 @@
 
 namespace signorini::io {
 
+/// Flushes a file, or a folder's entries, to the disk. Throws filesystem_error.
+void synchronise(const std::filesystem::path& path);
+
 /// The folder for the files of a run. Files are written into a hidden folder inside it and moved out together
 /// at the end, so that each appears whole or not at all and a failed run leaves everything as it was.
 class OutputFolder {
@@ -32,9 +35,6 @@ public:
 
   /// Writes a text file, on rank 0. Collective. Throws OutputFailure.
   void write(const std::string& name, const std::string& text) const;
-
-  /// Removes everything written so far. Not collective.
-  void discard() const;
 
   /// Throws UserError if the folder, `given` by the user, has what only a search leaves and this run would
   /// remove. Collective.

@@ -3,7 +3,6 @@
 #include "base/scratch_file.h"
 #include "bindings.h"
 #include "io/manifest.h"
-#include "io/output_failure.h"
 #include "session.h"
 #include <nanobind/stl/string.h>
 
@@ -21,7 +20,7 @@ void bind_errors(nb::module_& module) {
       std::rethrow_exception(thrown);
     } catch (const Interrupted&) {
       PyErr_SetNone(PyExc_KeyboardInterrupt);
-    } catch (const io::OutputFailure& failure) {
+    } catch (const OutputFailure& failure) {
       PyErr_SetString(PyExc_OSError, failure.what());
     } catch (const WriteFailure& failure) {
       PyErr_SetString(PyExc_OSError, failure.what());

@@ -6,7 +6,6 @@
 #include "io/field_reader.h"
 #include "io/field_writer.h"
 #include "io/manifest.h"
-#include "io/motion_tables.h"
 #include "io/point_match.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>

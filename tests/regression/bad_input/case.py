@@ -310,20 +310,19 @@ def keep_tables(path: Path, names: Sequence[str]) -> None:
 
 
 def stored_run(folder: Path, points: Sequence[Point] | None = None, times: Sequence[float] = (0.0, 1.5e-4), dim: int = 2,
-               field: str = "displacement", value: float = 0.0, names: Sequence[str] = (), cut: int | None = None,
+               field: str = "displacement", value: float = 0.0, cut: int | None = None,
                listed: Sequence[float] | None = None) -> None:
-    """What a run on the square leaves in state.h5; `value` is one of its last time. `listed`: of the array of times, which
-    earlier versions did not write."""
+    """What a run on the square leaves in state.h5; `value` is one of its last time. `listed`: the array of times, if it is to be
+    wrong."""
     folder.mkdir()
     nodes = np.array(square_points() if points is None else points)
     with h5py.File(folder / "state.h5", "w") as file:
         file["Mesh/mesh/geometry"] = nodes[:, :dim]
         displacement = np.zeros((len(nodes), 3))
-        for name in names or [repr(time).replace(".", "_") for time in times]:
+        for name in [f"{number:08}" for number in range(len(times))]:
             file[f"Function/{field}/{name}"] = displacement
         file[f"Function/{field}/{name}"][4, 1] = value
-        if listed is not None:
-            file["times"] = np.array(listed)
+        file["times"] = np.array(times if listed is None else listed)
     if cut:
         write(folder / "state.h5", (folder / "state.h5").read_bytes()[:cut])
 
