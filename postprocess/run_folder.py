@@ -21,7 +21,6 @@ from mesh import Mesh, Series
 from obstacles import HalfSpace, Obstacle, names, read_obstacles, with_fitted_obstacles
 
 SEED_TIME = 1.75e-3  # s, the time of the figures in Müller and Schiela (2017), in the middle of the first contact
-FORMER_SPACES = {"P1": "nodal", "P0": "cellwise"}  # of control.space
 
 T = TypeVar("T")
 
@@ -256,7 +255,7 @@ class RunFolder:
     def field(self, file: str, name: str) -> Series:
         """The function `name` of `file` (one of the .xdmf files)."""
         document = self.read(file, lambda path: ElementTree.fromstring(whole_text(path)))
-        # One grid a time with all fields; earlier versions wrote one for each field and time.
+        # One grid a time with all fields.
         found = [(grid, field) for grid in document.iter("Grid") if (field := grid.find(f"Attribute[@Name='{name}']")) is not None]
         if not found:
             raise NotInRun(f"{file} holds no {name}")
@@ -375,9 +374,6 @@ def read_scene(file: Path) -> dict:
     scene = tomllib.loads(whole_text(file, with_names=True))
     if "tables" not in scene.get("output", {}):
         raise ValueError("its end is missing")
-    control = scene.get("control", {})
-    if control.get("space") in FORMER_SPACES:  # of a run by version 0.1, which is to compare with one by today's
-        control["space"] = FORMER_SPACES[control["space"]]
     return scene
 
 

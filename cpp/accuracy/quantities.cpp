@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "accuracy/quantities.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "diagnostics/contact_forces.h"
 #include "diagnostics/largest_stress.h"
-#include "scene/spelling.h"
 #include "trajectory/step_errors.h"
 #include <algorithm>
 #include <fmt/format.h>
@@ -76,12 +76,9 @@ std::vector<Quantity> chosen(const scene::Scene& scene, const std::vector<std::s
   std::vector<Quantity> wanted;
   for (const std::string& name : names) {
     const auto found = std::ranges::find(all, name, &Quantity::name);
-    if (found == all.end()) {
-      const std::string near = scene::nearest(name, allowed);
+    if (found == all.end())
       throw UserError(fmt::format("--quantity: found \"{}\"{}, allowed with this scene: {}", name,
-                                  near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near),
-                                  scene::list(allowed)));
-    }
+                                  suggestion(name, allowed), list(allowed)));
     if (std::ranges::find(wanted, name, &Quantity::name) == wanted.end())
       wanted.push_back(*found);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "accuracy/rungs.h"
 #include "base/error.h"
-#include "scene/spelling.h"
+#include "base/text.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,7 +22,7 @@ std::vector<scene::ContactScheme> schemes(const scene::Scene& scene, const std::
   for (const std::string& name : given) {
     const auto found = std::ranges::find(allowed, name);
     if (found == allowed.end())
-      throw UserError(fmt::format("--schemes: found \"{}\", allowed: {}", name, scene::list(allowed)));
+      throw UserError(fmt::format("--schemes: found \"{}\", allowed: {}", name, list(allowed)));
     if (found != allowed.begin() && scene.contacts.empty())
       throw UserError(fmt::format(
           "--schemes: found \"{}\" in a scene without contact, where it makes no difference, allowed is {}",

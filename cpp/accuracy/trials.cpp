@@ -5,7 +5,7 @@
 #include "accuracy/measure.h"
 #include "accuracy/quantities.h"
 #include "accuracy/rung_costs.h"
-#include "scene/spelling.h"
+#include "base/text.h"
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -208,11 +208,11 @@ Quantity the_quantity(const scene::Scene& scene, const std::vector<std::string>&
       allowed.push_back(quantity.name);
   if (names.empty() && !scene.objective)
     throw UserError(fmt::format("{}: needs --quantity in a scene without an objective, allowed is one of {}",
-                                option, scene::list(allowed)));
+                                option, list(allowed)));
   const Quantity found = names.empty() ? Quantity{"J", "J", ""} : chosen(scene, names, dim).front();
   if (names.size() > 1 || found.absolute)
     throw UserError(fmt::format("{}: found --quantity {}, allowed is one of {}", option,
-                                fmt::join(names, ","), scene::list(allowed)));
+                                fmt::join(names, ","), list(allowed)));
   return found;
 }
 

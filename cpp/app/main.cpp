@@ -6,10 +6,10 @@
 #include "base/petsc.h"
 #include "base/scratch_file.h"
 #include "base/signals.h"
+#include "base/text.h"
 #include "drivers/run_manifest.h"
 #include "scene/expression.h"
 #include "scene/key_reference.h"
-#include "scene/spelling.h"
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
@@ -42,24 +42,19 @@ constexpr Verb verbs[] = {
     {"keys", "all keys of a scene: what each takes, its unit, limits, default and meaning"},
     {"completion", "a script for bash, which then completes verbs, options and keys"}};
 
-std::string did_you_mean(const std::string& found, const std::vector<std::string>& valid) {
-  const std::string near = signorini::scene::nearest(found, valid);
-  return near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near);
-}
-
 void require_verb(int argc, char** argv) {
   std::vector<std::string> names;
   for (const Verb& verb : verbs)
     names.emplace_back(verb.name);
   for (const signorini::app::ScriptVerb& verb : signorini::app::script_verbs())
     names.emplace_back(verb.name);
-  const std::string allowed = signorini::scene::list(names);
+  const std::string allowed = signorini::list(names);
   if (argc < 2)
     throw UserError(fmt::format("command line: found no verb, allowed: {}; see signorini --help", allowed));
   const std::string found = argv[1];
   if (!found.starts_with("-") && std::ranges::find(names, found) == names.end())
     throw UserError(fmt::format("command line: found the verb \"{}\"{}, allowed: {}; see signorini --help",
-                                found, did_you_mean(found, names), allowed));
+                                found, signorini::suggestion(found, names), allowed));
 }
 
 /// Replaces a time such as 90, 90s, 10min or 2h by its seconds; returns an error message, empty if it is
@@ -223,7 +218,7 @@ void require_no_more(const CLI::App& app, const std::string& verb) {
   throw UserError(
       fmt::format("command line: \"{}\" is not expected{}, allowed are one scene and the options {}; "
                   "see signorini --help",
-                  extra.front(), did_you_mean(extra.front(), known), signorini::scene::list(known)));
+                  extra.front(), signorini::suggestion(extra.front(), known), signorini::list(known)));
 }
 
 /// Parses the command line; returns an exit status if there is nothing to run. Throws UserError.

@@ -14,7 +14,7 @@ double on_scale(const scene::Unknown& unknown, double value) {
 /// The bounds of an unknown on its scale: those given, else those of its nature.
 std::pair<double, double> bounds_of(const scene::Unknown& unknown) {
   constexpr double nearly = 1e-6; // of limits that are excluded
-  const scene::NaturalLimits natural = scene::natural_limits(unknown.of);
+  const scene::Limits natural = scene::natural_limits(unknown.of);
   const double inside = natural.open ? nearly : 0;
   double lower = natural.least + inside, upper = natural.greatest - inside;
   if (natural.open && natural.least == 0)

@@ -6,7 +6,6 @@
 #include "base/text.h"
 #include "base/timers.h"
 #include "fem/function.h"
-#include "scene/spelling.h"
 #include "viscoelasticity_tetrahedron_1.h"
 #include "viscoelasticity_tetrahedron_2.h"
 #include "viscoelasticity_triangle_1.h"
@@ -55,7 +54,7 @@ void require_one_material(const mesh::Mesh& mesh, const std::vector<Part>& parts
   throw UserError(
       fmt::format("material: the cell at {} is in no group of a material ({}), allowed is one material for "
                   "every cell",
-                  place(mesh, static_cast<std::int32_t>(found - part_of.begin())), scene::list(groups)));
+                  place(mesh, static_cast<std::int32_t>(found - part_of.begin())), list(groups)));
 }
 
 } // namespace

@@ -4,11 +4,11 @@
 #include "base/digest.h"
 #include "base/dolfinx_versions.h"
 #include "base/signals.h"
+#include "base/text.h"
 #include "mesh/distribution.h"
 #include "mesh/gmsh_process.h"
 #include "mesh/raw_mesh.h"
 #include "mesh/refinement.h"
-#include "scene/spelling.h"
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -104,33 +104,21 @@ Mesh::Mesh(MPI_Comm comm, const scene::Mesh& mesh, const Meshing& meshing)
   topology->create_connectivity(dim_ - 1, dim_);
   topology->create_connectivity(dim_, dim_ - 1);
 
-  std::string lines; // per group: its dimension, 0 if empty and else 1, its name; 2: a line says why not
-  for (const auto& [name, dim] : raw.other_groups)
-    lines += fmt::format("{}1{}\n", dim, name);
-  for (const auto& [name, facets] : raw.facets)
-    lines += fmt::format("{}{:d}{}\n", dim_ - 1, !facets.empty(), name);
-  for (const auto& [name, ranges] : raw.parts)
-    lines += fmt::format("{}{:d}{}\n", dim_, !ranges.empty(), name);
-  for (const auto& [dim, groups] : raw.unusable)
-    for (const auto& [name, why] : groups)
-      lines += fmt::format("{}2{}\n{}\n", dim, name, why);
-  lines = broadcast(comm, lines);
-  for (std::size_t start = 0, end; (end = lines.find('\n', start)) != std::string::npos; start = end + 1) {
-    const int dim = lines[start] - '0';
-    const std::string name = lines.substr(start + 2, end - start - 2);
-    Group& group = groups_[dim][name];
-    group.empty = lines[start + 1] == '0';
-    if (lines[start + 1] == '2') {
-      const std::size_t why = end + 1;
-      end = lines.find('\n', why);
-      group.unusable = lines.substr(why, end - why);
-      continue;
-    }
-    if (dim == dim_ - 1)
-      group.entities = local_facets(*mesh_, raw.facets[name]);
-    else if (dim == dim_)
-      group.entities = owned_of(*topology, broadcast(comm, raw.parts[name]));
-  }
+  RawMesh groups; // those of the file, on every rank
+  groups.facets = raw.facets;
+  groups.parts = raw.parts;
+  groups.other_groups = raw.other_groups;
+  groups.unusable = raw.unusable;
+  groups = unpacked(broadcast(comm, packed(groups)));
+  for (const auto& [name, dim] : groups.other_groups)
+    groups_[dim][name].empty = false;
+  for (const auto& [name, facets] : groups.facets) // which rank 0 distributes
+    groups_[dim_ - 1][name] = {.entities = local_facets(*mesh_, raw.facets[name]), .empty = facets.empty()};
+  for (const auto& [name, ranges] : groups.parts)
+    groups_[dim_][name] = {.entities = owned_of(*topology, ranges), .empty = ranges.empty()};
+  for (const auto& [dim, unusable] : groups.unusable)
+    for (const auto& [name, why] : unusable)
+      groups_[dim][name].unusable = why;
 }
 
 int Mesh::find(const std::string& group, const std::string& key, const std::vector<int>& dims) const {
@@ -154,7 +142,7 @@ int Mesh::find(const std::string& group, const std::string& key, const std::vect
     }
     names.insert(names.end(), own.begin(), own.end());
     if (!own.empty())
-      lists.push_back(fmt::format("{} groups of the file: {}", kinds.back(), scene::list(own)));
+      lists.push_back(fmt::format("{} groups of the file: {}", kinds.back(), list(own)));
   }
   if (found.size() == 1)
     return found.front();
@@ -173,9 +161,8 @@ int Mesh::find(const std::string& group, const std::string& key, const std::vect
     if (groups_[dim].contains(group))
       throw UserError(fmt::format("{}: the group \"{}\" of {} has dimension {}, allowed are {}", key, group,
                                   file_, dim, allowed));
-  const std::string near = scene::nearest(group, names);
   throw UserError(fmt::format("{}: {} has no {} \"{}\" with elements{}; {}", key, file_, kind, group,
-                              near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), allowed));
+                              suggestion(group, names), allowed));
 }
 
 std::vector<std::int32_t> Mesh::owned_cells() const {

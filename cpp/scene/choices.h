@@ -61,7 +61,6 @@ constexpr Names<2> names(Side) { return {"outside", "inside"}; }
 /// Where a control has values: at the nodes, or one in each cell.
 enum class ControlValues { nodal, cellwise };
 constexpr Names<2> names(ControlValues) { return {"nodal", "cellwise"}; }
-constexpr Names<2> former_names(ControlValues) { return {"P1", "P0"}; }
 
 /// What may be unknown of a scene; docs/method.md section 9.
 enum class Parameter {
@@ -152,17 +151,6 @@ template <class E>
 std::vector<std::string> all_names() {
   const auto all = names(E{});
   return {all.begin(), all.end()};
-}
-
-/// The names that a kind of choice had before, in the same order, which are read but not written; none if
-/// they are as they were.
-template <class E>
-std::vector<std::string> all_former_names() {
-  if constexpr (requires { former_names(E{}); }) {
-    const auto all = former_names(E{});
-    return {all.begin(), all.end()};
-  }
-  return {};
 }
 
 } // namespace signorini::scene

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/compatibility.h"
-#include "scene/choices.h"
-#include "scene/spelling.h"
 #include <algorithm>
 #include <fmt/format.h>
 #include <map>
@@ -39,17 +37,6 @@ void flatten(const toml::node& node, const std::string& key, std::map<std::strin
   values[key] = text.str();
 }
 
-/// Replaces the former name of a choice, which an earlier version wrote, by today's.
-template <class E>
-void rename(std::string& value) {
-  const std::vector<std::string> former = all_former_names<E>(), names = all_names<E>();
-  for (std::size_t i = 0; i < former.size(); ++i)
-    if (value == '"' + former[i] + '"') {
-      value = '"' + names[i] + '"';
-      return;
-    }
-}
-
 /// A scene as a run wrote it. Paths need not be UTF-8, as TOML has to be: then each byte of theirs is a
 /// character.
 toml::table parsed(const std::string& scene) {
@@ -70,8 +57,6 @@ std::map<std::string, std::string> posed(const std::string& scene, Part besides)
   std::map<std::string, std::string> values;
   flatten(parsed(scene), "", values);
   std::erase_if(values, [&](const auto& entry) { return !matters(entry.first, besides); });
-  if (const auto space = values.find("control.space"); space != values.end())
-    rename<ControlValues>(space->second);
   return values;
 }
 

@@ -128,6 +128,27 @@ const std::map<std::string_view, Function>& functions() {
   return all;
 }
 
+Interval equal(const Interval& a, const Interval& b) {
+  return truth(a.upper() < b.lower() || a.lower() > b.upper(),
+               a.lower() == b.upper() && a.upper() == b.lower());
+}
+Interval at_most(const Interval& a, const Interval& b) {
+  return truth(a.lower() > b.upper(), a.upper() <= b.lower());
+}
+Interval below(const Interval& a, const Interval& b) {
+  return truth(a.lower() >= b.upper(), a.upper() < b.lower());
+}
+
+struct Comparison {
+  std::string_view token;
+  Interval (*compare)(const Interval& a, const Interval& b);
+};
+/// The longer tokens first.
+constexpr Comparison comparisons[]{
+    {"<=", at_most}, {">=", [](const Interval& a, const Interval& b) { return at_most(b, a); }},
+    {"==", equal},   {"!=", [](const Interval& a, const Interval& b) { return 1.0 - equal(a, b); }},
+    {"<", below},    {">", [](const Interval& a, const Interval& b) { return below(b, a); }}};
+
 /// A recursive descent through muParser's operators, from the weakest on.
 class Reader {
 public:
@@ -202,38 +223,18 @@ private:
   Part comparison() {
     Part part = sum();
     for (;;) {
-      using Compare = Interval (*)(const Interval& a, const Interval& b);
-      Compare compare = nullptr;
-      if (take("<="))
-        compare = [](const auto& a, const auto& b) {
-          return truth(a.lower() > b.upper(), a.upper() <= b.lower());
-        };
-      else if (take(">="))
-        compare = [](const auto& a, const auto& b) {
-          return truth(a.upper() < b.lower(), a.lower() >= b.upper());
-        };
-      else if (take("=="))
-        compare = [](const auto& a, const auto& b) { return equal(a, b); };
-      else if (take("!="))
-        compare = [](const auto& a, const auto& b) { return 1.0 - equal(a, b); };
-      else if (take("<"))
-        compare = [](const auto& a, const auto& b) {
-          return truth(a.lower() >= b.upper(), a.upper() < b.lower());
-        };
-      else if (take(">"))
-        compare = [](const auto& a, const auto& b) {
-          return truth(a.upper() <= b.lower(), a.lower() > b.upper());
-        };
-      else
+      const Comparison* found = nullptr;
+      for (const Comparison& one : comparisons)
+        if (!found && take(one.token))
+          found = &one;
+      if (!found)
         return part;
       const Part other = sum();
       meet(part, other);
-      part = {[a = part.range, b = other.range, compare](const Box& box) { return compare(a(box), b(box)); }};
+      part = {[a = part.range, b = other.range, compare = found->compare](const Box& box) {
+        return compare(a(box), b(box));
+      }};
     }
-  }
-  static Interval equal(const Interval& a, const Interval& b) {
-    return truth(a.upper() < b.lower() || a.lower() > b.upper(),
-                 a.lower() == b.upper() && a.upper() == b.lower());
   }
 
   Part sum() {

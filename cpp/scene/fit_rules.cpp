@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
 #include "base/overloads.h"
+#include "base/text.h"
 #include "scene/parameters.h"
 #include "scene/rules.h"
 #include <algorithm>
@@ -152,15 +153,12 @@ void require_rules(Reader& in, Unknown& unknown, const Scene& scene) {
     in.fail("on", "has no effect but on materials and tractions");
   if (!of_obstacle(unknown.of) && in.has("obstacle"))
     in.fail("obstacle", "has no effect but on the parameters of obstacles");
-  std::vector<std::pair<std::string, std::string>> others;
-  for (std::size_t i = 0; i + 1 < scene.unknowns.size(); ++i)
-    others.emplace_back(scene.unknowns[i].name, unknown_key(i));
   std::string usual = name(unknown.of);
   if (unknown.component)
     usual += " " + name(*unknown.component);
   if (unknown.on || unknown.obstacle)
     usual += " of " + unknown.on.value_or(unknown.obstacle.value_or(""));
-  unknown.name = unique_name(in, usual, others);
+  unknown.name = unique_name(in, usual, scene.unknowns, "unknown");
   require_free_name(in, unknown.name);
   require_another(in, unknown, scene);
   if (!in.has("scale"))
@@ -186,10 +184,8 @@ void require_rules(Reader& in, Unknown& unknown, const Scene& scene) {
 }
 
 void require_rules(Reader& in, Measurement& measurement, const Scene& scene) {
-  std::vector<std::pair<std::string, std::string>> others;
-  for (std::size_t i = 0; i + 1 < scene.measurements.size(); ++i)
-    others.emplace_back(scene.measurements[i].name, measurement_key(i));
-  measurement.name = unique_name(in, fmt::format("measurement {}", scene.measurements.size()), others);
+  measurement.name = unique_name(in, fmt::format("measurement {}", scene.measurements.size()),
+                                 scene.measurements, "measurement");
   const bool motion = measurement.of == Quantity::displacement || measurement.of == Quantity::velocity;
   const std::string of = name(measurement.of);
   if (motion) {

@@ -2,6 +2,7 @@
 #include "scene/key_reference.h"
 #include "scene/expression.h"
 #include "scene/schema.h"
+#include <ranges>
 
 namespace signorini::scene {
 namespace {
@@ -57,6 +58,17 @@ const std::vector<KeyLine>& keys() {
     return all;
   }();
   return lines;
+}
+
+std::string without_numbers(std::string_view key) {
+  std::string plain;
+  for (const auto part : std::views::split(key, '.')) {
+    std::string_view name(part.begin(), part.end());
+    name = name.substr(0, name.find('['));
+    if (name.find_first_not_of("0123456789") != std::string_view::npos)
+      plain += (plain.empty() ? "" : ".") + std::string(name);
+  }
+  return plain;
 }
 
 std::string reference() {

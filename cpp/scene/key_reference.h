@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace signorini::scene {
@@ -23,11 +24,21 @@ struct KeyLine {
 /// All keys, in the order of scene.toml.
 const std::vector<KeyLine>& keys();
 
+/// A key such as material[0].young or material.0.young without the numbers of tables.
+std::string without_numbers(std::string_view key);
+
 /// The keys for reading, a paragraph each.
 std::string reference();
 /// The keys as the table of docs/reference/keys.md.
 std::string markdown();
 /// JSON Schema (draft 2020-12) of a scene.
 std::string json_schema();
+
+/// The message on an unknown key, or an unknown name as its value, that asks for an effect which the model
+/// lacks; empty for others. `key`: without the numbers of tables, such as contact.friction.
+std::string refusal(std::string_view key, std::string_view value = {});
+
+/// Names of all effects that refusal() knows, as docs/modelling.md lists them.
+std::vector<std::string> refused_effects();
 
 } // namespace signorini::scene

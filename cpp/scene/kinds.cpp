@@ -76,17 +76,6 @@ double NumberOrAuto::read(Reader& in, Name key, const Scene&) const {
   return automatic;
 }
 
-std::filesystem::path Path::read(Reader& in, Name key, const Scene& scene) {
-  const std::filesystem::path given = in.text(key);
-  std::error_code error;
-  const auto path = std::filesystem::weakly_canonical(
-      given.is_absolute() ? given : scene.file.parent_path() / given, error);
-  if (error)
-    in.fail(key,
-            fmt::format("found a path that cannot be followed ({}), allowed is another", error.message()));
-  return path;
-}
-
 std::vector<Component> Acting::read(Reader& in, Name key, const Scene& scene) {
   std::vector<Component> components = Set::read(in, key, scene);
   if (components.empty())

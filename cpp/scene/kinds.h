@@ -76,24 +76,19 @@ struct Text {
 
 /// A path, of which a relative one is relative to the scene file; kept and written as an absolute one.
 struct Path : Text {
-  static std::filesystem::path read(Reader& in, Name key, const Scene& scene);
+  static std::filesystem::path read(Reader& in, Name key, const Scene&) {
+    return in.followed(in.text(key), key);
+  }
   static std::string write(const std::filesystem::path& path) { return written(path.string()); }
   static std::string words() { return "path"; }
 };
 
 template <class E>
 struct Choice {
-  static E read(Reader& in, Name key, const Scene&) {
-    return static_cast<E>(in.choice(key, all_names<E>(), all_former_names<E>()));
-  }
+  static E read(Reader& in, Name key, const Scene&) { return static_cast<E>(in.choice(key, all_names<E>())); }
   static std::string write(E value) { return written(name(value)); }
   static std::string words() { return quoted(all_names<E>()); }
-  static Json schema() {
-    const Json names{{"enum", all_names<E>()}};
-    if (all_former_names<E>().empty())
-      return names;
-    return {{"anyOf", {names, {{"enum", all_former_names<E>()}, {"deprecated", true}}}}};
-  }
+  static Json schema() { return {{"enum", all_names<E>()}}; }
 };
 
 /// A list of choices.

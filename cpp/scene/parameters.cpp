@@ -62,24 +62,19 @@ std::optional<Components>& initial_field(Initial& initial, const Unknown& unknow
 
 std::size_t component(const Unknown& unknown) { return static_cast<std::size_t>(unknown.component.value()); }
 
-/// Centre of a ball or point of a cylinder's axis. Throws std::logic_error for other shapes, which the rules
-/// exclude.
-Components& middle(Obstacle& shape) {
-  return std::visit(
-      Overloads{[](Ball& ball) -> Components& { return ball.center; },
-                [](Cylinder& cylinder) -> Components& { return cylinder.point; },
-                [](HalfSpace&) -> Components& { throw std::logic_error("a plane's centre"); },
-                [](SignedDistance&) -> Components& { throw std::logic_error("a level set's centre"); }},
-      shape);
-}
+/// A ball, or a cylinder with a point of its axis as the centre.
+struct Round {
+  Components& center;
+  Expression& radius;
+};
 
-/// As middle().
-Expression& radius(Obstacle& shape) {
+/// Throws std::logic_error for other shapes, which the rules exclude.
+Round round_parts(Obstacle& shape) {
   return std::visit(
-      Overloads{[](Ball& ball) -> Expression& { return ball.radius; },
-                [](Cylinder& cylinder) -> Expression& { return cylinder.radius; },
-                [](HalfSpace&) -> Expression& { throw std::logic_error("a plane's radius"); },
-                [](SignedDistance&) -> Expression& { throw std::logic_error("a level set's radius"); }},
+      Overloads{[](Ball& ball) -> Round { return {ball.center, ball.radius}; },
+                [](Cylinder& cylinder) -> Round { return {cylinder.point, cylinder.radius}; },
+                [](HalfSpace&) -> Round { throw std::logic_error("a plane has no centre"); },
+                [](SignedDistance&) -> Round { throw std::logic_error("a level set has no centre"); }},
       shape);
 }
 
@@ -139,10 +134,11 @@ void set(Scene& scene, const Unknown& unknown, double value) {
     return;
   }
   case Parameter::center:
-    middle(scene.contacts[contact_of(scene, unknown)].obstacle).at(component(unknown)) = Expression(value);
+    round_parts(scene.contacts[contact_of(scene, unknown)].obstacle).center.at(component(unknown)) =
+        Expression(value);
     return;
   case Parameter::radius:
-    radius(scene.contacts[contact_of(scene, unknown)].obstacle) = Expression(value);
+    round_parts(scene.contacts[contact_of(scene, unknown)].obstacle).radius = Expression(value);
     return;
   case Parameter::body:
     multiply(scene.load.value().body.value(), value);
@@ -205,7 +201,7 @@ bool scales(const Unknown& unknown, const Traction& traction) {
   return !unknown.on || traction.on == *unknown.on;
 }
 
-NaturalLimits natural_limits(Parameter of) {
+Limits natural_limits(Parameter of) {
   switch (of) {
   case Parameter::young:
   case Parameter::density:
@@ -224,7 +220,7 @@ NaturalLimits natural_limits(Parameter of) {
 Components components_of(const Scene& scene, const Unknown& unknown) {
   if (unknown.of == Parameter::center) {
     Obstacle shape = scene.contacts[contact_of(scene, unknown)].obstacle;
-    return middle(shape);
+    return round_parts(shape).center;
   }
   Initial initial = scene.initial;
   return initial_field(initial, unknown).value();
@@ -250,7 +246,7 @@ std::optional<double> own_value(const Scene& scene, const Unknown& unknown) {
     return constant(components_of(scene, unknown).at(component(unknown)));
   case Parameter::radius: {
     Obstacle shape = scene.contacts[contact_of(scene, unknown)].obstacle;
-    return constant(radius(shape));
+    return constant(round_parts(shape).radius);
   }
   case Parameter::body:
   case Parameter::gravity:
@@ -268,8 +264,7 @@ std::vector<double> start_values(const Scene& scene) {
 }
 
 Limits limits(const Unknown& unknown) {
-  const NaturalLimits natural = natural_limits(unknown.of);
-  Limits limits{.least = natural.least, .greatest = natural.greatest, .open = natural.open};
+  Limits limits = natural_limits(unknown.of);
   if (unknown.logarithmic() && !(limits.least > 0)) {
     limits.least = 0;
     limits.open = true;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "scene/scene.h"
+#include "scene/units.h"
 #include <array>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,12 +13,8 @@ namespace signorini::scene {
 /// Unit of an unknown in SI; empty for a plain number.
 std::string unit(const Unknown& unknown);
 
-/// The limits that a parameter has by its nature; `open`: excluded.
-struct NaturalLimits {
-  double least = -std::numeric_limits<double>::infinity(), greatest = std::numeric_limits<double>::infinity();
-  bool open = false;
-};
-NaturalLimits natural_limits(Parameter of);
+/// The limits that a parameter has by its nature.
+Limits natural_limits(Parameter of);
 
 constexpr bool of_material(Parameter of) { return of <= Parameter::density; }
 constexpr bool of_obstacle(Parameter of) { return of >= Parameter::position && of <= Parameter::radius; }
@@ -49,8 +45,6 @@ struct ObstacleRate {
 };
 /// With the unknown of this number, where the unknowns have these values; `scene` is as read.
 ObstacleRate obstacle_rate(const Scene& scene, std::span<const double> values, std::size_t number);
-
-struct Limits;
 
 /// The natural limits of an unknown; on a logarithmic scale it is positive.
 Limits limits(const Unknown& unknown);

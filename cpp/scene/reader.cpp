@@ -1,37 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/reader.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "scene/expression.h"
 #include "scene/key_reference.h"
 #include "scene/kinds.h"
-#include "scene/refusals.h"
 #include "scene/table.h"
-#include "scene/units.h"
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <numeric>
 #include <sstream>
 
 namespace signorini::scene {
 namespace {
-
-/// Edit distance (Levenshtein).
-std::size_t edits(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t change = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({change, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row.back();
-}
 
 /// A value in TOML for messages, on one line of at most 60 bytes.
 std::string shown(const toml::node& node) {
@@ -71,43 +54,6 @@ bool on_one_line(const std::string& text) {
 
 } // namespace
 
-std::string nearest(std::string_view found, const std::vector<std::string>& valid) {
-  std::string best;
-  std::size_t least = std::max<std::size_t>(2, found.size() / 2) + 1;
-  for (const std::string& name : valid)
-    if (const std::size_t d = edits(found, name); d < least)
-      least = d, best = name;
-  return best;
-}
-
-std::string without_numbers(std::string_view key) {
-  std::string plain;
-  for (std::size_t end = 0; end != std::string_view::npos; key.remove_prefix(std::min(end + 1, key.size()))) {
-    end = key.find('.');
-    std::string_view name = key.substr(0, end);
-    name = name.substr(0, name.find('['));
-    if (name.find_first_not_of("0123456789") != std::string_view::npos)
-      plain += (plain.empty() ? "" : ".") + std::string(name);
-  }
-  return plain;
-}
-
-std::string list(const std::vector<std::string>& names) { return fmt::format("{}", fmt::join(names, ", ")); }
-
-bool Limits::contain(double value) const {
-  return std::isfinite(value) &&
-         (open ? value > least && value < greatest : value >= least && value <= greatest);
-}
-
-std::string Limits::range() const {
-  std::string range;
-  if (std::isfinite(least))
-    range += fmt::format(" {} {}", open ? "greater than" : "of at least", least);
-  if (std::isfinite(greatest))
-    range += fmt::format("{} {} {}", range.empty() ? "" : " and", open ? "less than" : "at most", greatest);
-  return range;
-}
-
 std::string Reader::full(const std::string& key) const {
   return path_.empty() ? key : key.empty() ? path_ : path_ + "." + key;
 }
@@ -135,7 +81,7 @@ const toml::node& Reader::node(const std::string& key) {
     // If a misspelt key explains the missing one, report that.
     for (const auto& [other, value] : table_)
       if (const std::string name{other.str()};
-          !known_.contains(name) && edits(name, key) <= (key.size() > 4 ? 2 : 1))
+          !known_.contains(name) && edit_distance(name, key) <= (key.size() > 4 ? 2 : 1))
         fail(name, fmt::format("unknown key; did you mean \"{}\"?", key));
     fail(key, "missing, and required");
   }
@@ -171,18 +117,22 @@ std::string Reader::text(const std::string& key) {
   return value->get();
 }
 
-std::size_t Reader::choice(const std::string& key, const std::vector<std::string>& allowed,
-                           const std::vector<std::string>& former) {
+std::filesystem::path Reader::followed(const std::filesystem::path& given, const std::string& key) const {
+  std::error_code error;
+  auto path =
+      std::filesystem::weakly_canonical(std::filesystem::absolute(source_.file).parent_path() / given, error);
+  if (error)
+    fail(key, fmt::format("found a path that cannot be followed ({}), allowed is another", error.message()));
+  return path;
+}
+
+std::size_t Reader::choice(const std::string& key, const std::vector<std::string>& allowed) {
   const std::string value = text(key);
-  if (const auto known = std::ranges::find(former, value); known != former.end())
-    return static_cast<std::size_t>(known - former.begin());
   const auto found = std::ranges::find(allowed, value);
   if (found == allowed.end()) {
     if (const std::string refused = refusal(without_numbers(full(key)), value); !refused.empty())
       fail(key, fmt::format("found \"{}\", {}", value, refused));
-    const std::string near = nearest(value, allowed);
-    fail(key, fmt::format("found \"{}\"{}, allowed: {}", value,
-                          near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), list(allowed)));
+    fail(key, fmt::format("found \"{}\"{}, allowed: {}", value, suggestion(value, allowed), list(allowed)));
   }
   return static_cast<std::size_t>(found - allowed.begin());
 }
@@ -196,11 +146,9 @@ std::vector<std::size_t> Reader::choices(const std::string& key, const std::vect
   for (const toml::node& entry : *array) {
     const auto name = entry.value<std::string>();
     const auto place = std::ranges::find(allowed, name.value_or(""));
-    if (place == allowed.end()) {
-      const std::string near = name ? nearest(*name, allowed) : "";
-      fail(key, fmt::format("found {}{}, allowed: {}", shown(entry),
-                            near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), list(allowed)));
-    }
+    if (place == allowed.end())
+      fail(key, fmt::format("found {}{}, allowed: {}", shown(entry), name ? suggestion(*name, allowed) : "",
+                            list(allowed)));
     const auto number = static_cast<std::size_t>(place - allowed.begin());
     if (std::ranges::find(found, number) == found.end())
       found.push_back(number);
@@ -249,11 +197,7 @@ Expression Reader::series(const toml::table& table, const std::string& key, std:
   const std::string column = in.text("column");
   const std::filesystem::path given = in.text("file");
   in.finish();
-  std::error_code error;
-  const auto file =
-      std::filesystem::weakly_canonical(std::filesystem::absolute(source_.file).parent_path() / given, error);
-  if (error)
-    fail(key, fmt::format("found a path that cannot be followed ({}), allowed is another", error.message()));
+  const std::filesystem::path file = followed(given, key);
   std::string hint;
   const auto made = [&] {
     try {

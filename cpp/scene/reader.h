@@ -2,8 +2,7 @@
 #pragma once
 #include "scene/choices.h"
 #include "scene/scene.h"
-#include "scene/spelling.h"
-#include <limits>
+#include "scene/units.h"
 #include <set>
 #include <string>
 #include <string_view>
@@ -11,18 +10,6 @@
 #include <vector>
 
 namespace signorini::scene {
-
-/// Limits and unit of a number, for validation and messages.
-struct Limits {
-  double least = -std::numeric_limits<double>::infinity();
-  double greatest = std::numeric_limits<double>::infinity();
-  bool open = false; ///< whether the limits themselves are excluded
-  std::string unit{};
-
-  [[nodiscard]] bool contain(double value) const;
-  /// Such as " greater than 0 and at most 1"; empty without limits.
-  [[nodiscard]] std::string range() const;
-};
 
 /// Where a scene comes from.
 struct Source {
@@ -43,26 +30,22 @@ public:
   /// Throws UserError for a missing key.
   void require(const std::string& key) { (void)node(key); }
   /// Whether the key's value is an array.
-  [[nodiscard]] bool is_array(const std::string& key) const {
-    return table_.contains(key) && table_.get(key)->is_array();
-  }
+  [[nodiscard]] bool is_array(const std::string& key) const { return table_[key].is_array(); }
   /// Whether it is a table.
-  [[nodiscard]] bool is_table(const std::string& key) const {
-    return table_.contains(key) && table_.get(key)->is_table();
-  }
+  [[nodiscard]] bool is_table(const std::string& key) const { return table_[key].is_table(); }
   /// Whether it is a text.
-  [[nodiscard]] bool is_text(const std::string& key) const {
-    return table_.contains(key) && table_.get(key)->is_string();
-  }
+  [[nodiscard]] bool is_text(const std::string& key) const { return table_[key].is_string(); }
   /// Whether the table is one of an array.
   [[nodiscard]] bool one_of_several() const { return path_.ends_with(']'); }
   double number(const std::string& key, const Limits& limits);
   int integer(const std::string& key, int least, int greatest);
   /// A text on one line, not empty.
   std::string text(const std::string& key);
-  /// The number of one of the names allowed, or of its former name.
-  std::size_t choice(const std::string& key, const std::vector<std::string>& allowed,
-                     const std::vector<std::string>& former = {});
+  /// An absolute path, of one that is relative to the scene file or absolute. Throws UserError for `key`.
+  [[nodiscard]] std::filesystem::path followed(const std::filesystem::path& given,
+                                               const std::string& key) const;
+  /// The number of one of the names allowed.
+  std::size_t choice(const std::string& key, const std::vector<std::string>& allowed);
   /// The numbers of a list of allowed names, without repetitions, in the order given; it may be empty.
   std::vector<std::size_t> choices(const std::string& key, const std::vector<std::string>& allowed);
   /// One number per space dimension, 2 or 3.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/refusals.h"
+#include "scene/key_reference.h"
 #include <algorithm>
 #include <cctype>
 #include <fmt/format.h>

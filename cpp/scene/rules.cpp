@@ -2,7 +2,9 @@
 #include "scene/rules.h"
 #include "base/error.h"
 #include "base/overloads.h"
+#include "base/text.h"
 #include "scene/expression.h"
+#include "scene/key_reference.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -149,16 +151,16 @@ void require_rules(Reader& in, const Trajectory& trajectory, const Scene&) {
                         name(trajectory.storage)));
 }
 
-std::string unique_name(Reader& in, const std::string& otherwise,
-                        const std::vector<std::pair<std::string, std::string>>& others) {
+std::string unique_name(Reader& in, const std::string& otherwise, const std::vector<std::string>& others,
+                        const char* table) {
   const std::string name = in.has("name") ? in.text("name") : otherwise;
   if (name.find_first_of(",\"") != std::string::npos)
     in.fail(
         "name",
         fmt::format("found '{}', allowed is a text without commas and quotes: it stands in tables", name));
-  for (const auto& [other, key] : others)
-    if (other == name)
-      in.fail("name", fmt::format("found \"{}\", which {} has too, allowed is another", name, key));
+  if (const auto other = std::ranges::find(others, name); other != others.end())
+    in.fail("name", fmt::format("found \"{}\", which {}[{}] has too, allowed is another", name, table,
+                                other - others.begin()));
   return name;
 }
 
@@ -168,26 +170,18 @@ void require_obstacle(const Reader& in, const std::string& obstacle, const Scene
   std::vector<std::string> names;
   for (const Contact& contact : scene.contacts)
     names.push_back(contact.name);
-  if (std::ranges::find(names, obstacle) == names.end()) {
-    const std::string near = nearest(obstacle, names);
+  if (std::ranges::find(names, obstacle) == names.end())
     in.fail("obstacle",
-            fmt::format("found \"{}\"{}, allowed: {}", obstacle,
-                        near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), list(names)));
-  }
+            fmt::format("found \"{}\"{}, allowed: {}", obstacle, suggestion(obstacle, names), list(names)));
 }
 
 std::string obstacle_name(Reader& in, const Scene& scene) {
-  std::vector<std::pair<std::string, std::string>> others;
-  for (std::size_t i = 0; i + 1 < scene.contacts.size(); ++i)
-    others.emplace_back(scene.contacts[i].name, fmt::format("contact[{}]", i));
-  return unique_name(in, fmt::format("obstacle {}", scene.contacts.size()), others);
+  return unique_name(in, fmt::format("obstacle {}", scene.contacts.size()), scene.contacts, "contact");
 }
 
 void require_rules(Reader& in, Probe& probe, const Scene& scene) {
-  std::vector<std::pair<std::string, std::string>> others;
-  for (std::size_t i = 0; i + 1 < scene.output.probes.size(); ++i)
-    others.emplace_back(scene.output.probes[i].name, fmt::format("output.probe[{}]", i));
-  probe.name = unique_name(in, fmt::format("probe {}", scene.output.probes.size()), others);
+  const std::vector<Probe>& probes = scene.output.probes;
+  probe.name = unique_name(in, fmt::format("probe {}", probes.size()), probes, "output.probe");
   std::vector<std::string> found;
   for (const char* key : {"point", "on", "obstacle", "body"})
     if (in.has(key))

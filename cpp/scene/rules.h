@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "scene/reader.h"
-#include <utility>
+#include <string>
+#include <vector>
 
 /// What a table must hold that no key of it says alone. Each throws UserError; `scene` is what has been read
 /// so far.
@@ -26,10 +27,19 @@ void require_rules(Reader& in, Probe& probe, const Scene& scene);
 void require_rules(Reader& in, const Output& output, const Scene& scene);
 /// Sets where a search starts if that is not given.
 void require_rules(Reader& in, Scene& read, const Scene& scene);
-/// The name of one of several things, for columns and rows of tables: `otherwise` where the table gives none.
-/// `others` has the names of those before it, and their keys.
-std::string unique_name(Reader& in, const std::string& otherwise,
-                        const std::vector<std::pair<std::string, std::string>>& others);
+/// The name of one of several things, for columns and rows of tables: `otherwise` where its table gives none.
+/// `others`: the names of those before it; `table`: the key of their tables.
+std::string unique_name(Reader& in, const std::string& otherwise, const std::vector<std::string>& others,
+                        const char* table);
+/// The name of the last of `all`.
+template <class T>
+std::string unique_name(Reader& in, const std::string& otherwise, const std::vector<T>& all,
+                        const char* table) {
+  std::vector<std::string> others;
+  for (std::size_t i = 0; i + 1 < all.size(); ++i)
+    others.push_back(all[i].name);
+  return unique_name(in, otherwise, others, table);
+}
 /// Throws UserError unless the scene has an obstacle of that name, under the key `obstacle`.
 void require_obstacle(const Reader& in, const std::string& obstacle, const Scene& scene);
 /// What unknowns ask of the rest of a scene; sets the method that seeks them.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/schema.h"
+#include "base/text.h"
 
 namespace signorini::scene::schema {
 using namespace kind;

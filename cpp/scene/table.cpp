@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/table.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "scene/schema.h"
-#include "scene/spelling.h"
 #include "scene/units.h"
 #include <algorithm>
 #include <cctype>
@@ -173,10 +173,8 @@ Column quantity_of(const std::vector<std::string_view>& names, const std::string
   });
   if (!place) {
     const std::vector<std::string> known(names.begin(), names.end());
-    const std::string near = nearest(column, known);
-    throw UserError(fmt::format("found no column \"{}\"{}, allowed: {}", column,
-                                near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near),
-                                list(known)));
+    throw UserError(
+        fmt::format("found no column \"{}\"{}, allowed: {}", column, suggestion(column, known), list(known)));
   }
   const std::optional<Unit> found = unit(Name(names[*place]).unit);
   if (!found)

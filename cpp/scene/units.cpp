@@ -2,6 +2,7 @@
 #include "scene/units.h"
 #include <charconv>
 #include <cmath>
+#include <fmt/format.h>
 #include <utility>
 
 namespace signorini::scene {
@@ -93,6 +94,20 @@ std::optional<Unit> unit(std::string_view text) {
       product.dimension[i] += power * one->dimension[i];
   }
   return any ? std::optional(product) : std::nullopt;
+}
+
+bool Limits::contain(double value) const {
+  return std::isfinite(value) &&
+         (open ? value > least && value < greatest : value >= least && value <= greatest);
+}
+
+std::string Limits::range() const {
+  std::string range;
+  if (std::isfinite(least))
+    range += fmt::format(" {} {}", open ? "greater than" : "of at least", least);
+  if (std::isfinite(greatest))
+    range += fmt::format("{} {} {}", range.empty() ? "" : " and", open ? "less than" : "at most", greatest);
+  return range;
 }
 
 } // namespace signorini::scene

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <limits>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace signorini::scene {
@@ -17,5 +19,17 @@ struct Unit {
 /// The unit that a text such as `ms`, `kN`, `N/mm²`, `m/s^2` or `N s` names: a product of m, g, s, min, h, N
 /// and Pa with SI prefixes and whole exponents. Absent if it names none.
 std::optional<Unit> unit(std::string_view text);
+
+/// Limits and unit of a number, for validation and messages.
+struct Limits {
+  double least = -std::numeric_limits<double>::infinity();
+  double greatest = std::numeric_limits<double>::infinity();
+  bool open = false; ///< whether the limits themselves are excluded
+  std::string unit{};
+
+  [[nodiscard]] bool contain(double value) const;
+  /// Such as " greater than 0 and at most 1"; empty without limits.
+  [[nodiscard]] std::string range() const;
+};
 
 } // namespace signorini::scene

@@ -170,7 +170,7 @@ def main() -> None:
     for name, overrides in {
         "free": {},
         "bounded": {"control__lower": [-2, -1.5], "control__upper": 1.25},
-        "cells": {"control__space": "P0"},
+        "cells": {"control__space": "cellwise"},
         "a surface, intervals": {"control__on": "contact", "control__step": 2.5e-4, "control__components": ["y"], "control__initial": ["0", "-30"]},
     }.items():
         if signorini.ranks > 1 and name in ("bounded", "cells"):  # what ranks matter to is in the others

@@ -259,8 +259,8 @@ def main() -> int:
         gradient_norms(run)
         studies(run)
 
-        nodal = run(control + tracked, "optimize", control__space="P1", mesh__degree=2)
-        cells = run(control + tracked, "optimize", control__space="P0", mesh__degree=2)
+        nodal = run(control + tracked, "optimize", control__space="nodal", mesh__degree=2)
+        cells = run(control + tracked, "optimize", control__space="cellwise", mesh__degree=2)
         points, _, _ = stored(nodal, "control", "control")
         check("a control has values at the nodes, or one in each cell",
               [stored(out, "control", "control")[2].shape[1] for out in (nodal, cells)], [len(points), manifest(cells)["cells"]])  # fmt: skip

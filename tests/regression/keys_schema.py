@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from harness import SIGNORINI, SOURCE, captured  # noqa: E402
 
 TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float)}
-SAYS_NOTHING = {"$schema", "title", "description", "default", "deprecated"}
+SAYS_NOTHING = {"$schema", "title", "description", "default"}
 
 
 def is_a(value: object, kind: str) -> bool:

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "scene/refusals.h"
 #include "fixtures.h"
 #include "scene/key_reference.h"
 #include <catch2/catch_test_macros.hpp>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
+#include "base/text.h"
 #include "fixtures.h"
 #include "io/manifest.h"
 #include "scene/compatibility.h"
 #include "scene/expression.h"
-#include "scene/spelling.h"
 #include "scene/table.h"
 #include "scene/units.h"
 #include <catch2/catch_test_macros.hpp>
@@ -102,24 +102,6 @@ TEST_CASE("the table of keys says what poses the problem", "[scene]") {
     INFO(other);
     CHECK(scene::difference(first, echo({other}), scene::Part::search).first.empty());
     CHECK_FALSE(scene::difference(first, echo({other}), scene::Part::measurement).second.empty());
-  }
-}
-
-TEST_CASE("the former names of a choice are read, and pose the same problem", "[scene]") {
-  const auto file = test::source("scenes/half-disc.toml");
-  for (const auto& [former, name] :
-       {std::pair<std::string, std::string>{"P1", "nodal"}, {"P0", "cellwise"}}) {
-    INFO(former);
-    const std::string echo = scene::echo(test::parse(file, {"control.space=" + former}), 2);
-    CHECK(echo == scene::echo(test::parse(file, {"control.space=" + name}), 2));
-    const std::string line = "\nspace = \"" + name + "\"";
-    REQUIRE_THAT(echo, ContainsSubstring(line));
-    std::string old = echo; // as version 0.1 wrote it
-    old.replace(old.find(line), line.size(), "\nspace = \"" + former + "\"");
-    CHECK(scene::difference(old, echo).first.empty());
-    const std::string other = scene::echo(
-        test::parse(file, {std::string("control.space=") + (name == "nodal" ? "cellwise" : "nodal")}), 2);
-    CHECK(scene::difference(old, other).first == "control.space = \"" + name + '"');
   }
 }
 
@@ -394,9 +376,9 @@ TEST_CASE("the number of steps is exact for decimal steps", "[scene]") {
 }
 
 TEST_CASE("a misspelt name gets the nearest valid one", "[scene]") {
-  CHECK(scene::nearest("poison", {"poisson", "young"}) == "poisson");
-  CHECK(scene::nearest("tpo", {"top", "contact"}) == "top");
-  CHECK(scene::nearest("zzzzzz", {"top", "contact"}).empty());
+  CHECK(nearest("poison", {"poisson", "young"}) == "poisson");
+  CHECK(nearest("tpo", {"top", "contact"}) == "top");
+  CHECK(nearest("zzzzzz", {"top", "contact"}).empty());
 }
 
 TEST_CASE("fields evaluate, know of time, and must be finite", "[scene]") {
