@@ -47,6 +47,15 @@ auto cell_nodes(const Geometry& geometry) {
     return geometry.dofmaps().front();
 }
 
+/// The vertices of a straight cell, by their number: the address of three coordinates.
+template <class Geometry>
+auto vertices(const Geometry& geometry, std::int32_t cell) {
+  return [nodes = cell_nodes(geometry), x = geometry.x(), cell](int i) {
+    return &x[3 *
+              static_cast<std::size_t>(nodes(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))];
+  };
+}
+
 /// The entries of a vector, to be written.
 template <class Vector>
 auto entries(Vector& vector) {

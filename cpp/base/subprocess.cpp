@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "base/signals.h"
 #include "version.h"
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -14,6 +13,7 @@
 #include <fmt/format.h>
 #include <memory>
 #include <poll.h>
+#include <ranges>
 #include <spawn.h>
 #include <stdexcept>
 #include <string_view>
@@ -25,12 +25,6 @@
 extern "C" char** environ;
 
 namespace signorini {
-namespace {
-
-[[noreturn]] void fail(const std::string& what, int error) {
-  throw std::runtime_error(fmt::format("{}: {}", what, std::generic_category().message(error)));
-}
-
 bool write_all(int file, const std::string& text) {
   for (std::size_t done = 0; done < text.size();) {
     const ssize_t count = write(file, text.data() + done, text.size() - done);
@@ -39,6 +33,12 @@ bool write_all(int file, const std::string& text) {
     done += count > 0 ? static_cast<std::size_t>(count) : 0;
   }
   return true;
+}
+
+namespace {
+
+[[noreturn]] void fail(const std::string& what, int error) {
+  throw std::runtime_error(fmt::format("{}: {}", what, std::generic_category().message(error)));
 }
 
 /// All that comes until the other end is closed; nothing if a stop was requested meanwhile.
@@ -153,12 +153,9 @@ std::filesystem::path find_program(const std::string& name) {
                                             std::filesystem::path(version::libexec) / "signorini"};
   // A program of somebody else's that the library is linked into may be anywhere.
   if (const char* path = std::getenv("PATH"))
-    for (std::string_view left = path; !left.empty();) {
-      const std::string_view at = left.substr(0, left.find(':'));
-      if (at.starts_with('/'))
+    for (const auto part : std::views::split(std::string_view(path), ':'))
+      if (const std::string_view at(part.begin(), part.end()); at.starts_with('/'))
         places.push_back(std::filesystem::path(at) / "../libexec/signorini");
-      left.remove_prefix(std::min(at.size() + 1, left.size()));
-    }
   std::string tried;
   for (const std::filesystem::path& at : places) {
     const std::filesystem::path program = (at / name).lexically_normal();

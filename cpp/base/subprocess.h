@@ -16,6 +16,9 @@ namespace signorini {
 std::optional<std::string> in_subprocess(const std::filesystem::path& program, const std::string& request,
                                          std::optional<unsigned> seconds = {});
 
+/// Writes all of a text to a descriptor. False, with errno, if that fails.
+bool write_all(int file, const std::string& text);
+
 constexpr int answer_file = 3; ///< the descriptor to which such a program writes its answer
 
 /// The folder of the running code, a program or a shared library. Throws std::runtime_error.

@@ -91,26 +91,6 @@ Simplex::Point middle(int dim, Vertex&& vertex) {
   return at;
 }
 
-/// The vertices of cells.
-class Corners {
-public:
-  explicit Corners(const Space& space)
-      : geometry_(dolfinx_versions::cell_nodes(space.dolfinx()->mesh()->geometry())),
-        x_(space.dolfinx()->mesh()->geometry().x()) {}
-
-  /// The i-th vertex of a cell, as a function of i: the address of its three coordinates.
-  [[nodiscard]] auto of(std::int32_t cell) const {
-    return [this, cell](int i) {
-      return &x_[3 * static_cast<std::size_t>(
-                         geometry_(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))];
-    };
-  }
-
-private:
-  decltype(dolfinx_versions::cell_nodes(std::declval<const dolfinx::mesh::Geometry<double>&>())) geometry_;
-  std::span<const double> x_;
-};
-
 /// ∇y at vertex v of a cell: for degree 2 the basis is λ_i (2λ_i − 1) and 4 λ_a λ_b; `slope` are the
 /// gradients of the barycentric coordinates λ.
 Gradient gradient(const Space& space, std::span<const std::int32_t> dofs, std::span<const double> at_dofs,
@@ -150,15 +130,14 @@ Deformation deformation(const Space& space, Vec y) {
 
   const auto cell_type = dim == 2 ? basix::cell::type::triangle : basix::cell::type::tetrahedron;
   const std::vector<std::vector<int>> edges = basix::cell::topology(cell_type)[1];
-  const Corners corners(space);
+  const auto& geometry = space.mesh().dolfinx()->geometry();
   Deformation found;
   const std::size_t samples = space.degree() == 1 ? 1 : vertices; // of a cell; constant for degree 1
   const std::vector<std::int32_t> cells = space.mesh().owned_cells();
   std::vector<double> strains, rotations;
   double most = 0;
   for (const std::int32_t cell : cells) {
-    const auto vertex = corners.of(cell);
-    const Simplex simplex(dim, vertex);
+    const Simplex simplex(dim, dolfinx_versions::vertices(geometry, cell));
     std::array<Simplex::Point, 4> slope{}; // of the barycentric coordinates
     for (int i = 0; i <= dim; ++i)
       slope[i] = simplex.gradient(i);
@@ -174,7 +153,7 @@ Deformation deformation(const Space& space, Vec y) {
     found.inverted += inverted;
   }
   const auto at = [&](std::size_t i) {
-    const auto vertex = corners.of(cells[i / samples]);
+    const auto vertex = dolfinx_versions::vertices(geometry, cells[i / samples]);
     if (space.degree() == 1)
       return middle(dim, vertex);
     const double* place = vertex(static_cast<int>(i % samples));
@@ -187,11 +166,11 @@ Deformation deformation(const Space& space, Vec y) {
 }
 
 double mean_diameter(const Space& space) {
-  const Corners corners(space);
+  const auto& geometry = space.mesh().dolfinx()->geometry();
   const int dim = space.dim();
   std::array<double, 2> sums{}; // of volumes times diameters, and of volumes
   for (std::int32_t cell : space.mesh().owned_cells()) {
-    const auto vertex = corners.of(cell);
+    const auto vertex = dolfinx_versions::vertices(geometry, cell);
     double diameter = 0;
     for (int i = 0; i <= dim; ++i)
       for (int j = 0; j < i; ++j)
@@ -206,10 +185,11 @@ double mean_diameter(const Space& space) {
 }
 
 Largest largest(const Space& space, const std::vector<double>& of_cells) {
-  const Corners corners(space);
+  const auto& geometry = space.mesh().dolfinx()->geometry();
   const std::vector<std::int32_t> cells = space.mesh().owned_cells();
-  return largest(space.comm(), of_cells,
-                 [&](std::size_t i) { return middle(space.dim(), corners.of(cells[i])); });
+  return largest(space.comm(), of_cells, [&](std::size_t i) {
+    return middle(space.dim(), dolfinx_versions::vertices(geometry, cells[i]));
+  });
 }
 
 } // namespace signorini::fem

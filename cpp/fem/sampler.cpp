@@ -21,12 +21,21 @@ using petsc::check;
 namespace {
 
 Simplex simplex(const dolfinx::mesh::Mesh<double>& mesh, std::int32_t cell) {
-  const auto dofs = dolfinx_versions::cell_nodes(mesh.geometry());
-  const std::span<const double> x = mesh.geometry().x();
-  return {mesh.topology()->dim(), [&](int i) {
-            return &x[3 * static_cast<std::size_t>(
-                              dofs(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))];
-          }};
+  return {mesh.topology()->dim(), dolfinx_versions::vertices(mesh.geometry(), cell)};
+}
+
+/// Where a point is looked for: a dimension, and owned entities of it.
+struct Entities {
+  int dim;
+  std::vector<std::int32_t> numbers;
+};
+
+/// Those of a group, of the whole body without one.
+Entities entities(const mesh::Mesh& mesh, const std::optional<std::string>& on, const std::string& key) {
+  if (!on)
+    return {mesh.dim(), mesh.owned_cells()};
+  const int dim = mesh.group_dimension(*on, key);
+  return {dim, dim == mesh.dim() ? mesh.cells(*on, key) : mesh.facets(*on, key)};
 }
 
 /// An entity near a point: a cell that contains it, else the nearest one.
@@ -128,24 +137,10 @@ Quadrature quadrature(const mesh::Mesh& mesh) {
   return result;
 }
 
-Sampler::Entities Sampler::entities(const Space& space, const std::optional<std::string>& on,
-                                    const std::string& key) {
-  const mesh::Mesh& mesh = space.mesh();
-  if (!on)
-    return {mesh.dim(), mesh.owned_cells()};
-  const int dim = mesh.group_dimension(*on, key);
-  return {dim, dim == mesh.dim() ? mesh.cells(*on, key) : mesh.facets(*on, key)};
-}
-
-Sampler::Sampler(const Space& space, const std::vector<double>& points)
-    : Sampler(space, points, std::nullopt, "", false) {}
-
 Sampler::Sampler(const Space& space, const std::vector<double>& points, const std::optional<std::string>& on,
                  const std::string& key, bool cellwise)
-    : Sampler(space, points, entities(space, on, key), cellwise) {}
-
-Sampler::Sampler(const Space& space, const std::vector<double>& points, const Entities& among, bool cellwise)
     : dim_(space.dim()), comm_(space.comm()), count_(points.size() / 3) {
+  const Entities among = entities(space.mesh(), on, key);
   const auto& mesh = *space.mesh().dolfinx();
   const bool facets = among.dim < dim_;
   const std::vector<Near> found = nearest(mesh, among.dim, among.numbers, points);

@@ -20,15 +20,13 @@ Quadrature quadrature(const mesh::Mesh& mesh);
 /// the nearest cell.
 class Sampler {
 public:
-  /// `points`: (n × 3), m, the same on every rank. Collective.
-  Sampler(const Space& space, const std::vector<double>& points);
-
-  /// Of functions that count on a physical group alone, the body without one: a part of the body, whose
-  /// nearest cell serves; or a surface, of which functions are evaluated at the nearest point. `cellwise`: of
-  /// functions that are constant on each cell (owned cells × dim) in place of V. Throws UserError naming
-  /// `key` if there is no such group. Collective.
-  Sampler(const Space& space, const std::vector<double>& points, const std::optional<std::string>& on,
-          const std::string& key, bool cellwise);
+  /// `points`: (n × 3), m, the same on every rank. `on`: of functions that count on a physical group alone: a
+  /// part of the body, whose nearest cell serves; or a surface, of which functions are evaluated at the
+  /// nearest point. `cellwise`: of functions that are constant on each cell (owned cells × dim) in place of
+  /// V. Throws UserError naming `key` if there is no such group. Collective.
+  Sampler(const Space& space, const std::vector<double>& points,
+          const std::optional<std::string>& on = std::nullopt, const std::string& key = {},
+          bool cellwise = false);
 
   /// Distances of the points from this mesh (n), m, zero inside.
   [[nodiscard]] const std::vector<double>& distances() const { return distances_; }
@@ -40,14 +38,6 @@ public:
   [[nodiscard]] std::vector<double> operator()(Vec y) const;
 
 private:
-  /// Where a point is looked for: a dimension, and owned entities of it.
-  struct Entities {
-    int dim;
-    std::vector<std::int32_t> numbers;
-  };
-  Sampler(const Space& space, const std::vector<double>& points, const Entities& among, bool cellwise);
-  static Entities entities(const Space& space, const std::optional<std::string>& on, const std::string& key);
-
   int dim_;
   MPI_Comm comm_;
   std::vector<std::size_t> mine_; ///< numbers of the points that this rank evaluates

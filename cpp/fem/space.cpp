@@ -11,8 +11,65 @@
 #include <dolfinx/mesh/Mesh.h>
 #include <dolfinx/mesh/utils.h>
 #include <numeric>
+#include <utility>
 
 namespace signorini::fem {
+using petsc::check;
+
+Layout::Layout(MPI_Comm comm, int dim, int mesh_nodes, std::vector<VirtualNode> virtual_nodes)
+    : comm_(comm), dim_(dim), mesh_nodes_(mesh_nodes), virtual_(std::move(virtual_nodes)),
+      here_(rank(comm) + 1 == ranks(comm)) {
+  const PetscInt own = static_cast<PetscInt>(nodes()) * dim;
+  PetscInt end = 0;
+  MPI_Scan(&own, &end, 1, MPIU_INT, MPI_SUM, comm);
+  MPI_Allreduce(&own, &dofs_, 1, MPIU_INT, MPI_SUM, comm);
+  first_dof_ = end - own;
+}
+
+petsc::Vector Layout::vector() const {
+  petsc::Vector x;
+  check(VecCreate(comm_, x.put()));
+  check(VecSetSizes(x, nodes() * dim_, dofs_));
+  check(VecSetBlockSize(x, dim_));
+  check(VecSetType(x, VECSTANDARD));
+  check(VecZeroEntries(x));
+  return x;
+}
+
+petsc::Matrix Layout::extended(petsc::Matrix matrix, std::span<const double> diagonal) const {
+  if (virtual_.empty())
+    return matrix;
+  MatType type = nullptr;
+  PetscInt rows = 0, columns = 0, all_rows = 0, all_columns = 0, row_block = 1, column_block = 1;
+  check(MatGetType(matrix, &type));
+  check(MatGetLocalSize(matrix, &rows, &columns));
+  check(MatGetSize(matrix, &all_rows, &all_columns));
+  check(MatGetBlockSizes(matrix, &row_block, &column_block));
+  const PetscInt more = static_cast<PetscInt>(nodes()) * dim_ - rows;
+  const bool square = all_rows == all_columns;
+  petsc::Matrix made;
+  check(MatCreate(comm_, made.put()));
+  check(MatSetSizes(made, rows + more, columns + (square ? more : 0), PETSC_DETERMINE, PETSC_DETERMINE));
+  check(MatSetType(made, type));
+  check(MatSetBlockSizes(made, row_block, column_block));
+  check(MatSetUp(made)); // PETSc counts the entries as they come
+  PetscInt first = 0, end = 0;
+  check(MatGetOwnershipRange(matrix, &first, &end));
+  for (PetscInt row = first; row < end; ++row) { // the mesh's dofs keep their numbers
+    PetscInt n = 0;
+    const PetscInt* at = nullptr;
+    const PetscScalar* values = nullptr;
+    check(MatGetRow(matrix, row, &n, &at, &values));
+    check(MatSetValues(made, 1, &row, n, at, values, INSERT_VALUES));
+    check(MatRestoreRow(matrix, row, &n, &at, &values));
+  }
+  for (PetscInt i = 0; square && i < more; ++i)
+    check(MatSetValue(made, end + i, end + i, diagonal.empty() ? 0 : diagonal[static_cast<std::size_t>(i)],
+                      INSERT_VALUES));
+  check(MatAssemblyBegin(made, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(made, MAT_FINAL_ASSEMBLY));
+  return made;
+}
 
 namespace {
 
@@ -28,29 +85,20 @@ std::shared_ptr<dolfinx::fem::FunctionSpace<double>> functions(const mesh::Mesh&
       dolfinx_versions::create_functionspace(mesh.dolfinx(), element, shape));
 }
 
-Shape vector(const mesh::Mesh& mesh) { return {static_cast<std::size_t>(mesh.dim())}; }
+Shape vector_shape(const mesh::Mesh& mesh) { return {static_cast<std::size_t>(mesh.dim())}; }
 
 } // namespace
-
-std::shared_ptr<dolfinx::fem::FunctionSpace<double>> lagrange(const mesh::Mesh& mesh, int degree,
-                                                              const Shape& shape) {
-  return functions(mesh, degree, false, shape);
-}
-
-std::shared_ptr<dolfinx::fem::FunctionSpace<double>> lagrange(const mesh::Mesh& mesh, int degree) {
-  return lagrange(mesh, degree, vector(mesh));
-}
 
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh, const Shape& shape) {
   return functions(mesh, 0, true, shape);
 }
 
 std::shared_ptr<dolfinx::fem::FunctionSpace<double>> cellwise(const mesh::Mesh& mesh) {
-  return cellwise(mesh, vector(mesh));
+  return cellwise(mesh, vector_shape(mesh));
 }
 
 Space::Space(const mesh::Mesh& mesh, int degree, std::vector<VirtualNode> virtual_nodes)
-    : mesh_(&mesh), degree_(degree), V_(lagrange(mesh, degree)),
+    : mesh_(&mesh), degree_(degree), V_(functions(mesh, degree, false, vector_shape(mesh))),
       layout_(mesh.comm(), mesh.dim(), V_->dofmap()->index_map->size_local(), std::move(virtual_nodes)) {
   points_ = V_->tabulate_dof_coordinates(false);
   points_.resize(3 * static_cast<std::size_t>(owned_nodes()));
@@ -80,8 +128,6 @@ void Space::interpolate(const scene::Field& field, double t, Vec out) const {
 std::vector<double> Space::midpoints() const {
   return dolfinx::mesh::compute_midpoints(*mesh_->dolfinx(), dim(), mesh_->owned_cells());
 }
-
-using petsc::check;
 
 petsc::Matrix embedding(const Space& linear, const Space& quadratic) {
   petsc::Matrix one;

@@ -2,6 +2,7 @@
 #include "fem/stress_recovery.h"
 #include "base/collective.h"
 #include "base/dolfinx_versions.h"
+#include "mesh/facets.h"
 #include "mesh/simplex.h"
 #include <algorithm>
 #include <cmath>
@@ -105,11 +106,7 @@ public:
   OwnedCells(const Space& space, const std::vector<Part>& parts, std::span<const double> stress)
       : geometry_(space.dolfinx()->mesh()->geometry()), nodes_(dolfinx_versions::cell_nodes(geometry_)),
         corners_(static_cast<std::size_t>(space.dim()) + 1), owned_(space.mesh().owned_cells()),
-        part_(owned_.size()), stress_(stress) {
-    for (std::size_t part = 0; part < parts.size(); ++part)
-      for (const std::int32_t cell : parts[part].cells)
-        part_.at(static_cast<std::size_t>(cell)) = part;
-  }
+        part_(part_numbers(space.mesh(), parts)), stress_(stress) {}
 
   /// Those for which `wanted(cell)`, of all ranks. Collective.
   template <class Wanted>
@@ -124,7 +121,7 @@ public:
 private:
   [[nodiscard]] Cell of(std::int32_t cell) const {
     const auto row = static_cast<std::size_t>(cell);
-    Cell one{.part = part_[row]};
+    Cell one{.part = static_cast<std::size_t>(part_[row])};
     std::copy_n(&stress_[row * one.stress.size()], one.stress.size(), one.stress.begin());
     std::array<std::int32_t, 4> local{};
     for (std::size_t i = 0; i < corners_; ++i) {
@@ -140,7 +137,7 @@ private:
   decltype(dolfinx_versions::cell_nodes(std::declval<const dolfinx::mesh::Geometry<double>&>())) nodes_;
   std::size_t corners_;
   std::vector<std::int32_t> owned_;
-  std::vector<std::size_t> part_;
+  std::vector<double> part_;
   std::span<const double> stress_;
 };
 
@@ -177,20 +174,13 @@ double angle(const Cell& cell, std::size_t i, std::size_t corners) {
 
 /// Nodes on facets of one cell alone; of a node all of whose cells are given, whether it is on the boundary.
 std::set<std::int64_t> on_outer_facets(const std::vector<Cell>& cells, std::size_t corners) {
-  std::map<std::vector<std::int64_t>, int> facets;
+  const auto dim = static_cast<std::ptrdiff_t>(corners) - 1;
+  std::vector<std::int64_t> nodes;
   for (const Cell& cell : cells)
-    for (std::size_t out = 0; out < corners; ++out) {
-      std::vector<std::int64_t> nodes;
-      for (std::size_t i = 0; i < corners; ++i)
-        if (i != out)
-          nodes.push_back(cell.nodes[i]);
-      std::ranges::sort(nodes);
-      ++facets[nodes];
-    }
+    nodes.insert(nodes.end(), cell.nodes.begin(), cell.nodes.begin() + dim + 1);
   std::set<std::int64_t> found;
-  for (const auto& [nodes, count] : facets)
-    if (count == 1)
-      found.insert(nodes.begin(), nodes.end());
+  for (const mesh::Facet& facet : mesh::outer_facets(mesh::sorted_facets(static_cast<int>(dim), nodes)))
+    found.insert(facet.nodes.begin(), facet.nodes.begin() + dim);
   return found;
 }
 

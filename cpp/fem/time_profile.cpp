@@ -156,9 +156,12 @@ void TimeProfile::refine() {
     cuts.push_back(!good);
     ++k;
   }
-  cuts = all_of(comm_, std::move(cuts), MPI_MAX);
+  halve(all_of(comm_, std::move(cuts), MPI_MAX), whole);
+}
+
+void TimeProfile::halve(const std::vector<double>& cuts, double whole) {
   std::vector<Panel> next;
-  k = 0;
+  std::size_t k = 0;
   const std::size_t before = panels_.size();
   for (Panel& panel : panels_) {
     if (!panel.open || cuts[k++] == 0) {

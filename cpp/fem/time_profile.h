@@ -57,6 +57,9 @@ private:
   void cut();
   /// Integrates the open panels at the samples, closes those that are resolved, and halves the others.
   void refine();
+  /// Halves the open panels with a cut other than 0 and closes the others; of one that is too short to be
+  /// halved the part of the `whole` integral that may be off is noted.
+  void halve(const std::vector<double>& cuts, double whole);
   /// Appends the figures of an open panel at this rank's samples.
   void sample(const Panel& panel, std::vector<double>& most, std::vector<double>& least) const;
   /// Whether a component is an expression of t.

@@ -25,12 +25,7 @@ std::vector<bool> cells_at(const mesh::Mesh& mesh, const std::vector<Surface>& s
 
 /// The least height of a cell, m.
 double least_height(const mesh::Mesh& mesh, std::int32_t cell) {
-  const auto dofs = dolfinx_versions::cell_nodes(mesh.dolfinx()->geometry());
-  const std::span<const double> x = mesh.dolfinx()->geometry().x();
-  const mesh::Simplex simplex(mesh.dim(), [&](int i) {
-    return &x[3 *
-              static_cast<std::size_t>(dofs(static_cast<std::size_t>(cell), static_cast<std::size_t>(i)))];
-  });
+  const mesh::Simplex simplex(mesh.dim(), dolfinx_versions::vertices(mesh.dolfinx()->geometry(), cell));
   double steepest = 0;
   for (int i = 0; i <= mesh.dim(); ++i) {
     const auto slope = simplex.gradient(i);

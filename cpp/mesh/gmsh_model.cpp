@@ -1,23 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/gmsh_model.h"
 #include "base/error.h"
-#include "base/text.h"
-#include "mesh/element_size.h"
-#include "mesh/msh_file.h"
-#include "mesh/words.h"
+#include "mesh/gmsh_cells.h"
+#include "mesh/size_field.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <fmt/format.h>
 #include <fstream>
 #include <gmsh.h>
 #include <iterator>
-#include <limits>
 #include <span>
-#include <sstream>
 #include <string_view>
-#include <unordered_map>
 
 namespace signorini::mesh {
 namespace {
@@ -52,481 +46,98 @@ std::string complaint(const std::string& fallback) {
   return fallback;
 }
 
-const char* kind(int dim) {
-  constexpr std::array names{"point", "curve", "surface", "volume"};
-  return names.at(dim);
+/// Sets the size of all elements, in the unit of the file.
+void set_size(double size) {
+  gmsh::option::setNumber("Mesh.MeshSizeMin", size);
+  gmsh::option::setNumber("Mesh.MeshSizeMax", size);
 }
 
-/// Name of gmsh's for elements of an entity that are no straight simplices; empty if all are.
-std::string foreign_elements(int dim, int entity) {
+/// Sides of the current model's bounding box, in the unit of the file.
+std::array<double, 3> sides_of_model() {
+  std::array<double, 6> box{};
+  gmsh::model::getBoundingBox(-1, -1, box[0], box[1], box[2], box[3], box[4], box[5]);
+  return {box[3] - box[0], box[4] - box[1], box[5] - box[2]};
+}
+
+/// Sets the size of all elements of a body of which nothing is known yet: a tenth of its longest side.
+void set_coarsest_size() {
+  constexpr double parts = 10;
+  set_size(std::ranges::max(sides_of_model()) / parts);
+}
+
+/// Sets the sizes of a field, whose unit is the metre; `metres`: length of the file's unit.
+void set_sizes(const SizeField& field, double metres) {
+  const auto corners = static_cast<std::size_t>(field.dim) + 1;
+  std::vector<double> data; // of each cell x of its corners, y, z, sizes
+  data.reserve(field.cells.size() * 4);
+  for (std::size_t first = 0; first < field.cells.size(); first += corners) {
+    const auto node = [&](std::size_t i) { return static_cast<std::size_t>(field.cells[first + i]); };
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t i = 0; i < corners; ++i)
+        data.push_back(field.points[3 * node(i) + axis] / metres);
+    for (std::size_t i = 0; i < corners; ++i)
+      data.push_back(field.sizes[node(i)] / metres);
+  }
+  const int view = gmsh::view::add("sizes");
+  gmsh::view::addListData(view, field.dim == 2 ? "ST" : "SS", static_cast<int>(field.cells.size() / corners),
+                          data);
+  const int sizes = gmsh::model::mesh::field::add("PostView");
+  gmsh::model::mesh::field::setNumber(sizes, "ViewTag", view);
+  gmsh::model::mesh::field::setAsBackgroundMesh(sizes);
+  // The field alone tells.
+  for (const char* other : {"Mesh.MeshSizeExtendFromBoundary", "Mesh.MeshSizeFromPoints",
+                            "Mesh.MeshSizeFromCurvature", "Mesh.MeshSizeFromParametricPoints"})
+    gmsh::option::setNumber(other, 0);
+}
+
+/// Area or volume of the current model by a mesh of elements of this size, in the unit of the file.
+double measure(int dim, double size) {
+  set_size(size);
+  gmsh::model::mesh::generate(dim);
   std::vector<int> types;
-  gmsh::model::mesh::getElementTypes(types, dim, entity);
-  for (int type : types) {
-    std::string name;
-    int element_dim = 0, order = 0, nodes = 0, primary = 0;
-    std::vector<double> local;
-    gmsh::model::mesh::getElementProperties(type, name, element_dim, order, nodes, local, primary);
-    if (nodes != dim + 1)
-      return name;
+  std::vector<std::vector<std::size_t>> elements, nodes;
+  gmsh::model::mesh::getElements(types, elements, nodes, dim);
+  double sum = 0;
+  for (const std::vector<std::size_t>& block : elements) {
+    std::vector<double> volumes;
+    gmsh::model::mesh::getElementQualities(block, volumes, "volume");
+    for (double volume : volumes)
+      sum += std::abs(volume);
   }
-  return {};
+  return sum;
 }
 
-struct PhysicalGroup {
-  int dim, tag;
-  std::vector<int> entities;
-};
-
-/// Node numbers of a cell or facet in ascending order, so that equal ones compare equal; unused entries hold
-/// the largest integer.
-using Simplex = std::array<std::int64_t, 4>;
-
-Simplex simplex(const std::int64_t* nodes, int count) {
-  Simplex sorted;
-  sorted.fill(std::numeric_limits<std::int64_t>::max()); // sorts behind all node numbers
-  std::copy_n(nodes, count, sorted.begin());
-  std::ranges::sort(sorted);
-  return sorted;
+/// Throws UserError if the elements of mesh.size in the model, just opened from the file `opened`, are more
+/// than can be: gmsh would try for hours. A coarse mesh tells, where the bounding box leaves this open.
+void require_few_cells(const scene::Mesh& mesh, const std::string& opened) {
+  constexpr double most = 1e8, doubtful = 1e7;
+  const int dim = gmsh::model::getDimension();
+  if (dim < 2)
+    return;
+  const std::array<double, 3> sides = sides_of_model();
+  const double metres = scene::metres(mesh.unit), longest = std::ranges::max(sides);
+  constexpr double coarsest = 10; // times the body
+  if (*mesh.size > coarsest * (metres * longest))
+    throw UserError(
+        fmt::format("mesh.size: found {:.4g} m, allowed is at most {:.3g} m for a body of {:.3g} m; "
+                    "the size is in metres, whatever mesh.unit is",
+                    *mesh.size, coarsest * (metres * longest), metres * longest));
+  const double size = *mesh.size / metres,
+               cell = std::pow(size, dim) *
+                      (dim == 2 ? std::sqrt(3.0) / 4 : std::sqrt(2.0) / 12); // regular ones
+  if (!(sides[0] * sides[1] * (dim == 3 ? sides[2] : 1) > doubtful * cell))
+    return;
+  const double cells = measure(dim, longest / (dim == 2 ? 20 : 8)) / cell;
+  if (!(cells <= most))
+    throw UserError(fmt::format("mesh.size: found {:.4g} m, which makes some {:.1e} cells of a body of "
+                                "{:.3g} m, allowed are sizes that make "
+                                "no more than {:.0e}; a file in millimetres has mesh.unit = \"mm\"",
+                                *mesh.size, cells, metres * longest, most));
+  gmsh::clear();
+  gmsh::logger::stop(); // what it says of the coarse mesh is no matter
+  gmsh::logger::start();
+  gmsh::open(opened);
 }
-
-/// A facet of one cell.
-struct Facet {
-  Simplex nodes;
-  std::int64_t opposite; ///< the cell's vertex opposite of it
-};
-
-/// Extracts gmsh's current model and validates it. Throws UserError.
-class Extraction {
-public:
-  /// `entities_are_groups`: of elements read with Mesh.SwitchElementTags, whose entities are numbered as
-  /// their groups. `names`: of groups, where the file has them.
-  Extraction(const scene::Mesh& mesh, bool entities_are_groups, MshFile::GroupNames names)
-      : file_(mesh.file.string()), metres_(scene::metres(mesh.unit)),
-        entities_are_groups_(entities_are_groups), names_(std::move(names)) {}
-
-  RawMesh run() {
-    require_dimension();
-    if (entities_are_groups_)
-      number_from_one();
-    std::vector<std::int64_t> cells = cell_tags();
-    number_points(cells);
-    raw_.cells = rows_of(cells);
-    require_extent();
-    keep_single_cells();
-    collect_facets();
-    collect_groups();
-    name_untagged();
-    return std::move(raw_);
-  }
-
-private:
-  [[noreturn]] void fail(const std::string& text) const {
-    throw UserError(fmt::format("{}: {}", file_, text));
-  }
-
-  void require_dimension() {
-    std::vector<int> types;
-    for (int dim = 3; dim >= 0 && types.empty(); --dim) {
-      gmsh::model::mesh::getElementTypes(types, dim);
-      raw_.dim = dim;
-    }
-    if (types.empty())
-      fail(
-          "the mesh has no elements (is the file incomplete?), allowed is a mesh of triangles or tetrahedra");
-    if (raw_.dim < 2)
-      fail(fmt::format(
-          "the highest elements of the mesh are those of a {}, allowed is a mesh of triangles or tetrahedra",
-          kind(raw_.dim)));
-  }
-
-  /// Numbers entities, which are groups, from 1: gmsh takes a negative number, of a group that is passed
-  /// through backwards, for all of them.
-  void number_from_one() {
-    gmsh::vectorpair entities;
-    gmsh::model::getEntities(entities);
-    int last = 0;
-    for (const auto& [dim, entity] : entities)
-      last = std::max(last, entity);
-    for (const auto& [dim, entity] : entities) {
-      const int number = entity < 0 ? ++last : entity;
-      if (number != entity)
-        gmsh::model::setTag(dim, entity, number);
-      if (entity != 0) // of what is in no group
-        entities_of_[{dim, std::abs(entity)}].push_back(number);
-    }
-  }
-
-  /// Node tags of the cells, entity by entity.
-  std::vector<std::int64_t> cell_tags() {
-    gmsh::vectorpair entities;
-    gmsh::model::getEntities(entities, raw_.dim);
-    std::vector<std::int64_t> cells;
-    for (const auto& [dim, entity] : entities) {
-      if (const std::string name = foreign_elements(dim, entity); !name.empty())
-        fail(fmt::format("found elements of type \"{}\", not {}; mesh with Mesh.ElementOrder = 1 and without "
-                         "Recombine (mesh.degree = 2 gives displacements of degree 2)",
-                         name, words(dim).straight_cells));
-      const std::vector<std::int64_t> own = entity_tags(dim, entity);
-      const auto begin = static_cast<std::int64_t>(cells.size());
-      cells.insert(cells.end(), own.begin(), own.end());
-      const auto end = static_cast<std::int64_t>(cells.size());
-      if (begin < end)
-        range_[entity] = {begin / (dim + 1), end / (dim + 1)};
-    }
-    return cells;
-  }
-
-  static std::vector<std::int64_t> entity_tags(int dim, int entity) {
-    std::vector<int> types;
-    std::vector<std::vector<Tag>> elements, nodes;
-    gmsh::model::mesh::getElements(types, elements, nodes, dim, entity);
-    std::vector<std::int64_t> tags;
-    for (const auto& block : nodes)
-      tags.insert(tags.end(), block.begin(), block.end());
-    return tags;
-  }
-
-  void number_points(const std::vector<std::int64_t>& cells) {
-    std::vector<Tag> tags;
-    std::vector<double> parametric;
-    gmsh::model::mesh::getNodes(tags, drawn_, parametric);
-    for (std::size_t i = 0; i < tags.size(); ++i)
-      drawn_row_[static_cast<std::int64_t>(tags[i])] = i;
-    std::vector<std::int64_t> used = cells;
-    std::ranges::sort(used);
-    const auto [last, end] = std::ranges::unique(used);
-    used.erase(last, end);
-    double extent = 0, off_plane = 0;
-    for (std::int64_t tag : used) {
-      require_node(tag);
-      number_[tag] = static_cast<std::int64_t>(raw_.points.size() / 3);
-      const std::array<double, 3> x = drawn(tag);
-      if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
-        fail(
-            fmt::format("node {} is at ({}, {}, {}), allowed are finite coordinates", tag, x[0], x[1], x[2]));
-      raw_.points.insert(raw_.points.end(), x.begin(), x.end());
-      extent = std::max({extent, std::abs(x[0]), std::abs(x[1])});
-      off_plane = std::max(off_plane, std::abs(x[2]));
-    }
-    if (raw_.dim == 2 && off_plane > 1e-12 * extent)
-      fail(fmt::format(
-          "the triangles leave the plane z = 0 by {} m, allowed are triangles in that plane, or tetrahedra",
-          off_plane));
-  }
-
-  void require_node(std::int64_t tag) const {
-    if (!drawn_row_.contains(tag))
-      fail(fmt::format("an element refers to node {}, which the file does not have", tag));
-  }
-
-  /// Coordinates of a node of the file, m.
-  [[nodiscard]] std::array<double, 3> drawn(std::int64_t tag) const {
-    const double* x = &drawn_[3 * drawn_row_.at(tag)];
-    return {metres_ * x[0], metres_ * x[1], metres_ * x[2]};
-  }
-
-  /// Rows of nodes that cells have.
-  [[nodiscard]] std::vector<std::int64_t> rows_of(const std::vector<std::int64_t>& tags) const {
-    std::vector<std::int64_t> rows;
-    rows.reserve(tags.size());
-    for (std::int64_t tag : tags)
-      rows.push_back(number_.at(tag));
-    return rows;
-  }
-
-  [[nodiscard]] const double* point(std::int64_t node) const { return &raw_.points[3 * node]; }
-
-  /// A node's coordinates for messages.
-  [[nodiscard]] std::string place(std::int64_t node) const { return point_text(point(node), raw_.dim); }
-
-  /// Determinant of the edges from a cell's first corner, and the product of their lengths.
-  [[nodiscard]] std::pair<double, double> extent(const std::int64_t* cell) const {
-    const int dim = raw_.dim;
-    std::array<std::array<double, 3>, 3> e{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    double lengths = 1;
-    for (int i = 0; i < dim; ++i) {
-      for (int c = 0; c < dim; ++c)
-        e[i][c] = point(cell[i + 1])[c] - point(cell[0])[c];
-      lengths *= std::hypot(e[i][0], e[i][1], e[i][2]);
-    }
-    const double determinant = e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
-                               e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
-                               e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
-    return {determinant, lengths};
-  }
-
-  void require_extent() const {
-    for (std::size_t c = 0; c < raw_.cells.size(); c += raw_.dim + 1)
-      if (const auto [determinant, lengths] = extent(&raw_.cells[c]);
-          !(std::abs(determinant) > 1e-14 * lengths))
-        fail(fmt::format("the {0} at {1} has no {2}, allowed are {3} that have one", words(raw_.dim).cell,
-                         place(raw_.cells[c]), words(raw_.dim).extent, words(raw_.dim).cells));
-  }
-
-  /// Keeps the first copy of each cell: MSH 2 has one for each of its groups. A second copy in one group is
-  /// an error, and in MSH 4 any.
-  void keep_single_cells() {
-    const std::size_t corners = raw_.dim + 1, count = raw_.cells.size() / corners;
-    std::vector<std::pair<Simplex, std::int64_t>> cells; // with its row
-    for (std::size_t row = 0; row < count; ++row)
-      cells.emplace_back(simplex(&raw_.cells[row * corners], raw_.dim + 1), row);
-    std::ranges::sort(cells);
-    std::vector<std::int64_t> first(count); // row of each cell's first copy
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto& [nodes, row] = cells[i];
-      const bool copy = i > 0 && cells[i - 1].first == nodes;
-      first[row] = copy ? first[cells[i - 1].second] : row;
-      if (copy && (!entities_are_groups_ || entity_of(cells[i - 1].second) == entity_of(row)))
-        fail(fmt::format("the {} at {} is in the mesh twice, allowed is once", words(raw_.dim).cell,
-                         place(nodes[0])));
-    }
-    std::vector<std::int64_t> single;
-    kept_.resize(count);
-    for (std::size_t row = 0; row < count; ++row) {
-      if (first[row] == static_cast<std::int64_t>(row)) {
-        kept_[row] = static_cast<std::int64_t>(single.size() / corners);
-        const auto cell = raw_.cells.begin() + static_cast<std::ptrdiff_t>(row * corners);
-        single.insert(single.end(), cell, cell + static_cast<std::ptrdiff_t>(corners));
-      } else {
-        kept_[row] = kept_[first[row]];
-      }
-    }
-    raw_.cells = std::move(single);
-  }
-
-  /// Of a cell, by its row as read.
-  [[nodiscard]] int entity_of(std::int64_t row) const {
-    return std::ranges::find_if(range_,
-                                [&](const auto& own) { return own.second[0] <= row && row < own.second[1]; })
-        ->first;
-  }
-
-  /// Collects the cells' facets; each may belong to one cell, or to two that are on either side of it.
-  void collect_facets() {
-    const int corners = raw_.dim + 1;
-    for (std::size_t c = 0; c < raw_.cells.size(); c += corners)
-      for (int opposite = 0; opposite < corners; ++opposite) {
-        std::array<std::int64_t, 3> nodes{};
-        for (int i = 0, k = 0; i < corners; ++i)
-          if (i != opposite)
-            nodes[k++] = raw_.cells[c + i];
-        facets_.push_back({simplex(nodes.data(), raw_.dim), raw_.cells[c + opposite]});
-      }
-    std::ranges::sort(facets_, {}, &Facet::nodes);
-    for (std::size_t f = 0; f + 1 < facets_.size(); ++f) {
-      if (facets_[f].nodes != facets_[f + 1].nodes)
-        continue;
-      if (f + 2 < facets_.size() && facets_[f].nodes == facets_[f + 2].nodes)
-        fail(fmt::format("more than two {} share the {} at {}, allowed are one or two", words(raw_.dim).cells,
-                         words(raw_.dim).facet, place(facets_[f].nodes[0])));
-      if ((side(facets_[f]) > 0) == (side(facets_[f + 1]) > 0))
-        fail(
-            fmt::format("the two {0} that share the {1} at {2} overlap, allowed are {0} on either side of it",
-                        words(raw_.dim).cells, words(raw_.dim).facet, place(facets_[f].nodes[0])));
-    }
-  }
-
-  /// Its sign tells on which side of the facet the cell lies.
-  [[nodiscard]] double side(const Facet& facet) const {
-    Simplex cell = facet.nodes;
-    cell[raw_.dim] = facet.opposite;
-    return extent(cell.data()).first;
-  }
-
-  [[nodiscard]] std::vector<PhysicalGroup> physical_groups() const {
-    std::vector<PhysicalGroup> groups;
-    for (const auto& [group, entities] : entities_of_)
-      groups.push_back({group.first, group.second, entities});
-    if (entities_are_groups_)
-      return groups;
-    gmsh::vectorpair found;
-    gmsh::model::getPhysicalGroups(found);
-    for (const auto& [dim, tag] : found) {
-      PhysicalGroup& group = groups.emplace_back();
-      group.dim = dim, group.tag = tag;
-      gmsh::model::getEntitiesForPhysicalGroup(dim, tag, group.entities);
-    }
-    return groups;
-  }
-
-  /// Of a group, and whether that is its number.
-  [[nodiscard]] std::pair<std::string, bool> name_of(int dim, int tag) const {
-    std::string name;
-    if (const auto found = names_.find({dim, tag}); found != names_.end())
-      name = found->second;
-    else
-      gmsh::model::getPhysicalName(dim, tag, name);
-    return name.empty() ? std::pair{std::to_string(tag), true} : std::pair{name, false};
-  }
-
-  void collect_groups() {
-    std::map<std::pair<int, std::string>, bool> numbers; // whether a name is the number of a group without
-    for (const PhysicalGroup& group : physical_groups()) {
-      const auto [name, number] = name_of(group.dim, group.tag);
-      if (numbers.try_emplace({group.dim, name}, number).first->second != number)
-        raw_.unusable[group.dim][name] = "cannot be told from another, which has no name but this number; "
-                                         "give that one a name";
-      if (group.dim == raw_.dim)
-        add_part(name, group);
-      else if (group.dim == raw_.dim - 1)
-        add_facets(name, group);
-      else
-        raw_.other_groups[name] = group.dim;
-    }
-    find_incomplete_groups();
-    for (auto& [name, cells] : part_rows_)
-      raw_.parts[name] = ranges(cells);
-    for (const auto& [name, reason] : raw_.unusable[raw_.dim])
-      raw_.parts.erase(name);
-    for (const auto& [name, reason] : raw_.unusable[raw_.dim - 1])
-      raw_.facets.erase(name);
-  }
-
-  /// gmsh leaves entities that a .geo does not draw, or no longer after a boolean operation, out of groups.
-  void find_incomplete_groups() {
-    std::vector<std::string> log;
-    gmsh::logger::get(log);
-    constexpr std::string_view skipping = "Skipping unknown ";
-    for (const std::string& line : log) {
-      const std::size_t at = line.find(skipping);
-      if (at == std::string::npos) // curve 9 in physical curve 2
-        continue;
-      std::istringstream words(line.substr(at + skipping.size()));
-      std::string what, in, physical, group;
-      int entity = 0, tag = 0;
-      words >> what >> entity >> in >> physical >> group >> tag;
-      for (int dim = raw_.dim - 1; words && dim <= raw_.dim; ++dim)
-        if (group == kind(dim))
-          raw_.unusable[dim][name_of(dim, tag).first] = fmt::format(
-              "lists {} {}, which is not drawn (any more, after boolean operations); correct the list", what,
-              entity);
-    }
-  }
-
-  void add_part(const std::string& name, const PhysicalGroup& group) {
-    std::vector<std::int64_t>& cells = part_rows_[name];
-    for (int entity : group.entities)
-      if (const auto found = range_.find(entity); found != range_.end())
-        cells.insert(cells.end(), &kept_[found->second[0]], &kept_[found->second[1] - 1] + 1);
-  }
-
-  /// First rows, and those past the last, of runs of rows, which are sorted.
-  static std::vector<std::int64_t> ranges(std::vector<std::int64_t>& rows) {
-    std::ranges::sort(rows);
-    std::vector<std::int64_t> found;
-    for (const std::int64_t row : rows)
-      if (!found.empty() && row <= found.back())
-        found.back() = row + 1;
-      else
-        found.insert(found.end(), {row, row + 1});
-    return found;
-  }
-
-  /// A group whose elements are no facets of cells, such as a floor that is drawn, is unusable, which matters
-  /// where the scene names it.
-  void add_facets(const std::string& name, const PhysicalGroup& group) {
-    const Words& word = words(raw_.dim);
-    std::vector<std::int64_t>& facets = raw_.facets[name];
-    for (int entity : group.entities) {
-      if (const std::string type = foreign_elements(group.dim, entity); !type.empty()) {
-        raw_.unusable[group.dim][name] = fmt::format(
-            "has elements of type \"{}\", not {}; mesh with Mesh.ElementOrder = 1 and without Recombine",
-            type, word.straight_facets);
-        return;
-      }
-      const std::vector<std::int64_t> tags = entity_tags(group.dim, entity);
-      std::ranges::for_each(tags, [&](std::int64_t tag) { require_node(tag); });
-      for (std::size_t i = 0; i < tags.size(); i += raw_.dim) {
-        const std::span own(&tags[i], raw_.dim);
-        if (!std::ranges::all_of(own, [&](std::int64_t tag) { return number_.contains(tag); }) ||
-            !is_facet(rows_of({own.begin(), own.end()}))) {
-          raw_.unusable[group.dim][name] = fmt::format(
-              "has the {0} at {1}, which is the {0} of no {2}; name a group of {3} of {4}", word.facet,
-              point_text(drawn(own[0]).data(), raw_.dim), word.cell, word.facets, word.cells);
-          return;
-        }
-      }
-      const std::vector<std::int64_t> rows = rows_of(tags);
-      facets.insert(facets.end(), rows.begin(), rows.end());
-    }
-    bounded_ |= !facets.empty();
-  }
-
-  [[nodiscard]] bool is_facet(const std::vector<std::int64_t>& nodes) const {
-    return std::ranges::binary_search(facets_, simplex(nodes.data(), raw_.dim), {}, &Facet::nodes);
-  }
-
-  /// Names the body and its boundary where the file does not. Where some cells have a group, all must.
-  void name_untagged() {
-    const std::size_t count = raw_.cells.size() / (raw_.dim + 1);
-    std::vector<bool> grouped(count);
-    for (const auto& [name, rows] : part_rows_)
-      for (const std::int64_t row : rows)
-        grouped[row] = true;
-    const auto tagged = static_cast<std::size_t>(std::ranges::count(grouped, true));
-    if (0 < tagged && tagged < count)
-      fail_ungrouped(grouped);
-    const auto taken = [&](const char* name) {
-      return raw_.parts.contains(name) || raw_.facets.contains(name);
-    };
-    if (tagged == 0 && !taken("body")) {
-      raw_.parts["body"] = {0, static_cast<std::int64_t>(count)};
-      raw_.notes.push_back(fmt::format("no {} of the mesh is in a physical group; all are the group \"body\"",
-                                       words(raw_.dim).cell));
-    }
-    if (!bounded_ && !taken("boundary")) {
-      raw_.facets["boundary"] = boundary();
-      raw_.notes.push_back(fmt::format(
-          "no {} of the body is in a physical group; its whole boundary is the group \"boundary\"",
-          words(raw_.dim).facet));
-    }
-  }
-
-  [[noreturn]] void fail_ungrouped(const std::vector<bool>& grouped) const {
-    const Words& word = words(raw_.dim);
-    for (const auto& [entity, rows] : range_) {
-      const auto bare = std::count_if(&kept_[rows[0]], &kept_[rows[1] - 1] + 1,
-                                      [&](std::int64_t row) { return !grouped[row]; });
-      if (bare == 0)
-        continue;
-      std::vector<int> numbers{entity};
-      if (entities_are_groups_) // then this is its number, or the first of several entities'
-        gmsh::model::getPhysicalGroupsForEntity(raw_.dim, entity, numbers);
-      const int number = numbers.empty() ? entity : numbers.front();
-      fail(fmt::format("{0} {1} has {2} {3} in no physical group, though others are in one; add it to one, "
-                       "such as: Physical {4}(\"body\") = {{{1}}};, or delete it",
-                       kind(raw_.dim), number, bare, bare == 1 ? word.cell : word.cells, word.body_kind));
-    }
-    std::abort(); // some range has that cell
-  }
-
-  /// The facets of one cell only.
-  [[nodiscard]] std::vector<std::int64_t> boundary() const {
-    std::vector<std::int64_t> nodes;
-    for (std::size_t f = 0; f < facets_.size(); ++f) {
-      if (f + 1 < facets_.size() && facets_[f].nodes == facets_[f + 1].nodes)
-        ++f;
-      else
-        nodes.insert(nodes.end(), facets_[f].nodes.begin(), facets_[f].nodes.begin() + raw_.dim);
-    }
-    return nodes;
-  }
-
-  std::string file_;
-  double metres_; ///< length of the file's unit
-  bool entities_are_groups_;
-  MshFile::GroupNames names_;
-  std::map<std::pair<int, int>, std::vector<int>> entities_of_; ///< of groups, if these are entities
-  RawMesh raw_;
-  std::vector<double> drawn_; ///< coordinates of all nodes of the file, in its unit
-  std::unordered_map<std::int64_t, std::size_t> drawn_row_;
-  std::unordered_map<std::int64_t, std::int64_t> number_;
-  std::map<int, std::array<std::int64_t, 2>> range_; ///< entity → its rows of the cells as read
-  std::vector<std::int64_t> kept_;                   ///< row as read → row in raw_.cells
-  std::map<std::string, std::vector<std::int64_t>> part_rows_;
-  bool bounded_ = false;      ///< whether some group has facets of cells
-  std::vector<Facet> facets_; ///< of every cell, sorted; a facet between two cells appears twice
-};
 
 /// Sets options by which a .geo asks for other cells than straight simplices to those that give them; a note
 /// for each that it had set. Cells are straight in any case, and the degree is the scene's.
@@ -661,7 +272,8 @@ RawMesh read_gmsh_here(const scene::Mesh& mesh, const Meshing& meshing) {
       throw cannot_read(error);
     if (msh)
       require_all(*msh, file);
-    RawMesh raw = Extraction(mesh, groups_per_cell, msh ? msh->group_names() : MshFile::GroupNames()).run();
+    RawMesh raw =
+        with_groups(GmshCells(mesh, groups_per_cell), msh ? msh->group_names() : MshFile::GroupNames());
     raw.notes.insert(raw.notes.end(), notes.begin(), notes.end());
     if (!msh && !meshing.keep.empty()) {
       gmsh::option::setNumber("Mesh.Binary", 1);
@@ -719,10 +331,10 @@ void write_msh_here(const RawMesh& mesh, const std::filesystem::path& file, scen
       for (std::int64_t cell = ranges[r]; cell < ranges[r + 1]; ++cell)
         groups[static_cast<std::size_t>(cell)].push_back(name);
   add_entities(mesh.dim, mesh.cells, groups);
-  std::map<Simplex, std::pair<std::vector<std::int64_t>, std::vector<std::string>>> named;
+  std::map<SortedNodes, std::pair<std::vector<std::int64_t>, std::vector<std::string>>> named;
   for (const auto& [name, facets] : mesh.facets)
     for (std::size_t f = 0; f < facets.size(); f += dim) {
-      auto& [nodes, names] = named[simplex(&facets[f], mesh.dim)];
+      auto& [nodes, names] = named[sorted_nodes(std::span(facets).subspan(f, dim))];
       nodes.assign(&facets[f], &facets[f] + dim);
       if (names.empty() || names.back() != name)
         names.push_back(name);

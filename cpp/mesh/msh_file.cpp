@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh/msh_file.h"
 #include "base/error.h"
+#include "base/subprocess.h"
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -84,10 +85,6 @@ MshFile::GroupNames names_in(std::string_view text) {
   return names;
 }
 
-} // namespace
-
-namespace {
-
 #ifdef __linux__
 constexpr char descriptors[] = "/proc/self/fd";
 int nameless_file() { return memfd_create("signorini-mesh", MFD_CLOEXEC); }
@@ -117,17 +114,13 @@ MshFile::MshFile(const std::filesystem::path& file) {
   if (version_ < 3)
     elements_ = std::strtoull(behind("\n$Elements", text).c_str(), nullptr, 10);
   copy_ = nameless_file();
-  for (std::size_t done = 0; done < text.size();) {
-    const ssize_t count = copy_ < 0 ? -1 : write(copy_, text.data() + done, text.size() - done);
-    if (count < 0 && (copy_ < 0 || errno != EINTR)) {
-      const std::string reason = std::generic_category().message(errno);
-      if (copy_ >= 0)
-        close(copy_);
-      throw UserError(
-          fmt::format("{}: cannot be copied into memory ({}), allowed is a .msh that there is room for",
-                      file.string(), reason));
-    }
-    done += count > 0 ? static_cast<std::size_t>(count) : 0;
+  if (copy_ < 0 || !write_all(copy_, text)) {
+    const std::string reason = std::generic_category().message(errno);
+    if (copy_ >= 0)
+      close(copy_);
+    throw UserError(
+        fmt::format("{}: cannot be copied into memory ({}), allowed is a .msh that there is room for",
+                    file.string(), reason));
   }
   lseek(copy_, 0, SEEK_SET); // where opening a descriptor anew does not
   path_ = fmt::format("{}/{}", descriptors, copy_);

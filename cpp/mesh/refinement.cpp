@@ -2,6 +2,7 @@
 #include "mesh/refinement.h"
 #include "base/dolfinx_versions.h"
 #include "mesh/distribution.h"
+#include "mesh/facets.h"
 #include "mesh/raw_mesh.h"
 #include <algorithm>
 #include <array>
@@ -114,8 +115,6 @@ public:
   }
 
 private:
-  using Facet = std::vector<std::int64_t>; // ascending
-
   [[nodiscard]] Point point(std::int64_t row) const {
     const double* x = &raw_.points[3 * static_cast<std::size_t>(row)];
     return {x[0], x[1], x[2]};
@@ -138,37 +137,32 @@ private:
   template <class Cells>
   void add_facets(const Cells& cells, const std::vector<std::int32_t>& parents,
                   const std::vector<std::int8_t>& of_parents, RawMesh& fine) const {
-    const auto sorted = [](auto first, auto last) {
-      Facet facet(first, last);
-      std::ranges::sort(facet);
-      return facet;
-    };
     const std::vector<std::int64_t> corners = nodes(raw_.dim - 1);
-    std::map<Facet, std::size_t> number;
+    std::map<SortedNodes, std::size_t> number;
     for (std::size_t i = 0; i * dim_ < corners.size(); ++i)
-      number[sorted(&corners[i * dim_], &corners[i * dim_] + dim_)] = i;
+      number[sorted_nodes(std::span(corners).subspan(i * dim_, dim_))] = i;
     const auto facets_of = topology_.connectivity(raw_.dim, raw_.dim - 1);
     for (const auto& [name, facets] : raw_.facets) {
       std::vector<bool> own(number.size());
       for (std::size_t i = 0; i < facets.size(); i += dim_)
-        own[number.at(sorted(&facets[i], &facets[i] + dim_))] = true;
-      std::set<Facet> found; // those inside the body have two cells
+        own[number.at(sorted_nodes(std::span(facets).subspan(i, dim_)))] = true;
+      std::set<SortedNodes> found; // those inside the body have two cells
       for (std::size_t child = 0; child < parents.size(); ++child)
         for (std::size_t i = 0; i <= dim_; ++i) {
           const std::int8_t at = of_parents[child * (dim_ + 1) + i];
           if (at < 0 ||
               !own[static_cast<std::size_t>(facets_of->links(parents[child])[static_cast<std::size_t>(at)])])
             continue;
-          Facet facet;
+          std::vector<std::int64_t> facet;
           const auto own_corners = cells.links(static_cast<int>(child));
           for (std::size_t j = 0; j <= dim_; ++j)
             if (j != i)
               facet.push_back(own_corners[j]);
-          std::ranges::sort(facet);
-          found.insert(facet);
+          found.insert(sorted_nodes(facet));
         }
-      for (const Facet& facet : found)
-        fine.facets[name].insert(fine.facets[name].end(), facet.begin(), facet.end());
+      for (const SortedNodes& facet : found)
+        fine.facets[name].insert(fine.facets[name].end(), facet.begin(),
+                                 facet.begin() + static_cast<std::ptrdiff_t>(dim_));
     }
   }
 

@@ -27,6 +27,17 @@ public:
     determinant_ = dot(a, dual_[0]);
   }
 
+  /// det J, whose sign depends on the order of the vertices.
+  [[nodiscard]] double determinant() const { return determinant_; }
+
+  /// Product of the lengths of the edges from vertex 0, m^dim.
+  [[nodiscard]] double edge_product() const {
+    double product = 1;
+    for (int e = 0; e < dim_; ++e)
+      product *= std::hypot(edges_[e][0], edges_[e][1], edges_[e][2]);
+    return product;
+  }
+
   /// |det J|, which is dim! times the volume, m^dim.
   [[nodiscard]] double volume() const { return std::abs(determinant_); }
 

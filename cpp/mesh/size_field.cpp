@@ -2,11 +2,13 @@
 #include "mesh/size_field.h"
 #include "base/collective.h"
 #include "base/dolfinx_versions.h"
+#include "mesh/facets.h"
 #include "mesh/simplex.h"
 #include <algorithm>
 #include <cmath>
 #include <dolfinx/mesh/Mesh.h>
 #include <fmt/format.h>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
@@ -42,24 +44,6 @@ struct Point {
 Point point(const SizeField& field, std::size_t node) {
   const double* x = &field.points[3 * node];
   return {x[0], x[1], x[2]};
-}
-
-/// Nodes of the facets of one cell, ascending, and the cell's node opposite.
-std::map<std::vector<std::int64_t>, std::int64_t> boundary_facets(const SizeField& field) {
-  const auto corners = static_cast<std::size_t>(field.dim) + 1;
-  std::map<std::vector<std::int64_t>, std::int64_t> facets;
-  for (std::size_t first = 0; first < field.cells.size(); first += corners)
-    for (std::size_t left_out = 0; left_out < corners; ++left_out) {
-      std::vector<std::int64_t> nodes;
-      for (std::size_t i = 0; i < corners; ++i)
-        if (i != left_out)
-          nodes.push_back(field.cells[first + i]);
-      std::ranges::sort(nodes);
-      const auto [found, one] = facets.try_emplace(std::move(nodes), field.cells[first + left_out]);
-      if (!one)
-        facets.erase(found); // between two cells
-    }
-  return facets;
 }
 
 } // namespace
@@ -127,7 +111,8 @@ void limit_by_curvature(SizeField& field, double around) {
   };
   std::map<std::vector<std::int64_t>, std::vector<Facet>>
       ridges; // of the boundary: points in the plane, edges
-  for (const auto& [nodes, opposite] : boundary_facets(field)) {
+  for (const auto& [sorted, opposite] : outer_facets(sorted_facets(field.dim, field.cells))) {
+    const std::vector<std::int64_t> nodes(sorted.begin(), sorted.begin() + field.dim);
     std::vector<Point> at;
     Point middle{};
     for (const std::int64_t node : nodes) {
@@ -192,65 +177,77 @@ SizeField sizes_by(const Mesh& mesh, std::span<const double> indicators, double 
   return rank(mesh.comm()) == 0 ? sizes_by(std::move(field), error, reduction, reach) : SizeField{};
 }
 
-SizeField sizes_by(SizeField field, const std::vector<double>& error, double reduction, double reach) {
-  const int dim = field.dim;
-  const auto corners = static_cast<std::size_t>(dim) + 1;
-  const std::size_t count = error.size(), nodes = field.points.size() / 3;
-  std::vector<double> edge(count);
-  // Means over the cells at a node: one cell's indicator is noise.
-  std::vector<double> errors(nodes), scales(nodes), old(nodes), touching(nodes);
-  const auto each_corner = [&](auto&& take) {
-    for (std::size_t cell = 0; cell < count; ++cell)
-      for (std::size_t i = 0; i < corners; ++i)
-        take(cell, static_cast<std::size_t>(field.cells[cell * corners + i]));
-  };
-  for (std::size_t cell = 0; cell < count; ++cell)
-    edge[cell] = edge_of(dim, volume_of(field, cell));
-  each_corner([&](std::size_t cell, std::size_t node) {
+namespace {
+
+/// Calls take(cell, node) for each corner of each cell.
+template <class Take>
+void for_each_corner(const SizeField& field, Take&& take) {
+  const auto corners = static_cast<std::size_t>(field.dim) + 1;
+  for (std::size_t i = 0; i < field.cells.size(); ++i)
+    take(i / corners, static_cast<std::size_t>(field.cells[i]));
+}
+
+/// Means over the cells at each node, since one cell's indicator is noise.
+struct NodeMeans {
+  std::vector<double> size,
+      density; ///< edge, m; error per edge^(dim + 2), above 0 unless there is none at all
+};
+
+NodeMeans node_means(const SizeField& field, const std::vector<double>& error,
+                     const std::vector<double>& edge) {
+  const std::size_t nodes = field.points.size() / 3;
+  std::vector<double> errors(nodes), scales(nodes), touching(nodes);
+  NodeMeans means{.size = std::vector<double>(nodes), .density = std::vector<double>(nodes)};
+  for_each_corner(field, [&](std::size_t cell, std::size_t node) {
     errors[node] += error[cell];
-    scales[node] += std::pow(edge[cell], dim + 2);
-    old[node] += edge[cell];
+    scales[node] += std::pow(edge[cell], field.dim + 2);
+    means.size[node] += edge[cell];
     touching[node] += 1;
   });
-  std::vector<double> density(nodes);
   for (std::size_t node = 0; node < nodes; ++node) {
-    old[node] /= touching[node];
-    density[node] = errors[node] / scales[node];
+    means.size[node] /= touching[node];
+    means.density[node] = errors[node] / scales[node];
   }
-  const double least = 1e-12 * std::ranges::max(density); // where nothing is in error
-  const auto set = [&](double factor) {
-    field.sizes.resize(nodes);
-    for (std::size_t node = 0; node < nodes; ++node)
-      field.sizes[node] = std::clamp(factor * std::pow(std::max(density[node], least), -1.0 / (dim + 2)),
-                                     old[node] / reach, old[node] * reach);
-    limit_growth(field);
-  };
+  const double least = 1e-12 * std::ranges::max(means.density); // where nothing is in error
+  for (double& density : means.density)
+    density = std::max(density, least);
+  return means;
+}
+
+} // namespace
+
+SizeField sizes_by(SizeField field, const std::vector<double>& error, double reduction, double reach) {
+  const int dim = field.dim;
+  const std::size_t nodes = field.points.size() / 3;
+  std::vector<double> edge(error.size());
+  for (std::size_t cell = 0; cell < edge.size(); ++cell)
+    edge[cell] = edge_of(dim, volume_of(field, cell));
+  const auto [old, density] = node_means(field, error, edge);
   const double whole = std::accumulate(error.begin(), error.end(), 0.0);
-  if (!(whole > 0)) {
-    field.sizes = old;
+  field.sizes = old;
+  if (!(whole > 0))
     return field;
-  }
-  const auto left = [&] {
-    double sum = 0;
-    each_corner([&](std::size_t cell, std::size_t node) {
-      const double part = field.sizes[node] / edge[cell];
-      sum += error[cell] * part * part / static_cast<double>(corners);
-    });
-    return sum;
-  };
-  // Bisection of the factor, by its logarithm.
-  double low = 0, high = 0;
+  // Bisection of the factor of the sizes, by its logarithm.
+  double low = std::numeric_limits<double>::infinity(), high = -low;
   for (std::size_t node = 0; node < nodes; ++node) {
-    const double neutral = std::log(old[node]) + std::log(std::max(density[node], least)) / (dim + 2);
-    low = node == 0 ? neutral : std::min(low, neutral);
-    high = node == 0 ? neutral : std::max(high, neutral);
+    const double neutral = std::log(old[node]) + std::log(density[node]) / (dim + 2);
+    low = std::min(low, neutral);
+    high = std::max(high, neutral);
   }
   low -= std::log(reach), high += std::log(reach);
   constexpr int halvings = 40;
   for (int i = 0; i < halvings; ++i) {
-    const double middle = (low + high) / 2;
-    set(std::exp(middle));
-    (left() > reduction * whole ? high : low) = middle;
+    const double middle = (low + high) / 2, factor = std::exp(middle);
+    for (std::size_t node = 0; node < nodes; ++node)
+      field.sizes[node] = std::clamp(factor * std::pow(density[node], -1.0 / (dim + 2)), old[node] / reach,
+                                     old[node] * reach);
+    limit_growth(field);
+    double left = 0; // of the error
+    for_each_corner(field, [&](std::size_t cell, std::size_t node) {
+      const double part = field.sizes[node] / edge[cell];
+      left += error[cell] * part * part / static_cast<double>(dim + 1);
+    });
+    (left > reduction * whole ? high : low) = middle;
   }
   return field;
 }
