@@ -9,7 +9,6 @@
 #include "contact/pressure.h"
 #include "diagnostics/balance.h"
 #include "diagnostics/contact_forces.h"
-#include "diagnostics/largest_stress.h"
 #include "diagnostics/warnings.h"
 #include "drivers/check/evaluation_point.h"
 #include "trajectory/step_control.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "adjoint/weighted_residual.h"
-#include "adjoint/dual_bubbles.h"
+#include "adjoint/enriched_body.h"
 #include "adjoint/sweep.h"
 #include <algorithm>
 #include <array>

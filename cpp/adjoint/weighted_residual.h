@@ -39,7 +39,7 @@ struct Weighted {
 /// As a motion of the enriched body, the run violates the equations of the steps by a residual r_k and starts
 /// from other initial data, by δy_0 and δv_0. To first order J changes by their products with its
 /// derivatives, the adjoint states p_k⁺ and ω_k⁺ of that body, which are those of the run plus bubbles β
-/// (dual_bubbles.h). The run's p_k alone see in r_k only the interpolation of loads and the mass that
+/// (enriched_body.h). The run's p_k alone see in r_k only the interpolation of loads and the mass that
 /// massless contact has moved.
 ///
 /// Space: with a = (v_k − v_{k−1})/τ_k, w = (y_k − y_{k−1})/τ_k,

@@ -9,7 +9,7 @@
 #include "optimize/options.h"
 #include "scene/parameters.h"
 #include "trajectory/approach.h"
-#include "trajectory/state_store.h"
+#include "trajectory/trajectory.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>

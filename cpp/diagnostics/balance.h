@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "diagnostics/body_figures.h"
-#include "trajectory/integrate.h"
+#include "trajectory/time_integrator.h"
 #include <array>
 #include <string>
 
 namespace signorini::diagnostics {
+
+struct BodyFigures;
 
 /// Energy and momentum balance of one step, from the exact discrete identities of docs/method.md section 2.
 /// In 2D energies are J/m, forces N/m.

@@ -3,7 +3,7 @@
 #include "contact/contact_state.h"
 #include "step/time_grid.h"
 #include "trajectory/impulse_record.h"
-#include "trajectory/integrate.h"
+#include "trajectory/time_integrator.h"
 #include <array>
 #include <map>
 #include <string>

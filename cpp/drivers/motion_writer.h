@@ -2,7 +2,6 @@
 #pragma once
 #include "diagnostics/balance.h"
 #include "diagnostics/impact_summary.h"
-#include "diagnostics/largest_stress.h"
 #include "diagnostics/plausibility.h"
 #include "diagnostics/warnings.h"
 #include "io/csv_tables.h"

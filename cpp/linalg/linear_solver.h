@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "base/petsc.h"
+#include "base/timers.h"
 #include <string>
 
 namespace signorini {
@@ -21,7 +22,10 @@ public:
   [[nodiscard]] virtual double bytes() const = 0;
 
 protected:
-  static void count_solves(long made = 1);
+  static void count_solves(long made = 1) { solves_ += made; }
+
+private:
+  inline static long& solves_ = count("solves with D");
 };
 
 /// What a factorisation takes, as its analysis says.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/simplex_qp.h"
-#include "linalg/updated_cholesky.h"
+#include "linalg/dense.h"
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -15,7 +15,7 @@ struct GradientOptions {
   double after_rejection = 2; ///< least factor of ω then: a rejected step is at least halved
 };
 
-/// Weak-Wolfe search (wolfe_search.h), with 0 < sufficient < flatter < 1 (Lewis, Overton 2013). The values
+/// Weak-Wolfe search (descent.h), with 0 < sufficient < flatter < 1 (Lewis, Overton 2013). The values
 /// are those that Nocedal, Wright (2006), section 3.1, give for Newton's and quasi-Newton directions.
 struct WolfeOptions {
   double sufficient = 1e-4; ///< least decrease, of the tangent's: a step need not be good, only downhill
@@ -97,7 +97,7 @@ struct BundleOptions {
   double dependent = 1e-12;
 };
 
-/// Every constant of the methods. Lengths are relative to the units of a search (units.h), so that none
+/// Every constant of the methods. Lengths are relative to the units of a search (minimize.h), so that none
 /// depends on the problem's.
 struct Options {
   int max_iterations = 1000;

@@ -61,7 +61,7 @@ public:
 
 private:
   Options options_;
-  double omega_ = 1; ///< ω, at first the unit of curvature (units.h)
+  double omega_ = 1; ///< ω, at first the unit of curvature (minimize.h)
 };
 
 } // namespace signorini::optimize

@@ -2,7 +2,7 @@
 #include "trajectory/approach.h"
 #include "base/overloads.h"
 #include "fem/rigid_motions.h"
-#include "trajectory/integrate.h"
+#include "trajectory/time_integrator.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "step/parameter_rates.h"
-#include "trajectory/integrate.h"
+#include "trajectory/time_integrator.h"
 
 namespace signorini::trajectory {
 

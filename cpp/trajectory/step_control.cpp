@@ -10,7 +10,7 @@ using petsc::check;
 
 namespace {
 
-/// step::Displacements of a run of equal steps are stored so many levels apart, that is four steps, and
+/// Displacements of a run of equal steps are stored so many levels apart, that is four steps, and
 /// longer steps are considered once there are four of them.
 constexpr int apart_levels = 2, apart = 1 << apart_levels, settled = 3 * apart;
 /// Levels by which steps of a flight that need not resolve anything grow, and by which steps are shortened.

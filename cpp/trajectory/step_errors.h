@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "fem/rigid_motions.h"
 #include "trajectory/impulse_record.h"
-#include "trajectory/integrate.h"
+#include "trajectory/time_integrator.h"
 #include <array>
 #include <optional>
 #include <vector>

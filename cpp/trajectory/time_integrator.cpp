@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "trajectory/time_integrator.h"
 #include "base/error.h"
+#include "base/signals.h"
 #include "base/timers.h"
+#include "contact/pairs.h"
+#include "trajectory/step_control.h"
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace signorini::trajectory {
@@ -92,6 +97,162 @@ void TimeIntegrator::advance(const step::TimeStep& step) {
 void TimeIntegrator::take_back() {
   std::swap(now_.state, before_);
   --now_.k;
+}
+
+namespace {
+
+/// Sets the clamped entries of a field to their prescribed values `held`. They must agree up to `rounding`,
+/// relative to the largest of `scale` and the sizes of both; throws UserError naming `key` if not. Returns
+/// the field as it was.
+petsc::Vector hold_clamped(const step::Stepper& stepper, Vec x, Vec held, double rounding, double scale,
+                           const char* key) {
+  petsc::Vector whole = petsc::copy(x);
+  stepper.clamped().clear(x);
+  petsc::Vector difference = petsc::copy(whole);
+  check(VecAXPBYPCZ(difference, -1, -1, 1, x, held)); // zero on free dofs
+  PetscReal size = 0, moved = 0, held_size = 0;
+  check(VecNorm(whole, NORM_INFINITY, &size));
+  check(VecNorm(held, NORM_INFINITY, &held_size));
+  check(VecNorm(difference, NORM_INFINITY, &moved));
+  if (moved > rounding * std::max({size, held_size, scale}))
+    throw UserError(fmt::format(
+        "{}: found a difference of {:.4g} to what the clamps do at t = 0, allowed is 0", key, moved));
+  check(VecAXPY(x, 1, held));
+  return whole;
+}
+
+} // namespace
+
+step::State initial_state(const step::Stepper& stepper, const scene::Initial& scene) {
+  step::State start = stepper.state();
+  const Vec y = start.y(), v = start.v();
+  petsc::Vector y_held = petsc::zero_like(y), v_held = petsc::zero_like(v);
+  // Clamps' velocity after one step: the scale of the error of differences even if they start at rest.
+  PetscReal later = 0;
+  if (stepper.motion()) {
+    step::MovingClamps::At at = stepper.motion()->storage();
+    const double tau = stepper.first_length();
+    stepper.motion()->evaluate({.tau = tau}, at);
+    check(VecCopy(at.position, y_held));
+    check(VecCopy(at.velocity, v_held));
+    stepper.motion()->evaluate({1, 0, tau, tau}, at);
+    check(VecNorm(at.velocity, NORM_INFINITY, &later));
+  }
+  // The clamps' velocity is taken by differences and agrees with the scene's only up to their error, which is
+  // `differences` for motions that the steps hardly resolve, of a radian a step. The scene's is right.
+  constexpr double rounding = 1e-12, differences = 1e-5;
+  const auto given = [&](const std::optional<scene::Components>& field, const char* key, Vec held,
+                         double tolerance, double scale, Vec x) {
+    if (!field) {
+      check(VecCopy(held, x));
+      return petsc::copy(held);
+    }
+    stepper.space().interpolate({*field, key, false}, 0, x);
+    return hold_clamped(stepper, x, held, tolerance, scale, key);
+  };
+  given(scene.displacement, "initial.displacement", y_held, rounding, 0, y);
+  const petsc::Vector written =
+      given(scene.velocity, "initial.velocity", v_held, stepper.motion() ? differences : rounding, later, v);
+  if (stepper.motion())
+    stepper.motion()->copy(written, v);
+  if (stepper.pairs())
+    contact::place_outside(*stepper.pairs(), y);
+  return start;
+}
+
+namespace {
+
+/// Begins a motion: the gaps of the initial state, since no step has computed them yet.
+void set_initial_gaps(const step::Stepper& stepper, Vec y, contact::ContactState& contact) {
+  if (const contact::ContactPairs* pairs = stepper.pairs())
+    pairs->rows().gap(pairs->psi(), y, contact.gap);
+}
+
+} // namespace
+
+int integrate_with(const step::Stepper& stepper, const step::TimeGrid& grid, TimeIntegrator& integrator,
+                   Stops stops, const std::function<contact::ContactState&(int k)>& contact,
+                   const step::NodalForce& acting, const StepObserver& watch) {
+  const auto stopped = [&] { return stops == Stops::obeyed && stop_requested(stepper.space().comm()); };
+  integrator.restart();
+  set_initial_gaps(stepper, integrator.now().state.y(), contact(0));
+  bool last = stopped();
+  watch({grid.step(0), nullptr, {}, integrator.now().state, contact(0), last});
+  int k = 0;
+  while (!last) {
+    const step::TimeStep step = grid.step(++k);
+    integrator.advance(step);
+    last = k == grid.steps() || stopped();
+    watch({step, &integrator.before(), acting, integrator.now().state, contact(k), last});
+  }
+  return k;
+}
+
+namespace {
+
+/// A motion of which the last two states are stored, and the contact of the last two steps.
+struct Rolling {
+  Rolling(const step::Stepper& stepper, const step::State& initial, const step::ForceAtStep& load)
+      : work(stepper.workspace()), two{stepper.contact_state(), stepper.contact_state()},
+        integrator(stepper, initial,
+                   [&](const step::TimeStep& step, const step::State& from, step::State& to) {
+                     acting = load.at(step);
+                     stepper.step({step, from, acting, contact(step.k - 1)}, {to, contact(step.k)}, work);
+                   }) {}
+
+  contact::ContactState& contact(int k) { return two[static_cast<std::size_t>(k % 2)]; }
+
+  step::NodalForce acting;
+  step::Stepper::Workspace work;
+  std::array<contact::ContactState, 2> two;
+  TimeIntegrator integrator;
+};
+
+} // namespace
+
+int integrate(const step::Stepper& stepper, const step::TimeGrid& grid, const step::State& initial,
+              const step::ForceAtStep& load, const StepObserver& watch, Stops stops) {
+  Rolling motion(stepper, initial, load);
+  return integrate_with(
+      stepper, grid, motion.integrator, stops,
+      [&](int k) -> contact::ContactState& { return motion.contact(k); }, motion.acting,
+      watch ? watch : [](const Frame&) {});
+}
+
+step::TimeGrid integrate_choosing(const step::Stepper& stepper, const step::State& initial,
+                                  const step::ForceAtStep& load, StepControl& control,
+                                  const StepObserver& watch, Stops stops) {
+  Rolling motion(stepper, initial, load);
+  TimeIntegrator& integrator = motion.integrator;
+  const auto stopped = [&] { return stops == Stops::obeyed && stop_requested(stepper.space().comm()); };
+  const auto show = [&](const Frame& frame) {
+    if (watch)
+      watch(frame);
+  };
+  const auto advance = [&] {
+    const step::TimeStep step = control.next_step();
+    integrator.advance(step);
+    return Frame{step, &integrator.before(), motion.acting, integrator.now().state, motion.contact(step.k),
+                 false};
+  };
+  integrator.restart();
+  const step::State& start = integrator.now().state;
+  set_initial_gaps(stepper, start.y(), motion.contact(0));
+  control.start(start.y(), start.v(), load);
+  bool last = stopped();
+  show({{.tau = stepper.first_length()}, nullptr, {}, start, motion.contact(0), last});
+  while (!last) {
+    const Frame made = advance();
+    if (!control.accepts(made)) {
+      integrator.take_back();
+      continue;
+    }
+    last = control.steps().complete() || stopped();
+    Frame frame = made;
+    frame.last = last;
+    show(frame);
+  }
+  return control.steps().grid();
 }
 
 } // namespace signorini::trajectory

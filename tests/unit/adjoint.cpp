@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "adjoint/dual_bubbles.h"
+#include "adjoint/enriched_body.h"
 #include "adjoint/sweep.h"
 #include "fixtures.h"
 #include <catch2/catch_test_macros.hpp>

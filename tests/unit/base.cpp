@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
 #include "base/petsc.h"
+#include "linalg/dense.h"
 #include "linalg/simplex_qp.h"
-#include "linalg/updated_cholesky.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>

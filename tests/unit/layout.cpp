@@ -3,7 +3,7 @@
 #include "base/collective.h"
 #include "fem/space.h"
 #include "fixtures.h"
-#include "trajectory/integrate.h"
+#include "trajectory/time_integrator.h"
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators_all.hpp>
 #include <cmath>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/collective.h"
 #include "contact_parts.h"
-#include "linalg/machine_rates.h"
 #include "step/solver_choice.h"
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
@@ -10,7 +9,7 @@ using namespace signorini;
 using test::Parts;
 
 TEST_CASE("rates of the machine are positive and the same on every rank", "[forward]") {
-  const MachineRates rates = measure_rates(MPI_COMM_WORLD, 1e7);
+  const step::MachineRates rates = step::measure_rates(MPI_COMM_WORLD, 1e7);
   for (double rate : {rates.flops, rates.bytes}) {
     CHECK(rate > 0);
     for (double other : gather(MPI_COMM_WORLD, std::vector<double>{rate}))

@@ -6,7 +6,6 @@
 #include "base/scratch_file.h"
 #include "base/timers.h"
 #include "fixtures.h"
-#include "trajectory/state_store.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "contact/contact_state.h"
-#include "linalg/updated_cholesky.h"
+#include "linalg/dense.h"
 #include <functional>
 #include <span>
 
