@@ -1,12 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "contact/constraint_rows.h"
-#include "contact/workspace.h"
 #include "linalg/conjugate_gradients.h"
 #include "linalg/mumps_solver.h"
 #include "linalg/sparse_cholesky.h"
 
 namespace signorini::contact {
+
+/// The first half of a solve with D for a right-hand side r (Condensation::predict()), from which the second
+/// half goes on, any number of times. Which vectors are there depends on the condensation.
+struct HalfSolve {
+  std::vector<double> z;         ///< L⁻¹Pr, by trailing block (n)
+  petsc::Vector r, y;            ///< r and D⁻¹r, by columns of D⁻¹H
+  std::vector<double> reference; ///< multipliers λ with y = D⁻¹(r − Hλ), by columns on demand
+  // Scratch of either half.
+  std::vector<double> trailing_block; ///< by trailing block (c)
+  std::vector<double> weights;
+  std::vector<Vec> columns;
+  petsc::Vector forces;
+};
 
 /// A guess of a solution y, with the groups that are active in it.
 struct Guess {

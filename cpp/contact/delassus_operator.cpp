@@ -3,7 +3,6 @@
 #include "base/collective.h"
 #include "base/error.h"
 #include "contact/lcp/primal_dual.h"
-#include "contact/solver/contact_step_solver.h"
 #include "linalg/dense.h"
 #include <cmath>
 #include <fmt/format.h>

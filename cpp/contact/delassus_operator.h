@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "contact/condensation.h"
+#include "contact/solver/contact_step_solver.h"
 
 namespace signorini::contact {
-
-struct LinearisedContact;
 
 /// The Delassus operator S = HᵀD⁻¹H: the step operator D condensed to the contact candidates (docs/method.md
 /// section 5).

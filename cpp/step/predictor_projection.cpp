@@ -37,7 +37,7 @@ Vec PredictorProjection::jump(std::span<const double> psi, Vec x, const contact:
     return nullptr;
   check(VecZeroEntries(work.jump));
   const contact::ContactProblem projection{zero_, work.gap, previous, work.contact, work.jump};
-  solver_.contact()->solve({&projection, 1}, work.solver);
+  solver_.contact()->solve(projection, work.solver);
   set = work.contact.active;
   return work.jump;
 }
@@ -56,7 +56,7 @@ Vec PredictorProjection::linearised_jump(const contact::ActiveSet& set, Vec x, W
     projection.value = data->motion;
     projection.multipliers = data->multipliers;
   }
-  solver_.contact()->solve_linearised({&projection, 1}, work.solver);
+  solver_.contact()->solve_linearised(projection, work.solver);
   check(VecAXPY(work.jump, -1, x));
   return work.jump;
 }

@@ -182,7 +182,7 @@ void Stepper::step(const StepInput& in, const StepOutput& out, Workspace& work) 
     motion_->apply(*work.motion, with.whole_D, clamped_, with.clamped_diagonal, work.r);
   if (const contact::ContactStepSolver* solver = contact_solver(with, work)) {
     const contact::ContactProblem problem{work.r, psi, in.previous.active, out.contact, out.to.y()};
-    solver->solve({&problem, 1}, *work.contact);
+    solver->solve(problem, *work.contact);
   } else
     with.solver->linear().solve(work.r, out.to.y());
   set_velocity(scheme, in.from, jump, out.to);
@@ -210,9 +210,9 @@ void Stepper::solve_on_active_set(double tau, Direction direction,
   if (const contact::ContactStepSolver* solver = contact_solver(with, work)) {
     const contact::LinearisedContact step{work.r, contact.active, contact.equations, value, x, multipliers};
     if (direction == Direction::linearised)
-      solver->solve_linearised({&step, 1}, *work.contact);
+      solver->solve_linearised(step, *work.contact);
     else
-      solver->solve_transposed({&step, 1}, *work.contact);
+      solver->solve_transposed(step, *work.contact);
   } else {
     with.solver->linear().solve(work.r, x);
   }

@@ -100,7 +100,7 @@ TEST_CASE("units of mass and time leave contact as it is", "[contact]") {
       contact::Workspace work = solver.contact()->workspace();
       const contact::ActiveSet none;
       const contact::ContactProblem step{scaled, parts.pairs.psi(), none, state, y};
-      solver.contact()->solve({&step, 1}, work);
+      solver.contact()->solve(step, work);
       CHECK(state.status == expected.status);
     };
     petsc::Vector y = parts.space.vector(), r = parts.space.vector();

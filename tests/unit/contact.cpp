@@ -136,7 +136,7 @@ TEST_CASE("a step that is long beside a fall through the body is refined from it
     contact::ContactState state(parts.pairs.count());
     contact::Workspace work = solver.workspace();
     const contact::ContactProblem step{r, parts.pairs.psi(), previous, state, y};
-    solver.solve({&step, 1}, work);
+    solver.solve(step, work);
     REQUIRE(!state.active.empty());
     CHECK(test::largest(y) < 1e-5 * fall);
     check(MatMult(parts.D, y, defect));
@@ -165,7 +165,7 @@ TEST_CASE("linearised steps move along the obstacle with normal forces alone", "
     petsc::Vector p = parts.space.vector(), defect = parts.space.vector();
     contact::Workspace work = parts.solver.contact()->workspace();
     const contact::LinearisedContact step{.r = r, .set = set, .x = p};
-    parts.solver.contact()->solve_linearised({&step, 1}, work);
+    parts.solver.contact()->solve_linearised(step, work);
     std::vector<double> normal(static_cast<std::size_t>(parts.pairs.count()));
     parts.H.apply_transpose(p, normal);
     for (int i : set)
@@ -229,7 +229,7 @@ struct Pushed {
   /// From the guess p.
   void solve() {
     const contact::LinearisedContact step{r, set, {}, value, p, mu};
-    parts.solver.contact()->solve_transposed({&step, 1}, work);
+    parts.solver.contact()->solve_transposed(step, work);
   }
 
   void check_solution() const {
@@ -284,7 +284,7 @@ TEST_CASE("where PETSc's VI solver gives up the set is settled all the same", "[
   contact::Workspace work = solver.contact()->workspace();
   const contact::ActiveSet none;
   const contact::ContactProblem step{r, parts.pairs.psi(), none, other, z};
-  solver.contact()->solve({&step, 1}, work);
+  solver.contact()->solve(step, work);
   CHECK(usual.count(contact::Status::strong) > 1);
   CHECK(usual.vi_iterations > 5);
   CHECK(other.vi_iterations != usual.vi_iterations);

@@ -39,7 +39,7 @@ struct Parts {
     contact::ContactState state(pairs.count());
     contact::Workspace work = solver.contact()->workspace();
     const contact::ContactProblem step{r, pairs.psi(), previous.active, state, y};
-    solver.contact()->solve({&step, 1}, work);
+    solver.contact()->solve(step, work);
     return state;
   }
 

@@ -167,7 +167,7 @@ struct Rubbing {
     contact::ContactState state(H.groups(), H.count());
     const contact::ActiveSet previous{};
     const contact::ContactProblem step{r, psi, previous, state, y};
-    solver->solve({&step, 1}, work);
+    solver->solve(step, work);
     return state;
   }
 
@@ -276,7 +276,7 @@ TEST_CASE("laws that are not symmetric are obeyed, linearised and transposed", "
       body.psi[i] -= epsilon * value[i];
     REQUIRE(other.active == state.active);
     const contact::LinearisedContact step{change, state.active, state.equations, value, x, mu};
-    body.solver->solve_linearised({&step, 1}, body.work);
+    body.solver->solve_linearised(step, body.work);
     check(VecAXPBY(z, -1 / epsilon, 1 / epsilon, y));
     const double first_order = space ? 100 * epsilon : 0;
     CHECK(test::difference(z, x) < (accuracy / epsilon * 1e-1 + first_order) * test::largest(x));
@@ -294,11 +294,11 @@ TEST_CASE("laws that are not symmetric are obeyed, linearised and transposed", "
       for (std::size_t c = 0; c < H.size(i); ++c)
         rho_bar[H.row(i, c)] = std::sin(3.0 * i + static_cast<double>(c));
     const contact::LinearisedContact transposed{y_bar, state.active, state.equations, rho_bar, p, n};
-    body.solver->solve_transposed({&transposed, 1}, body.work);
+    body.solver->solve_transposed(transposed, body.work);
     const double left = petsc::dot(change, p) + pairing(value, n),
                  right = petsc::dot(y_bar, x) + pairing(rho_bar, mu);
     CHECK(std::abs(left - right) < accuracy * (std::abs(petsc::dot(y_bar, x)) + std::abs(left)));
-    body.solver->solve_linearised({&transposed, 1}, body.work);
+    body.solver->solve_linearised(transposed, body.work);
     unlike = std::max(unlike, std::abs(petsc::dot(change, p) + pairing(value, n) - right) / std::abs(right));
   }
   CHECK(unlike > 1e-3); // the step itself is not its transpose

@@ -54,7 +54,7 @@ struct Walls {
     contact::Workspace work = solver.contact()->workspace();
     const contact::ActiveSet none;
     const contact::ContactProblem step{r, pairs.psi(), none, state, y};
-    solver.contact()->solve({&step, 1}, work);
+    solver.contact()->solve(step, work);
     return y;
   }
 
@@ -162,7 +162,7 @@ TEST_CASE("several obstacles at a node: all solvers find the solution, which is 
       petsc::Vector p = walls.space.vector();
       contact::Workspace work = solver->contact()->workspace();
       const contact::LinearisedContact step{.r = q, .set = a.active, .x = p};
-      solver->contact()->solve_linearised({&step, 1}, work);
+      solver->contact()->solve_linearised(step, work);
       std::vector<double> normal(a.lambda.size());
       walls.H.apply_transpose(p, normal);
       for (int i : a.active)

@@ -327,7 +327,7 @@ void CondensedSolver::solve_by_laws(const ContactProblem& step, Workspace& work)
                                   rows_.groups(), state.vi_iterations));
 }
 
-void CondensedSolver::solve_one(const ContactProblem& step, Workspace& work) const {
+void CondensedSolver::solve(const ContactProblem& step, Workspace& work) const {
   const auto& [r, psi, previous, state, y] = step;
   state.vi_iterations = 0;
   delassus_.predict_gap(r, {y, previous}, psi, work.gap0, work.half_solve);

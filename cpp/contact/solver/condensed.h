@@ -2,7 +2,6 @@
 #pragma once
 #include "contact/delassus_operator.h"
 #include "contact/lcp/complementarity.h"
-#include "contact/solver/contact_step_solver.h"
 #include <functional>
 
 namespace signorini::contact {
@@ -31,18 +30,16 @@ public:
                   std::unique_ptr<const Condensation> condensation, Residual residual, double tolerance = 0);
 
   [[nodiscard]] Workspace workspace() const override;
+  void solve(const ContactProblem& step, Workspace& work) const override;
+  void solve_linearised(const LinearisedContact& step, Workspace& work) const override {
+    delassus_.solve_linearised(step, work);
+  }
+  void solve_transposed(const LinearisedContact& step, Workspace& work) const override {
+    delassus_.solve_transposed(step, work);
+  }
   [[nodiscard]] double bytes() const override { return delassus_.bytes(); }
 
-  [[nodiscard]] const DelassusOperator& delassus() const { return delassus_; }
-
 private:
-  void solve_one(const ContactProblem& step, Workspace& work) const override;
-  void solve_one(const LinearisedContact& step, bool transposed, Workspace& work) const override {
-    if (transposed)
-      delassus_.solve_transposed(step, work);
-    else
-      delassus_.solve_linearised(step, work);
-  }
   /// Computes λ, with zero gaps on work.set and zero forces elsewhere, and the gaps g⁰ + Sλ of all
   /// candidates.
   void solve_on_set(ContactState& state, Workspace& work) const;

@@ -122,7 +122,7 @@ Workspace FullSolver::workspace() const {
   return linearised_ ? linearised_->workspace() : Workspace(pairs_.count());
 }
 
-void FullSolver::solve_one(const ContactProblem& step, Workspace&) const {
+void FullSolver::solve(const ContactProblem& step, Workspace&) const {
   const auto& [r, psi, previous, state, y] = step;
   const std::size_t m = psi.size();
   check(MatMultTranspose(Q_, r, r_));

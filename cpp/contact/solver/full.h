@@ -21,15 +21,18 @@ public:
   void linearise_by(std::unique_ptr<const ContactStepSolver> solver) { linearised_ = std::move(solver); }
 
   [[nodiscard]] Workspace workspace() const override;
+  void solve(const ContactProblem& step, Workspace& work) const override;
+  /// To be called only after linearise_by(), as the next.
+  void solve_linearised(const LinearisedContact& step, Workspace& work) const override {
+    linearised_->solve_linearised(step, work);
+  }
+  void solve_transposed(const LinearisedContact& step, Workspace& work) const override {
+    linearised_->solve_transposed(step, work);
+  }
   /// Of the solver of linearised steps; that of PETSc's solver is not known.
   [[nodiscard]] double bytes() const override { return linearised_ ? linearised_->bytes() : 0; }
 
 private:
-  void solve_one(const ContactProblem& step, Workspace& work) const override;
-  /// To be called only after linearise_by().
-  void solve_one(const LinearisedContact& step, bool, Workspace& work) const override {
-    linearised_->solve_linearised({&step, 1}, work);
-  }
   /// Local number in z_ of a candidate's bounded coordinate if this rank owns it, else −1.
   [[nodiscard]] PetscInt coordinate(std::size_t i) const;
 

@@ -33,7 +33,7 @@ void ProjectedSolver::evaluate(Vec r, std::span<const double> psi, Vec y, Contac
   next_set(rows_, work.set, state.lambda, state.gap, work.next);
 }
 
-void ProjectedSolver::solve_one(const ContactProblem& step, Workspace& work) const {
+void ProjectedSolver::solve(const ContactProblem& step, Workspace& work) const {
   const auto& [r, psi, previous, state, y] = step;
   const ConjugateGradients::Projector project = [&](Vec x) { rows_.prescribe(work.set, zero_, x); };
   const auto look = [&](Vec x) {
@@ -62,7 +62,7 @@ void ProjectedSolver::solve_one(const ContactProblem& step, Workspace& work) con
   complementarity_.classify(state, y, D_.tolerance());
 }
 
-void ProjectedSolver::solve_one(const LinearisedContact& step, bool, Workspace&) const {
+void ProjectedSolver::solve_linearised(const LinearisedContact& step, Workspace&) const {
   const ConjugateGradients::Projector project = [&](Vec x) { rows_.prescribe(step.set, zero_, x); };
   rows_.prescribe(step.set, step.value.empty() ? std::span<const double>(zero_) : step.value, step.x);
   D_.solve(step.r, step.x, project, {});

@@ -15,11 +15,14 @@ public:
   ProjectedSolver(const ConstraintRows& rows, double diameter, const ConjugateGradients& D, Mat matrix);
 
   [[nodiscard]] Workspace workspace() const override { return Workspace(rows_.count()); }
+  void solve(const ContactProblem& step, Workspace& work) const override;
+  void solve_linearised(const LinearisedContact& step, Workspace& work) const override;
+  void solve_transposed(const LinearisedContact& step, Workspace& work) const override {
+    solve_linearised(step, work);
+  }
   [[nodiscard]] double bytes() const override { return 0; }
 
 private:
-  void solve_one(const ContactProblem& step, Workspace& work) const override;
-  void solve_one(const LinearisedContact& step, bool, Workspace& work) const override;
   /// Computes λ and g of a motion y that keeps the gaps of work.set closed, and the next set, work.next.
   /// Collective.
   void evaluate(Vec r, std::span<const double> psi, Vec y, ContactState& state, Workspace& work) const;
