@@ -102,19 +102,6 @@ public:
     return first < 0 ? nullptr : &y[static_cast<std::size_t>(first)];
   }
 
-  /// A component of the force that multipliers of rows() or their rates put on the obstacle of pair i.
-  [[nodiscard]] double force(const ConstraintRows& rows, int i, int component,
-                             std::span<const double> lambda) const {
-    double sum = 0;
-    for (std::size_t c = 0; c < rows.size(i); ++c)
-      sum += lambda[rows.row(i, c)] * at_node(rows, i, c, component);
-    return sum;
-  }
-  /// The coefficient of row c of pair i at a component of its node, which a row has first.
-  [[nodiscard]] double at_node(const ConstraintRows& rows, int i, std::size_t c, int component) const {
-    return rows.motion(static_cast<int>(rows.row(i, c)))[static_cast<std::size_t>(component)];
-  }
-
   /// Diameter of the body, in metres.
   [[nodiscard]] double diameter() const { return diameter_; }
   /// Largest penetration allowed, in metres: 1e-10 of the diameter.

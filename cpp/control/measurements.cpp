@@ -1,62 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "control/measurements.h"
-#include "base/error.h"
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 
 namespace signorini::control {
-using petsc::check;
 using scene::Quantity;
 
 namespace {
 
-/// The owned entries of a functional that are not zero.
-std::vector<std::pair<int, double>> entries(Vec functional) {
-  std::vector<std::pair<int, double>> row;
-  const petsc::ReadArray values(functional);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (values[i] != 0)
-      row.emplace_back(static_cast<int>(i), values[i]);
-  return row;
-}
-
-void add_row(const std::vector<std::pair<int, double>>& row, double factor, std::span<double> sum) {
-  for (const auto& [dof, weight] : row)
-    sum[static_cast<std::size_t>(dof)] += factor * weight;
-}
-
-/// The functional of one component at a point of the undeformed body. Throws UserError naming `key`.
-petsc::Vector at_point(const fem::Space& space, const std::vector<double>& point, int component,
-                       const std::string& key) {
-  std::vector<double> x = point;
+/// The functional of a component at a point of the undeformed body, or of its mean over a group. Throws
+/// UserError naming `key`.
+petsc::Vector functional_of(const fem::Space& space, const scene::Measurement& measurement,
+                            const std::string& key) {
+  const auto component = static_cast<int>(*measurement.component);
+  if (!measurement.point)
+    return step::mean(space, fem::assemble_L2(space, *measurement.on, key + ".on"),
+                      static_cast<std::size_t>(component))
+        .weights;
+  std::vector<double> x = *measurement.point;
   x.resize(3);
   const fem::Sampler sampler(space, x);
-  const double outside = 0.01 * space.mesh().diameter(); // as of probes
-  if (const double distance = sampler.distances().front(); distance > outside)
-    throw UserError(fmt::format(
-        "{}.point: found ({:.6g}), which is {:.4g} m outside of the body, allowed are points of the "
-        "undeformed body",
-        key, fmt::join(point, ", "), distance));
+  step::require_inside(space, sampler, 0, *measurement.point, key);
   return sampler.functional(0, component);
-}
-
-/// The functional of the mean of a component over a group. Throws UserError naming `key`.
-petsc::Vector mean_over(const fem::Space& space, const std::string& group, int component,
-                        const std::string& key) {
-  const petsc::Matrix L2 = fem::assemble_L2(space, group, key + ".on");
-  const petsc::Vector e = space.vector();
-  {
-    const petsc::WriteArray values(e);
-    for (std::size_t i = static_cast<std::size_t>(component); i < values.size();
-         i += static_cast<std::size_t>(space.dim()))
-      values[i] = 1;
-  }
-  petsc::Vector mean = space.vector();
-  check(MatMult(L2, e, mean));
-  check(VecScale(mean, 1 / petsc::dot(e, mean)));
-  return mean;
 }
 
 } // namespace
@@ -71,15 +36,16 @@ Measurements::Measurements(const step::Stepper& stepper, const step::TimeGrid& g
     first_.push_back(samples_.size());
     if (!measurement.fitted())
       continue;
-    if (measurement.of == Quantity::displacement || measurement.of == Quantity::velocity)
-      add_field(measurement, scene::measurement_key(i));
-    else {
+    if (measurement.of == Quantity::displacement || measurement.of == Quantity::velocity) {
+      const petsc::Vector functional = functional_of(stepper.space(), measurement, scene::measurement_key(i));
+      channels_.push_back({.of = measurement.of, .field = step::SparseFunctional(functional)});
+    } else {
       const auto named =
           std::ranges::find(scene.contacts, measurement.obstacle.value_or(""), &scene::Contact::name);
       channels_.push_back(
           {.of = Quantity::force,
-           .component = static_cast<int>(*measurement.component),
-           .obstacle = measurement.obstacle ? static_cast<int>(named - scene.contacts.begin()) : -1});
+           .force = {measurement.obstacle ? static_cast<int>(named - scene.contacts.begin()) : -1,
+                     static_cast<int>(*measurement.component)}});
     }
     for (const double t : times[i])
       samples_.push_back({channels_.size() - 1, measurement.of == Quantity::impulse,
@@ -88,14 +54,6 @@ Measurements::Measurements(const step::Stepper& stepper, const step::TimeGrid& g
   first_.push_back(samples_.size());
   for (Channel& channel : channels_)
     channel.values.assign(columns, std::vector<double>(static_cast<std::size_t>(steps_) + 1));
-}
-
-void Measurements::add_field(const scene::Measurement& measurement, const std::string& key) {
-  const auto component = static_cast<int>(*measurement.component);
-  const petsc::Vector functional = measurement.point
-                                       ? at_point(stepper_.space(), *measurement.point, component, key)
-                                       : mean_over(stepper_.space(), *measurement.on, component, key);
-  channels_.push_back({.of = measurement.of, .row = entries(functional)});
 }
 
 std::vector<std::pair<int, double>> Measurements::at(double t, bool force) const {
@@ -122,29 +80,21 @@ std::vector<std::pair<int, double>> Measurements::at(double t, bool force) const
 
 double Measurements::force(int k, const Channel& channel, std::span<const double> lambda,
                            const contact::ConstraintRows& rows) const {
-  const contact::ContactPairs& pairs = *stepper_.pairs();
-  double sum = 0;
-  for (int i = 0; i < pairs.count(); ++i)
-    if (channel.obstacle < 0 || pairs.obstacles()[static_cast<std::size_t>(i)] == channel.obstacle)
-      sum -= pairs.force(rows, i, channel.component, lambda);
-  return sum / grid_.scheme(k).impulse();
+  return step::force_on_body(*stepper_.pairs(), rows, channel.force, lambda) / grid_.scheme(k).impulse();
 }
 
 void Measurements::take(int k, std::size_t column, Vec y, Vec v) {
   std::vector<double> sums;
   {
     const petsc::ReadArray at_y(y), at_v(v);
-    for (const Channel& channel : channels_) {
-      double& sum = sums.emplace_back();
-      for (const auto& [dof, weight] : channel.row)
-        sum += weight * (channel.of == Quantity::velocity ? at_v : at_y)[static_cast<std::size_t>(dof)];
-    }
+    for (const Channel& channel : channels_)
+      sums.push_back(channel.field(channel.of == Quantity::velocity ? at_v : at_y));
   }
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM,
                 stepper_.space().comm());
   for (std::size_t i = 0; i < channels_.size(); ++i)
     if (channels_[i].of != Quantity::force)
-      channels_[i].values[column][static_cast<std::size_t>(k)] = sums[i];
+      channels_[i].values[column][k] = sums[i];
 }
 
 void Measurements::observe(const trajectory::Frame& frame) {
@@ -187,7 +137,7 @@ std::vector<double> Measurements::values(std::size_t column) const {
     }
     double& value = found.emplace_back();
     for (const auto& [k, weight] : sample.weights)
-      value += weight * (*series)[static_cast<std::size_t>(k)];
+      value += weight * (*series)[k];
   }
   return found;
 }
@@ -198,8 +148,7 @@ void Measurements::set_derivative(std::span<const double> by_values) {
   derivative_.assign(channels_.size(), std::vector<double>(rows));
   for (std::size_t i = 0; i < samples_.size(); ++i)
     for (const auto& [k, weight] : samples_[i].weights)
-      (samples_[i].impulse ? of_sums : derivative_)[samples_[i].channel][static_cast<std::size_t>(k)] +=
-          weight * by_values[i];
+      (samples_[i].impulse ? of_sums : derivative_)[samples_[i].channel][k] += weight * by_values[i];
   for (std::size_t c = 0; c < channels_.size(); ++c) {
     double later = 0; // a force counts in all sums from its step on
     for (std::size_t k = rows; k-- > 0;) {
@@ -214,7 +163,7 @@ void Measurements::add(const step::TimeStep& step, step::StateDual sum) const {
   const petsc::WriteArray values(sum.vector);
   for (std::size_t c = 0; c < channels_.size(); ++c)
     if (channels_[c].of == Quantity::displacement)
-      add_row(channels_[c].row, derivative_[c][static_cast<std::size_t>(step.k)], values);
+      channels_[c].field.add_to(values, derivative_[c][step.k]);
 }
 
 std::size_t Measurements::velocities() const {
@@ -225,7 +174,7 @@ void Measurements::velocity_factors(int k, std::span<double> factors) const {
   std::size_t i = 0;
   for (std::size_t c = 0; c < channels_.size(); ++c)
     if (channels_[c].of == Quantity::velocity)
-      factors[i++] = derivative_[c][static_cast<std::size_t>(k)];
+      factors[i++] = derivative_[c][k];
 }
 
 void Measurements::add_velocities(std::span<const double> factors, Vec sum) const {
@@ -233,7 +182,7 @@ void Measurements::add_velocities(std::span<const double> factors, Vec sum) cons
   std::size_t i = 0;
   for (const Channel& channel : channels_)
     if (channel.of == Quantity::velocity)
-      add_row(channel.row, factors[i++], values);
+      channel.field.add_to(values, factors[i++]);
 }
 
 bool Measurements::of_forces() const {
@@ -242,18 +191,10 @@ bool Measurements::of_forces() const {
 
 void Measurements::forces(int k, std::span<double> dual) const {
   std::ranges::fill(dual, 0);
-  const contact::ContactPairs& pairs = *stepper_.pairs();
-  const contact::ConstraintRows& rows = pairs.rows();
-  for (std::size_t c = 0; c < channels_.size(); ++c) {
-    const Channel& channel = channels_[c];
-    if (channel.of != Quantity::force)
-      continue;
-    const double factor = derivative_[c][static_cast<std::size_t>(k)] / grid_.scheme(k).impulse();
-    for (int i = 0; i < pairs.count(); ++i)
-      if (channel.obstacle < 0 || pairs.obstacles()[static_cast<std::size_t>(i)] == channel.obstacle)
-        for (std::size_t r = 0; r < rows.size(i); ++r)
-          dual[rows.row(i, r)] -= factor * pairs.at_node(rows, i, r, channel.component);
-  }
+  for (std::size_t c = 0; c < channels_.size(); ++c)
+    if (channels_[c].of == Quantity::force)
+      step::add_force_dual(*stepper_.pairs(), channels_[c].force,
+                           derivative_[c][k] / grid_.scheme(k).impulse(), dual);
 }
 
 double Measurements::by_rows(int k, const contact::ContactLinearisation& contact,
@@ -263,7 +204,7 @@ double Measurements::by_rows(int k, const contact::ContactLinearisation& contact
   double sum = 0;
   for (std::size_t c = 0; c < channels_.size(); ++c)
     if (channels_[c].of == Quantity::force)
-      sum += derivative_[c][static_cast<std::size_t>(k)] * force(k, channels_[c], lambda, rate);
+      sum += derivative_[c][k] * force(k, channels_[c], lambda, rate);
   return sum;
 }
 

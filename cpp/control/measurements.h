@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "adjoint/sweep.h"
-#include "fem/sampler.h"
 #include "scene/table.h"
+#include "step/functionals.h"
 #include "trajectory/parameter_sensitivities.h"
 #include <array>
 #include <span>
@@ -59,9 +59,9 @@ public:
 private:
   /// A number of each state or step, of which measurements are interpolated.
   struct Channel {
-    scene::Quantity of;                        ///< displacement, velocity or force
-    std::vector<std::pair<int, double>> row{}; ///< of a field: owned dofs and weights
-    int component = 0, obstacle = -1;          ///< of a force; −1: of all
+    scene::Quantity of; ///< displacement, velocity or force
+    step::SparseFunctional field{};
+    step::ObstacleComponent force{};
     std::vector<std::vector<double>> values{}; ///< of each column (N + 1); a force's is zero at 0
   };
   /// A value: Σ weights · channel, or of the sums of a force so far, τ Σ.
@@ -71,7 +71,6 @@ private:
     std::vector<std::pair<int, double>> weights;
   };
 
-  void add_field(const scene::Measurement& measurement, const std::string& key);
   [[nodiscard]] std::vector<std::pair<int, double>> at(double t, bool force) const;
   /// The force of a channel by multipliers of rows.
   [[nodiscard]] double force(int k, const Channel& channel, std::span<const double> lambda,

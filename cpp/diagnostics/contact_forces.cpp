@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "diagnostics/contact_forces.h"
+#include "step/functionals.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -14,11 +15,6 @@ namespace {
 /// The same but for the impulse so far.
 void begin(ObstacleForce& one) {
   one = {.min_gap = std::numeric_limits<double>::infinity(), .impulse = one.impulse};
-}
-
-void add_impulse(ObstacleForce& one, double tau) {
-  for (std::size_t c = 0; c < 3; ++c)
-    one.impulse[c] += tau * one.force[c];
 }
 
 } // namespace
@@ -40,17 +36,21 @@ void ObstacleForces::observe(const trajectory::Frame& frame) {
   for (int i = 0; i < pairs.count(); ++i) {
     const auto at = static_cast<std::size_t>(i);
     for (ObstacleForce* one : {&each_[static_cast<std::size_t>(pairs.obstacles()[at])], &all_}) {
-      for (int c = 0; c < pairs.dim(); ++c) // on the body
-        one->force[static_cast<std::size_t>(c)] -= pairs.force(pairs.rows(), i, c, forces_);
       one->normal_force += std::abs(forces_[at]);
       one->active += frame.contact.status[at] != contact::Status::open;
       one->min_gap = std::min(one->min_gap, frame.contact.gap[at]);
     }
   }
-  const double tau = frame.step.tau;
-  add_impulse(all_, tau);
-  for (ObstacleForce& one : each_)
-    add_impulse(one, tau);
+  const auto add_force = [&](int obstacle, ObstacleForce& one) {
+    for (int c = 0; c < pairs.dim(); ++c) {
+      const auto component = static_cast<std::size_t>(c);
+      one.force[component] = step::force_on_body(pairs, pairs.rows(), {obstacle, c}, forces_);
+      one.impulse[component] += frame.step.tau * one.force[component];
+    }
+  };
+  add_force(-1, all_);
+  for (int obstacle = 0; obstacle < pairs.obstacle_count(); ++obstacle)
+    add_force(obstacle, each_[static_cast<std::size_t>(obstacle)]);
 }
 
 bool LargestForce::observe(double force) {

@@ -5,6 +5,7 @@
 #include "fem/coherence.h"
 #include "fem/deformation.h"
 #include "fem/wave_time.h"
+#include "step/functionals.h"
 #include "trajectory/approach.h"
 #include <algorithm>
 #include <cmath>
@@ -223,17 +224,6 @@ constexpr double longest = 1000, shortest = 1e-5;
 /// Times of the body that an obstacle may be away if the body does not fly there.
 constexpr double farthest = 10;
 
-double mass(const step::Stepper& stepper) {
-  const petsc::Vector along_x = stepper.space().vector(), image = petsc::zero_like(along_x);
-  {
-    const petsc::WriteArray values(along_x);
-    for (std::size_t i = 0; i < values.size(); i += static_cast<std::size_t>(stepper.space().dim()))
-      values[i] = 1;
-  }
-  check(MatMult(stepper.operators().M, along_x, image));
-  return petsc::dot(along_x, image);
-}
-
 void warn_of_materials(const std::vector<scene::Material>& materials, std::vector<std::string>& warnings) {
   for (std::size_t i = 0; i < materials.size(); ++i) {
     const std::string key = materials.size() == 1 ? "material" : fmt::format("material[{}]", i);
@@ -332,7 +322,7 @@ BodyFigures body_figures(const step::Stepper& stepper, const scene::Scene& scene
   figures.extent = stepper.space().mesh().extent();
   figures.dim = stepper.space().dim();
   figures.notes = stepper.space().mesh().notes();
-  figures.mass = mass(stepper);
+  figures.mass = step::mean(stepper.space(), stepper.operators().M, 0).measure;
   std::vector<double> pressure, shear;
   for (const scene::Material& material : scene.materials) {
     pressure.push_back(fem::wave_speeds(material)[0]);

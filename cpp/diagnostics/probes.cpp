@@ -2,9 +2,9 @@
 #include "diagnostics/probes.h"
 #include "base/error.h"
 #include "linalg/dense.h"
+#include "step/functionals.h"
 #include <algorithm>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 namespace signorini::diagnostics {
 using petsc::check;
@@ -24,10 +24,6 @@ petsc::Vector field(const fem::Space& space, At&& at) {
   for (std::size_t node = 0; node < static_cast<std::size_t>(space.owned_nodes()); ++node)
     at(&space.points()[3 * node], &values[dim * node]);
   return result;
-}
-
-petsc::Vector translation(const fem::Space& space, std::size_t component) {
-  return field(space, [&](const double*, double* value) { value[component] = 1; });
 }
 
 /// The unit infinitesimal rotation about an axis (0 to 2; in the plane 2) through `centre`.
@@ -92,14 +88,8 @@ void Probes::find_points(const std::vector<scene::Probe>& probes) {
   if (which.empty())
     return;
   sampler_.emplace(stepper_.space(), points);
-  // Between the chords of a coarse mesh and a curved boundary there is room for a point of the body.
-  const double outside = 0.01 * stepper_.space().mesh().diameter();
   for (std::size_t j = 0; j < which.size(); ++j)
-    if (const double distance = sampler_->distances()[j]; distance > outside)
-      throw UserError(
-          fmt::format("{}.point: found ({:.6g}), which is {:.4g} m outside of the body, allowed are "
-                      "points of the undeformed body",
-                      key_of(which[j]), fmt::join(*probes[which[j]].point, ", "), distance));
+    step::require_inside(stepper_.space(), *sampler_, j, *probes[which[j]].point, key_of(which[j]));
 }
 
 void Probes::add_point(const std::string& probe, std::size_t number) {
@@ -118,11 +108,8 @@ void Probes::add_group(const std::string& probe, const std::string& group, const
   const fem::Space& space = stepper_.space();
   const petsc::Matrix L2 = fem::assemble_L2(space, group, key);
   const std::size_t first = weights_.size();
-  for (std::size_t c = 0; c < dim_; ++c) {
-    const petsc::Vector e = translation(space, c);
-    weights_.push_back(product(L2, e));
-    check(VecScale(weights_.back(), 1 / petsc::dot(e, weights_.back())));
-  }
+  for (std::size_t c = 0; c < dim_; ++c)
+    weights_.push_back(step::mean(space, L2, c).weights);
   add_vector(probe, "displacement", [&](std::size_t c) { return Linear{first + c, Of::displacement}; });
   add_vector(probe, "velocity", [&](std::size_t c) { return Linear{first + c, Of::velocity}; });
   if (space.mesh().group_dimension(group, key) < space.dim())
@@ -160,11 +147,10 @@ void Probes::add_body(const std::string& probe) {
   std::vector<double> centre(3);
   double mass = 0;
   for (std::size_t c = 0; c < dim_; ++c) {
-    const petsc::Vector e = translation(space, c);
-    weights_.push_back(product(stepper_.M(), e));
-    mass = petsc::dot(e, weights_.back());
-    check(VecScale(weights_.back(), 1 / mass));
-    centre[c] = petsc::dot(weights_.back(), places);
+    step::Mean mean = step::mean(space, stepper_.M(), c);
+    mass = mean.measure;
+    centre[c] = petsc::dot(mean.weights, places);
+    weights_.push_back(std::move(mean.weights));
   }
   add_vector(probe, "center",
              [&](std::size_t c) { return Linear{first + c, Of::displacement, 1, centre[c]}; });

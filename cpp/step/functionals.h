@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "contact/pairs.h"
+#include "fem/sampler.h"
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// Linear functionals of a motion that probes, measurements and figures of the body share: of displacements
+/// and velocities at a point and in the mean, of multipliers the force of an obstacle.
+namespace signorini::step {
+
+/// The translation by 1 along an axis, a field of V. Collective.
+[[nodiscard]] petsc::Vector translation(const fem::Space& space, std::size_t axis);
+
+/// The mean of a component of functions of V in the measure of a matrix: weights·y.
+struct Mean {
+  petsc::Vector weights;
+  double measure; ///< e·Me for the translation e along the axis: area or volume, or mass
+};
+/// `matrix`: of the product in L2 of a group, or a mass matrix. Collective.
+[[nodiscard]] Mean mean(const fem::Space& space, Mat matrix, std::size_t component);
+
+/// Throws UserError naming `key` if the point of this number is outside of the body: farther from its mesh
+/// than chords of a coarse one are from a curved boundary.
+void require_inside(const fem::Space& space, const fem::Sampler& sampler, std::size_t number,
+                    const std::vector<double>& point, const std::string& key);
+
+/// A functional of V in which few dofs have a part: its entries on this rank that are not zero.
+class SparseFunctional {
+public:
+  SparseFunctional() = default;
+  explicit SparseFunctional(Vec functional);
+
+  /// This rank's part of the value at y, of which `values` are the owned entries.
+  [[nodiscard]] double operator()(std::span<const double> values) const;
+  /// sum += factor · functional, on the owned entries.
+  void add_to(std::span<double> sum, double factor) const;
+
+private:
+  std::vector<std::pair<int, double>> row_; ///< owned dofs and weights
+};
+
+/// A component of the force on the body of one obstacle or of all.
+struct ObstacleComponent {
+  int obstacle = -1; ///< number in the scene; −1: all
+  int component = 0;
+};
+/// Its value for multipliers of pairs.rows() or, as its rate, of their derivatives `rows`; in the unit of the
+/// multipliers. Not collective.
+[[nodiscard]] double force_on_body(const contact::ContactPairs& pairs, const contact::ConstraintRows& rows,
+                                   ObstacleComponent of, std::span<const double> lambda);
+/// dual += factor · its derivative by the multipliers of pairs.rows(). Not collective.
+void add_force_dual(const contact::ContactPairs& pairs, ObstacleComponent of, double factor,
+                    std::span<double> dual);
+
+} // namespace signorini::step
