@@ -175,7 +175,7 @@ adjoint::ErrorParts estimate_error(const problem::Problem& problem,
     if (objective)
       objective->observe(frame.step.k, frame.after.y());
   });
-  const control::Derivative along(control_problem.objective, motion);
+  const control::ObjectiveDuals along(control_problem.objective, motion);
   const step::DualAtStep derivative(problem.space, along);
   std::optional<EnrichedObjective::Derivative> enriched_along;
   std::optional<step::DualAtStep> enriched_derivative;

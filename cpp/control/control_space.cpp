@@ -31,6 +31,12 @@ std::vector<int> ascending(std::vector<int> numbers) {
   return numbers;
 }
 
+step::TimeGrid intervals_of(const scene::Control& scene, const step::TimeGrid& grid) {
+  if (scene.constant_in_time)
+    return {grid.end(), 1};
+  return scene.step ? step::TimeGrid(*scene.step, scene.intervals) : grid;
+}
+
 /// HRZ lumping: the diagonal of W, scaled to the total mass; positive for every degree. For degree 1 it is
 /// the row sums.
 petsc::Vector lump(Mat W) {
@@ -49,14 +55,13 @@ petsc::Vector lump(Mat W) {
 
 ControlSpace::ControlSpace(const fem::Space& space, const fem::Operators& operators, step::TimeGrid grid,
                            const scene::Control& scene)
-    : space_(space), grid_(grid), scale_(scene.scale), constant_in_time_(scene.constant_in_time),
-      cellwise_(scene.space == scene::ControlValues::cellwise), on_(scene.on),
-      components_(ascending(fem::component_numbers(scene.components, space.dim()))),
+    : space_(space), grid_(grid), intervals_(intervals_of(scene, grid)),
+      stepwise_(!scene.constant_in_time && !scene.step), scale_(scene.scale),
+      constant_in_time_(scene.constant_in_time), cellwise_(scene.space == scene::ControlValues::cellwise),
+      on_(scene.on), components_(ascending(fem::component_numbers(scene.components, space.dim()))),
       lower_(per_component(scene.lower, space.dim(), components_)),
       upper_(per_component(scene.upper, space.dim(), components_)) {
   ++spaces;
-  if (scene.step)
-    own_.emplace(*scene.step, scene.intervals);
   if (cellwise_)
     take_cells(scene.on);
   else
@@ -147,21 +152,10 @@ double ControlSpace::control_bytes() const {
   return sizeof(PetscScalar) * static_cast<double>(size) * count();
 }
 
-double ControlSpace::begin(int j) const {
-  return constant_in_time_ ? (j - 1) * grid_.end() : (own_ ? *own_ : grid_).time(j - 1);
-}
-
 std::pair<int, int> ControlSpace::intervals(double from, double to) const {
-  if (constant_in_time_)
-    return {1, 1};
-  const step::TimeGrid& grid = own_ ? *own_ : grid_;
   constexpr double rounding = 1e-9; // of the time between
   const double hair = rounding * (to - from);
-  return {grid.place(from + hair).k, grid.place(to - hair).k};
-}
-
-double ControlSpace::length(int j) const {
-  return constant_in_time_ ? grid_.end() : (own_ ? *own_ : grid_).length(j);
+  return {intervals_.place(from + hair).k, intervals_.place(to - hair).k};
 }
 
 double ControlSpace::variation(const Control& u, double from, double to) const {

@@ -107,10 +107,10 @@ public:
   void add_riesz(int k, Vec p, Control& g) const;
 
   /// Number of intervals on which controls are constant.
-  [[nodiscard]] int count() const { return constant_in_time_ ? 1 : own_ ? own_->steps() : grid_.steps(); }
+  [[nodiscard]] int count() const { return intervals_.steps(); }
   [[nodiscard]] bool constant_in_time() const { return constant_in_time_; }
   /// Whether these are the time steps.
-  [[nodiscard]] bool stepwise() const { return !constant_in_time_ && !own_; }
+  [[nodiscard]] bool stepwise() const { return stepwise_; }
   /// Calls visit(j, part) for the intervals between two times (s); the parts of that time that they take add
   /// up to one.
   template <class Visit>
@@ -136,11 +136,11 @@ public:
   [[nodiscard]] double variation(const Control& u, double from, double to) const;
 
   /// When interval j begins, s; that after the last one begins at the end.
-  [[nodiscard]] double begin(int j) const;
+  [[nodiscard]] double begin(int j) const { return intervals_.time(j - 1); }
   /// Its middle, s; 0 of a control that is constant in time.
   [[nodiscard]] double middle(int j) const { return constant_in_time_ ? 0 : begin(j) + length(j) / 2; }
   /// Its length T_j, s.
-  [[nodiscard]] double length(int j) const;
+  [[nodiscard]] double length(int j) const { return intervals_.length(j); }
   [[nodiscard]] const step::TimeGrid& grid() const { return grid_; }
 
 private:
@@ -169,7 +169,8 @@ private:
 
   const fem::Space& space_;
   step::TimeGrid grid_;
-  std::optional<step::TimeGrid> own_; ///< intervals of its own
+  step::TimeGrid intervals_; ///< on which controls are constant
+  bool stepwise_;
   double scale_;
   bool constant_in_time_, cellwise_;
   std::optional<std::string> on_;
@@ -210,15 +211,23 @@ private:
   mutable std::pair<double, double> of_{0, 0}; ///< from its begin to its end, s
 };
 
+/// Whose steps a force acts in: those of its control, or others.
+enum class ForceSteps { of_control, others };
+
 /// The force s u_k of a control on the body, as a load.
 class ControlForce final : public step::Load {
 public:
   /// The references must outlive this object.
-  ControlForce(const ControlSpace& controls, const Control& u) : controls_(controls), u_(u) {}
+  ControlForce(const ControlSpace& controls, const Control& u, ForceSteps steps = ForceSteps::of_control)
+      : controls_(controls), u_(u), steps_(steps) {}
   [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
   [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
   void add(const step::TimeStep& step, step::NodalForce sum) const override {
-    controls_.for_each_interval(step, [&](int j, double part) { controls_.add_force(u_.at(j), sum, part); });
+    const auto act = [&](int j, double part) { controls_.add_force(u_.at(j), sum, part); };
+    if (steps_ == ForceSteps::of_control)
+      controls_.for_each_interval(step, act);
+    else
+      controls_.for_each_interval(step.begin, step.end, act);
   }
   [[nodiscard]] double variation(double from, double to) const override {
     return controls_.variation(u_, from, to);
@@ -227,26 +236,7 @@ public:
 private:
   const ControlSpace& controls_;
   const Control& u_;
-};
-
-/// The same in a motion of other steps than those of the control.
-class HeldForce final : public step::Load {
-public:
-  /// The references must outlive this object.
-  HeldForce(const ControlSpace& controls, const Control& u) : controls_(controls), u_(u) {}
-  [[nodiscard]] bool has_density() const override { return controls_.acts_by_density(); }
-  [[nodiscard]] bool has_vector() const override { return !controls_.acts_by_density(); }
-  void add(const step::TimeStep& step, step::NodalForce sum) const override {
-    controls_.for_each_interval(step.begin, step.end,
-                                [&](int j, double part) { controls_.add_force(u_.at(j), sum, part); });
-  }
-  [[nodiscard]] double variation(double from, double to) const override {
-    return controls_.variation(u_, from, to);
-  }
-
-private:
-  const ControlSpace& controls_;
-  const Control& u_;
+  ForceSteps steps_;
 };
 
 } // namespace signorini::control

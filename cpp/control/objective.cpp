@@ -39,11 +39,11 @@ double TimeWeights::tracking_at(int k) const {
 
 double TimeWeights::terminal_at(int k) const { return k == grid_.steps() ? 2 * gamma_ : 0; }
 
-Value TimeWeights::value(const std::vector<double>& squared_distances, const ControlSpace& controls,
-                         const Control& u) const {
-  Value value;
+ObjectiveValue TimeWeights::value(const std::vector<double>& squared_distances, const ControlSpace& controls,
+                                  const Control& u) const {
+  ObjectiveValue value;
   for (int k = 0; k <= grid_.steps(); ++k) {
-    const double squared = squared_distances[static_cast<std::size_t>(k)];
+    const double squared = squared_distances[k];
     value.tracking += tracking_at(k) / 2 * squared;
     value.terminal += terminal_at(k) / 2 * squared;
   }
@@ -65,7 +65,7 @@ void Objective::observe(int k, Vec y, std::vector<double>& squared_distances) co
   squared_distances.resize(
       std::max(squared_distances.size(), static_cast<std::size_t>(weights_.grid().steps()) + 1));
   if (weight(k) != 0)
-    squared_distances[static_cast<std::size_t>(k)] = squared_distance(k, y);
+    squared_distances[k] = squared_distance(k, y);
 }
 
 double Objective::quadrature_error(const std::vector<double>& squared_distances, const Control& u) const {
@@ -98,7 +98,7 @@ double Objective::quadrature_error(const std::vector<double>& squared_distances,
     std::vector<double> times, values;
     for (int k = 0; k <= steps; ++k) {
       times.push_back(grid.time(k));
-      values.push_back(squared_distances[static_cast<std::size_t>(k)] / 2);
+      values.push_back(squared_distances[k] / 2);
     }
     error -= weights_.tracking() / 12 * changes(times, values);
   }
@@ -122,14 +122,6 @@ double Objective::variation(const Control& u) const {
     sum += squares * controls_.product_at(1, change, change) / (between * between);
   }
   return sum;
-}
-
-void Objective::add_derivative(int k, Vec y, step::StateDual sum) const {
-  add_weighted(k, y, desired(k), sum);
-}
-
-void Objective::add_second_derivative(int k, Vec dy, step::StateDual sum) const {
-  add_weighted(k, dy, nullptr, sum);
 }
 
 void Objective::add_weighted(int k, Vec y, Vec less, step::StateDual sum) const {

@@ -7,7 +7,7 @@
 namespace signorini::control {
 
 /// The value of J and its parts (docs/method.md section 3).
-struct Value {
+struct ObjectiveValue {
   double tracking = 0;     ///< θ τ/2 Σ ½ (‖e_{k−1}‖² + ‖e_k‖²)
   double terminal = 0;     ///< γ ‖e_N‖²
   double control_cost = 0; ///< α τ/2 Σ ‖u_k‖²
@@ -28,8 +28,8 @@ public:
   /// w_k: the state part of J is Σ_k ½ w_k ‖e_k‖², tracking and terminal term.
   [[nodiscard]] double of(int k) const { return tracking_at(k) + terminal_at(k); }
   /// J from the ‖e_k‖² (N + 1) and the control u, which is not read where α is zero.
-  [[nodiscard]] Value value(const std::vector<double>& squared_distances, const ControlSpace& controls,
-                            const Control& u) const;
+  [[nodiscard]] ObjectiveValue value(const std::vector<double>& squared_distances,
+                                     const ControlSpace& controls, const Control& u) const;
 
 private:
   [[nodiscard]] double tracking_at(int k) const;
@@ -71,16 +71,16 @@ public:
   void observe(int k, Vec y, std::vector<double>& squared_distances) const;
 
   /// J from the squared distances of observe().
-  [[nodiscard]] Value value(const std::vector<double>& squared_distances, const Control& u) const {
+  [[nodiscard]] ObjectiveValue value(const std::vector<double>& squared_distances, const Control& u) const {
     return weights_.value(squared_distances, controls_, u);
   }
 
   /// Whether derivatives by states are densities, else vectors (step::Functional).
   [[nodiscard]] bool observes_whole() const { return observed_.whole(); }
   /// Adds ∂J/∂y_k = weight(k) W (y − y_d,k).
-  void add_derivative(int k, Vec y, step::StateDual sum) const;
+  void add_derivative(int k, Vec y, step::StateDual sum) const { add_weighted(k, y, desired(k), sum); }
   /// Adds ∂²J/∂y_k² δy.
-  void add_second_derivative(int k, Vec dy, step::StateDual sum) const;
+  void add_second_derivative(int k, Vec dy, step::StateDual sum) const { add_weighted(k, dy, nullptr, sum); }
 
   /// The time integrals of J less their quadrature, to leading order: −τ_k²/12 times the change of
   /// d/dt ½ θ ‖e‖² over step k (trapezoidal rule), summed, and, where the control varies in time,
@@ -116,39 +116,29 @@ private:
   petsc::Vector work_;
 };
 
-/// Derivatives of an objective by the states along a motion, or a linearised one. States without weight are
-/// not asked for.
-class ObjectiveDuals : public step::StateDuals {
+/// ∂J/∂y_k along a motion, or ∂²J/∂y_k² δy_k along a linearised one. States without weight are not asked for.
+class ObjectiveDuals final : public step::StateDuals {
 public:
+  enum class Order { first, second };
+
   /// The references must outlive this object.
-  ObjectiveDuals(const Objective& objective, const step::Displacements& motion)
-      : objective_(objective), motion_(motion) {}
+  ObjectiveDuals(const Objective& objective, const step::Displacements& motion, Order order = Order::first)
+      : objective_(objective), motion_(motion), order_(order) {}
   [[nodiscard]] bool has_density() const override { return objective_.observes_whole(); }
   [[nodiscard]] bool has_vector() const override { return !objective_.observes_whole(); }
-
-protected:
-  const Objective& objective_;
-  const step::Displacements& motion_;
-};
-
-/// ∂J/∂y_k along a motion.
-class Derivative final : public ObjectiveDuals {
-public:
-  using ObjectiveDuals::ObjectiveDuals;
   void add(const step::TimeStep& step, step::StateDual sum) const override {
-    if (objective_.weight(step.k) != 0)
+    if (objective_.weight(step.k) == 0)
+      return;
+    if (order_ == Order::first)
       objective_.add_derivative(step.k, motion_.y(step), sum);
-  }
-};
-
-/// ∂²J/∂y_k² δy_k along a linearised motion.
-class SecondDerivative final : public ObjectiveDuals {
-public:
-  using ObjectiveDuals::ObjectiveDuals;
-  void add(const step::TimeStep& step, step::StateDual sum) const override {
-    if (objective_.weight(step.k) != 0)
+    else
       objective_.add_second_derivative(step.k, motion_.y(step), sum);
   }
+
+private:
+  const Objective& objective_;
+  const step::Displacements& motion_;
+  Order order_;
 };
 
 } // namespace signorini::control

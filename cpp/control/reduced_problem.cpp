@@ -32,8 +32,8 @@ private:
 ReducedProblem::ReducedProblem(const Model& model, const ControlSpace& controls, const Objective& objective,
                                Timers& timers)
     : controls_(&controls), objective_(&objective), timers_(timers), work_(model.stepper->workspace()),
-      current_(std::make_unique<Point>(controls.zero(), controls_, model, false)),
-      trial_(std::make_unique<Point>(current_->v, controls_, model, false)) { // the control is shared
+      current_(std::make_unique<Evaluation>(controls.zero(), controls_, model, false)),
+      trial_(std::make_unique<Evaluation>(current_->v, controls_, model, false)) { // the control is shared
   ++problems;
 }
 
@@ -44,9 +44,9 @@ ReducedProblem::ReducedProblem(ModelAt models, const Misfit& misfit, const Contr
   ++problems;
 }
 
-std::unique_ptr<ReducedProblem::Point> ReducedProblem::point(const Variables& v) const {
+std::unique_ptr<ReducedProblem::Evaluation> ReducedProblem::evaluation(const Variables& v) const {
   try {
-    return std::make_unique<Point>(v, controls_, models_(v.x, 1, trajectory::Stops::obeyed), true);
+    return std::make_unique<Evaluation>(v, controls_, models_(v.x, 1, trajectory::Stops::obeyed), true);
   } catch (const UserError& error) {
     throw SolverFailure(error.what());
   }
@@ -56,7 +56,7 @@ step::ForceAtStep ReducedProblem::load(const Model& model, const ControlForce* f
   return {model.stepper->space(), {model.load, force ? force : model.given}};
 }
 
-void ReducedProblem::run(Point& at) {
+void ReducedProblem::run(Evaluation& at) {
   const auto timer = timers_.time("forward");
   at.trajectory.run(load(at), [&](const trajectory::Frame& frame) {
     if (objective_) {
@@ -88,7 +88,7 @@ void ReducedProblem::simulate(const Variables& v) {
       throw SolverFailure(fmt::format("{} would change by a factor of {:.3g} in one step",
                                       misfit_->scene().unknowns[j].name,
                                       std::exp(std::abs(v.x[j] - current_->v.x[j]))));
-  trial_ = point(v);
+  trial_ = evaluation(v);
   run(*trial_);
 }
 
@@ -124,15 +124,15 @@ Control ReducedProblem::adjoint(const step::DualAtStep& dual) {
   return pull_back(current_->trajectory.contact(), dual, 0, current_->v.u);
 }
 
-Variables ReducedProblem::derivative(Point& at) {
+Variables ReducedProblem::derivative(Evaluation& at) {
   const auto timer = timers_.time("adjoint");
   Variables g = swept(at, {});
   ++sweeps_.adjoint;
   return g;
 }
 
-Variables ReducedProblem::swept(Point& at, const AdjointObserver& visit) {
-  std::optional<Derivative> by_states;
+Variables ReducedProblem::swept(Evaluation& at, const AdjointObserver& visit) {
+  std::optional<ObjectiveDuals> by_states;
   if (objective_)
     by_states.emplace(*objective_, at.trajectory);
   const step::DualAtStep duals(at.model.stepper->space(),
@@ -160,7 +160,7 @@ Control ReducedProblem::l2_gradient() { return derivative(*current_).u; }
 
 void ReducedProblem::adjoint_states(const AdjointObserver& visit) { (void)swept(*current_, visit); }
 
-Variables ReducedProblem::gradient(Point& at) {
+Variables ReducedProblem::gradient(Evaluation& at) {
   if (at.gradient)
     return *at.gradient;
   Variables g = derivative(at);
@@ -230,76 +230,76 @@ void ReducedProblem::weigh_parameters(const Variables& guess) {
     }
 }
 
-void ReducedProblem::integrate_linearised(
-    const Control& d, const std::function<void(trajectory::TimeIntegrator& integrator)>& use) {
-  const std::vector<contact::ContactLinearisation>& contact = current_->trajectory.contact();
-  integrate_linearised(
-      d,
-      [&](int k, const step::LinearisedStep& step) {
-        stepper().linearised_step(step, contact[static_cast<std::size_t>(k)], *work_);
-      },
-      use);
-}
+/// S'(u) d, integrated by linearised steps from rest.
+class ReducedProblem::LinearisedRun {
+public:
+  LinearisedRun(ReducedProblem& problem, const Control& d, Step make)
+      : problem_(problem), make_(std::move(make)), rest_(problem.stepper().state()),
+        force_(*problem.controls_, d), forces_(problem.stepper().space(), force_),
+        integrator_(problem.stepper(), rest_,
+                    [this](const step::TimeStep& at, const step::State& from, step::State& to) {
+                      make_(at.k, {at.scheme(), from, forces_.at(at), to});
+                    }) {}
 
-void ReducedProblem::integrate_linearised(
-    const Control& d, const Step& step,
-    const std::function<void(trajectory::TimeIntegrator& integrator)>& use) {
-  const step::State rest = stepper().state();
-  const ControlForce force(*controls_, d);
-  const step::ForceAtStep forces(stepper().space(), force);
-  trajectory::TimeIntegrator integrator(
-      stepper(), rest, [&](const step::TimeStep& at, const step::State& from, step::State& to) {
-        step(at.k, {at.scheme(), from, forces.at(at), to});
-      });
-  use(integrator);
-}
+  [[nodiscard]] trajectory::TimeIntegrator& integrator() { return integrator_; }
 
-void ReducedProblem::make_linearised_steps(
-    trajectory::TimeIntegrator& integrator,
-    const std::function<void(const trajectory::Checkpoint& now)>& visit) {
-  const auto timer = timers_.time("linearised");
-  integrator.restart();
-  visit(integrator.now());
-  for (int k = 1; k <= controls_->steps(); ++k) {
-    if (stop_requested(stepper().space().comm()))
-      throw Interrupted();
-    integrator.advance(controls_->grid().step(k));
-    visit(integrator.now());
+  /// Makes all steps once and shows the states 0…N. Throws Interrupted.
+  void operator()(const std::function<void(const trajectory::Checkpoint& now)>& visit) {
+    const auto timer = problem_.timers_.time("linearised");
+    integrator_.restart();
+    visit(integrator_.now());
+    for (int k = 1; k <= problem_.controls_->steps(); ++k) {
+      if (stop_requested(problem_.stepper().space().comm()))
+        throw Interrupted();
+      integrator_.advance(problem_.controls_->grid().step(k));
+      visit(integrator_.now());
+    }
+    ++problem_.sweeps_.forward;
   }
-  ++sweeps_.forward;
+
+private:
+  ReducedProblem& problem_;
+  Step make_;
+  step::State rest_;
+  ControlForce force_;
+  step::ForceAtStep forces_;
+  trajectory::TimeIntegrator integrator_;
+};
+
+ReducedProblem::Step ReducedProblem::on_current_contact() {
+  return [this, &contact = current_->trajectory.contact()](int k, const step::LinearisedStep& step) {
+    stepper().linearised_step(step, contact[static_cast<std::size_t>(k)], *work_);
+  };
 }
 
 void ReducedProblem::linearised(const Control& d, const std::function<void(int k, Vec dy)>& visit) {
-  integrate_linearised(d, [&](trajectory::TimeIntegrator& integrator) {
-    make_linearised_steps(integrator, [&](const trajectory::Checkpoint& now) {
-      if (now.k > 0)
-        visit(now.k, now.state.y());
-    });
+  LinearisedRun run(*this, d, on_current_contact());
+  run([&](const trajectory::Checkpoint& now) {
+    if (now.k > 0)
+      visit(now.k, now.state.y());
   });
 }
 
 ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
-  const Derivative along(*objective_, current_->trajectory);
+  const ObjectiveDuals along(*objective_, current_->trajectory);
   const step::DualAtStep derivative(stepper().space(), along);
   const petsc::Vector work = stepper().space().vector();
   OneSided slope{.contact = current_->trajectory.contact()};
   slope.by_motion = {.value = objective_->alpha() * controls_->product(current_->v.u, d),
                      .size = objective_->alpha() * controls_->norm(current_->v.u) * controls_->norm(d)};
-  const Step make = [&](int k, const step::LinearisedStep& step) {
+  LinearisedRun run(*this, d, [&](int k, const step::LinearisedStep& step) {
     stepper().one_sided_step(step, slope.contact[static_cast<std::size_t>(k)], *work_);
-  };
-  integrate_linearised(d, make, [&](trajectory::TimeIntegrator& integrator) {
-    make_linearised_steps(integrator, [&](const trajectory::Checkpoint& now) {
-      if (now.k == 0)
-        return;
-      const step::StateDual dual = derivative.at(controls_->grid().step(now.k));
-      if (dual.density) {
-        check(MatMult(*stepper().operators().W, dual.density, work));
-        slope.by_motion.add(work, now.state.y());
-      }
-      if (dual.vector)
-        slope.by_motion.add(dual.vector, now.state.y());
-    });
+  });
+  run([&](const trajectory::Checkpoint& now) {
+    if (now.k == 0)
+      return;
+    const step::StateDual dual = derivative.at(controls_->grid().step(now.k));
+    if (dual.density) {
+      check(MatMult(*stepper().operators().W, dual.density, work));
+      slope.by_motion.add(work, now.state.y());
+    }
+    if (dual.vector)
+      slope.by_motion.add(dual.vector, now.state.y());
   });
   slope.by_gradient =
       controls_->product(pull_back(slope.contact, derivative, objective_->alpha(), current_->v.u), d);
@@ -307,15 +307,12 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
 }
 
 Control ReducedProblem::l2_hessian_product(const Control& d) {
-  std::optional<Control> h;
-  integrate_linearised(d, [&](trajectory::TimeIntegrator& integrator) {
-    const std::unique_ptr<trajectory::StateStore> dy = current_->model.storage->place(integrator);
-    make_linearised_steps(integrator, [&](const trajectory::Checkpoint& now) { dy->keep(now); });
-    const LinearisedMotion linearised(*dy);
-    const SecondDerivative second(*objective_, linearised);
-    h = pull_back(current_->trajectory.contact(), {stepper().space(), second}, objective_->alpha(), d);
-  });
-  return *std::move(h);
+  LinearisedRun run(*this, d, on_current_contact());
+  const std::unique_ptr<trajectory::StateStore> dy = current_->model.storage->place(run.integrator());
+  run([&](const trajectory::Checkpoint& now) { dy->keep(now); });
+  const LinearisedMotion linearised(*dy);
+  const ObjectiveDuals second(*objective_, linearised, ObjectiveDuals::Order::second);
+  return pull_back(current_->trajectory.contact(), {stepper().space(), second}, objective_->alpha(), d);
 }
 
 Variables ReducedProblem::hessian_product(const Variables& d) {
@@ -330,7 +327,7 @@ Variables ReducedProblem::hessian_product(const Variables& d) {
   const double epsilon = part * (size > 0 ? size : 1) / length;
   Variables beside = current_->v;
   beside.add(epsilon, d);
-  const std::unique_ptr<Point> there = point(beside);
+  const std::unique_ptr<Evaluation> there = evaluation(beside);
   run(*there);
   Variables h = gradient(*there);
   h.add(-1, here);

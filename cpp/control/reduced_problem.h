@@ -118,7 +118,7 @@ public:
   /// The current point.
   [[nodiscard]] const Variables& variables() const { return current_->v; }
   [[nodiscard]] const Control& control() const { return current_->v.u; }
-  [[nodiscard]] const Value& value() const { return current_->value; }
+  [[nodiscard]] const ObjectiveValue& value() const { return current_->value; }
   [[nodiscard]] const trajectory::Trajectory& trajectory() const { return current_->trajectory; }
   [[nodiscard]] const trajectory::Trajectory& trial_trajectory() const { return trial_->trajectory; }
   /// ‖y_k − y_d,k‖² of the current control (N + 1), as Objective::observe().
@@ -138,50 +138,45 @@ public:
   [[nodiscard]] const step::Stepper& stepper() const { return *current_->model.stepper; }
 
 private:
-  struct Point {
-    Point(Variables at, const ControlSpace* controls, Model with, bool whole)
+  /// A motion, with J there.
+  struct Evaluation {
+    Evaluation(Variables at, const ControlSpace* controls, Model with, bool whole)
         : v(std::move(at)), model(std::move(with)),
           trajectory(*model.stepper, *model.initial, *model.storage, whole) {
       if (controls)
         force.emplace(*controls, v.u);
     }
-    Point(const Point&) = delete; // force refers to v
-    Point& operator=(const Point&) = delete;
+    Evaluation(const Evaluation&) = delete; // force refers to v
+    Evaluation& operator=(const Evaluation&) = delete;
 
     Variables v;
     Model model;
     std::optional<ControlForce> force; ///< of v.u
     trajectory::Trajectory trajectory;
     std::vector<double> squared_distances, residuals;
-    Value value;
+    ObjectiveValue value;
     std::optional<Variables> gradient; ///< with parameters, once it was computed
   };
 
   /// A point with a model of its own. Throws SolverFailure where the scene is none at v.
-  [[nodiscard]] std::unique_ptr<Point> point(const Variables& v) const;
+  [[nodiscard]] std::unique_ptr<Evaluation> evaluation(const Variables& v) const;
   /// Makes its motion, and J.
-  void run(Point& at);
+  void run(Evaluation& at);
   [[nodiscard]] static step::ForceAtStep load(const Model& model, const ControlForce* force);
-  [[nodiscard]] static step::ForceAtStep load(const Point& at) {
+  [[nodiscard]] static step::ForceAtStep load(const Evaluation& at) {
     return load(at.model, at.force ? &*at.force : nullptr);
   }
   /// The gradient, by the control in L2(0,T; L2), by parameters dJ/dx.
-  Variables derivative(Point& at);
+  Variables derivative(Evaluation& at);
   /// derivative(), neither timed nor counted.
-  Variables swept(Point& at, const AdjointObserver& visit);
+  Variables swept(Evaluation& at, const AdjointObserver& visit);
   /// The gradient by inner().
-  Variables gradient(Point& at);
+  Variables gradient(Evaluation& at);
 
   using Step = std::function<void(int k, const step::LinearisedStep& step)>;
-  /// Calls `use` with an integrator of S'(u) d that makes these steps or, without them, those linearised on
-  /// the current contact.
-  void integrate_linearised(const Control& d, const Step& step,
-                            const std::function<void(trajectory::TimeIntegrator& integrator)>& use);
-  void integrate_linearised(const Control& d,
-                            const std::function<void(trajectory::TimeIntegrator& integrator)>& use);
-  /// Makes all of its steps once and shows the states 0…N. Throws Interrupted.
-  void make_linearised_steps(trajectory::TimeIntegrator& integrator,
-                             const std::function<void(const trajectory::Checkpoint& now)>& visit);
+  class LinearisedRun;
+  /// Steps linearised on the current contact.
+  [[nodiscard]] Step on_current_contact();
 
   /// scale u + S'* w, duals w pulled back by S' linearised on `contact`, as Riesz representative in
   /// L2(0,T; L2).
@@ -198,7 +193,7 @@ private:
   Timers& timers_;
   std::vector<double> weights_;                  ///< of the parameters in inner()
   std::optional<step::Stepper::Workspace> work_; ///< of linearised and adjoint steps, without parameters
-  std::unique_ptr<Point> current_, trial_;
+  std::unique_ptr<Evaluation> current_, trial_;
   Sweeps sweeps_;
 };
 

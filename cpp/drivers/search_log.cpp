@@ -96,7 +96,7 @@ std::vector<double> SearchLog::add(io::History::Row row, std::span<const double>
 
 void SearchLog::operator()(const optimize::Iteration& iteration) {
   const control::ReducedProblem& reduced = subject_.reduced;
-  const control::Value& value = reduced.value();
+  const control::ObjectiveValue& value = reduced.value();
   io::History::Row row{{"iteration", iteration.number},
                        {"objective", value.total()},
                        {"tracking", value.tracking},

@@ -159,7 +159,7 @@ std::string end_line(const SearchSubject& subject, const SearchLog& log, const S
   if (end.fitted)
     return fmt::format("J {:.6e}: {} iterations, {} forward sweeps in {:.1f} s", J, iterations,
                        sweeps.forward, log.seconds());
-  const control::Value& value = subject.reduced.value();
+  const control::ObjectiveValue& value = subject.reduced.value();
   const std::string parts = fmt::format("tracking {:.3e}, terminal {:.3e}, control {:.3e}", value.tracking,
                                         value.terminal, value.control_cost),
                     cost = fmt::format("{} iterations, {} forward and {} adjoint sweeps in {:.1f} s",

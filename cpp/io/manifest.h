@@ -77,7 +77,7 @@ struct Manifest {
   double peak_memory = 0;   ///< bytes, summed over the ranks
   int dim = 2;
   diagnostics::BodyFigures body;
-  std::optional<control::Value> objective;
+  std::optional<control::ObjectiveValue> objective;
   std::optional<diagnostics::EnergyAccount> energy; ///< of the motion stored; absent if not summed up
   std::optional<diagnostics::Impact> impact;        ///< likewise, and in a scene without contact
   std::optional<diagnostics::LargestStress::Peak> von_mises; ///< likewise; absent if no stress is stored

@@ -274,7 +274,7 @@ void choose_steps(Problem& problem, const control::ControlSpace& from, const con
                   const Console& console) {
   const control::ControlSpace held(problem.space, problem.operators, from.grid(), *problem.scene.control);
   const control::Control here = control::Interpolation(from, held)(u);
-  const control::HeldForce force(held, here);
+  const control::ControlForce force(held, here, control::ForceSteps::others);
   choose_steps(problem, problem.load(&force), console);
 }
 

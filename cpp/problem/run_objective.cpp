@@ -61,7 +61,7 @@ void RunObjective::observe(const trajectory::Frame& frame) {
   squared_distances_.push_back(weighs ? observed_.squared_distance(frame.after.y(), desired) : 0);
 }
 
-control::Value RunObjective::value() const {
+control::ObjectiveValue RunObjective::value() const {
   const scene::Scene& scene = problem_.scene;
   std::optional<control::ControlSpace> chosen; // on steps that were unknown at first
   if (!controls_.grid().complete())

@@ -18,7 +18,7 @@ public:
   void observe(const trajectory::Frame& frame);
 
   /// J, once all frames have been taken and the problem has all its steps. Collective.
-  [[nodiscard]] control::Value value() const;
+  [[nodiscard]] control::ObjectiveValue value() const;
 
 private:
   const Problem& problem_;

@@ -185,7 +185,7 @@ public:
 
   std::tuple<double, double, double> parts(const Given& given) {
     return at(control(given), [&] {
-      const control::Value& value = reduced().value();
+      const control::ObjectiveValue& value = reduced().value();
       return std::tuple(value.tracking, value.terminal, value.control_cost);
     });
   }

@@ -118,7 +118,7 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
                           });
   }
   const test::Displacements states(motion.y);
-  const control::Derivative derivative(control_problem.objective, states);
+  const control::ObjectiveDuals derivative(control_problem.objective, states);
   step::Stepper::Workspace work = problem.stepper.workspace();
   for (int repeat = 0; repeat < repeats; ++repeat) {
     Floor floor(problem, floor_load);

@@ -99,7 +99,7 @@ TEST_CASE("J is the trapezoidal rule of its integrals", "[control]") {
   problem.reduced.simulate(problem.controls.zero());
   problem.reduced.accept();
   const double T = ready.scene.time.end, tau = ready.scene.time.step;
-  const control::Value& value = problem.reduced.value();
+  const control::ObjectiveValue& value = problem.reduced.value();
   CHECK(std::abs(value.tracking / (T * T * T / 6 + tau * tau * T / 12) - 1) < 1e-12);
   CHECK(std::abs(value.terminal / (ready.scene.objective->gamma * T * T) - 1) < 1e-12);
   CHECK(value.control_cost == 0);
@@ -110,7 +110,7 @@ TEST_CASE("at the reference control only the cost of the control is left", "[con
   problem::ControlProblem problem(ready.problem, test::silent());
   problem.reduced.simulate(*problem.reference);
   problem.reduced.accept();
-  const control::Value& value = problem.reduced.value();
+  const control::ObjectiveValue& value = problem.reduced.value();
   // Not exactly: on several ranks MUMPS sums in no fixed order, so that two runs differ by rounding.
   CHECK(value.tracking < 1e-24);
   CHECK(value.terminal < 1e-24);
