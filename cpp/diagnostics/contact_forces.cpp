@@ -136,31 +136,31 @@ ContactFigures::ContactFigures(const step::Stepper& stepper) : stepper_(stepper)
     return;
   std::vector<int> all(static_cast<std::size_t>(pairs->count()));
   std::iota(all.begin(), all.end(), 0);
-  parts_.push_back({"", ContactTimes(all)});
+  obstacles_.push_back({"", ContactTimes(all)});
   for (int obstacle = 0; pairs->obstacle_count() > 1 && obstacle < pairs->obstacle_count(); ++obstacle) {
     std::vector<int> own;
     for (const int i : all)
       if (pairs->obstacles()[static_cast<std::size_t>(i)] == obstacle)
         own.push_back(i);
-    parts_.push_back({obstacle_suffix(obstacle), ContactTimes(std::move(own))});
+    obstacles_.push_back({obstacle_suffix(obstacle), ContactTimes(std::move(own))});
   }
 }
 
 void ContactFigures::operator()(const trajectory::Frame& frame) {
-  if (parts_.empty())
+  if (obstacles_.empty())
     return;
   forces_.observe(frame);
-  for (Part& part : parts_)
+  for (ObstacleFigures& part : obstacles_)
     part.times.observe(frame.step, frame.contact);
   if (frame.step.k == 0)
     return;
   const double t = frame.step.end;
-  parts_.front().add(t, forces_.all());
-  for (std::size_t part = 1; part < parts_.size(); ++part)
-    parts_[part].add(t, forces_.each()[part - 1]);
+  obstacles_.front().add(t, forces_.all());
+  for (std::size_t part = 1; part < obstacles_.size(); ++part)
+    obstacles_[part].add(t, forces_.each()[part - 1]);
 }
 
-void ContactFigures::Part::add(double t, const ObstacleForce& now) {
+void ContactFigures::ObstacleFigures::add(double t, const ObstacleForce& now) {
   // Forces of contact-implicit steps alternate, their means over two steps do not (docs/method.md section 2).
   std::array<double, 3> mean{};
   for (std::size_t c = 0; c < mean.size(); ++c)
@@ -173,7 +173,7 @@ void ContactFigures::Part::add(double t, const ObstacleForce& now) {
 
 std::map<std::string, double> ContactFigures::numbers(double end) const {
   std::map<std::string, double> all;
-  for (const Part& part : parts_) {
+  for (const ObstacleFigures& part : obstacles_) {
     const std::vector<ContactTimes::Interval> intervals = part.times.intervals();
     double time = 0;
     for (const auto& [start, until] : intervals)

@@ -112,7 +112,7 @@ public:
 
 private:
   /// What is known of one obstacle, or of all.
-  struct Part {
+  struct ObstacleFigures {
     std::string suffix; ///< of the quantities' names
     ContactTimes times;
     trajectory::ImpulseRecord record{};        ///< of the sum of the forces' moduli
@@ -124,7 +124,7 @@ private:
 
   const step::Stepper& stepper_;
   ObstacleForces forces_;
-  std::vector<Part> parts_; ///< that of all obstacles first
+  std::vector<ObstacleFigures> obstacles_; ///< that of all obstacles first
 };
 
 } // namespace signorini::diagnostics

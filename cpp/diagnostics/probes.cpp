@@ -65,7 +65,7 @@ Probes::Probes(const step::Stepper& stepper, const scene::Scene& scene)
   }
 }
 
-void Probes::add(const std::string& probe, const std::string& quantity, const Value& value) {
+void Probes::add(const std::string& probe, const std::string& quantity, const ProbeValue& value) {
   names_.push_back(probe + "." + quantity);
   values_.push_back(value);
 }
@@ -186,7 +186,7 @@ void Probes::add_values(const trajectory::Frame& frame, const ObstacleForces& fo
     displacement = (*sampler_)(frame.after.y());
     velocity = (*sampler_)(frame.after.v());
   }
-  for (const Value& value : values_) {
+  for (const ProbeValue& value : values_) {
     if (const auto* linear = std::get_if<Linear>(&value)) {
       const Vec x = linear->of == Of::displacement ? frame.after.y()
                     : linear->of == Of::velocity   ? frame.after.v()

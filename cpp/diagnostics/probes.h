@@ -45,9 +45,9 @@ private:
     std::size_t obstacle, component;
     bool impulse;
   };
-  using Value = std::variant<Linear, AtPoint, OfObstacle>;
+  using ProbeValue = std::variant<Linear, AtPoint, OfObstacle>;
 
-  void add(const std::string& probe, const std::string& quantity, const Value& value);
+  void add(const std::string& probe, const std::string& quantity, const ProbeValue& value);
   /// Adds a value for each component; `make(c)` gives it.
   template <class Make>
   void add_vector(const std::string& probe, const std::string& quantity, Make&& make);
@@ -64,7 +64,7 @@ private:
   const step::Stepper& stepper_;
   std::size_t dim_;
   std::vector<std::string> names_;
-  std::vector<Value> values_;
+  std::vector<ProbeValue> values_;
   std::vector<petsc::Vector> weights_;
   std::optional<fem::Sampler> sampler_;
   bool reactions_ = false;

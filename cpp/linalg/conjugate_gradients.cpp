@@ -127,7 +127,7 @@ void ConjugateGradients::choose_preconditioner(Mat matrix, double solves, double
     return;
   auto multigrid = std::make_unique<Preconditioner>(matrix, Preconditioner::Kind::multigrid);
   std::swap(preconditioner_, multigrid);
-  const Trial trial = try_out(most);
+  const TrialSolve trial = try_out(most);
   if (std::isfinite(trial.seconds) &&
       setup + solves * cycle * static_cast<double>(trial.iterations) <= solves * before)
     trial_ = trial;
@@ -135,7 +135,7 @@ void ConjugateGradients::choose_preconditioner(Mat matrix, double solves, double
     std::swap(preconditioner_, multigrid);
 }
 
-ConjugateGradients::Trial ConjugateGradients::try_out(double most) const {
+ConjugateGradients::TrialSolve ConjugateGradients::try_out(double most) const {
   const petsc::Vector x = petsc::zero_like(projected_), b = petsc::zero_like(projected_);
   check(VecSet(b, 1));
   check(KSPSetUp(ksp_));
@@ -144,7 +144,7 @@ ConjugateGradients::Trial ConjugateGradients::try_out(double most) const {
   if (std::isfinite(most))
     solve.until = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(most));
   run(b, x, solve);
-  Trial trial{.seconds = std::chrono::duration<double>(Clock::now() - start).count()};
+  TrialSolve trial{.seconds = std::chrono::duration<double>(Clock::now() - start).count()};
   MPI_Bcast(&trial.seconds, 1, MPI_DOUBLE, 0, petsc::comm(projected_));
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   check(KSPGetIterationNumber(ksp_, &trial.iterations));

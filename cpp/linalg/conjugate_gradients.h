@@ -93,13 +93,13 @@ private:
   static PetscErrorCode precondition(PC shell, Vec x, Vec y);
   static PetscErrorCode converged(KSP ksp, PetscInt iteration, PetscReal residual, KSPConvergedReason* reason,
                                   void* context);
-  struct Trial {
+  struct TrialSolve {
     PetscInt iterations = 0;
     double seconds = 0; ///< infinity if it was given up or failed
   };
 
   void choose_preconditioner(Mat matrix, double solves, double most);
-  [[nodiscard]] Trial try_out(double most) const;
+  [[nodiscard]] TrialSolve try_out(double most) const;
   void run(Vec b, Vec x, Solve& solve) const;
 
   Mat matrix_;
@@ -113,7 +113,7 @@ private:
   petsc::Vector right_hand_side_, projected_; ///< scratch of solves on a subspace
   mutable Solve* now_ = nullptr;              ///< the one under way
   double tolerance_ = 0;
-  Trial trial_; ///< by the preconditioner chosen
+  TrialSolve trial_; ///< by the preconditioner chosen
 };
 
 } // namespace signorini

@@ -123,13 +123,13 @@ private:
     return {here, here, {}, 0};
   }
 
-  struct Point {
+  struct BoundedPoint {
     Vector u;                        ///< within the bounds
     std::optional<Vector> outside{}; ///< what was beyond them
   };
 
   /// The point at t times an offset.
-  static Point point(const P& problem, const Iterate<P>& at, double t, const Vector& offset) {
+  static BoundedPoint point(const P& problem, const Iterate<P>& at, double t, const Vector& offset) {
     Vector u = at.u;
     u.add(t, offset);
     if (!problem.bounded())
@@ -140,7 +140,7 @@ private:
       return {std::move(within), std::move(u)};
     return {std::move(within)};
   }
-  Point point(const P& problem, const Iterate<P>& at, const Coordinates& offset) const {
+  BoundedPoint point(const P& problem, const Iterate<P>& at, const Coordinates& offset) const {
     return point(problem, at, 1, span_.vector(offset, at.u));
   }
 

@@ -21,27 +21,27 @@ Vec zeroed(const petsc::Vector& out) {
 
 } // namespace
 
-template <class Part>
-SumAtStep<Part>::SumAtStep(const fem::Space& space, std::initializer_list<const StepByStep<Part>*> terms) {
+template <std::derived_from<Functional> F>
+SumAtStep<F>::SumAtStep(const fem::Space& space, std::initializer_list<const StepByStep<F>*> terms) {
   std::ranges::copy_if(terms, std::back_inserter(terms_), [](const auto* term) { return term != nullptr; });
-  if (std::ranges::any_of(terms_, &StepByStep<Part>::has_density))
+  if (std::ranges::any_of(terms_, &StepByStep<F>::has_density))
     density_ = space.vector();
-  if (std::ranges::any_of(terms_, &StepByStep<Part>::has_vector))
+  if (std::ranges::any_of(terms_, &StepByStep<F>::has_vector))
     vector_ = space.vector();
 }
 
-template <class Part>
-Part SumAtStep<Part>::at(const TimeStep& step) const {
-  const Part sum{{zeroed(density_), zeroed(vector_)}};
-  for (const StepByStep<Part>* term : terms_)
+template <std::derived_from<Functional> F>
+F SumAtStep<F>::at(const TimeStep& step) const {
+  const F sum{{zeroed(density_), zeroed(vector_)}};
+  for (const StepByStep<F>* term : terms_)
     term->add(step, sum);
   return sum;
 }
 
-template <class Part>
-double SumAtStep<Part>::variation(double from, double to) const {
+template <std::derived_from<Functional> F>
+double SumAtStep<F>::variation(double from, double to) const {
   double most = 0;
-  for (const StepByStep<Part>* term : terms_)
+  for (const StepByStep<F>* term : terms_)
     most = std::max(most, term->variation(from, to));
   return most;
 }

@@ -4,6 +4,7 @@
 #include "fem/operators.h"
 #include "fem/time_profile.h"
 #include "step/time_grid.h"
+#include <concepts>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -25,7 +26,7 @@ struct StateDual : Functional {};
 
 /// Forces of the steps k = 1…N, or duals of the states k = 0…N, each given by the step that leads to it. All
 /// members collective.
-template <class Part>
+template <std::derived_from<Functional> F>
 class StepByStep {
 public:
   virtual ~StepByStep() = default;
@@ -33,7 +34,7 @@ public:
   [[nodiscard]] virtual bool has_density() const = 0;
   [[nodiscard]] virtual bool has_vector() const = 0;
   /// Adds the force or dual of a step to `sum`.
-  virtual void add(const TimeStep& step, Part sum) const = 0;
+  virtual void add(const TimeStep& step, F sum) const = 0;
   /// ∫ |f − f̄| dt between two times (s), f̄ the mean there, over ∫ |f| dt of the motion; 0 of what is constant
   /// or no function of time. Collective.
   [[nodiscard]] virtual double variation(double from, double to) const {
@@ -46,20 +47,20 @@ using Load = StepByStep<NodalForce>;
 using StateDuals = StepByStep<StateDual>;
 
 /// The sum of several such series; it allocates vectors for the parts that they have. All members collective.
-template <class Part>
+template <std::derived_from<Functional> F>
 class SumAtStep {
 public:
   /// Null terms are zero. The references must outlive this object.
-  SumAtStep(const fem::Space& space, std::initializer_list<const StepByStep<Part>*> terms);
-  SumAtStep(const fem::Space& space, const StepByStep<Part>& term) : SumAtStep(space, {&term}) {}
+  SumAtStep(const fem::Space& space, std::initializer_list<const StepByStep<F>*> terms);
+  SumAtStep(const fem::Space& space, const StepByStep<F>& term) : SumAtStep(space, {&term}) {}
 
   /// The sum at a step; valid until the next call.
-  [[nodiscard]] Part at(const TimeStep& step) const;
+  [[nodiscard]] F at(const TimeStep& step) const;
   /// The largest variation of a term.
   [[nodiscard]] double variation(double from, double to) const;
 
 private:
-  std::vector<const StepByStep<Part>*> terms_;
+  std::vector<const StepByStep<F>*> terms_;
   petsc::Vector density_, vector_;
 };
 
