@@ -25,6 +25,50 @@ int free_components(const fem::DirichletDofs& clamped, int node, int dim) {
   return free;
 }
 
+std::string shown(const ContactPairs& pairs, int i) {
+  return point_text(&pairs.points()[3 * static_cast<std::size_t>(i)]);
+}
+
+/// Solves 0 ≤ λ ⟂ g + HᵀHλ ≥ 0 at one cluster with the gaps g: −Hλ moves the node to the closest position
+/// allowed. λ is in work.lambda. False if there is no such position.
+[[nodiscard]] bool place(const ContactPairs& pairs, const ConstraintRows::Cluster& node,
+                         std::span<const double> gap, ContactPairs::NodeWork& work) {
+  const ConstraintRows& rows = pairs.rows();
+  const auto size = static_cast<std::size_t>(node.last - node.first);
+  rows.gram(node, work.gram);
+  work.lambda.resize(size);
+  const auto depends = [&](const ActiveSet& set, int j) {
+    RowBasis basis(rows);
+    for (int i : set)
+      basis.add(node.first + i);
+    return !basis.add(node.first + j);
+  };
+  int steps = 0;
+  const auto column = [&](int i) {
+    return std::span<const double>(work.gram).subspan(static_cast<std::size_t>(i) * size, size);
+  };
+  return goldfarb_idnani(column, gap.subspan(static_cast<std::size_t>(node.first), size),
+                         pairs.gap_tolerance(), std::cref(depends), work.set, work.lambda, steps,
+                         work.solver);
+}
+
+/// Throws UserError if no position of some node satisfies the constraints of all its obstacles, for the ψ (m)
+/// of time t. Collective.
+void require_room(const ContactPairs& pairs, std::span<const double> psi, double t,
+                  ContactPairs::NodeWork& work) {
+  if (pairs.rows().clamped() ||
+      !pairs.rows().dependent()) // in the first case it depends on the motion of the clamps too
+    return;
+  on_all_ranks(pairs.comm(), [&] {
+    for (const ConstraintRows::Cluster& node : pairs.rows().clusters())
+      if (node.dependent && !place(pairs, node, psi, work))
+        throw UserError(fmt::format(
+            "contact: at t = {:.6g} s the obstacles leave no room for the node at {}, allowed are "
+            "obstacles between which every node has a place",
+            t, shown(pairs, node.first)));
+  });
+}
+
 } // namespace
 
 ContactPairs::ContactPairs(const fem::Space& space, const fem::DirichletDofs& clamped,
@@ -212,52 +256,6 @@ std::span<const double> ContactPairs::psi(double t, Gaps& gaps) const {
   }
   require_room(*this, gaps.psi, t, gaps.node);
   return gaps.psi;
-}
-
-namespace {
-
-std::string shown(const ContactPairs& pairs, int i) {
-  return point_text(&pairs.points()[3 * static_cast<std::size_t>(i)]);
-}
-
-/// Solves 0 ≤ λ ⟂ g + HᵀHλ ≥ 0 at one cluster with the gaps g: −Hλ moves the node to the closest position
-/// allowed. λ is in work.lambda. False if there is no such position.
-[[nodiscard]] bool place(const ContactPairs& pairs, const ConstraintRows::Cluster& node,
-                         std::span<const double> gap, ContactPairs::NodeWork& work) {
-  const ConstraintRows& rows = pairs.rows();
-  const auto size = static_cast<std::size_t>(node.last - node.first);
-  rows.gram(node, work.gram);
-  work.lambda.resize(size);
-  const auto depends = [&](const ActiveSet& set, int j) {
-    RowBasis basis(rows);
-    for (int i : set)
-      basis.add(node.first + i);
-    return !basis.add(node.first + j);
-  };
-  int steps = 0;
-  const auto column = [&](int i) {
-    return std::span<const double>(work.gram).subspan(static_cast<std::size_t>(i) * size, size);
-  };
-  return goldfarb_idnani(column, gap.subspan(static_cast<std::size_t>(node.first), size),
-                         pairs.gap_tolerance(), std::cref(depends), work.set, work.lambda, steps,
-                         work.solver);
-}
-
-} // namespace
-
-void require_room(const ContactPairs& pairs, std::span<const double> psi, double t,
-                  ContactPairs::NodeWork& work) {
-  if (pairs.rows().clamped() ||
-      !pairs.rows().dependent()) // in the first case it depends on the motion of the clamps too
-    return;
-  on_all_ranks(pairs.comm(), [&] {
-    for (const ConstraintRows::Cluster& node : pairs.rows().clusters())
-      if (node.dependent && !place(pairs, node, psi, work))
-        throw UserError(fmt::format(
-            "contact: at t = {:.6g} s the obstacles leave no room for the node at {}, allowed are "
-            "obstacles between which every node has a place",
-            t, shown(pairs, node.first)));
-  });
 }
 
 void place_outside(const ContactPairs& pairs, Vec y) {

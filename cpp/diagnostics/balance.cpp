@@ -14,8 +14,6 @@ namespace {
 
 using Components = std::array<double, 3>;
 
-double length(const Components& x) { return std::hypot(x[0], x[1], x[2]); }
-
 /// −(2/τ²) Σ λ_i ν_i, the contact forces on the body (N), including components that clamps hold; these act on
 /// the clamps alone.
 void contact_forces(const step::Stepper& stepper, const step::Scheme& scheme,
@@ -179,20 +177,17 @@ void Invariants::observe(const trajectory::Frame& frame, const StepBalance& bala
   forces_ = std::max(forces_, balance.momentum_scale);
   now_ = {};
   now_[0] = part(std::abs(balance.energy_residual) - rounding, energy_);
-  now_[1] = part(
-      std::hypot(balance.momentum_residual[0], balance.momentum_residual[1], balance.momentum_residual[2]) -
-          rounding_of_forces,
-      forces_);
-  const double length = stepper_.space().mesh().diameter();
+  now_[1] = part(length(balance.momentum_residual) - rounding_of_forces, forces_);
+  const double diameter = stepper_.space().mesh().diameter();
   const contact::ContactState& state = frame.contact;
   const double unit = frame.step.k > 0 ? frame.step.scheme().impulse() : 1; // of λ by forces
   for (const double lambda : state.normal_lambda())
     contact_force_ = std::max(contact_force_, std::abs(lambda) / unit);
   const double scale = std::max(contact_force_, std::sqrt(2 * energy_ * mass_) / crossing_);
   for (std::size_t i = 0; i < state.status.size(); ++i) {
-    now_[2] = worst_of(now_[2], part(-state.gap[i], length));
+    now_[2] = worst_of(now_[2], part(-state.gap[i], diameter));
     now_[3] = worst_of(now_[3], part(-state.lambda[i] / unit, scale));
-    now_[4] = worst_of(now_[4], part(std::abs(state.lambda[i] / unit * state.gap[i]), scale * length));
+    now_[4] = worst_of(now_[4], part(std::abs(state.lambda[i] / unit * state.gap[i]), scale * diameter));
   }
   for (std::size_t j = 0; j < now_.size(); ++j)
     if (worse(now_[j], defects_[j].worst)) {

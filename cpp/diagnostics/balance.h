@@ -2,11 +2,15 @@
 #pragma once
 #include "trajectory/time_integrator.h"
 #include <array>
+#include <cmath>
 #include <string>
 
 namespace signorini::diagnostics {
 
 struct BodyFigures;
+
+/// Euclidean.
+[[nodiscard]] inline double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
 
 /// Energy and momentum balance of one step, from the exact discrete identities of docs/method.md section 2.
 /// In 2D energies are J/m, forces N/m.

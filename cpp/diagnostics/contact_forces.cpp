@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "diagnostics/contact_forces.h"
+#include "diagnostics/balance.h"
 #include "step/functionals.h"
 #include <algorithm>
 #include <cmath>
@@ -98,8 +99,6 @@ void ContactTimes::observe(const step::TimeStep& step, const contact::ContactSta
   touching_ = std::move(touching);
 }
 
-std::vector<ContactTimes::Interval> ContactTimes::intervals() const { return intervals_; }
-
 double ContactTimes::until_onset(const std::vector<int>& touching) const {
   const double step = step_.tau;
   double first = step;
@@ -121,12 +120,6 @@ double ContactTimes::since_release() const {
   }
   return least;
 }
-
-namespace {
-
-double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
-
-} // namespace
 
 std::string obstacle_suffix(int obstacle) { return fmt::format("_{}", obstacle + 1); }
 

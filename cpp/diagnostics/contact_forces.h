@@ -77,7 +77,7 @@ public:
     double start, end;
   };
   /// Those of the frames observed so far; one that lasts ends with the last of them.
-  [[nodiscard]] std::vector<Interval> intervals() const;
+  [[nodiscard]] const std::vector<Interval>& intervals() const { return intervals_; }
 
 private:
   /// Time from the begin of step k until an interval begins in it, and from the end of one in step k − 1 to

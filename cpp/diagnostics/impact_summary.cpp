@@ -9,8 +9,6 @@ namespace {
 
 constexpr int least_open = 2; // steps; single ones without contact occur in rest
 
-double length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
-
 std::array<double, 3> over(std::array<double, 3> x, double divisor) {
   for (double& component : x)
     component /= divisor;

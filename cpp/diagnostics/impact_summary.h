@@ -45,7 +45,7 @@ struct Rebound {
       after{};                     ///< at the end
   /// −(after·n)/(before·n) along n, the part of the impulse in components that no clamp holds; only of a body
   /// that moved towards one obstacle at rest, touched no other, and left it.
-  std::optional<double> restitution;
+  std::optional<double> restitution{};
 };
 
 /// The motion of the body as a whole before and after contact.

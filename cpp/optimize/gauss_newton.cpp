@@ -29,6 +29,14 @@ struct Model {
     return sum;
   }
 
+  /// The unknowns that no bound blocks.
+  [[nodiscard]] std::vector<bool> free_at(const std::vector<double>& x, const Box& box) const {
+    std::vector<bool> free(n);
+    for (std::size_t i = 0; i < n; ++i)
+      free[i] = !box.blocks(i, x[i], g[i]);
+    return free;
+  }
+
   /// The minimiser over the unknowns that are `free`, the others having the change `d`, with H's diagonal
   /// enlarged by the factor 1 + damping. An unknown that nothing tells does not change.
   void minimise(const std::vector<bool>& free, double damping, std::vector<double>& d) const {
@@ -65,9 +73,7 @@ struct Model {
   /// another.
   [[nodiscard]] std::vector<double> step(const std::vector<double>& x, const Box& box, double damping) const {
     std::vector<double> d(n, 0.0);
-    std::vector<bool> free(n);
-    for (std::size_t i = 0; i < n; ++i)
-      free[i] = !box.blocks(i, x[i], g[i]);
+    std::vector<bool> free = free_at(x, box);
     for (std::size_t round = 0; round <= n; ++round) {
       minimise(free, damping, d);
       bool within = true;
@@ -86,10 +92,7 @@ struct Model {
 
   [[nodiscard]] double decrement(const std::vector<double>& x, const Box& box) const {
     std::vector<double> d(n, 0.0);
-    std::vector<bool> free(n);
-    for (std::size_t i = 0; i < n; ++i)
-      free[i] = !box.blocks(i, x[i], g[i]);
-    minimise(free, 0, d);
+    minimise(free_at(x, box), 0, d);
     const double squared = -dot(g, d);            // NaN stays one
     return squared <= 0 ? 0 : std::sqrt(squared); // −0 would show its sign
   }

@@ -42,11 +42,14 @@ double wave_time(const fem::Space& space, const scene::Scene& scene) {
   return fem::least_wave_time(space, scene.materials, surfaces);
 }
 
-/// At the usual tolerance waves cross an element in contact within two steps or more. The error of a contact
-/// that a step begins in falls as the square of its length.
-double shortest_step(const scene::Time& time, double wave_time) {
+/// The lengths of steps that vary; none if all have the scene's. At the usual tolerance waves cross an
+/// element in contact within two steps or more. The error of a contact that a step begins in falls as the
+/// square of its length.
+std::optional<StepLengths> step_lengths(const scene::Time& time, double wave_time) {
   constexpr double usual_tolerance = 1e-2;
-  return wave_time / 2 * std::sqrt(time.tolerance / usual_tolerance);
+  if (!time.automatic())
+    return std::nullopt;
+  return StepLengths(time, wave_time / 2 * std::sqrt(time.tolerance / usual_tolerance));
 }
 
 } // namespace
@@ -54,10 +57,7 @@ double shortest_step(const scene::Time& time, double wave_time) {
 Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const scene::Scene& scene,
                  Needs needs)
     : space_(space), operators_(operators), contact_scheme_(scene.contact_scheme()),
-      wave_time_(step::wave_time(space, scene)),
-      step_lengths_(scene.time.automatic() ? std::optional<StepLengths>(StepLengths(
-                                                 scene.time, shortest_step(scene.time, wave_time_)))
-                                           : std::nullopt),
+      wave_time_(step::wave_time(space, scene)), step_lengths_(step::step_lengths(scene.time, wave_time_)),
       end_(step_lengths_ ? step_lengths_->end : scene.time.steps * scene.time.step),
       first_length_(step_lengths_ ? step_lengths_->shortest_step() : scene.time.step),
       clamped_(space, scene.clamps) {
@@ -79,8 +79,8 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
                    motion_.has_value(), [this, &materials = scene.materials](double tau) {
                      petsc::Matrix D = fem::assemble_step_operator(space_, materials, tau);
                      if (redistributed_mass_) {
-                       check(MatAXPY(D, -1, *mass_blocks_, SUBSET_NONZERO_PATTERN));
-                       check(MatAXPY(D, 1, *redistributed_blocks_, DIFFERENT_NONZERO_PATTERN));
+                       check(MatAXPY(D, -1, mass_blocks_, SUBSET_NONZERO_PATTERN));
+                       check(MatAXPY(D, 1, redistributed_blocks_, DIFFERENT_NONZERO_PATTERN));
                      }
                      return D;
                    });
@@ -90,12 +90,12 @@ Stepper::Stepper(const fem::Space& space, const fem::Operators& operators, const
 void Stepper::move_mass(const scene::Scene& scene) {
   mass_blocks_ = fem::assemble_mass(space_, scene.materials);
   redistributed_blocks_ = contact::redistributed_mass(
-      space_, *pairs_, contact::obstacles_without_mass(scene.contacts), *mass_blocks_);
-  redistributed_mass_ = fem::symmetric_half(*redistributed_blocks_);
+      space_, *pairs_, contact::obstacles_without_mass(scene.contacts), mass_blocks_);
+  redistributed_mass_ = fem::symmetric_half(redistributed_blocks_);
 }
 
 double Stepper::scheme_bytes() const {
-  return (redistributed_mass_ ? petsc::bytes(*redistributed_mass_) : 0) +
+  return (redistributed_mass_ ? petsc::bytes(redistributed_mass_) : 0) +
          (predictor_ ? predictor_->bytes() : 0);
 }
 
@@ -276,12 +276,10 @@ void Stepper::linearised_step(const LinearisedStep& step, const contact::Contact
 
 void Stepper::one_sided_step(const LinearisedStep& step, contact::ContactLinearisation& contact,
                              Workspace& work) const {
+  if (contact.weak.empty())
+    return linearised_step(step, contact, work);
   const Vec jump = linearised_right_hand_side(step, contact, work);
-  if (!contact.weak.empty())
-    solve_one_sided(step.scheme, contact, step.to.y(), work);
-  else
-    solve_on_active_set(step.scheme.tau, Direction::linearised, contact, step.normal, step.to.y(),
-                        step.multipliers, work);
+  solve_one_sided(step.scheme, contact, step.to.y(), work);
   set_velocity(step.scheme, step.from, jump, step.to);
   ++linearised_steps;
 }

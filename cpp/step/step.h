@@ -131,7 +131,7 @@ public:
   [[nodiscard]] double factorisation_seconds() const { return lengths_->seconds(); }
   [[nodiscard]] scene::ContactScheme contact_scheme() const { return contact_scheme_; }
   /// The mass matrix M of this run: the body's, or with massless contact EᵀME (docs/method.md section 2).
-  [[nodiscard]] Mat M() const { return redistributed_mass_ ? Mat(*redistributed_mass_) : Mat(operators_.M); }
+  [[nodiscard]] Mat M() const { return redistributed_mass_ ? redistributed_mass_ : operators_.M; }
   /// Null except in contact-stabilized stepping.
   [[nodiscard]] const PredictorProjection* predictor() const { return predictor_ ? &*predictor_ : nullptr; }
   /// Null where no clamp moves.
@@ -229,8 +229,8 @@ private:
   fem::DirichletDofs clamped_;
   std::optional<MovingClamps> motion_;
   std::optional<contact::ContactPairs> pairs_;
-  std::optional<petsc::Matrix> redistributed_mass_, mass_blocks_,
-      redistributed_blocks_; ///< in halves; M and that in blocks
+  petsc::Matrix redistributed_mass_;                 ///< in halves; null unless contact takes mass
+  petsc::Matrix mass_blocks_, redistributed_blocks_; ///< the body's and that in blocks
   std::optional<PredictorProjection> predictor_;
   std::optional<StepOperators> lengths_;
 };

@@ -58,10 +58,7 @@ TimeGrid TimeGrid::first(int steps) const {
 
 int TimeGrid::steps() const { return equal() ? steps_->count : static_cast<int>(steps_->ticks.size()) - 1; }
 
-bool TimeGrid::complete() const {
-  return equal() || steps_->ticks.back() ==
-                        steps_->step_lengths->longest * StepLengths::parts(steps_->step_lengths->levels);
-}
+bool TimeGrid::complete() const { return equal() || steps_->ticks.back() == steps_->step_lengths->ticks(); }
 
 double TimeGrid::time(int k) const {
   if (equal())

@@ -32,6 +32,8 @@ struct StepLengths {
   [[nodiscard]] int level(double tau) const;
   /// 2^level.
   [[nodiscard]] static std::int64_t parts(int level) { return std::int64_t(1) << level; }
+  /// The end in units of the shortest length.
+  [[nodiscard]] std::int64_t ticks() const { return longest * parts(levels); }
 };
 
 /// Step k of a motion, from t_{k−1} to t_k. k = 0 is the initial state, which no step leads to: t_0 alone,
@@ -110,7 +112,7 @@ public:
   [[nodiscard]] const StepLengths& step_lengths() const { return step_lengths_; }
   [[nodiscard]] int steps() const { return static_cast<int>(ticks_.size()) - 1; }
   /// Whether the steps reach the end of the motion.
-  [[nodiscard]] bool complete() const { return ticks_.back() == all_ticks(); }
+  [[nodiscard]] bool complete() const { return ticks_.back() == step_lengths_.ticks(); }
   /// The least level that a step after the last one may have: the longest length of which the time reached is
   /// a multiple.
   [[nodiscard]] int least_level() const;
@@ -123,10 +125,6 @@ public:
   [[nodiscard]] TimeGrid grid() const;
 
 private:
-  [[nodiscard]] std::int64_t all_ticks() const {
-    return step_lengths_.longest * StepLengths::parts(step_lengths_.levels);
-  }
-
   StepLengths step_lengths_;
   std::vector<std::int64_t> ticks_; ///< t_k in units of the shortest length
 };

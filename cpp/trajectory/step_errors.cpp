@@ -24,6 +24,14 @@ constexpr double most_turned = 0.2;
 /// Part of their errors with which the shortest steps count in a flight between two touches; by trials.
 constexpr double of_shortest = 0.2;
 
+/// The sum of the moduli of the nodal forces of a step, N.
+double normal_force(const Frame& frame) {
+  double force = 0;
+  for (const double lambda : frame.contact.normal_lambda())
+    force += lambda / frame.step.scheme().impulse();
+  return force;
+}
+
 /// Factors of values at times t, the newest first, in the distance of the newest from the line through the
 /// others.
 std::array<double, 3> distance(const std::array<double, 3>& t) {
@@ -185,10 +193,7 @@ StepErrors::Step StepErrors::judge(const Frame& frame) {
   error_ = shortest ? of_shortest * error : error;
   step.error = shortest ? 0 : error;
   if (const contact::ContactPairs* pairs = stepper_.pairs()) {
-    double force = 0;
-    for (const double lambda : frame.contact.normal_lambda())
-      force += lambda / frame.step.scheme().impulse();
-    force_of_two_ = (tau * force + last_length_ * last_force_) / (tau + last_length_);
+    force_of_two_ = (tau * normal_force(frame) + last_length_ * last_force_) / (tau + last_length_);
     constexpr double parabola = 6;
     step.bend = std::abs(force_of_two_ - 2 * forces_of_two_[0] + forces_of_two_[1]) / parabola;
     for (const int i : frame.contact.active)
@@ -273,9 +278,7 @@ void StepErrors::take_contact(const Frame& frame) {
     open_[o] = closed[o] ? 0 : std::min(open_[o] + 1, ended);
     any = any || closed[o], lasts = lasts || contact(o);
   }
-  double force = 0;
-  for (const double lambda : frame.contact.normal_lambda())
-    force += lambda / frame.step.scheme().impulse();
+  const double force = normal_force(frame);
   if (any && begins_.empty() && !gaps_before_.empty())
     judge_flight(frame);
   if (any && !contact_.lasts) {
@@ -285,7 +288,7 @@ void StepErrors::take_contact(const Frame& frame) {
     // Contact that is resumed after a short pause goes on.
     constexpr double pause = 0.1;
     if (contact_.steps == 0 || begin - contact_.end > pause * (contact_.end - contact_.begin)) {
-      end_contact();
+      coarsest_ = coarsest_contact();
       contact_ = {.begin = begin};
     }
   }
@@ -323,9 +326,10 @@ void StepErrors::judge_flight(const Frame& frame) {
     drift_ = turned * std::numeric_limits<double>::epsilon() * time * time * size(frame.before->y()) / window;
 }
 
-void StepErrors::end_contact() {
-  if (contact_.steps > 0 && contact_.steps < few_steps && contact_.impulse > coarsest_.impulse)
-    coarsest_ = contact_;
+const StepErrors::Contact& StepErrors::coarsest_contact() const {
+  const bool coarser =
+      contact_.steps > 0 && contact_.steps < few_steps && contact_.impulse > coarsest_.impulse;
+  return coarser ? contact_ : coarsest_;
 }
 
 double StepErrors::closing() const {
@@ -370,10 +374,7 @@ std::vector<Warning> StepErrors::warnings() const {
                      "{:g} are meant (5 time.tolerance): forces may be off; lower time.tolerance",
                      sum, most),
          sum, most});
-  Contact few = coarsest_;
-  if (contact_.steps > 0 && contact_.steps < few_steps && contact_.impulse > few.impulse)
-    few = contact_;
-  if (few.impulse > tolerance_ * force_.total())
+  if (const Contact& few = coarsest_contact(); few.impulse > tolerance_ * force_.total())
     found.push_back(
         {"few steps in contact",
          fmt::format("the contact that begins at t = {:.6g} s gives {:.2g} of the impulse within {} step{}: "

@@ -109,7 +109,8 @@ private:
   void take_rigid(const Frame& frame);
   void take_deformation(const Frame& frame);
   void take_contact(const Frame& frame);
-  void end_contact();
+  /// Of coarsest_ and the contact that lasts.
+  [[nodiscard]] const Contact& coarsest_contact() const;
   /// Before the first touch.
   void judge_flight(const Frame& frame);
   /// Where the largest force is that of a single wave, which the mesh and the steps decide.

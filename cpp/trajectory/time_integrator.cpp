@@ -63,7 +63,8 @@ void Checkpoint::take(const Checkpoint& other) {
 }
 
 double Checkpoint::bytes(const step::Stepper& stepper) {
-  return (stepper.state_parts() + Extrapolation::vectors(stepper)) * sizeof(PetscScalar) *
+  const std::size_t vectors_stored = stepper.state_parts() + Extrapolation::vectors(stepper);
+  return static_cast<double>(vectors_stored * sizeof(PetscScalar)) *
          static_cast<double>(stepper.space().dofs());
 }
 
@@ -168,21 +169,25 @@ void set_initial_gaps(const step::Stepper& stepper, Vec y, contact::ContactState
     pairs->rows().gap(pairs->psi(), y, contact.gap);
 }
 
+/// Collective where stops are obeyed.
+bool stopped(const step::Stepper& stepper, Stops stops) {
+  return stops == Stops::obeyed && stop_requested(stepper.space().comm());
+}
+
 } // namespace
 
 int integrate_with(const step::Stepper& stepper, const step::TimeGrid& grid, TimeIntegrator& integrator,
                    Stops stops, const std::function<contact::ContactState&(int k)>& contact,
                    const step::NodalForce& acting, const StepObserver& watch) {
-  const auto stopped = [&] { return stops == Stops::obeyed && stop_requested(stepper.space().comm()); };
   integrator.restart();
   set_initial_gaps(stepper, integrator.now().state.y(), contact(0));
-  bool last = stopped();
+  bool last = stopped(stepper, stops);
   watch({grid.step(0), nullptr, {}, integrator.now().state, contact(0), last});
   int k = 0;
   while (!last) {
     const step::TimeStep step = grid.step(++k);
     integrator.advance(step);
-    last = k == grid.steps() || stopped();
+    last = k == grid.steps() || stopped(stepper, stops);
     watch({step, &integrator.before(), acting, integrator.now().state, contact(k), last});
   }
   return k;
@@ -224,33 +229,27 @@ step::TimeGrid integrate_choosing(const step::Stepper& stepper, const step::Stat
                                   const StepObserver& watch, Stops stops) {
   Rolling motion(stepper, initial, load);
   TimeIntegrator& integrator = motion.integrator;
-  const auto stopped = [&] { return stops == Stops::obeyed && stop_requested(stepper.space().comm()); };
   const auto show = [&](const Frame& frame) {
     if (watch)
       watch(frame);
-  };
-  const auto advance = [&] {
-    const step::TimeStep step = control.next_step();
-    integrator.advance(step);
-    return Frame{step, &integrator.before(), motion.acting, integrator.now().state, motion.contact(step.k),
-                 false};
   };
   integrator.restart();
   const step::State& start = integrator.now().state;
   set_initial_gaps(stepper, start.y(), motion.contact(0));
   control.start(start.y(), start.v(), load);
-  bool last = stopped();
+  bool last = stopped(stepper, stops);
   show({{.tau = stepper.first_length()}, nullptr, {}, start, motion.contact(0), last});
   while (!last) {
-    const Frame made = advance();
+    const step::TimeStep step = control.next_step();
+    integrator.advance(step);
+    Frame made{step, &integrator.before(), motion.acting, integrator.now().state, motion.contact(step.k),
+               false};
     if (!control.accepts(made)) {
       integrator.take_back();
       continue;
     }
-    last = control.steps().complete() || stopped();
-    Frame frame = made;
-    frame.last = last;
-    show(frame);
+    made.last = last = control.steps().complete() || stopped(stepper, stops);
+    show(made);
   }
   return control.steps().grid();
 }
