@@ -25,6 +25,41 @@ void triangular(const std::vector<double>& L, const char* transposed, std::span<
 /// take little memory beside the factor.
 constexpr int block = 64;
 
+HalfSolve half_solve_by_columns(Vec layout, int rows) {
+  HalfSolve made;
+  for (petsc::Vector* x : {&made.r, &made.y, &made.forces})
+    *x = petsc::zero_like(layout);
+  made.reference.resize(static_cast<std::size_t>(rows));
+  made.weights.reserve(made.reference.size());
+  made.columns.reserve(made.reference.size());
+  return made;
+}
+
+/// y = D⁻¹ (r − Hλ) from the solution for the multipliers half_solve.reference, by columns of D⁻¹H; by
+/// another solve, from the guess y, where one of them is not stored.
+void finish_by_columns(const ConstraintRows& rows, const petsc::Series& stored, const LinearSolver& D,
+                       HalfSolve& half_solve, std::span<const double> lambda, Vec y) {
+  std::vector<double>& weights = half_solve.weights;
+  std::vector<Vec>& columns = half_solve.columns;
+  weights.clear();
+  columns.clear();
+  bool all_stored = true;
+  for (std::size_t i = 0; i < lambda.size(); ++i)
+    if (const double change = lambda[i] - half_solve.reference[i]; change != 0) {
+      weights.push_back(-change);
+      columns.push_back(stored[i]);
+      all_stored = all_stored && stored[i];
+    }
+  if (all_stored) {
+    check(VecCopy(half_solve.y, y));
+    check(VecMAXPY(y, static_cast<PetscInt>(columns.size()), weights.data(), columns.data()));
+    return;
+  }
+  check(VecCopy(half_solve.r, half_solve.forces));
+  rows.apply(-1, lambda, half_solve.forces);
+  D.solve(half_solve.forces, y);
+}
+
 } // namespace
 
 TrailingBlockCondensation::TrailingBlockCondensation(const ConstraintRows& rows, const SparseCholesky& D)
@@ -86,6 +121,7 @@ StoredColumnsCondensation::StoredColumnsCondensation(const ConstraintRows& rows,
   check(VecGetSize(layout, &n));
   const bool keep = sizeof(double) * static_cast<double>(m) * static_cast<double>(n) <= memory;
   S_.resize(m * m);
+  columns_.resize(m);
   for (int first = 0; first < rows.count(); first += block) {
     if (stop_requested(petsc::comm(layout)))
       throw Interrupted();
@@ -95,7 +131,7 @@ StoredColumnsCondensation::StoredColumnsCondensation(const ConstraintRows& rows,
       const petsc::Column y(X, j);
       rows_.apply_transpose(y, std::span(&S_[static_cast<std::size_t>(first + j) * m], m));
       if (keep)
-        columns_.push_back(petsc::copy(y));
+        columns_[static_cast<std::size_t>(first + j)] = petsc::copy(y);
     }
   }
   for (std::size_t i = 0; i < m; ++i) // rounding of the solves is the only asymmetry
@@ -104,12 +140,7 @@ StoredColumnsCondensation::StoredColumnsCondensation(const ConstraintRows& rows,
 }
 
 HalfSolve StoredColumnsCondensation::half_solve() const {
-  HalfSolve made;
-  for (petsc::Vector* x : {&made.r, &made.y, &made.forces})
-    *x = petsc::zero_like(layout_);
-  made.weights.reserve(static_cast<std::size_t>(rows_.count()));
-  made.columns.reserve(static_cast<std::size_t>(rows_.count()));
-  return made;
+  return half_solve_by_columns(layout_, rows_.count());
 }
 
 void StoredColumnsCondensation::predict(Vec r, const Guess&, HalfSolve& half_solve,
@@ -120,36 +151,14 @@ void StoredColumnsCondensation::predict(Vec r, const Guess&, HalfSolve& half_sol
 }
 
 void StoredColumnsCondensation::finish(HalfSolve& half_solve, std::span<const double> lambda, Vec y) const {
-  std::vector<double>& weights = half_solve.weights;
-  std::vector<Vec>& columns = half_solve.columns;
-  weights.clear();
-  columns.clear();
-  for (std::size_t i = 0; i < lambda.size(); ++i)
-    if (lambda[i] != 0) {
-      weights.push_back(-lambda[i]);
-      if (!columns_.empty())
-        columns.push_back(columns_[i]);
-    }
-  check(VecCopy(half_solve.y, y));
-  if (weights.empty())
-    return;
-  if (!columns_.empty()) {
-    check(VecMAXPY(y, static_cast<PetscInt>(columns.size()), weights.data(), columns.data()));
-    return;
-  }
-  check(VecCopy(half_solve.r, half_solve.forces));
-  rows_.apply(-1, lambda, half_solve.forces);
-  D_.solve(half_solve.forces, y);
+  finish_by_columns(rows_, columns_, D_, half_solve, lambda, y);
 }
 
 double StoredColumnsCondensation::bytes() const {
-  double sum = 0;
-  for (const petsc::Vector& column : columns_) {
-    PetscInt n = 0;
-    check(VecGetSize(column, &n));
-    sum += sizeof(double) * static_cast<double>(n);
-  }
-  return sum;
+  PetscInt n = 0;
+  check(VecGetSize(layout_, &n));
+  const auto stored = std::ranges::count_if(columns_, [](Vec column) { return column != nullptr; });
+  return sizeof(double) * static_cast<double>(n) * static_cast<double>(stored);
 }
 
 namespace {
@@ -165,13 +174,7 @@ ColumnsOnDemand::ColumnsOnDemand(const ConstraintRows& rows, const ConjugateGrad
 }
 
 HalfSolve ColumnsOnDemand::half_solve() const {
-  HalfSolve made;
-  for (petsc::Vector* x : {&made.r, &made.y, &made.forces})
-    *x = petsc::vector_of(matrix_);
-  made.reference.resize(S_.size());
-  made.weights.reserve(S_.size());
-  made.columns.reserve(S_.size());
-  return made;
+  return half_solve_by_columns(petsc::vector_of(matrix_), rows_.count());
 }
 
 void ColumnsOnDemand::prepare(std::span<const int> rows) const {
@@ -224,25 +227,7 @@ void ColumnsOnDemand::predict(Vec r, const Guess& guess, HalfSolve& half_solve,
 }
 
 void ColumnsOnDemand::finish(HalfSolve& half_solve, std::span<const double> lambda, Vec y) const {
-  std::vector<double>& weights = half_solve.weights;
-  std::vector<Vec>& columns = half_solve.columns;
-  weights.clear();
-  columns.clear();
-  bool kept = true;
-  for (std::size_t i = 0; i < lambda.size(); ++i)
-    if (const double change = lambda[i] - half_solve.reference[i]; change != 0) {
-      weights.push_back(-change);
-      columns.push_back(columns_[i]);
-      kept = kept && columns_[i];
-    }
-  if (kept) {
-    check(VecCopy(half_solve.y, y));
-    check(VecMAXPY(y, static_cast<PetscInt>(columns.size()), weights.data(), columns.data()));
-    return;
-  }
-  check(VecCopy(half_solve.r, half_solve.forces)); // from the guess, or what an earlier call returned
-  rows_.apply(-1, lambda, half_solve.forces);
-  D_.solve(half_solve.forces, y);
+  finish_by_columns(rows_, columns_, D_, half_solve, lambda, y);
 }
 
 double ColumnsOnDemand::bytes() const {

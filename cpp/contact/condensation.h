@@ -12,7 +12,7 @@ namespace signorini::contact {
 struct HalfSolve {
   std::vector<double> z;         ///< L⁻¹Pr, by trailing block (n)
   petsc::Vector r, y;            ///< r and D⁻¹r, by columns of D⁻¹H
-  std::vector<double> reference; ///< multipliers λ with y = D⁻¹(r − Hλ), by columns on demand
+  std::vector<double> reference; ///< multipliers λ with y = D⁻¹(r − Hλ), by columns: zero but on demand
   // Scratch of either half.
   std::vector<double> trailing_block; ///< by trailing block (c)
   std::vector<double> weights;
@@ -110,7 +110,7 @@ public:
 private:
   const MumpsSolver& D_;
   petsc::Vector layout_;
-  petsc::Series columns_; ///< D⁻¹H; empty where they do not fit
+  petsc::Series columns_; ///< D⁻¹H, all null where they do not fit
 };
 
 /// Condensation by conjugate gradients, on any number of ranks. A row of H costs one solve when it first
