@@ -102,15 +102,20 @@ void ConstraintRows::spread(const ContactLinearisation& contact, std::span<doubl
 }
 
 template <class Visit>
+void ConstraintRows::for_each(const std::vector<double>& coefficients, std::size_t first, std::size_t end,
+                              Visit&& visit) const {
+  for (std::size_t row = first; row < end; ++row)
+    for (std::size_t entry = row_begin_[row]; entry < row_begin_[row + 1]; ++entry)
+      visit(row, static_cast<std::size_t>(columns_[entry]), coefficients[entry]);
+}
+
+template <class Visit>
 void ConstraintRows::for_each_here(const std::vector<double>& coefficients, std::size_t rows,
                                    Visit&& visit) const {
-  for (int i = 0; i < static_cast<int>(rows); ++i) {
-    const std::span<const int> at = columns(i);
-    const std::span<const double> row = part(coefficients, i);
-    for (std::size_t j = 0; j < at.size(); ++j)
-      if (const int local = local_[static_cast<std::size_t>(at[j])]; local >= 0)
-        visit(static_cast<std::size_t>(i), static_cast<std::size_t>(local), row[j]);
-  }
+  for_each(coefficients, 0, rows, [&](std::size_t row, std::size_t column, double h) {
+    if (const int local = local_[column]; local >= 0)
+      visit(row, static_cast<std::size_t>(local), h);
+  });
 }
 
 void ConstraintRows::apply_transpose(Vec x, std::span<double> out) const {
@@ -138,33 +143,21 @@ void ConstraintRows::add(const std::vector<double>& coefficients, double scale,
 }
 
 void ConstraintRows::apply_transpose(std::span<const double> x, std::span<double> out) const {
-  for (int i = 0; i < count(); ++i) {
-    const std::span<const int> at = columns(i);
-    const std::span<const double> row = motion(i);
-    out[static_cast<std::size_t>(i)] = 0;
-    for (std::size_t j = 0; j < at.size(); ++j)
-      out[static_cast<std::size_t>(i)] += row[j] * x[static_cast<std::size_t>(at[j])];
-  }
+  std::ranges::fill(out.first(rows_count()), 0);
+  for_each(motions_, 0, rows_count(),
+           [&](std::size_t row, std::size_t column, double h) { out[row] += h * x[column]; });
 }
 
 void ConstraintRows::apply(std::span<const double> lambda, std::span<double> x) const {
   std::ranges::fill(x, 0);
-  for (int i = 0; i < count(); ++i) {
-    const std::span<const int> at = columns(i);
-    const std::span<const double> row = force(i);
-    for (std::size_t j = 0; j < at.size(); ++j)
-      x[static_cast<std::size_t>(at[j])] += row[j] * lambda[static_cast<std::size_t>(i)];
-  }
+  for_each(forces_, 0, rows_count(),
+           [&](std::size_t row, std::size_t column, double h) { x[column] += h * lambda[row]; });
 }
 
 std::vector<double> ConstraintRows::dense() const {
-  std::vector<double> H(dofs_.size() * static_cast<std::size_t>(count()));
-  for (int i = 0; i < count(); ++i) {
-    const std::span<const int> at = columns(i);
-    const std::span<const double> row = force(i);
-    for (std::size_t j = 0; j < at.size(); ++j)
-      H[static_cast<std::size_t>(i) * dofs_.size() + static_cast<std::size_t>(at[j])] = row[j];
-  }
+  std::vector<double> H(dofs_.size() * rows_count());
+  for_each(forces_, 0, rows_count(),
+           [&](std::size_t row, std::size_t column, double h) { H[row * dofs_.size() + column] = h; });
   return H;
 }
 
@@ -189,19 +182,18 @@ petsc::Matrix ConstraintRows::rows(int first, int count, Vec layout) const {
   petsc::Matrix made;
   check(MatCreateAIJ(comm_, mine ? count : 0, mine ? n : 0, count, n, static_cast<PetscInt>(most), nullptr, 0,
                      nullptr, made.put()));
-  for (int i = 0; mine && i < count; ++i) {
-    const std::span<const int> at = columns(first + i);
-    const std::span<const double> row = force(first + i);
-    for (std::size_t j = 0; j < at.size(); ++j)
-      check(MatSetValue(made, i, dofs_[static_cast<std::size_t>(at[j])], row[j], INSERT_VALUES));
-  }
+  const auto begin = static_cast<std::size_t>(first);
+  for_each(forces_, begin, mine ? begin + static_cast<std::size_t>(count) : begin,
+           [&](std::size_t row, std::size_t column, double h) {
+             check(MatSetValue(made, static_cast<PetscInt>(row - begin), dofs_[column], h, INSERT_VALUES));
+           });
   check(MatAssemblyBegin(made, MAT_FINAL_ASSEMBLY));
   check(MatAssemblyEnd(made, MAT_FINAL_ASSEMBLY));
   return made;
 }
 
 std::vector<double> ConstraintRows::weighted_squares(Vec diagonal) const {
-  std::vector<double> sums(static_cast<std::size_t>(count()));
+  std::vector<double> sums(rows_count());
   {
     const petsc::ReadArray d(diagonal);
     for_each_here(forces_, sums.size(),

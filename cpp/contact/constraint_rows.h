@@ -133,7 +133,12 @@ private:
   [[nodiscard]] std::span<const double> part(const std::vector<double>& all, int row) const {
     return {&all[row_begin_[static_cast<std::size_t>(row)]], columns(row).size()};
   }
-  /// Calls visit(row, local dof, coefficient) for the entries of the first rows on this rank, row by row.
+  [[nodiscard]] std::size_t rows_count() const { return row_begin_.size() - 1; }
+  /// Calls visit(row, column, coefficient) for the entries of the rows [first, end), row by row.
+  template <class Visit>
+  void for_each(const std::vector<double>& coefficients, std::size_t first, std::size_t end,
+                Visit&& visit) const;
+  /// Calls visit(row, local dof, coefficient) for those of the first rows whose dofs this rank owns.
   template <class Visit>
   void for_each_here(const std::vector<double>& coefficients, std::size_t rows, Visit&& visit) const;
   void add(const std::vector<double>& coefficients, double scale, std::span<const double> lambda,
