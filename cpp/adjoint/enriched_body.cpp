@@ -127,7 +127,7 @@ void EnrichedBody::keep_bubbles(const contact::ActiveSet& active, Vec x) const {
     const int dim = space_.dim();
     for (int node : vertices_)
       for (int c = 0; c < dim; ++c)
-        values[static_cast<std::size_t>(node * dim + c)] = 0;
+        values[node * dim + c] = 0;
   }
   clamped_.clear(x);
   if (!pairs_ || active.empty())

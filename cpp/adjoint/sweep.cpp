@@ -20,9 +20,7 @@ struct Motion {
   const std::vector<contact::ContactLinearisation>& contact;
 
   [[nodiscard]] int steps() const { return static_cast<int>(contact.size()) - 1; }
-  [[nodiscard]] const contact::ContactLinearisation& at(int k) const {
-    return contact[static_cast<std::size_t>(k)];
-  }
+  [[nodiscard]] const contact::ContactLinearisation& at(int k) const { return contact[k]; }
   [[nodiscard]] step::StepContact made(int k) const { return {grid.scheme(k), at(k)}; }
   [[nodiscard]] std::optional<step::StepContact> after(int k) const {
     return k < steps() ? std::optional(made(k + 1)) : std::nullopt;
@@ -130,7 +128,7 @@ public:
         continue;
       gradient_[j] += petsc::dot(s_, r_);
       for (int i : motion_.at(k + 1).predictor)
-        gradient_[j] += terms_.zeta()[static_cast<std::size_t>(i)] * c_[static_cast<std::size_t>(i)];
+        gradient_[j] += terms_.zeta()[i] * c_[i];
     }
   }
 
@@ -142,7 +140,7 @@ public:
       gradient_[j] += rates_.pairing(j, p);
       if (rates_.constraint(j, c_))
         for (int i : motion_.at(k).active)
-          gradient_[j] += terms_.mu()[static_cast<std::size_t>(i)] * c_[static_cast<std::size_t>(i)];
+          gradient_[j] += terms_.mu()[i] * c_[i];
       if (const contact::ConstraintRows* rows = rates_.rows(j); rows && terms_.duals().of_forces())
         gradient_[j] += terms_.duals().by_rows(k, motion_.at(k), *rows);
     }

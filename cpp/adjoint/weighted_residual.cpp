@@ -190,7 +190,7 @@ public:
                      (k + 1 == steps_ ? 1 : 0.5) * grid_.length(k + 1), later_);
       if (k + 1 == steps_)
         for (int j : {1, 2})
-          check(VecCopy(between_[0], between_[static_cast<std::size_t>(j)]));
+          check(VecCopy(between_[0], between_[j]));
       else
         weigh_last();
       check(VecCopy(bubbles_.next(k, duals_, contact_[i].active), last_));

@@ -131,7 +131,7 @@ StoredColumnsCondensation::StoredColumnsCondensation(const ConstraintRows& rows,
       const petsc::Column y(X, j);
       rows_.apply_transpose(y, std::span(&S_[static_cast<std::size_t>(first + j) * m], m));
       if (keep)
-        columns_[static_cast<std::size_t>(first + j)] = petsc::copy(y);
+        columns_[first + j] = petsc::copy(y);
     }
   }
   for (std::size_t i = 0; i < m; ++i) // rounding of the solves is the only asymmetry
@@ -179,14 +179,14 @@ HalfSolve ColumnsOnDemand::half_solve() const {
 
 void ColumnsOnDemand::prepare(std::span<const int> rows) const {
   for (const int row : rows) {
-    std::vector<double>& S = S_[static_cast<std::size_t>(row)];
+    std::vector<double>& S = S_[row];
     if (!S.empty())
       continue;
     if (stop_requested(rows_.comm()))
       throw Interrupted();
     petsc::Vector force = petsc::vector_of(matrix_), y = petsc::zero_like(force);
     std::vector<double> unit(S_.size());
-    unit[static_cast<std::size_t>(row)] = 1;
+    unit[row] = 1;
     rows_.apply(1, unit, force);
     D_.solve(force, y);
     std::vector<double> column(S_.size());
@@ -195,7 +195,7 @@ void ColumnsOnDemand::prepare(std::span<const int> rows) const {
     check(VecGetSize(y, &n));
     const double bytes = sizeof(double) * static_cast<double>(n);
     if (kept_ + bytes <= memory_) {
-      columns_[static_cast<std::size_t>(row)] = std::move(y);
+      columns_[row] = std::move(y);
       kept_ += bytes;
     }
     S = std::move(column);

@@ -128,9 +128,7 @@ public:
   [[nodiscard]] bool complete() const override { return false; }
   /// Throws Interrupted, SolverFailure.
   void prepare(std::span<const int> rows) const override;
-  [[nodiscard]] std::span<const double> column(int row) const override {
-    return S_[static_cast<std::size_t>(row)];
-  }
+  [[nodiscard]] std::span<const double> column(int row) const override { return S_[row]; }
   /// Of the columns so far.
   [[nodiscard]] double bytes() const override;
 

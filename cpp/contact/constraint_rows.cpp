@@ -90,7 +90,7 @@ void ConstraintRows::spread(int group, std::span<double> out) const {
   const std::span<const int> at = columns(group);
   const std::span<const double> values = force(group);
   for (std::size_t j = 0; j < at.size(); ++j)
-    out[static_cast<std::size_t>(at[j] - cluster(group).begin)] = values[j];
+    out[at[j] - cluster(group).begin] = values[j];
 }
 
 void ConstraintRows::spread(const ContactLinearisation& contact, std::span<double> out) const {
@@ -211,7 +211,7 @@ std::vector<double> ConstraintRows::gathered(Vec x) const {
   {
     const petsc::ReadArray values(x);
     for (std::size_t i = 0; i < all.size(); ++i)
-      all[i] = local_[i] >= 0 ? values[static_cast<std::size_t>(local_[i])] : 0;
+      all[i] = local_[i] >= 0 ? values[local_[i]] : 0;
   }
   MPI_Allreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size()), MPI_DOUBLE, MPI_SUM, comm_);
   return all;
@@ -221,7 +221,7 @@ void ConstraintRows::take(const Cluster& cluster, std::span<const double> x, std
                           std::span<double> out) const {
   for (std::size_t j = 0; j < cluster.width(); ++j) {
     const std::size_t dof = static_cast<std::size_t>(cluster.begin) + j;
-    out[j] = gathered.empty() ? x[static_cast<std::size_t>(local_[dof])] : gathered[dof];
+    out[j] = gathered.empty() ? x[local_[dof]] : gathered[dof];
   }
 }
 
@@ -245,7 +245,7 @@ void ConstraintRows::multipliers(std::span<const int> set, Vec x, std::span<doub
         b[k] = basis.along(k, here);
       basis.combine(b);
       for (std::size_t k = 0; k < basis.size(); ++k)
-        lambda[static_cast<std::size_t>(basis.member(k))] = b[k];
+        lambda[basis.member(k)] = b[k];
     }
   }
   MPI_Allreduce(MPI_IN_PLACE, lambda.data(), static_cast<int>(lambda.size()), MPI_DOUBLE, MPI_SUM,
@@ -272,14 +272,14 @@ void ConstraintRows::prescribe(std::span<const int> set, std::span<const double>
         const std::span<const double> row = motion(*at);
         double moved = 0;
         for (std::size_t j = 0; j < row.size(); ++j)
-          moved += row[j] * here[static_cast<std::size_t>(columns[j] - cluster.begin)];
-        change[basis.size() - 1] = value[static_cast<std::size_t>(*at)] - moved;
+          moved += row[j] * here[columns[j] - cluster.begin];
+        change[basis.size() - 1] = value[*at] - moved;
       }
     basis.shortest(change);
     basis.add_to(here, change);
     for (std::size_t j = 0; j < cluster.width(); ++j)
       if (const int local = local_[static_cast<std::size_t>(cluster.begin) + j]; local >= 0)
-        values[static_cast<std::size_t>(local)] = here[j];
+        values[local] = here[j];
   }
 }
 
@@ -289,18 +289,15 @@ void ConstraintRows::set_clamped(Vec diagonal, Vec r, Vec y) const {
   const petsc::ReadArray d(diagonal), force(r);
   const petsc::WriteArray values(y);
   for (std::size_t entry = 0; entry < columns_.size(); ++entry)
-    if (const int at = local_[static_cast<std::size_t>(columns_[entry])];
-        at >= 0 && forces_[entry] != motions_[entry])
-      values[static_cast<std::size_t>(at)] =
-          force[static_cast<std::size_t>(at)] / d[static_cast<std::size_t>(at)];
+    if (const int at = local_[columns_[entry]]; at >= 0 && forces_[entry] != motions_[entry])
+      values[at] = force[at] / d[at];
 }
 
 double ConstraintRows::clamped_part(int row, std::span<const double> y) const {
   const std::span<const int> at = columns(row);
   double sum = 0;
   for (std::size_t j = 0; j < at.size(); ++j)
-    sum += (motion(row)[j] - force(row)[j]) *
-           y[static_cast<std::size_t>(local_[static_cast<std::size_t>(at[j])])];
+    sum += (motion(row)[j] - force(row)[j]) * y[local_[at[j]]];
   return sum;
 }
 

@@ -43,13 +43,11 @@ public:
   [[nodiscard]] int groups() const { return static_cast<int>(laws_.size()); }
   /// Number of rows of a group, k.
   [[nodiscard]] std::size_t size(int group) const {
-    return static_cast<std::size_t>(1 + others_[static_cast<std::size_t>(group) + 1] -
-                                    others_[static_cast<std::size_t>(group)]);
+    return static_cast<std::size_t>(1 + others_[static_cast<std::size_t>(group) + 1] - others_[group]);
   }
   /// Number of a group's row c < k.
   [[nodiscard]] std::size_t row(int group, std::size_t c) const {
-    return c == 0 ? static_cast<std::size_t>(group)
-                  : static_cast<std::size_t>(others_[static_cast<std::size_t>(group)]) + c - 1;
+    return c == 0 ? static_cast<std::size_t>(group) : static_cast<std::size_t>(others_[group]) + c - 1;
   }
   /// The entries of an array over rows that belong to a group; those behind its k are zero.
   [[nodiscard]] std::array<double, 3> of_group(int group, std::span<const double> values) const {
@@ -62,9 +60,7 @@ public:
   /// The global dofs that are constrained, cluster by cluster.
   [[nodiscard]] const std::vector<PetscInt>& dofs() const { return dofs_; }
   [[nodiscard]] const std::vector<Cluster>& clusters() const { return clusters_; }
-  [[nodiscard]] const Cluster& cluster(int group) const {
-    return clusters_[static_cast<std::size_t>(cluster_of_[static_cast<std::size_t>(group)])];
-  }
+  [[nodiscard]] const Cluster& cluster(int group) const { return clusters_[cluster_of_[group]]; }
   /// Whether the first rows of some cluster are linearly dependent: multipliers are then not unique.
   [[nodiscard]] bool dependent() const { return dependent_; }
   /// Whether any of the dofs is clamped.
@@ -72,7 +68,7 @@ public:
   /// Rows with the same dofs and other coefficients, one for each entry, row by row.
   [[nodiscard]] ConstraintRows with(std::vector<double> coefficients) const;
 
-  [[nodiscard]] const Law& law(int group) const { return *laws_[static_cast<std::size_t>(group)]; }
+  [[nodiscard]] const Law& law(int group) const { return *laws_[group]; }
   /// Whether all laws are symmetric.
   [[nodiscard]] bool symmetric() const { return symmetric_; }
 
@@ -83,8 +79,7 @@ public:
   [[nodiscard]] std::span<const double> motion(int row) const { return part(motions_, row); }
   /// Number of each entry's dof among dofs().
   [[nodiscard]] std::span<const int> columns(int row) const {
-    return {&columns_[row_begin_[static_cast<std::size_t>(row)]],
-            row_begin_[static_cast<std::size_t>(row) + 1] - row_begin_[static_cast<std::size_t>(row)]};
+    return {&columns_[row_begin_[row]], row_begin_[static_cast<std::size_t>(row) + 1] - row_begin_[row]};
   }
   /// The force coefficients of a group's first row over its cluster's dofs (width).
   void spread(int group, std::span<double> out) const;
@@ -131,7 +126,7 @@ public:
 
 private:
   [[nodiscard]] std::span<const double> part(const std::vector<double>& all, int row) const {
-    return {&all[row_begin_[static_cast<std::size_t>(row)]], columns(row).size()};
+    return {&all[row_begin_[row]], columns(row).size()};
   }
   [[nodiscard]] std::size_t rows_count() const { return row_begin_.size() - 1; }
   /// Calls visit(row, column, coefficient) for the entries of the rows [first, end), row by row.

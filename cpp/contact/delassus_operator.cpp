@@ -43,7 +43,7 @@ void DelassusOperator::solve_here(const ActiveSet& set, std::span<double> b, Wor
     for (std::size_t i = 0; i < set.size(); ++i) {
       const std::span<const double> column = this->column(set[i]);
       for (std::size_t j = 0; j < set.size(); ++j)
-        work.factor[i * set.size() + j] = column[static_cast<std::size_t>(set[j])];
+        work.factor[i * set.size() + j] = column[set[j]];
     }
     if (const int pivot = factorise_dense(work.factor, set.size()); pivot != 0)
       throw SolverFailure(fmt::format("the condensed matrix of {} active candidates is singular (pivot {})",
@@ -81,14 +81,14 @@ void DelassusOperator::close(const ActiveSet& set, std::span<const double> psi, 
       size = std::max({size, std::abs(motion[i]), std::abs(psi[i])});
     work.b.clear();
     for (int i : set) {
-      work.b.push_back(motion[static_cast<std::size_t>(i)] - psi[static_cast<std::size_t>(i)]);
+      work.b.push_back(motion[i] - psi[i]);
       defect = std::max(defect, std::abs(work.b.back()));
     }
     if (defect <= digits * std::numeric_limits<double>::epsilon() * size || pass + 1 == most)
       return;
     solve_active(set, work.b, work);
     for (std::size_t i = 0; i < set.size(); ++i)
-      lambda[static_cast<std::size_t>(set[i])] += work.b[i];
+      lambda[set[i]] += work.b[i];
   }
 }
 
@@ -134,10 +134,10 @@ void DelassusOperator::solve_linearised(const LinearisedContact& step, Workspace
   const ActiveSet& set = rows_.dependent() ? work.independent : step.set;
   work.b.clear();
   for (int i : set)
-    work.b.push_back(work.motion[static_cast<std::size_t>(i)] - value[static_cast<std::size_t>(i)]);
+    work.b.push_back(work.motion[i] - value[i]);
   solve_active(set, work.b, work);
   for (std::size_t i = 0; i < set.size(); ++i)
-    mu[static_cast<std::size_t>(set[i])] = work.b[i];
+    mu[set[i]] = work.b[i];
   // Prescribed motions are data of derivatives, which no law of energy watches: a pass for their last digits
   // would cost half a solve.
   close(set, value, mu, work.motion, step.x, work, prescribed ? 1e4 : to_rounding);

@@ -168,7 +168,7 @@ std::vector<bool> facing(const fem::Space& space, const ContactPairs& pairs) {
   const auto dim = static_cast<std::size_t>(pairs.dim()), count = static_cast<std::size_t>(pairs.count());
   std::map<PetscInt, const ConstraintRows::Cluster*> in_pairs; // by the first dof
   for (const ConstraintRows::Cluster& node : pairs.rows().clusters())
-    in_pairs[pairs.first_dofs()[static_cast<std::size_t>(node.first)]] = &node;
+    in_pairs[pairs.first_dofs()[node.first]] = &node;
   std::vector<int> seen(2 * count); // on the boundary; facing
   for (const fem::OutwardNormal& here : fem::outward_normals(space)) {
     const auto found = in_pairs.find(here.first_dof);
@@ -200,10 +200,8 @@ Bases directions_without_mass(const fem::Space& space, const ContactPairs& pairs
   const std::vector<bool> faces = facing(space, pairs);
   Bases bases;
   for (int i = 0; i < pairs.count(); ++i)
-    if (massless[static_cast<std::size_t>(pairs.obstacles()[static_cast<std::size_t>(i)])] &&
-        faces[static_cast<std::size_t>(i)])
-      bases.try_emplace(pairs.first_dofs()[static_cast<std::size_t>(i)] / pairs.dim(), pairs.rows())
-          .first->second.add(i);
+    if (massless[pairs.obstacles()[i]] && faces[i])
+      bases.try_emplace(pairs.first_dofs()[i] / pairs.dim(), pairs.rows()).first->second.add(i);
   return bases;
 }
 

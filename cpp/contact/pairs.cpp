@@ -215,7 +215,7 @@ ContactPairs::Rates ContactPairs::rates(int obstacle, const scene::ObstacleRate&
   const auto m = static_cast<std::size_t>(count()), dim = static_cast<std::size_t>(dim_);
   Rates rates{.psi = std::vector<double>(m), .rows = {}};
   std::vector<double> normals(m * dim);
-  const Obstacle& shape = shapes_[static_cast<std::size_t>(obstacle)];
+  const Obstacle& shape = shapes_[obstacle];
   const Obstacle::Place place = shape.place(0);
   bool turns = false;
   for (std::size_t i = 0; i < m; ++i) {
@@ -234,7 +234,7 @@ ContactPairs::Rates ContactPairs::rates(int obstacle, const scene::ObstacleRate&
 }
 
 void ContactPairs::set_time(int obstacle, const scene::ObstacleRate& rate, double t, Rates& rates) const {
-  const Obstacle& shape = shapes_[static_cast<std::size_t>(obstacle)];
+  const Obstacle& shape = shapes_[obstacle];
   if (!shape.moves())
     return;
   const Obstacle::Place place = shape.place(t);

@@ -72,23 +72,19 @@ public:
   [[nodiscard]] bool moving() const { return !moving_.empty(); }
 
   /// The obstacle of pair i.
-  [[nodiscard]] const Obstacle& obstacle(int i) const {
-    return shapes_[static_cast<std::size_t>(obstacles_[static_cast<std::size_t>(i)])];
-  }
+  [[nodiscard]] const Obstacle& obstacle(int i) const { return shapes_[obstacles_[i]]; }
   /// Obstacles of the scene.
   [[nodiscard]] int obstacle_count() const { return static_cast<int>(keys_.size()); }
   /// Number of each pair's obstacle in the scene (m).
   [[nodiscard]] const std::vector<int>& obstacles() const { return obstacles_; }
   /// Whether nodes that start inside an obstacle are to be moved out of it (contact.initial).
-  [[nodiscard]] bool projects(int obstacle) const { return project_[static_cast<std::size_t>(obstacle)]; }
+  [[nodiscard]] bool projects(int obstacle) const { return project_[obstacle]; }
   /// Name of an obstacle's table in the scene.
-  [[nodiscard]] const std::string& key(int obstacle) const {
-    return keys_[static_cast<std::size_t>(obstacle)];
-  }
+  [[nodiscard]] const std::string& key(int obstacle) const { return keys_[obstacle]; }
   /// First global dofs, ascending, of the nodes on the contact boundary of an obstacle (number in the scene)
   /// that clamps keep from moving towards it, and which are therefore in no pair.
   [[nodiscard]] const std::vector<PetscInt>& clamped_dofs(int obstacle) const {
-    return clamped_dofs_[static_cast<std::size_t>(obstacle)];
+    return clamped_dofs_[obstacle];
   }
 
   /// First global dof of each pair's node (m).
@@ -98,8 +94,8 @@ public:
   /// The displacement (dim) of pair i's node among the entries of y that this rank owns; null if another rank
   /// owns the node.
   [[nodiscard]] const double* displacement(int i, std::span<const double> y) const {
-    const int first = local_[static_cast<std::size_t>(i)];
-    return first < 0 ? nullptr : &y[static_cast<std::size_t>(first)];
+    const int first = local_[i];
+    return first < 0 ? nullptr : &y[first];
   }
 
   /// Diameter of the body, in metres.

@@ -24,7 +24,7 @@ std::vector<double> shares(const fem::Space& space, const ContactPairs& pairs, c
   std::vector<double> found(static_cast<std::size_t>(pairs.count()), 0.0);
   for (std::size_t j = 0; j < found.size(); ++j)
     if (const int dof = pairs.local_dofs()[j]; pairs.obstacles()[j] == obstacle && dof >= 0)
-      found[j] = values[static_cast<std::size_t>(dof)];
+      found[j] = values[dof];
   return found;
 }
 
@@ -48,17 +48,15 @@ std::vector<EdgeNodes> edges_on(const fem::Space& space, const std::string& grou
     const std::int32_t owner = cells_of->links(facet).front();
     const auto own = facets_of->links(owner);
     const auto number = static_cast<std::size_t>(std::ranges::find(own, facet) - own.begin());
-    const std::vector<int>& facet_corners = corners[static_cast<std::size_t>(dim - 1)][number];
+    const std::vector<int>& facet_corners = corners[dim - 1][number];
     for (std::size_t edge = 0; edge < corners[1].size(); ++edge) {
       const std::vector<int>& ends = corners[1][edge];
       if (!std::ranges::all_of(
               ends, [&](int end) { return std::ranges::find(facet_corners, end) != facet_corners.end(); }))
         continue;
       const auto nodes = dofmap->cell_dofs(owner);
-      const std::array<std::int32_t, 3> local{
-          nodes[static_cast<std::size_t>(node_of(1, static_cast<int>(edge)))],
-          nodes[static_cast<std::size_t>(node_of(0, ends[0]))],
-          nodes[static_cast<std::size_t>(node_of(0, ends[1]))]};
+      const std::array<std::int32_t, 3> local{nodes[node_of(1, static_cast<int>(edge))],
+                                              nodes[node_of(0, ends[0])], nodes[node_of(0, ends[1])]};
       EdgeNodes global{};
       dofmap->index_map->local_to_global(local, global);
       std::sort(global.begin() + 1, global.end()); // the same for every facet at the edge
@@ -78,7 +76,7 @@ Pressure::Pressure(const fem::Space& space, const ContactPairs& pairs,
                    const std::vector<scene::Contact>& contacts)
     : area_(static_cast<std::size_t>(pairs.count()), 0.0) {
   for (int i = 0; i < pairs.obstacle_count(); ++i) {
-    const std::string& group = contacts[static_cast<std::size_t>(i)].on;
+    const std::string& group = contacts[i].on;
     const std::vector<double> own = shares(space, pairs, group, i);
     std::ranges::transform(area_, own, area_.begin(), std::plus<>());
     if (space.degree() > 1)
@@ -96,7 +94,7 @@ void Pressure::keep_areas_of_edges() {
   for (const Edge& edge : edges_)
     for (const int end : edge.ends)
       if (end >= 0)
-        of_hats[static_cast<std::size_t>(end)] = area_[static_cast<std::size_t>(end)];
+        of_hats[end] = area_[end];
   area_ = std::move(of_hats);
 }
 
@@ -104,8 +102,8 @@ void Pressure::add_edges(const fem::Space& space, const ContactPairs& pairs, con
                          int obstacle) {
   std::map<std::int64_t, int> candidate; // of each node
   for (int j = 0; j < pairs.count(); ++j)
-    if (pairs.obstacles()[static_cast<std::size_t>(j)] == obstacle)
-      candidate[pairs.first_dofs()[static_cast<std::size_t>(j)] / space.dim()] = j;
+    if (pairs.obstacles()[j] == obstacle)
+      candidate[pairs.first_dofs()[j] / space.dim()] = j;
   const auto candidate_at = [&](std::int64_t node) {
     const auto found = candidate.find(node);
     return found == candidate.end() ? -1 : found->second;
@@ -119,8 +117,8 @@ void Pressure::gather_at_vertices(std::vector<double>& values) const {
   for (const Edge& edge : edges_) {
     for (const int end : edge.ends)
       if (end >= 0)
-        values[static_cast<std::size_t>(end)] += values[static_cast<std::size_t>(edge.middle)] / 2;
-    values[static_cast<std::size_t>(edge.middle)] = 0;
+        values[end] += values[edge.middle] / 2;
+    values[edge.middle] = 0;
   }
 }
 
@@ -133,12 +131,12 @@ std::vector<double> Pressure::operator()(std::span<const double> forces, double 
     double sum = 0;
     int ends = 0;
     for (const int end : edge.ends)
-      if (end >= 0 && area_[static_cast<std::size_t>(end)] > 0) {
-        sum += lambda[static_cast<std::size_t>(end)];
+      if (end >= 0 && area_[end] > 0) {
+        sum += lambda[end];
         ++ends;
       }
     if (ends > 0)
-      lambda[static_cast<std::size_t>(edge.middle)] = sum / ends;
+      lambda[edge.middle] = sum / ends;
   }
   return lambda;
 }
@@ -148,7 +146,7 @@ std::vector<double> at_nodes(const fem::Space& space, const ContactPairs& pairs,
   std::vector<double> field(static_cast<std::size_t>(space.owned_nodes()), 0.0);
   for (std::size_t i = 0; i < values.size(); ++i)
     if (const int dof = pairs.local_dofs()[i]; dof >= 0) {
-      double& at = field[static_cast<std::size_t>(dof / space.dim())];
+      double& at = field[dof / space.dim()];
       at = std::max(at, values[i]);
     }
   return field;

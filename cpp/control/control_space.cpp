@@ -22,7 +22,7 @@ std::optional<std::vector<double>> per_component(std::optional<std::vector<doubl
     bound->assign(static_cast<std::size_t>(dim), bound->front());
   std::vector<double> own;
   for (int c : components)
-    own.push_back((*bound)[static_cast<std::size_t>(c)]);
+    own.push_back((*bound)[c]);
   return own;
 }
 

@@ -12,7 +12,7 @@ Interpolation::Interpolation(const ControlSpace& from, const ControlSpace& to)
   const MPI_Comm comm = to.space().comm();
   const std::vector<std::size_t> places = gather(comm, std::vector{to.places().size()});
   for (int r = 0; r < rank(comm); ++r)
-    first_ += places[static_cast<std::size_t>(r)];
+    first_ += places[r];
 }
 
 double Interpolation::farthest() const {

@@ -268,7 +268,7 @@ private:
 
 ReducedProblem::Step ReducedProblem::on_current_contact() {
   return [this, &contact = current_->trajectory.contact()](int k, const step::LinearisedStep& step) {
-    stepper().linearised_step(step, contact[static_cast<std::size_t>(k)], *work_);
+    stepper().linearised_step(step, contact[k], *work_);
   };
 }
 
@@ -288,7 +288,7 @@ ReducedProblem::OneSided ReducedProblem::one_sided_slope(const Control& d) {
   slope.by_motion = {.value = objective_->alpha() * controls_->product(current_->v.u, d),
                      .size = objective_->alpha() * controls_->norm(current_->v.u) * controls_->norm(d)};
   LinearisedRun run(*this, d, [&](int k, const step::LinearisedStep& step) {
-    stepper().one_sided_step(step, slope.contact[static_cast<std::size_t>(k)], *work_);
+    stepper().one_sided_step(step, slope.contact[k], *work_);
   });
   run([&](const trajectory::Checkpoint& now) {
     if (now.k == 0)

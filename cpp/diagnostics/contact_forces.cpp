@@ -36,7 +36,7 @@ void ObstacleForces::observe(const trajectory::Frame& frame) {
                          [impulse = frame.step.scheme().impulse()](double force) { return force / impulse; });
   for (int i = 0; i < pairs.count(); ++i) {
     const auto at = static_cast<std::size_t>(i);
-    for (ObstacleForce* one : {&each_[static_cast<std::size_t>(pairs.obstacles()[at])], &all_}) {
+    for (ObstacleForce* one : {&each_[pairs.obstacles()[at]], &all_}) {
       one->normal_force += std::abs(forces_[at]);
       one->active += frame.contact.status[at] != contact::Status::open;
       one->min_gap = std::min(one->min_gap, frame.contact.gap[at]);
@@ -51,7 +51,7 @@ void ObstacleForces::observe(const trajectory::Frame& frame) {
   };
   add_force(-1, all_);
   for (int obstacle = 0; obstacle < pairs.obstacle_count(); ++obstacle)
-    add_force(obstacle, each_[static_cast<std::size_t>(obstacle)]);
+    add_force(obstacle, each_[obstacle]);
 }
 
 bool LargestForce::observe(double force) {
@@ -80,12 +80,12 @@ void ContactTimes::observe(const step::TimeStep& step, const contact::ContactSta
   std::swap(last_, now_);
   now_.clear();
   for (const int i : candidates_)
-    now_.push_back(contact.gap[static_cast<std::size_t>(i)]);
+    now_.push_back(contact.gap[i]);
   if (std::exchange(ending_, false))
     intervals_.back().end = step.begin - since_release();
   std::vector<int> touching;
   for (std::size_t place = 0; place < candidates_.size(); ++place)
-    if (contact.status[static_cast<std::size_t>(candidates_[place])] == contact::Status::strong)
+    if (contact.status[candidates_[place]] == contact::Status::strong)
       touching.push_back(static_cast<int>(place));
   if (!touching.empty() && touching_.empty())
     intervals_.push_back({step.begin + until_onset(touching), step.end});
@@ -133,7 +133,7 @@ ContactFigures::ContactFigures(const step::Stepper& stepper) : stepper_(stepper)
   for (int obstacle = 0; pairs->obstacle_count() > 1 && obstacle < pairs->obstacle_count(); ++obstacle) {
     std::vector<int> own;
     for (const int i : all)
-      if (pairs->obstacles()[static_cast<std::size_t>(i)] == obstacle)
+      if (pairs->obstacles()[i] == obstacle)
         own.push_back(i);
     obstacles_.push_back({obstacle_suffix(obstacle), ContactTimes(std::move(own))});
   }

@@ -20,7 +20,7 @@ std::array<bool, 3> free_components(const step::Stepper& stepper) {
   const int dim = stepper.space().dim();
   std::array<int, 3> clamped{};
   for (const int dof : stepper.clamped().dofs())
-    clamped[static_cast<std::size_t>(dof % dim)] = 1;
+    clamped[dof % dim] = 1;
   MPI_Allreduce(MPI_IN_PLACE, clamped.data(), 3, MPI_INT, MPI_MAX, stepper.space().comm());
   std::array<bool, 3> free{};
   for (std::size_t c = 0; c < static_cast<std::size_t>(dim); ++c)

@@ -107,8 +107,7 @@ void Plausibility::look_at_contact(Vec y, double t) {
         square += moved[c] * moved[c];
       }
       double distance = 0;
-      const contact::Obstacle::Place& now =
-          psi_->place[static_cast<std::size_t>(pairs.obstacles()[candidate])];
+      const contact::Obstacle::Place& now = psi_->place[pairs.obstacles()[candidate]];
       try {
         distance = obstacle.at(place.data(), now).height;
       } catch (const UserError&) { // no direction leads out of the obstacle: the node is deep inside
@@ -281,7 +280,7 @@ void warn_of_normals(const step::Stepper& stepper, std::vector<std::string>& war
   const std::span<const double> x = stepper.space().mesh().dolfinx()->geometry().x();
   int next = 0; // obstacle
   for (int i = 0; pairs && i < pairs->count(); ++i) {
-    const int number = pairs->obstacles()[static_cast<std::size_t>(i)];
+    const int number = pairs->obstacles()[i];
     if (number < next)
       continue;
     next = number + 1;
@@ -342,7 +341,7 @@ BodyFigures body_figures(const step::Stepper& stepper, const scene::Scene& scene
 std::string BodyFigures::line() const {
   std::vector<std::string> sides;
   for (int c = 0; c < dim; ++c)
-    sides.push_back(fmt::format("{:.3g}", extent[static_cast<std::size_t>(c)]));
+    sides.push_back(fmt::format("{:.3g}", extent[c]));
   const auto speeds = [](const std::array<double, 2>& range) {
     return range[0] == range[1] ? fmt::format("{:.3g}", range[0])
                                 : fmt::format("{:.3g} to {:.3g}", range[0], range[1]);

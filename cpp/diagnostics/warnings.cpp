@@ -175,7 +175,7 @@ Warning ContactResolution::warning(int obstacle, const Zone& zone) const {
       "the mesh is too coarse at {} m, t = {:.6g} s: at most {} touch{} \"{}\" at once, and the force "
       "and the motion are those of single nodes; nodes there are {:.3g} m apart",
       point_text(x, pairs.dim()), zone.time, zone.most == 1 ? "one node" : "two nodes",
-      zone.most == 1 ? "es" : "", scene_.contacts[static_cast<std::size_t>(obstacle)].name, spacing.found);
+      zone.most == 1 ? "es" : "", scene_.contacts[obstacle].name, spacing.found);
   if (spacing.enough > 0) {
     const double ratio = spacing.enough / spacing.found;
     message +=
@@ -278,7 +278,7 @@ void Passage::observe(const trajectory::Frame& frame) {
   for (std::size_t i = 0; i < gaps_.size(); ++i) {
     const double moved = psi[i] - frame.contact.gap[i], before = std::exchange(moved_[i], moved),
                  gap = std::exchange(gaps_[i], frame.contact.gap[i]);
-    Closing& one = all[static_cast<std::size_t>(pairs->obstacles()[i])];
+    Closing& one = all[pairs->obstacles()[i]];
     one.shape = &pairs->obstacle(static_cast<int>(i));
     one.body = std::max(one.body, std::abs(moved - before));
     one.level = std::max(one.level, std::abs(frame.contact.gap[i] - gap + moved - before));

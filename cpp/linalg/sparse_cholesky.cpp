@@ -150,10 +150,10 @@ template <class Cholmod>
 EliminationOrder order_for_sparsity(Cholmod& c, const Blocks& D, std::span<const int> trailing_block) {
   std::vector<int> number(static_cast<std::size_t>(D.count), 0), node;
   for (int i : trailing_block)
-    number[static_cast<std::size_t>(i)] = -1;
+    number[i] = -1;
   for (int i = 0; i < D.count; ++i)
-    if (number[static_cast<std::size_t>(i)] == 0) {
-      number[static_cast<std::size_t>(i)] = static_cast<int>(node.size());
+    if (number[i] == 0) {
+      number[i] = static_cast<int>(node.size());
       node.push_back(i);
     }
   cholmod_sparse* graph =
@@ -162,7 +162,7 @@ EliminationOrder order_for_sparsity(Cholmod& c, const Blocks& D, std::span<const
         for (std::size_t j = 0; j < node.size(); ++j) {
           p[j] = entries;
           for (PetscInt e = D.row[node[j]]; e < D.row[node[j] + 1]; ++e)
-            if (const int k = number[static_cast<std::size_t>(D.column[e])]; k >= static_cast<int>(j))
+            if (const int k = number[D.column[e]]; k >= static_cast<int>(j))
               i[entries++] = k;
         }
         p[node.size()] = entries;
@@ -176,7 +176,7 @@ EliminationOrder order_for_sparsity(Cholmod& c, const Blocks& D, std::span<const
   c.require("the ordering");
   EliminationOrder order{{}, c.common.lnz * D.size * D.size};
   for (std::size_t j = 0; j < node.size(); ++j)
-    order.nodes.push_back(node[static_cast<std::size_t>(static_cast<int*>(factor->Perm)[j])]);
+    order.nodes.push_back(node[static_cast<int*>(factor->Perm)[j]]);
   cholmod_free_factor(&factor, &c.common);
   order.nodes.insert(order.nodes.end(), trailing_block.begin(), trailing_block.end());
   return order;
@@ -286,7 +286,7 @@ void SparseCholesky::forward(Vec b, std::span<double> z) const {
     const petsc::ReadArray values(b);
     const std::span<double> ordered = c_->right_hand_side(z);
     for (std::size_t i = 0; i < ordered.size(); ++i)
-      ordered[i] = values[static_cast<std::size_t>(permutation[i])];
+      ordered[i] = values[permutation[i]];
   }
   c_->triangular_solve(CHOLMOD_L, z);
 }
@@ -301,7 +301,7 @@ void SparseCholesky::backward(std::span<const double> z, std::span<const double>
   count_solves();
   const petsc::WriteArray values(x);
   for (std::size_t i = 0; i < c_->x.size(); ++i)
-    values[static_cast<std::size_t>(permutation[i])] = c_->x[i];
+    values[permutation[i]] = c_->x[i];
 }
 
 void SparseCholesky::solve(Vec b, Vec x) const {

@@ -159,13 +159,13 @@ void backward(const Supernode& s, double* own, const double* below) {
 /// z += `from` at some rows.
 void add_at(const int* rows, std::ptrdiff_t count, const double* from, std::span<double> z) {
   for (std::ptrdiff_t i = 0; i < count; ++i)
-    z[static_cast<std::size_t>(rows[i])] += from[i];
+    z[rows[i]] += from[i];
 }
 
 /// `to` = z at some rows.
 void take_at(const int* rows, std::ptrdiff_t count, std::span<const double> z, double* to) {
   for (std::ptrdiff_t i = 0; i < count; ++i)
-    to[i] = z[static_cast<std::size_t>(rows[i])];
+    to[i] = z[rows[i]];
 }
 
 /// The supernode that the first row below belongs to, the parent in the elimination tree, −1 for a root.
@@ -176,7 +176,7 @@ std::vector<int> parents(const cholmod_factor& L) {
     std::fill(of_column.begin() + super[s], of_column.begin() + super[s + 1], s);
   for (int s = 0; s < count(L); ++s)
     if (const Supernode one = supernode(L, s); one.below() > 0)
-      parent[static_cast<std::size_t>(s)] = of_column[static_cast<std::size_t>(*one.rows_below)];
+      parent[s] = of_column[*one.rows_below];
   return parent;
 }
 
@@ -226,14 +226,14 @@ void TriangularSolves::plan_subtrees() {
     }
     in_trunk[s] = true;
     for (int child : children[s])
-      cut.emplace(work[static_cast<std::size_t>(child)], child);
+      cut.emplace(work[child], child);
   }
   plan_trunk(in_trunk);
 }
 
 void TriangularSolves::plan_trunk(const std::vector<bool>& in_trunk) {
   for (int s = 0; s < count(L_); ++s) {
-    if (!in_trunk[static_cast<std::size_t>(s)])
+    if (!in_trunk[s])
       continue;
     const Supernode one = supernode(L_, s);
     const bool divided = one.width * one.height >= worth_dividing;
@@ -253,15 +253,15 @@ void TriangularSolves::number_outside_rows() {
     subtree.outside = size;
     size += static_cast<std::size_t>(root.below());
     for (int i = 0; i < static_cast<int>(root.below()); ++i)
-      place[static_cast<std::size_t>(root.rows_below[i])] = i;
+      place[root.rows_below[i]] = i;
     const auto end = static_cast<int>(root.first + root.width);
     for (int s = subtree.first; s <= subtree.root; ++s) {
       const Supernode one = supernode(L_, s);
       const int* const below = one.rows_below; // ascending
       const std::ptrdiff_t inside = std::lower_bound(below, below + one.below(), end) - below;
-      inside_[static_cast<std::size_t>(s)] = static_cast<int>(inside);
+      inside_[s] = static_cast<int>(inside);
       for (std::ptrdiff_t i = inside; i < one.below(); ++i)
-        place_[static_cast<std::size_t>(below - rows + i)] = place[static_cast<std::size_t>(below[i])];
+        place_[below - rows + i] = place[below[i]];
     }
   }
   outside_.resize(size);
@@ -276,7 +276,7 @@ void TriangularSolves::forward(const Subtree& subtree, std::span<double> z, std:
     prefetch(L_, s + lookahead);
     const Supernode one = supernode(L_, s);
     signorini::forward(one, z.data() + one.first, work.data());
-    const std::ptrdiff_t inside = inside_[static_cast<std::size_t>(s)];
+    const std::ptrdiff_t inside = inside_[s];
     add_at(one.rows_below, inside, work.data(), z);
     add_at(place_.data() + (one.rows_below - static_cast<const int*>(L_.s)) + inside, one.below() - inside,
            work.data() + inside, outside);
@@ -291,7 +291,7 @@ void TriangularSolves::backward(const Subtree& subtree, std::span<double> z, std
   for (int s = subtree.root; s >= subtree.first; --s) {
     prefetch(L_, s - lookahead);
     const Supernode one = supernode(L_, s);
-    const std::ptrdiff_t inside = inside_[static_cast<std::size_t>(s)];
+    const std::ptrdiff_t inside = inside_[s];
     take_at(one.rows_below, inside, z, work.data());
     take_at(place_.data() + (one.rows_below - static_cast<const int*>(L_.s)) + inside, one.below() - inside,
             outside, work.data() + inside);
@@ -346,7 +346,7 @@ void TriangularSolves::backward_together(int s, std::span<double> z) {
 void TriangularSolves::forward(std::span<double> z) {
 #pragma omp parallel num_threads(static_cast<int>(work_.size()))
   {
-    const std::span<double> work = work_[static_cast<std::size_t>(omp_get_thread_num())];
+    const std::span<double> work = work_[omp_get_thread_num()];
 #pragma omp for schedule(dynamic, 1)
     for (std::size_t i = 0; i < subtrees_.size(); ++i)
       forward(subtrees_[i], z, work);
@@ -373,7 +373,7 @@ void TriangularSolves::forward(std::span<double> z) {
 void TriangularSolves::backward(std::span<double> z) {
 #pragma omp parallel num_threads(static_cast<int>(work_.size()))
   {
-    const std::span<double> work = work_[static_cast<std::size_t>(omp_get_thread_num())];
+    const std::span<double> work = work_[omp_get_thread_num()];
     for (const Trunk& trunk : trunk_ | std::views::reverse) {
       if (trunk.divided) {
         backward_together(trunk.first, z);

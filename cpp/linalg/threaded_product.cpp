@@ -113,7 +113,7 @@ private:
       const std::ptrdiff_t start = static_cast<std::ptrdiff_t>(first_[q + 1]) * size,
                            stop = start + std::ssize(reached_[q]);
       for (std::ptrdiff_t i = std::max(begin, start); i < std::min(end, stop); ++i)
-        y[i] += reached_[q][static_cast<std::size_t>(i - start)];
+        y[i] += reached_[q][i - start];
     }
   }
 
@@ -131,8 +131,7 @@ public:
   void operator()(const double* x, const double* z, double* y) override {
 #pragma omp parallel for schedule(dynamic, 1)
     for (std::ptrdiff_t p = 0; p < parts_wanted; ++p)
-      for (PetscInt i = first_[static_cast<std::size_t>(p)]; i < first_[static_cast<std::size_t>(p) + 1];
-           ++i) {
+      for (PetscInt i = first_[p]; i < first_[static_cast<std::size_t>(p) + 1]; ++i) {
         double sum[size] = {};
         for (PetscInt e = rows_.begin[i]; e < rows_.begin[i + 1]; ++e)
           for (int c = 0; c < size; ++c)

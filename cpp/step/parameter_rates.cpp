@@ -123,7 +123,7 @@ void ParameterRates::add_obstacle(const scene::Scene& scene, std::span<const dou
   rate.obstacle = static_cast<int>(scene::contact_of(scene, scene.unknowns[j]));
   rate.obstacle_rate = scene::obstacle_rate(scene, values, j);
   rate.pairs = stepper_.pairs()->rates(rate.obstacle, rate.obstacle_rate);
-  if (rate.turns() && scene.contacts[static_cast<std::size_t>(rate.obstacle)].massless()) {
+  if (rate.turns() && scene.contacts[rate.obstacle].massless()) {
     rate.M = redistributed_mass_rate(scene, values, j);
     add_gravity(scene::with_values(scene, values), rate); // of the mass that moves from node to node
   }
@@ -233,7 +233,7 @@ double ParameterRates::pairing(std::size_t j, Vec p) {
   if (rate.turns()) {
     rate.pairs->rows->apply_transpose(p, components_);
     for (int i : made_->contact.active)
-      sum -= lambda_[static_cast<std::size_t>(i)] * components_[static_cast<std::size_t>(i)];
+      sum -= lambda_[i] * components_[i];
   }
   return sum;
 }

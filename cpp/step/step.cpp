@@ -249,7 +249,7 @@ void Stepper::solve_one_sided(const Scheme& scheme, contact::ContactLinearisatio
   }
   contact.forces.clear();
   for (const int i : closed)
-    contact.forces.push_back(lambda[static_cast<std::size_t>(i)]);
+    contact.forces.push_back(lambda[i]);
 }
 
 Vec Stepper::linearised_right_hand_side(const LinearisedStep& step,

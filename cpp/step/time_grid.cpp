@@ -63,9 +63,8 @@ bool TimeGrid::complete() const { return equal() || steps_->ticks.back() == step
 double TimeGrid::time(int k) const {
   if (equal())
     return k * steps_->tick;
-  return k > 0 && k == steps() && complete()
-             ? steps_->step_lengths->end
-             : static_cast<double>(steps_->ticks[static_cast<std::size_t>(k)]) * steps_->tick;
+  return k > 0 && k == steps() && complete() ? steps_->step_lengths->end
+                                             : static_cast<double>(steps_->ticks[k]) * steps_->tick;
 }
 
 double TimeGrid::length(int k) const {

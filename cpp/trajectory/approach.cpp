@@ -38,7 +38,7 @@ Approach::Approach(const step::Stepper& stepper, const scene::Scene& scene, cons
   const double end = stepper.end();
   if (const contact::ContactPairs* pairs = stepper.pairs())
     for (std::size_t i = 0; i < pairs->psi().size(); ++i) {
-      std::vector<double>& points = points_[static_cast<std::size_t>(pairs->obstacles()[i])];
+      std::vector<double>& points = points_[pairs->obstacles()[i]];
       points.insert(points.end(), &pairs->points()[3 * i], &pairs->points()[3 * i] + 3);
       free_ = free_ && !held(i);
     }
@@ -240,7 +240,7 @@ std::vector<FirstTouch> first_touches(const step::Stepper& stepper, const scene:
     const double t = j * h;
     const std::vector<double> next = pairs->moving() ? psi_at(t + h) : psi;
     for (std::size_t i = 0; i < psi.size(); ++i) {
-      FirstTouch& one = found[static_cast<std::size_t>(pairs->obstacles()[i])];
+      FirstTouch& one = found[pairs->obstacles()[i]];
       const double gap = psi[i] - flight.position(i), rate = (next[i] - psi[i]) / h - flight.velocity(i),
                    bend = -flight.acceleration(i);
       if (j == 0)

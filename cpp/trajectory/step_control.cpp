@@ -120,10 +120,10 @@ bool StepControl::accepts(const Frame& frame) {
   int decided = judged(frame);
   // Every rank has the same sums, but a difference in rounding must not divide them.
   MPI_Bcast(&decided, 1, MPI_INT, 0, stepper_.space().comm());
-  used_[static_cast<std::size_t>(level)] = true;
+  used_[level] = true;
   if (decided != level) {
     ++rejected_;
-    ++rejections_[static_cast<std::size_t>(level)];
+    ++rejections_[level];
     stored_ = 0;
     level_ = decided;
     steps_.remove();
@@ -199,7 +199,7 @@ int StepControl::longest_within(double time) const {
 int StepControl::worth(int level, double ahead) const {
   const step::StepLengths& step_lengths = steps_.step_lengths();
   int known = std::max(level, steps_.least_level());
-  while (!used_[static_cast<std::size_t>(known)])
+  while (!used_[known])
     ++known; // to the floor
   if (level < steps_.least_level() || known == level)
     return known;
@@ -215,7 +215,7 @@ int StepControl::grown(int level) {
     return level;
   const auto rested = [&](int to) { // after the rejection of a length
     constexpr int most_doublings = 4;
-    return steps >= settled << std::min(rejections_[static_cast<std::size_t>(to)], most_doublings);
+    return steps >= settled << std::min(rejections_[to], most_doublings);
   };
   check(VecWAXPY(difference_, -1, displacements_[3], displacements_[0]));
   check(VecAXPBYPCZ(difference_, -3, 3, 1, displacements_[1], displacements_[2]));

@@ -197,7 +197,7 @@ StepErrors::Step StepErrors::judge(const Frame& frame) {
     constexpr double parabola = 6;
     step.bend = std::abs(force_of_two_ - 2 * forces_of_two_[0] + forces_of_two_[1]) / parabola;
     for (const int i : frame.contact.active)
-      step.touches |= !contact(static_cast<std::size_t>(pairs->obstacles()[static_cast<std::size_t>(i)]));
+      step.touches |= !contact(static_cast<std::size_t>(pairs->obstacles()[i]));
     step.touches = step.touches || passes(frame);
   }
   return step;
@@ -272,7 +272,7 @@ void StepErrors::take_contact(const Frame& frame) {
   const double tau = frame.step.tau, begin = frame.step.begin, end = frame.step.end;
   std::vector<bool> closed(open_.size());
   for (const int i : frame.contact.active)
-    closed[static_cast<std::size_t>(stepper_.pairs()->obstacles()[static_cast<std::size_t>(i)])] = true;
+    closed[stepper_.pairs()->obstacles()[i]] = true;
   bool any = false, lasts = false;
   for (std::size_t o = 0; o < open_.size(); ++o) {
     open_[o] = closed[o] ? 0 : std::min(open_[o] + 1, ended);

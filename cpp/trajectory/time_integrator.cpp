@@ -34,9 +34,8 @@ void Extrapolation::guess(double t, Vec out) const {
     double weight = 1;
     for (int j = 0; j < known_; ++j)
       if (j != i)
-        weight *= (t - times_[static_cast<std::size_t>(j)]) /
-                  (times_[static_cast<std::size_t>(i)] - times_[static_cast<std::size_t>(j)]);
-    check(VecAXPBY(out, weight, i == 0 ? 0 : 1, last_[static_cast<std::size_t>(i)]));
+        weight *= (t - times_[j]) / (times_[i] - times_[j]);
+    check(VecAXPBY(out, weight, i == 0 ? 0 : 1, last_[i]));
   }
 }
 
@@ -44,7 +43,7 @@ void Extrapolation::take(const Extrapolation& other) {
   known_ = other.known_;
   times_ = other.times_;
   for (int i = 0; i < known_; ++i)
-    check(VecCopy(other.last_[static_cast<std::size_t>(i)], last_[static_cast<std::size_t>(i)]));
+    check(VecCopy(other.last_[i], last_[i]));
 }
 
 namespace {
@@ -205,7 +204,7 @@ struct Rolling {
                      stepper.step({step, from, acting, contact(step.k - 1)}, {to, contact(step.k)}, work);
                    }) {}
 
-  contact::ContactState& contact(int k) { return two[static_cast<std::size_t>(k % 2)]; }
+  contact::ContactState& contact(int k) { return two[k % 2]; }
 
   step::NodalForce acting;
   step::Stepper::Workspace work;

@@ -28,8 +28,8 @@ public:
     vectors += static_cast<long>(states_.size() * parts);
   }
 
-  void keep(const Checkpoint& now) override { states_[static_cast<std::size_t>(now.k)].copy(now.state); }
-  const step::State& at(int k) override { return states_[static_cast<std::size_t>(k)]; }
+  void keep(const Checkpoint& now) override { states_[now.k].copy(now.state); }
+  const step::State& at(int k) override { return states_[k]; }
 
 private:
   std::vector<step::State> states_;
@@ -245,7 +245,7 @@ void Trajectory::run(step::ForceAtStep load, const StepObserver& watch) {
   const auto contact = [this](int) -> contact::ContactState& { return now_; };
   integrate_with(stepper_, grid_, integrator_, Stops::obeyed, contact, acting_, [&](const Frame& frame) {
     steps_ = frame.step.k;
-    contact_[static_cast<std::size_t>(frame.step.k)] = now_.linearisation();
+    contact_[frame.step.k] = now_.linearisation();
     if (frame.step.k > 0)
       margins_.take(now_, frame.step.scheme());
     states_->keep(integrator_.now());

@@ -70,21 +70,19 @@ public:
     set_.push_back(static_cast<int>(j));
     r_.clear();
     for (int i : set_)
-      r_.push_back(-gap0_[static_cast<std::size_t>(i)]);
+      r_.push_back(-gap0_[i]);
     factor_.solve(r_);
     for (std::size_t i = 0; i < set_.size(); ++i)
       force(i) = std::max(0.0, r_[i]);
   }
 
 private:
-  [[nodiscard]] double entry(auto row, auto column) const {
-    return S_(static_cast<int>(column))[static_cast<std::size_t>(row)];
-  }
-  double& force(std::size_t i) { return lambda_[static_cast<std::size_t>(set_[i])]; }
+  [[nodiscard]] double entry(auto row, auto column) const { return S_(static_cast<int>(column))[row]; }
+  double& force(std::size_t i) { return lambda_[set_[i]]; }
   [[nodiscard]] double gap(std::size_t j) const {
     double g = gap0_[j];
     for (int i : set_)
-      g += entry(j, i) * lambda_[static_cast<std::size_t>(i)];
+      g += entry(j, i) * lambda_[i];
     return g;
   }
   /// r ← S_Aj.

@@ -19,10 +19,10 @@ void exchange(const ConstraintRows& rows, std::span<const double> lambda, Active
   for (const bool pushes : {true, false})           // closed candidates with forces are independent
     for (std::size_t at = begin; at < set.size(); ++at) {
       const int i = set[at];
-      if ((lambda[static_cast<std::size_t>(i)] > 0) != pushes || basis.add(i))
+      if ((lambda[i] > 0) != pushes || basis.add(i))
         continue;
       basis.coefficients(i, part);
-      const auto force = [&](std::size_t k) { return lambda[static_cast<std::size_t>(basis.member(k))]; };
+      const auto force = [&](std::size_t k) { return lambda[basis.member(k)]; };
       std::size_t leaves = basis.size();
       for (std::size_t k = 0; k < basis.size(); ++k)
         if (part[k] > RowBasis::parallel &&
@@ -85,7 +85,7 @@ void next_set(const ConstraintRows& rows, const ActiveSet& set, std::span<const 
     for (int i = here.first; i < here.last; ++i) {
       const bool closed = at != set.end() && *at == i;
       at += closed;
-      if (rows.law(i).closes(closed, lambda[static_cast<std::size_t>(i)], gap[static_cast<std::size_t>(i)]))
+      if (rows.law(i).closes(closed, lambda[i], gap[i]))
         next.push_back(i);
     }
     if (here.dependent)

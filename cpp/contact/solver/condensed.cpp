@@ -59,12 +59,12 @@ std::unique_ptr<CondensedVi> CondensedSolver::make_vi() const {
 void CondensedSolver::solve_on_set(ContactState& state, Workspace& work) const {
   work.b.clear();
   for (int i : work.set)
-    work.b.push_back(-work.gap0[static_cast<std::size_t>(i)]);
+    work.b.push_back(-work.gap0[i]);
   delassus_.solve_active(work.set, work.b, work);
   std::ranges::fill(state.lambda, 0);
   std::ranges::copy(work.gap0, state.gap.begin());
   for (std::size_t j = 0; j < work.set.size(); ++j) {
-    state.lambda[static_cast<std::size_t>(work.set[j])] = work.b[j];
+    state.lambda[work.set[j]] = work.b[j];
     const std::span<const double> column = delassus_.column(work.set[j]);
     for (std::size_t i = 0; i < column.size(); ++i)
       state.gap[i] += column[i] * work.b[j];
@@ -165,7 +165,7 @@ void CondensedSolver::refine(Vec r, std::span<const double> psi, ContactState& s
       delassus_.solve_linearised({.r = work.residual, .set = work.set, .x = work.correction}, work);
       check(VecAXPY(y, 1, work.correction));
       for (int j : work.set)
-        state.lambda[static_cast<std::size_t>(j)] += work.mu[static_cast<std::size_t>(j)];
+        state.lambda[j] += work.mu[j];
     }
     rows_.prescribe(work.set, psi, y);
     rows_.gap(psi, y, state.gap);
@@ -175,7 +175,7 @@ void CondensedSolver::refine(Vec r, std::span<const double> psi, ContactState& s
     std::swap(work.set, work.next);
     for (int j : work.next) // the set before
       if (std::ranges::find(work.set, j) == work.set.end())
-        state.lambda[static_cast<std::size_t>(j)] = 0;
+        state.lambda[j] = 0;
     ++state.vi_iterations;
   }
 }
@@ -230,12 +230,11 @@ void CondensedSolver::solve_by_sets(const ContactProblem& step, Workspace& work)
 bool CondensedSolver::next(int group, const ContactState& state, LawEquation& equation) const {
   const std::array<double, 3> rho = rows_.of_group(group, state.lambda), U = rows_.of_group(group, state.gap);
   const std::size_t k = rows_.size(group);
-  return rows_.law(group).next({rho.data(), k}, {U.data(), k},
-                               delassus_.column(group)[static_cast<std::size_t>(group)], equation);
+  return rows_.law(group).next({rho.data(), k}, {U.data(), k}, delassus_.column(group)[group], equation);
 }
 
 void CondensedSolver::push(int row, double change, ContactState& state) const {
-  state.lambda[static_cast<std::size_t>(row)] += change;
+  state.lambda[row] += change;
   const std::span<const double> column = delassus_.column(row);
   for (std::size_t j = 0; j < column.size(); ++j)
     state.gap[j] += column[j] * change;
@@ -348,9 +347,8 @@ void CondensedSolver::solve(const ContactProblem& step, Workspace& work) const {
     if (!open)
       solve_by_sets(step, work);
     delassus_.finish_closed(work.set, psi, state.lambda, state.gap, y, work);
-    if (residual_ && std::ranges::any_of(work.set, [&](int i) {
-          return std::abs(state.gap[static_cast<std::size_t>(i)]) > length_unit_;
-        }))
+    if (residual_ &&
+        std::ranges::any_of(work.set, [&](int i) { return std::abs(state.gap[i]) > length_unit_; }))
       refine(r, psi, state, y, work);
   }
   complementarity_.classify(state, y, tolerance_);
