@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "trajectory/impulse_record.h"
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace signorini::trajectory {
 
@@ -56,6 +58,19 @@ ImpulseRecord::Mean ImpulseRecord::largest_mean(double window) const {
       most = {force, length, times_[i]};
   }
   return most;
+}
+
+ImpulseRecord::Peak ImpulseRecord::peak(double window) const {
+  Peak peak{.mean = largest_mean(window)};
+  const auto [force, over, at] = peak.mean;
+  const double half = largest_mean(over / 2).force, fourfold = largest_mean(4 * over).force;
+  peak.twice = largest_mean(2 * over).force;
+  peak.excess = force / peak.twice - 1;
+  const auto [begin, end] = between(0.01, 0.99);
+  const double sine = std::pow(2 * std::numbers::pi * over / (end - begin), 2) / 24;
+  peak.expected = std::min(sine, (peak.twice - fourfold) / (4 * peak.twice));
+  peak.smooth = half - force <= (force - peak.twice) / 2;
+  return peak;
 }
 
 } // namespace signorini::trajectory

@@ -31,6 +31,18 @@ public:
   };
   /// The largest mean over `window` (s), or over two steps where these take longer.
   [[nodiscard]] Mean largest_mean(double window) const;
+  /// The largest mean over `window`, beside the largest ones over other times. A smooth force exceeds its
+  /// means by the square of their window: by no more than half a sine of the impulse's duration does, and a
+  /// quarter of what means over twice the time exceed those over four times it.
+  struct Peak {
+    Mean mean;
+    double twice = 0;    ///< force, the largest mean over twice mean.over, N
+    double excess = 0;   ///< of mean.force over that, relative
+    double expected = 0; ///< the excess that a smooth force may have
+    bool smooth = false; ///< whether means over half the time exceed it by no more than half of that
+  };
+  /// Of a record whose total() is not zero.
+  [[nodiscard]] Peak peak(double window) const;
 
   /// Ends of steps, but for those within a time without a force, s.
   [[nodiscard]] const std::vector<double>& times() const { return times_; }

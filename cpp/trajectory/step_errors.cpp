@@ -5,7 +5,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
-#include <numbers>
 
 namespace signorini::trajectory {
 using petsc::check;
@@ -16,21 +15,12 @@ namespace {
 constexpr double rounding_of_y = 0x1p-50;
 /// The error of a trapezoidal step: τ³/12 of the third derivative.
 constexpr double trapezoidal = 12;
-constexpr int few_steps = 10;
 /// Of the tolerance: what errors in contact may add up to.
 constexpr double most_accumulated = 5;
 /// Part of the shortest step by which touches may differ as rounding turns a body.
 constexpr double most_turned = 0.2;
 /// Part of their errors with which the shortest steps count in a flight between two touches; by trials.
 constexpr double of_shortest = 0.2;
-
-/// The sum of the moduli of the nodal forces of a step, N.
-double normal_force(const Frame& frame) {
-  double force = 0;
-  for (const double lambda : frame.contact.normal_lambda())
-    force += lambda / frame.step.scheme().impulse();
-  return force;
-}
 
 /// Factors of values at times t, the newest first, in the distance of the newest from the line through the
 /// others.
@@ -193,7 +183,7 @@ StepErrors::Step StepErrors::judge(const Frame& frame) {
   error_ = shortest ? of_shortest * error : error;
   step.error = shortest ? 0 : error;
   if (const contact::ContactPairs* pairs = stepper_.pairs()) {
-    force_of_two_ = (tau * normal_force(frame) + last_length_ * last_force_) / (tau + last_length_);
+    force_of_two_ = (tau * frame.normal_force() + last_length_ * last_force_) / (tau + last_length_);
     constexpr double parabola = 6;
     step.bend = std::abs(force_of_two_ - 2 * forces_of_two_[0] + forces_of_two_[1]) / parabola;
     for (const int i : frame.contact.active)
@@ -278,7 +268,7 @@ void StepErrors::take_contact(const Frame& frame) {
     open_[o] = closed[o] ? 0 : std::min(open_[o] + 1, ended);
     any = any || closed[o], lasts = lasts || contact(o);
   }
-  const double force = normal_force(frame);
+  const double force = frame.normal_force();
   if (any && begins_.empty() && !gaps_before_.empty())
     judge_flight(frame);
   if (any && !contact_.lasts) {
@@ -324,12 +314,6 @@ void StepErrors::judge_flight(const Frame& frame) {
   const double time = frame.step.end / stepper_.wave_time(), window = speed * stepper_.wave_time();
   if (window > 0)
     drift_ = turned * std::numeric_limits<double>::epsilon() * time * time * size(frame.before->y()) / window;
-}
-
-const StepErrors::Contact& StepErrors::coarsest_contact() const {
-  const bool coarser =
-      contact_.steps > 0 && contact_.steps < few_steps && contact_.impulse > coarsest_.impulse;
-  return coarser ? contact_ : coarsest_;
 }
 
 double StepErrors::closing() const {
@@ -389,31 +373,22 @@ std::vector<Warning> StepErrors::warnings() const {
 }
 
 std::optional<Warning> StepErrors::peak_warning() const {
-  const auto mean = [&](double window) { return force_.largest_mean(window); };
-  const ImpulseRecord::Mean peak = mean(sustained * stepper_.wave_time());
-  const double half = mean(peak.over / 2).force, twice = mean(2 * peak.over).force,
-               fourfold = mean(4 * peak.over).force, excess = peak.force / twice - 1;
-  // A smooth force exceeds its means by the square of their window: by no more than half a sine of the
-  // impulse's duration does, and a quarter of what means over twice the time exceed those over four times it.
-  const auto [begin, end] = force_.between(0.01, 0.99);
-  const double sine = std::pow(2 * std::numbers::pi * peak.over / (end - begin), 2) / 24,
-               expected = std::min(sine, (twice - fourfold) / (4 * twice));
-  const bool smooth = half - peak.force <= (peak.force - twice) / 2,
-             at_onset = std::ranges::any_of(
-                 begins_, [&](double touch) { return touch <= peak.end && peak.end <= touch + crossing_; });
+  const ImpulseRecord::Peak peak = force_.peak(sustained * stepper_.wave_time());
+  const bool at_onset = std::ranges::any_of(
+      begins_, [&](double touch) { return touch <= peak.mean.end && peak.mean.end <= touch + crossing_; });
   constexpr double sharp = 3, unlike = 5, after_long_steps = 1.5; // times the tolerance, by trials
   const double most =
-      std::min(smooth && !at_onset ? std::numeric_limits<double>::infinity() : sharp * tolerance_,
-               expected + (peak.end > first_long_ ? after_long_steps : unlike) * tolerance_);
-  if (!(excess > most))
+      std::min(peak.smooth && !at_onset ? std::numeric_limits<double>::infinity() : sharp * tolerance_,
+               peak.expected + (peak.mean.end > first_long_ ? after_long_steps : unlike) * tolerance_);
+  if (!(peak.excess > most))
     return std::nullopt;
   return Warning{
       peak_of_the_mesh,
       fmt::format("the largest force is {:.4g} in the mean over {:.2g} s and {:.4g} over twice that: "
                   "the size of the elements and the steps decide how large a peak is; let the mesh be "
                   "finer, lower time.tolerance, or compare impulses",
-                  peak.force, peak.over, twice),
-      excess, most};
+                  peak.mean.force, peak.mean.over, peak.twice),
+      peak.excess, most};
 }
 
 } // namespace signorini::trajectory

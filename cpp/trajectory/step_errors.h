@@ -94,6 +94,7 @@ public:
 
 private:
   static constexpr int ended = 3; ///< open steps after which contact is over
+  static constexpr int few_steps = 10;
   struct Mean {
     petsc::Vector w;
     double middle = 0; ///< s
@@ -110,7 +111,11 @@ private:
   void take_deformation(const Frame& frame);
   void take_contact(const Frame& frame);
   /// Of coarsest_ and the contact that lasts.
-  [[nodiscard]] const Contact& coarsest_contact() const;
+  [[nodiscard]] const Contact& coarsest_contact() const {
+    const bool coarser =
+        contact_.steps > 0 && contact_.steps < few_steps && contact_.impulse > coarsest_.impulse;
+    return coarser ? contact_ : coarsest_;
+  }
   /// Before the first touch.
   void judge_flight(const Frame& frame);
   /// Where the largest force is that of a single wave, which the mesh and the steps decide.

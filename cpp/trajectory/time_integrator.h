@@ -94,6 +94,14 @@ struct Frame {
   const step::State& after;  ///< at t_k
   const contact::ContactState& contact;
   bool last; ///< no other frame follows
+
+  /// The sum of the moduli of the normal forces of the candidates in the step, N.
+  [[nodiscard]] double normal_force() const {
+    double sum = 0;
+    for (const double lambda : contact.normal_lambda())
+      sum += lambda / step.scheme().impulse();
+    return sum;
+  }
 };
 
 using StepObserver = std::function<void(const Frame&)>;
