@@ -92,16 +92,25 @@ void Probes::find_points(const std::vector<scene::Probe>& probes) {
     step::require_inside(stepper_.space(), *sampler_, j, *probes[which[j]].point, key_of(which[j]));
 }
 
+Probes::ProbeValue Probes::linear(std::size_t weights, Vec Sample::* field, double factor, double offset) {
+  return [=](const Sample& now) { return factor * petsc::dot(now.weights[weights], now.*field) + offset; };
+}
+
 void Probes::add_point(const std::string& probe, std::size_t number) {
-  for (const Of of : {Of::displacement, Of::velocity})
-    add_vector(probe, of == Of::displacement ? "displacement" : "velocity",
-               [&](std::size_t c) { return AtPoint{dim_ * number + c, of}; });
+  const std::size_t first = dim_ * number;
+  add_vector(probe, "displacement",
+             [=](std::size_t c) { return [=](const Sample& now) { return now.y_at[first + c]; }; });
+  add_vector(probe, "velocity",
+             [=](std::size_t c) { return [=](const Sample& now) { return now.v_at[first + c]; }; });
 }
 
 void Probes::add_obstacle(const std::string& probe, std::size_t obstacle) {
-  for (const bool impulse : {false, true})
-    add_vector(probe, impulse ? "impulse" : "force",
-               [&](std::size_t c) { return OfObstacle{obstacle, c, impulse}; });
+  add_vector(probe, "force", [=](std::size_t c) {
+    return [=](const Sample& now) { return now.obstacles[obstacle].force[c]; };
+  });
+  add_vector(probe, "impulse", [=](std::size_t c) {
+    return [=](const Sample& now) { return now.obstacles[obstacle].impulse[c]; };
+  });
 }
 
 void Probes::add_group(const std::string& probe, const std::string& group, const std::string& key) {
@@ -110,8 +119,8 @@ void Probes::add_group(const std::string& probe, const std::string& group, const
   const std::size_t first = weights_.size();
   for (std::size_t c = 0; c < dim_; ++c)
     weights_.push_back(step::mean(space, L2, c).weights);
-  add_vector(probe, "displacement", [&](std::size_t c) { return Linear{first + c, Of::displacement}; });
-  add_vector(probe, "velocity", [&](std::size_t c) { return Linear{first + c, Of::velocity}; });
+  add_vector(probe, "displacement", [&](std::size_t c) { return linear(first + c, &Sample::y); });
+  add_vector(probe, "velocity", [&](std::size_t c) { return linear(first + c, &Sample::v); });
   if (space.mesh().group_dimension(group, key) < space.dim())
     add_reaction(probe, group, key);
 }
@@ -136,7 +145,7 @@ void Probes::add_reaction(const std::string& probe, const std::string& group, co
     return;
   }
   reactions_ = true;
-  add_vector(probe, "reaction", [&](std::size_t c) { return Linear{first + c, Of::reaction}; });
+  add_vector(probe, "reaction", [&](std::size_t c) { return linear(first + c, &Sample::reactions); });
 }
 
 void Probes::add_body(const std::string& probe) {
@@ -152,9 +161,8 @@ void Probes::add_body(const std::string& probe) {
     centre[c] = petsc::dot(mean.weights, places);
     weights_.push_back(std::move(mean.weights));
   }
-  add_vector(probe, "center",
-             [&](std::size_t c) { return Linear{first + c, Of::displacement, 1, centre[c]}; });
-  add_vector(probe, "momentum", [&](std::size_t c) { return Linear{first + c, Of::velocity, mass}; });
+  add_vector(probe, "center", [&](std::size_t c) { return linear(first + c, &Sample::y, 1, centre[c]); });
+  add_vector(probe, "momentum", [&](std::size_t c) { return linear(first + c, &Sample::v, mass); });
   add_rotation(probe, centre);
 }
 
@@ -174,32 +182,19 @@ void Probes::add_rotation(const std::string& probe, const std::vector<double>& c
     weights_.push_back(stepper_.space().vector());
     for (std::size_t b = 0; b < count; ++b)
       check(VecAXPY(weights_.back(), inertia[a * count + b], moments[b]));
-    add(probe, count == 1 ? "rotation" : fmt::format("rotation_{}", axes[a]),
-        Linear{first + a, Of::displacement});
+    add(probe, count == 1 ? "rotation" : fmt::format("rotation_{}", axes[a]), linear(first + a, &Sample::y));
   }
 }
 
 void Probes::add_values(const trajectory::Frame& frame, const ObstacleForces& forces, Vec reactions,
                         std::vector<double>& values) const {
-  std::vector<double> displacement, velocity;
+  Sample now{frame.after.y(), frame.after.v(), reactions, {}, {}, forces.each(), weights_};
   if (sampler_) {
-    displacement = (*sampler_)(frame.after.y());
-    velocity = (*sampler_)(frame.after.v());
+    now.y_at = (*sampler_)(now.y);
+    now.v_at = (*sampler_)(now.v);
   }
-  for (const ProbeValue& value : values_) {
-    if (const auto* linear = std::get_if<Linear>(&value)) {
-      const Vec x = linear->of == Of::displacement ? frame.after.y()
-                    : linear->of == Of::velocity   ? frame.after.v()
-                                                   : reactions;
-      values.push_back(linear->factor * petsc::dot(weights_[linear->weights], x) + linear->offset);
-    } else if (const auto* point = std::get_if<AtPoint>(&value)) {
-      values.push_back((point->of == Of::displacement ? displacement : velocity)[point->entry]);
-    } else {
-      const auto& of = std::get<OfObstacle>(value);
-      const ObstacleForce& one = forces.each()[of.obstacle];
-      values.push_back((of.impulse ? one.impulse : one.force)[of.component]);
-    }
-  }
+  for (const ProbeValue& value : values_)
+    values.push_back(value(now));
 }
 
 } // namespace signorini::diagnostics

@@ -2,9 +2,9 @@
 #pragma once
 #include "diagnostics/contact_forces.h"
 #include "fem/sampler.h"
+#include <functional>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 namespace signorini::diagnostics {
@@ -30,23 +30,18 @@ public:
                   std::vector<double>& values) const;
 
 private:
-  enum class Of { displacement, velocity, reaction };
-  /// factor · (weights · x) + offset.
-  struct Linear {
-    std::size_t weights; ///< number of the vector
-    Of of;
-    double factor = 1, offset = 0;
+  /// What values are read from.
+  struct Sample {
+    Vec y, v, reactions;            ///< fields; the forces of the clamps are null if not needed
+    std::vector<double> y_at, v_at; ///< y and v at the points (points × dim)
+    const std::vector<ObstacleForce>& obstacles;
+    const std::vector<petsc::Vector>& weights;
   };
-  struct AtPoint {
-    std::size_t entry; ///< of the sampler's values
-    Of of;
-  };
-  struct OfObstacle {
-    std::size_t obstacle, component;
-    bool impulse;
-  };
-  using ProbeValue = std::variant<Linear, AtPoint, OfObstacle>;
+  using ProbeValue = std::function<double(const Sample& now)>;
 
+  /// factor · (weights · field) + offset, by the number of the weights.
+  [[nodiscard]] static ProbeValue linear(std::size_t weights, Vec Sample::* field, double factor = 1,
+                                         double offset = 0);
   void add(const std::string& probe, const std::string& quantity, const ProbeValue& value);
   /// Adds a value for each component; `make(c)` gives it.
   template <class Make>
