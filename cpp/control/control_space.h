@@ -99,7 +99,7 @@ public:
   /// Whether the control acts by a force density, else by forces on the nodes (step::NodalForce).
   [[nodiscard]] bool acts_by_density() const { return !on_ && !cellwise_; }
   /// Adds the force s u, for the values u of an interval, times `weight`.
-  void add_force(std::span<const double> u, step::NodalForce sum, double weight = 1) const;
+  void add_force(std::span<const double> u, step::NodalForce sum, double weight) const;
 
   /// Adds to g the contribution of step k to the Riesz representative, in product(), of the functional
   /// u ↦ Σ_k impulse() p_k · (force of u in step k): the transpose of add_force(). For nodal values of each

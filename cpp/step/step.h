@@ -18,8 +18,6 @@ namespace signorini::step {
 /// alike.
 class State {
 public:
-  /// Without parts.
-  State() = default;
   /// `parts` of them, zero, in the layout of `like`. Collective.
   State(Vec like, std::size_t parts) : parts_(petsc::zero_series(like, parts)) {}
 

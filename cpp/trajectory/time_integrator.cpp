@@ -168,25 +168,21 @@ void set_initial_gaps(const step::Stepper& stepper, Vec y, contact::ContactState
     pairs->rows().gap(pairs->psi(), y, contact.gap);
 }
 
-/// Collective where stops are obeyed.
-bool stopped(const step::Stepper& stepper, Stops stops) {
-  return stops == Stops::obeyed && stop_requested(stepper.space().comm());
-}
-
 } // namespace
 
 int integrate_with(const step::Stepper& stepper, const step::TimeGrid& grid, TimeIntegrator& integrator,
                    Stops stops, const std::function<contact::ContactState&(int k)>& contact,
                    const step::NodalForce& acting, const StepObserver& watch) {
+  const auto stopped = [&] { return stops == Stops::obeyed && stop_requested(stepper.space().comm()); };
   integrator.restart();
   set_initial_gaps(stepper, integrator.now().state.y(), contact(0));
-  bool last = stopped(stepper, stops);
+  bool last = stopped();
   watch({grid.step(0), nullptr, {}, integrator.now().state, contact(0), last});
   int k = 0;
   while (!last) {
     const step::TimeStep step = grid.step(++k);
     integrator.advance(step);
-    last = k == grid.steps() || stopped(stepper, stops);
+    last = k == grid.steps() || stopped();
     watch({step, &integrator.before(), acting, integrator.now().state, contact(k), last});
   }
   return k;
@@ -219,13 +215,12 @@ int integrate(const step::Stepper& stepper, const step::TimeGrid& grid, const st
   Rolling motion(stepper, initial, load);
   return integrate_with(
       stepper, grid, motion.integrator, stops,
-      [&](int k) -> contact::ContactState& { return motion.contact(k); }, motion.acting,
-      watch ? watch : [](const Frame&) {});
+      [&](int k) -> contact::ContactState& { return motion.contact(k); }, motion.acting, watch);
 }
 
 step::TimeGrid integrate_choosing(const step::Stepper& stepper, const step::State& initial,
                                   const step::ForceAtStep& load, StepControl& control,
-                                  const StepObserver& watch, Stops stops) {
+                                  const StepObserver& watch) {
   Rolling motion(stepper, initial, load);
   TimeIntegrator& integrator = motion.integrator;
   const auto show = [&](const Frame& frame) {
@@ -236,7 +231,7 @@ step::TimeGrid integrate_choosing(const step::Stepper& stepper, const step::Stat
   const step::State& start = integrator.now().state;
   set_initial_gaps(stepper, start.y(), motion.contact(0));
   control.start(start.y(), start.v(), load);
-  bool last = stopped(stepper, stops);
+  bool last = stop_requested(stepper.space().comm());
   show({{.tau = stepper.first_length()}, nullptr, {}, start, motion.contact(0), last});
   while (!last) {
     const step::TimeStep step = control.next_step();
@@ -247,7 +242,7 @@ step::TimeGrid integrate_choosing(const step::Stepper& stepper, const step::Stat
       integrator.take_back();
       continue;
     }
-    made.last = last = control.steps().complete() || stopped(stepper, stops);
+    made.last = last = control.steps().complete() || stop_requested(stepper.space().comm());
     show(made);
   }
   return control.steps().grid();

@@ -109,7 +109,7 @@ using StepObserver = std::function<void(const Frame&)>;
 /// Whether a request to stop ends a motion.
 enum class Stops { obeyed, ignored };
 
-/// Makes the steps of `grid` from the initial state and passes each frame to `watch` (which may be empty),
+/// Makes the steps of `grid` from the initial state and passes each frame to `watch`,
 /// storing no more than the last two states; ends early if a stop was requested and is obeyed. Returns the
 /// number of steps done. Collective. Throws SolverFailure naming the step.
 int integrate(const step::Stepper& stepper, const step::TimeGrid& grid, const step::State& initial,
@@ -118,11 +118,11 @@ int integrate(const step::Stepper& stepper, const step::TimeGrid& grid, const st
 class StepControl;
 
 /// Integrates to the end of the motion with steps whose lengths `control` chooses; returns these, which are
-/// incomplete if a stop was requested and is obeyed. `watch` sees no step that is repeated. Collective.
-/// Throws SolverFailure naming the step.
+/// incomplete if a stop was requested. `watch` (which may be empty) sees no step that is repeated.
+/// Collective. Throws SolverFailure naming the step.
 [[nodiscard]] step::TimeGrid integrate_choosing(const step::Stepper& stepper, const step::State& initial,
                                                 const step::ForceAtStep& load, StepControl& control,
-                                                const StepObserver& watch, Stops stops = Stops::obeyed);
+                                                const StepObserver& watch);
 
 /// Makes the steps of `grid` by `integrator` from t_0 on, as integrate() does. `acting` and `contact(k)`
 /// refer to the load and the contact of the integrator's last step.

@@ -137,7 +137,8 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
   double run = std::numeric_limits<double>::infinity(), whole = run;
   for (int repeat = 0; repeat < repeats; ++repeat) {
     watch.lap();
-    trajectory::integrate(problem.stepper, problem.grid, problem.initial, load, {});
+    trajectory::integrate(problem.stepper, problem.grid, problem.initial, load,
+                          [](const trajectory::Frame&) {});
     run = std::min(run, watch.lap());
     reduced.simulate(u);
     reduced.accept();

@@ -81,7 +81,8 @@ nlohmann::ordered_json measure(const scene::Scene& scene, int repeats) {
     long before = count("solves with D");
     if (!controlled) {
       watch.lap();
-      trajectory::integrate(problem.stepper, problem.grid, problem.initial, load(), {});
+      trajectory::integrate(problem.stepper, problem.grid, problem.initial, load(),
+                            [](const trajectory::Frame&) {});
       run = std::min(run, watch.lap());
       run_solves = count("solves with D") - before;
       if (bare) {

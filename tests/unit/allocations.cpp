@@ -145,7 +145,7 @@ TEST_CASE("steps between several obstacles, one of which moves, allocate nothing
   const auto run = [&](const trajectory::StepObserver& watch) {
     trajectory::integrate(problem.stepper, problem.grid, problem.initial, problem.load(), watch);
   };
-  run({});
+  run([](const trajectory::Frame&) {});
   long stepping = 0, before = 0;
   std::array<bool, 3> touched{};
   (void)allocations([&] {
