@@ -8,16 +8,16 @@
 namespace signorini::accuracy {
 namespace {
 
-using Samples = std::span<const double>;
+using Values = std::span<const double>;
 
-double norm(Samples x) {
+double norm(Values x) {
   double sum = 0;
   for (double value : x)
     sum += value * value;
   return std::sqrt(sum);
 }
 
-double difference(Samples a, Samples b) {
+double difference(Values a, Values b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
     sum += (a[i] - b[i]) * (a[i] - b[i]);
@@ -34,12 +34,12 @@ std::optional<double> relative(double difference, double size) {
 }
 
 /// What errors of a quantity are divided by.
-double scale(const Quantity& quantity, Samples known) { return quantity.absolute ? 1 : norm(known); }
+double scale(const Quantity& quantity, Values known) { return quantity.absolute ? 1 : norm(known); }
 
 /// The distance to known values, of another run or exact; absent where one of them is not finite.
 template <class Known>
 std::optional<double> distance_to(const Quantity& quantity, const Measured& run, const Known& known) {
-  const Samples there = known.values(quantity);
+  const Values there = known.values(quantity);
   return relative(difference(run.values(quantity), there), scale(quantity, there));
 }
 

@@ -7,17 +7,17 @@
 namespace signorini::accuracy {
 namespace {
 
-using Samples = std::span<const double>;
+using Values = std::span<const double>;
 
 /// (b − a)·(d − c).
-double product(Samples a, Samples b, Samples c, Samples d) {
+double product(Values a, Values b, Values c, Values d) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
     sum += (b[i] - a[i]) * (d[i] - c[i]);
   return sum;
 }
 
-double distance(Samples a, Samples b) { return std::sqrt(product(a, b, a, b)); }
+double distance(Values a, Values b) { return std::sqrt(product(a, b, a, b)); }
 
 /// Orders that are printed have few digits; what is beyond says as much as these.
 constexpr double highest_order = 20;

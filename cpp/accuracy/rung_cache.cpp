@@ -15,8 +15,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* rungs = "rungs";
-const io::FolderLock::Names file_names{"study.csv", "study.json", rungs};
+constexpr const char* rungs_folder = "rungs";
+const io::FolderLock::Names file_names{"study.csv", "study.json", rungs_folder};
 
 Json packed(const std::vector<double>& values) {
   std::vector<std::uint8_t> bytes(values.size() * sizeof(double));
@@ -91,8 +91,8 @@ void replace(const std::filesystem::path& file, const char* data, std::size_t si
   }
 }
 
-/// A number as text; empty if it is absent or not finite.
-std::string shown(const std::optional<double>& value) {
+/// A number as text for a table; empty if it is absent or not finite.
+std::string cell(const std::optional<double>& value) {
   return value && std::isfinite(*value) ? fmt::format("{:.17g}", *value) : "";
 }
 
@@ -121,7 +121,7 @@ Json given(const std::optional<ReferenceBar>& bar) {
 RungCache::RungCache(const std::filesystem::path& folder) : folder_(folder), lock_(folder) {
   lock_.claim("study.json", file_names, file_names);
   std::error_code error;
-  std::filesystem::create_directories(folder_ / rungs, error);
+  std::filesystem::create_directories(folder_ / rungs_folder, error);
   if (error)
     throw UserError(fmt::format("--out: the folder {} cannot be made ({}), allowed is one that can be",
                                 folder_.string(), error.message()));
@@ -129,11 +129,11 @@ RungCache::RungCache(const std::filesystem::path& folder) : folder_(folder), loc
 
 RungCache::~RungCache() {
   std::error_code not_empty;
-  std::filesystem::remove(folder_ / rungs, not_empty);
+  std::filesystem::remove(folder_ / rungs_folder, not_empty);
 }
 
 std::filesystem::path RungCache::file(const Rung& rung) const {
-  return folder_ / rungs /
+  return folder_ / rungs_folder /
          fmt::format("{}size-{:.10g}-{}-degree-{}-{}.cbor", rung.graded ? "graded-" : "", rung.size,
                      rung.chooses_steps() ? fmt::format("tolerance-{:.10g}", rung.tolerance)
                                           : fmt::format("steps-{}", rung.steps),
@@ -200,14 +200,13 @@ std::string csv(const std::vector<Result>& results, const std::vector<Errors>& e
                         rung.graded);
     for (const Errors& one : errors) {
       const std::optional<double>&error = one.error[i], &estimate = one.estimate[i];
-      text += fmt::format(",{},{},{},{},{:d},{}",
-                          one.quantity.field ? "" : shown(run->numbers.at(one.quantity.name)), shown(error),
-                          shown(estimate), shown(one.effectivity[i]), bool(one.pareto[i]),
-                          shown(one.envelope[i]));
+      text += fmt::format(
+          ",{},{},{},{},{:d},{}", one.quantity.field ? "" : cell(run->numbers.at(one.quantity.name)),
+          cell(error), cell(estimate), cell(one.effectivity[i]), bool(one.pareto[i]), cell(one.envelope[i]));
     }
     if (const auto& estimate = run->estimate) {
       const double J = std::abs(run->numbers.at("J"));
-      const auto part = [&](const std::optional<double>& value) { return value ? shown(*value / J) : ""; };
+      const auto part = [&](const std::optional<double>& value) { return value ? cell(*value / J) : ""; };
       text += fmt::format(",{},{},{},{}", part(estimate->space), part(estimate->time),
                           part(estimate->initial), part(estimate->desired));
     } else if (estimated) {

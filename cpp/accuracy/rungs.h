@@ -30,9 +30,9 @@ struct Rung {
 
 /// What a ladder is made of; an empty list stands for the default.
 struct Choice {
-  std::vector<double> sizes, steps; ///< m, s
-  std::vector<int> degrees;
-  std::vector<std::string> schemes;    ///< names of all but mixed
+  std::vector<double> sizes{}, steps{}; ///< m, s
+  std::vector<int> degrees{};
+  std::vector<std::string> schemes{};  ///< names of all but mixed
   std::vector<double> tolerances = {}; ///< of steps that the motion chooses
   bool graded = false;                 ///< the same rungs once more with sizes that vary
 };

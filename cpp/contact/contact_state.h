@@ -35,8 +35,8 @@ struct ContactLinearisation {
   std::vector<double> forces; ///< ρ of these groups' rows, τ²/2 times the nodal contact forces
   /// The linearised laws of these; empty if all laws are symmetric, λ free and g = 0.
   std::vector<LawEquation> equations;
-  ActiveSet weak;      ///< W
-  ActiveSet predictor; ///< Z: candidates that the projected predictor touches; contact-stabilized only
+  ActiveSet weak{};      ///< W
+  ActiveSet predictor{}; ///< Z: candidates that the projected predictor touches; contact-stabilized only
 };
 
 /// Contact after one step.

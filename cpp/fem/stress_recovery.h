@@ -40,7 +40,7 @@ struct StressPeak {
                         ///< of one material at a node
   /// A node of the cell on the boundary, m: that with the largest angle if the boundary has a corner there
   /// that points into the body, else that with the largest stress around it.
-  std::optional<std::array<double, 3>> corner;
+  std::optional<std::array<double, 3>> corner{};
   double angle = 0; ///< of the body around it, as a part of the full one: ½ where the boundary is smooth
 };
 

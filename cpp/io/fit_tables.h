@@ -22,7 +22,7 @@ std::string data_table(const std::vector<double>& times, const std::vector<std::
 
 /// What is known of an unknown after a fit.
 struct FittedUnknown {
-  std::string name, of, unit, scale;
+  std::string name{}, of{}, unit{}, scale{};
   double value = 0, deviation = 0; ///< standard; ∞ where the data do not tell it
   double start = 0, lower = 0, upper = 0;
   bool at_bound = false;

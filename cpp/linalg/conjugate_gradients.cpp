@@ -15,8 +15,6 @@ using petsc::check;
 
 namespace {
 
-constexpr const char* prefix = "step_";
-
 /// A copy by rows, with the near null space. Collective.
 petsc::Matrix by_rows(Mat matrix) {
   petsc::Matrix rows;
@@ -32,13 +30,13 @@ petsc::Matrix by_rows(Mat matrix) {
 
 bool Preconditioner::given_by_options() {
   PetscBool given = PETSC_FALSE;
-  check(PetscOptionsHasName(nullptr, prefix, "-pc_type", &given));
+  check(PetscOptionsHasName(nullptr, LinearSolver::prefix, "-pc_type", &given));
   return given != PETSC_FALSE;
 }
 
 Preconditioner::Preconditioner(Mat matrix, Kind kind) {
   check(PCCreate(petsc::comm(matrix), preconditioner_.put()));
-  check(PCSetOptionsPrefix(preconditioner_, prefix));
+  check(PCSetOptionsPrefix(preconditioner_, LinearSolver::prefix));
   check(PCSetOperators(preconditioner_, matrix, matrix));
   check(PCSetType(preconditioner_, kind == Kind::multigrid ? PCGAMG : PCPBJACOBI));
   check(PCSetFromOptions(preconditioner_));

@@ -9,6 +9,9 @@ namespace signorini {
 /// Solver for one symmetric positive definite matrix, set up once and used at every step.
 class LinearSolver {
 public:
+  /// Before the names of its options in PETSc's database.
+  static constexpr const char* prefix = "step_";
+
   virtual ~LinearSolver() = default;
 
   /// Solves matrix x = b; `x` holds an initial guess on entry, which a direct solver ignores. Collective.

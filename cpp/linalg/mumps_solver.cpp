@@ -13,7 +13,6 @@ namespace signorini {
 using petsc::check;
 
 namespace {
-constexpr const char* prefix = "step_";
 constexpr double megabyte = 1e6; // the unit of INFOG(17) and INFOG(22)
 } // namespace
 

@@ -64,7 +64,7 @@ public:
     {
 #pragma omp for schedule(dynamic, 1)
       for (std::size_t p = 0; p < reached_.size(); ++p)
-        multiply(p, x, z, y);
+        threaded_multiply(p, x, z, y);
 #pragma omp for schedule(dynamic, 1)
       for (std::size_t p = 0; p < reached_.size(); ++p)
         collect(p, y);
@@ -72,7 +72,7 @@ public:
   }
 
 private:
-  void multiply(std::size_t p, const double* x, const double* z, double* y) {
+  void threaded_multiply(std::size_t p, const double* x, const double* z, double* y) {
     const PetscInt begin = first_[p], end = first_[p + 1];
     if (!z)
       std::fill(y + begin * size, y + end * size, 0.0);
@@ -206,9 +206,9 @@ PetscErrorCode run(Mat matrix, Vec x, Vec z, Vec y) {
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode multiply(Mat matrix, Vec x, Vec y) { return run(matrix, x, nullptr, y); }
+PetscErrorCode threaded_multiply(Mat matrix, Vec x, Vec y) { return run(matrix, x, nullptr, y); }
 
-PetscErrorCode multiply_add(Mat matrix, Vec x, Vec z, Vec y) { return run(matrix, x, z, y); }
+PetscErrorCode threaded_multiply_add(Mat matrix, Vec x, Vec z, Vec y) { return run(matrix, x, z, y); }
 
 #if PETSC_VERSION_LT(3, 23, 0)
 PetscErrorCode destroy(void* own) {
@@ -247,8 +247,8 @@ void thread_products(Mat matrix) {
   check(PetscObjectCompose(reinterpret_cast<PetscObject>(matrix), attached,
                            reinterpret_cast<PetscObject>(container)));
   check(PetscContainerDestroy(&container));
-  check(MatSetOperation(matrix, MATOP_MULT, reinterpret_cast<void (*)()>(multiply)));
-  check(MatSetOperation(matrix, MATOP_MULT_ADD, reinterpret_cast<void (*)()>(multiply_add)));
+  check(MatSetOperation(matrix, MATOP_MULT, reinterpret_cast<void (*)()>(threaded_multiply)));
+  check(MatSetOperation(matrix, MATOP_MULT_ADD, reinterpret_cast<void (*)()>(threaded_multiply_add)));
 }
 
 } // namespace signorini

@@ -19,9 +19,11 @@
 namespace signorini::mesh {
 namespace {
 
-using Point = std::array<double, 3>;
+using Coordinates = std::array<double, 3>;
 
-double distance(const Point& a, const Point& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+double distance(const Coordinates& a, const Coordinates& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
 
 /// The size at the node of a field that is nearest to a point.
 class NearestSize {
@@ -29,11 +31,11 @@ public:
   explicit NearestSize(const SizeField& field) {
     for (std::size_t i = 0; i < field.sizes.size(); ++i) {
       const double* x = &field.points[3 * i];
-      nodes_.emplace(x[0], std::pair(Point{x[0], x[1], x[2]}, field.sizes[i]));
+      nodes_.emplace(x[0], std::pair(Coordinates{x[0], x[1], x[2]}, field.sizes[i]));
     }
   }
 
-  double operator()(const Point& x) const {
+  double operator()(const Coordinates& x) const {
     double nearest = std::numeric_limits<double>::infinity(), size = 0;
     const auto look = [&](const auto& node) {
       if (std::abs(node.first - x[0]) > nearest)
@@ -52,7 +54,7 @@ public:
   }
 
 private:
-  std::multimap<double, std::pair<Point, double>> nodes_; ///< by x
+  std::multimap<double, std::pair<Coordinates, double>> nodes_; ///< by x
 };
 
 /// One division of the edges of a mesh that are too long, and of those that this takes.
@@ -74,8 +76,8 @@ public:
     const std::vector<std::int64_t> ends = nodes(1);
     std::vector<std::int32_t> edges;
     for (std::size_t edge = 0; 2 * edge < ends.size(); ++edge) {
-      const Point a = point(ends[2 * edge]), b = point(ends[2 * edge + 1]);
-      const Point middle{(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2};
+      const Coordinates a = point(ends[2 * edge]), b = point(ends[2 * edge + 1]);
+      const Coordinates middle{(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2};
       if (distance(a, b) > std::sqrt(2.0) * size(middle))
         edges.push_back(static_cast<std::int32_t>(edge));
     }
@@ -115,7 +117,7 @@ public:
   }
 
 private:
-  [[nodiscard]] Point point(std::int64_t row) const {
+  [[nodiscard]] Coordinates point(std::int64_t row) const {
     const double* x = &raw_.points[3 * static_cast<std::size_t>(row)];
     return {x[0], x[1], x[2]};
   }

@@ -12,9 +12,9 @@ namespace signorini::mesh {
 /// linear between.
 struct SizeField {
   int dim = 2;
-  std::vector<double> points;      ///< (nodes × 3), m
-  std::vector<std::int64_t> cells; ///< (cells × (dim + 1)), rows into points
-  std::vector<double> sizes;       ///< of each node, m
+  std::vector<double> points{};      ///< (nodes × 3), m
+  std::vector<std::int64_t> cells{}; ///< (cells × (dim + 1)), rows into points
+  std::vector<double> sizes{};       ///< of each node, m
 };
 
 /// Area or volume of each cell, m² or m³.

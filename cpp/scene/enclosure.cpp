@@ -16,7 +16,7 @@ namespace {
 using Range = std::function<Interval(const Box&)>;
 
 /// A part of an expression, and, where it is one, the line slope · t + value.
-struct Part {
+struct SubExpression {
   Range range;
   struct Line {
     double value, slope;
@@ -25,7 +25,7 @@ struct Part {
 };
 
 /// Thrown where the language has more than this file knows.
-struct Unknown {};
+struct NotEnclosed {};
 
 const Interval all_numbers(-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
 
@@ -150,21 +150,21 @@ constexpr Comparison comparisons[]{
     {"<", below},    {">", [](const Interval& a, const Interval& b) { return below(b, a); }}};
 
 /// A recursive descent through muParser's operators, from the weakest on.
-class Reader {
+class ExpressionReader {
 public:
-  explicit Reader(std::string_view text) : left_(text) {}
+  explicit ExpressionReader(std::string_view text) : left_(text) {}
 
-  Part whole() {
-    Part part = conditional();
+  SubExpression whole() {
+    SubExpression part = conditional();
     if (!left().empty())
-      throw Unknown();
+      throw NotEnclosed();
     return part;
   }
 
   std::vector<double> knots;
 
 private:
-  using Line = Part::Line;
+  using Line = SubExpression::Line;
 
   std::string_view left() {
     left_.remove_prefix(std::min(left_.find_first_not_of(" \t\r\n"), left_.size()));
@@ -178,30 +178,30 @@ private:
   }
   void require(std::string_view token) {
     if (!take(token))
-      throw Unknown();
+      throw NotEnclosed();
   }
 
   /// Notes when two parts are equal, if both are lines over time.
-  void meet(const Part& a, const Part& b) {
+  void meet(const SubExpression& a, const SubExpression& b) {
     if (a.line && b.line && a.line->slope != b.line->slope)
       knots.push_back((b.line->value - a.line->value) / (a.line->slope - b.line->slope));
   }
 
-  Part conditional() {
-    Part condition = disjunction();
+  SubExpression conditional() {
+    SubExpression condition = disjunction();
     if (!take("?"))
       return condition;
-    Part yes = conditional();
+    SubExpression yes = conditional();
     require(":");
-    Part no = conditional();
+    SubExpression no = conditional();
     return {[condition = condition.range, yes = yes.range, no = no.range](const Box& box) {
       const Interval holds = condition(box);
       return is_true(holds) ? yes(box) : is_false(holds) ? no(box) : hull(yes(box), no(box));
     }};
   }
 
-  Part disjunction() {
-    Part part = conjunction();
+  SubExpression disjunction() {
+    SubExpression part = conjunction();
     while (take("||"))
       part = {[a = part.range, b = conjunction().range](const Box& box) {
         const Interval x = a(box), y = b(box);
@@ -210,8 +210,8 @@ private:
     return part;
   }
 
-  Part conjunction() {
-    Part part = comparison();
+  SubExpression conjunction() {
+    SubExpression part = comparison();
     while (take("&&"))
       part = {[a = part.range, b = comparison().range](const Box& box) {
         const Interval x = a(box), y = b(box);
@@ -220,8 +220,8 @@ private:
     return part;
   }
 
-  Part comparison() {
-    Part part = sum();
+  SubExpression comparison() {
+    SubExpression part = sum();
     for (;;) {
       const Comparison* found = nullptr;
       for (const Comparison& one : comparisons)
@@ -229,7 +229,7 @@ private:
           found = &one;
       if (!found)
         return part;
-      const Part other = sum();
+      const SubExpression other = sum();
       meet(part, other);
       part = {[a = part.range, b = other.range, compare = found->compare](const Box& box) {
         return compare(a(box), b(box));
@@ -237,8 +237,8 @@ private:
     }
   }
 
-  Part sum() {
-    Part part = product();
+  SubExpression sum() {
+    SubExpression part = product();
     for (;;) {
       if (take("+"))
         part = combined(part, product(), std::plus<Interval>(),
@@ -251,8 +251,8 @@ private:
     }
   }
 
-  Part product() {
-    Part part = signed_power();
+  SubExpression product() {
+    SubExpression part = signed_power();
     for (;;) {
       if (take("*"))
         part = combined(part, signed_power(), std::multiplies<Interval>(), [](Line a, Line b) {
@@ -271,61 +271,63 @@ private:
   }
 
   template <class Operation, class OfLines>
-  static Part combined(const Part& a, const Part& b, Operation operation, OfLines of_lines) {
-    Part part{[a = a.range, b = b.range, operation](const Box& box) { return operation(a(box), b(box)); }};
+  static SubExpression combined(const SubExpression& a, const SubExpression& b, Operation operation,
+                                OfLines of_lines) {
+    SubExpression part{
+        [a = a.range, b = b.range, operation](const Box& box) { return operation(a(box), b(box)); }};
     if (a.line && b.line)
       part.line = of_lines(*a.line, *b.line);
     return part;
   }
 
   /// A sign binds less than a power: −2^2 is −4.
-  Part signed_power() {
+  SubExpression signed_power() {
     if (take("+"))
       return signed_power();
     if (!take("-"))
       return raised();
-    Part part = signed_power();
+    SubExpression part = signed_power();
     if (part.line)
       part.line = Line{-part.line->value, -part.line->slope};
     part.range = [of = part.range](const Box& box) { return -of(box); };
     return part;
   }
 
-  Part raised() {
-    Part base = primary();
+  SubExpression raised() {
+    SubExpression base = primary();
     if (!take("^"))
       return base;
     return {[a = base.range, b = signed_power().range](const Box& box) { return power(a(box), b(box)); }};
   }
 
-  Part primary() {
+  SubExpression primary() {
     if (take("(")) {
-      Part part = conditional();
+      SubExpression part = conditional();
       require(")");
       return part;
     }
     const std::string_view text = left();
     if (text.empty())
-      throw Unknown();
+      throw NotEnclosed();
     if (std::isdigit(static_cast<unsigned char>(text[0])) || text[0] == '.')
       return number();
     return named();
   }
 
-  static Part constant(double value) {
+  static SubExpression constant(double value) {
     return {[value](const Box&) { return Interval(value); }, Line{value, 0}};
   }
 
-  Part number() {
+  SubExpression number() {
     double value = 0;
     const auto [end, error] = std::from_chars(left_.data(), left_.data() + left_.size(), value);
     if (error != std::errc())
-      throw Unknown();
+      throw NotEnclosed();
     left_.remove_prefix(static_cast<std::size_t>(end - left_.data()));
     return constant(value);
   }
 
-  Part named() {
+  SubExpression named() {
     std::size_t length = 0;
     while (length < left_.size() &&
            (std::isalnum(static_cast<unsigned char>(left_[length])) || left_[length] == '_'))
@@ -342,12 +344,12 @@ private:
     return call(name);
   }
 
-  Part call(std::string_view name) {
+  SubExpression call(std::string_view name) {
     const auto function = functions().find(name);
     if (function == functions().end())
-      throw Unknown();
+      throw NotEnclosed();
     require("(");
-    std::vector<Part> arguments{conditional()};
+    std::vector<SubExpression> arguments{conditional()};
     while (take(","))
       arguments.push_back(conditional());
     require(")");
@@ -356,7 +358,7 @@ private:
     for (std::size_t i = 1; i < arguments.size(); ++i)
       meet(arguments[i - 1], arguments[i]);
     std::vector<Range> ranges;
-    for (Part& argument : arguments)
+    for (SubExpression& argument : arguments)
       ranges.push_back(std::move(argument.range));
     return {[ranges = std::move(ranges), apply = function->second](const Box& box) {
       Arguments values;
@@ -372,12 +374,12 @@ private:
 } // namespace
 
 Enclosure::Enclosure(const std::string& expression) {
-  Reader reader(expression);
+  ExpressionReader reader(expression);
   try {
     range_ = reader.whole().range;
     knots_ = std::move(reader.knots);
     known_ = true;
-  } catch (const Unknown&) {
+  } catch (const NotEnclosed&) {
   }
 }
 

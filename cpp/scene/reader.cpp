@@ -17,7 +17,7 @@ namespace signorini::scene {
 namespace {
 
 /// A value in TOML for messages, on one line of at most 60 bytes.
-std::string shown(const toml::node& node) {
+std::string value_text(const toml::node& node) {
   constexpr std::size_t most = 60;
   std::string text;
   if (const auto* number = node.as_floating_point()) {
@@ -29,11 +29,11 @@ std::string shown(const toml::node& node) {
     std::ranges::replace_if(text, [](unsigned char c) { return std::iscntrl(c); }, ' ');
   } else if (const toml::array* array = node.as_array()) {
     for (const toml::node& entry : *array)
-      text += (text.empty() ? "" : ", ") + shown(entry);
+      text += (text.empty() ? "" : ", ") + value_text(entry);
     text = '[' + text + ']';
   } else if (const toml::table* table = node.as_table()) {
     for (const auto& [key, value] : *table)
-      text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", std::string_view(key), shown(value));
+      text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", std::string_view(key), value_text(value));
     text = '{' + text + '}';
   } else {
     std::ostringstream out;
@@ -92,7 +92,7 @@ double Reader::to_number(const toml::node& node, const std::string& key, const L
   const auto value = node.value<double>();
   const bool number = value && node.is_number();
   if (!number || !limits.contain(*value))
-    fail(key, fmt::format("found {}, allowed is a number{} ({}){}", shown(node), limits.range(),
+    fail(key, fmt::format("found {}, allowed is a number{} ({}){}", value_text(node), limits.range(),
                           limits.unit.empty() ? "no unit" : limits.unit,
                           !number || std::isfinite(*value) ? "" : " that is finite"));
   return *value;
@@ -105,15 +105,16 @@ double Reader::number(const std::string& key, const Limits& limits) {
 int Reader::integer(const std::string& key, int least, int greatest) {
   const auto value = node(key).as_integer();
   if (!value || value->get() < least || value->get() > greatest)
-    fail(key,
-         fmt::format("found {}, allowed is a whole number from {} to {}", shown(node(key)), least, greatest));
+    fail(key, fmt::format("found {}, allowed is a whole number from {} to {}", value_text(node(key)), least,
+                          greatest));
   return static_cast<int>(value->get());
 }
 
 std::string Reader::text(const std::string& key) {
   const auto value = node(key).as_string();
   if (!value || value->get().empty() || !on_one_line(value->get()))
-    fail(key, fmt::format("found {}, allowed is a text on one line that is not empty", shown(node(key))));
+    fail(key,
+         fmt::format("found {}, allowed is a text on one line that is not empty", value_text(node(key))));
   return value->get();
 }
 
@@ -140,15 +141,15 @@ std::size_t Reader::choice(const std::string& key, const std::vector<std::string
 std::vector<std::size_t> Reader::choices(const std::string& key, const std::vector<std::string>& allowed) {
   const toml::array* array = node(key).as_array();
   if (!array)
-    fail(key, fmt::format("found {}, allowed is a list out of {}, or [] for none", shown(node(key)),
+    fail(key, fmt::format("found {}, allowed is a list out of {}, or [] for none", value_text(node(key)),
                           list(allowed)));
   std::vector<std::size_t> found;
   for (const toml::node& entry : *array) {
     const auto name = entry.value<std::string>();
     const auto place = std::ranges::find(allowed, name.value_or(""));
     if (place == allowed.end())
-      fail(key, fmt::format("found {}{}, allowed: {}", shown(entry), name ? suggestion(*name, allowed) : "",
-                            list(allowed)));
+      fail(key, fmt::format("found {}{}, allowed: {}", value_text(entry),
+                            name ? suggestion(*name, allowed) : "", list(allowed)));
     const auto number = static_cast<std::size_t>(place - allowed.begin());
     if (std::ranges::find(found, number) == found.end())
       found.push_back(number);
@@ -160,7 +161,7 @@ std::vector<double> Reader::numbers(const std::string& key, const Limits& limits
   const toml::array* array = node(key).as_array();
   if (!array || array->size() < 2 || array->size() > 3)
     fail(key, fmt::format("found {}, allowed is an array of one number per space dimension ({})",
-                          shown(node(key)), limits.unit.empty() ? "no unit" : limits.unit));
+                          value_text(node(key)), limits.unit.empty() ? "no unit" : limits.unit));
   std::vector<double> values;
   for (const toml::node& entry : *array)
     values.push_back(to_number(entry, key, limits));
@@ -176,7 +177,7 @@ std::vector<double> Reader::number_or_numbers(const std::string& key, const Limi
 bool Reader::flag(const std::string& key) {
   const auto* value = node(key).as_boolean();
   if (!value)
-    fail(key, fmt::format("found {}, allowed are true and false", shown(node(key))));
+    fail(key, fmt::format("found {}, allowed are true and false", value_text(node(key))));
   return value->get();
 }
 
@@ -192,7 +193,7 @@ std::vector<std::string> units(const std::string& key) {
 
 Expression Reader::series(const toml::table& table, const std::string& key, std::optional<double> end) const {
   if (!end)
-    fail(key, fmt::format("found {}, allowed are expressions of place alone", shown(table)));
+    fail(key, fmt::format("found {}, allowed are expressions of place alone", value_text(table)));
   Reader in(table, full(key), source_);
   const std::string column = in.text("column");
   const std::filesystem::path given = in.text("file");
@@ -221,7 +222,7 @@ Expression Reader::series(const toml::table& table, const std::string& key, std:
 Components Reader::expressions(const std::string& key, std::optional<double> end, std::size_t count) {
   const toml::node& found = node(key);
   const toml::array* array = found.as_array();
-  const std::string one = found.is_string() || found.is_number() ? shown(found) : "";
+  const std::string one = found.is_string() || found.is_number() ? value_text(found) : "";
   const std::string allowed =
       count > 0 ? fmt::format("an array of {} expression{}, one for each component held", count,
                               count == 1 ? "" : "s")
@@ -232,17 +233,17 @@ Components Reader::expressions(const std::string& key, std::optional<double> end
                 "[\"0\", \"0\", {0}] in space",
                 one);
   if (!array || (count > 0 ? array->size() != count : array->size() < 2 || array->size() > 3))
-    fail(key, fmt::format("found {}, allowed is {}", shown(found), allowed));
+    fail(key, fmt::format("found {}, allowed is {}", value_text(found), allowed));
   Components components;
   for (const toml::node& entry : *array) {
     if (const auto* string = entry.as_string(); string && on_one_line(string->get()))
       components.emplace_back(string->get());
     else if (entry.is_number())
-      components.emplace_back(shown(entry));
+      components.emplace_back(value_text(entry));
     else if (const toml::table* table = entry.as_table())
       components.push_back(series(*table, key, end));
     else
-      fail(key, fmt::format("found {}, allowed is {}", shown(entry), allowed));
+      fail(key, fmt::format("found {}, allowed is {}", value_text(entry), allowed));
   }
   require_readable(components, key, end.has_value());
   return components;
@@ -277,7 +278,7 @@ void Reader::require_readable(const Components& components, const std::string& k
 Reader Reader::table(const std::string& key) {
   const toml::table* table = node(key).as_table();
   if (!table)
-    fail(key, fmt::format("found {}, allowed is a table", shown(node(key))));
+    fail(key, fmt::format("found {}, allowed is a table", value_text(node(key))));
   return {*table, full(key), source_};
 }
 
@@ -287,7 +288,7 @@ std::vector<Reader> Reader::tables(const std::string& key, bool needed) {
     return readers;
   const toml::array* array = node(key).as_array();
   if (!array || !((array->empty() && !needed) || array->is_homogeneous<toml::table>()))
-    fail(key, fmt::format("found {}, allowed are tables headed [[{}]]", shown(node(key)), full(key)));
+    fail(key, fmt::format("found {}, allowed are tables headed [[{}]]", value_text(node(key)), full(key)));
   for (std::size_t i = 0; i < array->size(); ++i)
     readers.emplace_back(*array->get(i)->as_table(), fmt::format("{}[{}]", full(key), i), source_);
   return readers;

@@ -47,7 +47,7 @@ using Components = std::vector<Expression>;
 struct Mesh {
   std::filesystem::path file; ///< .geo or .msh, absolute
   std::optional<double>
-      size;         ///< element size for a .geo, m; 0: "auto"; absent: the sizes that the .geo itself sets
+      size{};       ///< element size for a .geo, m; 0: "auto"; absent: the sizes that the .geo itself sets
   double scale = 1; ///< factor of these sizes
   LengthUnit unit = LengthUnit::m; ///< of the file's coordinates
   int degree = 1;                  ///< Lagrange degree of the displacement

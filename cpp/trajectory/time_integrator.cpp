@@ -47,12 +47,12 @@ void Extrapolation::take(const Extrapolation& other) {
 }
 
 namespace {
-long& vectors = count("trajectory vectors");
+long& state_vectors = count("trajectory vectors");
 constexpr int nowhere = -1;
 } // namespace
 
 Checkpoint::Checkpoint(const step::Stepper& stepper) : state(stepper.state()), guesses(stepper) {
-  vectors += static_cast<long>(state.parts().size());
+  state_vectors += static_cast<long>(state.parts().size());
 }
 
 void Checkpoint::take(const Checkpoint& other) {
@@ -69,7 +69,7 @@ double Checkpoint::bytes(const step::Stepper& stepper) {
 
 TimeIntegrator::TimeIntegrator(const step::Stepper& stepper, const step::State& start, Step step)
     : start_(start), step_(std::move(step)), now_(stepper), before_(stepper.state()) {
-  vectors += static_cast<long>(before_.parts().size());
+  state_vectors += static_cast<long>(before_.parts().size());
   now_.k = nowhere;
 }
 

@@ -82,7 +82,7 @@ class Copy:
     """The sources in a folder of their own, where they are changed, built and tested."""
 
     def __init__(self, checkout: Path, root: Path):
-        # The build lies to its sources as that of the checkout does: ccache has compiled most of it.
+        # Sources are compiled one by one, so that a mutant costs one of them.
         self.checkout, self.source, self.build = checkout, root / "source", root / "source" / "build"
         self.passed = root / "passed.json"  # the seconds of the tests that the sound code has passed, and the sources' hash
 

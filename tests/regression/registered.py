@@ -12,6 +12,9 @@ import tempfile
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from compiled_units import compiled_units  # noqa: E402
+
 UNIT, SOURCE, CTEST = sys.argv[1:4]
 BUILD = Path(sys.argv[4])
 TESTS = Path(SOURCE).resolve() / "tests"
@@ -44,7 +47,7 @@ def main() -> int:
                      for program, word in zip(command, command[1:]) if Path(program) == Path(UNIT)})
     every = cases("*,[.]")
     forgotten = [f"the test case \"{name}\" is run by none of {', '.join(picked)}" for name in sorted(every - cases(",".join(picked)))]
-    compiled = {Path(entry["file"]) for entry in json.loads((BUILD / "compile_commands.json").read_text())}
+    compiled = {Path(unit["file"]) for unit in compiled_units(BUILD)}
     forgotten += [f"{file} is not compiled" for file in sorted(TESTS.glob("unit/*.cpp")) if file not in compiled]
     scripts = {Path(word) for command in run for word in command if word.endswith(".py")}
     parts = {"regression", "verification"} | {"python" for script in scripts if script.parent == TESTS / "python"}  # where it is built

@@ -11,8 +11,13 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from compiled_units import compiled_units  # noqa: E402
 
 SOURCE, BUILD = (Path(a).resolve() for a in sys.argv[1:3])
 CLANG_TIDY = sys.argv[3]
@@ -31,18 +36,19 @@ def includes(file: Path, seen: set[Path]) -> set[str]:
     return found
 
 
-def complaints(unit: Path) -> str:
-    done = subprocess.run([CLANG_TIDY, "--quiet", "-p", BUILD, unit], capture_output=True, text=True)
+def complaints(commands: str, unit: Path) -> str:
+    done = subprocess.run([CLANG_TIDY, "--quiet", "-p", commands, unit], capture_output=True, text=True)
     return done.stdout if done.returncode else ""
 
 
 def main() -> int:
-    units = [Path(one["file"]) for one in json.loads((BUILD / "compile_commands.json").read_text())]
-    units = [unit for unit in units if unit.is_relative_to(SOURCE / "cpp")]
+    compiled = compiled_units(BUILD)
+    units = [unit for unit in (Path(one["file"]) for one in compiled) if unit.is_relative_to(SOURCE / "cpp")]
     if "--all" not in sys.argv:
         units = [unit for unit in units if not any(SLOW.match(name) for name in includes(unit, set()))]
-    with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as workers:
-        found = [text for text in workers.map(complaints, units) if text]
+    with tempfile.TemporaryDirectory() as commands, ThreadPoolExecutor(len(os.sched_getaffinity(0))) as workers:
+        (Path(commands) / "compile_commands.json").write_text(json.dumps(compiled))
+        found = [text for text in workers.map(partial(complaints, commands), units) if text]
     print("\n".join(found) or f"{len(units)} units: nothing to say")
     return 1 if found or len(units) < 10 else 0
 

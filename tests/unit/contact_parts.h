@@ -9,7 +9,7 @@ namespace signorini::test {
 /// The parts of a contact step on their own.
 struct Parts {
   scene::Scene scene;
-  mesh::Mesh mesh;
+  std::shared_ptr<const problem::Discretisation> shared;
   fem::Space space;
   fem::DirichletDofs clamped;
   petsc::Matrix D;
@@ -20,8 +20,8 @@ struct Parts {
   /// `solves`: expected.
   explicit Parts(const std::vector<std::string>& overrides = {}, double solves = 0,
                  const char* file = "tests/data/block.toml")
-      : scene(parse(source(file), overrides)), mesh(MPI_COMM_WORLD, scene.mesh),
-        space(mesh, scene.mesh.degree), clamped(space, scene.clamps),
+      : scene(parse(source(file), overrides)), shared(discretised(scene)),
+        space(shared->mesh, scene.mesh.degree), clamped(space, scene.clamps),
         D(fem::assemble_step_operator(space, scene.materials, scene.time.step)),
         pairs(space, clamped, scene.contacts), solver(copy(D), &pairs, scene.solver, true, solves) {}
 

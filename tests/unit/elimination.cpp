@@ -94,8 +94,7 @@ TEST_CASE("products are PETSc's, and the same to the last bit on any number of t
         {"tests/data/two-materials.toml", {"mesh.size=0.012"}},
         {"tests/data/cube.toml", {"mesh.size=0.06"}}}) {
     const scene::Scene scene = test::parse(test::source(file), settings);
-    const mesh::Mesh mesh(MPI_COMM_WORLD, scene.mesh);
-    const fem::Space space(mesh, scene.mesh.degree);
+    const fem::Space& space = test::discretised(scene)->space;
     const fem::Operators threaded = fem::assemble_operators(space, scene.materials, true),
                          plain = fem::assemble_operators(space, scene.materials, true);
     petsc::Vector x = space.vector(), z = space.vector(), y = space.vector(), expected = space.vector(),

@@ -12,11 +12,11 @@ namespace {
 
 struct Body {
   scene::Scene scene;
-  mesh::Mesh mesh;
+  std::shared_ptr<const problem::Discretisation> shared;
   fem::Space space;
   fem::Operators operators;
   explicit Body(int degree, const char* file = "tests/data/block.toml")
-      : scene(test::parse(test::source(file))), mesh(MPI_COMM_WORLD, scene.mesh), space(mesh, degree),
+      : scene(test::parse(test::source(file))), shared(test::discretised(scene)), space(shared->mesh, degree),
         operators(fem::assemble_operators(space, scene.materials, true)) {}
 
   petsc::Vector field(const scene::Components& components) const {

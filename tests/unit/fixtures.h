@@ -4,6 +4,7 @@
 #include "recorded.h"
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,12 @@ inline scene::Scene parse(const std::filesystem::path& file, const std::vector<s
 /// checkout.
 std::filesystem::path source(const std::string& file);
 
+/// The mesh of a scene and the functions on it, once for all scenes with equal ones: each mesh takes a
+/// process. Collective.
+std::shared_ptr<const problem::Discretisation> discretised(const scene::Scene& scene);
+/// Before MPI ends.
+void forget_discretisations();
+
 /// A scene of the repository made ready, with its derivative machinery.
 struct Ready {
   scene::Scene scene;
@@ -24,8 +31,8 @@ struct Ready {
   problem::Problem problem;
 
   explicit Ready(const std::string& file, const std::vector<std::string>& overrides = {})
-      : scene(parse(source(file), overrides)), problem(MPI_COMM_WORLD, scene, {.derivatives = true}, timers) {
-  }
+      : scene(parse(source(file), overrides)),
+        problem(discretised(scene), scene, {.derivatives = true}, timers) {}
 };
 
 /// A PETSc option for as long as this object lives.

@@ -10,14 +10,15 @@ namespace {
 /// A scene's control space alone.
 struct Space {
   scene::Scene scene;
-  mesh::Mesh mesh;
+  std::shared_ptr<const problem::Discretisation> shared;
   fem::Space space;
   fem::Operators operators;
   control::ControlSpace controls;
 
   explicit Space(const std::vector<std::string>& settings, const char* file = "tests/data/block.toml")
-      : scene(test::parse(test::source(file), settings)), mesh(MPI_COMM_WORLD, scene.mesh),
-        space(mesh, scene.mesh.degree), operators(fem::assemble_operators(space, scene.materials, true)),
+      : scene(test::parse(test::source(file), settings)), shared(test::discretised(scene)),
+        space(shared->mesh, scene.mesh.degree),
+        operators(fem::assemble_operators(space, scene.materials, true)),
         controls(space, operators, step::TimeGrid(scene.time), *scene.control) {}
 };
 

@@ -25,14 +25,14 @@ PetscInt virtual_dof(const fem::Layout& layout, std::size_t node) {
 
 struct Body {
   scene::Scene scene;
-  mesh::Mesh mesh;
+  std::shared_ptr<const problem::Discretisation> shared;
   fem::Space space;
   fem::Operators operators;
   step::Stepper stepper;
 
   Body(const std::vector<std::string>& overrides, const std::vector<fem::VirtualNode>& nodes)
       : scene(test::parse(test::source("tests/data/block.toml"), overrides)),
-        mesh(MPI_COMM_WORLD, scene.mesh), space(mesh, scene.mesh.degree, nodes),
+        shared(test::discretised(scene)), space(shared->mesh, scene.mesh.degree, nodes),
         operators(fem::assemble_operators(space, scene.materials, true)),
         stepper(space, operators, scene, {.derivatives = true}) {}
 

@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
     return 1;
   int failed = Catch::Session().run(argc, argv);
   MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+  signorini::test::forget_discretisations();
   (void)PetscFinalize();
   return failed;
 }

@@ -30,15 +30,13 @@ scene::Mesh half_ball(double size) {
 
 /// Length, area or volume of a simplex of `dim` dimensions in space, from the Gram determinant of its edges.
 double measure(const mesh::RawMesh& raw, const std::int64_t* nodes, int dim) {
-  double G[3][3];
+  double G[3][3]{};
   for (int i = 0; i < dim; ++i)
-    for (int j = 0; j < dim; ++j) {
-      G[i][j] = 0;
+    for (int j = 0; j < dim; ++j)
       for (int c = 0; c < 3; ++c) {
         const double origin = raw.points[3 * nodes[0] + c];
         G[i][j] += (raw.points[3 * nodes[i + 1] + c] - origin) * (raw.points[3 * nodes[j + 1] + c] - origin);
       }
-    }
   if (dim == 1)
     return std::sqrt(G[0][0]);
   const double minor = G[0][0] * G[1][1] - G[0][1] * G[1][0];

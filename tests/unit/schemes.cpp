@@ -17,7 +17,7 @@ const std::string in_a_corner =
 /// Body, candidates, and the mass before and after it was moved from the contact nodes.
 struct Moved {
   scene::Scene scene;
-  mesh::Mesh mesh;
+  std::shared_ptr<const problem::Discretisation> shared;
   fem::Space space;
   fem::DirichletDofs clamped;
   contact::ContactPairs pairs;
@@ -25,9 +25,9 @@ struct Moved {
   petsc::Matrix before, after;
 
   Moved(const std::string& file, const std::vector<std::string>& overrides)
-      : scene(test::parse(test::source(file), overrides)), mesh(MPI_COMM_WORLD, scene.mesh),
-        space(mesh, scene.mesh.degree), clamped(space, scene.clamps), pairs(space, clamped, scene.contacts),
-        before(fem::assemble_mass(space, scene.materials)),
+      : scene(test::parse(test::source(file), overrides)), shared(test::discretised(scene)),
+        space(shared->mesh, scene.mesh.degree), clamped(space, scene.clamps),
+        pairs(space, clamped, scene.contacts), before(fem::assemble_mass(space, scene.materials)),
         after(contact::redistributed_mass(space, pairs, std::vector<bool>(scene.contacts.size(), true),
                                           before)) {}
 };

@@ -17,7 +17,7 @@ namespace {
 /// A block or cube with several obstacles; `contacts` is a list of tables in TOML.
 struct Walls {
   scene::Scene scene;
-  mesh::Mesh mesh;
+  std::shared_ptr<const problem::Discretisation> shared;
   fem::Space space;
   fem::DirichletDofs clamped;
   petsc::Matrix D;
@@ -27,8 +27,8 @@ struct Walls {
   explicit Walls(const std::string& contacts, const std::string& file = "block.toml",
                  std::vector<std::string> overrides = {})
       : scene(test::parse(test::source("tests/data/" + file), with(std::move(overrides), contacts))),
-        mesh(MPI_COMM_WORLD, scene.mesh), space(mesh, scene.mesh.degree), clamped(space, scene.clamps),
-        D(fem::assemble_step_operator(space, scene.materials, scene.time.step)),
+        shared(test::discretised(scene)), space(shared->mesh, scene.mesh.degree),
+        clamped(space, scene.clamps), D(fem::assemble_step_operator(space, scene.materials, scene.time.step)),
         pairs(space, clamped, scene.contacts, scene.time) {}
 
   static std::vector<std::string> with(std::vector<std::string> overrides, const std::string& contacts) {

@@ -77,7 +77,7 @@ TEST_CASE("the outcome of a fit has every number where it belongs", "[io]") {
   const std::array<std::string, 3> pairs{"-0.70, of young and shear viscosity", "-0.70, of young and throw",
                                          "-0.70, of shear viscosity and throw"};
   std::size_t pair = 0;
-  for (const auto [i, j] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
+  for (const auto& [i, j] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
     fit.correlations = {1, 0.1, 0.1, 0.1, 1, 0.1, 0.1, 0.1, 1};
     fit.correlations[static_cast<std::size_t>(3 * i + j)] =
         fit.correlations[static_cast<std::size_t>(3 * j + i)] = -0.7;
