@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "accuracy/refinement.h"
+#include "accuracy/refinement_loop.h"
 #include <functional>
 #include <memory>
 

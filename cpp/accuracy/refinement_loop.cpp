@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "accuracy/refinement.h"
+#include "accuracy/refinement_loop.h"
 #include "base/error.h"
 #include "base/signals.h"
 #include <algorithm>
