@@ -117,39 +117,42 @@ void ConjugateGradients::choose_preconditioner(Mat matrix, double solves, double
   // In iterations by block Jacobi, from the long steps of `./dev bench courant`: an iteration by
   // multigrid, and its set-up.
   constexpr double cycle = 12, setup = 600;
-  constexpr PetscInt few = 60; // multigrid takes five at least
+  constexpr double few = 60; // multigrid takes five at least
   preconditioner_ = std::make_unique<Preconditioner>(matrix, Preconditioner::Kind::block_jacobi);
-  trial_ = try_out(most);
-  const auto before = static_cast<double>(trial_.iterations);
-  if (Preconditioner::given_by_options() || before <= few || solves * before < setup)
+  trial_work_ = try_out(most);
+  if (Preconditioner::given_by_options()) {
+    trial_work_ *= 1 + preconditioner_->bytes() / iteration_bytes(matrix);
+    return;
+  }
+  if (trial_work_ <= few || solves * trial_work_ < setup)
     return;
   auto multigrid = std::make_unique<Preconditioner>(matrix, Preconditioner::Kind::multigrid);
   std::swap(preconditioner_, multigrid);
-  const TrialSolve trial = try_out(most);
-  if (std::isfinite(trial.seconds) &&
-      setup + solves * cycle * static_cast<double>(trial.iterations) <= solves * before)
-    trial_ = trial;
+  if (const double work = cycle * try_out(most / cycle);
+      std::isfinite(work) && setup + solves * work <= solves * trial_work_)
+    trial_work_ = work;
   else
     std::swap(preconditioner_, multigrid);
 }
 
-ConjugateGradients::TrialSolve ConjugateGradients::try_out(double most) const {
+double ConjugateGradients::iteration_bytes(Mat matrix) {
+  // x, r, p and D p are read or written twice, the blocks of Jacobi and what these give once.
+  constexpr double vectors = 10;
+  PetscInt n = 0;
+  check(MatGetSize(matrix, &n, nullptr));
+  return petsc::bytes(matrix) + vectors * sizeof(PetscScalar) * static_cast<double>(n);
+}
+
+double ConjugateGradients::try_out(double most) const {
   const petsc::Vector x = petsc::zero_like(projected_), b = petsc::zero_like(projected_);
   check(VecSet(b, 1));
-  check(KSPSetUp(ksp_));
-  const Clock::time_point start = Clock::now();
-  Solve solve{.trial = true};
-  if (std::isfinite(most))
-    solve.until = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(most));
+  Solve solve{.most = most};
   run(b, x, solve);
-  TrialSolve trial{.seconds = std::chrono::duration<double>(Clock::now() - start).count()};
-  MPI_Bcast(&trial.seconds, 1, MPI_DOUBLE, 0, petsc::comm(projected_));
+  PetscInt iterations = 0;
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
-  check(KSPGetIterationNumber(ksp_, &trial.iterations));
+  check(KSPGetIterationNumber(ksp_, &iterations));
   check(KSPGetConvergedReason(ksp_, &reason));
-  if (reason < 0)
-    trial.seconds = std::numeric_limits<double>::infinity();
-  return trial;
+  return reason < 0 ? std::numeric_limits<double>::infinity() : static_cast<double>(iterations);
 }
 
 PetscErrorCode ConjugateGradients::project(Vec x) const {
@@ -203,14 +206,11 @@ PetscErrorCode ConjugateGradients::converged(KSP ksp, PetscInt iteration, PetscR
   if (iteration == 0) // for a zero guess the residual measures the solution
     now.scale = std::max(now.scale, residual);
   const auto due = std::ranges::count_if(judged_at, [&](double at) { return residual <= at * now.scale; });
-  int late = now.until && Clock::now() > *now.until;
-  if (now.until)
-    MPI_Bcast(&late, 1, MPI_INT, 0, PetscObjectComm(reinterpret_cast<PetscObject>(ksp)));
   if (!std::isfinite(residual)) {
     *reason = KSP_DIVERGED_NANORINF;
   } else if (residual <= self.tolerance_ * now.scale) {
     *reason = KSP_CONVERGED_RTOL;
-  } else if (late) {
+  } else if (now.most && iteration >= *now.most) {
     *reason = KSP_DIVERGED_ITS;
   } else if (now.judge && due > now.asked) {
     now.asked = due;
@@ -247,7 +247,7 @@ void ConjugateGradients::run(Vec b, Vec x, Solve& solve) const {
     b = right_hand_side_;
   }
   check(KSPSolve(ksp_, b, x));
-  if (solve.trial)
+  if (solve.most)
     return;
   count_solves();
   PetscInt iterations = 0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "linalg/linear_solver.h"
-#include <chrono>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -49,8 +48,8 @@ public:
   /// Inspects an iterate and returns whether to continue.
   using TerminationTest = std::function<bool(Vec)>;
 
-  /// `matrix` must outlive this object unchanged; `solves`: expected; `most`: seconds after which a trial
-  /// solve is given up. Collective. Throws SolverFailure.
+  /// `matrix` must outlive this object unchanged; `solves`: expected; `most`: work after which a trial solve
+  /// is given up, in iterations by block Jacobi. Collective. Throws SolverFailure.
   explicit ConjugateGradients(Mat matrix, double solves = 1,
                               double most = std::numeric_limits<double>::infinity());
   ConjugateGradients(const ConjugateGradients&) = delete; // PETSc holds its address
@@ -63,9 +62,12 @@ public:
   /// Collective. Throws SolverFailure.
   bool solve(Vec b, Vec x, const Projector& project, const TerminationTest& judge) const;
 
-  /// Seconds of a trial solve for equal forces in all unknowns from zero, infinity if it was given up; by the
-  /// clock of rank 0, the same on every rank.
-  [[nodiscard]] double trial_seconds() const { return trial_.seconds; }
+  /// Work of a trial solve for equal forces in all unknowns from zero, in iterations by block Jacobi;
+  /// infinity if it was given up. The same on every rank.
+  [[nodiscard]] double trial_work() const { return trial_work_; }
+
+  /// Bytes that an iteration by block Jacobi reads and writes, on all ranks. Collective.
+  [[nodiscard]] static double iteration_bytes(Mat matrix);
 
   /// Relative tolerance of a solve (-step_ksp_rtol).
   [[nodiscard]] double tolerance() const { return tolerance_; }
@@ -74,18 +76,16 @@ public:
   [[nodiscard]] double bytes() const override { return preconditioner_->bytes(); }
 
 private:
-  using Clock = std::chrono::steady_clock;
-
   /// State of one solve.
   struct Solve {
     const Projector* project = nullptr;
     const TerminationTest* judge = nullptr;
-    std::ptrdiff_t asked = 0;                 ///< residuals of judged_at passed at the last call of the judge
-    bool stopped = false;                     ///< by the judge
-    bool started = false;                     ///< the guess was multiplied
-    double scale = 0;                         ///< norm of the solution to which residuals are relative
-    std::optional<Clock::time_point> until{}; ///< end of a trial
-    bool trial = false; ///< neither counted, nor is it a failure if it ends without a solution
+    std::ptrdiff_t asked = 0; ///< residuals of judged_at passed at the last call of the judge
+    bool stopped = false;     ///< by the judge
+    bool started = false;     ///< the guess was multiplied
+    double scale = 0;         ///< norm of the solution to which residuals are relative
+    /// Iterations of a trial, which is not counted, nor is it a failure if it ends without a solution.
+    std::optional<double> most{};
   };
 
   [[nodiscard]] PetscErrorCode project(Vec x) const;
@@ -93,13 +93,9 @@ private:
   static PetscErrorCode precondition(PC shell, Vec x, Vec y);
   static PetscErrorCode converged(KSP ksp, PetscInt iteration, PetscReal residual, KSPConvergedReason* reason,
                                   void* context);
-  struct TrialSolve {
-    PetscInt iterations = 0;
-    double seconds = 0; ///< infinity if it was given up or failed
-  };
-
   void choose_preconditioner(Mat matrix, double solves, double most);
-  [[nodiscard]] TrialSolve try_out(double most) const;
+  /// Iterations of a trial, infinity if it takes more than `most` or fails.
+  [[nodiscard]] double try_out(double most) const;
   void run(Vec b, Vec x, Solve& solve) const;
 
   Mat matrix_;
@@ -113,7 +109,7 @@ private:
   petsc::Vector right_hand_side_, projected_; ///< scratch of solves on a subspace
   mutable Solve* now_ = nullptr;              ///< the one under way
   double tolerance_ = 0;
-  TrialSolve trial_; ///< by the preconditioner chosen
+  double trial_work_ = 0; ///< by the preconditioner chosen
 };
 
 } // namespace signorini

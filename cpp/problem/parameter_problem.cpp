@@ -40,7 +40,7 @@ ParameterProblem::ParameterProblem(std::shared_ptr<const Discretisation> shared,
 
 step::Stepper::Needs ParameterProblem::needs() const {
   step::Stepper::Needs needs = fit_needs(scene);
-  if (iterative_) { // as it was decided, by the clock, for the first values
+  if (iterative_) { // as decided for the first values
     needs.passes = 0;
     needs.iterative = *iterative_ && scene.solver.linear == scene::LinearMethod::automatic;
   }

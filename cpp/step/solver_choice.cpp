@@ -4,10 +4,8 @@
 #include "contact/condensation.h"
 #include "contact/solver/full.h"
 #include "contact/solver/projected.h"
-#include "linalg/dense.h"
 #include <algorithm>
-#include <array>
-#include <chrono>
+#include <cmath>
 #include <fmt/format.h>
 #include <limits>
 
@@ -16,65 +14,19 @@ using petsc::check;
 
 namespace {
 
-/// Seconds of the quickest of some repetitions: what other work on the machine adds is left out.
-template <class Work>
-double least_seconds(int repetitions, Work&& work) {
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < repetitions; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
-  return least;
-}
+constexpr double small_setup = 2e9; ///< flops
 
-double measure_flops() {
-  constexpr std::size_t n =
-      192; // about the width of the fronts in which a factor of a body in space has its work
-  const std::vector<double> a(n * n, 1.0), b(n * n, 1.0);
-  std::vector<double> c(n * n);
-  constexpr double flops = 2.0 * n * n * n;
-  return flops / least_seconds(8, [&] { multiply(a, b, c, n); });
-}
-
-double measure_bytes(double wanted) {
-  constexpr double least = 1 << 20, most = 1 << 26;
-  const std::vector<double> values(static_cast<std::size_t>(std::clamp(wanted, least, most)) / sizeof(double),
-                                   1.0);
-  volatile double kept = 0; // so that the sum is made
-  const double seconds = least_seconds(3, [&] {
-    double sum = 0;
-#pragma omp parallel for simd reduction(+ : sum) schedule(static)
-    for (std::size_t i = 0; i < values.size(); ++i)
-      sum += values[i];
-    kept = sum;
-  });
-  return static_cast<double>(values.size()) * sizeof(double) / seconds;
-}
-
-} // namespace
-
-MachineRates measure_rates(MPI_Comm comm, double bytes) {
-  const double size = ranks(comm);
-  MPI_Barrier(comm); // so that ranks share memory's bandwidth as in a solve
-  std::array<double, 2> rates{measure_flops(), measure_bytes(bytes / size)};
-  MPI_Bcast(rates.data(), 2, MPI_DOUBLE, 0, comm);
-  return {.flops = size * rates[0], .bytes = size * rates[1]};
-}
-
-namespace {
-
-constexpr double small_setup = 1;   ///< s
-constexpr double any_machine = 2e9; ///< flops a second that any machine reaches
-
-/// What direct solvers reach of the machine's rates (`./dev bench choice`).
-struct Efficiency {
+/// Flops and bytes a second of each rank (`./dev bench choice`). Ratios alone decide: a dense product has
+/// four times the flops of CHOLMOD's factorisation, and an array is read somewhat faster than a factor; MUMPS
+/// has fronts that wait for each other.
+struct Rates {
   double flops, bytes;
 };
-/// Of CHOLMOD, on one rank, and of MUMPS, whose ranks wait for each other.
-constexpr Efficiency alone{.flops = 0.3, .bytes = 0.7}, together{.flops = 0.15, .bytes = 0.25};
-/// Times of a trial from zero that a step takes by conjugate gradients: its guess saves iterations, changes
-/// of the active set and evaluations of contact cost others.
+constexpr Rates cholmod{.flops = 16e9, .bytes = 15e9}, mumps{.flops = 8e9, .bytes = 6e9};
+constexpr double iteration_rate = 20e9; ///< bytes a second of an iteration by conjugate gradients
+
+/// Trials from zero that a step takes by conjugate gradients: its guess saves iterations, changes of the
+/// active set and evaluations of contact cost others.
 constexpr double solves_per_step = 0.9;
 /// By how much conjugate gradients must be quicker: estimates are rough, and a factor's solves are exact.
 constexpr double margin = 1.15;
@@ -87,19 +39,20 @@ DirectWork::DirectWork(const FactorWork& factor, double candidates, double trail
                                       : 4 * factor.entries * candidates)),
       solve_bytes(2 * sizeof(double) * factor.entries) {}
 
-bool DirectWork::small() const { return setup_flops < small_setup * any_machine; }
+bool DirectWork::small() const { return setup_flops < small_setup; }
 
-Price price(MPI_Comm comm, const DirectWork& work) {
-  const MachineRates rates = measure_rates(comm, work.solve_bytes / 2); // read forward and backward
-  const Efficiency& reached = ranks(comm) == 1 ? alone : together;
-  return {.setup = work.setup_flops / (reached.flops * rates.flops),
-          .solve = work.solve_bytes / (reached.bytes * rates.bytes)};
+Price price(const DirectWork& work, int ranks) {
+  const Rates& rates = ranks == 1 ? cholmod : mumps;
+  return {.setup = work.setup_flops / (rates.flops * ranks),
+          .solve = work.solve_bytes / (rates.bytes * ranks)};
 }
 
-Price iterative_price(double trial) { return {.solve = solves_per_step * trial}; }
+Price iterative_price(double trial_work, double iteration_bytes, int ranks) {
+  return {.solve = solves_per_step * trial_work * iteration_bytes / (iteration_rate * ranks)};
+}
 
-double affordable(const Price& direct, double solves) {
-  return direct.total(solves) / (margin * iterative_price(1).total(solves));
+double affordable(const Price& direct, double solves, double iteration_bytes, int ranks) {
+  return direct.total(solves) / (margin * iterative_price(1, iteration_bytes, ranks).total(solves));
 }
 
 namespace {
@@ -200,29 +153,29 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
 }
 
 bool SolverChoice::iterate_if_quicker(const DirectWork& work, const std::string& direct, double solves,
-                                      std::string& times) {
-  const MPI_Comm comm = petsc::comm(D_);
-  const Price factor = price(comm, work);
-  const double most = affordable(factor, solves);
+                                      std::string& compared) {
+  const int size = ranks(petsc::comm(D_));
+  const double bytes = ConjugateGradients::iteration_bytes(D_);
+  const Price factor = price(work, size);
   std::unique_ptr<ConjugateGradients> solver;
   try {
-    solver = std::make_unique<ConjugateGradients>(D_, solves, most);
+    solver = std::make_unique<ConjugateGradients>(D_, solves, affordable(factor, solves, bytes, size));
   } catch (const SolverFailure&) { // no preconditioner
     return false;
   }
-  const double seconds = solver->trial_seconds();
-  int quicker = seconds <= most;
-  MPI_Bcast(&quicker, 1, MPI_INT, 0, comm);
-  const std::string compared = fmt::format(
-      "for {:.0f} solves {:.2g} s by {}, {} by {}", solves, factor.total(solves), direct,
-      quicker ? fmt::format("{:.2g} s", iterative_price(seconds).total(solves)) : "more", solver->name());
+  const Price iterative = iterative_price(solver->trial_work(), bytes, size);
+  const bool quicker =
+      std::isfinite(iterative.solve) && margin * iterative.total(solves) <= factor.total(solves);
+  const std::string both =
+      fmt::format("for {:.0f} solves {:.2g} s by {}, {} by {}", solves, factor.total(solves), direct,
+                  quicker ? fmt::format("{:.2g} s", iterative.total(solves)) : "more", solver->name());
   if (quicker) {
-    const std::string why = fmt::format("{} (estimated {})", solver->name(), compared);
+    const std::string why = fmt::format("{} (estimated {})", solver->name(), both);
     iterate(std::move(solver), why);
   } else {
-    times = "; estimated " + compared;
+    compared = "; estimated " + both;
   }
-  return quicker != 0;
+  return quicker;
 }
 
 void SolverChoice::iterate(std::unique_ptr<ConjugateGradients> solver, const std::string& why) {

@@ -10,18 +10,8 @@
 
 namespace signorini::step {
 
-/// What all ranks together do in a second while all of them work.
-struct MachineRates {
-  double flops; ///< of dense products, on one thread of each rank
-  double bytes; ///< read from an array, on all threads
-};
-
-/// Measures dense products and reads of as many bytes as `bytes` asks for on all ranks together, within
-/// limits beyond which rates change no more; takes about a tenth of a second. Collective; the same on every
-/// rank.
-MachineRates measure_rates(MPI_Comm comm, double bytes);
-
-/// Seconds that a way to solve the steps of a run takes.
+/// Work of a way to solve the steps of a run, in seconds of a machine whose rates are fixed, so that a choice
+/// is the same on every machine and under any load.
 struct Price {
   double setup = 0, solve = 0;
   [[nodiscard]] double total(double solves) const { return setup + solves * solve; }
@@ -36,19 +26,19 @@ struct DirectWork {
   /// elimination order, else 0, and the columns of D⁻¹N are solved for.
   DirectWork(const FactorWork& factor, double candidates, double trailing_block);
 
-  /// Whether set-up takes so little on any machine that nothing is to be gained by another way: the choice
-  /// then depends on no clock.
+  /// Whether set-up takes so little that nothing is to be gained by another way.
   [[nodiscard]] bool small() const;
 };
 
-/// By rates of this machine, measured. Collective; the same on every rank.
-Price price(MPI_Comm comm, const DirectWork& work);
+/// Price of a factorisation by CHOLMOD, on one rank, or by MUMPS.
+Price price(const DirectWork& work, int ranks);
 
-/// Of conjugate gradients whose trial took so many seconds.
-Price iterative_price(double trial);
+/// Price of conjugate gradients with an iteration of so many bytes, whose trial took this work
+/// (ConjugateGradients::trial_work()).
+Price iterative_price(double trial_work, double iteration_bytes, int ranks);
 
-/// Seconds that a solve by conjugate gradients may take in a trial in order to be chosen over `direct`.
-double affordable(const Price& direct, double solves);
+/// Work of a trial of conjugate gradients for which they are chosen over `direct`.
+double affordable(const Price& direct, double solves, double iteration_bytes, int ranks);
 
 /// The solvers of a run's steps, as the scene's [solver] asks: a factorisation (CHOLMOD on one rank, MUMPS on
 /// several) with contact condensed to the candidates, or conjugate gradients where the factor would not fit
@@ -94,9 +84,9 @@ public:
 private:
   void factorise(const contact::ContactPairs* pairs, const scene::Solver& scene, double solves,
                  const EliminationOrder& order);
-  /// Compares times; where the solver named `direct` is kept, `times` says why.
+  /// Compares prices; where the solver named `direct` is kept, `compared` says why.
   bool iterate_if_quicker(const DirectWork& work, const std::string& direct, double solves,
-                          std::string& times);
+                          std::string& compared);
   void iterate(std::unique_ptr<ConjugateGradients> solver, const std::string& why);
   /// Condensed to the candidates, or projected, as the linear solver allows.
   [[nodiscard]] std::unique_ptr<contact::ContactStepSolver> by_linear(const contact::ContactPairs& pairs,

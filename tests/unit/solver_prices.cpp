@@ -8,15 +8,6 @@
 using namespace signorini;
 using test::Parts;
 
-TEST_CASE("rates of the machine are positive and the same on every rank", "[forward]") {
-  const step::MachineRates rates = step::measure_rates(MPI_COMM_WORLD, 1e7);
-  for (double rate : {rates.flops, rates.bytes}) {
-    CHECK(rate > 0);
-    for (double other : gather(MPI_COMM_WORLD, std::vector<double>{rate}))
-      CHECK(other == rate);
-  }
-}
-
 TEST_CASE("two packages agree on the work of a factorisation", "[forward]") {
   if (ranks(MPI_COMM_WORLD) > 1)
     return; // CHOLMOD factorises on one rank
@@ -28,15 +19,16 @@ TEST_CASE("two packages agree on the work of a factorisation", "[forward]") {
   CHECK(std::abs(std::log(mumps.flops / cholmod.flops)) < std::log(3));
 }
 
-TEST_CASE("a trial of conjugate gradients ends in time, and counts no solve", "[forward]") {
+TEST_CASE("a trial of conjugate gradients ends at its limit, and counts no solve", "[forward]") {
   const Parts parts({"mesh.size=0.05"});
   const ConjugateGradients D(parts.D);
-  const double seconds = D.trial_seconds();
-  CHECK(seconds > 0);
-  CHECK(std::isfinite(seconds));
-  for (double other : gather(MPI_COMM_WORLD, std::vector<double>{seconds}))
-    CHECK(other == seconds);
-  CHECK(std::isinf(ConjugateGradients(parts.D, 1, 0).trial_seconds()));
+  const double work = D.trial_work();
+  CHECK(work > 1);
+  CHECK(std::isfinite(work));
+  for (double other : gather(MPI_COMM_WORLD, std::vector<double>{work}))
+    CHECK(other == work);
+  CHECK(ConjugateGradients(parts.D, 1, work).trial_work() == work);
+  CHECK(std::isinf(ConjugateGradients(parts.D, 1, work - 1).trial_work()));
   const petsc::Vector r = parts.pressing(0); // and the next solve is none
   petsc::Vector x = parts.space.vector(), back = parts.space.vector();
   D.solve(r, x);
@@ -44,20 +36,49 @@ TEST_CASE("a trial of conjugate gradients ends in time, and counts no solve", "[
   CHECK(test::difference(back, r) < 1e-9 * test::largest(r));
 }
 
-TEST_CASE("the more solves, the less may one of conjugate gradients take", "[forward]") {
-  const step::Price direct{.setup = 30, .solve = 0.1};
-  double before = step::affordable(direct, 1);
-  for (double solves : {10., 100., 1e3, 1e4, 1e6}) {
-    const double most = step::affordable(direct, solves);
-    CHECK(most < before);
-    // At that price they are clearly quicker on the whole, and in the end in each solve.
-    CHECK(step::iterative_price(most).total(solves) < direct.total(solves) / 1.1);
-    before = most;
-  }
-  CHECK(before < direct.solve);
+TEST_CASE("an iteration reads the matrix and some vectors", "[forward]") {
+  const Parts coarse({"mesh.size=0.05"}), fine({"mesh.size=0.025"});
+  const auto bytes = [](const Parts& parts) { return ConjugateGradients::iteration_bytes(parts.D); };
+  CHECK(bytes(coarse) > petsc::bytes(coarse.D));
+  PetscInt few = 0, many = 0;
+  petsc::check(MatGetSize(coarse.D, &few, nullptr));
+  petsc::check(MatGetSize(fine.D, &many, nullptr));
+  const double unknowns = static_cast<double>(many) / few;
+  REQUIRE(unknowns > 3);
+  CHECK(std::abs(bytes(fine) / bytes(coarse) / unknowns - 1) < 0.1);
 }
 
-TEST_CASE("a small factorisation is not compared by the clock", "[forward]") {
+TEST_CASE("the more solves, the less may one of conjugate gradients take", "[forward]") {
+  const step::Price direct{.setup = 30, .solve = 0.1};
+  constexpr double bytes = 1e7;
+  for (const int ranks : {1, 4}) {
+    double before = step::affordable(direct, 1, bytes, ranks);
+    for (double solves : {10., 100., 1e3, 1e4, 1e6}) {
+      const double most = step::affordable(direct, solves, bytes, ranks);
+      CHECK(most < before);
+      // At that price they are clearly quicker on the whole, and in the end in each solve.
+      CHECK(step::iterative_price(most, bytes, ranks).total(solves) < direct.total(solves) / 1.1);
+      before = most;
+    }
+    CHECK(step::iterative_price(before, bytes, ranks).solve < direct.solve);
+    CHECK(
+        std::abs(step::affordable(direct, 10, bytes, ranks) / step::affordable(direct, 10, bytes, 1) / ranks -
+                 1) < 1e-12);
+  }
+}
+
+TEST_CASE("the price of a factor grows with its work, and ranks share it", "[forward]") {
+  const step::DirectWork work({.flops = 1e10, .entries = 1e7}, 100, 200),
+      more({.flops = 1e10, .entries = 2e7}, 100, 0);
+  CHECK(step::price(more, 1).solve > step::price(work, 1).solve);
+  CHECK(step::price(more, 1).setup > step::price(work, 1).setup); // for its columns
+  for (const int ranks : {2, 8}) {
+    CHECK(step::price(work, 2 * ranks).setup == step::price(work, ranks).setup / 2);
+    CHECK(step::price(work, 2 * ranks).solve == step::price(work, ranks).solve / 2);
+  }
+}
+
+TEST_CASE("a small factorisation is not compared with conjugate gradients", "[forward]") {
   const Parts parts({"mesh.size=0.02"});
   const FactorWork work = MumpsSolver(parts.D).work();
   CHECK(step::DirectWork(work, parts.pairs.count(), 0).small());
@@ -66,7 +87,7 @@ TEST_CASE("a small factorisation is not compared by the clock", "[forward]") {
   CHECK_FALSE(step::DirectWork(work, 1e4, 2e4).small());
   const step::SolverChoice solver(Parts::copy(parts.D), &parts.pairs, parts.scene.solver, true, 1e6);
   CHECK_FALSE(solver.iterates());
-  CHECK(solver.choice().find("estimated") == std::string::npos); // of seconds
+  CHECK(solver.choice().find("estimated") == std::string::npos);
 }
 
 TEST_CASE("conjugate gradients take multigrid for long steps alone, and find the same", "[forward]") {
