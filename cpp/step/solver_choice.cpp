@@ -57,6 +57,51 @@ double affordable(const Price& direct, double solves, double iteration_bytes, in
 
 namespace {
 
+/// Layers of a graph around a node: nodes as far from it as each other. Returns their number, and the last
+/// node found in `start`.
+int layers(PetscInt nodes, const PetscInt* begin, const PetscInt* neighbours, PetscInt& start) {
+  std::vector<bool> found(static_cast<std::size_t>(nodes));
+  std::vector<PetscInt> layer{start}, next;
+  found[static_cast<std::size_t>(start)] = true;
+  int count = 0;
+  while (!layer.empty()) {
+    ++count;
+    start = layer.back();
+    next.clear();
+    for (const PetscInt node : layer)
+      for (PetscInt k = begin[node]; k < begin[node + 1]; ++k)
+        if (auto there = found[static_cast<std::size_t>(neighbours[k])]; !there) {
+          there = true;
+          next.push_back(neighbours[k]);
+        }
+    layer.swap(next);
+  }
+  return count;
+}
+
+} // namespace
+
+double least_factor_bytes(Mat D) {
+  // A layer is about as wide as the first separator of nested dissection, whose front has half the square of
+  // its unknowns; all fronts of a body in space have 27 times as much as that, and those of a plate or a bar
+  // more.
+  constexpr double fronts = 8;
+  PetscInt nodes = 0, block = 1;
+  const PetscInt *begin = nullptr, *neighbours = nullptr;
+  PetscBool done = PETSC_FALSE;
+  check(MatGetBlockSize(D, &block));
+  check(MatGetRowIJ(D, 0, PETSC_FALSE, PETSC_TRUE, &nodes, &begin, &neighbours, &done));
+  if (!done || nodes == 0)
+    return 0;
+  PetscInt start = 0;
+  (void)layers(nodes, begin, neighbours, start);
+  const double width = static_cast<double>(nodes) / layers(nodes, begin, neighbours, start);
+  check(MatRestoreRowIJ(D, 0, PETSC_FALSE, PETSC_TRUE, &nodes, &begin, &neighbours, &done));
+  return fronts * std::pow(width * static_cast<double>(block), 2) * sizeof(double);
+}
+
+namespace {
+
 /// Local nodes whose dofs contact constrains, of a run on one rank, each once.
 std::vector<int> constrained_nodes(const contact::ContactPairs* pairs) {
   std::vector<int> nodes;
@@ -143,6 +188,12 @@ void SolverChoice::factorise(const contact::ContactPairs* pairs, const scene::So
     return kept;
   };
   if (ranks(petsc::comm(D_)) == 1) {
+    if (const double least = least_factor_bytes(D_); automatic && least > scene.memory) {
+      auto other = std::make_unique<ConjugateGradients>(D_, solves);
+      const std::string why = fmt::format("{} (a factor needs at least {:.2g} GB, {:.2g} GB are allowed)",
+                                          other->name(), least / gigabyte, scene.memory / gigabyte);
+      return iterate(std::move(other), why);
+    }
     auto solver = std::make_unique<SparseCholesky>(D_, constrained_nodes(pairs),
                                                    std::numeric_limits<int>::max(), order);
     const double trailing_block = solver->trailing_size();

@@ -40,6 +40,10 @@ Price iterative_price(double trial_work, double iteration_bytes, int ranks);
 /// Work of a trial of conjugate gradients for which they are chosen over `direct`.
 double affordable(const Price& direct, double solves, double iteration_bytes, int ranks);
 
+/// Bytes that a factor of a matrix on one rank takes at least, without an analysis: by the layers of its
+/// graph around a node as far out as possible; 0 where the graph is not known. Not collective.
+double least_factor_bytes(Mat D);
+
 /// The solvers of a run's steps, as the scene's [solver] asks: a factorisation (CHOLMOD on one rank, MUMPS on
 /// several) with contact condensed to the candidates, or conjugate gradients where the factor would not fit
 /// the memory allowed or would take clearly longer.

@@ -2,6 +2,7 @@
 #include "base/collective.h"
 #include "contact_parts.h"
 #include "step/solver_choice.h"
+#include <array>
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
 
@@ -88,6 +89,29 @@ TEST_CASE("a small factorisation is not compared with conjugate gradients", "[fo
   const step::SolverChoice solver(Parts::copy(parts.D), &parts.pairs, parts.scene.solver, true, 1e6);
   CHECK_FALSE(solver.iterates());
   CHECK(solver.choice().find("estimated") == std::string::npos);
+}
+
+TEST_CASE("the least that a factor takes is less than it takes, and no analysis precedes it", "[forward]") {
+  if (ranks(MPI_COMM_WORLD) > 1)
+    return;
+  for (const auto& [file, sizes] : {std::pair("tests/data/block.toml", std::array{"0.05", "0.0125"}),
+                                    {"tests/data/cube.toml", std::array{"0.1", "0.05"}}}) {
+    double before = 0;
+    for (const std::string size : sizes) {
+      INFO(file << ", size " << size);
+      const Parts parts({"mesh.size=" + size}, 0, file);
+      const double least = step::least_factor_bytes(parts.D), needed = SparseCholesky(parts.D, {}).estimate();
+      CHECK(least > before);
+      CHECK(least < needed);
+      CHECK(least > needed / 50);
+      before = least;
+      scene::Solver little = parts.scene.solver;
+      little.memory = 0.9 * least;
+      const step::SolverChoice solver(Parts::copy(parts.D), &parts.pairs, little, true, 10);
+      CHECK(solver.iterates());
+      CHECK(solver.choice().find("at least") != std::string::npos);
+    }
+  }
 }
 
 TEST_CASE("conjugate gradients take multigrid for long steps alone, and find the same", "[forward]") {
