@@ -82,27 +82,37 @@ Obstacle::Plane Obstacle::at(const double* x, const Place& place) const {
 
 Obstacle::Plane Obstacle::derivative(const double* x, const Place& place,
                                      const scene::ObstacleRate& rate) const {
-  if (!radius_)
-    return {rate.normal, dot(rate.normal, from(place.point, x)) - dot(direction_, rate.point)};
-  const Point r = from_middle(x, place);
-  const double distance = length(r), sign = inside_ ? -1 : 1;
-  const Point drift = from(rate.point, scaled(dot(direction_, rate.point), direction_).data());
-  const double away = dot(r, drift) / distance; // of the distance
-  Point turn{};
-  for (std::size_t c = 0; c < 3; ++c)
-    turn[c] = sign / distance * (drift[c] - away / distance * r[c]);
-  return {turn, sign * (away - rate.radius)};
+  const auto round = [&] {
+    const Point r = from_middle(x, place);
+    const double distance = length(r), sign = inside_ ? -1 : 1;
+    const Point drift = from(rate.point, scaled(dot(direction_, rate.point), direction_).data());
+    const double away = dot(r, drift) / distance; // of the distance
+    Point turn{};
+    for (std::size_t c = 0; c < 3; ++c)
+      turn[c] = sign / distance * (drift[c] - away / distance * r[c]);
+    return Plane{turn, sign * (away - rate.radius)};
+  };
+  return std::visit(Overloads{[&](const scene::HalfSpace&) {
+                                return Plane{rate.normal, dot(rate.normal, from(place.point, x)) -
+                                                              dot(direction_, rate.point)};
+                              },
+                              [&](const scene::Ball&) { return round(); },
+                              [&](const scene::Cylinder&) { return round(); },
+                              [](const scene::SignedDistance&) { return Plane{}; }}, // without parameters
+                    shape_);
 }
 
 double Obstacle::level(const double* x, const Place& place) const {
-  if (distance_) {
-    double value = 0;
-    distance_->evaluate(x, place.t, &value);
-    return value;
-  }
-  if (!radius_)
-    return dot(direction_, from(place.point, x));
-  return (inside_ ? -1 : 1) * (length(from_middle(x, place)) - place.radius);
+  const auto round = [&] { return (inside_ ? -1 : 1) * (length(from_middle(x, place)) - place.radius); };
+  return std::visit(Overloads{[&](const scene::HalfSpace&) { return dot(direction_, from(place.point, x)); },
+                              [&](const scene::Ball&) { return round(); },
+                              [&](const scene::Cylinder&) { return round(); },
+                              [&](const scene::SignedDistance&) {
+                                double value = 0;
+                                distance_->evaluate(x, place.t, &value);
+                                return value;
+                              }},
+                    shape_);
 }
 
 std::array<double, 3> Obstacle::from_middle(const double* x, const Place& place) const {

@@ -1047,7 +1047,7 @@ def keys_of_the_page() -> set[str]:
     """Those of its table, which is the program's, with what can be chosen and the defaults that scene.toml confirms."""
     table = captured([str(SIGNORINI), "keys", "--markdown"]).stdout
     found = re.search(r"(?s)<!-- keys.*?-->\n(.*?)<!-- end of keys -->", (SOURCE / "docs" / "reference" / "keys.md").read_text())
-    assert found and found[1] == table, "the table of docs/reference/keys.md is not the program's; CONTRIBUTING.md says how to make it"
+    assert found and found[1] == table, "the table of docs/reference/keys.md is not the program's; docs/extend.md says how to make it"
     rows = re.findall(r"(?m)^\| `([a-z_]+\.[a-z_.]+)` \| (.*?) \| (.*?) \| .* \|$", table)
     assert len({name for name, _, _ in rows}) == len(rows), "the table has a key twice"
     default = simulate(edited("default.toml", ("(max_iterations|alpha|gamma).*", "")), clamp=[{"on": "left"}], initial__velocity=["0", "0"],
