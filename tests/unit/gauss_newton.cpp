@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "optimize/gauss_newton.h"
+#include "control/misfit.h"
 #include "drivers/fit_outcome.h"
+#include "fixtures.h"
+#include "io/fit_tables.h"
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
@@ -159,4 +162,24 @@ TEST_CASE("directions that nothing tells are said in words", "[optimize]") {
         "The data do not tell height, speed apart: changes in the proportion of "
         "height by +1, speed by -0.5 leave "
         "all values as they are.");
+}
+
+TEST_CASE("an unknown on a logarithmic scale ends where the curvature of J is rounding", "[control]") {
+  const double root = std::sqrt(std::numeric_limits<double>::epsilon());
+  const auto box = [](const scene::Scene& scene) {
+    return control::Misfit(scene, io::read_data(MPI_COMM_WORLD, scene)).box();
+  };
+  const scene::Scene scene = test::parse(test::source("scenes/drop-test.toml"));
+  const optimize::Box free = box(scene);
+  REQUIRE(scene.unknowns.size() == 2);
+  for (std::size_t j = 0; j < 2; ++j) {
+    REQUIRE(scene.unknowns[j].logarithmic());
+    CHECK(std::abs(free.lower[j] - std::log(root * scene.unknowns[j].start)) < 1e-12);
+    CHECK(std::abs(free.upper[j] - std::log(scene.unknowns[j].start / root)) < 1e-12);
+  }
+  const scene::Scene bounded = test::parse(test::source("scenes/drop-test.toml"),
+                                           {"unknown=[{of=\"young\", start=6e6, lower=1e6, upper=8e6}]"});
+  const optimize::Box given = box(bounded);
+  CHECK(std::abs(given.lower[0] - std::log(1e6)) < 1e-12);
+  CHECK(std::abs(given.upper[0] - std::log(8e6)) < 1e-12);
 }
