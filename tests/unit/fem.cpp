@@ -94,6 +94,20 @@ TEST_CASE("rigid motions have no elastic or viscous energy", "[fem]") {
   }
 }
 
+TEST_CASE("a linear function is embedded in degree 2 as itself", "[fem]") {
+  for (const auto& [file, components] :
+       {std::pair("tests/data/block.toml", scene::Components{"1 + 2*x - y", "3*y - x"}),
+        std::pair("tests/data/cube.toml", scene::Components{"1 + 2*x - y", "3*y - x + z", "2 - 4*z + y"})}) {
+    INFO(file);
+    const Body linear(1, file), quadratic(2, file);
+    const petsc::Vector u = linear.field(components), wanted = quadratic.field(components);
+    petsc::Vector found = quadratic.space.vector();
+    petsc::check(MatMult(fem::embedding(linear.space, quadratic.space), u, found));
+    REQUIRE(test::largest(wanted) > 0.1);
+    CHECK(test::difference(found, wanted) < 1e-14 * test::largest(wanted));
+  }
+}
+
 TEST_CASE("parts with the same material are one body", "[fem]") {
   for (const char* name : {"tests/data/parts.geo", "tests/data/parts-space.geo"})
     for (int degree : {1, 2}) {
