@@ -78,18 +78,16 @@ public:
     scene::Scene scene = on_rung(scene_, rung);
     mesh::Meshing meshing;
     std::optional<mesh::SizeField> sizes;
+    if (sizes_vary())
+      scene.mesh = scene_.mesh;
     written_ = scene;
     if (sizes_vary()) {
-      scene.mesh = scene_.mesh;
       if (level_) {
         const double part = rung.size / rung_.size;
         sizes = mesh::sizes_by(level_->problem().mesh, by_cells_, part * part, reach().finer);
         meshing.sizes = &*sizes;
       }
-      meshing.keep = folder_->staged("mesh.msh");
-      written_.mesh = scene_.mesh;
-      written_.mesh.file = folder_->path() / "mesh.msh";
-      written_.mesh.size.reset();
+      drivers::keep_mesh(*folder_, meshing, written_);
     }
     auto level = std::make_unique<drivers::SearchLevel<Method>>(comm_, scene, meshing, level_.get(),
                                                                 problem::search_needs(scene_));

@@ -48,12 +48,6 @@ SizeAndStep cheapest_factors(const SizeAndStep& error, const SizeAndStep& orders
   return {factor(error.size, size, orders.size), factor(error.step, step, orders.step)};
 }
 
-double Elapsed::seconds() const {
-  double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  MPI_Bcast(&seconds, 1, MPI_DOUBLE, 0, comm_);
-  return seconds;
-}
-
 Rung Refinement::towards(const TrialRun& from, double error, double reach) const {
   return trials_.nearest(
       scaled(from.rung, cheapest_factors({from.space, from.time}, orders_, error, trials_.dim(), 1 / reach,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "accuracy/rungs.h"
+#include "base/collective.h"
 #include "base/progress.h"
-#include <chrono>
 #include <filesystem>
 #include <mpi.h>
 #include <optional>
@@ -74,18 +74,6 @@ public:
   virtual void verify(TrialRun& trial) = 0;
   /// Ends the last run; its results are kept if it is `better` than all before.
   virtual void conclude(const TrialRun& trial, bool better) = 0;
-};
-
-/// Wall-clock time since its construction.
-class Elapsed {
-public:
-  explicit Elapsed(MPI_Comm comm) : comm_(comm) {}
-  /// Seconds, the same on all ranks. Collective.
-  [[nodiscard]] double seconds() const;
-
-private:
-  MPI_Comm comm_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 /// The refinement of size and step from run to run: to the cheapest for which the predicted error adds up to

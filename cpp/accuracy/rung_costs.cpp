@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "accuracy/rung_costs.h"
+#include "base/collective.h"
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace signorini::accuracy {
@@ -39,11 +39,9 @@ private:
     scene::Scene part = on_rung(scene_, few);
     part.time.step = scene_.time.end / rung.steps;
     part.time.end = steps * part.time.step;
-    const auto start = std::chrono::steady_clock::now();
+    const Elapsed elapsed(comm_); // by which all ranks come to the same number of steps
     const Measured measured = measure(comm_, part, samples_, wanted_, estimate_);
-    double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    MPI_Bcast(&seconds, 1, MPI_DOUBLE, 0, comm_); // all ranks must come to the same number of steps
-    return {static_cast<double>(measured.unknowns), seconds};
+    return {static_cast<double>(measured.unknowns), elapsed.seconds()};
   }
 
   MPI_Comm comm_;

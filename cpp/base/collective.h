@@ -2,6 +2,7 @@
 #pragma once
 #include "base/error.h"
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -113,5 +114,21 @@ void on_all_ranks(MPI_Comm comm, Work&& work) {
   if (first < size)
     throw UserError(broadcast(comm, problem, first));
 }
+
+/// Wall-clock time since its construction.
+class Elapsed {
+public:
+  explicit Elapsed(MPI_Comm comm) : comm_(comm) {}
+  /// Seconds, the same on all ranks. Collective.
+  [[nodiscard]] double seconds() const {
+    double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    MPI_Bcast(&seconds, 1, MPI_DOUBLE, 0, comm_);
+    return seconds;
+  }
+
+private:
+  MPI_Comm comm_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 } // namespace signorini

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "drivers/coarse_start.h"
+#include "base/collective.h"
 #include "base/error.h"
 #include "drivers/search.h"
 #include "drivers/search_level.h"
@@ -7,7 +8,6 @@
 #include "optimize/newton_cg.h"
 #include "optimize/projected_gradient.h"
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 #include <iterator>
@@ -78,7 +78,6 @@ template <template <optimize::TwiceDifferentiable> class Method>
 SearchStart<Method> search_start(const problem::Problem& problem, problem::ControlProblem& control_problem,
                                  const optimize::Options& options, const Console& console,
                                  std::vector<io::CoarseLevel>& levels) {
-  using Clock = std::chrono::steady_clock;
   const scene::Scene& scene = problem.scene;
   const std::vector<int> levels_worth = coarse_multiples(problem);
   std::unique_ptr<SearchLevel<Method>> last;
@@ -90,7 +89,7 @@ SearchStart<Method> search_start(const problem::Problem& problem, problem::Contr
     };
     for (const int multiple : levels_worth) {
       const scene::Scene coarse = coarser(scene, multiple);
-      const auto start = Clock::now();
+      const Elapsed elapsed(problem.space.comm());
       try {
         auto level =
             std::make_unique<SearchLevel<Method>>(problem.space.comm(), coarse, mesh::Meshing{}, last.get());
@@ -104,7 +103,7 @@ SearchStart<Method> search_start(const problem::Problem& problem, problem::Contr
                       loose, [](const optimize::Iteration&) {});
         io::CoarseLevel record = level->record();
         last = std::move(level);
-        record.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+        record.seconds = elapsed.seconds();
         console.line(words(record));
         levels.push_back(std::move(record));
       } catch (const UserError& error) {

@@ -66,6 +66,14 @@ void add_table_warnings(io::Manifest& manifest, const std::vector<scene::TableWa
     manifest.warnings.push_back({"table", warning.message, warning.value, warning.limit});
 }
 
+void keep_mesh(const io::OutputFolder& folder, mesh::Meshing& meshing, scene::Scene& written) {
+  constexpr const char* name = "mesh.msh";
+  meshing.keep = folder.staged(name);
+  written.mesh.file = folder.path() / name;
+  written.mesh.size.reset();
+  written.mesh.scale = 1;
+}
+
 io::Manifest manifest(const problem::Problem& problem, const std::string& verb,
                       const std::string& stop_reason, int steps_done) {
   io::Manifest m;

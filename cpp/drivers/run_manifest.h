@@ -21,6 +21,9 @@ void print_table_warnings(const std::vector<scene::TableWarning>& warnings, cons
 /// Adds them to the warnings of run.json.
 void add_table_warnings(io::Manifest& manifest, const std::vector<scene::TableWarning>& warnings);
 
+/// Keeps the mesh of a run in its folder: `meshing` writes it, and the scene that is `written` names it.
+void keep_mesh(const io::OutputFolder& folder, mesh::Meshing& meshing, scene::Scene& written);
+
 /// The part of run.json that is common to all runs. Collective.
 io::Manifest manifest(const problem::Problem& problem, const std::string& verb,
                       const std::string& stop_reason, int steps_done);

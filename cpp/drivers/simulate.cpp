@@ -13,8 +13,6 @@
 namespace signorini::drivers {
 namespace {
 
-constexpr char kept_mesh[] = "mesh.msh";
-
 /// A motion under the scene's given control, with all that is recorded of it on the way.
 class Simulation {
 public:
@@ -106,11 +104,8 @@ int simulate_scene(MPI_Comm comm, const scene::Scene& scene, const std::filesyst
   io::OutputFolder folder(comm, out);
   scene::Scene written = scene;
   mesh::Meshing meshing;
-  if (options.keep_mesh) {
-    meshing.keep = folder.staged(kept_mesh);
-    written.mesh.file = folder.path() / kept_mesh;
-    written.mesh.size.reset(), written.mesh.scale = 1;
-  }
+  if (options.keep_mesh)
+    keep_mesh(folder, meshing, written);
   if (!options.replace)
     folder.require_no_search(out);
   if (options.measure)
